@@ -1,0 +1,31 @@
+#pragma once
+
+#include <tbb/cache_aligned_allocator.h>
+
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+namespace holotrace {
+
+/// A contiguous buffer aligned for SIMD and FFTW.
+template <class T>
+using AlignedVector = std::vector<T, tbb::cache_aligned_allocator<T>>;
+
+/// Values of a panel or an image: row-major [row][column], row 0 on top.
+template <class T>
+struct Array2D {
+  int ny = 0, nx = 0;
+  AlignedVector<T> values;
+
+  Array2D() = default;
+  Array2D(int ny, int nx, T value = T()) : ny(ny), nx(nx), values(size_t(ny) * size_t(nx), value) {}
+
+  T* row(int j) { return values.data() + size_t(j) * size_t(nx); }
+  const T* row(int j) const { return values.data() + size_t(j) * size_t(nx); }
+  T& operator()(int j, int i) { return row(j)[i]; }
+  const T& operator()(int j, int i) const { return row(j)[i]; }
+  size_t size() const { return values.size(); }
+};
+
+}  // namespace holotrace

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <variant>
+
+namespace holotrace {
+
+/// A fact that a verb states about its work: a count, a figure, or a choice it made.
+using Fact = std::variant<int64_t, double, std::string>;
+
+/// What a caller may want to hear while a verb works. The library never prints: it tells its
+/// observer, and an empty observer hears nothing.
+struct Observer {
+  std::function<void(double fraction)> on_progress;                          ///< called from any thread
+  std::function<void(const std::string& name, const Fact& value)> on_fact;   ///< "method", "waves", …
+  std::function<void(const std::string& sentence)> on_warning;               ///< a doubt about the result
+
+  void progress(double fraction) const {
+    if (on_progress) on_progress(fraction);
+  }
+  void fact(const std::string& name, const Fact& value) const {
+    if (on_fact) on_fact(name, value);
+  }
+  void fact(const std::string& name, int value) const { fact(name, Fact(int64_t(value))); }
+  void warn(const std::string& sentence) const {
+    if (on_warning) on_warning(sentence);
+  }
+};
+
+}  // namespace holotrace

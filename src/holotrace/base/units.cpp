@@ -1,0 +1,126 @@
+#include "holotrace/base/units.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "holotrace/base/error.h"
+
+namespace holotrace {
+namespace {
+
+struct Unit {
+  std::string_view name;
+  double divisor;  // a division by a power of ten rounds once: "532 nm" is the double 532e-9
+};
+
+constexpr std::array<Unit, 7> length_units{
+    {{"nm", 1e9}, {"um", 1e6}, {"µm", 1e6}, {"μm", 1e6}, {"mm", 1e3}, {"cm", 1e2}, {"m", 1}}};
+constexpr std::array<Unit, 4> angle_units{
+    {{"deg", 180 / pi}, {"°", 180 / pi}, {"mrad", 1e3}, {"rad", 1}}};
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == ',' || c == '\n'; }
+
+void skip_spaces(std::string_view& rest) {
+  while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
+}
+
+bool read_number(std::string_view& rest, double& number) {
+  std::string_view digits = rest;
+  if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc()) return false;
+  rest = std::string_view(end, size_t(digits.data() + digits.size() - end));
+  return true;
+}
+
+bool starts_number(std::string_view rest) {
+  double number;
+  return read_number(rest, number);
+}
+
+// A unit ends at a space, a comma, or the end of the text.
+std::string_view read_word(std::string_view& rest) {
+  size_t length = 0;
+  while (length < rest.size() && !is_space(rest[length])) ++length;
+  const auto word = rest.substr(0, length);
+  rest.remove_prefix(length);
+  return word;
+}
+
+template <size_t N>
+std::vector<double> parse(std::string_view text, const std::array<Unit, N>& units, const char* kind,
+                          const char* example) {
+  std::vector<double> values;
+  size_t first_without_unit = 0;
+  std::string_view rest = text;
+  for (skip_spaces(rest); !rest.empty(); skip_spaces(rest)) {
+    double number;
+    if (!read_number(rest, number))
+      fail("expected {} with its unit, such as \"{}\", got \"{}\"", kind, example, text);
+    require(std::isfinite(number), "expected a finite {}, got \"{}\"", kind, text);
+    values.push_back(number);
+    skip_spaces(rest);
+    if (starts_number(rest)) continue;
+    const auto word = read_word(rest);
+    if (word.empty()) fail("expected {} with its unit, such as \"{}\", got \"{}\" without a unit", kind, example, text);
+    const Unit* unit = nullptr;
+    for (const Unit& candidate : units)
+      if (candidate.name == word) unit = &candidate;
+    if (!unit) {
+      std::string known;
+      for (const Unit& candidate : units)
+        if (candidate.name != "μm" && candidate.name != "°") known += (known.empty() ? "" : ", ") + std::string(candidate.name);
+      fail("expected {} in one of the units {}, got \"{}\"", kind, known, text);
+    }
+    for (; first_without_unit < values.size(); ++first_without_unit) {
+      values[first_without_unit] /= unit->divisor;
+      require(std::isfinite(values[first_without_unit]), "expected a finite {}, got \"{}\"", kind, text);
+    }
+  }
+  if (values.empty()) fail("expected {} with its unit, such as \"{}\", got \"{}\"", kind, example, text);
+  return values;
+}
+
+double only(const std::vector<double>& values, std::string_view text, const char* kind) {
+  require(values.size() == 1, "expected one {}, got {} in \"{}\"", kind, values.size(), text);
+  return values.front();
+}
+
+}  // namespace
+
+double parse_length(std::string_view text) {
+  return only(parse(text, length_units, "a length", "300 mm"), text, "length");
+}
+
+double parse_angle(std::string_view text) {
+  return only(parse(text, angle_units, "an angle", "15 deg"), text, "angle");
+}
+
+std::vector<double> parse_lengths(std::string_view text) {
+  return parse(text, length_units, "a length", "0 0 -300 mm");
+}
+
+std::string format_length(double metres) {
+  const double size = std::abs(metres);
+  if (size == 0) return "0 m";
+  if (size < 1e-6) return fmt::format("{:.6g} nm", metres * 1e9);
+  if (size < 1e-3) return fmt::format("{:.6g} µm", metres * 1e6);
+  if (size < 1) return fmt::format("{:.6g} mm", metres * 1e3);
+  return fmt::format("{:.6g} m", metres);
+}
+
+std::string format_angle(double radians) { return fmt::format("{:.4g}°", radians * 180 / pi); }
+
+std::string format_bytes(double bytes) {
+  static constexpr std::array<const char*, 5> names{"B", "KiB", "MiB", "GiB", "TiB"};
+  size_t i = 0;
+  while (bytes >= 1024 && i + 1 < names.size()) {
+    bytes /= 1024;
+    ++i;
+  }
+  return fmt::format("{:.3g} {}", bytes, names[i]);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace holotrace {
+
+inline constexpr double pi = std::numbers::pi;
+
+/// Lengths in C++ carry their unit: `532_nm`, `8.0_um`, `0.3_m`. The value is in metres.
+namespace literals {
+constexpr double operator""_m(long double v) { return double(v); }
+constexpr double operator""_m(unsigned long long v) { return double(v); }
+constexpr double operator""_cm(long double v) { return double(v / 1e2L); }
+constexpr double operator""_cm(unsigned long long v) { return double(v / 1e2L); }
+constexpr double operator""_mm(long double v) { return double(v / 1e3L); }
+constexpr double operator""_mm(unsigned long long v) { return double(v / 1e3L); }
+constexpr double operator""_um(long double v) { return double(v / 1e6L); }
+constexpr double operator""_um(unsigned long long v) { return double(v / 1e6L); }
+constexpr double operator""_nm(long double v) { return double(v / 1e9L); }
+constexpr double operator""_nm(unsigned long long v) { return double(v / 1e9L); }
+constexpr double operator""_deg(long double v) { return double(v * std::numbers::pi_v<long double> / 180); }
+constexpr double operator""_deg(unsigned long long v) { return double(v * std::numbers::pi_v<long double> / 180); }
+}  // namespace literals
+
+/// Metres from a number with its unit: "532 nm", "8um", "-0.3 m". Units: m, cm, mm, um, µm, nm.
+/// @throws Error for a missing or unknown unit, or a number that is not finite.
+double parse_length(std::string_view text);
+
+/// Radians from a number with its unit: "15 deg", "0.2 rad", "3 mrad".
+/// @throws Error for a missing or unknown unit, or a number that is not finite.
+double parse_angle(std::string_view text);
+
+/// Metres from several numbers that share one trailing unit, "0 0 -300 mm", or carry one each,
+/// "1 mm, 2 um, 0.3 m".
+/// @throws Error as parse_length does.
+std::vector<double> parse_lengths(std::string_view text);
+
+/// A length for people, in the unit that suits it: "532 nm", "8 µm", "300 mm".
+std::string format_length(double metres);
+
+/// An angle for people: "2.267°".
+std::string format_angle(double radians);
+
+/// A count of bytes for people: "34.4 GiB".
+std::string format_bytes(double bytes);
+
+}  // namespace holotrace

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+namespace holotrace {
+
+/// Sine of the largest angle to its normal, along one axis, at which a panel of this pitch can
+/// hold the fringe of a wave: λ/2p, the grating equation (Eq. 14) for the period 2p; at most 1.
+inline double acceptance_sine(double wavelength, double pitch) { return std::fmin(wavelength / (2 * pitch), 1.0); }
+
+/// Tangent of that angle; infinite where the pitch is half a wavelength or less.
+inline double acceptance_tangent(double wavelength, double pitch) {
+  const double sine = acceptance_sine(wavelength, pitch);
+  return sine < 1 ? sine / std::sqrt((1 - sine) * (1 + sine)) : std::numeric_limits<double>::infinity();
+}
+
+/// Half-side R of the square on the panel that a source at this depth lights: R = d·tan(asin(λ/2p)).
+inline double box_radius(double depth, double wavelength, double pitch) {
+  return depth * acceptance_tangent(wavelength, pitch);
+}
+
+}  // namespace holotrace

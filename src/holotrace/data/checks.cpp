@@ -1,0 +1,91 @@
+#include <cmath>
+#include <string>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/suggest.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/grid.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/data/sources.h"
+
+namespace holotrace {
+
+void check_grid(const Grid& grid) {
+  require(grid.nx > 0 && grid.ny > 0, "expected a grid of at least 1 × 1 pixels, got {} × {}", grid.nx, grid.ny);
+  require(std::isfinite(grid.pitch) && grid.pitch > 0, "expected a pixel pitch above 0 m, got {} m", grid.pitch);
+}
+
+void check_wavelength(double wavelength) {
+  require(std::isfinite(wavelength) && wavelength > 0, "expected a wavelength above 0 m, got {} m", wavelength);
+}
+
+void check_sources(const Sources& sources) {
+  check_wavelength(sources.wavelength);
+  for (size_t j = 0; j < sources.waves.size(); ++j) {
+    const Source& s = sources.waves[j];
+    require(is_finite(s.origin) && std::isfinite(s.amplitude) && std::isfinite(s.phase),
+            "expected finite numbers in source {}, got origin ({}, {}, {}) m, amplitude {}, phase {}", j, s.origin.x,
+            s.origin.y, s.origin.z, s.amplitude, s.phase);
+    require(s.origin.z < 0,
+            "expected source {} behind the panel (z < 0), got z = {}; move the scene to negative z, the viewer's far side",
+            j, format_length(s.origin.z));
+  }
+}
+
+namespace {
+
+void check_mesh(const Mesh& mesh, size_t material_count) {
+  require(!mesh.triangles.empty(), "expected triangles in mesh \"{}\", got none", mesh.name);
+  require(mesh.material >= 0 && size_t(mesh.material) < material_count, "mesh \"{}\" has no material", mesh.name);
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3 p = mesh.positions[i];
+    require(is_finite(p), "expected finite coordinates in mesh \"{}\", got ({}, {}, {}) at vertex {}", mesh.name, p.x,
+            p.y, p.z, i);
+  }
+  const size_t count = mesh.positions.size();
+  require(mesh.normals.empty() || mesh.normals.size() == count, "expected {} normals in mesh \"{}\", got {}", count,
+          mesh.name, mesh.normals.size());
+  require(mesh.texture_coordinates.empty() || mesh.texture_coordinates.size() == count,
+          "expected {} texture coordinates in mesh \"{}\", got {}", count, mesh.name, mesh.texture_coordinates.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (uint32_t index : mesh.triangles[t])
+      require(index < count, "expected vertex indices below {} in mesh \"{}\", got {} in triangle {}", count, mesh.name,
+              index, t);
+}
+
+}  // namespace
+
+void check_scene(const Scene& scene) {
+  require(!scene.meshes.empty() || !scene.points.empty(), "expected at least one object in the scene, got none");
+  for (const Mesh& mesh : scene.meshes) check_mesh(mesh, scene.materials.size());
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    const ScenePoint& p = scene.points[i];
+    require(is_finite(p.position) && std::isfinite(p.amplitude) && std::isfinite(p.phase),
+            "expected finite numbers in point {}, got position ({}, {}, {}) m, amplitude {}, phase {}", i, p.position.x,
+            p.position.y, p.position.z, p.amplitude, p.phase);
+    require(p.position.z < 0,
+            "expected point {} behind the panel (z < 0), got z = {}; move the object to negative z", i,
+            format_length(p.position.z));
+  }
+}
+
+std::vector<std::string> slm_preset_names() { return {"gaea", "ideal", "pluto"}; }
+
+Slm slm_preset(const std::string& name) {
+  using namespace literals;
+  if (name == "pluto") return {.name = name, .grid = {1920, 1080, 8.0_um}, .fill_factor = 0.93};
+  if (name == "gaea") return {.name = name, .grid = {4160, 2464, 3.74_um}, .fill_factor = 0.90};
+  if (name == "ideal") return {.name = name, .grid = {1920, 1080, 8.0_um}, .levels = 65536};
+  throw Error(unknown_name_message("SLM", name, slm_preset_names()));
+}
+
+void check_slm(const Slm& slm) {
+  check_grid(slm.grid);
+  require(slm.levels >= 2 && slm.levels <= 65536, "expected 2 to 65536 levels, got {}", slm.levels);
+  require(slm.fill_factor > 0 && slm.fill_factor <= 1, "expected a fill factor in (0, 1], got {}", slm.fill_factor);
+  require(std::isfinite(slm.design_wavelength) && slm.design_wavelength >= 0,
+          "expected a design wavelength of 0 m or more, got {} m", slm.design_wavelength);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <complex>
+#include <optional>
+
+#include "holotrace/base/array.h"
+#include "holotrace/data/grid.h"
+
+namespace holotrace {
+
+/// A pass band of the light's spectrum, as a 4f stop would cut it: the spatial frequencies
+/// |u − u0| ≤ half_u, |v − v0| ≤ half_v [1/m], moved to the optical axis.
+struct SpectralFilter {
+  double u0 = 0, v0 = 0, half_u = 0, half_v = 0;
+  bool operator==(const SpectralFilter&) const = default;
+};
+
+/// Which image a hologram shows. Virtual: the panel shows U, the scene is behind it and the camera
+/// refocuses to z < 0. Real: it shows conj(U), and points of depth d come to a focus at z = +d.
+enum class ImageSide { virtual_image, real_image };
+
+/// Monochromatic scalar light on a grid at z: complex amplitudes in √(W/m²), shape (ny, nx).
+/// Power = Σ|u|²·pitch². Time factor exp(−iωt): a wave that leaves a point is exp(+ikr).
+template <class Real>
+struct BasicField {
+  Grid grid;
+  double wavelength = 0;  ///< [m]
+  double z = 0;           ///< plane of the samples [m]; the panel is z = 0
+  Array2D<std::complex<Real>> samples;
+  ImageSide image = ImageSide::virtual_image;
+  std::optional<SpectralFilter> filter;  ///< a stop that the encoder asks the camera for
+
+  BasicField() = default;
+  BasicField(const Grid& grid, double wavelength, double z = 0)
+      : grid(grid), wavelength(wavelength), z(z), samples(grid.ny, grid.nx) {}
+};
+
+using Field = BasicField<float>;
+using FieldDouble = BasicField<double>;
+
+/// Optical power Σ|u|²·pitch² [W].
+template <class Real>
+double power(const BasicField<Real>& field) {
+  double sum = 0;
+  for (const auto& u : field.samples.values) sum += double(u.real()) * u.real() + double(u.imag()) * u.imag();
+  return sum * field.grid.pitch * field.grid.pitch;
+}
+
+/// The same field with samples of another precision.
+template <class To, class From>
+BasicField<To> convert(const BasicField<From>& field) {
+  BasicField<To> out(field.grid, field.wavelength, field.z);
+  out.image = field.image;
+  out.filter = field.filter;
+  for (size_t i = 0; i < field.samples.size(); ++i) out.samples.values[i] = std::complex<To>(field.samples.values[i]);
+  return out;
+}
+
+}  // namespace holotrace

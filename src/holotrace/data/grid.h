@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+namespace holotrace {
+
+/// A panel or a sensor: nx × ny square pixels of side `pitch` [m], centred on the z axis.
+///
+///     x(i) = (i − (nx−1)/2)·pitch,   y(j) = ((ny−1)/2 − j)·pitch
+///
+/// x points right, y up, row 0 is the top row.
+struct Grid {
+  int nx = 0, ny = 0;
+  double pitch = 0;
+
+  double x(double column) const { return (column - (nx - 1) / 2.0) * pitch; }
+  double y(double row) const { return ((ny - 1) / 2.0 - row) * pitch; }
+  double width() const { return nx * pitch; }
+  double height() const { return ny * pitch; }
+  int64_t pixels() const { return int64_t(nx) * ny; }
+  bool operator==(const Grid&) const = default;
+};
+
+/// @throws Error unless the grid has pixels and a positive, finite pitch.
+void check_grid(const Grid& grid);
+
+/// @throws Error unless the wavelength [m] is positive and finite.
+void check_wavelength(double wavelength);
+
+}  // namespace holotrace

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "holotrace/base/array.h"
+#include "holotrace/data/field.h"
+#include "holotrace/data/slm.h"
+
+namespace holotrace {
+
+/// What is loaded on an SLM: one level 0 … levels−1 per pixel, shape (ny, nx), and what a bench
+/// must know to show it.
+struct Hologram {
+  Grid grid;
+  Array2D<uint16_t> level;
+  int levels = 256;
+  Modulation modulation = Modulation::phase;
+  double wavelength = 0;  ///< it was computed for [m]
+  ImageSide image = ImageSide::virtual_image;
+  std::optional<SpectralFilter> filter;  ///< the order to let through, if the encoding needs it
+  std::string encoder;
+};
+
+}  // namespace holotrace

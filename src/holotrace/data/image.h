@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace holotrace {
+
+/// An image of linear light, row 0 on top: values[(row·nx + column)·channels + channel].
+/// Channels are 1 (monochrome) or 3 (red, green, blue). [W/m²] on a sensor, [W/m²/sr] from `render`.
+struct Image {
+  int nx = 0, ny = 0, channels = 1;
+  double pitch = 0;  ///< side of a pixel [m], 0 where unknown
+  std::vector<float> values;
+
+  Image() = default;
+  Image(int ny, int nx, int channels)
+      : nx(nx), ny(ny), channels(channels), values(size_t(nx) * size_t(ny) * size_t(channels)) {}
+
+  float& operator()(int row, int column, int channel = 0) {
+    return values[(size_t(row) * size_t(nx) + size_t(column)) * size_t(channels) + size_t(channel)];
+  }
+  const float& operator()(int row, int column, int channel = 0) const {
+    return values[(size_t(row) * size_t(nx) + size_t(column)) * size_t(channels) + size_t(channel)];
+  }
+};
+
+}  // namespace holotrace

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "holotrace/data/params.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/data/slm.h"
+
+namespace holotrace {
+
+/// All that a scene file says: the scene, the light, the panel, and the parameters of each stage.
+struct Job {
+  Scene scene;
+  double wavelength = 0;  ///< [m]
+  Slm slm;
+  TraceParams trace;
+  RenderParams render;
+  SynthesizeParams synthesize;
+  EncodeParams encode;
+  ShowParams show;
+  PropagateParams propagate;
+  CameraParams camera;
+};
+
+}  // namespace holotrace

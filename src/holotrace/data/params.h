@@ -1,0 +1,179 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "holotrace/data/field.h"
+
+// Every parameter of every stage. `describe` lists the fields of a struct once, with name, kind
+// and help; that list feeds scene files, flags and help texts. A visitor has the members
+//   count, number, flag      (name, value, help)     plain values
+//   length, lengths, angle   (name, value, help)     text with a unit
+//   choice                   (name, value, names, help)   one of a few names
+
+namespace holotrace {
+
+/// The names of an enumeration's values.
+template <class Enum>
+struct Choice {
+  const char* name;
+  Enum value;
+};
+
+// --- trace: Scene → Sources ---------------------------------------------------------------------
+
+enum class Pattern { grid, random };
+enum class SourcePhase { random, constant };
+enum class AmplitudeLaw { sqrt, linear };
+
+struct TraceParams {
+  Pattern pattern = Pattern::grid;
+  int columns = 256, rows = 256;  ///< of the raster of first hits (grid)
+  int64_t samples = 65536;        ///< first hits (random)
+  double field_of_view = 0;       ///< half angle of the raster [rad]; 0: the panel's acceptance
+  int paths = 64;                 ///< light paths per first hit
+  int max_depth = 8;              ///< surfaces on a path
+  SourcePhase phase = SourcePhase::random;
+  AmplitudeLaw amplitude = AmplitudeLaw::sqrt;
+  int64_t seed = 1;
+};
+
+template <class Visitor>
+void describe(Visitor& v, TraceParams& p) {
+  v.choice("pattern", p.pattern, {{"grid", Pattern::grid}, {"random", Pattern::random}},
+           "first hits: a raster seen from the panel's centre, or random over the panel's acceptance");
+  v.count("columns", p.columns, "columns of the raster");
+  v.count("rows", p.rows, "rows of the raster");
+  v.count("samples", p.samples, "first hits of the random pattern");
+  v.angle("field_of_view", p.field_of_view, "half angle of the raster; 0 deg: the panel's acceptance asin(lambda/2p)");
+  v.count("paths", p.paths, "light paths per first hit");
+  v.count("max_depth", p.max_depth, "most surfaces on a path");
+  v.choice("phase", p.phase, {{"random", SourcePhase::random}, {"constant", SourcePhase::constant}},
+           "initial phase of the waves");
+  v.choice("amplitude", p.amplitude, {{"sqrt", AmplitudeLaw::sqrt}, {"linear", AmplitudeLaw::linear}},
+           "amplitude from radiance L: its root (brightness is radiance) or L itself (the paper's Step 5)");
+  v.count("seed", p.seed, "seed of every random number");
+}
+
+// --- render: Scene → Image ----------------------------------------------------------------------
+
+struct RenderParams {
+  int columns = 0, rows = 512;  ///< columns 0: as the panel's aspect asks
+  double field_of_view = 0;     ///< half angle over the height [rad]; 0: the panel's acceptance
+  int paths = 64;
+  int max_depth = 8;
+  int64_t seed = 1;
+};
+
+template <class Visitor>
+void describe(Visitor& v, RenderParams& p) {
+  v.count("columns", p.columns, "width in pixels; 0: square");
+  v.count("rows", p.rows, "height in pixels");
+  v.angle("field_of_view", p.field_of_view, "half angle over the height; 0 deg: the panel's acceptance asin(lambda/2p)");
+  v.count("paths", p.paths, "light paths per pixel");
+  v.count("max_depth", p.max_depth, "most surfaces on a path");
+  v.count("seed", p.seed, "seed of every random number");
+}
+
+// --- synthesize: Sources → Field ----------------------------------------------------------------
+
+enum class SynthesisMethod { automatic, exact, tiled };
+
+struct SynthesizeParams {
+  SynthesisMethod method = SynthesisMethod::automatic;
+  double tolerance = 1e-3;
+};
+
+template <class Visitor>
+void describe(Visitor& v, SynthesizeParams& p) {
+  v.choice("method", p.method,
+           {{"auto", SynthesisMethod::automatic}, {"exact", SynthesisMethod::exact}, {"tiled", SynthesisMethod::tiled}},
+           "how waves are summed: in double one by one, or tile by tile");
+  v.number("tolerance", p.tolerance, "relative L2 error allowed against exact");
+}
+
+// --- encode: Field → Hologram -------------------------------------------------------------------
+
+enum class Encoding { phase, amplitude, off_axis };
+
+struct EncodeParams {
+  Encoding method = Encoding::phase;
+  ImageSide image = ImageSide::virtual_image;
+  double reference_angle_x = 0, reference_angle_y = 0;  ///< of the off-axis reference [rad]; both 0: λ/4p in x
+  double reference_ratio = 1;                           ///< amplitude of the reference over the largest |U|
+  bool with_bias = true;                                ///< keep I_U + I_R of Eq. 9
+  int levels = 0;                                       ///< 0: as many as the SLM has
+};
+
+template <class Visitor>
+void describe(Visitor& v, EncodeParams& p) {
+  v.choice("method", p.method,
+           {{"phase", Encoding::phase}, {"amplitude", Encoding::amplitude}, {"off-axis", Encoding::off_axis}},
+           "what a pixel holds: the phase, the modulus, or the interference with a tilted reference");
+  v.choice("image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
+           "show U (scene behind the panel) or conj(U) (points focus in front of it)");
+  v.angle("reference_angle_x", p.reference_angle_x, "off-axis: tilt of the reference in x; both 0 deg: asin(lambda/4p) in x");
+  v.angle("reference_angle_y", p.reference_angle_y, "off-axis: tilt of the reference in y");
+  v.number("reference_ratio", p.reference_ratio, "off-axis: amplitude of the reference over the largest |U|");
+  v.flag("with_bias", p.with_bias, "off-axis: keep the terms I_U + I_R of Eq. 9");
+  v.count("levels", p.levels, "levels; 0: as many as the SLM has");
+}
+
+// --- show: Hologram → Field ---------------------------------------------------------------------
+
+struct ShowParams {
+  int subpixels = 1;      ///< samples per pixel and axis: n holds the orders |m| ≤ (n−1)/2
+  double wavelength = 0;  ///< of the illumination [m]; 0: the hologram's
+  double irradiance = 1;  ///< of the illumination [W/m²]
+};
+
+template <class Visitor>
+void describe(Visitor& v, ShowParams& p) {
+  v.count("subpixels", p.subpixels, "samples per pixel and axis; 3 shows the orders -1, 0, 1");
+  v.length("wavelength", p.wavelength, "of the plane wave on the SLM; 0 m: the hologram's own");
+  v.number("irradiance", p.irradiance, "of that wave in W/m2");
+}
+
+// --- propagate: Field → Field -------------------------------------------------------------------
+
+enum class PropagationMethod { automatic, angular_spectrum, rayleigh_sommerfeld, fresnel };
+
+struct PropagateParams {
+  PropagationMethod method = PropagationMethod::automatic;
+  int columns = 0, rows = 0;  ///< of the output window; 0: as the input
+};
+
+template <class Visitor>
+void describe(Visitor& v, PropagateParams& p) {
+  v.choice("method", p.method,
+           {{"auto", PropagationMethod::automatic},
+            {"angular-spectrum", PropagationMethod::angular_spectrum},
+            {"rayleigh-sommerfeld", PropagationMethod::rayleigh_sommerfeld},
+            {"fresnel", PropagationMethod::fresnel}},
+           "auto takes the one that the sampling condition allows");
+  v.count("columns", p.columns, "of the output window; 0: as the input");
+  v.count("rows", p.rows, "of the output window; 0: as the input");
+}
+
+// --- expose: Field → Image ----------------------------------------------------------------------
+
+/// A sensor without a lens, as on the paper's bench, and what of its reading goes into a picture.
+struct CameraParams {
+  std::vector<double> distances{0.3};  ///< from the panel to the planes looked at [m], ≥ 0
+  double width = 0, height = 0;        ///< of the sensor [m]; 0: the panel's
+  int binning = 0;                     ///< field samples per sensor pixel and axis; 0: one panel pixel
+  double exposure = 0;                 ///< irradiance that is white [W/m²]; 0: the 99.9th percentile
+  int bits = 8;                        ///< of a PNG: 8 or 16
+};
+
+template <class Visitor>
+void describe(Visitor& v, CameraParams& p) {
+  v.lengths("distances", p.distances, "from the panel to the planes looked at");
+  v.length("width", p.width, "of the sensor; 0 m: the panel's");
+  v.length("height", p.height, "of the sensor; 0 m: the panel's");
+  v.count("binning", p.binning, "field samples per sensor pixel and axis; 0: one panel pixel");
+  v.number("exposure", p.exposure, "irradiance that is white in W/m2; 0: the 99.9th percentile");
+  v.count("bits", p.bits, "of a PNG, 8 or 16");
+}
+
+}  // namespace holotrace
