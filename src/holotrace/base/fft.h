@@ -8,33 +8,34 @@ namespace holotrace {
 /// Sign of the exponent: forward exp(−i2πkn/N), backward exp(+i2πkn/N). Neither scales.
 enum class FftDirection { forward, backward };
 
-/// The smallest length ≥ n whose only factors are 2, 3, 5 and 7.
+/// The smallest length ≥ n whose only factors are 2, 3 and 5.
 int fft_good_length(int n);
 
-/// A transform of `length` contiguous samples, planned once per length and direction and shared.
-/// Calls may run on several threads at once.
+/// A transform of `length` contiguous samples. Plans are made once per length and direction, kept
+/// for the life of the program, and may run on several threads at once.
 template <class Real>
 class Fft {
  public:
   /// @throws Error unless length ≥ 1.
   Fft(int length, FftDirection direction);
-  int length() const { return length_; }
 
-  /// Transforms data[0 … length) in place. `data` is aligned to 16 bytes or not: both work.
+  /// Transforms data[0 … length) in place.
   void operator()(std::complex<Real>* data) const;
+
+  int length() const { return length_; }
 
  private:
   int length_;
-  void* plan_;            // owned by the cache of plans, for the life of the program
-  void* unaligned_plan_;
+  const void* aligned_;  // plans: FFTW's are faster where the data lie on a SIMD boundary
+  const void* unaligned_;
 };
 
 /// Transforms a row-major array of ny × nx samples in place, rows then columns, on all threads.
 template <class Real>
 void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction);
 
-/// How carefully new plans are made: `estimate` (the default) is the same on every run, `measure`
-/// times candidates, and is the same on every run that imports the same wisdom.
+/// How carefully new plans are made. `estimate` (the default) gives the same plan on every run;
+/// `measure` times candidates, and gives the same plan on every run that imports the same wisdom.
 enum class FftPlanning { estimate, measure };
 void set_fft_planning(FftPlanning planning);
 

@@ -13,9 +13,9 @@ using Fact = std::variant<int64_t, double, std::string>;
 /// What a caller may want to hear while a verb works. The library never prints: it tells its
 /// observer, and an empty observer hears nothing.
 struct Observer {
-  std::function<void(double fraction)> on_progress;                          ///< called from any thread
-  std::function<void(const std::string& name, const Fact& value)> on_fact;   ///< "method", "waves", …
-  std::function<void(const std::string& sentence)> on_warning;               ///< a doubt about the result
+  std::function<void(double fraction)> on_progress;                         ///< called from any thread
+  std::function<void(const std::string& name, const Fact& value)> on_fact;  ///< "method", "waves", …
+  std::function<void(const std::string& sentence)> on_warning;              ///< a doubt about the result
 
   void progress(double fraction) const {
     if (on_progress) on_progress(fraction);

@@ -11,8 +11,7 @@ namespace holotrace {
 class CounterRandom {
  public:
   CounterRandom(uint64_t seed, uint32_t frame, uint64_t sample)
-      : key_{{uint32_t(seed), uint32_t(seed >> 32)}},
-        counter_{{0, frame, uint32_t(sample), uint32_t(sample >> 32)}} {}
+      : key_{{uint32_t(seed), uint32_t(seed >> 32)}}, counter_{{0, frame, uint32_t(sample), uint32_t(sample >> 32)}} {}
 
   /// Uniform in [0, 1), 32 bits.
   double uniform() {

@@ -17,8 +17,7 @@ struct Unit {
 
 constexpr std::array<Unit, 7> length_units{
     {{"nm", 1e9}, {"um", 1e6}, {"µm", 1e6}, {"μm", 1e6}, {"mm", 1e3}, {"cm", 1e2}, {"m", 1}}};
-constexpr std::array<Unit, 4> angle_units{
-    {{"deg", 180 / pi}, {"°", 180 / pi}, {"mrad", 1e3}, {"rad", 1}}};
+constexpr std::array<Unit, 4> angle_units{{{"deg", 180 / pi}, {"°", 180 / pi}, {"mrad", 1e3}, {"rad", 1}}};
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == ',' || c == '\n'; }
 
@@ -57,8 +56,7 @@ std::vector<double> parse(std::string_view text, const std::array<Unit, N>& unit
   std::string_view rest = text;
   for (skip_spaces(rest); !rest.empty(); skip_spaces(rest)) {
     double number;
-    if (!read_number(rest, number))
-      fail("expected {} with its unit, such as \"{}\", got \"{}\"", kind, example, text);
+    if (!read_number(rest, number)) fail("expected {} with its unit, such as \"{}\", got \"{}\"", kind, example, text);
     require(std::isfinite(number), "expected a finite {}, got \"{}\"", kind, text);
     values.push_back(number);
     skip_spaces(rest);
@@ -71,7 +69,8 @@ std::vector<double> parse(std::string_view text, const std::array<Unit, N>& unit
     if (!unit) {
       std::string known;
       for (const Unit& candidate : units)
-        if (candidate.name != "μm" && candidate.name != "°") known += (known.empty() ? "" : ", ") + std::string(candidate.name);
+        if (candidate.name != "μm" && candidate.name != "°")
+          known += (known.empty() ? "" : ", ") + std::string(candidate.name);
       fail("expected {} in one of the units {}, got \"{}\"", kind, known, text);
     }
     for (; first_without_unit < values.size(); ++first_without_unit) {

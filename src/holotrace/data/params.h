@@ -69,7 +69,8 @@ template <class Visitor>
 void describe(Visitor& v, RenderParams& p) {
   v.count("columns", p.columns, "width in pixels; 0: square");
   v.count("rows", p.rows, "height in pixels");
-  v.angle("field_of_view", p.field_of_view, "half angle over the height; 0 deg: the panel's acceptance asin(lambda/2p)");
+  v.angle("field_of_view", p.field_of_view,
+          "half angle over the height; 0 deg: the panel's acceptance asin(lambda/2p)");
   v.count("paths", p.paths, "light paths per pixel");
   v.count("max_depth", p.max_depth, "most surfaces on a path");
   v.count("seed", p.seed, "seed of every random number");
@@ -112,7 +113,8 @@ void describe(Visitor& v, EncodeParams& p) {
            "what a pixel holds: the phase, the modulus, or the interference with a tilted reference");
   v.choice("image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
            "show U (scene behind the panel) or conj(U) (points focus in front of it)");
-  v.angle("reference_angle_x", p.reference_angle_x, "off-axis: tilt of the reference in x; both 0 deg: asin(lambda/4p) in x");
+  v.angle("reference_angle_x", p.reference_angle_x,
+          "off-axis: tilt of the reference in x; both 0 deg: asin(lambda/4p) in x");
   v.angle("reference_angle_y", p.reference_angle_y, "off-axis: tilt of the reference in y");
   v.number("reference_ratio", p.reference_ratio, "off-axis: amplitude of the reference over the largest |U|");
   v.flag("with_bias", p.with_bias, "off-axis: keep the terms I_U + I_R of Eq. 9");

@@ -14,9 +14,9 @@ namespace holotrace {
 
 /// A Lambertian surface: BRDF = reflectance/π on both sides.
 struct DiffuseMaterial {
-  Vec3 reflectance{0.8, 0.8, 0.8};             ///< albedo ρ in red, green, blue, each in [0, 1]
-  std::shared_ptr<const Image> texture;        ///< multiplies the reflectance where present (linear light)
-  Vec3 emission{0, 0, 0};                      ///< radiance [W/m²/sr] that both sides send out
+  Vec3 reflectance{0.8, 0.8, 0.8};       ///< albedo ρ in red, green, blue, each in [0, 1]
+  std::shared_ptr<const Image> texture;  ///< multiplies the reflectance where present (linear light)
+  Vec3 emission{0, 0, 0};                ///< radiance [W/m²/sr] that both sides send out
 };
 
 /// What a surface does to light. Further materials join this list.
@@ -25,11 +25,11 @@ using Material = std::variant<DiffuseMaterial>;
 /// Triangles of one material.
 struct Mesh {
   std::string name;
-  std::vector<Vec3> positions;                    ///< [m]
-  std::vector<Vec3> normals;                      ///< unit, one per position, or empty: flat shading
-  std::vector<Vec2> texture_coordinates;          ///< (u, v), v up, one per position, or empty
-  std::vector<std::array<uint32_t, 3>> triangles; ///< indices into positions
-  int material = 0;                               ///< index into Scene::materials
+  std::vector<Vec3> positions;                     ///< [m]
+  std::vector<Vec3> normals;                       ///< unit, one per position, or empty: flat shading
+  std::vector<Vec2> texture_coordinates;           ///< (u, v), v up, one per position, or empty
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< indices into positions
+  int material = 0;                                ///< index into Scene::materials
 };
 
 /// Light that leaves a point evenly in all directions.

@@ -20,7 +20,8 @@ std::vector<ScenePoint> make_wireframe_sphere(double size, int meridians, int pa
 /// columns × rows points evenly over a rectangle in the xy plane, centred at the origin, the outer
 /// ones on its border. With a texture, a point's amplitude is the root of the texture's luminance there.
 /// @throws Error unless width, height > 0 and columns, rows ≥ 2.
-std::vector<ScenePoint> make_point_quad(double width, double height, int columns, int rows, const Image* texture = nullptr);
+std::vector<ScenePoint> make_point_quad(double width, double height, int columns, int rows,
+                                        const Image* texture = nullptr);
 
 /// A rectangle in the xy plane, centred at the origin, facing +z: two triangles with texture coordinates.
 Mesh make_quad(double width, double height);

@@ -15,9 +15,9 @@ struct Slm {
   std::string name = "custom";
   Grid grid;
   Modulation modulation = Modulation::phase;
-  int levels = 256;                ///< M: phase level ℓ shows 2πℓ/M at the design wavelength, amplitude level ℓ/(M−1)
-  double fill_factor = 1;          ///< F: lit part of a pixel's area, in (0, 1]
-  double design_wavelength = 0;    ///< [m] where level M would show 2π; 0: the wavelength in use
+  int levels = 256;        ///< M: phase level ℓ shows 2πℓ/M at the design wavelength, amplitude level ℓ/(M−1)
+  double fill_factor = 1;  ///< F: lit part of a pixel's area, in (0, 1]
+  double design_wavelength = 0;  ///< [m] where level M would show 2π; 0: the wavelength in use
 };
 
 /// The names that slm_preset knows.

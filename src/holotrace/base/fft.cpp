@@ -1,0 +1,141 @@
+#include "holotrace/base/fft.h"
+
+#include <fftw3.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <tuple>
+#include <type_traits>
+
+#include "holotrace/base/array.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+
+namespace holotrace {
+namespace {
+
+// FFTW's planner, wisdom and our table of plans are shared by all threads: one lock for the three.
+std::mutex planner;
+FftPlanning planning = FftPlanning::estimate;
+
+unsigned flags(bool aligned) {
+  return (planning == FftPlanning::measure ? FFTW_MEASURE : FFTW_ESTIMATE) | (aligned ? 0U : unsigned(FFTW_UNALIGNED));
+}
+
+int sign(FftDirection direction) { return direction == FftDirection::forward ? FFTW_FORWARD : FFTW_BACKWARD; }
+
+// The two precisions of FFTW under one name.
+template <class Real>
+struct Fftw;
+
+template <>
+struct Fftw<float> {
+  using Plan = fftwf_plan;
+  static fftwf_complex* raw(std::complex<float>* data) { return reinterpret_cast<fftwf_complex*>(data); }
+  static Plan make(int n, std::complex<float>* data, FftDirection direction, bool aligned) {
+    return fftwf_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned));
+  }
+  static void execute(Plan plan, std::complex<float>* data) { fftwf_execute_dft(plan, raw(data), raw(data)); }
+  static bool is_aligned(std::complex<float>* data) { return fftwf_alignment_of(reinterpret_cast<float*>(data)) == 0; }
+};
+
+template <>
+struct Fftw<double> {
+  using Plan = fftw_plan;
+  static fftw_complex* raw(std::complex<double>* data) { return reinterpret_cast<fftw_complex*>(data); }
+  static Plan make(int n, std::complex<double>* data, FftDirection direction, bool aligned) {
+    return fftw_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned));
+  }
+  static void execute(Plan plan, std::complex<double>* data) { fftw_execute_dft(plan, raw(data), raw(data)); }
+  static bool is_aligned(std::complex<double>* data) { return fftw_alignment_of(reinterpret_cast<double*>(data)) == 0; }
+};
+
+template <class Real>
+using PlanOf = typename Fftw<Real>::Plan;
+
+template <class Real>
+const void* shared_plan(int length, FftDirection direction, bool aligned) {
+  static std::map<std::tuple<int, FftDirection, bool>, PlanOf<Real>> plans;
+  const std::lock_guard lock(planner);
+  PlanOf<Real>& plan = plans[{length, direction, aligned}];
+  if (!plan) {
+    AlignedVector<std::complex<Real>> scratch(size_t(length) + 1);  // measuring overwrites it
+    plan = Fftw<Real>::make(length, scratch.data(), direction, aligned);
+  }
+  return plan;
+}
+
+}  // namespace
+
+int fft_good_length(int n) {
+  for (int length = std::max(n, 1);; ++length) {
+    int rest = length;
+    for (int factor : {2, 3, 5})
+      while (rest % factor == 0) rest /= factor;
+    if (rest == 1) return length;
+  }
+}
+
+template <class Real>
+Fft<Real>::Fft(int length, FftDirection direction) : length_(length) {
+  require(length >= 1, "expected a transform of at least 1 sample, got {}", length);
+  aligned_ = shared_plan<Real>(length, direction, true);
+  unaligned_ = shared_plan<Real>(length, direction, false);
+}
+
+template <class Real>
+void Fft<Real>::operator()(std::complex<Real>* data) const {
+  const void* plan = Fftw<Real>::is_aligned(data) ? aligned_ : unaligned_;
+  Fftw<Real>::execute(static_cast<PlanOf<Real>>(const_cast<void*>(plan)), data);
+}
+
+template <class Real>
+void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction) {
+  const Fft<Real> along_row(nx, direction), along_column(ny, direction);
+  parallel_for(0, ny, [&](int64_t j) { along_row(data + j * nx); });
+
+  // Columns go through a block of a few that lie contiguous, so that memory is read by cache lines.
+  constexpr int block = 16;
+  parallel_for(0, (nx + block - 1) / block, [&](int64_t b) {
+    const int first = int(b) * block, count = std::min(block, nx - first);
+    AlignedVector<std::complex<Real>> columns(size_t(ny) * size_t(count));
+    for (int j = 0; j < ny; ++j)
+      for (int c = 0; c < count; ++c) columns[size_t(c) * ny + j] = data[int64_t(j) * nx + first + c];
+    for (int c = 0; c < count; ++c) along_column(columns.data() + size_t(c) * ny);
+    for (int j = 0; j < ny; ++j)
+      for (int c = 0; c < count; ++c) data[int64_t(j) * nx + first + c] = columns[size_t(c) * ny + j];
+  });
+}
+
+void set_fft_planning(FftPlanning wanted) {
+  const std::lock_guard lock(planner);
+  planning = wanted;
+}
+
+std::string export_fft_wisdom() {
+  const std::lock_guard lock(planner);
+  std::string wisdom;
+  for (char* text : {fftwf_export_wisdom_to_string(), fftw_export_wisdom_to_string()}) {
+    wisdom += text;
+    wisdom += '\0';
+    free(text);
+  }
+  return wisdom;
+}
+
+bool import_fft_wisdom(const std::string& wisdom) {
+  const std::lock_guard lock(planner);
+  const size_t end = wisdom.find('\0');
+  if (end == std::string::npos) return false;
+  const bool single = fftwf_import_wisdom_from_string(wisdom.c_str());
+  return fftw_import_wisdom_from_string(wisdom.c_str() + end + 1) && single;
+}
+
+template class Fft<float>;
+template class Fft<double>;
+template void fft_2d(std::complex<float>*, int, int, FftDirection);
+template void fft_2d(std::complex<double>*, int, int, FftDirection);
+
+}  // namespace holotrace
