@@ -7,7 +7,20 @@
 
 namespace holotrace {
 
+/// Field on the panel of a set of sources, by the method that the parameters name: `exact`
+/// (sum_exact.h), `tiled` (sum_tiled.h), or `auto`: tiled where the tolerance allows.
+///
+/// @param sources  spherical waves at z < 0 [m]
+/// @param grid     panel pixels: nx, ny, pitch [m]
+/// @return         complex amplitude, shape (ny, nx) [√(W/m²)]
+/// @throws Error   for no sources, a source not behind the panel, or a tolerance that is not in (0, 1)
+///
+/// Tells its observer the method and why, the waves, the waves·pixels; warns of waves whose box
+/// misses the panel.
 Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
                  const Observer& observer = {});
+
+/// The waves·pixels that the boxes of the sources hold: the work of a summation.
+int64_t waves_pixels(const Sources& sources, const Grid& grid);
 
 }  // namespace holotrace

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/data/grid.h"
+#include "holotrace/data/sources.h"
+
+namespace holotrace {
+
+/// Pixels [x0, x1) × [y0, y1) of a grid.
+struct PixelBox {
+  int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+  bool is_empty() const { return x0 >= x1 || y0 >= y1; }
+  int64_t pixels() const { return is_empty() ? 0 : int64_t(x1 - x0) * (y1 - y0); }
+};
+
+/// The pixels that a source lights: |x − xₒ| ≤ R and |y − yₒ| ≤ R, R = d₀·tan(asin(λ/2p)) (Eq. 14).
+inline PixelBox lit_box(const Source& source, const Grid& grid, double tangent) {
+  const double radius = -source.origin.z * tangent;
+  if (!std::isfinite(radius)) return {0, grid.nx, 0, grid.ny};
+  const auto clamp = [](double value, int limit) { return int(std::clamp(value, 0.0, double(limit))); };
+  const double column = source.origin.x / grid.pitch + (grid.nx - 1) / 2.0;
+  const double row = (grid.ny - 1) / 2.0 - source.origin.y / grid.pitch;
+  const double reach = radius / grid.pitch;
+  return {clamp(std::ceil(column - reach), grid.nx), clamp(std::floor(column + reach) + 1, grid.nx),
+          clamp(std::ceil(row - reach), grid.ny), clamp(std::floor(row + reach) + 1, grid.ny)};
+}
+
+/// The fraction of a cycle in a length of many wavelengths, in [0, 1). Long double keeps 1e-19 of
+/// the cycle count, where a double keeps 1e-10 of a cycle at 0.3 m.
+inline double cycle_fraction(double length, double wavelength) {
+  const long double cycles = (long double)length / wavelength;
+  return double(cycles - std::floor(cycles));
+}
+
+/// r − d for r = √(ρ² + d²) without the cancellation of the difference: ρ²/(r + d).
+inline double path_beyond_depth(double rho2, double depth) { return rho2 / (std::sqrt(rho2 + depth * depth) + depth); }
+
+/// A source made ready for summation: r/λ is split into d₀/λ, reduced once, and (r − d₀)/λ, which is
+/// a few hundred cycles and so keeps 1e-13 of a cycle in double.
+struct PreparedWave {
+  double x, y, depth;
+  double start_cycles;  ///< d₀/λ + φ₀/2π, reduced
+  double amplitude;
+  PixelBox box;
+};
+
+inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double wavelength) {
+  const double depth = -source.origin.z;
+  return {source.origin.x,
+          source.origin.y,
+          depth,
+          cycle_fraction(depth, wavelength) + source.phase / (2 * pi),
+          source.amplitude,
+          lit_box(source, grid, acceptance_tangent(wavelength, grid.pitch))};
+}
+
+/// The sources ready for summation, without those that light no pixel of the grid.
+inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Grid& grid) {
+  std::vector<PreparedWave> waves;
+  waves.reserve(sources.waves.size());
+  for (const Source& source : sources.waves) {
+    const PreparedWave wave = prepare_wave(source, grid, sources.wavelength);
+    if (!wave.box.is_empty()) waves.push_back(wave);
+  }
+  return waves;
+}
+
+/// U = a·(d₀/r)·exp(2πi·(r/λ + φ₀/2π)) at the point (x, y) of the panel (Eq. 5, 6).
+inline std::complex<double> wave_at(const PreparedWave& wave, double x, double y, double wavelength) {
+  const double dx = x - wave.x, dy = y - wave.y;
+  const double beyond = path_beyond_depth(dx * dx + dy * dy, wave.depth);
+  const double cycles = wave.start_cycles + beyond / wavelength;
+  const double modulus = wave.amplitude * wave.depth / (wave.depth + beyond);
+  return std::polar(1.0, 2 * pi * (cycles - std::floor(cycles))) * modulus;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,26 @@
+#include "holotrace/wave/sum_exact.h"
+
+#include "holotrace/base/threads.h"
+#include "holotrace/wave/spherical_wave_kernel.h"
+
+namespace holotrace {
+
+FieldDouble sum_exact(const Sources& sources, const Grid& grid, const Observer& observer) {
+  check_grid(grid);
+  check_sources(sources);
+  const std::vector<PreparedWave> waves = prepare_waves(sources, grid);
+  FieldDouble field(grid, sources.wavelength);
+  parallel_for(
+      0, grid.ny,
+      [&](int64_t j) {
+        std::complex<double>* row = field.samples.row(int(j));
+        const double y = grid.y(double(j));
+        for (const PreparedWave& wave : waves)
+          if (j >= wave.box.y0 && j < wave.box.y1)
+            for (int i = wave.box.x0; i < wave.box.x1; ++i) row[i] += wave_at(wave, grid.x(i), y, sources.wavelength);
+      },
+      observer);
+  return field;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "holotrace/base/observer.h"
+#include "holotrace/data/field.h"
+#include "holotrace/data/sources.h"
+
+namespace holotrace {
+
+/// Field on the panel of a set of spherical waves, summed one by one in double precision: the
+/// reference of every faster method.
+///
+///     U(p) = Σⱼ aⱼ·d₀ⱼ/rⱼ(p)·exp(i(2π·rⱼ(p)/λ + φⱼ)),   rⱼ = ‖p − oⱼ‖,  p inside the box of j   (Eq. 7, 13)
+///
+/// @param sources  spherical waves at z < 0 [m]
+/// @param grid     panel pixels: nx, ny, pitch [m]
+/// @return         complex amplitude, shape (ny, nx) [√(W/m²)], within 1e-11 of the sum above
+/// @throws Error   for a source that is not finite or not behind the panel, naming it
+///
+/// Cost: a square root, a sine and a cosine per wave and pixel in its box.
+FieldDouble sum_exact(const Sources& sources, const Grid& grid, const Observer& observer = {});
+
+}  // namespace holotrace

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "holotrace/base/observer.h"
+#include "holotrace/data/field.h"
+#include "holotrace/data/sources.h"
+
+namespace holotrace {
+
+/// Field on the panel of a set of spherical waves, summed tile by tile.
+///
+///     U(p) = Σⱼ aⱼ·d₀ⱼ/rⱼ(p)·exp(i(2π·rⱼ(p)/λ + φⱼ)),   rⱼ = ‖p − oⱼ‖,  p inside the box of j   (Eq. 7, 13)
+///
+/// Inside a tile r is split as r₀ + Δr(column) + Δr(row). The wave is then one number times a column
+/// times a row, and the sum over waves a complex matrix product. The neglected phase, about
+/// k·x₀·y₀·u·v/r₀³, is kept below `tolerance` by choosing the shape of the tile (tile_error.h).
+///
+/// @param sources    spherical waves at z < 0 [m]
+/// @param grid       panel pixels: nx, ny, pitch [m]
+/// @param tolerance  bound on the relative L2 error against sum_exact, 1e-5 or more
+/// @return           complex amplitude, shape (ny, nx) [√(W/m²)]; the same bytes on any number of threads
+/// @throws Error     for a source not behind the panel, naming it, and a tolerance that no tile meets
+///
+/// Cost: 4 multiply-adds per wave and pixel in its box, and a sine and cosine per wave and per column
+/// and row of the tiles it meets.
+Field sum_tiled(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer = {});
+
+/// Name of the instruction set that sum_tiled runs on here: "AVX3", "AVX2", "SSE4", …
+std::string sum_tiled_instruction_set();
+
+}  // namespace holotrace

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "holotrace/base/array.h"
+#include "holotrace/wave/spherical_wave_kernel.h"
+#include "holotrace/wave/tile_error.h"
+
+namespace holotrace {
+
+/// Sums the waves whose boxes meet `box`, the part of a tile that lies on the grid, into the samples
+/// there. The tile starts at (box.x0, box.y0) and may reach past the grid. The hot loop of
+/// sum_tiled, compiled once for every instruction set and chosen at run time.
+void sum_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, TileShape tile,
+              const PixelBox& box, Array2D<std::complex<float>>& samples);
+
+}  // namespace holotrace
