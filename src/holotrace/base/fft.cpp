@@ -79,15 +79,14 @@ int fft_good_length(int n) {
 }
 
 template <class Real>
-Fft<Real>::Fft(int length, FftDirection direction) : length_(length) {
+Fft<Real>::Fft(int length, FftDirection direction) : length_(length), direction_(direction) {
   require(length >= 1, "expected a transform of at least 1 sample, got {}", length);
-  aligned_ = shared_plan<Real>(length, direction, true);
-  unaligned_ = shared_plan<Real>(length, direction, false);
+  plan_ = shared_plan<Real>(length, direction, true);
 }
 
 template <class Real>
 void Fft<Real>::operator()(std::complex<Real>* data) const {
-  const void* plan = Fftw<Real>::is_aligned(data) ? aligned_ : unaligned_;
+  const void* plan = Fftw<Real>::is_aligned(data) ? plan_ : shared_plan<Real>(length_, direction_, false);
   Fftw<Real>::execute(static_cast<PlanOf<Real>>(const_cast<void*>(plan)), data);
 }
 
