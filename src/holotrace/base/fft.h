@@ -26,8 +26,8 @@ class Fft {
 
  private:
   int length_;
-  const void* aligned_;  // plans: FFTW's are faster where the data lie on a SIMD boundary
-  const void* unaligned_;
+  FftDirection direction_;
+  const void* plan_;  // for data on a SIMD boundary, where FFTW is faster
 };
 
 /// Transforms a row-major array of ny × nx samples in place, rows then columns, on all threads.
