@@ -113,6 +113,8 @@ void set_fft_planning(FftPlanning wanted) {
   planning = wanted;
 }
 
+std::string fft_library_version() { return fftw_version; }
+
 std::string export_fft_wisdom() {
   const std::lock_guard lock(planner);
   std::string wisdom;

@@ -39,6 +39,9 @@ void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction);
 enum class FftPlanning { estimate, measure };
 void set_fft_planning(FftPlanning planning);
 
+/// Name and version of the library that plans the transforms.
+std::string fft_library_version();
+
 /// FFTW's knowledge of fast plans, both precisions, as text to keep between runs.
 std::string export_fft_wisdom();
 

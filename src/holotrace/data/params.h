@@ -143,6 +143,7 @@ enum class PropagationMethod { automatic, angular_spectrum, rayleigh_sommerfeld,
 struct PropagateParams {
   PropagationMethod method = PropagationMethod::automatic;
   int columns = 0, rows = 0;  ///< of the output window; 0: as the input
+  bool is_periodic = false;   ///< the window repeats for ever: no padding, by the angular spectrum
 };
 
 template <class Visitor>
@@ -155,6 +156,7 @@ void describe(Visitor& v, PropagateParams& p) {
            "auto takes the one that the sampling condition allows");
   v.count("columns", p.columns, "of the output window; 0: as the input");
   v.count("rows", p.rows, "of the output window; 0: as the input");
+  v.flag("periodic", p.is_periodic, "the window repeats for ever, as for gratings and plane waves: no padding");
 }
 
 // --- expose: Field → Image ----------------------------------------------------------------------

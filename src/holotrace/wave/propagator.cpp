@@ -20,13 +20,15 @@ namespace {
 struct Axis {
   const char* name;
   double offset, pitch, wavelength, z;
+  int padded;
 
   double critical() const { return critical_distance(offset, wavelength, pitch); }
   // Samples of the transfer function inside Matsushima's band, on one side of zero.
   double band_samples() const {
-    const double du = 1 / (2 * offset);
-    return std::min(band_limit(wavelength, du, z), 1 / (2 * pitch)) / du;
+    const double du = 1 / (padded * pitch);
+    return std::min(band_limit(wavelength, du, z) / du, double(padded / 2));
   }
+  int band_samples_held() const { return int(band_samples()) + 1; }
   // With fewer samples than this the band's edge, which rings, is all there is.
   bool holds_angular_spectrum() const { return z <= critical() || band_samples() >= 8; }
   double window_needed() const { return std::sqrt(16 * wavelength * z); }
@@ -106,6 +108,20 @@ Grid output_grid(const Grid& input, const PropagateParams& params) {
   return out;
 }
 
+// A window that repeats has a spectrum of lines at the frequencies of the DFT: the transfer function there is
+// all there is to know, without padding or band limit.
+template <class Real>
+void prepare_periodic(Propagator<Real>& p, const PropagateParams& params, const Observer& observer) {
+  require(params.method == PropagationMethod::automatic || params.method == PropagationMethod::angular_spectrum,
+          "expected the method angular-spectrum for a periodic window, got {}", method_name(params.method));
+  require(p.output == p.input, "expected the output window of a periodic propagation to be the input's");
+  p.padded_nx = p.input.nx;
+  p.padded_ny = p.input.ny;
+  p.method = PropagationMethod::angular_spectrum;
+  observer.fact("method", std::string("angular-spectrum, periodic"));
+  fill_angular_spectrum(p, p.padded_nx / 2 + 1, p.padded_ny / 2 + 1);
+}
+
 // What one block of columns leaves in the band that is dropped, and in all.
 struct BandEnergy {
   double dropped = 0, all = 0;
@@ -126,10 +142,14 @@ Propagator<Real> make_propagator(const Grid& grid, double wavelength, double dis
   p.output = output_grid(grid, params);
   p.wavelength = wavelength;
   p.distance = distance;
+  if (params.is_periodic) {
+    prepare_periodic(p, params, observer);
+    return p;
+  }
   p.padded_nx = fft_good_length(p.input.nx + p.output.nx);
   p.padded_ny = fft_good_length(p.input.ny + p.output.ny);
-  const Axis x{"x", (p.input.nx + p.output.nx) * grid.pitch / 2, grid.pitch, wavelength, std::abs(distance)};
-  const Axis y{"y", (p.input.ny + p.output.ny) * grid.pitch / 2, grid.pitch, wavelength, std::abs(distance)};
+  const Axis x{"x", (p.input.nx + p.output.nx) * grid.pitch / 2, grid.pitch, wavelength, std::abs(distance), p.padded_nx};
+  const Axis y{"y", (p.input.ny + p.output.ny) * grid.pitch / 2, grid.pitch, wavelength, std::abs(distance), p.padded_ny};
   p.method = params.method == PropagationMethod::automatic ? choose_method(x, y, observer) : params.method;
   check_method(p.method, x, y, observer);
   observer.fact("method", std::string(method_name(p.method)));

@@ -8,7 +8,7 @@
 namespace holotrace {
 
 /// Free space between two parallel windows, made ready for any number of fields: a linear convolution
-/// by FFT, zero-padded so that nothing wraps around.
+/// by FFT, zero-padded so that nothing wraps around; or, where the window repeats, the cyclic one.
 template <class Real>
 struct Propagator {
   Grid input, output;  ///< of one pitch, both centred on the axis
@@ -20,7 +20,7 @@ struct Propagator {
   /// so a quarter holds it all.
   Array2D<std::complex<Real>> transfer;
 
-  /// First frequency index per axis beyond the band that the method holds; padded/2 + 1 if it holds all.
+  /// First frequency index per axis beyond the band that the method holds; padded/2 + 1 if all is held.
   int band_nx = 0, band_ny = 0;
 };
 

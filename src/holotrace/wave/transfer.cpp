@@ -36,12 +36,12 @@ std::vector<Complex> fresnel_axis(int padded, double pitch, double wavelength, d
 }  // namespace
 
 template <class Real>
-void fill_angular_spectrum(Propagator<Real>& p) {
+void fill_angular_spectrum(Propagator<Real>& p, int band_nx, int band_ny) {
   const double pitch = p.input.pitch, z = p.distance;
   const double du = frequency_step(p.padded_nx, pitch), dv = frequency_step(p.padded_ny, pitch);
   const double start = cycle_fraction(z, p.wavelength);
-  p.band_nx = int(std::min(band_limit(p.wavelength, du, z) / du, double(p.padded_nx / 2))) + 1;
-  p.band_ny = int(std::min(band_limit(p.wavelength, dv, z) / dv, double(p.padded_ny / 2))) + 1;
+  p.band_nx = band_nx;
+  p.band_ny = band_ny;
   p.transfer = Array2D<std::complex<Real>>(p.padded_ny / 2 + 1, p.padded_nx / 2 + 1);
   parallel_for(0, p.band_ny, [&](int64_t j) {
     for (int i = 0; i < p.band_nx; ++i)
@@ -90,8 +90,8 @@ void fill_fresnel(Propagator<Real>& p) {
   p.band_ny = p.padded_ny / 2 + 1;
 }
 
-template void fill_angular_spectrum(Propagator<float>&);
-template void fill_angular_spectrum(Propagator<double>&);
+template void fill_angular_spectrum(Propagator<float>&, int, int);
+template void fill_angular_spectrum(Propagator<double>&, int, int);
 template void fill_rayleigh_sommerfeld(Propagator<float>&);
 template void fill_rayleigh_sommerfeld(Propagator<double>&);
 template void fill_fresnel(Propagator<float>&);

@@ -6,9 +6,9 @@ namespace holotrace {
 
 // Each fills a propagator whose windows, distance and padded sizes are set: transfer and band.
 
-/// Samples of the angular-spectrum transfer function, zero beyond Matsushima's band limit.
+/// Samples of the angular-spectrum transfer function, zero from the indices band_nx, band_ny on.
 template <class Real>
-void fill_angular_spectrum(Propagator<Real>& propagator);
+void fill_angular_spectrum(Propagator<Real>& propagator, int band_nx, int band_ny);
 
 /// Transform of the sampled Rayleigh–Sommerfeld kernel: the field becomes the direct sum
 /// Σ h(p − p′)·u(p′)·pitch², to rounding.

@@ -1,0 +1,123 @@
+// holotrace bench: what this machine reaches, each figure the median of several runs, ratios in one run.
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "commands.h"
+#include "console.h"
+#include "holotrace/base/random.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/sum_tiled.h"
+#include "holotrace/wave/synthesize.h"
+
+namespace holotrace {
+namespace {
+
+using namespace literals;
+
+template <class Work>
+double median_seconds(int runs, const Work& work) {
+  std::vector<double> seconds;
+  for (int i = 0; i < runs; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + runs / 2, seconds.end());
+  return seconds[size_t(runs) / 2];
+}
+
+// Waves of random place and phase across the panel, `depth` away within a tenth.
+Sources random_sources(int count, const Grid& panel, double depth) {
+  Sources sources{532_nm, {}};
+  CounterRandom random(1, 0, 0);
+  for (int j = 0; j < count; ++j)
+    sources.waves.push_back({{(random.uniform() - 0.5) * panel.width(), (random.uniform() - 0.5) * panel.height(),
+                              -depth * (0.95 + 0.1 * random.uniform())},
+                             1,
+                             float(2 * pi * random.uniform())});
+  return sources;
+}
+
+// Relative L2 error of a field against the exact one.
+double relative_error(const Field& field, const FieldDouble& exact) {
+  double error = 0, energy = 0;
+  for (size_t i = 0; i < exact.samples.size(); ++i) {
+    error += std::norm(std::complex<double>(field.samples.values[i]) - exact.samples.values[i]);
+    energy += std::norm(exact.samples.values[i]);
+  }
+  return std::sqrt(error / energy);
+}
+
+nlohmann::ordered_json bench_synthesis(const Grid& panel) {
+  // exact would take minutes on the whole job: it runs on some of the waves, and rates are compared.
+  const Sources many = random_sources(4096, panel, 0.2_m), few = random_sources(32, panel, 0.2_m);
+  FieldDouble exact;
+  const double exact_seconds = median_seconds(3, [&] { exact = sum_exact(few, panel); });
+  const double tiled_seconds = median_seconds(7, [&] { sum_tiled(many, panel, 1e-3); });
+  const double exact_rate = double(waves_pixels(few, panel)) / exact_seconds;
+  const double tiled_rate = double(waves_pixels(many, panel)) / tiled_seconds;
+  return {{"waves", many.waves.size()},
+          {"instruction_set", sum_tiled_instruction_set()},
+          {"exact_waves_pixels_per_s", exact_rate},
+          {"tiled_waves_pixels_per_s", tiled_rate},
+          {"tiled_over_exact", tiled_rate / exact_rate},
+          {"tiled_seconds", tiled_seconds},
+          {"tiled_error_against_exact", relative_error(sum_tiled(few, panel, 1e-3), exact)}};
+}
+
+nlohmann::ordered_json bench_propagation(const Grid& panel) {
+  Field field(panel, 532_nm);
+  CounterRandom random(1, 0, 0);
+  for (auto& u : field.samples.values) u = std::polar(1.0F, float(2 * pi * random.uniform()));
+  const auto propagator = make_propagator<float>(panel, 532_nm, 0.3_m);
+  propagate(field, propagator);  // plans are made here
+  const double planned = median_seconds(9, [&] { propagate(field, propagator); });
+  const double unplanned = median_seconds(5, [&] { propagate(field, 0.3_m); });
+  return {{"padded", fmt::format("{}x{}", propagator.padded_nx, propagator.padded_ny)},
+          {"transfer_cached_seconds", planned},
+          {"transfer_made_seconds", unplanned}};
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("bench", "speed of the stages on this machine: medians, ratios in one run");
+  auto is_json = std::make_shared<bool>(false);
+  command->add_flag("--json", *is_json, "as JSON");
+  command->callback([is_json, &global] {
+    const Grid panel = slm_preset("pluto").grid;
+    Console console(global.is_quiet);
+    nlohmann::ordered_json json;
+    json["threads"] = global.threads > 0 ? global.threads : int(std::thread::hardware_concurrency());
+    json["panel"] = fmt::format("{}x{} at {}", panel.nx, panel.ny, format_length(panel.pitch));
+    console.watch("synthesis");
+    json["synthesis"] = bench_synthesis(panel);
+    console.watch("propagation");
+    json["propagation"] = bench_propagation(panel);
+    console.finish();
+    if (*is_json) {
+      fmt::print("{}\n", json.dump(2));
+      return;
+    }
+    const auto& s = json["synthesis"];
+    const auto& p = json["propagation"];
+    fmt::print("panel {}, {} threads, {}\n", json["panel"].get<std::string>(), json["threads"].get<int>(),
+               s["instruction_set"].get<std::string>());
+    fmt::print("{:<44} {:>9.3g} waves·pixels/s\n", "exact", s["exact_waves_pixels_per_s"].get<double>());
+    fmt::print("{:<44} {:>9.3g} waves·pixels/s ({:.0f}× exact, off by {:.1e})\n", "tiled, 4096 waves at 0.2 m, tolerance 1e-3",
+               s["tiled_waves_pixels_per_s"].get<double>(), s["tiled_over_exact"].get<double>(),
+               s["tiled_error_against_exact"].get<double>());
+    fmt::print("{:<44} {:>9.1f} ms ({:.1f} ms with its transfer function made anew)\n",
+               "propagate 0.3 m, padded " + p["padded"].get<std::string>() + ", float",
+               1e3 * p["transfer_cached_seconds"].get<double>(), 1e3 * p["transfer_made_seconds"].get<double>());
+  });
+}
+
+}  // namespace holotrace

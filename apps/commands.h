@@ -1,0 +1,25 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace holotrace {
+
+/// Flags that every subcommand takes.
+struct GlobalFlags {
+  int threads = 0;
+  bool is_quiet = false;
+};
+
+// Each adds its subcommands with their flags and what they do.
+void add_scene_commands(CLI::App& app, const GlobalFlags& global);     // run, render, trace, field, estimate
+void add_hologram_commands(CLI::App& app, const GlobalFlags& global);  // encode, show, propagate
+void add_inspect_commands(CLI::App& app, const GlobalFlags& global);   // compare, limits, info
+void add_bench_command(CLI::App& app, const GlobalFlags& global);      // bench
+
+/// Adds `-o`, required.
+inline void add_output(CLI::App& command, std::string& path, const std::string& help) {
+  command.add_option("-o,--output", path, help)->required()->type_name("FILE");
+}
+
+}  // namespace holotrace

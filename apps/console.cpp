@@ -1,0 +1,63 @@
+#include "console.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <mutex>
+
+namespace holotrace {
+
+struct Console::Bar {
+  using Clock = std::chrono::steady_clock;
+  std::string stage;
+  std::mutex mutex;
+  Clock::time_point start = Clock::now(), drawn{};
+  double fraction = 0;
+
+  void draw() {
+    constexpr int width = 30;
+    const int full = int(fraction * width);
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    const std::string bar = std::string(size_t(full), '#') + std::string(size_t(width - full), '.');
+    const std::string left = fraction > 0.02 && fraction < 1
+                                 ? fmt::format(", {:.0f} s left", seconds * (1 - fraction) / fraction)
+                                 : std::string();
+    fmt::print(stderr, "\r\033[K{:<16} [{}] {:3.0f} %  {:.1f} s{}", stage, bar, 100 * fraction, seconds, left);
+    std::fflush(stderr);
+    drawn = Clock::now();
+  }
+
+  void update(double value) {
+    const std::lock_guard lock(mutex);
+    fraction = std::max(fraction, std::min(value, 1.0));
+    if (Clock::now() - drawn > std::chrono::milliseconds(100)) draw();
+  }
+};
+
+Console::Console(bool is_quiet) : is_terminal_(!is_quiet && isatty(STDERR_FILENO)) {}
+
+Observer Console::watch(const std::string& stage) {
+  finish();
+  Observer observer;
+  observer.on_warning = [stage, is_terminal = is_terminal_](const std::string& sentence) {
+    fmt::print(stderr, "{}warning: {}: {}\n", is_terminal ? "\r\033[K" : "", stage, sentence);
+  };
+  if (is_terminal_) {
+    bar_ = std::make_shared<Bar>();
+    bar_->stage = stage;
+    bar_->draw();
+    observer.on_progress = [bar = bar_](double fraction) { bar->update(fraction); };
+  }
+  return observer;
+}
+
+void Console::finish() {
+  if (!bar_) return;
+  bar_->fraction = 1;
+  bar_->draw();
+  fmt::print(stderr, "\n");
+  bar_.reset();
+}
+
+}  // namespace holotrace

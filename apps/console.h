@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "holotrace/data/report.h"
+#include "holotrace/stage.h"
+
+namespace holotrace {
+
+/// What the program shows of its work on the terminal (stderr): a progress bar per stage on a terminal,
+/// nothing of it in a pipe, and every warning.
+class Console {
+ public:
+  explicit Console(bool is_quiet);
+
+  /// The observer of a stage; its bar ends when the next stage starts or on finish().
+  Observer watch(const std::string& stage);
+
+  /// Ends the last stage's bar.
+  void finish();
+
+  StageObserver stages() {
+    return [this](const std::string& stage) { return watch(stage); };
+  }
+
+ private:
+  struct Bar;
+  bool is_terminal_;
+  std::shared_ptr<Bar> bar_;
+};
+
+}  // namespace holotrace

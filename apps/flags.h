@@ -1,0 +1,131 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <initializer_list>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/suggest.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/params.h"
+
+namespace holotrace {
+
+/// Flags made from the list of fields of a parameter struct (data/params.h). They keep the text that
+/// was given, so that a flag can overrule a scene file that is read later.
+class Flags {
+ public:
+  /// Adds a flag per field of `defaults`, except the fields named in `without`.
+  template <class Params>
+  void add(CLI::App& app, Params defaults, const std::set<std::string>& without = {}) {
+    Adder adder{app, texts_, without};
+    describe(adder, defaults);
+  }
+
+  /// Sets the fields whose flags were given. @throws Error for a text that is not such a value.
+  template <class Params>
+  void apply(Params& params) const {
+    Setter setter{texts_};
+    describe(setter, params);
+  }
+
+ private:
+  using Texts = std::map<std::string, std::string>;
+
+  struct Adder {
+    CLI::App& app;
+    Texts& texts;
+    const std::set<std::string>& without;
+
+    void add(std::string name, const std::string& help, const std::string& shown, const std::string& kind) {
+      if (without.count(name)) return;
+      std::string dashed = "--" + name;
+      std::replace(dashed.begin(), dashed.end(), '_', '-');
+      if (name == "distances") dashed = "--distance," + dashed;
+      app.add_option(dashed, texts[name], help + " [" + shown + "]")->type_name(kind);
+    }
+    template <class Integer>
+    void count(const char* name, Integer& v, const char* help) {
+      add(name, help, fmt::to_string(v), "N");
+    }
+    void number(const char* name, double& v, const char* help) { add(name, help, fmt::format("{:g}", v), "NUMBER"); }
+    void flag(const char* name, bool& v, const char* help) { add(name, help, v ? "true" : "false", "BOOL"); }
+    void length(const char* name, double& v, const char* help) { add(name, help, format_length(v), "LENGTH"); }
+    void angle(const char* name, double& v, const char* help) { add(name, help, format_angle(v), "ANGLE"); }
+    void lengths(const char* name, std::vector<double>& v, const char* help) {
+      std::string shown;
+      for (const double value : v) shown += (shown.empty() ? "" : ", ") + format_length(value);
+      add(name, help, shown, "LENGTHS");
+    }
+    template <class Enum>
+    void choice(const char* name, Enum& v, std::initializer_list<Choice<Enum>> choices, const char* help) {
+      std::string names, shown;
+      for (const auto& c : choices) {
+        names += (names.empty() ? "" : "|") + std::string(c.name);
+        if (c.value == v) shown = c.name;
+      }
+      add(name, help, shown, names);
+    }
+  };
+
+  struct Setter {
+    const Texts& texts;
+
+    template <class Value, class Parse>
+    void set(const char* name, Value& v, const Parse& parse) {
+      const auto found = texts.find(name);
+      if (found == texts.end() || found->second.empty()) return;
+      try {
+        v = Value(parse(found->second));
+      } catch (const Error& error) {
+        throw Error(fmt::format("--{}: {}", name, error.what()));
+      }
+    }
+    template <class Integer>
+    void count(const char* name, Integer& v, const char*) {
+      set(name, v, [](const std::string& text) {
+        Integer value{};
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        require(error == std::errc() && end == text.data() + text.size(), "expected a whole number, got \"{}\"", text);
+        return value;
+      });
+    }
+    void number(const char* name, double& v, const char*) {
+      set(name, v, [](const std::string& text) {
+        double value{};
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        require(error == std::errc() && end == text.data() + text.size() && std::isfinite(value),
+                "expected a number, got \"{}\"", text);
+        return value;
+      });
+    }
+    void flag(const char* name, bool& v, const char*) {
+      set(name, v, [](const std::string& text) {
+        require(text == "true" || text == "false", "expected true or false, got \"{}\"", text);
+        return text == "true";
+      });
+    }
+    void length(const char* name, double& v, const char*) { set(name, v, parse_length); }
+    void angle(const char* name, double& v, const char*) { set(name, v, parse_angle); }
+    void lengths(const char* name, std::vector<double>& v, const char*) { set(name, v, parse_lengths); }
+    template <class Enum>
+    void choice(const char* name, Enum& v, std::initializer_list<Choice<Enum>> choices, const char*) {
+      set(name, v, [&](const std::string& text) {
+        std::vector<std::string> known;
+        for (const auto& c : choices) {
+          if (text == c.name) return c.value;
+          known.push_back(c.name);
+        }
+        throw Error(unknown_name_message(name, text, known));
+      });
+    }
+  };
+
+  Texts texts_;
+};
+
+}  // namespace holotrace

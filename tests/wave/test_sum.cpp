@@ -1,0 +1,232 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/wave/spherical_wave_kernel.h"
+#include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/sum_tiled.h"
+#include "holotrace/wave/synthesize.h"
+#include "holotrace/wave/tile_error.h"
+#include "support/fields.h"
+
+namespace holotrace {
+namespace {
+
+using namespace literals;
+using testing::make_random_sources;
+using testing::relative_error;
+
+constexpr double green = 532_nm;
+
+// Eq. 5–7 in long double, from the formula alone: no splitting of r, no code of the library.
+FieldDouble closed_form(const Sources& sources, const Grid& grid) {
+  constexpr long double tau = 2 * std::numbers::pi_v<long double>;
+  FieldDouble field(grid, sources.wavelength);
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0; i < grid.nx; ++i) {
+      std::complex<long double> sum = 0;
+      for (const Source& s : sources.waves) {
+        const long double dx = (i - (grid.nx - 1) / 2.0L) * grid.pitch - s.origin.x;
+        const long double dy = ((grid.ny - 1) / 2.0L - j) * grid.pitch - s.origin.y;
+        const long double d = -s.origin.z, r = std::sqrt(dx * dx + dy * dy + d * d);
+        const long double radius = d * std::tan(std::asin(sources.wavelength / (2 * (long double)grid.pitch)));
+        if (std::abs(dx) > radius || std::abs(dy) > radius) continue;
+        sum += std::polar(s.amplitude * d / r, std::fmod(r / sources.wavelength, 1.0L) * tau + s.phase);
+      }
+      field.samples(j, i) = std::complex<double>(sum);
+    }
+  return field;
+}
+
+Sources one_wave(Vec3 origin) { return {green, {{origin, 1.0F, 0.0F}}}; }
+
+double phase_at(const Sources& sources, double x, double y) {
+  const PreparedWave wave = prepare_wave(sources.waves[0], {1, 1, 8_um}, sources.wavelength);
+  const double phase = std::arg(wave_at(wave, x, y, sources.wavelength));
+  return phase < 0 ? phase + 2 * pi : phase;
+}
+
+// physics.md section 5, case 1; digits as given there: 1e-7.
+TEST(SphericalWave, HasThePhasesOfCase1) {
+  EXPECT_NEAR(phase_at(one_wave({0, 0, -0.2_m}), 1_mm, 0.5_mm), 4.5467537, 1e-7);
+  EXPECT_NEAR(phase_at(one_wave({0, 0, -0.3_m}), 7.68_mm, 4.32_mm), 6.0954139, 1e-7);
+  EXPECT_NEAR(phase_at(one_wave({0, 0, -0.2_m}), 0, 0), 5.3383454, 1e-7);
+}
+
+// Case 2: on the n-th zone radius the path is n half waves longer than on the axis.
+TEST(SphericalWave, GainsHalfACycleFromZoneToZone) {
+  const double z = 0.2_m;
+  const double digits[][2] = {{1, 0.326190_mm}, {2, 0.461303_mm}, {10, 1.031507_mm}, {100, 3.262010_mm}};
+  for (const auto& [n, given] : digits) {
+    const double radius = std::sqrt(n * green * z + n * n * green * green / 4);
+    EXPECT_NEAR(radius, given, 0.5e-9);  // half of the last digit given, 1e-6 mm
+    // A double keeps (r − d)/λ, at most 50 cycles, to 1e-13.
+    EXPECT_NEAR(path_beyond_depth(radius * radius, z) / green, n / 2, 1e-12);
+  }
+}
+
+TEST(SphericalWave, IsAmplitudeTimesDepthOverDistance) {
+  const Sources sources{green, {{{0, 0, -3_mm}, 2.0F, 0.0F}}};
+  const PreparedWave wave = prepare_wave(sources.waves[0], {1, 1, 8_um}, green);
+  EXPECT_NEAR(std::abs(wave_at(wave, 4_mm, 0, green)), 2.0 * 3 / 5, 1e-15);  // a 3-4-5 triangle
+}
+
+// Boxes of physics.md section 1: R in pixels of 8 µm.
+TEST(LitBox, HasTheRadiusOfTheGratingEquation) {
+  const struct { double wavelength, depth; int pixels; } cases[] = {
+      {532_nm, 0.1_m, 416}, {532_nm, 0.2_m, 832}, {532_nm, 0.3_m, 1248},
+      {633_nm, 0.1_m, 495}, {633_nm, 0.2_m, 990}, {633_nm, 0.3_m, 1485}};
+  for (const auto& c : cases)
+    EXPECT_NEAR(box_radius(c.depth, c.wavelength, 8_um) / 8_um, c.pixels, 0.75) << c.depth;  // given as whole pixels
+}
+
+TEST(LitBox, LightsNoPixelOutsideAndAllInside) {
+  const Grid grid{801, 600, 8_um};
+  const Source source{{1.1_mm, -0.7_mm, -50_mm}, 1, 0};
+  const double radius = box_radius(50_mm, green, 8_um);
+  const PixelBox box = lit_box(source, grid, acceptance_tangent(green, grid.pitch));
+  for (int i = 0; i < grid.nx; ++i)
+    EXPECT_EQ(std::abs(grid.x(i) - source.origin.x) <= radius, i >= box.x0 && i < box.x1) << i;
+  for (int j = 0; j < grid.ny; ++j)
+    EXPECT_EQ(std::abs(grid.y(j) - source.origin.y) <= radius, j >= box.y0 && j < box.y1) << j;
+}
+
+struct Panel {
+  int nx, ny;
+};
+class SumOnPanel : public ::testing::TestWithParam<Panel> {};
+
+// Square and not, odd and even. A double holds kr of 2e6 rad to 2e-10; splitting off d₀/λ leaves 1e-11.
+TEST_P(SumOnPanel, ExactIsTheClosedForm) {
+  const Grid grid{GetParam().nx, GetParam().ny, 8_um};
+  for (const int count : {1, 25}) {
+    const Sources sources = make_random_sources(count, grid, green, 0.1_m, 0.3_m, 0.5);
+    EXPECT_LT(relative_error(sum_exact(sources, grid), closed_form(sources, grid)), 1e-10) << count;
+  }
+}
+
+// The verb keeps its promise over the whole range of tolerances, near and far.
+TEST_P(SumOnPanel, TiledIsWithinItsTolerance) {
+  const Grid grid{GetParam().nx, GetParam().ny, 8_um};
+  for (const double depth : {0.02_m, 0.2_m, 2.0_m})
+    for (const int count : {1, 40}) {
+      const Sources sources = make_random_sources(count, grid, green, depth, 1.1 * depth, 0.3);
+      const FieldDouble exact = sum_exact(sources, grid);
+      for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+        const Field field = synthesize(sources, grid, {SynthesisMethod::automatic, tolerance});
+        EXPECT_LT(relative_error(field, exact), tolerance) << depth << " m, " << count << " waves, " << tolerance;
+      }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SumOnPanel,
+                         ::testing::Values(Panel{128, 128}, Panel{201, 131}, Panel{97, 97}, Panel{300, 64}, Panel{65, 222}),
+                         [](const auto& info) { return fmt::format("{}x{}", info.param.nx, info.param.ny); });
+
+TEST(SumTiled, Reaches1e4AtTheUsualDepth) {
+  const Grid grid{700, 500, 8_um};
+  const Sources sources = make_random_sources(60, grid, green, 0.19_m, 0.21_m, 0.3);
+  EXPECT_LT(relative_error(sum_tiled(sources, grid, 1e-4), sum_exact(sources, grid)), 1e-4);
+}
+
+TEST(SumTiled, StatesAnErrorNearTheOneItMakes) {
+  const Grid grid{700, 500, 8_um};
+  const Sources sources = make_random_sources(60, grid, green, 0.05_m, 0.06_m, 0.3);
+  const auto waves = prepare_waves(sources, grid);
+  const TileChoice choice = choose_tile(waves, grid, green, 3e-3);
+  ASSERT_TRUE(choice.meets_tolerance);
+  const double made = relative_error(sum_tiled(sources, grid, 3e-3), sum_exact(sources, grid));
+  EXPECT_LT(made, 1.25 * choice.error);  // the margin that choose_tile keeps
+  EXPECT_GT(made, choice.error / 2);     // and the estimate is no empty promise
+}
+
+TEST(SumTiled, RefusesAToleranceThatFloatsCannotHold) {
+  const Grid grid{64, 64, 8_um};
+  try {
+    sum_tiled(make_random_sources(3, grid, green, 0.2_m, 0.2_m), grid, 1e-7);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("use the method exact"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Synthesize, FallsBackToExactWhereTilesAreTooCoarse) {
+  const Grid grid{64, 64, 8_um};
+  const Sources sources = make_random_sources(3, grid, green, 0.2_m, 0.2_m);
+  std::string method;
+  Observer observer;
+  observer.on_fact = [&](const std::string& name, const Fact& value) {
+    if (name == "method") method = std::get<std::string>(value);
+  };
+  const Field field = synthesize(sources, grid, {SynthesisMethod::automatic, 1e-6}, observer);
+  EXPECT_EQ(method, "exact");
+  EXPECT_LT(relative_error(field, sum_exact(sources, grid)), 1e-6);  // a float's rounding, 6e-8, and a margin
+}
+
+TEST(Synthesize, IsLinearInTheAmplitudes) {
+  const Grid grid{200, 120, 8_um};
+  Sources a = make_random_sources(20, grid, green, 0.2_m, 0.22_m);
+  Sources both = a;
+  for (Source& s : a.waves) {
+    s.amplitude *= 2;
+    both.waves.push_back(s);
+  }
+  const FieldDouble once = sum_exact(a, grid), thrice = sum_exact(both, grid);
+  for (size_t i = 0; i < once.samples.size(); ++i)
+    EXPECT_LT(std::abs(thrice.samples.values[i] - 1.5 * once.samples.values[i]), 1e-12);
+}
+
+TEST(Synthesize, GivesTheSameBytesOnAnyNumberOfThreads) {
+  const Grid grid{333, 217, 8_um};
+  const Sources sources = make_random_sources(500, grid, green, 0.1_m, 0.2_m);
+  std::vector<Field> fields;
+  std::vector<FieldDouble> exact;
+  for (const size_t threads : {1, 2, 7}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    fields.push_back(sum_tiled(sources, grid, 1e-3));
+    exact.push_back(sum_exact(sources, grid));
+  }
+  EXPECT_EQ(fields[0].samples.values, fields[1].samples.values);
+  EXPECT_EQ(fields[0].samples.values, fields[2].samples.values);
+  EXPECT_EQ(exact[0].samples.values, exact[2].samples.values);
+}
+
+TEST(Synthesize, WarnsOfWavesThatMissThePanel) {
+  const Grid grid{64, 64, 8_um};
+  Sources sources = one_wave({0, 0, -0.2_m});
+  sources.waves.push_back({{0.1_m, 0, -0.2_m}, 1, 0});  // 100 mm aside: R is 6.7 mm
+  std::string warning;
+  Observer observer;
+  observer.on_warning = [&](const std::string& text) { warning = text; };
+  synthesize(sources, grid, {}, observer);
+  EXPECT_EQ(warning.rfind("1 of 2 waves reach no pixel", 0), 0U) << warning;
+}
+
+void expect_error(const Sources& sources, const Grid& grid, const std::string& start, SynthesizeParams params = {}) {
+  try {
+    synthesize(sources, grid, params);
+    FAIL() << "no error: " << start;
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).rfind(start, 0), 0U) << error.what();
+  }
+}
+
+TEST(Synthesize, RefusesWhatIsNoScene) {
+  const Grid grid{8, 8, 8_um};
+  expect_error(one_wave({0, 0, 0.1_m}), grid, "expected source 0 behind the panel (z < 0), got z = 100 mm");
+  expect_error(one_wave({0, 0, 0}), grid, "expected source 0 behind the panel");
+  expect_error(one_wave({NAN, 0, -0.1_m}), grid, "expected finite numbers in source 0");
+  expect_error(one_wave({0, 0, -INFINITY}), grid, "expected finite numbers in source 0");
+  expect_error({green, {}}, grid, "expected at least one source, got none");
+  expect_error(one_wave({0, 0, -0.1_m}), {0, 8, 8_um}, "expected a grid of at least 1 × 1 pixels, got 0 × 8");
+  expect_error(one_wave({0, 0, -0.1_m}), {8, 8, -8_um}, "expected a pixel pitch above 0 m");
+  expect_error(one_wave({0, 0, -0.1_m}), grid, "expected a tolerance in (0, 1), got 0", {SynthesisMethod::tiled, 0});
+  expect_error(one_wave({0, 0, -0.1_m}), {2000000, 2000000, 8_um}, "not enough memory for a field of 2000000 × 2000000");
+}
+
+}  // namespace
+}  // namespace holotrace
