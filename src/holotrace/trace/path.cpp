@@ -42,13 +42,13 @@ PathCounts& PathCounts::operator+=(const PathCounts& other) {
 }
 
 void report(const PathCounts& counts, int max_depth, const Observer& observer) {
-  observer.fact("rays", counts.rays);
-  observer.fact("shadow_rays", counts.shadow_rays);
-  observer.fact("paths", counts.paths);
-  observer.fact("mean_path_length", counts.mean_path_length());
-  observer.fact("escaped", counts.escaped);
-  observer.fact("absorbed", counts.absorbed);
-  observer.fact("cut", counts.cut);
+  observer.fact("rays", Fact(counts.rays));
+  observer.fact("shadow_rays", Fact(counts.shadow_rays));
+  observer.fact("paths", Fact(counts.paths));
+  observer.fact("mean_path_length", Fact(counts.mean_path_length()));
+  observer.fact("escaped", Fact(counts.escaped));
+  observer.fact("absorbed", Fact(counts.absorbed));
+  observer.fact("cut", Fact(counts.cut));
   // A cut path still had the light of its first max_depth surfaces: below 5 % the loss is not seen.
   constexpr double visible = 0.05;
   if (double(counts.cut) > visible * double(counts.paths))

@@ -89,7 +89,7 @@ void append_meshes(const Scene& scene, const Grid& panel, double wavelength, con
     waves.insert(waves.end(), block.waves.begin(), block.waves.end());
   }
   report(counts, params.max_depth, observer);
-  observer.fact("first_hits", first_hits);
+  observer.fact("first_hits", Fact(first_hits));
   if (first_hits == 0)
     observer.warn(
         fmt::format("none of {} rays from the panel met a mesh: its pitch of {} sees {} to each side of the "
@@ -131,7 +131,7 @@ Sources trace(const Scene& scene, const Grid& panel, double wavelength, const Tr
     const FirstHits pattern(params, panel, wavelength);
     append_meshes(scene, panel, wavelength, params, pattern, observer, sources.waves);
   }
-  observer.fact("waves", int64_t(sources.waves.size()));
+  observer.fact("waves", Fact(int64_t(sources.waves.size())));
   warn_of_dark_waves(sources, panel, observer);
   return sources;
 }
