@@ -37,6 +37,27 @@ inline Mesh make_wall(double z, double half_width, double half_height, int mater
   return make_test_quad({0, 0, z}, {half_width, 0, 0}, {0, half_height, 0}, material);
 }
 
+/// A closed sphere of flat triangles, with slivers and triangles without area at its poles.
+inline Mesh make_round_mesh(Vec3 centre, double radius, int segments) {
+  Mesh mesh;
+  mesh.name = "sphere";
+  const int columns = 2 * segments;
+  for (int j = 0; j <= segments; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const double latitude = pi * j / segments, angle = 2 * pi * i / columns,
+                   ring = j % segments ? std::sin(latitude) : 0;
+      mesh.positions.push_back(centre +
+                               Vec3{ring * std::cos(angle), std::cos(latitude), ring * std::sin(angle)} * radius);
+    }
+  for (int j = 0; j < segments; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const auto index = [&](int row, int column) { return uint32_t(row * columns + column % columns); };
+      mesh.triangles.push_back({index(j, i), index(j, i + 1), index(j + 1, i)});
+      mesh.triangles.push_back({index(j, i + 1), index(j + 1, i + 1), index(j + 1, i)});
+    }
+  return mesh;
+}
+
 /// A closed box centre ± half.
 inline Scene make_box_scene(Vec3 centre, Vec3 half, const DiffuseMaterial& material) {
   const Vec3 x{half.x, 0, 0}, y{0, half.y, 0}, z{0, 0, half.z};

@@ -40,6 +40,19 @@ TEST(Path, ClosedFurnaceHasRadianceAndPathLengthOneOverOneMinusAlbedo) {
   }
 }
 
+TEST(Path, NoPathLeaksThroughTheEdgesOfAFineSphereFarFromTheOrigin) {
+  constexpr double rho = 0.95;
+  Scene scene;
+  scene.materials = {grey(rho, 1)};
+  scene.meshes = {make_round_mesh({0, 0, -0.3}, 10_mm, 64)};
+  const Accelerator accelerator(scene);
+  PathCounts counts;
+  constexpr int paths = 20000;
+  const Statistics radiance = follow(accelerator, {{1_mm, 2_mm, -0.301}, {0, 0, -1}}, paths, unlimited, counts);
+  EXPECT_NEAR(radiance.mean(), 1 / (1 - rho), 4 * std::sqrt(rho / paths) / (1 - rho));
+  EXPECT_EQ(counts.escaped, 0) << "of " << counts.rays << " rays";
+}
+
 TEST(Path, MaxDepthCutsTheFurnaceAfterThatManySurfaces) {
   constexpr double rho = 0.5;
   const Scene scene = make_box_scene({0, 0, -0.3}, {10_mm, 10_mm, 10_mm}, grey(rho, 1));
@@ -178,6 +191,22 @@ TEST(Accelerator, HitsAreExactToAHundredthOfAWavelength) {
     EXPECT_GT(dot(hit->point.geometric_normal, -ray.direction), 0);
   }
   EXPECT_GT(hits, 100);
+}
+
+TEST(Accelerator, TrianglesWithoutAreaAreNotMet) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_wall(-0.29, 10_mm, 10_mm)};
+  // Three vertices on a slanted line across the view.
+  scene.meshes[1].positions = {{-9_mm, -3_mm, -0.29}, {0, 0, -0.29}, {9_mm, 3_mm, -0.29}, {9_mm, 3_mm, -0.29}};
+  const Accelerator accelerator(scene);
+  for (int i = -800; i <= 800; ++i) {
+    const Vec3 target{i * 1e-5, i * 1e-5 / 3, -0.29};
+    const auto hit = accelerator.closest_hit({{}, normalize(target)});
+    ASSERT_TRUE(hit);
+    ASSERT_NEAR(hit->point.position.z, -0.3, 1e-12);
+    ASSERT_TRUE(is_finite(hit->point.normal));
+  }
 }
 
 TEST(Accelerator, InterpolatesNormalsAndTextureCoordinatesAndTurnsNormalsToTheViewer) {

@@ -122,13 +122,24 @@ struct Accelerator::Implementation {
       const Vec3 p = (position - centre) / radius;
       for (double value : {p.x, p.y, p.z}) *vertices++ = float(value);
     }
-    for (const auto& triangle : mesh.triangles) indices = std::copy(triangle.begin(), triangle.end(), indices);
+    for (const auto& triangle : mesh.triangles) {
+      const auto [i, j, k] = triangle;
+      const Vec3 a = mesh.positions[i];
+      const bool has_area = length(cross(mesh.positions[j] - a, mesh.positions[k] - a)) > 0;
+      // A triangle without area has no normal: shrunk to one vertex, no ray meets it.
+      for (uint32_t index : {i, has_area ? j : i, has_area ? k : i}) *indices++ = index;
+    }
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometryByID(embree.get(), geometry.get(), id);
   }
 
-  /// The part of a ray inside the sphere, in Embree's coordinates; `skipped` is what lies before it.
-  std::optional<RTCRay> enter(const Ray& ray, double limit) const {
+  /// The part of a ray inside the sphere.
+  struct Inside {
+    RTCRay ray;      // in Embree's coordinates
+    double skipped;  // of the ray before it, in radii
+  };
+
+  std::optional<Inside> enter(const Ray& ray, double limit) const {
     const Vec3 origin = (ray.origin - centre) / radius;
     const double along = dot(origin, ray.direction), outside = dot(origin, origin) - 1.001 * 1.001;
     const double discriminant = along * along - outside;
@@ -143,15 +154,18 @@ struct Accelerator::Implementation {
     out.tnear = 0;
     out.tfar = float(end);
     out.mask = ~0u;
-    return out;
+    return Inside{out, skipped};
   }
 
-  Hit describe(const Ray& ray, const RTCHit& found) const {
+  /// What a ray has met, from what Embree has found at `distance` [m].
+  Hit describe(const Ray& ray, const RTCHit& found, double distance) const {
     const Mesh& mesh = scene.meshes[found.geomID];
     const auto [i, j, k] = mesh.triangles[found.primID];
     const Vec3 a = mesh.positions[i], b = mesh.positions[j], c = mesh.positions[k];
-    PlaneHit plane{0, found.u, found.v};
-    if (const auto precise = intersect_plane(ray, a, b, c)) plane = *precise;
+    PlaneHit plane{distance, found.u, found.v};
+    // Planes of slivers are not well defined: one that Embree's answer is not near to is not used.
+    const auto precise = intersect_plane(ray, a, b, c);
+    if (precise && std::abs(precise->distance - distance) < 1e-3 * radius) plane = *precise;
     const double b1 = plane.b1, b2 = plane.b2, b0 = 1 - b1 - b2;
 
     Hit hit;
@@ -200,13 +214,14 @@ std::optional<Hit> Accelerator::closest_hit(const Ray& ray) const {
   if (!implementation_->embree) return std::nullopt;
   const auto inside = implementation_->enter(ray, std::numeric_limits<double>::infinity());
   if (!inside) return std::nullopt;
-  RTCRayHit query{*inside, {}};
+  RTCRayHit query{inside->ray, {}};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcIntersect1(implementation_->embree.get(), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return implementation_->describe(ray, query.hit);
+  const double distance = (inside->skipped + double(query.ray.tfar)) * implementation_->radius;
+  return implementation_->describe(ray, query.hit, distance);
 }
 
 bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
@@ -215,7 +230,7 @@ bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
   if (distance == 0) return false;
   const auto inside = implementation_->enter({from, (to - from) / distance}, distance - clearance());
   if (!inside) return false;
-  RTCRay query = *inside;
+  RTCRay query = inside->ray;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(implementation_->embree.get(), &context, &query);
