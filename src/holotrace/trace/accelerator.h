@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "holotrace/base/vec.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/trace/material.h"
+
+namespace holotrace {
+
+/// A half line.
+struct Ray {
+  Vec3 origin;     ///< [m]
+  Vec3 direction;  ///< unit
+};
+
+/// Where a ray meets the scene first.
+struct Hit {
+  double distance = 0;  ///< from the ray's origin [m]
+  SurfacePoint point;
+};
+
+/// The meshes of a scene, ready for rays (Embree). Keeps a reference to the scene; calls may run on
+/// several threads at once.
+///
+/// Embree works in single precision. It sees the scene moved to the origin and scaled to radius 1, and
+/// rays that start far away from where they enter that sphere, so that its rounding is about 1e-7 of the
+/// scene's radius. Which triangle a ray hits is Embree's answer; where, is computed again in double from
+/// that triangle and the ray, for a wave's origin must be good to a small part of a wavelength.
+class Accelerator {
+ public:
+  /// @throws Error if Embree gives no device or cannot build; if lights, materials or textures cannot be used, naming
+  ///         them.
+  explicit Accelerator(const Scene& scene);
+  ~Accelerator();
+  Accelerator(Accelerator&&) noexcept;
+
+  const Scene& scene() const;
+
+  /// The first surface on the ray, if any.
+  std::optional<Hit> closest_hit(const Ray& ray) const;
+
+  /// Whether a surface stands between two places [m]; one within `clearance` of `to` does not count.
+  bool is_occluded(Vec3 from, Vec3 to) const;
+
+  /// How far from a surface a new ray has to start so as not to hit that surface again [m]: 2e-6 of
+  /// the scene's radius, some ten times the rounding of single precision.
+  double clearance() const;
+
+  /// The place just off the surface, on the side of its normals.
+  Vec3 leave(const SurfacePoint& point) const { return point.position + point.geometric_normal * clearance(); }
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace holotrace

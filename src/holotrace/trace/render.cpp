@@ -1,0 +1,96 @@
+#include "holotrace/trace/render.h"
+
+#include <cmath>
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/trace/first_hits.h"
+#include "holotrace/trace/path.h"
+
+namespace holotrace {
+
+namespace {
+
+void check_params(const RenderParams& params) {
+  require(
+      params.columns >= 0 && params.rows >= 1,
+      "expected a picture of at least 1 row, and columns of 1 or more or 0 for a square, got columns = {}, rows = {}",
+      params.columns, params.rows);
+  require(params.paths >= 1, "expected paths of 1 or more per pixel, got {}", params.paths);
+  require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
+}
+
+/// A pinhole at the panel's centre.
+struct Pinhole {
+  int columns, rows;
+  double pixel;  // side in tangents
+
+  Ray ray(double column, double row) const {
+    return {{}, view_direction((column - columns / 2.0) * pixel, (rows / 2.0 - row) * pixel)};
+  }
+};
+
+void add(Image& image, int row, int column, Vec3 radiance) {
+  image(row, column, 0) += float(radiance.x);
+  image(row, column, 1) += float(radiance.y);
+  image(row, column, 2) += float(radiance.z);
+}
+
+Vec3 render_pixel(const Accelerator& scene, const Pinhole& pinhole, int row, int column, const RenderParams& params,
+                  PathCounts& counts) {
+  CounterRandom random(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(pinhole.columns) + uint64_t(column));
+  Vec3 sum;
+  for (int path = 0; path < params.paths; ++path) {
+    const double u = random.uniform(), v = random.uniform();
+    const Vec2 place = stratum(path, params.paths, u, v);
+    ++counts.rays;
+    const auto hit = scene.closest_hit(pinhole.ray(column + place.x, row + place.y));
+    sum += hit ? path_radiance(scene, hit->point, params.max_depth, random, counts) : scene.scene().background;
+  }
+  return sum / params.paths;
+}
+
+/// Adds the luminous points that fall into the picture and that no mesh hides.
+void draw_points(const Accelerator& scene, const Pinhole& pinhole, Image& image) {
+  for (const ScenePoint& point : scene.scene().points) {
+    const Vec3 p = point.position;
+    const double column = std::floor(p.x / -p.z / pinhole.pixel + pinhole.columns / 2.0);
+    const double row = std::floor(pinhole.rows / 2.0 - p.y / -p.z / pinhole.pixel);
+    const bool is_inside = column >= 0 && column < pinhole.columns && row >= 0 && row < pinhole.rows;
+    if (!is_inside || scene.is_occluded({}, p)) continue;
+    const double cosine = -p.z / length(p);
+    const double radiance =
+        double(point.amplitude) * point.amplitude / (pinhole.pixel * pinhole.pixel * cosine * cosine);
+    add(image, int(row), int(column), Vec3{1, 1, 1} * radiance);
+  }
+}
+
+}  // namespace
+
+Image render(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+             const Observer& observer) {
+  check_scene(scene);
+  check_grid(panel);
+  check_wavelength(wavelength);
+  check_params(params);
+
+  const int rows = params.rows, columns = params.columns > 0 ? params.columns : rows;
+  const Pinhole pinhole{columns, rows, 2 * raster_tangent(params.field_of_view, panel, wavelength) / rows};
+  const Accelerator accelerator(scene);
+  Image image(rows, columns, 3);
+  std::vector<PathCounts> counts(size_t(rows), PathCounts{});
+  const auto render_row = [&](int64_t row) {
+    for (int column = 0; column < columns; ++column)
+      add(image, int(row), column, render_pixel(accelerator, pinhole, int(row), column, params, counts[size_t(row)]));
+  };
+  parallel_for(0, rows, render_row, observer);
+  draw_points(accelerator, pinhole, image);
+
+  PathCounts total;
+  for (const PathCounts& row : counts) total += row;
+  report(total, params.max_depth, observer);
+  return image;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "holotrace/base/random.h"
+#include "holotrace/base/units.h"
+#include "holotrace/base/vec.h"
+
+// Where samples fall: cells of the unit square, shuffled orders, hemispheres and the panel's view.
+
+namespace holotrace {
+
+/// Unit direction from the panel into the scene at the tangents (x/depth, y/depth).
+inline Vec3 view_direction(double tangent_x, double tangent_y) { return normalize({tangent_x, tangent_y, -1}); }
+
+/// A point of cell `index` of `count` cells of equal area 1/count that tile the unit square in
+/// ⌊√count⌋ rows, at the place (u, v) inside the cell. Works for every count from 1 to 2⁴⁰; one uniform
+/// (u, v) per cell is stratified sampling of the square.
+inline Vec2 stratum(int64_t index, int64_t count, double u, double v) {
+  const auto rows = std::max<int64_t>(1, int64_t(std::sqrt(double(count))));
+  const auto first_of = [&](int64_t row) { return row * count / rows; };
+  int64_t row = index * rows / count;
+  while (first_of(row + 1) <= index) ++row;
+  const int64_t first = first_of(row), columns = first_of(row + 1) - first;
+  return {(double(index - first) + u) / double(columns), (double(first) + v * double(columns)) / double(count)};
+}
+
+/// A random permutation of 0 … count−1 that is computed, not stored: four rounds of a Feistel
+/// network over the next even power of two, walked until the value falls below `count`
+/// (Black and Rogaway, CT-RSA 2002). It pairs strata of the panel with strata of direction.
+class Permutation {
+ public:
+  Permutation(int64_t count, CounterRandom random) : count_(uint64_t(count)) {
+    half_bits_ = (std::bit_width(count_ - 1) + 1) / 2;
+    for (uint64_t& key : keys_) key = uint64_t(random.uniform() * 0x1p32) << 32 | uint64_t(random.uniform() * 0x1p32);
+  }
+
+  int64_t operator()(int64_t index) const {
+    uint64_t value = uint64_t(index);
+    do value = shuffle(value);
+    while (value >= count_);
+    return int64_t(value);
+  }
+
+ private:
+  uint64_t shuffle(uint64_t value) const {
+    const uint64_t mask = (uint64_t(1) << half_bits_) - 1;
+    uint64_t left = value >> half_bits_, right = value & mask;
+    for (uint64_t key : keys_) {
+      const uint64_t next = left ^ (mix(right ^ key) & mask);
+      left = right;
+      right = next;
+    }
+    return left << half_bits_ | right;
+  }
+
+  /// The finalizer of splitmix64 (Steele et al., OOPSLA 2014).
+  static uint64_t mix(uint64_t v) {
+    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9;
+    v = (v ^ (v >> 27)) * 0x94d049bb133111eb;
+    return v ^ (v >> 31);
+  }
+
+  uint64_t count_, keys_[4];
+  int half_bits_;
+};
+
+/// A direction about the unit normal with density cosθ/π [1/sr] (Malley's method), from u, v in [0, 1).
+inline Vec3 sample_cosine(Vec3 normal, double u, double v) {
+  const double radius = std::sqrt(u), angle = 2 * pi * v;
+  return transform_vector(frame_from_normal(normal),
+                          {radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1 - u)});
+}
+
+/// The density of sample_cosine [1/sr]; 0 below the surface.
+inline double pdf_cosine(Vec3 normal, Vec3 direction) { return std::fmax(0, dot(normal, direction)) / pi; }
+
+}  // namespace holotrace

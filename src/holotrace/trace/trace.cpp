@@ -1,0 +1,139 @@
+#include "holotrace/trace/trace.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/trace/first_hits.h"
+#include "holotrace/trace/path.h"
+#include "holotrace/trace/spectrum.h"
+
+namespace holotrace {
+
+namespace {
+
+constexpr int64_t block_size = 64;  // rays that one task follows
+
+void check_params(const TraceParams& params) {
+  require(params.paths >= 1, "expected paths of 1 or more per first hit, got {}", params.paths);
+  require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
+}
+
+/// The first number of a sample's sequence makes its phase, so that phases do not depend on the light.
+double draw_phase(SourcePhase phase, CounterRandom& random) {
+  const double u = random.uniform();
+  return phase == SourcePhase::random ? 2 * pi * u : 0;
+}
+
+/// The luminous points as they are.
+void append_points(const Scene& scene, const TraceParams& params, std::vector<Source>& waves) {
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    const ScenePoint& point = scene.points[i];
+    CounterRandom random(uint64_t(params.seed), 0, i);
+    waves.push_back({point.position, point.amplitude, float(draw_phase(params.phase, random) + point.phase)});
+  }
+}
+
+/// What one task finds.
+struct Block {
+  std::vector<Source> waves;
+  PathCounts counts;
+  int64_t first_hits = 0;
+};
+
+/// Follows ray `index` to its first hit and traces light there.
+void trace_sample(const Accelerator& scene, const FirstHits& pattern, int64_t index, double wavelength,
+                  const TraceParams& params, Block& block) {
+  CounterRandom random(uint64_t(params.seed), 0, scene.scene().points.size() + uint64_t(index));
+  const double phase = draw_phase(params.phase, random);
+  const auto ray = pattern.ray(index, random);
+  if (!ray) return;
+  ++block.counts.rays;
+  const auto hit = scene.closest_hit(*ray);
+  if (!hit) return;
+  ++block.first_hits;
+  const Vec3 origin = hit->point.position;
+  const Vec3 rgb = mean_path_radiance(scene, hit->point, params.paths, params.max_depth, random, block.counts);
+  const double radiance = radiance_at(wavelength, rgb);
+  const double light = params.amplitude == AmplitudeLaw::sqrt ? radiance : radiance * radiance;
+  const double amplitude = std::sqrt(light * pattern.squared_amplitude(*ray, origin));
+  if (amplitude > 0) block.waves.push_back({origin, float(amplitude), float(phase)});
+}
+
+/// The waves of the meshes, and the facts of their tracing.
+void append_meshes(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
+                   const FirstHits& pattern, const Observer& observer, std::vector<Source>& waves) {
+  const Accelerator accelerator(scene);
+  const int64_t count = pattern.count();
+  std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
+  const auto trace_block = [&](int64_t b) {
+    const int64_t end = std::min(count, (b + 1) * block_size);
+    for (int64_t i = b * block_size; i < end; ++i)
+      trace_sample(accelerator, pattern, i, wavelength, params, blocks[size_t(b)]);
+  };
+  parallel_for(0, int64_t(blocks.size()), trace_block, observer);
+
+  PathCounts counts;
+  int64_t first_hits = 0;
+  const size_t points = waves.size();
+  for (const Block& block : blocks) {
+    counts += block.counts;
+    first_hits += block.first_hits;
+    waves.insert(waves.end(), block.waves.begin(), block.waves.end());
+  }
+  report(counts, params.max_depth, observer);
+  observer.fact("first_hits", Fact(first_hits));
+  if (first_hits == 0)
+    observer.warn(
+        fmt::format("none of {} rays from the panel met a mesh: its pitch of {} sees {} to each side of the "
+                    "axis at {}; move the scene onto the axis or set field_of_view",
+                    count, format_length(panel.pitch),
+                    format_angle(std::asin(acceptance_sine(wavelength, panel.pitch))), format_length(wavelength)));
+  else if (waves.size() == points)
+    observer.warn("every first hit is dark; add lights, emission or a background to the scene");
+}
+
+/// Warns of waves whose box holds no pixel: they cost time later and show nothing.
+void warn_of_dark_waves(const Sources& sources, const Grid& panel, const Observer& observer) {
+  const auto is_dark = [&](const Source& wave) {
+    const double radius = box_radius(-wave.origin.z, sources.wavelength, panel.pitch);
+    return std::abs(wave.origin.x) - panel.width() / 2 >= radius ||
+           std::abs(wave.origin.y) - panel.height() / 2 >= radius;
+  };
+  const auto count = std::count_if(sources.waves.begin(), sources.waves.end(), is_dark);
+  if (count > 0)
+    observer.warn(fmt::format(
+        "{} of {} waves light no pixel, for they lie beyond the {} that the panel accepts at {}; "
+        "narrow field_of_view or move the scene toward the axis",
+        count, sources.waves.size(), format_angle(std::asin(acceptance_sine(sources.wavelength, panel.pitch))),
+        format_length(sources.wavelength)));
+}
+
+}  // namespace
+
+Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
+              const Observer& observer) {
+  check_scene(scene);
+  check_grid(panel);
+  check_wavelength(wavelength);
+  check_params(params);
+
+  Sources sources{wavelength, {}};
+  append_points(scene, params, sources.waves);
+  if (!scene.meshes.empty()) {
+    const FirstHits pattern(params, panel, wavelength);
+    append_meshes(scene, panel, wavelength, params, pattern, observer, sources.waves);
+  }
+  observer.fact("waves", Fact(int64_t(sources.waves.size())));
+  warn_of_dark_waves(sources, panel, observer);
+  return sources;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "holotrace/base/observer.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/grid.h"
+#include "holotrace/data/params.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/trace/accelerator.h"
+
+// Small scenes with known answers, and what tests measure on them.
+
+namespace holotrace {
+
+using namespace literals;
+
+inline constexpr double green_light = 532e-9;
+
+/// The rectangle centre ± half_u ± half_v with (u, v) from (0, 0) at −half_u −half_v; normal half_u × half_v.
+inline Mesh make_test_quad(Vec3 centre, Vec3 half_u, Vec3 half_v, int material = 0) {
+  Mesh mesh;
+  mesh.name = "quad";
+  mesh.positions = {centre - half_u - half_v, centre + half_u - half_v, centre + half_u + half_v,
+                    centre - half_u + half_v};
+  mesh.texture_coordinates = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.material = material;
+  return mesh;
+}
+
+/// A rectangle at depth z that faces the panel.
+inline Mesh make_wall(double z, double half_width, double half_height, int material = 0) {
+  return make_test_quad({0, 0, z}, {half_width, 0, 0}, {0, half_height, 0}, material);
+}
+
+/// A closed sphere of flat triangles, with slivers and triangles without area at its poles.
+inline Mesh make_round_mesh(Vec3 centre, double radius, int segments) {
+  Mesh mesh;
+  mesh.name = "sphere";
+  const int columns = 2 * segments;
+  for (int j = 0; j <= segments; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const double latitude = pi * j / segments, angle = 2 * pi * i / columns,
+                   ring = j % segments ? std::sin(latitude) : 0;
+      mesh.positions.push_back(centre +
+                               Vec3{ring * std::cos(angle), std::cos(latitude), ring * std::sin(angle)} * radius);
+    }
+  for (int j = 0; j < segments; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const auto index = [&](int row, int column) { return uint32_t(row * columns + column % columns); };
+      mesh.triangles.push_back({index(j, i), index(j, i + 1), index(j + 1, i)});
+      mesh.triangles.push_back({index(j, i + 1), index(j + 1, i + 1), index(j + 1, i)});
+    }
+  return mesh;
+}
+
+/// A closed box centre ± half.
+inline Scene make_box_scene(Vec3 centre, Vec3 half, const DiffuseMaterial& material) {
+  const Vec3 x{half.x, 0, 0}, y{0, half.y, 0}, z{0, 0, half.z};
+  Scene scene;
+  scene.materials = {material};
+  for (double side : {-1.0, 1.0}) {
+    scene.meshes.push_back(make_test_quad(centre + x * side, y, z));
+    scene.meshes.push_back(make_test_quad(centre + y * side, z, x));
+    scene.meshes.push_back(make_test_quad(centre + z * side, x, y));
+  }
+  return scene;
+}
+
+inline DiffuseMaterial grey(double reflectance, double emission = 0) {
+  return {Vec3{1, 1, 1} * reflectance, nullptr, Vec3{1, 1, 1} * emission};
+}
+
+/// Mean and standard error of independent numbers.
+struct Statistics {
+  double sum = 0, sum_of_squares = 0;
+  int64_t count = 0;
+
+  void add(double value) {
+    sum += value;
+    sum_of_squares += value * value;
+    ++count;
+  }
+  double mean() const { return sum / double(count); }
+  double standard_error() const {
+    return std::sqrt(std::fmax(0, sum_of_squares / double(count) - mean() * mean()) / double(count));
+  }
+};
+
+/// What a verb has told its observer.
+struct Record {
+  std::map<std::string, Fact> facts;
+  std::vector<std::string> warnings;
+  Observer observer{nullptr, [this](const std::string& name, const Fact& value) { facts[name] = value; },
+                    [this](const std::string& sentence) { warnings.push_back(sentence); }};
+
+  int64_t count(const std::string& name) const { return std::get<int64_t>(facts.at(name)); }
+  double number(const std::string& name) const { return std::get<double>(facts.at(name)); }
+};
+
+/// The sentence of the Error that `action` throws, or "".
+template <class Action>
+std::string error_of(const Action& action) {
+  try {
+    action();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace holotrace

@@ -1,0 +1,281 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "holotrace/trace/path.h"
+#include "trace/scenes.h"
+
+namespace holotrace {
+namespace {
+
+/// Statistics of single paths from the first hit of a ray.
+Statistics follow(const Accelerator& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
+  const auto hit = scene.closest_hit(ray);
+  EXPECT_TRUE(hit.has_value());
+  Statistics statistics;
+  for (int i = 0; i < count; ++i) {
+    CounterRandom random(1, 0, uint64_t(i));
+    statistics.add(path_radiance(scene, hit->point, max_depth, random, counts).y);
+  }
+  return statistics;
+}
+
+constexpr int unlimited = 100000;  // surfaces: roulette ends every path long before
+
+TEST(Path, ClosedFurnaceHasRadianceAndPathLengthOneOverOneMinusAlbedo) {
+  for (double rho : {0.2, 0.5, 0.9}) {
+    const Scene scene = make_box_scene({0, 0, -0.3}, {10_mm, 8_mm, 6_mm}, grey(rho, 1));
+    const Accelerator accelerator(scene);
+    PathCounts counts;
+    constexpr int paths = 40000;
+    const Ray ray{{1_mm, 1_mm, -0.3}, normalize({0.3, -0.5, 0.2})};
+    const Statistics radiance = follow(accelerator, ray, paths, unlimited, counts);
+    // A path of l surfaces finds radiance l, and l is geometric: mean 1/(1−ρ), variance ρ/(1−ρ)².
+    const double expected = 1 / (1 - rho), four_standard_errors = 4 * std::sqrt(rho / paths) / (1 - rho);
+    EXPECT_NEAR(radiance.mean(), expected, four_standard_errors);
+    EXPECT_NEAR(counts.mean_path_length(), expected, four_standard_errors);
+    EXPECT_EQ(counts.escaped, 0) << "a closed box lets no path out";
+    EXPECT_EQ(counts.cut, 0);
+    EXPECT_EQ(counts.absorbed, paths);
+  }
+}
+
+TEST(Path, NoPathLeaksThroughTheEdgesOfAFineSphereFarFromTheOrigin) {
+  constexpr double rho = 0.95;
+  Scene scene;
+  scene.materials = {grey(rho, 1)};
+  scene.meshes = {make_round_mesh({0, 0, -0.3}, 10_mm, 64)};
+  const Accelerator accelerator(scene);
+  PathCounts counts;
+  constexpr int paths = 20000;
+  const Statistics radiance = follow(accelerator, {{1_mm, 2_mm, -0.301}, {0, 0, -1}}, paths, unlimited, counts);
+  EXPECT_NEAR(radiance.mean(), 1 / (1 - rho), 4 * std::sqrt(rho / paths) / (1 - rho));
+  EXPECT_EQ(counts.escaped, 0) << "of " << counts.rays << " rays";
+}
+
+TEST(Path, MaxDepthCutsTheFurnaceAfterThatManySurfaces) {
+  constexpr double rho = 0.5;
+  const Scene scene = make_box_scene({0, 0, -0.3}, {10_mm, 10_mm, 10_mm}, grey(rho, 1));
+  const Accelerator accelerator(scene);
+  PathCounts counts;
+  constexpr int paths = 40000, depth = 3;
+  const Statistics radiance = follow(accelerator, {{0, 0, -0.3}, {0, 0, -1}}, paths, depth, counts);
+  // 1 + ρ + ρ² = (1 − ρ³)/(1 − ρ).
+  EXPECT_NEAR(radiance.mean(), 1.75, 4 * radiance.standard_error());
+  const double share = rho * rho * rho;  // of the paths that would have met a fourth surface
+  EXPECT_NEAR(double(counts.cut), share * paths, 4 * std::sqrt(share * (1 - share) * paths));
+}
+
+TEST(Path, ColouredFurnaceHasEachChannelsOwnAnswer) {
+  DiffuseMaterial material{{0.1, 0.4, 0.8}, nullptr, {1, 1, 1}};
+  const Scene scene = make_box_scene({0, 0, -0.3}, {10_mm, 10_mm, 10_mm}, material);
+  const Accelerator accelerator(scene);
+  const auto hit = accelerator.closest_hit({{0, 0, -0.3}, {0, 0, -1}});
+  ASSERT_TRUE(hit);
+  PathCounts counts;
+  Statistics red, green, blue;
+  for (int i = 0; i < 40000; ++i) {
+    CounterRandom random(1, 0, uint64_t(i));
+    const Vec3 radiance = path_radiance(accelerator, hit->point, unlimited, random, counts);
+    red.add(radiance.x), green.add(radiance.y), blue.add(radiance.z);
+  }
+  EXPECT_NEAR(red.mean(), 1 / 0.9, 4 * red.standard_error());
+  EXPECT_NEAR(green.mean(), 1 / 0.6, 4 * green.standard_error());
+  EXPECT_NEAR(blue.mean(), 1 / 0.2, 4 * blue.standard_error());
+}
+
+TEST(Path, PointLightOverAPlaneGivesAlbedoOverPiTimesIrradiance) {
+  Scene scene;
+  scene.materials = {grey(0.6)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.lights = {PointLight{{30_mm, 0, -0.26}, {1, 2, 3}}};
+  const Accelerator accelerator(scene);
+  PathCounts counts;
+  // Seen at the centre: d = 50 mm, cosθ = 40/50. One surface and a point light: nothing is random in the direct light.
+  const Statistics radiance = follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts);
+  EXPECT_NEAR(radiance.mean(), 0.6 / pi * 2 * 0.8 / (0.05 * 0.05), 1e-9);
+}
+
+TEST(Path, BothSidesOfADiffuseSurfaceReflectAndEachOnlyItsOwnLight) {
+  Scene scene;
+  scene.materials = {grey(0.6)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.lights = {PointLight{{0, 0, -0.26}, {1, 1, 1}}};
+  const Accelerator accelerator(scene);
+  PathCounts counts;
+  EXPECT_GT(follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts).mean(), 0);
+  EXPECT_EQ(follow(accelerator, {{0, 0, -0.5}, {0, 0, 1}}, 1, 1, counts).mean(), 0);
+  scene.lights = {PointLight{{0, 0, -0.34}, {1, 1, 1}}};
+  EXPECT_EQ(follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts).mean(), 0);
+  EXPECT_GT(follow(accelerator, {{0, 0, -0.5}, {0, 0, 1}}, 1, 1, counts).mean(), 0);
+}
+
+/// View factor from a small plane patch to a parallel rectangle a × b at distance c, one corner of it
+/// right above the patch (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-3).
+double corner_view_factor(double a, double b, double c) {
+  const double x = a / c, y = b / c, sx = std::sqrt(1 + x * x), sy = std::sqrt(1 + y * y);
+  return (x / sx * std::atan(y / sx) + y / sy * std::atan(x / sy)) / (2 * pi);
+}
+
+TEST(Path, RectangleLightGivesItsClosedFormFactor) {
+  Scene scene;
+  scene.materials = {grey(0.6)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  // 40 mm × 20 mm, 30 mm in front of the wall, facing it (edge_u × edge_v = −z), its corner over the centre.
+  scene.lights = {RectangleLight{{0, 0, -0.27}, {0, 20_mm, 0}, {40_mm, 0, 0}, {5, 5, 5}}};
+  const Accelerator accelerator(scene);
+  PathCounts counts;
+  const Statistics radiance = follow(accelerator, {{0, 0, -0.2}, {0, 0, -1}}, 20000, 1, counts);
+  EXPECT_NEAR(radiance.mean(), 0.6 * 5 * corner_view_factor(0.04, 0.02, 0.03), 4 * radiance.standard_error());
+  EXPECT_LT(radiance.standard_error() / radiance.mean(), 0.01) << "else the line above claims little";
+
+  // The other side of the light is dark.
+  scene.lights = {RectangleLight{{0, 0, -0.27}, {40_mm, 0, 0}, {0, 20_mm, 0}, {5, 5, 5}}};
+  EXPECT_EQ(follow(accelerator, {{0, 0, -0.2}, {0, 0, -1}}, 100, 1, counts).mean(), 0);
+}
+
+TEST(Path, EmissiveMeshAndRectangleLightOfTheSameShapeGiveTheSameLight) {
+  // The rectangle is asked for, the mesh is hit: two independent ways to one answer.
+  Scene scene;
+  scene.materials = {grey(0.6), grey(0, 5)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_test_quad({0, 0, -0.27}, {20_mm, 0, 0}, {0, 20_mm, 0}, 1)};
+  const Accelerator accelerator(scene);
+  PathCounts counts;
+  const Ray ray{{0, 0, -0.28}, {0, 0, -1}};
+  const Statistics hit = follow(accelerator, ray, 40000, 2, counts);
+  EXPECT_NEAR(hit.mean(), 0.6 * 5 * 4 * corner_view_factor(0.02, 0.02, 0.03), 4 * hit.standard_error());
+}
+
+TEST(Path, AShadowIsBlack) {
+  Scene scene;
+  scene.materials = {grey(0.6), grey(0)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_test_quad({0, 20_mm, -0.28}, {2_mm, 0, 0}, {0, 2_mm, 0}, 1)};
+  scene.lights = {PointLight{{0, 40_mm, -0.26}, {1, 1, 1}}};  // half way to the centre of the wall; its shadow is ±4 mm
+  const Accelerator accelerator(scene);
+  PathCounts counts;
+  EXPECT_EQ(follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 100, unlimited, counts).mean(), 0);
+  EXPECT_GT(follow(accelerator, {{0, -8_mm, 0}, {0, 0, -1}}, 100, unlimited, counts).mean(), 0) << "beside the shadow";
+}
+
+TEST(Path, PathsThatLeaveBringTheBackground) {
+  Scene scene;
+  scene.materials = {grey(0.6)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.background = {2, 2, 2};
+  const Accelerator accelerator(scene);
+  PathCounts counts;
+  const Statistics radiance = follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 10000, unlimited, counts);
+  EXPECT_NEAR(radiance.mean(), 0.6 * 2, 4 * radiance.standard_error());  // a white sky on albedo 0.6
+  EXPECT_EQ(counts.escaped + counts.absorbed, counts.paths);
+}
+
+TEST(Accelerator, HitsAreExactToAHundredthOfAWavelength) {
+  // A tilted plane 0.3 m away: 2 triangles whose plane is x·n = c, seen obliquely. Single precision would be off by
+  // 30 nm; 1e-12 m is some 10 000 roundings of 0.3 m in double, far below a wave.
+  const Vec3 centre{2_mm, -1_mm, -0.3}, u = normalize({1, 0, 0.5}) * 7e-3, v = normalize({0.1, 1, 0.3}) * 5e-3;
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_test_quad(centre, u, v)};
+  const Accelerator accelerator(scene);
+  const Vec3 normal = normalize(cross(u, v));
+  int hits = 0;
+  for (int i = 0; i < 200; ++i) {
+    CounterRandom random(1, 0, uint64_t(i));
+    const Ray ray{{}, view_direction(0.03 * (random.uniform() - 0.3), 0.03 * (random.uniform() - 0.5))};
+    const double distance = dot(centre, normal) / dot(ray.direction, normal);
+    const auto hit = accelerator.closest_hit(ray);
+    if (!hit) continue;
+    ++hits;
+    EXPECT_NEAR(hit->distance, distance, 1e-12);
+    EXPECT_NEAR(length(hit->point.position - ray.direction * distance), 0, 1e-12);
+    EXPECT_GT(dot(hit->point.geometric_normal, -ray.direction), 0);
+  }
+  EXPECT_GT(hits, 100);
+}
+
+TEST(Accelerator, TrianglesWithoutAreaAreNotMet) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_wall(-0.29, 10_mm, 10_mm)};
+  // Three vertices on a slanted line across the view.
+  scene.meshes[1].positions = {{-9_mm, -3_mm, -0.29}, {0, 0, -0.29}, {9_mm, 3_mm, -0.29}, {9_mm, 3_mm, -0.29}};
+  const Accelerator accelerator(scene);
+  for (int i = -800; i <= 800; ++i) {
+    const Vec3 target{i * 1e-5, i * 1e-5 / 3, -0.29};
+    const auto hit = accelerator.closest_hit({{}, normalize(target)});
+    ASSERT_TRUE(hit);
+    ASSERT_NEAR(hit->point.position.z, -0.3, 1e-12);
+    ASSERT_TRUE(is_finite(hit->point.normal));
+  }
+}
+
+TEST(Accelerator, InterpolatesNormalsAndTextureCoordinatesAndTurnsNormalsToTheViewer) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  Mesh quad = make_wall(-0.3, 10_mm, 10_mm);
+  const Vec3 left = normalize({-1, 0, 1}), right = normalize({1, 0, 1});
+  quad.normals = {left, right, right, left};
+  scene.meshes = {quad};
+  const Accelerator accelerator(scene);
+  const auto front = accelerator.closest_hit({{5_mm, -5_mm, 0}, {0, 0, -1}});
+  ASSERT_TRUE(front);
+  EXPECT_NEAR(front->point.uv.x, 0.75, 1e-12);
+  EXPECT_NEAR(front->point.uv.y, 0.25, 1e-12);
+  const Vec3 expected = normalize(left * 0.25 + right * 0.75);
+  EXPECT_NEAR(length(front->point.normal - expected), 0, 1e-12);
+  const auto back = accelerator.closest_hit({{5_mm, -5_mm, -0.5}, {0, 0, 1}});
+  ASSERT_TRUE(back);
+  EXPECT_NEAR(length(back->point.normal + expected), 0, 1e-12);
+  EXPECT_EQ(back->point.geometric_normal, (Vec3{0, 0, -1}));
+}
+
+TEST(Accelerator, OcclusionCountsWhatIsBetweenAndNotWhatIsAtTheEnds) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  const Accelerator accelerator(scene);
+  EXPECT_TRUE(accelerator.is_occluded({0, 0, 0}, {0, 0, -0.31}));
+  EXPECT_FALSE(accelerator.is_occluded({0, 0, 0}, {0, 0, -0.29}));
+  EXPECT_FALSE(accelerator.is_occluded({0, 0, 0}, {1_mm, 2_mm, -0.3})) << "a point on the wall is seen";
+  EXPECT_FALSE(accelerator.is_occluded({0, 0, 0}, {0.1, 0, -0.31})) << "beside the wall";
+}
+
+TEST(Accelerator, RefusesWhatItCannotTrace) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  const auto sentence = [&](const std::function<void(Scene&)>& spoil) {
+    Scene bad = scene;
+    spoil(bad);
+    return error_of([&] { Accelerator accelerator(bad); });
+  };
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.lights = {RectangleLight{{}, {1, 0, 0}, {2, 0, 0}, {1, 1, 1}}};
+            }),
+            "expected edges of light 0 that span an area, got 0 m²");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.lights = {PointLight{{}, {1, -1, 1}}};
+            }),
+            "expected an intensity of 0 W/sr or more in light 0, got (1, -1, 1)");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.background = {0, 0, -1};
+            }),
+            "expected a background of 0 W/m²/sr or more, got (0, 0, -1)");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.materials = {DiffuseMaterial{{1, 1, 1}, std::make_shared<Image>(2, 2, 3), {}}};
+              s.meshes[0].texture_coordinates.clear();
+            }),
+            "expected texture coordinates in mesh \"quad\", whose material has a texture, got none; add them or use a "
+            "material without a texture");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.materials = {DiffuseMaterial{{1, 1, 1}, std::make_shared<Image>(2, 2, 2), {}}};
+            }),
+            "expected a texture of at least 1 × 1 pixels with 1 or 3 channels in material 0, got 2 × 2 with 2");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.meshes[0].positions.assign(4, {0, 0, -0.3});
+            }),
+            "expected meshes that fill some space, got all vertices in one place");
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,181 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "holotrace/data/acceptance.h"
+#include "holotrace/trace/render.h"
+#include "holotrace/trace/texture.h"
+#include "holotrace/trace/trace.h"
+#include "trace/scenes.h"
+
+namespace holotrace {
+namespace {
+
+const Grid panel{256, 192, 8e-6};
+
+TEST(Texture, BilinearBetweenPixelCentresWithVUpAndRepeat) {
+  Image image(2, 2, 1);
+  image(0, 0) = 1, image(0, 1) = 2, image(1, 0) = 3, image(1, 1) = 4;
+  const auto value = [&](double u, double v) { return eval_texture(image, {u, v}).x; };
+  // Small whole numbers and halves: exact in double.
+  EXPECT_EQ(value(0.25, 0.75), 1) << "row 0 is the top, v = 1";
+  EXPECT_EQ(value(0.75, 0.75), 2);
+  EXPECT_EQ(value(0.25, 0.25), 3);
+  EXPECT_EQ(value(0.75, 0.25), 4);
+  EXPECT_EQ(value(0.5, 0.5), 2.5);
+  EXPECT_EQ(value(1.25, -0.25), 1) << "one image further";
+  EXPECT_EQ(value(-0.25, 1.25), 4);
+  EXPECT_EQ(value(0, 0.75), 1.5) << "left of the first centre comes the last column again";
+  EXPECT_EQ(value(-1e-17, 0.75), 1.5) << "a rounding below 0";
+}
+
+TEST(Render, TexturesStandUpright) {
+  auto texture = std::make_shared<Image>(2, 2, 3);
+  for (int channel = 0; channel < 3; ++channel)
+    (*texture)(0, channel == 0 ? 0 : 1, channel) = 1;  // red, cyan / black, black
+  Scene scene;
+  scene.materials = {DiffuseMaterial{{1, 1, 1}, texture, {}}};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.background = {1, 1, 1};
+  const RenderParams params{.columns = 10, .rows = 10, .field_of_view = std::atan(10.0 / 300), .paths = 1024};
+  const Image image = render(scene, panel, green_light, params);
+  // Pixels 2 and 7 lie around the centres of texels and span a fifth of one: bilinear weights 0.95 per axis, on
+  // average. Under a white sky the radiance is the albedo, and a path finds 0 or 1: 4 standard errors are at most
+  // 4·½/√1024.
+  const double pure = 0.95 * 0.95, beside = 0.05 * 0.95, error = 2 / std::sqrt(1024);
+  EXPECT_NEAR(image(2, 2, 0), pure, error);
+  EXPECT_NEAR(image(2, 2, 1), beside, error);
+  EXPECT_NEAR(image(2, 7, 0), beside, error);
+  EXPECT_NEAR(image(2, 7, 1), pure, error);
+  EXPECT_NEAR(image(7, 2, 0), beside, error);
+  EXPECT_NEAR(image(7, 7, 1), beside, error);
+}
+
+TEST(Render, APictureOfAnEmissiveWallIsItsRadianceAndBesideItTheBackground) {
+  Scene scene;
+  scene.materials = {DiffuseMaterial{{0, 0, 0}, nullptr, {1, 2, 3}}};
+  scene.meshes = {make_test_quad({-5_mm, 0, -0.3}, {5_mm, 0, 0}, {0, 20_mm, 0})};
+  scene.background = {0.5, 0.25, 0.125};
+  Record record;
+  const RenderParams params{.columns = 0, .rows = 10, .paths = 9};
+  const Image image = render(scene, panel, green_light, params, record.observer);
+  ASSERT_EQ(image.nx, 10);
+  ASSERT_EQ(image.ny, 10);
+  ASSERT_EQ(image.channels, 3);
+  for (int row = 0; row < 10; ++row)
+    for (int column = 0; column < 10; ++column)
+      for (int channel = 0; channel < 3; ++channel) {
+        // The wall ends on the axis, between the pixels; its left end lies outside the 1.9° of the view. Sums of few
+        // small numbers over 9, to float rounding.
+        const double expected = column < 5 ? channel + 1 : 0.5 / (1 << channel);
+        EXPECT_FLOAT_EQ(image(row, column, channel), float(expected));
+      }
+  EXPECT_EQ(record.count("paths"), 9 * 50);
+  EXPECT_EQ(record.count("rays"), 9 * 100);
+}
+
+TEST(Render, EdgesAreAntialiased) {
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  scene.meshes = {make_test_quad({-10_mm, 0, -0.1}, {10_mm, 0, 0}, {0, 20_mm, 0})};  // its edge halves the only pixel
+  const Image image = render(scene, panel, green_light, {.columns = 1, .rows = 1, .paths = 1024});
+  // 32 × 32 strata, the edge between them.
+  EXPECT_NEAR(image(0, 0), 0.5, 1e-6);
+}
+
+TEST(Render, APointAtAKnownPlaceLandsInItsPixel) {
+  const double t = std::tan(10_deg);
+  for (const auto& [x, y, row, column] : {std::tuple{0.0, 0.0, 10, 20}, {-1.0, 0.25, 5, 0}, {0.99, -0.24, 14, 39}}) {
+    // 40 × 20 pixels: x/depth from −2T to 2T, y/depth from T down to −T. A hair right and down of the pixel's corner.
+    Scene scene;
+    const double depth = 0.25, hair = 1e-6;
+    scene.points = {{{(2 * x + hair) * t * depth, (2 * y - hair) * t * depth, -depth}, 3.0f, 0}};
+    const RenderParams params{.columns = 40, .rows = 20, .field_of_view = 10_deg, .paths = 1};
+    const Image image = render(scene, panel, green_light, params);
+    for (int j = 0; j < 20; ++j)
+      for (int i = 0; i < 40; ++i) EXPECT_EQ(image(j, i) > 0, j == row && i == column) << j << " " << i;
+  }
+}
+
+TEST(Render, APointHasTheLightOfACellWithItsAmplitude) {
+  Scene scene;
+  scene.points = {{{10_mm, -7_mm, -0.2}, 3.0f, 0}};
+  const RenderParams params{.columns = 16, .rows = 16, .field_of_view = 10_deg, .paths = 1};
+  const Image image = render(scene, panel, green_light, params);
+  double sum = 0;
+  for (float value : image.values) sum += value;
+  // a²·cos²θ = L·dA·cos⁴θ at the panel's centre; floats.
+  const double side = 2 * std::tan(10_deg) / 16, squared = 0.2 * 0.2 / (0.2 * 0.2 + 1e-4 + 0.49e-4);
+  EXPECT_NEAR(sum / 3 / (9 / (side * side * squared)), 1, 1e-6);
+}
+
+TEST(Render, MeshesHidePointsBehindThemAndNotBeforeThem) {
+  Scene scene;
+  scene.materials = {grey(0)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  const RenderParams params{.columns = 1, .rows = 1, .paths = 1};
+  scene.points = {{{0, 0, -0.31}, 1.0f, 0}};
+  EXPECT_EQ(render(scene, panel, green_light, params)(0, 0), 0);
+  for (double z : {-0.29, -0.3}) {
+    scene.points = {{{0, 0, z}, 1.0f, 0}};
+    EXPECT_GT(render(scene, panel, green_light, params)(0, 0), 0);
+  }
+}
+
+TEST(Render, ThePictureAndTheWavesHoldTheSameLight) {
+  Scene scene;
+  scene.materials = {grey(0.7), DiffuseMaterial{{0.9, 0.5, 0.2}, nullptr, {}}};
+  scene.meshes = {make_wall(-0.3, 12_mm, 12_mm), make_test_quad({0, -6_mm, -0.29}, {12_mm, 0, 0}, {0, 2_mm, 10_mm}, 1)};
+  scene.lights = {RectangleLight{{-5_mm, 15_mm, -0.29}, {10_mm, 0, 0}, {0, 0, 10_mm}, {40, 40, 40}}};
+  const int side = 32;
+  const double pixel = 2 * acceptance_tangent(green_light, panel.pitch) / side;
+  Statistics difference, radiance;
+  for (int64_t seed = 1; seed <= 10; ++seed) {
+    const Image image = render(scene, panel, green_light, {.rows = side, .paths = 16, .seed = seed});
+    const TraceParams params{.columns = side, .rows = side, .paths = 16, .seed = seed + 100};
+    const Sources sources = trace(scene, panel, green_light, params);
+    double picture = 0, waves = 0;
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) picture += image(j, i, 1) / double(side * side);
+    for (const Source& wave : sources.waves) {
+      const double cosine = -wave.origin.z / length(wave.origin);
+      waves += double(wave.amplitude) * wave.amplitude / (pixel * pixel * cosine * cosine) / (side * side);
+    }
+    difference.add(waves - picture);
+    radiance.add(picture);
+  }
+  // 4 standard errors of ten pairs, and the raster's centres against pixel means: an edge off by up to half a row
+  // in 32.
+  EXPECT_NEAR(difference.mean(), 0, 4 * difference.standard_error() + 0.5 / side * radiance.mean());
+  EXPECT_GT(radiance.mean(), 0.1);
+}
+
+TEST(Render, TheSamePictureComesFromAnyNumberOfThreads) {
+  Scene scene;
+  scene.materials = {grey(0.7)};
+  scene.meshes = {make_wall(-0.3, 12_mm, 12_mm), make_test_quad({0, -6_mm, -0.29}, {12_mm, 0, 0}, {0, 2_mm, 10_mm})};
+  scene.lights = {PointLight{{5_mm, 15_mm, -0.28}, {1, 1, 1}}};
+  std::vector<Image> images;
+  for (size_t threads : {1, 2, 7}) {
+    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    images.push_back(render(scene, panel, green_light, {.rows = 32, .paths = 4}));
+  }
+  EXPECT_EQ(images[0].values, images[1].values);
+  EXPECT_EQ(images[0].values, images[2].values);
+}
+
+TEST(Render, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
+  Scene scene;
+  scene.points = {{{0, 0, -0.3}, 1.0f, 0}};
+  const auto sentence = [&](const RenderParams& params) {
+    return error_of([&] { render(scene, panel, green_light, params); });
+  };
+  EXPECT_EQ(
+      sentence({.rows = 0}),
+      "expected a picture of at least 1 row, and columns of 1 or more or 0 for a square, got columns = 0, rows = 0");
+  EXPECT_EQ(sentence({.paths = -1}), "expected paths of 1 or more per pixel, got -1");
+  EXPECT_EQ(sentence({.max_depth = 0}), "expected a max_depth of 1 surface or more, got 0");
+  EXPECT_EQ(sentence({.field_of_view = -0.1}).substr(0, 48), "expected a field_of_view from 0 to less than 90 ");
+}
+
+}  // namespace
+}  // namespace holotrace
