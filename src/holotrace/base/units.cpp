@@ -12,7 +12,8 @@ namespace {
 
 struct Unit {
   std::string_view name;
-  double divisor;  // a division by a power of ten rounds once: "532 nm" is the double 532e-9
+  double divisor;    // of this unit in the SI unit
+  int exponent = 0;  // its power of ten, where it is one
 };
 
 constexpr std::array<Unit, 7> length_units{
@@ -34,6 +35,23 @@ bool read_number(std::string_view& rest, double& number) {
   return true;
 }
 
+// The number in its unit. Of a power of ten, the exponent moves in the text, so that the decimal
+// number rounds once: "532 nm" is the double 532e-9.
+double in_si(std::string_view digits, double number, const Unit& unit) {
+  if (unit.exponent == 0) return number / unit.divisor;
+  int exponent = 0;
+  const size_t mark = digits.find_first_of("eE");
+  if (mark != std::string_view::npos) {
+    std::string_view power = digits.substr(mark + 1);
+    if (power.starts_with('+')) power.remove_prefix(1);
+    std::from_chars(power.data(), power.data() + power.size(), exponent);
+  }
+  std::string text = fmt::format("{}e{}", digits.substr(0, mark), exponent + unit.exponent);
+  double value = 0;
+  const auto error = std::from_chars(text.data(), text.data() + text.size(), value).ec;
+  return error == std::errc() ? value : number / unit.divisor;
+}
+
 bool starts_number(std::string_view rest) {
   double number;
   return read_number(rest, number);
@@ -52,13 +70,16 @@ template <size_t N>
 std::vector<double> parse(std::string_view text, const std::array<Unit, N>& units, const char* kind,
                           const char* example) {
   std::vector<double> values;
+  std::vector<std::string_view> digits;
   size_t first_without_unit = 0;
   std::string_view rest = text;
   for (skip_spaces(rest); !rest.empty(); skip_spaces(rest)) {
     double number;
+    const std::string_view before = rest.substr(rest.front() == '+');
     if (!read_number(rest, number)) fail("expected {} with its unit, such as \"{}\", got \"{}\"", kind, example, text);
-    require(std::isfinite(number), "expected a finite {}, got \"{}\"", kind, text);
+    require(std::isfinite(number), "expected {} that is finite, got \"{}\"", kind, text);
     values.push_back(number);
+    digits.push_back(before.substr(0, before.size() - rest.size()));
     skip_spaces(rest);
     if (starts_number(rest)) continue;
     const auto word = read_word(rest);
@@ -74,8 +95,9 @@ std::vector<double> parse(std::string_view text, const std::array<Unit, N>& unit
       fail("expected {} in one of the units {}, got \"{}\"", kind, known, text);
     }
     for (; first_without_unit < values.size(); ++first_without_unit) {
-      values[first_without_unit] /= unit->divisor;
-      require(std::isfinite(values[first_without_unit]), "expected a finite {}, got \"{}\"", kind, text);
+      double& value = values[first_without_unit];
+      value = in_si(digits[first_without_unit], value, *unit);
+      require(std::isfinite(value), "expected {} that is finite, got \"{}\"", kind, text);
     }
   }
   if (values.empty()) fail("expected {} with its unit, such as \"{}\", got \"{}\"", kind, example, text);

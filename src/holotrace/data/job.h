@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "holotrace/data/params.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/data/slm.h"
@@ -18,6 +21,7 @@ struct Job {
   ShowParams show;
   PropagateParams propagate;
   CameraParams camera;
+  std::vector<std::string> warnings;  ///< what the files ask for and is not shown
 };
 
 }  // namespace holotrace

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "holotrace/data/field.h"
+
+// One pair of functions per file format of fields; field_file.cpp picks by extension. Writers fill
+// the file in place, for use inside write_atomically.
+
+namespace holotrace {
+
+template <class Real>
+void write_field_hdf5(const std::string& path, const BasicField<Real>& field);
+template <class Real>
+BasicField<Real> read_field_hdf5(const std::string& path);
+
+void write_field_exr(const std::string& path, const Field& field);
+Field read_field_exr(const std::string& path);
+
+}  // namespace holotrace

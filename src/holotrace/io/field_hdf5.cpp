@@ -1,0 +1,186 @@
+#include <hdf5.h>
+
+#include <array>
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/field_formats.h"
+#include "holotrace/io/metadata.h"
+
+namespace holotrace {
+namespace {
+
+// An HDF5 identifier, closed with its own function.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  Handle(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+  bool valid() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+// HDF5 prints its errors unless told not to; here they become an Error.
+class Silence {
+ public:
+  Silence() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  Silence(const Silence&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+constexpr const char* filter_names[] = {"filter_u0_per_m", "filter_v0_per_m", "filter_half_u_per_m",
+                                        "filter_half_v_per_m"};
+
+hid_t complex_type(size_t bytes, hid_t real) {
+  const hid_t type = H5Tcreate(H5T_COMPOUND, 2 * bytes);
+  H5Tinsert(type, "r", 0, real);
+  H5Tinsert(type, "i", bytes, real);
+  return type;
+}
+
+void require_written(bool holds, const std::string& path) {
+  require(holds, "expected to write {}, but HDF5 could not; check the room and the permissions there", path);
+}
+
+void write_number(hid_t object, const char* name, double value, hsize_t rank, const std::string& path) {
+  const hsize_t one = 1;
+  const Handle space(rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &one, nullptr), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require_written(attribute.valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value) >= 0, path);
+}
+
+void write_word(hid_t object, const char* name, const std::string& value, const std::string& path) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, value.size() + 1);
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require_written(attribute.valid() && H5Awrite(attribute, type, value.c_str()) >= 0, path);
+}
+
+double read_number(hid_t object, const char* name, const std::string& path) {
+  require(H5Aexists(object, name) > 0,
+          "{}: expected the attribute \"{}\" of \"field\", which is missing; add it, in SI units", path, name);
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  require(count == 1, "{}: expected one number in \"{}\", got {}; save each wavelength as its own field", path, name,
+          count);
+  double value = 0;
+  require(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) >= 0, "{}: expected a number for \"{}\", got another kind",
+          path, name);
+  return value;
+}
+
+std::string read_word(hid_t object, const char* name, const std::string& path) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  require(H5Tget_class(type) == H5T_STRING, "{}: expected a text for \"{}\", got another kind", path, name);
+  if (H5Tis_variable_str(type) > 0) {  // as h5py writes str
+    const Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(memory, H5T_VARIABLE);
+    H5Tset_cset(memory, H5Tget_cset(type));
+    char* text = nullptr;
+    require(H5Aread(attribute, memory, &text) >= 0 && text, "{}: expected a text for \"{}\", got none", path, name);
+    const std::string value(text);
+    H5free_memory(text);
+    return value;
+  }
+  std::vector<char> text(H5Tget_size(type) + 1, '\0');
+  require(H5Aread(attribute, type, text.data()) >= 0, "{}: expected a text for \"{}\", got none", path, name);
+  return text.data();
+}
+
+template <class Real>
+hid_t native_real() {
+  return sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
+}
+
+}  // namespace
+
+template <class Real>
+void write_field_hdf5(const std::string& path, const BasicField<Real>& field) {
+  const Silence silence;
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  require_written(file.valid(), path);
+  {
+    const Handle stored(complex_type(sizeof(Real), sizeof(Real) == 4 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE), H5Tclose);
+    const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
+    const std::array<hsize_t, 2> shape{hsize_t(field.grid.ny), hsize_t(field.grid.nx)};
+    const Handle space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
+    // No time stamp: the same field gives the same bytes.
+    const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_obj_track_times(properties, false);
+    const Handle data(H5Dcreate2(file, "field", stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
+    require_written(data.valid(), path);
+    write_number(data, "pitch_m", field.grid.pitch, 0, path);
+    write_number(data, "wavelengths_m", field.wavelength, 1, path);
+    write_number(data, "z_m", field.z, 0, path);
+    write_word(data, "image", image_side_name(field.image), path);
+    if (field.filter) {
+      const SpectralFilter& f = *field.filter;
+      const double values[] = {f.u0, f.v0, f.half_u, f.half_v};
+      for (int i = 0; i < 4; ++i) write_number(data, filter_names[i], values[i], 0, path);
+    }
+    require_written(H5Dwrite(data, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.samples.values.data()) >= 0, path);
+  }
+  require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
+}
+
+template <class Real>
+BasicField<Real> read_field_hdf5(const std::string& path) {
+  const Silence silence;
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  require(file.valid(), "{}: expected an HDF5 file, got other bytes or a truncated file; write it again", path);
+  const Handle data(H5Dopen2(file, "field", H5P_DEFAULT), H5Dclose);
+  require(data.valid(), "{}: expected a dataset \"field\", which is missing", path);
+
+  const Handle type(H5Dget_type(data), H5Tclose);
+  require(H5Tget_class(type) == H5T_COMPOUND && H5Tget_nmembers(type) == 2 && H5Tget_member_index(type, "r") >= 0 &&
+              H5Tget_member_index(type, "i") >= 0,
+          "{}: expected complex samples {{r, i}} in \"field\", got another kind of number; convert them to complex64",
+          path);
+  const Handle space(H5Dget_space(data), H5Sclose);
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::array<hsize_t, 3> shape{};
+  if (rank == 2 || rank == 3) H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  require(rank != 3 || shape[0] == 1, "{}: expected one wavelength, got {}; save each as its own field", path,
+          shape[0]);
+  const hsize_t ny = shape[size_t(rank == 3)], nx = shape[size_t(rank == 3) + 1];
+  require((rank == 2 || rank == 3) && ny > 0 && nx > 0 && ny < (1u << 30) && nx < (1u << 30),
+          "{}: expected the shape (ny, nx) or (1, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
+
+  BasicField<Real> field;
+  field.samples = Array2D<std::complex<Real>>(int(ny), int(nx));
+  const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
+  require(H5Dread(data, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.samples.values.data()) >= 0,
+          "{}: expected {} × {} complex samples, but they cannot be read; the file is truncated or damaged", path, nx,
+          ny);
+  field.grid.pitch = read_number(data, "pitch_m", path);
+  field.wavelength = read_number(data, "wavelengths_m", path);
+  if (H5Aexists(data, "z_m") > 0) field.z = read_number(data, "z_m", path);
+  if (H5Aexists(data, "image") > 0) field.image = image_side_from(read_word(data, "image", path), path);
+  if (H5Aexists(data, filter_names[0]) > 0)
+    field.filter = SpectralFilter{read_number(data, filter_names[0], path), read_number(data, filter_names[1], path),
+                                  read_number(data, filter_names[2], path), read_number(data, filter_names[3], path)};
+  return field;
+}
+
+template void write_field_hdf5(const std::string&, const Field&);
+template void write_field_hdf5(const std::string&, const FieldDouble&);
+template Field read_field_hdf5(const std::string&);
+template FieldDouble read_field_hdf5(const std::string&);
+
+}  // namespace holotrace

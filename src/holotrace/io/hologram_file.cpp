@@ -1,0 +1,135 @@
+#include "holotrace/io/hologram_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/file.h"
+#include "holotrace/io/metadata.h"
+
+namespace holotrace {
+namespace {
+
+// Greys per level: the code of level ℓ is round(ℓ·scale).
+double grey_scale(int levels, Modulation modulation, int bits) {
+  const double greys = bits == 8 ? 256 : 65536;
+  return modulation == Modulation::phase ? greys / levels : (greys - 1) / (levels - 1);
+}
+
+void check_levels(int levels, const std::string& path) {
+  require(levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}", path, levels);
+}
+
+struct Greys {
+  int nx = 0, ny = 0, bits = 8;
+  std::vector<uint16_t> values;
+};
+
+Greys read_greys(const std::string& path) {
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  const auto input = OIIO::ImageInput::open(path, &config);
+  if (!input) {
+    OIIO::geterror();
+    fail("{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
+  }
+  const OIIO::ImageSpec& spec = input->spec();
+  const bool is_8 = spec.format == OIIO::TypeDesc::UINT8, is_16 = spec.format == OIIO::TypeDesc::UINT16;
+  require(is_8 || is_16, "{}: expected a hologram in 8 or 16 bits, got {}; write it as a PNG", path,
+          spec.format.c_str());
+  const size_t count = size_t(spec.width) * size_t(spec.height), channels = size_t(spec.nchannels);
+  std::vector<uint16_t> values(count * channels);
+  require(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT16, values.data()),
+          "{}: expected a hologram of {} × {} pixels, but it is truncated or damaged", path, spec.width, spec.height);
+  Greys greys{spec.width, spec.height, is_8 ? 8 : 16, std::vector<uint16_t>(count)};
+  for (size_t i = 0; i < count; ++i) {
+    const uint16_t* pixel = values.data() + i * channels;
+    require(channels < 3 || (pixel[0] == pixel[1] && pixel[1] == pixel[2]),
+            "{}: expected a grey hologram, got a coloured pixel at row {}, column {}", path, i / size_t(spec.width),
+            i % size_t(spec.width));
+    greys.values[i] = uint16_t(is_8 ? pixel[0] / 257 : pixel[0]);  // 8 bits come widened by 65535/255 = 257
+  }
+  return greys;
+}
+
+}  // namespace
+
+void save_hologram(const std::string& path, const Hologram& hologram) {
+  require(extension_of(path) == ".png", "expected a hologram file .png, got {}; change its extension", path);
+  check_levels(hologram.levels, path);
+  require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
+          path, hologram.level.nx, hologram.level.ny);
+  const int bits = hologram.levels <= 256 ? 8 : 16;
+  const double scale = grey_scale(hologram.levels, hologram.modulation, bits);
+  std::vector<uint16_t> greys;
+  greys.reserve(hologram.level.size());
+  for (uint16_t level : hologram.level.values) {
+    require(level < hologram.levels, "expected levels below {} in the hologram to save as {}, got {}", hologram.levels,
+            path, level);
+    greys.push_back(uint16_t(std::lround(level * scale)));
+  }
+  const std::vector<uint8_t> bytes(greys.begin(), greys.end());
+
+  nlohmann::ordered_json json{{"pitch_m", hologram.grid.pitch},
+                              {"wavelength_m", hologram.wavelength},
+                              {"levels", hologram.levels},
+                              {"modulation", modulation_name(hologram.modulation)},
+                              {"image", image_side_name(hologram.image)},
+                              {"encoder", hologram.encoder}};
+  if (hologram.filter) json["filter"] = filter_to_json(*hologram.filter);
+
+  OIIO::ImageSpec spec(hologram.level.nx, hologram.level.ny, 1,
+                       bits == 8 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
+  spec.attribute("oiio:ColorSpace", "Linear");
+  write_atomically(path, [&](const std::string& temporary) {
+    const auto output = OIIO::ImageOutput::create(temporary);
+    const void* values = bits == 8 ? static_cast<const void*>(bytes.data()) : greys.data();
+    const bool written =
+        output && output->open(temporary, spec) && output->write_image(spec.format, values) && output->close();
+    require(written, "expected to write {}, got \"{}\"; check the room and the permissions there", path,
+            output ? output->geterror() : OIIO::geterror());
+    write_text(sidecar_path(path), json.dump(2) + "\n");
+  });
+}
+
+Hologram load_hologram(const std::string& path) {
+  check_file_exists(path, "a hologram");
+  const Greys greys = read_greys(path);
+  Hologram hologram;
+  hologram.levels = greys.bits == 8 ? 256 : 65536;
+  const std::string sidecar = sidecar_path(path);
+  if (std::filesystem::exists(sidecar)) {
+    const nlohmann::json json = read_metadata(sidecar);
+    hologram.grid.pitch = metadata_number(json, sidecar, "pitch_m");
+    hologram.wavelength = metadata_number(json, sidecar, "wavelength_m");
+    require(hologram.grid.pitch >= 0 && hologram.wavelength >= 0,
+            "{}: expected a pitch and a wavelength of 0 m or more, got {} m and {} m", sidecar, hologram.grid.pitch,
+            hologram.wavelength);
+    const double levels = metadata_number(json, sidecar, "levels", double(hologram.levels));
+    require(levels == std::floor(levels) && levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}",
+            sidecar, levels);
+    hologram.levels = int(levels);
+    hologram.modulation = modulation_from(metadata_text(json, sidecar, "modulation", "phase"), sidecar);
+    hologram.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
+    hologram.encoder = metadata_text(json, sidecar, "encoder", "");
+    hologram.filter = filter_from_json(json, sidecar);
+  }
+  const double scale = grey_scale(hologram.levels, hologram.modulation, greys.bits);
+  hologram.grid.nx = greys.nx;
+  hologram.grid.ny = greys.ny;
+  hologram.level = Array2D<uint16_t>(greys.ny, greys.nx);
+  for (size_t i = 0; i < greys.values.size(); ++i) {
+    const long level = std::lround(greys.values[i] / scale);
+    require(level < hologram.levels && std::lround(double(level) * scale) == greys.values[i],
+            "{}: expected the greys of {} levels, got {} at row {}, column {}; correct \"levels\" in {} or write the "
+            "hologram again, without scaling or compression loss",
+            path, hologram.levels, greys.values[i], i / size_t(greys.nx), i % size_t(greys.nx), sidecar);
+    hologram.level.values[i] = uint16_t(level);
+  }
+  return hologram;
+}
+
+}  // namespace holotrace

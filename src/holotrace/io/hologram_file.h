@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "holotrace/data/hologram.h"
+
+namespace holotrace {
+
+/// Writes what goes to the panel as a PNG of raw grey levels, not sRGB-coded, and beside it
+/// NAME.json {pitch_m, wavelength_m, levels, modulation, image, encoder, filter}. Of M levels:
+///
+///     phase:      grey = round(ℓ·256/M)      in 8 bits (M ≤ 256), or round(ℓ·65536/M) in 16 bits
+///     amplitude:  grey = round(ℓ·255/(M−1))  in 8 bits (M ≤ 256), or round(ℓ·65535/(M−1)) in 16 bits
+///
+/// so that grey g of 8 bits always means the phase 2πg/256 or the amplitude g/255.
+/// @throws Error for another extension, and where write_atomically throws
+void save_hologram(const std::string& path, const Hologram& hologram);
+
+/// Reads what save_hologram wrote. Without a sidecar: a phase hologram of 256 or 65536 levels by the
+/// file's bits, pitch 0 and wavelength 0 for the caller to fill in.
+/// @throws Error naming the file if it is not an image, has colours, or greys that are no level
+Hologram load_hologram(const std::string& path);
+
+}  // namespace holotrace

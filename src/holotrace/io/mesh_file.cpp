@@ -1,0 +1,199 @@
+#include "holotrace/io/mesh_file.h"
+
+#include <assimp/config.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <filesystem>
+
+#include "holotrace/base/error.h"
+#include "holotrace/data/shapes.h"
+#include "holotrace/io/file.h"
+#include "holotrace/io/image_file.h"
+#include "holotrace/io/ply.h"
+
+namespace holotrace {
+namespace {
+
+Vec3 to_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+Frame to_frame(const aiMatrix4x4& m) {
+  return {{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}, {m.a4, m.b4, m.c4}};
+}
+
+struct Reader {
+  const std::string& path;
+  const aiScene& scene;
+  LoadedModel model;
+  size_t primitives_left_out = 0;
+
+  void warn(const std::string& sentence) {
+    const std::string warning = path + ": " + sentence;
+    if (std::find(model.warnings.begin(), model.warnings.end(), warning) == model.warnings.end())
+      model.warnings.push_back(warning);
+  }
+
+  std::shared_ptr<const Image> read_texture(const aiString& name) {
+    const std::string label = fmt::format("{} (texture \"{}\")", path, name.C_Str());
+    if (const aiTexture* embedded = scene.GetEmbeddedTexture(name.C_Str())) {
+      if (embedded->mHeight == 0)  // still compressed, mWidth bytes of it
+        return std::make_shared<Image>(decode_image(embedded->pcData, embedded->mWidth, label));
+      warn(fmt::format("the uncompressed texture \"{}\" is not shown", name.C_Str()));
+      return nullptr;
+    }
+    std::string relative = name.C_Str();
+    std::replace(relative.begin(), relative.end(), '\\', '/');
+    const auto file = std::filesystem::path(path).parent_path() / relative;
+    if (!std::filesystem::exists(file)) {
+      warn(fmt::format("the texture {} is missing, the plain colour is shown", file.string()));
+      return nullptr;
+    }
+    return std::make_shared<Image>(load_image(file.string()));
+  }
+
+  void read_material(const aiMaterial& source) {
+    DiffuseMaterial material;
+    const std::string name = source.GetName().C_Str();
+    const bool is_default = name == AI_DEFAULT_MATERIAL_NAME;
+    aiColor4D colour;
+    if (!is_default && (source.Get(AI_MATKEY_BASE_COLOR, colour) == aiReturn_SUCCESS ||
+                        source.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == aiReturn_SUCCESS)) {
+      const auto albedo = [&](float value) {
+        if (!(value >= 0 && value <= 1))
+          warn(fmt::format("material \"{}\" has a colour outside [0, 1], which is clipped", name));
+        return value > 0 ? std::min(double(value), 1.0) : 0.0;
+      };
+      material.reflectance = {albedo(colour.r), albedo(colour.g), albedo(colour.b)};
+      if (colour.a < 1) warn(fmt::format("material \"{}\" is see-through, it is shown opaque", name));
+    }
+    aiColor3D emission;
+    if (source.Get(AI_MATKEY_COLOR_EMISSIVE, emission) == aiReturn_SUCCESS && std::isfinite(emission.r) &&
+        std::isfinite(emission.g) && std::isfinite(emission.b))
+      material.emission = {std::max(emission.r, 0.f), std::max(emission.g, 0.f), std::max(emission.b, 0.f)};
+    float metallic = 0, opacity = 1;
+    if (source.Get(AI_MATKEY_METALLIC_FACTOR, metallic) == aiReturn_SUCCESS && metallic > 0)
+      warn(fmt::format("material \"{}\" is metallic, it is shown diffuse", name));
+    if (source.Get(AI_MATKEY_OPACITY, opacity) == aiReturn_SUCCESS && opacity < 1)
+      warn(fmt::format("material \"{}\" is see-through, it is shown opaque", name));
+    if (source.GetTextureCount(aiTextureType_NORMALS) > 0 || source.GetTextureCount(aiTextureType_HEIGHT) > 0)
+      warn(fmt::format("material \"{}\" has a normal or bump map, which is not shown", name));
+    aiString texture;
+    if (source.GetTexture(aiTextureType_BASE_COLOR, 0, &texture) == aiReturn_SUCCESS ||
+        source.GetTexture(aiTextureType_DIFFUSE, 0, &texture) == aiReturn_SUCCESS)
+      material.texture = read_texture(texture);
+    model.materials.push_back(material);
+  }
+
+  void read_mesh(const aiMesh& source, const Frame& frame) {
+    Mesh mesh;
+    mesh.name = source.mName.length > 0 ? source.mName.C_Str() : std::filesystem::path(path).stem().string();
+    mesh.material = int(source.mMaterialIndex);
+    mesh.positions.reserve(source.mNumVertices);
+    for (unsigned i = 0; i < source.mNumVertices; ++i) {
+      const Vec3 p = to_vec3(source.mVertices[i]);
+      require(is_finite(p), "{}: expected finite coordinates in mesh \"{}\", got ({}, {}, {}) at vertex {}", path,
+              mesh.name, p.x, p.y, p.z, i);
+      mesh.positions.push_back(p);
+    }
+    bool normals_are_whole = source.HasNormals();
+    for (unsigned i = 0; normals_are_whole && i < source.mNumVertices; ++i) {
+      const Vec3 n = to_vec3(source.mNormals[i]);
+      normals_are_whole = is_finite(n) && length(n) > 0;
+      if (normals_are_whole) mesh.normals.push_back(normalize(n));
+    }
+    if (source.HasNormals() && !normals_are_whole) {
+      mesh.normals.clear();
+      warn(fmt::format("mesh \"{}\" has normals without a direction, it is shown flat", mesh.name));
+    }
+    if (source.HasTextureCoords(0))
+      for (unsigned i = 0; i < source.mNumVertices; ++i) {
+        const aiVector3D t = source.mTextureCoords[0][i];
+        require(std::isfinite(t.x) && std::isfinite(t.y),
+                "{}: expected finite texture coordinates in mesh \"{}\", got ({}, {}) at vertex {}", path, mesh.name,
+                t.x, t.y, i);
+        mesh.texture_coordinates.push_back({t.x, t.y});
+      }
+    for (unsigned f = 0; f < source.mNumFaces; ++f) {
+      const aiFace& face = source.mFaces[f];
+      if (face.mNumIndices != 3) {
+        ++primitives_left_out;
+        continue;
+      }
+      for (unsigned i = 0; i < 3; ++i)
+        require(face.mIndices[i] < source.mNumVertices,
+                "{}: expected vertex indices below {} in mesh \"{}\", got {} in face {}", path, source.mNumVertices,
+                mesh.name, face.mIndices[i], f);
+      mesh.triangles.push_back({face.mIndices[0], face.mIndices[1], face.mIndices[2]});
+    }
+    if (source.HasBones()) warn(fmt::format("mesh \"{}\" has bones, it is shown at rest", mesh.name));
+    if (source.mNumAnimMeshes > 0) warn(fmt::format("mesh \"{}\" has morph targets, which are not shown", mesh.name));
+    if (mesh.triangles.empty()) return;
+    transform_mesh(frame, mesh);
+    model.meshes.push_back(std::move(mesh));
+  }
+
+  void read_node(const aiNode& node, const Frame& parent) {
+    const Frame frame = compose(parent, to_frame(node.mTransformation));
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) read_mesh(*scene.mMeshes[node.mMeshes[i]], frame);
+    for (unsigned i = 0; i < node.mNumChildren; ++i) read_node(*node.mChildren[i], frame);
+  }
+
+  LoadedModel read() {
+    for (unsigned i = 0; i < scene.mNumMaterials; ++i) read_material(*scene.mMaterials[i]);
+    if (model.materials.empty()) model.materials.push_back(DiffuseMaterial{});
+    read_node(*scene.mRootNode, Frame{});
+    require(!model.meshes.empty(), "{}: expected a mesh with triangles, got none", path);
+    if (primitives_left_out > 0) warn(fmt::format("{} points and lines are not shown", primitives_left_out));
+    if (scene.HasAnimations()) warn("the animations are not shown, the model is at rest");
+    if (scene.HasLights()) warn("the lights are not used; place them in the scene");
+    if (scene.HasCameras()) warn("the cameras are not used");
+    return std::move(model);
+  }
+};
+
+// The triangle soup of the OpenHolo library: rows of vertices, three to a face.
+LoadedModel from_soup(const PlyVertices& vertices) {
+  const auto& x = vertices.column("x");
+  const auto& y = vertices.column("y");
+  const auto& z = vertices.column("z");
+  require(vertices.count > 0 && vertices.count % 3 == 0, "{}: expected three vertices per face, got {} vertices",
+          vertices.path, vertices.count);
+  Mesh mesh;
+  mesh.name = std::filesystem::path(vertices.path).stem().string();
+  for (size_t i = 0; i < vertices.count; ++i) {
+    mesh.positions.push_back({x[i], y[i], z[i]});
+    require(is_finite(mesh.positions.back()), "{}: expected finite coordinates, got ({}, {}, {}) at vertex {}",
+            vertices.path, x[i], y[i], z[i], i);
+  }
+  for (uint32_t i = 0; i < vertices.count; i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
+  return {{DiffuseMaterial{}}, {mesh}, {vertices.path + ": the colours of its vertices are not shown"}};
+}
+
+}  // namespace
+
+LoadedModel load_meshes(const std::string& path) {
+  check_file_exists(path, "a mesh");
+  const std::string extension = extension_of(path);
+  const bool known = extension == ".obj" || extension == ".ply" || extension == ".gltf" || extension == ".glb";
+  require(known, "expected a mesh file .obj, .ply, .gltf or .glb, got {}; convert it", path);
+  if (extension == ".ply") {
+    const PlyVertices vertices = read_ply(path);
+    if (vertices.find("face_idx")) return from_soup(vertices);
+    require(vertices.count > 0, "{}: expected a mesh with vertices, got none", path);
+  }
+  Assimp::Importer importer;
+  // Validation turns indices out of range into an error before any other step trusts them.
+  const aiScene* scene = importer.ReadFile(
+      path, aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
+  if (!scene || !scene->mRootNode || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE)) {
+    std::string reason = importer.GetErrorString();
+    fail("{}: expected a mesh, but it is damaged ({}); export it again", path, reason.empty() ? "incomplete" : reason);
+  }
+  return Reader{path, *scene, {}, 0}.read();
+}
+
+}  // namespace holotrace

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "holotrace/data/field.h"
+#include "holotrace/data/slm.h"
+
+// The metadata beside fields and holograms, as JSON. Used by the files of this room only.
+
+namespace holotrace {
+
+/// Parses the sidecar at `path`.
+/// @throws Error with file, line and column for broken JSON, and for what is not an object
+nlohmann::json read_metadata(const std::string& path);
+
+/// A number of a JSON object, or `fallback` where the key is absent and a fallback is given.
+/// @throws Error naming file and key for what is missing, no number, or not finite
+double metadata_number(const nlohmann::json& json, const std::string& path, const char* key,
+                       std::optional<double> fallback = std::nullopt);
+
+/// A text of a JSON object, `fallback` where the key is absent.
+/// @throws Error naming file and key for what is no text
+std::string metadata_text(const nlohmann::json& json, const std::string& path, const char* key,
+                          const std::string& fallback);
+
+const char* image_side_name(ImageSide side);                                   ///< "virtual" or "real"
+ImageSide image_side_from(const std::string& name, const std::string& path);   ///< @throws Error naming the file
+const char* modulation_name(Modulation modulation);                            ///< "phase" or "amplitude"
+Modulation modulation_from(const std::string& name, const std::string& path);  ///< @throws Error naming the file
+
+nlohmann::json filter_to_json(const SpectralFilter& filter);
+
+/// The filter of a JSON object, none where the key "filter" is absent or null.
+std::optional<SpectralFilter> filter_from_json(const nlohmann::json& json, const std::string& path);
+
+}  // namespace holotrace

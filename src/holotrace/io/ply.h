@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace holotrace {
+
+/// The vertices of a PLY file: each scalar property as a column of doubles.
+struct PlyVertices {
+  std::string path;
+  std::vector<std::string> comments;  ///< without the word "comment"
+  size_t count = 0;
+  std::vector<std::string> names;            ///< of the scalar properties, in the order of the file
+  std::vector<std::vector<double>> columns;  ///< count values each
+
+  /// The column of that name, nullptr where there is none.
+  const std::vector<double>* find(const std::string& name) const;
+  /// @throws Error naming the file and the property if there is none
+  const std::vector<double>& column(const std::string& name) const;
+};
+
+/// Reads the element "vertex" of a PLY file: ascii or binary of either byte order, numbers of any
+/// type. Other elements and lists are passed over.
+/// @throws Error naming the file, and the line in its text, for what is missing, malformed or truncated
+///
+/// Reference: G. Turk, The PLY Polygon File Format, 1994.
+PlyVertices read_ply(const std::string& path);
+
+}  // namespace holotrace

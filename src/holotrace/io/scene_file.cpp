@@ -1,0 +1,159 @@
+#include "holotrace/io/scene_file.h"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/file.h"
+#include "holotrace/io/image_file.h"
+#include "holotrace/io/params_toml.h"
+#include "holotrace/io/scene_objects.h"
+
+namespace holotrace {
+namespace {
+
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+Slm read_slm(TomlTable table) {
+  std::string preset = "pluto";
+  table.text("preset", preset);
+  Slm slm;
+  table.locate("preset", [&] { slm = slm_preset(preset); });
+  const Grid standard = slm.grid;
+  table.count("columns", slm.grid.nx);
+  table.count("rows", slm.grid.ny);
+  table.length("pitch", slm.grid.pitch);
+  table.count("levels", slm.levels);
+  table.number("fill_factor", slm.fill_factor);
+  table.choice("modulation", slm.modulation, {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}});
+  table.length("design_wavelength", slm.design_wavelength);
+  if (!(slm.grid == standard)) slm.name = "custom";
+  table.text("name", slm.name);
+  table.refuse_unknown_keys();
+  table.locate("", [&] { check_slm(slm); });
+  return slm;
+}
+
+Material read_material(TomlTable table, const std::filesystem::path& folder) {
+  std::string type = "diffuse";
+  table.text("type", type);
+  if (type != "diffuse") throw Error(table.where("type") + unknown_name_message("material type", type, {"diffuse"}));
+  DiffuseMaterial material;
+  table.colour("reflectance", material.reflectance, 1);
+  table.colour("emission", material.emission, unbounded);
+  std::string texture;
+  table.text("texture", texture);
+  table.refuse_unknown_keys();
+  if (!texture.empty()) {
+    table.locate("texture",
+                 [&] { material.texture = std::make_shared<Image>(load_image((folder / texture).string())); });
+    if (!table.has("reflectance")) material.reflectance = {1, 1, 1};  // the texture alone
+  }
+  return material;
+}
+
+Light read_light(TomlTable table) {
+  table.require_key("type");
+  std::string type;
+  table.text("type", type);
+  if (type == "point") {
+    PointLight light;
+    table.require_key("position");
+    table.require_key("intensity");
+    table.length_vector("position", light.position);
+    table.colour("intensity", light.intensity, unbounded);
+    table.refuse_unknown_keys();
+    return light;
+  }
+  if (type == "rectangle") {
+    RectangleLight light;
+    for (const char* key : {"corner", "edge_u", "edge_v", "radiance"}) table.require_key(key);
+    table.length_vector("corner", light.corner);
+    table.length_vector("edge_u", light.edge_u);
+    table.length_vector("edge_v", light.edge_v);
+    table.colour("radiance", light.radiance, unbounded);
+    table.refuse_unknown_keys();
+    require(length(cross(light.edge_u, light.edge_v)) > 0,
+            "{}expected edges edge_u and edge_v that span a rectangle, got parallel or empty ones", table.where(""));
+    return light;
+  }
+  throw Error(table.where("type") + unknown_name_message("light type", type, {"point", "rectangle"}));
+}
+
+// What a stage would refuse, with the place in the file.
+void check_params(const Job& job, TomlTable& root) {
+  const auto check = [&](const char* section, const char* key, bool holds, const char* expected) {
+    if (holds) return;
+    const auto table = root.table(section);
+    fail("{}expected {} for \"{}\" in [{}]", table ? table->where(key) : root.where(""), expected, key, section);
+  };
+  constexpr const char* one = "1 or more";
+  check("trace", "columns", job.trace.columns >= 1, one);
+  check("trace", "rows", job.trace.rows >= 1, one);
+  check("trace", "samples", job.trace.samples >= 1, one);
+  check("trace", "paths", job.trace.paths >= 1, one);
+  check("trace", "max_depth", job.trace.max_depth >= 1, one);
+  check("render", "rows", job.render.rows >= 1, one);
+  check("render", "paths", job.render.paths >= 1, one);
+  check("render", "max_depth", job.render.max_depth >= 1, one);
+  check("synthesize", "tolerance", job.synthesize.tolerance > 0, "a number above 0");
+  check("encode", "levels", job.encode.levels == 0 || (job.encode.levels >= 2 && job.encode.levels <= 65536),
+        "0 or 2 to 65536");
+  check("show", "subpixels", job.show.subpixels >= 1, one);
+  check("camera", "bits", job.camera.bits == 8 || job.camera.bits == 16, "8 or 16");
+}
+
+Job read_job(TomlTable& root, const std::string& path) {
+  const auto folder = std::filesystem::path(path).parent_path();
+  Job job;
+  for (const char* section : {"slm", "materials", "light", "object", "shape", "background", "trace", "render",
+                              "synthesize", "encode", "show", "propagate", "camera"})
+    root.know(section);
+  root.require_key("wavelength");
+  root.refuse_unknown_keys();
+
+  root.length("wavelength", job.wavelength);
+  root.locate("wavelength", [&] { check_wavelength(job.wavelength); });
+  root.colour("background", job.scene.background, unbounded);
+  const auto slm = root.table("slm");
+  job.slm = slm ? read_slm(*slm) : slm_preset("pluto");
+
+  SceneObjects objects(folder, job);
+  std::vector<std::string> names;
+  const auto materials = root.named_tables("materials", names);
+  for (size_t i = 0; i < materials.size(); ++i) objects.add_material(names[i], read_material(materials[i], folder));
+  for (const TomlTable& light : root.tables("light")) job.scene.lights.push_back(read_light(light));
+  if (auto shapes = root.table("shape")) objects.add_shapes(*shapes);
+  for (const TomlTable& object : root.tables("object")) objects.add_object(object);
+  objects.check_unused_shapes();
+
+  read_params(root, "trace", job.trace);
+  read_params(root, "render", job.render);
+  read_params(root, "synthesize", job.synthesize);
+  read_params(root, "encode", job.encode);
+  read_params(root, "show", job.show);
+  read_params(root, "propagate", job.propagate);
+  read_params(root, "camera", job.camera);
+  check_params(job, root);
+  root.locate("", [&] { check_scene(job.scene); });
+  return job;
+}
+
+}  // namespace
+
+Job load_job(const std::string& path) {
+  check_file_exists(path, "a scene file");
+  const std::string text = read_text(path);
+  toml::table parsed;
+  try {
+    parsed = toml::parse(text, path);
+  } catch (const toml::parse_error& e) {
+    const auto at = e.source().begin;
+    fail("{}:{}:{}: expected valid TOML, but: {}", path, at.line, at.column, e.description());
+  }
+  TomlTable root(parsed, path, "the scene file");
+  return read_job(root, path);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "holotrace/data/job.h"
+
+namespace holotrace {
+
+/// Reads a scene file (TOML): the scene, the light, the panel, and the parameters of every stage.
+/// The format is described in docs/scene_format.md. Files that it names are sought beside it.
+/// @throws Error starting with file:line:column for what is missing, unknown (naming the nearest known
+///         name), without a unit, out of range, or in front of the panel
+Job load_job(const std::string& path);
+
+}  // namespace holotrace

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/suggest.h"
+#include "holotrace/base/vec.h"
+#include "holotrace/data/params.h"
+
+namespace holotrace {
+
+/// One table of a TOML file, read key by key. Each reader leaves its value alone where the key is
+/// absent, and remembers the key, so that refuse_unknown_keys can name the others. It has the
+/// members that `describe` of data/params.h asks of a visitor: a parameter set reads itself by
+/// describe(table, params).
+///
+/// Every Error starts with file:line:column.
+class TomlTable {
+ public:
+  /// @param name  what errors call the table: "[slm]"; the table outlives this view of it
+  TomlTable(const toml::table& table, std::string file, std::string name)
+      : table_(&table), file_(std::move(file)), name_(std::move(name)) {}
+
+  const std::string& name() const { return name_; }
+  const toml::table& toml() const { return *table_; }
+  bool has(const char* key) const { return table_->contains(key); }
+
+  /// "file:line:column: " of a key's value, or of the table where the key is "" or absent.
+  std::string where(const char* key) const;
+
+  /// Runs `read`; an Error it throws gets the place of the key in front.
+  template <class Read>
+  void locate(const char* key, const Read& read) const {
+    try {
+      read();
+    } catch (const Error& e) {
+      if (std::string_view(e.what()).starts_with(file_ + ":")) throw;
+      throw Error(where(key) + e.what());
+    }
+  }
+
+  void count(const char* key, int& value, const char* help = "");                    ///< a whole number ≥ 0
+  void count(const char* key, int64_t& value, const char* help = "");                ///< a whole number ≥ 0
+  void number(const char* key, double& value, const char* help = "");                ///< a finite number ≥ 0
+  void flag(const char* key, bool& value, const char* help = "");                    ///< true or false
+  void text(const char* key, std::string& value);                                    ///< a text that is not empty
+  void length(const char* key, double& value, const char* help = "");                ///< "8 um", ≥ 0 m
+  void lengths(const char* key, std::vector<double>& value, const char* help = "");  ///< "1 2 mm" or a list, each ≥ 0
+  void angle(const char* key, double& value, const char* help = "");                 ///< "15 deg"
+
+  /// One of a few names.
+  template <class Enum>
+  void choice(const char* key, Enum& value, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices,
+              const char* = "") {
+    std::string name;
+    text(key, name);
+    if (name.empty()) return;
+    std::vector<std::string> names;
+    for (const Choice<Enum>& choice : choices) {
+      if (name == choice.name) {
+        value = choice.value;
+        return;
+      }
+      names.push_back(choice.name);
+    }
+    throw Error(where(key) + unknown_name_message(key, name, names));
+  }
+
+  void length_vector(const char* key, Vec3& value);                ///< "0 0 -300 mm" or three texts, of any sign
+  void length_vectors(const char* key, std::vector<Vec3>& value);  ///< a list of such texts
+  void colour(const char* key, Vec3& value, double most);          ///< one number or [r, g, b], each in [0, most]
+  void rotation(const char* key, Frame& value);                    ///< "y 30 deg" or a list of turns, first one first
+  void outline(const char* key, std::vector<Vec2>& value);         ///< { unit = "mm", points = [[1, 2], …] }
+
+  std::optional<TomlTable> table(const char* key);                                        ///< the table [key]
+  std::vector<TomlTable> tables(const char* key);                                         ///< the tables [[key]]
+  std::vector<TomlTable> named_tables(const char* key, std::vector<std::string>& names);  ///< the tables [key.NAME]
+
+  /// Makes a key known before it is read.
+  void know(const char* key) { known_.insert(key); }
+
+  /// @throws Error unless the table has the key. A misspelt key is named instead, if one is near.
+  void require_key(const char* key);
+
+  /// @throws Error for the first key that no reader asked for, naming the nearest that one did
+  void refuse_unknown_keys() const;
+
+ private:
+  const toml::node* find(const char* key);
+  [[noreturn]] void fail_kind(const char* key, const char* expected, const toml::node& got) const;
+  std::string place(const toml::source_region& source) const;
+  std::string length_text(const char* key, const toml::node& node) const;
+  std::vector<double> read_lengths(const char* key, const toml::node& node) const;
+  Vec3 read_vector(const char* key, const toml::node& node) const;
+
+  const toml::table* table_;
+  std::string file_;
+  std::string name_;
+  std::set<std::string> known_;
+};
+
+}  // namespace holotrace

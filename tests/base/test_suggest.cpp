@@ -1,0 +1,22 @@
+#include <gtest/gtest.h>
+
+#include "holotrace/base/suggest.h"
+
+namespace holotrace {
+namespace {
+
+TEST(Suggest, AMisspeltNameFindsItsNeighbour) {
+  EXPECT_EQ(nearest_name("wavelenght", {"levels", "wavelength", "pitch"}), "wavelength");
+  EXPECT_EQ(nearest_name("pluot", {"gaea", "ideal", "pluto"}), "pluto");
+}
+
+TEST(Suggest, ANameFarFromAllHasNoNeighbour) { EXPECT_EQ(nearest_name("temperature", {"pitch", "rows"}), ""); }
+
+TEST(Suggest, MessagesNameTheNearestOrListAll) {
+  EXPECT_EQ(unknown_name_message("key", "ptich", {"pitch", "rows"}), "unknown key \"ptich\"; did you mean \"pitch\"?");
+  EXPECT_EQ(unknown_name_message("key", "temperature", {"pitch", "rows"}),
+            "unknown key \"temperature\"; known: pitch, rows");
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,69 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/base/units.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+
+// A decimal number and a power of ten divide with one rounding, so the result is the double nearest
+// to the length, which is what the compiler makes of the literal: equality is exact.
+TEST(Units, LengthsRoundOnce) {
+  EXPECT_EQ(parse_length("532 nm"), 532e-9);
+  EXPECT_EQ(parse_length("632.8 nm"), 632.8e-9);
+  EXPECT_EQ(parse_length("3.74um"), 3.74e-6);
+  EXPECT_EQ(parse_length("8 µm"), 8e-6);
+  EXPECT_EQ(parse_length("8 μm"), 8e-6);
+  EXPECT_EQ(parse_length("-300 mm"), -0.3);
+  EXPECT_EQ(parse_length("1.1 cm"), 0.011);
+  EXPECT_EQ(parse_length("+0.3 m"), 0.3);
+}
+
+TEST(Units, LiteralsAndTextsAgree) {
+  using namespace literals;
+  EXPECT_EQ(532_nm, parse_length("532 nm"));
+  EXPECT_EQ(8.0_um, parse_length("8 um"));
+  EXPECT_EQ(300_mm, parse_length("300 mm"));
+}
+
+TEST(Units, AnglesAreInRadians) {
+  EXPECT_DOUBLE_EQ(parse_angle("180 deg"), pi);
+  EXPECT_EQ(parse_angle("0.25 rad"), 0.25);
+  EXPECT_EQ(parse_angle("3 mrad"), 0.003);
+}
+
+TEST(Units, LengthsShareATrailingUnitOrCarryTheirOwn) {
+  EXPECT_EQ(parse_lengths("0 0 -300 mm"), (std::vector<double>{0, 0, -0.3}));
+  EXPECT_EQ(parse_lengths("1 mm, 2 um, 0.3 m"), (std::vector<double>{1e-3, 2e-6, 0.3}));
+}
+
+TEST(Units, ErrorsSayWhatWasExpected) {
+  EXPECT_EQ(error_of([] { parse_length("300"); }),
+            "expected a length with its unit, such as \"300 mm\", got \"300\" without a unit");
+  EXPECT_EQ(error_of([] { parse_length("300 inch"); }),
+            "expected a length in one of the units nm, um, µm, mm, cm, m, got \"300 inch\"");
+  EXPECT_EQ(error_of([] { parse_length("far"); }), "expected a length with its unit, such as \"300 mm\", got \"far\"");
+  EXPECT_EQ(error_of([] { parse_length(""); }), "expected a length with its unit, such as \"300 mm\", got \"\"");
+  EXPECT_EQ(error_of([] { parse_length("nan m"); }), "expected a length that is finite, got \"nan m\"");
+  EXPECT_EQ(error_of([] { parse_length("inf m"); }), "expected a length that is finite, got \"inf m\"");
+  EXPECT_EQ(error_of([] { parse_length("1 mm 2 mm"); }), "expected one length, got 2 in \"1 mm 2 mm\"");
+  EXPECT_EQ(error_of([] { parse_angle("15"); }),
+            "expected an angle with its unit, such as \"15 deg\", got \"15\" without a unit");
+  EXPECT_EQ(error_of([] { parse_angle("15 turns"); }),
+            "expected an angle in one of the units deg, mrad, rad, got \"15 turns\"");
+}
+
+TEST(Units, PeopleReadLengthsInTheUnitThatSuits) {
+  EXPECT_EQ(format_length(532e-9), "532 nm");
+  EXPECT_EQ(format_length(8e-6), "8 µm");
+  EXPECT_EQ(format_length(0.3), "300 mm");
+  EXPECT_EQ(format_length(0), "0 m");
+  EXPECT_EQ(format_bytes(34.4 * 1024 * 1024 * 1024), "34.4 GiB");
+}
+
+}  // namespace
+}  // namespace holotrace

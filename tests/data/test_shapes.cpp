@@ -1,0 +1,250 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "holotrace/base/units.h"
+#include "holotrace/data/shapes.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+
+using Key = std::tuple<double, double, double>;
+Key key(Vec3 p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0}; }  // + 0.0 makes −0 a 0
+
+double area(const Mesh& mesh) {
+  double sum = 0;
+  for (auto [a, b, c] : mesh.triangles) {
+    const Vec3 p = mesh.positions[a];
+    sum += length(cross(mesh.positions[b] - p, mesh.positions[c] - p)) / 2;
+  }
+  return sum;
+}
+
+// By the divergence theorem; positive when triangles turn outward.
+double volume(const Mesh& mesh) {
+  double sum = 0;
+  for (auto [a, b, c] : mesh.triangles) sum += dot(mesh.positions[a], cross(mesh.positions[b], mesh.positions[c])) / 6;
+  return sum;
+}
+
+// Every edge is run once each way, corners compared bit for bit.
+bool is_closed(const Mesh& mesh) {
+  std::map<std::pair<Key, Key>, int> edges;
+  for (const auto& t : mesh.triangles)
+    for (size_t i = 0; i < 3; ++i) {
+      const Key a = key(mesh.positions[t[i]]), b = key(mesh.positions[t[(i + 1) % 3]]);
+      ++edges[{a, b}];
+      --edges[{b, a}];
+    }
+  for (const auto& [edge, balance] : edges)
+    if (balance != 0) return false;
+  return true;
+}
+
+// Normals are unit and on the side their triangle looks to.
+void expect_sound_normals(const Mesh& mesh) {
+  ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
+  ASSERT_EQ(mesh.texture_coordinates.size(), mesh.positions.size());
+  for (const auto& t : mesh.triangles) {
+    const Vec3 p = mesh.positions[t[0]];
+    const Vec3 face = cross(mesh.positions[t[1]] - p, mesh.positions[t[2]] - p);
+    for (uint32_t i : t) {
+      EXPECT_NEAR(length(mesh.normals[i]), 1, 1e-14);  // a few roundings
+      EXPECT_GT(dot(mesh.normals[i], face), 0);
+    }
+  }
+}
+
+TEST(Shapes, AWireframeCubeCountsItsCornersOnce) {
+  for (int n : {2, 3, 11}) {
+    const auto points = make_wireframe_cube(0.02, n);
+    EXPECT_EQ(points.size(), size_t(12 * n - 16));  // 12 (n − 2) between 8 corners
+    std::set<Key> different;
+    for (const ScenePoint& p : points) {
+      different.insert(key(p.position));
+      // On an edge two coordinates are ±half the side.
+      const int at_side =
+          (std::abs(p.position.x) == 0.01) + (std::abs(p.position.y) == 0.01) + (std::abs(p.position.z) == 0.01);
+      EXPECT_GE(at_side, 2);
+      EXPECT_EQ(p.amplitude, 1);
+    }
+    EXPECT_EQ(different.size(), points.size());
+  }
+}
+
+TEST(Shapes, AWireframeSphereHasItsPointsOnceAndOnItsRadius) {
+  // 2 poles + 4 half circles of 7 points between the poles + 3 parallels of 16. The parallels pass
+  // points of the meridians (16 / 4 meridians, at multiples of 2 of the 8 steps): 3·4 points shared.
+  const auto points = make_wireframe_sphere(0.02, 4, 3, 16);
+  EXPECT_EQ(points.size(), 2u + 4 * 7 + 3 * 16 - 3 * 4);
+  for (size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(length(points[i].position), 0.01, 1e-17);  // a few ulps of 0.01
+    for (size_t j = 0; j < i; ++j) EXPECT_GT(length(points[i].position - points[j].position), 1e-6);
+  }
+}
+
+TEST(Shapes, APointQuadSpansItsRectangleFromTheTopLeft) {
+  const auto points = make_point_quad(0.04, 0.02, 5, 3);
+  ASSERT_EQ(points.size(), 15u);
+  EXPECT_EQ(points.front().position, (Vec3{-0.02, 0.01, 0}));
+  EXPECT_EQ(points.back().position, (Vec3{0.02, -0.01, 0}));
+}
+
+TEST(Shapes, ATextureGivesAPointQuadTheRootOfItsLuminance) {
+  Image texture(1, 2, 3);
+  texture.values = {0, 0, 0, 0.25f, 0.25f, 0.25f};
+  const auto points = make_point_quad(1, 1, 3, 2, &texture);
+  EXPECT_EQ(points[0].amplitude, 0);
+  EXPECT_NEAR(points[1].amplitude, std::sqrt(0.125), 1e-7);  // halfway between the pixels; float
+  EXPECT_NEAR(points[2].amplitude, 0.5, 1e-7);
+}
+
+TEST(Shapes, AQuadFacesTheViewer) {
+  const Mesh quad = make_quad(0.04, 0.02);
+  EXPECT_EQ(quad.triangles.size(), 2u);
+  EXPECT_NEAR(area(quad), 8e-4, 1e-18);
+  expect_sound_normals(quad);
+  for (Vec3 n : quad.normals) EXPECT_EQ(n, (Vec3{0, 0, 1}));
+}
+
+TEST(Shapes, ABoxIsClosedAndHasItsAreaAndVolume) {
+  const Mesh box = make_box({1, 2, 3});
+  EXPECT_EQ(box.triangles.size(), 12u);
+  EXPECT_TRUE(is_closed(box));
+  EXPECT_NEAR(area(box), 22, 1e-13);   // 2 (1·2 + 2·3 + 3·1)
+  EXPECT_NEAR(volume(box), 6, 1e-13);  // 1·2·3
+  expect_sound_normals(box);
+}
+
+TEST(Shapes, ASphereIsClosedAndNearsItsVolume) {
+  for (int segments : {8, 9, 64}) {
+    const Mesh sphere = make_sphere(2, segments);
+    EXPECT_TRUE(is_closed(sphere));
+    expect_sound_normals(sphere);
+    // A regular n-gon lies within (2π/n)²/6 of its circle's area; the profile loses as much again.
+    const double loss = std::pow(2 * pi / segments, 2) / 6;
+    EXPECT_LT(volume(sphere), 4 * pi / 3);
+    EXPECT_GT(volume(sphere), 4 * pi / 3 * (1 - 2.5 * loss));
+    for (size_t i = 0; i < sphere.positions.size(); ++i) {
+      EXPECT_NEAR(length(sphere.positions[i]), 1, 1e-15);
+      EXPECT_NEAR(dot(sphere.normals[i], sphere.positions[i]), 1, 1e-15);
+    }
+  }
+}
+
+// Of n steps, a circle becomes an n-gon of area (n/2) sin(2π/n) r².
+double polygon_area(int n) { return n / 2.0 * std::sin(2 * pi / n); }
+
+TEST(Shapes, ALatheOfARectangleIsACylinderEitherWayRound) {
+  const std::vector<Vec2> up{{0, -1}, {1, -1}, {1, 1}, {0, 1}}, down{{0, 1}, {1, 1}, {1, -1}, {0, -1}};
+  for (const auto& profile : {up, down}) {
+    const Mesh cylinder = make_lathe(profile, 12);
+    EXPECT_TRUE(is_closed(cylinder));
+    expect_sound_normals(cylinder);
+    EXPECT_NEAR(volume(cylinder), 2 * polygon_area(12), 1e-13);
+    EXPECT_EQ(cylinder.triangles.size(), 48u);  // two fans of 12 and 12 rectangles
+  }
+}
+
+TEST(Shapes, ALatheOfAClosedProfileIsARing) {
+  const Mesh ring = make_lathe({{1, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 0}}, 16);
+  EXPECT_TRUE(is_closed(ring));
+  expect_sound_normals(ring);
+  EXPECT_NEAR(volume(ring), 3 * polygon_area(16), 1e-13);  // (2² − 1²)·1
+}
+
+TEST(Shapes, ALatheKeepsCreasesAndSmoothsTheRest) {
+  // 20° is smooth: the two steps share the normal between theirs. 90° is a crease.
+  const double turn = 20 * pi / 180;
+  const Mesh bend = make_lathe({{1, 0}, {1, 1}, {1 - std::sin(turn), 1 + std::cos(turn)}}, 8);
+  EXPECT_EQ(bend.positions.size(), 3u * 9);  // one ring per point, the seam twice
+  EXPECT_NEAR(bend.normals[9].y, std::sin(turn / 2), 1e-15);
+  const Mesh corner = make_lathe({{1, 0}, {1, 1}, {0, 1}}, 8);
+  EXPECT_EQ(corner.positions.size(), 4u * 9);  // the crease has two rings
+}
+
+TEST(Shapes, AnExtrusionOfAConcaveOutlineHasItsVolumeEitherWayRound) {
+  // An L of three unit squares.
+  std::vector<Vec2> outline{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  for (int way = 0; way < 2; ++way) {
+    const Mesh solid = make_extrusion(outline, 0.5);
+    EXPECT_TRUE(is_closed(solid));
+    expect_sound_normals(solid);
+    EXPECT_NEAR(volume(solid), 1.5, 1e-14);
+    EXPECT_NEAR(area(solid), 2 * 3 + 8 * 0.5, 1e-14);   // two caps and the perimeter of 8
+    EXPECT_EQ(solid.triangles.size(), 2u * 4 + 2 * 6);  // n − 2 per cap, 2 per side
+    std::reverse(outline.begin(), outline.end());
+  }
+}
+
+TEST(Shapes, AnExtrusionTakesPointsOnStraightSidesAndRepeatedOnes) {
+  const Mesh solid = make_extrusion({{0, 0}, {1, 0}, {2, 0}, {2, 0}, {2, 2}, {1, 2}, {0, 2}, {0, 1}, {0, 0}}, 1);
+  EXPECT_TRUE(is_closed(solid));
+  EXPECT_NEAR(volume(solid), 4, 1e-14);
+}
+
+TEST(Shapes, AnExtrusionOfAStarHasItsArea) {
+  std::vector<Vec2> star;
+  const int n = 10;
+  for (int i = 0; i < n; ++i) {
+    const double r = i % 2 ? 1 : 0.3, angle = 2 * pi * i / n;
+    star.push_back({r * std::cos(angle), r * std::sin(angle)});
+  }
+  const Mesh solid = make_extrusion(star, 1);
+  EXPECT_TRUE(is_closed(solid));
+  EXPECT_NEAR(volume(solid), n * 0.5 * 0.3 * std::sin(2 * pi / n), 1e-14);  // n triangles of sides 1 and 0.3
+}
+
+TEST(Shapes, MeshesStayOutwardWhenTurnedAndMirrored) {
+  Mesh turned = make_box({1, 2, 3}), mirrored = make_box({1, 2, 3});
+  Frame frame = rotation_y(0.7);
+  frame.origin = {5, 6, 7};
+  transform_mesh(frame, turned);
+  transform_mesh({{-2, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}}, mirrored);
+  for (const Mesh* mesh : {&turned, &mirrored}) expect_sound_normals(*mesh);
+  EXPECT_NEAR(volume(turned), 6, 1e-12);
+  EXPECT_NEAR(volume(mirrored), 12, 1e-13);
+}
+
+TEST(Shapes, NormalsOfASquashedSphereStayAcrossItsSurface) {
+  Mesh ellipsoid = make_sphere(2, 32);
+  transform_mesh({{1, 0, 0}, {0, 3, 0}, {0, 0, 1}, {}}, ellipsoid);
+  for (size_t i = 0; i < ellipsoid.positions.size(); ++i) {
+    const Vec3 p = ellipsoid.positions[i];  // on x² + y²/9 + z² = 1: the gradient is across
+    EXPECT_NEAR(dot(ellipsoid.normals[i], normalize({p.x, p.y / 9, p.z})), 1, 1e-14);
+  }
+}
+
+TEST(Shapes, BadShapesAreRefused) {
+  const double nan = std::nan("");
+  EXPECT_EQ(error_of([] { make_wireframe_cube(-1, 3); }), "expected a size of a wireframe cube above 0 m, got -1 m");
+  EXPECT_EQ(error_of([] { make_wireframe_cube(1, 1); }),
+            "expected 2 points or more on an edge of a wireframe cube, got 1");
+  EXPECT_EQ(error_of([] { make_wireframe_sphere(1, 0, 0, 3); }),
+            "expected a wireframe sphere of 1 meridian, 0 parallels and 3 points on a circle or more, got 0, 0 and 3");
+  EXPECT_EQ(error_of([] { make_point_quad(1, 1, 1, 2); }), "expected a point quad of 2 × 2 points or more, got 1 × 2");
+  EXPECT_EQ(error_of([&] { make_quad(nan, 1); }), "expected a width of a quad above 0 m, got nan m");
+  EXPECT_EQ(error_of([] { make_lathe({{1, 0}}, 8); }), "expected a lathe profile of 2 different points or more, got 1");
+  EXPECT_EQ(error_of([] {
+              make_lathe({{-1, 0}, {1, 1}}, 8);
+            }),
+            "expected lathe points of a radius of 0 m or more and a finite height, got (-1, 0)");
+  EXPECT_EQ(error_of([] { make_lathe({{1, 0}, {1, 1}}, 2); }), "expected a lathe of 3 segments or more, got 2");
+  EXPECT_EQ(error_of([] {
+              make_extrusion({{0, 0}, {1, 0}}, 1);
+            }),
+            "expected an outline of 3 different points or more, got 2");
+  EXPECT_EQ(error_of([] {
+              make_extrusion({{0, 0}, {1, 1}, {1, 0}, {0, 1}}, 1);
+            }),
+            "expected an outline that does not cross itself, but its sides 0 and 2 meet");
+}
+
+}  // namespace
+}  // namespace holotrace
