@@ -54,7 +54,8 @@ void add_compare(CLI::App& app) {
     if (is_field_file(o->reference) && is_field_file(o->other)) {
       const FieldMetrics m = compare(load_field_double(o->reference), load_field_double(o->other));
       print_facts({{"relative_l2_error", number(m.relative_error)},
-                   {"correlation", number(m.correlation)},
+                   {"scaled_l2_error", number(m.scaled_error)},
+                   {"correlation", number(std::abs(m.correlation))},
                    {"scale_modulus", number(std::abs(m.scale))},
                    {"scale_phase_rad", number(std::arg(m.scale))}},
                   o->is_json);
@@ -64,12 +65,34 @@ void add_compare(CLI::App& app) {
     print_facts({{"psnr_db", number(m.psnr)},
                  {"psnr_unscaled_db", number(m.psnr_unscaled)},
                  {"ssim", number(m.ssim)},
+                 {"ssim_unscaled", number(m.ssim_unscaled)},
                  {"scale", number(m.scale)},
                  {"rms_error", number(m.rms_error)},
                  {"speckle_contrast", number(m.speckle_contrast)},
-                 {"diffraction_efficiency", number(m.diffraction_efficiency)}},
+                 {"diffraction_efficiency", number(m.bright_fraction)},
+                 {"power_ratio", number(m.power_ratio)}},
                 o->is_json);
   });
+}
+
+Json limits_json(const Slm& slm, double wavelength, double distance) {
+  const Limits l = limits(slm.grid, wavelength, distance);
+  return {{"slm", slm.name},
+          {"pixels", fmt::format("{}x{}", slm.grid.nx, slm.grid.ny)},
+          {"pitch_m", slm.grid.pitch},
+          {"wavelength_m", wavelength},
+          {"distance_m", distance},
+          {"half_angle_deg", l.half_angle * 180 / pi},
+          {"field_of_view_deg", l.field_of_view * 180 / pi},
+          {"first_order_angle_deg", l.first_order_angle * 180 / pi},
+          {"order_spacing_m", number(l.order_spacing)},
+          {"alias_free_radius_m", number(l.box_radius)},
+          {"resolution_x_m", l.resolution_x},
+          {"resolution_y_m", l.resolution_y},
+          {"depth_of_focus_x_m", l.depth_of_focus_x},
+          {"depth_of_focus_y_m", l.depth_of_focus_y},
+          {"space_bandwidth_product", l.space_bandwidth},
+          {"finest_grating_m", l.finest_grating}};
 }
 
 void add_limits(CLI::App& app) {
@@ -90,12 +113,12 @@ void add_limits(CLI::App& app) {
     if (!o->angle.empty()) {
       const double pitch = wanted_pitch(wavelength, parse_angle(o->angle));
       Json facts{{"wanted_pitch_m", pitch}};
-      if (!o->size.empty()) facts["wanted_pixels_per_side"] = std::ceil(parse_length(o->size) / pitch);
+      if (!o->size.empty()) facts["wanted_pixels_per_side"] = wanted_pixels(parse_length(o->size), pitch);
       print_facts(facts, o->is_json);
       return;
     }
     require(o->size.empty(), "--size asks for the pixels of a wanted panel: give the half diffraction angle too, as --angle \"15 deg\"");
-    print_facts(limits_json(limits(slm_preset(o->slm).grid, wavelength, parse_length(o->distance))), o->is_json);
+    print_facts(limits_json(slm_preset(o->slm), wavelength, parse_length(o->distance)), o->is_json);
   });
 }
 

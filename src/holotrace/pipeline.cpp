@@ -8,6 +8,7 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
+#include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/compare.h"
@@ -17,6 +18,17 @@
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
+
+namespace {
+
+void report_metrics(const Metrics& metrics, const Observer& observer) {
+  observer.fact("psnr_db", metrics.psnr);
+  observer.fact("ssim", metrics.ssim);
+  observer.fact("speckle_contrast", metrics.speckle_contrast);
+  observer.fact("diffraction_efficiency", metrics.bright_fraction);
+}
+
+}  // namespace
 
 Boxes run(const Job& job, const StageObserver& watch) {
   Boxes b;
@@ -32,7 +44,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
   for (const double distance : job.camera.distances)
     b.views.push_back(stage("look at " + format_length(distance), [&](const Observer& o) {
       const Image view = look(shown, job.slm, distance, job.propagate, job.camera, o);
-      const Image reference = project_render(b.render, render_tangent(job.render, panel, job.wavelength), view, distance);
+      const Image reference = project_render(b.render, raster_tangent(job.render.field_of_view, panel, job.wavelength), view, distance);
       report_metrics(compare(reference, view), o);
       return view;
     }));

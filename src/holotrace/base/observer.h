@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <type_traits>
 #include <variant>
 
 namespace holotrace {
@@ -20,10 +21,14 @@ struct Observer {
   void progress(double fraction) const {
     if (on_progress) on_progress(fraction);
   }
-  void fact(const std::string& name, const Fact& value) const {
-    if (on_fact) on_fact(name, value);
+  template <class Value>
+  void fact(const std::string& name, const Value& value) const {
+    if (!on_fact) return;
+    if constexpr (std::is_integral_v<Value>)
+      on_fact(name, int64_t(value));
+    else
+      on_fact(name, value);
   }
-  void fact(const std::string& name, int value) const { fact(name, Fact(int64_t(value))); }
   void warn(const std::string& sentence) const {
     if (on_warning) on_warning(sentence);
   }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -44,6 +45,9 @@ void check_mesh(const Mesh& mesh, size_t material_count) {
     require(is_finite(p), "expected finite coordinates in mesh \"{}\", got ({}, {}, {}) at vertex {}", mesh.name, p.x,
             p.y, p.z, i);
   }
+  require(std::any_of(mesh.positions.begin(), mesh.positions.end(), [](Vec3 p) { return p.z < 0; }),
+          "expected mesh \"{}\" behind the panel (z < 0), got all of it in front; move the object to negative z",
+          mesh.name);
   const size_t count = mesh.positions.size();
   require(mesh.normals.empty() || mesh.normals.size() == count, "expected {} normals in mesh \"{}\", got {}", count,
           mesh.name, mesh.normals.size());

@@ -58,7 +58,7 @@ void describe(Visitor& v, TraceParams& p) {
 // --- render: Scene → Image ----------------------------------------------------------------------
 
 struct RenderParams {
-  int columns = 0, rows = 512;  ///< columns 0: as the panel's aspect asks
+  int columns = 0, rows = 512;  ///< columns 0: square
   double field_of_view = 0;     ///< half angle over the height [rad]; 0: the panel's acceptance
   int paths = 64;
   int max_depth = 8;

@@ -1,0 +1,124 @@
+#include "holotrace/io/describe_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/field_file.h"
+#include "holotrace/io/file.h"
+#include "holotrace/io/hologram_file.h"
+#include "holotrace/io/image_file.h"
+#include "holotrace/io/mesh_file.h"
+#include "holotrace/io/ply.h"
+#include "holotrace/io/scene_file.h"
+#include "holotrace/io/sources_file.h"
+
+namespace holotrace {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string size_text(int nx, int ny) { return fmt::format("{}x{}", nx, ny); }
+
+Json describe(const Job& job) {
+  size_t triangles = 0;
+  for (const Mesh& mesh : job.scene.meshes) triangles += mesh.triangles.size();
+  return {{"kind", "scene"},
+          {"wavelength", format_length(job.wavelength)},
+          {"slm", job.slm.name},
+          {"panel", size_text(job.slm.grid.nx, job.slm.grid.ny) + " at " + format_length(job.slm.grid.pitch)},
+          {"points", job.scene.points.size()},
+          {"meshes", job.scene.meshes.size()},
+          {"triangles", triangles},
+          {"materials", job.scene.materials.size()},
+          {"lights", job.scene.lights.size()}};
+}
+
+Json describe(const Sources& sources) {
+  double nearest = INFINITY, farthest = 0;
+  for (const Source& s : sources.waves) {
+    nearest = std::min(nearest, -s.origin.z);
+    farthest = std::max(farthest, -s.origin.z);
+  }
+  return {{"kind", "sources"},
+          {"waves", sources.waves.size()},
+          {"wavelength", format_length(sources.wavelength)},
+          {"nearest", format_length(nearest)},
+          {"farthest", format_length(farthest)}};
+}
+
+Json describe(const FieldDouble& field) {
+  double largest = 0;
+  for (const auto& u : field.samples.values) largest = std::max(largest, std::abs(u));
+  return {{"kind", "field"},
+          {"samples", size_text(field.grid.nx, field.grid.ny)},
+          {"pitch", format_length(field.grid.pitch)},
+          {"wavelength", format_length(field.wavelength)},
+          {"z", format_length(field.z)},
+          {"image", field.image == ImageSide::real_image ? "real" : "virtual"},
+          {"power_w", power(field)},
+          {"largest_amplitude", largest}};
+}
+
+Json describe(const Hologram& hologram) {
+  return {{"kind", "hologram"},
+          {"pixels", size_text(hologram.grid.nx, hologram.grid.ny)},
+          {"pitch", format_length(hologram.grid.pitch)},
+          {"wavelength", format_length(hologram.wavelength)},
+          {"levels", hologram.levels},
+          {"modulation", hologram.modulation == Modulation::phase ? "phase" : "amplitude"},
+          {"image", hologram.image == ImageSide::real_image ? "real" : "virtual"},
+          {"encoder", hologram.encoder}};
+}
+
+Json describe(const Image& image) {
+  const auto [least, greatest] = std::minmax_element(image.values.begin(), image.values.end());
+  return {{"kind", "image"},
+          {"pixels", size_text(image.nx, image.ny)},
+          {"channels", image.channels},
+          {"least", double(*least)},
+          {"greatest", double(*greatest)}};
+}
+
+Json describe(const LoadedModel& model) {
+  size_t triangles = 0;
+  Vec3 low{INFINITY, INFINITY, INFINITY}, high = -low;
+  for (const Mesh& mesh : model.meshes) {
+    triangles += mesh.triangles.size();
+    for (const Vec3 p : mesh.positions) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  const Vec3 size = high - low;
+  return {{"kind", "mesh"},
+          {"meshes", model.meshes.size()},
+          {"triangles", triangles},
+          {"materials", model.materials.size()},
+          {"size", fmt::format("{:g} x {:g} x {:g} units", size.x, size.y, size.z)},
+          {"warnings", model.warnings}};
+}
+
+Json describe_ply(const std::string& path) {
+  const PlyVertices vertices = read_ply(path);
+  if (vertices.find("amplitude") && vertices.find("phase") && !vertices.comments.empty()) return describe(load_sources(path));
+  return {{"kind", "PLY vertices"}, {"vertices", vertices.count}, {"properties", vertices.names}};
+}
+
+}  // namespace
+
+Json describe_file(const std::string& path) {
+  check_file_exists(path, "file");
+  const std::string extension = extension_of(path);
+  if (extension == ".toml") return describe(load_job(path));
+  if (extension == ".ply") return describe_ply(path);
+  if (extension == ".npy" || extension == ".h5") return describe(load_field_double(path));
+  if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return describe(load_meshes(path));
+  if (extension == ".png" && std::filesystem::exists(sidecar_path(path))) return describe(load_hologram(path));
+  return describe(load_image(path));
+}
+
+}  // namespace holotrace
