@@ -7,6 +7,27 @@
 
 namespace holotrace {
 
+/// The field that leaves a panel under an axial plane wave: each pixel a lit square of one transmittance.
+///
+///     u(x, y) = √E · Σ t(ℓᵢⱼ) · rect((x − xᵢ)/wp) · rect((y − yⱼ)/wp),   w = √F
+///     t(ℓ) = exp(2πi·(λ₀/λ)·ℓ/M)  phase,   t(ℓ) = ℓ/(M−1)  amplitude
+///
+/// λ₀ is the SLM's design wavelength, or the hologram's; E the irradiance. The field is this one cut to the
+/// spatial frequencies below n/2p, n = `params.subpixels`: the panel's spectrum, which repeats at every 1/p,
+/// times w·sinc(w·p·f) along each axis. An odd n holds the whole orders |m| ≤ (n−1)/2; an even n holds also
+/// half of the orders ±n/2. n = 1 is order 0 alone, with its roll-off (0.405 at the Nyquist frequency where
+/// F = 1). The frequency ±n/2p itself is one sample of the spectrum: it takes the mean of both signs, 0 for
+/// an even n.
+///
+/// @param hologram  levels, shape (ny, nx)
+/// @param slm       the panel: its grid, fill factor F and design wavelength
+/// @param params    subpixels n ≥ 1, wavelength λ [m] and irradiance E [W/m²] of the light
+/// @return          at z = 0, shape (n·ny, n·nx), pitch p/n [√(W/m²)], with the hologram's image side and filter
+/// @throws Error    if the grids differ, a level is not below M, a parameter is out of range, or the field
+///                  does not fit in the machine's memory
+/// Facts: `power_in`, `power_out` [W], `efficiency`: the part of the light on the panel that these orders hold.
+/// Cost: FFTs of every row of the panel and every column of the result; 8·n(n+1) bytes per pixel.
+/// Reference: J. W. Goodman, Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer = {});
 
 }  // namespace holotrace

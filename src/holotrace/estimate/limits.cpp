@@ -1,0 +1,63 @@
+#include "holotrace/estimate/limits.h"
+
+#include <cmath>
+#include <limits>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+
+namespace holotrace {
+namespace {
+
+void check_distance(double distance) {
+  require(std::isfinite(distance) && distance > 0, "expected a distance above 0 m, got {} m", distance);
+}
+
+}  // namespace
+
+Limits limits(const Grid& grid, double wavelength, double distance) {
+  check_grid(grid);
+  check_wavelength(wavelength);
+  check_distance(distance);
+  const double sx = grid.width(), sy = grid.height(), z = distance;
+  Limits l;
+  l.half_angle = std::asin(acceptance_sine(wavelength, grid.pitch));
+  l.field_of_view = 2 * l.half_angle;
+  l.first_order_angle = std::asin(std::fmin(wavelength / grid.pitch, 1));
+  l.order_spacing = grating_order_offset(grid.pitch, wavelength, z);
+  l.box_radius = box_radius(z, wavelength, grid.pitch);
+  l.resolution_x = wavelength * z / sx;
+  l.resolution_y = wavelength * z / sy;
+  l.depth_of_focus_x = 2 * wavelength * z * z / (sx * sx);
+  l.depth_of_focus_y = 2 * wavelength * z * z / (sy * sy);
+  l.space_bandwidth = grid.pixels();
+  l.finest_grating = 2 * grid.pitch;
+  return l;
+}
+
+double grating_order_offset(double period, double wavelength, double distance, int order) {
+  check_wavelength(wavelength);
+  check_distance(distance);
+  require(std::isfinite(period) && period > 0, "expected a grating period above 0 m, got {} m", period);
+  const double sine = order * wavelength / period;
+  if (std::abs(sine) >= 1) return std::copysign(std::numeric_limits<double>::infinity(), sine);
+  return distance * sine / std::sqrt((1 - sine) * (1 + sine));
+}
+
+double wanted_pitch(double wavelength, double half_angle) {
+  check_wavelength(wavelength);
+  require(half_angle > 0 && half_angle < pi / 2, "expected a half angle above 0° and below 90°, got {}",
+          format_angle(half_angle));
+  return wavelength / (2 * std::tan(half_angle));
+}
+
+int64_t wanted_pixels(double size, double pitch) {
+  require(std::isfinite(size) && size > 0, "expected a panel size above 0 m, got {} m", size);
+  require(std::isfinite(pitch) && pitch > 0, "expected a pixel pitch above 0 m, got {} m", pitch);
+  return int64_t(std::ceil(size / pitch * (1 - 1e-12)));  // a size that divides evenly must not round up
+}
+
+double pixel_rate(double pixels, int colours, double frames_per_second) { return pixels * colours * frames_per_second; }
+
+}  // namespace holotrace

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+
+#include "holotrace/data/grid.h"
+
+namespace holotrace {
+
+/// What a panel can show at one wavelength and distance: consequences of the grating equation (Eq. 14),
+/// P·sin θₙ = n·λ, and of the panel's finite side S. Axes without a letter are alike in x and y.
+struct Limits {
+  double half_angle = 0;         ///< asin(λ/2p): steepest ray of the finest grating, of two pixels [rad]
+  double field_of_view = 0;      ///< twice that [rad]
+  double first_order_angle = 0;  ///< asin(λ/p): direction of the first replica; 90° where it is evanescent [rad]
+  double order_spacing = 0;      ///< z·tan(asin(λ/p)): from an image to its replica, also the eyebox's side [m]
+  double box_radius = 0;         ///< z·tan(asin(λ/2p)): a point lights this far on the panel, alias-free [m]
+  double resolution_x = 0;       ///< λz/Sx: from the peak of a focused point to its first zero [m]
+  double resolution_y = 0;       ///< λz/Sy [m]
+  double depth_of_focus_x = 0;   ///< 2λz²/Sx² [m]
+  double depth_of_focus_y = 0;   ///< 2λz²/Sy² [m]
+  int64_t space_bandwidth = 0;   ///< independent complex values: panel area × (λ/p)² over λ², the pixels
+  double finest_grating = 0;     ///< period 2p of the finest grating [m]
+};
+
+/// Limits of a panel. Resolution and depth of focus are paraxial, the angles and spacings exact.
+/// @param grid        the panel
+/// @param wavelength  λ [m]
+/// @param distance    z > 0 from the panel to the plane looked at [m]
+/// @throws Error      for a grid, wavelength or distance that is not above 0
+Limits limits(const Grid& grid, double wavelength, double distance);
+
+/// Where order n of a grating of that period, lit along the axis, meets a plane: z·tan(asin(nλ/P)) [m];
+/// infinite where the order is evanescent.
+/// @throws Error  for a wavelength, period or distance that is not above 0
+double grating_order_offset(double period, double wavelength, double distance, int order = 1);
+
+/// Pitch for a wanted half angle by the paper's rule λ/(2 tan θ) [m]: 1.181 µm at 632.8 nm and 15°. The grating
+/// equation alone asks for the coarser λ/(2 sin θ).
+/// @throws Error  unless the wavelength is above 0 and θ in (0, 90°)
+double wanted_pitch(double wavelength, double half_angle);
+
+/// Pixels along a side of that size [m], rounded up.
+/// @throws Error  unless both are above 0
+int64_t wanted_pixels(double size, double pitch);
+
+/// Pixels per second that a moving display of that many pixels, colours and frames per second takes.
+double pixel_rate(double pixels, int colours, double frames_per_second);
+
+}  // namespace holotrace

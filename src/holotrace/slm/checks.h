@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string_view>
+
+#include "holotrace/data/grid.h"
+#include "holotrace/data/slm.h"
+
+namespace holotrace {
+
+/// @throws Error unless `grid` has the pixels of the SLM and its pitch to 1e-9, naming `what` and both.
+void require_grid_of(const Slm& slm, const Grid& grid, std::string_view what);
+
+/// @throws Error unless levels are 2 … 65536.
+void check_levels(int levels);
+
+}  // namespace holotrace

@@ -1,0 +1,131 @@
+#include "holotrace/slm/encode.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/slm/checks.h"
+#include "holotrace/slm/off_axis.h"
+#include "holotrace/slm/pixel_kernel.h"
+
+namespace holotrace {
+namespace {
+
+const char* name_of(Encoding method) {
+  switch (method) {
+    case Encoding::phase:
+      return "phase";
+    case Encoding::amplitude:
+      return "amplitude";
+    case Encoding::off_axis:
+      return "off-axis";
+  }
+  fail("expected an encoding that this version knows, got number {}", int(method));
+}
+
+void check_samples(const Field& field) {
+  require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
+          "expected {} × {} samples, as the field's grid says, got {} × {}", field.grid.nx, field.grid.ny,
+          field.samples.nx, field.samples.ny);
+  for (int j = 0; j < field.grid.ny; ++j)
+    for (int i = 0; i < field.grid.nx; ++i) {
+      const std::complex<float> u = field.samples(j, i);
+      require(std::isfinite(u.real()) && std::isfinite(u.imag()),
+              "expected finite samples in the field, got {}{:+}i at row {}, column {}", u.real(), u.imag(), j, i);
+    }
+}
+
+void check_panel(const Slm& slm, Encoding method, const Observer& observer) {
+  const bool encodes_phase = method == Encoding::phase;
+  require(
+      !encodes_phase || slm.modulation == Modulation::phase,
+      "expected an encoding for an amplitude panel, which \"{}\" is, got \"phase\"; use \"amplitude\" or \"off-axis\"",
+      slm.name);
+  if (!encodes_phase && slm.modulation == Modulation::phase)
+    observer.warn(
+        fmt::format("the SLM \"{}\" modulates phase and the encoding \"{}\" amplitude: it is shown as if behind a "
+                    "crossed polariser that turns phase into amplitude",
+                    slm.name, name_of(method)));
+}
+
+void check_design_wavelength(const Slm& slm, double wavelength, const Observer& observer) {
+  if (slm.design_wavelength > 0 && std::abs(slm.design_wavelength / wavelength - 1) > 1e-6)
+    observer.warn(fmt::format(
+        "the SLM \"{}\" shows 2π at {} and the field is for {}: its phases will be {:.4g} times too large; give the "
+        "panel "
+        "the design wavelength of the field",
+        slm.name, format_length(slm.design_wavelength), format_length(wavelength), slm.design_wavelength / wavelength));
+}
+
+void encode_phase(const Field& field, ImageSide image, Hologram& hologram) {
+  const float sign = image == ImageSide::real_image ? -1.0F : 1.0F;
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    const std::complex<float>* u = field.samples.row(int(j));
+    uint16_t* level = hologram.level.row(int(j));
+    for (int i = 0; i < field.grid.nx; ++i)
+      level[i] = uint16_t(phase_level(u[i].real(), sign * u[i].imag(), hologram.levels));
+  });
+}
+
+// The conjugate has the same modulus, so both image sides have the same levels.
+void encode_amplitude(const Field& field, const Observer& observer, Hologram& hologram) {
+  double largest = 0, sum = 0;
+  for (const auto& u : field.samples.values) {
+    const double modulus = std::abs(std::complex<double>(u));
+    largest = std::max(largest, modulus);
+    sum += modulus;
+  }
+  const double scale = largest > 0 ? 1 / largest : 0;
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    const std::complex<float>* u = field.samples.row(int(j));
+    uint16_t* level = hologram.level.row(int(j));
+    for (int i = 0; i < field.grid.nx; ++i)
+      level[i] = uint16_t(amplitude_level(std::abs(std::complex<double>(u[i])) * scale, hologram.levels));
+  });
+  observer.fact("modulus_max", largest);
+  observer.fact("mean_transmittance", sum * scale / double(field.grid.pixels()));
+}
+
+}  // namespace
+
+Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  check_slm(slm);
+  check_wavelength(field.wavelength);
+  require_grid_of(slm, field.grid, "field");
+  check_samples(field);
+  check_panel(slm, params.method, observer);
+  require(params.levels == 0 || (params.levels >= 2 && params.levels <= slm.levels),
+          "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
+          params.levels);
+  if (field.z != 0)
+    observer.warn(fmt::format("the field is at z = {} and is shown at the panel, z = 0; propagate it there first",
+                              format_length(field.z)));
+  const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
+  if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark))
+    observer.warn("the field is dark everywhere and the hologram holds nothing; is a source inside the panel's view?");
+
+  Hologram hologram;
+  hologram.grid = slm.grid;
+  hologram.level = Array2D<uint16_t>(slm.grid.ny, slm.grid.nx);
+  hologram.levels = params.levels == 0 ? slm.levels : params.levels;
+  hologram.wavelength = field.wavelength;
+  hologram.image = params.image;
+  hologram.encoder = name_of(params.method);
+  hologram.modulation = params.method == Encoding::phase ? Modulation::phase : Modulation::amplitude;
+  observer.fact("encoder", hologram.encoder);
+  observer.fact("levels", hologram.levels);
+  if (params.method == Encoding::phase) {
+    check_design_wavelength(slm, field.wavelength, observer);
+    encode_phase(field, params.image, hologram);
+  } else if (params.method == Encoding::amplitude) {
+    encode_amplitude(field, observer, hologram);
+  } else {
+    encode_off_axis(field, params, observer, hologram);
+  }
+  observer.progress(1);
+  return hologram;
+}
+
+}  // namespace holotrace

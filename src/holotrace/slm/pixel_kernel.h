@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "holotrace/base/host_device.h"
+
+// What one pixel does: level → light and light → level. The loops over pixels are elsewhere.
+
+namespace holotrace {
+
+/// Complex amplitude that a pixel lets through, of light of amplitude 1.
+struct Transmittance {
+  double real, imaginary;
+};
+
+/// exp(2πi·stretch·ℓ/M): a phase pixel at level ℓ of M. `stretch` is the design wavelength over the
+/// wavelength of the light: the pixel delays by a length, so shorter waves turn further.
+HOLOTRACE_HOST_DEVICE inline Transmittance phase_transmittance(int level, int levels, double stretch) {
+  const double cycles = stretch * level / levels;
+  const double angle = 2 * std::numbers::pi * (cycles - std::floor(cycles));
+  return {std::cos(angle), std::sin(angle)};
+}
+
+/// ℓ/(M−1): an amplitude pixel at level ℓ of M.
+HOLOTRACE_HOST_DEVICE inline Transmittance amplitude_transmittance(int level, int levels) {
+  return {double(level) / (levels - 1), 0};
+}
+
+/// The level of M whose phase 2πℓ/M is nearest to the phase of (real, imaginary); level 0 for 0.
+HOLOTRACE_HOST_DEVICE inline int phase_level(double real, double imaginary, int levels) {
+  const double level = std::atan2(imaginary, real) * levels / (2 * std::numbers::pi);
+  return (int(std::floor(level + 0.5)) + levels) % levels;
+}
+
+/// The level of M whose transmittance ℓ/(M−1) is nearest; transmittances beyond [0, 1] are clipped.
+HOLOTRACE_HOST_DEVICE inline int amplitude_level(double transmittance, int levels) {
+  return int(std::floor(std::fmin(std::fmax(transmittance, 0.0), 1.0) * (levels - 1) + 0.5));
+}
+
+/// Spectrum w·sinc(w·f) of a pixel lit over the fraction w of its side, along one axis, at f cycles
+/// per pixel; sinc(x) = sin(πx)/(πx).
+HOLOTRACE_HOST_DEVICE inline double aperture_spectrum(double f, double w) {
+  const double x = std::numbers::pi * w * f;
+  return x == 0 ? w : w * std::sin(x) / x;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,120 @@
+#include "holotrace/view/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "holotrace/base/error.h"
+#include "holotrace/view/structural_similarity.h"
+
+namespace holotrace {
+namespace {
+
+void check_finite(const Image& image, std::string_view what) {
+  const size_t channels = size_t(image.channels), nx = size_t(image.nx);
+  for (size_t i = 0; i < image.values.size(); ++i)
+    require(std::isfinite(image.values[i]), "expected finite values in the {}, got {} at row {}, column {}", what,
+            image.values[i], i / channels / nx, i / channels % nx);
+}
+
+double rms_difference(const Image& reference, const Image& image, double scale) {
+  double sum = 0;
+  for (size_t i = 0; i < image.values.size(); ++i) {
+    const double d = double(reference.values[i]) - scale * double(image.values[i]);
+    sum += d * d;
+  }
+  return std::sqrt(sum / double(image.values.size()));
+}
+
+// σ/μ from sums over n values; 0 where the mean is 0.
+double contrast(double sum, double sum_of_squares, double n) {
+  if (sum == 0) return 0;
+  const double mean = sum / n;
+  return std::sqrt(std::max(0.0, sum_of_squares / n - mean * mean)) / mean;
+}
+
+}  // namespace
+
+Metrics compare(const Image& reference, const Image& image, const CompareParams& params) {
+  require(
+      reference.nx == image.nx && reference.ny == image.ny && reference.channels == image.channels,
+      "expected an image of {} × {} pixels and {} channel(s), as its reference, got {} × {} and {}; resample or crop "
+      "one of them",
+      reference.nx, reference.ny, reference.channels, image.nx, image.ny, image.channels);
+  require(params.bright > 0 && params.bright <= 1,
+          "expected a bright region from a part in (0, 1] of the maximum, got {}", params.bright);
+  check_finite(reference, "reference");
+  check_finite(image, "image");
+  const double peak =
+      reference.values.empty() ? 0 : *std::max_element(reference.values.begin(), reference.values.end());
+  require(peak > 0, "expected a reference with light in it, got one whose maximum is {}", peak);
+
+  double image_image = 0, image_reference = 0, image_sum = 0, reference_sum = 0;
+  double bright_sum = 0, ratio_sum = 0, ratio_squares = 0, bright_count = 0;
+  for (size_t i = 0; i < image.values.size(); ++i) {
+    const double r = reference.values[i], v = image.values[i];
+    image_image += v * v;
+    image_reference += v * r;
+    image_sum += v;
+    reference_sum += r;
+    if (r < params.bright * peak) continue;
+    bright_sum += v;
+    bright_count += 1;
+    ratio_sum += v / r;
+    ratio_squares += v / r * (v / r);
+  }
+
+  Metrics m;
+  m.scale = image_image > 0 ? image_reference / image_image : 0;
+  m.rms_error = rms_difference(reference, image, m.scale);
+  m.psnr = 20 * std::log10(peak / m.rms_error);
+  m.psnr_unscaled = 20 * std::log10(peak / rms_difference(reference, image, 1));
+  m.ssim = structural_similarity(reference, image, m.scale, peak);
+  m.ssim_unscaled = structural_similarity(reference, image, 1, peak);
+  m.speckle_contrast = contrast(ratio_sum, ratio_squares, bright_count);
+  m.bright_fraction = image_sum > 0 ? bright_sum / image_sum : 0;
+  m.power_ratio = image_sum / reference_sum;
+  return m;
+}
+
+double speckle_contrast(const Image& image) {
+  check_finite(image, "image");
+  double sum = 0, squares = 0;
+  for (float v : image.values) {
+    sum += v;
+    squares += double(v) * v;
+  }
+  return contrast(sum, squares, double(image.values.size()));
+}
+
+template <class Real>
+FieldMetrics compare(const BasicField<Real>& reference, const BasicField<Real>& field) {
+  require(reference.grid.nx == field.grid.nx && reference.grid.ny == field.grid.ny,
+          "expected a field of {} × {} samples, as its reference, got {} × {}", reference.grid.nx, reference.grid.ny,
+          field.grid.nx, field.grid.ny);
+  double rr = 0, ff = 0, dd = 0;
+  std::complex<double> rf = 0;
+  for (size_t i = 0; i < field.samples.size(); ++i) {
+    const std::complex<double> r(reference.samples.values[i]), f(field.samples.values[i]);
+    rr += std::norm(r);
+    ff += std::norm(f);
+    dd += std::norm(f - r);
+    rf += std::conj(r) * f;
+  }
+  require(rr > 0, "expected a reference field with light in it, got one that is dark everywhere");
+  FieldMetrics m;
+  m.relative_error = std::sqrt(dd / rr);
+  m.scale = ff > 0 ? std::conj(rf) / ff : 0;
+  m.correlation = ff > 0 ? rf / std::sqrt(rr * ff) : 0;
+  double residual = 0;  // summed, not taken from the correlation, which rounds errors below 1e-8 to 0
+  for (size_t i = 0; i < field.samples.size(); ++i)
+    residual += std::norm(m.scale * std::complex<double>(field.samples.values[i]) -
+                          std::complex<double>(reference.samples.values[i]));
+  m.scaled_error = std::sqrt(residual / rr);
+  return m;
+}
+
+template FieldMetrics compare(const BasicField<float>&, const BasicField<float>&);
+template FieldMetrics compare(const BasicField<double>&, const BasicField<double>&);
+
+}  // namespace holotrace
