@@ -1,5 +1,7 @@
 // holotrace bench: what this machine reaches, each figure the median of several runs, ratios in one run.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <memory>
@@ -111,9 +113,9 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
     fmt::print("panel {}, {} threads, {}\n", json["panel"].get<std::string>(), json["threads"].get<int>(),
                s["instruction_set"].get<std::string>());
     fmt::print("{:<44} {:>9.3g} waves·pixels/s\n", "exact", s["exact_waves_pixels_per_s"].get<double>());
-    fmt::print("{:<44} {:>9.3g} waves·pixels/s ({:.0f}× exact, off by {:.1e})\n", "tiled, 4096 waves at 0.2 m, tolerance 1e-3",
-               s["tiled_waves_pixels_per_s"].get<double>(), s["tiled_over_exact"].get<double>(),
-               s["tiled_error_against_exact"].get<double>());
+    fmt::print("{:<44} {:>9.3g} waves·pixels/s ({:.0f}× exact, off by {:.1e})\n",
+               "tiled, 4096 waves at 0.2 m, tolerance 1e-3", s["tiled_waves_pixels_per_s"].get<double>(),
+               s["tiled_over_exact"].get<double>(), s["tiled_error_against_exact"].get<double>());
     fmt::print("{:<44} {:>9.1f} ms ({:.1f} ms with its transfer function made anew)\n",
                "propagate 0.3 m, padded " + p["padded"].get<std::string>() + ", float",
                1e3 * p["transfer_cached_seconds"].get<double>(), 1e3 * p["transfer_made_seconds"].get<double>());

@@ -6,9 +6,9 @@
 #include "console.h"
 #include "flags.h"
 #include "holotrace/io/field_file.h"
-#include "holotrace/io/output.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
+#include "holotrace/io/output.h"
 #include "holotrace/pipeline.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
@@ -72,11 +72,11 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
     const Field shown = show(hologram, slm, params, console.watch("show"));
     std::vector<Image> views;
     for (const double distance : camera.distances)
-      views.push_back(look(shown, slm, distance, propagation, camera, console.watch("look at " + format_length(distance))));
+      views.push_back(
+          look(shown, slm, distance, propagation, camera, console.watch("look at " + format_length(distance))));
     console.finish();
     const double white = common_white(views, camera.exposure);
-    for (size_t i = 0; i < views.size(); ++i)
-      save_image(numbered_path(o->output, i), views[i], white, camera.bits);
+    for (size_t i = 0; i < views.size(); ++i) save_image(numbered_path(o->output, i), views[i], white, camera.bits);
   });
 }
 

@@ -35,7 +35,8 @@ int main(int argc, char** argv) {
   std::unique_ptr<tbb::global_control> limit;
   app.parse_complete_callback([&] {
     if (global.threads > 0)
-      limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, size_t(global.threads));
+      limit =
+          std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, size_t(global.threads));
   });
   add_scene_commands(app, global);
   add_hologram_commands(app, global);
@@ -49,7 +50,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::bad_alloc&) {
-    return report_error("expected enough memory for this job, ran out; use a smaller panel, fewer subpixels or fewer samples");
+    return report_error(
+        "expected enough memory for this job, ran out; use a smaller panel, fewer subpixels or fewer samples");
   } catch (const std::exception& error) {
     return report_error(error.what());
   }

@@ -26,10 +26,11 @@ void print_facts(const Json& facts, bool is_json) {
     return;
   }
   for (const auto& [name, value] : facts.items())
-    fmt::print("{:<28} {}\n", name, value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
-                                    : value.is_null()       ? std::string("infinite")
-                                    : value.is_string()     ? value.get<std::string>()
-                                                            : value.dump());
+    fmt::print("{:<28} {}\n", name,
+               value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
+               : value.is_null()       ? std::string("infinite")
+               : value.is_string()     ? value.get<std::string>()
+                                       : value.dump());
 }
 
 // JSON has no infinity: PSNR of equal images is null.
@@ -104,9 +105,13 @@ void add_limits(CLI::App& app) {
   auto o = std::make_shared<Options>();
   command->add_option("--slm", o->slm, "panel by name")->capture_default_str()->type_name("NAME");
   command->add_option("--wavelength", o->wavelength)->capture_default_str()->type_name("LENGTH");
-  command->add_option("--distance", o->distance, "of the scene from the panel")->capture_default_str()->type_name("LENGTH");
-  command->add_option("--angle", o->angle, "half diffraction angle wanted: gives the pitch it needs")->type_name("ANGLE");
-  command->add_option("--size", o->size, "with --angle: side of the panel wanted, gives its pixels")->type_name("LENGTH");
+  command->add_option("--distance", o->distance, "of the scene from the panel")
+      ->capture_default_str()
+      ->type_name("LENGTH");
+  command->add_option("--angle", o->angle, "half diffraction angle wanted: gives the pitch it needs")
+      ->type_name("ANGLE");
+  command->add_option("--size", o->size, "with --angle: side of the panel wanted, gives its pixels")
+      ->type_name("LENGTH");
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o] {
     const double wavelength = parse_length(o->wavelength);
@@ -117,7 +122,8 @@ void add_limits(CLI::App& app) {
       print_facts(facts, o->is_json);
       return;
     }
-    require(o->size.empty(), "--size asks for the pixels of a wanted panel: give the half diffraction angle too, as --angle \"15 deg\"");
+    require(o->size.empty(),
+            "--size asks for the pixels of a wanted panel: give the half diffraction angle too, as --angle \"15 deg\"");
     print_facts(limits_json(slm_preset(o->slm), wavelength, parse_length(o->distance)), o->is_json);
   });
 }

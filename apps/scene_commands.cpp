@@ -11,9 +11,9 @@
 #include "flags.h"
 #include "holotrace/estimate/cost.h"
 #include "holotrace/io/field_file.h"
-#include "holotrace/io/output.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
+#include "holotrace/io/output.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/scene_file.h"
 #include "holotrace/io/sources_file.h"
@@ -39,7 +39,9 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
-  command->add_option("-o,--output", o->folder, "folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json")
+  command
+      ->add_option("-o,--output", o->folder,
+                   "folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json")
       ->required()
       ->type_name("DIR");
   o->flags.add(*command, CameraParams(), {"width", "height", "binning"});
@@ -112,7 +114,9 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
     Flags flags;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("input", o->input, "scene (.toml) or sources (.ply)")->required()->type_name("SCENE.toml|SOURCES.ply");
+  command->add_option("input", o->input, "scene (.toml) or sources (.ply)")
+      ->required()
+      ->type_name("SCENE.toml|SOURCES.ply");
   add_output(*command, o->output, "field: .npy (with a sidecar .json), .h5 or .exr");
   command->add_option("--slm", o->slm, "panel by name [the scene's, or pluto]")->type_name("NAME");
   command->add_option("--wavelength", o->wavelength, "[the input's]")->type_name("LENGTH");

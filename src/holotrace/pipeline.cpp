@@ -36,7 +36,8 @@ Boxes run(const Job& job, const StageObserver& watch) {
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
   const Grid& panel = job.slm.grid;
 
-  b.render = stage("render", [&](const Observer& o) { return render(job.scene, panel, job.wavelength, job.render, o); });
+  b.render =
+      stage("render", [&](const Observer& o) { return render(job.scene, panel, job.wavelength, job.render, o); });
   b.sources = stage("trace", [&](const Observer& o) { return trace(job.scene, panel, job.wavelength, job.trace, o); });
   b.field = stage("synthesize", [&](const Observer& o) { return synthesize(b.sources, panel, job.synthesize, o); });
   b.hologram = stage("encode", [&](const Observer& o) { return encode(b.field, job.slm, job.encode, o); });
@@ -44,7 +45,8 @@ Boxes run(const Job& job, const StageObserver& watch) {
   for (const double distance : job.camera.distances)
     b.views.push_back(stage("look at " + format_length(distance), [&](const Observer& o) {
       const Image view = look(shown, job.slm, distance, job.propagate, job.camera, o);
-      const Image reference = project_render(b.render, raster_tangent(job.render.field_of_view, panel, job.wavelength), view, distance);
+      const Image reference =
+          project_render(b.render, raster_tangent(job.render.field_of_view, panel, job.wavelength), view, distance);
       report_metrics(compare(reference, view), o);
       return view;
     }));

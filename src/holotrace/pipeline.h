@@ -14,11 +14,11 @@ namespace holotrace {
 
 /// Every box of the pipeline's picture, from a scene to what a viewer sees of its hologram.
 struct Boxes {
-  Image render;             ///< path-traced reference, seen from the panel's centre
+  Image render;  ///< path-traced reference, seen from the panel's centre
   Sources sources;
-  Field field;              ///< at the panel
+  Field field;  ///< at the panel
   Hologram hologram;
-  std::vector<Image> views; ///< one per camera distance
+  std::vector<Image> views;  ///< one per camera distance
   Report report;
 };
 

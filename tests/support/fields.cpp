@@ -42,11 +42,11 @@ Sources make_random_sources(int count, const Grid& panel, double wavelength, dou
   CounterRandom random(11, 0, 0);
   const double spread = 1 + 2 * margin;
   for (int j = 0; j < count; ++j)
-    sources.waves.push_back({{(random.uniform() - 0.5) * spread * panel.width(),
-                              (random.uniform() - 0.5) * spread * panel.height(),
-                              -(nearest + (farthest - nearest) * random.uniform())},
-                             float(0.5 + random.uniform()),
-                             float(2 * pi * random.uniform())});
+    sources.waves.push_back(
+        {{(random.uniform() - 0.5) * spread * panel.width(), (random.uniform() - 0.5) * spread * panel.height(),
+          -(nearest + (farthest - nearest) * random.uniform())},
+         float(0.5 + random.uniform()),
+         float(2 * pi * random.uniform())});
   return sources;
 }
 
@@ -60,7 +60,8 @@ double covered(double c, double p, double a) {
 }  // namespace
 
 FieldDouble make_square_aperture(const Grid& grid, double wavelength, double a) {
-  return make_field(grid, wavelength, [&](double x, double y) { return covered(x, grid.pitch, a) * covered(y, grid.pitch, a); });
+  return make_field(grid, wavelength,
+                    [&](double x, double y) { return covered(x, grid.pitch, a) * covered(y, grid.pitch, a); });
 }
 
 FieldDouble make_disc_aperture(const Grid& grid, double wavelength, double a) {

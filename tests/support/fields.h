@@ -19,7 +19,8 @@ double relative_error(const BasicField<A>& a, const BasicField<B>& b) {
 }
 
 /// The field whose samples are f(x, y).
-FieldDouble make_field(const Grid& grid, double wavelength, const std::function<std::complex<double>(double, double)>& f);
+FieldDouble make_field(const Grid& grid, double wavelength,
+                       const std::function<std::complex<double>(double, double)>& f);
 
 /// Random phases, low-passed to a Gaussian band of standard deviation `band` [1/m], under a Gaussian window
 /// that falls to e⁻²⁶ = 5e-12 at the grid's edges: limited in space and in frequency to 1e-11.

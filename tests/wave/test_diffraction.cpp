@@ -31,8 +31,9 @@ std::complex<double> light_on_axis(const FieldDouble& field, double z) {
 }
 
 TEST(CircularAperture, HasTheClosedFormOnItsAxis) {  // case 3
-  const struct { double z, intensity; } cases[] = {
-      {0.05_m, 2.628283}, {0.1_m, 3.171556}, {0.2_m, 1.089891}, {0.469925_m, 3.999998}, {0.234962_m, 5.6e-11}};
+  const struct {
+    double z, intensity;
+  } cases[] = {{0.05_m, 2.628283}, {0.1_m, 3.171556}, {0.2_m, 1.089891}, {0.469925_m, 3.999998}, {0.234962_m, 5.6e-11}};
   const Grid grid{1041, 1041, 1_um};
   const FieldDouble disc = make_disc_aperture(grid, green, a);
   for (const auto& c : cases) {
@@ -57,8 +58,9 @@ TEST(OpaqueDisc, HasPoissonsSpotByBabinet) {  // case 4
 }
 
 TEST(SquareAperture, HasTheRayleighSommerfeldValuesOnItsAxis) {  // case 5
-  const struct { double z, exact, fresnel; } cases[] = {
-      {0.1_m, 1.713136, 1.713158}, {0.2_m, 1.307133, 1.307146}, {0.5_m, 2.761694, 2.761693}};
+  const struct {
+    double z, exact, fresnel;
+  } cases[] = {{0.1_m, 1.713136, 1.713158}, {0.2_m, 1.307133, 1.307146}, {0.5_m, 2.761694, 2.761693}};
   for (const auto& c : cases) {
     // The sum's error goes with the square of the pitch: Richardson's combination of two removes it.
     const auto combined = [&](const auto& light) {
@@ -71,9 +73,10 @@ TEST(SquareAperture, HasTheRayleighSommerfeldValuesOnItsAxis) {  // case 5
     rs.method = PropagationMethod::rayleigh_sommerfeld;
     fresnel.method = PropagationMethod::fresnel;
     const auto centre = [&](const PropagateParams& params) {
-      return [&, params](const FieldDouble& f) { return propagate(f, c.z, params).samples(f.grid.ny / 2, f.grid.nx / 2); };
+      return
+          [&, params](const FieldDouble& f) { return propagate(f, c.z, params).samples(f.grid.ny / 2, f.grid.nx / 2); };
     };
-    EXPECT_NEAR(combined(centre(rs)), c.exact, 2e-6) << c.z;        // digits given, and h⁴ of the sum
+    EXPECT_NEAR(combined(centre(rs)), c.exact, 2e-6) << c.z;  // digits given, and h⁴ of the sum
     EXPECT_NEAR(combined(centre(fresnel)), c.fresnel, 2e-6) << c.z;
   }
 }
@@ -149,8 +152,8 @@ TEST(Panel, FocusesAPointToItsSinc) {  // case 12
     const FieldDouble lens = make_field(panel, green, [&](double x, double y) {
       return std::conj(cis_cycles(path_beyond_depth(x * x + y * y, c.z) / green));
     });
-    const auto light = sum_rayleigh_sommerfeld(
-        lens, {{0, 0, c.z}, {c.zero_x, 0, c.z}, {0, c.zero_y, c.z}, {c.zero_x / 2, 0, c.z}});
+    const auto light =
+        sum_rayleigh_sommerfeld(lens, {{0, 0, c.z}, {c.zero_x, 0, c.z}, {0, c.zero_y, c.z}, {c.zero_x / 2, 0, c.z}});
     const double peak = std::norm(light[0]);
     // Non-paraxial terms scale the zero by about (S/2z)²/2 = 7e-4, where sinc² has fallen to its square.
     EXPECT_LT(std::norm(light[1]) / peak, 2e-6) << c.z;

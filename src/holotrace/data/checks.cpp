@@ -3,6 +3,7 @@
 #include <string>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/grid.h"
@@ -15,6 +16,10 @@ namespace holotrace {
 void check_grid(const Grid& grid) {
   require(grid.nx > 0 && grid.ny > 0, "expected a grid of at least 1 × 1 pixels, got {} × {}", grid.nx, grid.ny);
   require(std::isfinite(grid.pitch) && grid.pitch > 0, "expected a pixel pitch above 0 m, got {} m", grid.pitch);
+}
+
+void check_field_fits(const Grid& grid, double bytes_per_sample) {
+  require_memory(double(grid.pixels()) * bytes_per_sample, fmt::format("a field of {} × {} samples", grid.nx, grid.ny));
 }
 
 void check_wavelength(double wavelength) {

@@ -24,6 +24,9 @@ struct Grid {
 /// @throws Error unless the grid has pixels and a positive, finite pitch.
 void check_grid(const Grid& grid);
 
+/// @throws Error, telling the need, unless a field of that many bytes per sample fits in this machine.
+void check_field_fits(const Grid& grid, double bytes_per_sample);
+
 /// @throws Error unless the wavelength [m] is positive and finite.
 void check_wavelength(double wavelength);
 

@@ -104,7 +104,8 @@ Json describe(const LoadedModel& model) {
 
 Json describe_ply(const std::string& path) {
   const PlyVertices vertices = read_ply(path);
-  if (vertices.find("amplitude") && vertices.find("phase") && !vertices.comments.empty()) return describe(load_sources(path));
+  if (vertices.find("amplitude") && vertices.find("phase") && !vertices.comments.empty())
+    return describe(load_sources(path));
   return {{"kind", "PLY vertices"}, {"vertices", vertices.count}, {"properties", vertices.names}};
 }
 

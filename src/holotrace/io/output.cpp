@@ -16,8 +16,8 @@ void check_output(const std::string& path) {
   const fs::path folder = parent.empty() ? fs::path(".") : parent;
   require(fs::is_directory(folder, error), "cannot write {}: the folder {} does not exist; create it first", path,
           folder.string());
-  require(access(folder.c_str(), W_OK) == 0, "cannot write {}: the folder {} is not writable; choose another place", path,
-          folder.string());
+  require(access(folder.c_str(), W_OK) == 0, "cannot write {}: the folder {} is not writable; choose another place",
+          path, folder.string());
 }
 
 void make_folder(const std::string& path) {

@@ -16,7 +16,7 @@ class WisdomFile {
   WisdomFile& operator=(const WisdomFile&) = delete;
 
  private:
-  std::string path_;    // empty: no cache
+  std::string path_;  // empty: no cache
   std::string loaded_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/wave/propagation_kernel.h"
@@ -122,6 +123,15 @@ void prepare_periodic(Propagator<Real>& p, const PropagateParams& params, const 
   fill_angular_spectrum(p, p.padded_nx / 2 + 1, p.padded_ny / 2 + 1);
 }
 
+// The rows that are transformed along x, the quarter of the transfer function, and the whole of the
+// Rayleigh–Sommerfeld kernel while it is transformed, in case that is the method.
+template <class Real>
+double bytes_needed(const Propagator<Real>& p) {
+  const double padded = double(p.padded_nx) * p.padded_ny;
+  const double rows = double(p.padded_nx) * std::max(p.input.ny, p.output.ny);
+  return (rows + padded / 4) * sizeof(std::complex<Real>) + padded * sizeof(std::complex<double>);
+}
+
 // What one block of columns leaves in the band that is dropped, and in all.
 struct BandEnergy {
   double dropped = 0, all = 0;
@@ -148,8 +158,12 @@ Propagator<Real> make_propagator(const Grid& grid, double wavelength, double dis
   }
   p.padded_nx = fft_good_length(p.input.nx + p.output.nx);
   p.padded_ny = fft_good_length(p.input.ny + p.output.ny);
-  const Axis x{"x", (p.input.nx + p.output.nx) * grid.pitch / 2, grid.pitch, wavelength, std::abs(distance), p.padded_nx};
-  const Axis y{"y", (p.input.ny + p.output.ny) * grid.pitch / 2, grid.pitch, wavelength, std::abs(distance), p.padded_ny};
+  require_memory(bytes_needed(p), fmt::format("a propagation of {} × {} samples, padded to {} × {},", grid.nx, grid.ny,
+                                              p.padded_nx, p.padded_ny));
+  const Axis x{"x",        (p.input.nx + p.output.nx) * grid.pitch / 2, grid.pitch, wavelength, std::abs(distance),
+               p.padded_nx};
+  const Axis y{"y",        (p.input.ny + p.output.ny) * grid.pitch / 2, grid.pitch, wavelength, std::abs(distance),
+               p.padded_ny};
   p.method = params.method == PropagationMethod::automatic ? choose_method(x, y, observer) : params.method;
   check_method(p.method, x, y, observer);
   observer.fact("method", std::string(method_name(p.method)));
@@ -161,7 +175,7 @@ Propagator<Real> make_propagator(const Grid& grid, double wavelength, double dis
       fill_fresnel(p);
       break;
     default:
-      fill_angular_spectrum(p);
+      fill_angular_spectrum(p, x.band_samples_held(), y.band_samples_held());
       break;
   }
   return p;

@@ -8,6 +8,7 @@ namespace holotrace {
 FieldDouble sum_exact(const Sources& sources, const Grid& grid, const Observer& observer) {
   check_grid(grid);
   check_sources(sources);
+  check_field_fits(grid, sizeof(std::complex<double>));
   const std::vector<PreparedWave> waves = prepare_waves(sources, grid);
   FieldDouble field(grid, sources.wavelength);
   parallel_for(

@@ -11,6 +11,7 @@ namespace holotrace {
 Field sum_tiled(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer) {
   check_grid(grid);
   check_sources(sources);
+  check_field_fits(grid, sizeof(std::complex<float>));
   Field field(grid, sources.wavelength);
   const std::vector<PreparedWave> waves = prepare_waves(sources, grid);
   if (waves.empty()) return field;
