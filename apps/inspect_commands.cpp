@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/slm.h"
 #include "holotrace/estimate/limits.h"
 #include "holotrace/io/describe_file.h"
 #include "holotrace/io/field_file.h"
