@@ -139,6 +139,49 @@ TEST(Show, PixelsStandWhereTheGridSays) {
   }
 }
 
+// The field at a point, as show.h defines it, by summing plane waves: every frequency up to n/2 cycles per pixel, half
+// of it at n/2 itself.
+std::complex<double> slow_show(const Array2D<std::complex<double>>& panel, int n, double w, double x, double y) {
+  const auto waves = [&](int pixels, double position, const auto& pixel_position) {
+    std::vector<std::complex<double>> weight_of_pixel(static_cast<size_t>(pixels));
+    for (int p = 0; p < pixels; ++p)
+      for (int k = -(n * pixels / 2); 2 * k <= n * pixels; ++k) {
+        const double f = double(k) / pixels, half = 2 * std::abs(k) == n * pixels ? 0.5 : 1;
+        weight_of_pixel[size_t(p)] +=
+            half * w * sinc(w * f) * std::polar(1.0 / pixels, 2 * pi * f * (position - pixel_position(p)));
+      }
+    return weight_of_pixel;
+  };
+  const auto along_x = waves(panel.nx, x, [&](int i) { return i - (panel.nx - 1) / 2.0; });
+  const auto along_y = waves(panel.ny, y, [&](int j) { return (panel.ny - 1) / 2.0 - j; });
+  std::complex<double> sum = 0;
+  for (int j = 0; j < panel.ny; ++j)
+    for (int i = 0; i < panel.nx; ++i) sum += panel(j, i) * along_x[size_t(i)] * along_y[size_t(j)];
+  return sum;
+}
+
+TEST(Show, IsTheBandLimitedSumOfItsPixels) {
+  CounterRandom random(2, 0, 0);
+  for (const auto& [nx, ny] : {std::pair{6, 4}, {5, 3}, {4, 7}, {1, 1}})
+    for (int n : {1, 2, 3, 4, 5}) {
+      const Slm slm = make_panel(nx, ny, 256, 0.8);
+      Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
+      Array2D<std::complex<double>> panel(ny, nx);
+      for (size_t i = 0; i < panel.size(); ++i) {
+        h.level.values[i] = uint16_t(256 * random.uniform());
+        panel.values[i] = std::polar(1.0, 2 * pi * h.level.values[i] / 256);
+      }
+      const Field f = show(h, slm, {.subpixels = n});
+      for (int j = 0; j < f.grid.ny; ++j)
+        for (int i = 0; i < f.grid.nx; ++i) {
+          const std::complex<double> expected =
+              slow_show(panel, n, std::sqrt(0.8), f.grid.x(i) / test_pitch, f.grid.y(j) / test_pitch);
+          // Single precision: an FFT of few samples of modulus 1.
+          EXPECT_LT(std::abs(std::complex<double>(f.samples(j, i)) - expected), 2e-6) << nx << " × " << ny << ", " << n;
+        }
+    }
+}
+
 TEST(Show, ManySamplesPerPixelShowLitSquares) {
   // 64 samples per pixel: inside the lit square the amplitude is 1, in the gap 0, but for Gibbs's ringing, which
   // at the middle of both is below 1/(π·n·w/2) = 1 %.
