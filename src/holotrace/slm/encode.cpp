@@ -84,8 +84,8 @@ void encode_amplitude(const Field& field, const Observer& observer, Hologram& ho
     for (int i = 0; i < field.grid.nx; ++i)
       level[i] = uint16_t(amplitude_level(std::abs(std::complex<double>(u[i])) * scale, hologram.levels));
   });
-  observer.fact("modulus_max", largest);
-  observer.fact("mean_transmittance", sum * scale / double(field.grid.pixels()));
+  observer.fact("modulus_max", Fact(largest));
+  observer.fact("mean_transmittance", Fact(sum * scale / double(field.grid.pixels())));
 }
 
 }  // namespace

@@ -98,10 +98,10 @@ void encode_off_axis(const Field& field, const EncodeParams& params, const Obser
   hologram.filter = filter;
 
   const double inside = power_inside(field, filter);
-  observer.fact("modulus_max", largest);
-  observer.fact("carrier_u", carrier.x);
-  observer.fact("carrier_v", carrier.y);
-  observer.fact("band_power", inside);
+  observer.fact("modulus_max", Fact(largest));
+  observer.fact("carrier_u", Fact(carrier.x));
+  observer.fact("carrier_v", Fact(carrier.y));
+  observer.fact("band_power", Fact(inside));
   if (inside < 0.99)
     observer.warn(fmt::format(
         "the off-axis hologram keeps {:.3g} % of the field's power: the rest lies beyond ±{} in x, ±{} in y, where the "

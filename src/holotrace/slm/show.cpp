@@ -133,9 +133,9 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
   field.filter = hologram.filter;
 
   const double power_in = params.irradiance * panel.width() * panel.height(), power_out = power(field);
-  observer.fact("power_in", power_in);
-  observer.fact("power_out", power_out);
-  observer.fact("efficiency", power_in > 0 ? power_out / power_in : 0.0);
+  observer.fact("power_in", Fact(power_in));
+  observer.fact("power_out", Fact(power_out));
+  observer.fact("efficiency", Fact(power_in > 0 ? power_out / power_in : 0.0));
   return field;
 }
 

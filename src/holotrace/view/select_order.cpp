@@ -70,7 +70,7 @@ Field select_order(const Field& field, const SpectralFilter& filter, const Obser
     for (int i = 0; i < grid.nx; ++i) sample[i] *= std::complex<float>(scale * along_x[size_t(i)] * along_y[size_t(j)]);
   });
   const double before = power(field);
-  observer.fact("filter_power", before > 0 ? power(out) / before : 0.0);
+  observer.fact("filter_power", Fact(before > 0 ? power(out) / before : 0.0));
   return out;
 }
 

@@ -1,0 +1,93 @@
+#include <cmath>
+
+#include "holotrace/base/units.h"
+#include "holotrace/estimate/limits.h"
+#include "support/panels.h"
+
+// Numbers are those of physics.md; a tolerance is half of the last digit printed there.
+
+namespace holotrace {
+namespace {
+
+using namespace literals;
+
+constexpr Grid pluto{1920, 1080, 8e-6};
+
+double degrees(double radians) { return radians * 180 / pi; }
+
+TEST(Limits, HalfDiffractionAngles) {
+  struct Case {
+    double pitch, wavelength, angle;
+  };
+  for (const Case& c : {Case{8e-6, 633e-9, 2.267}, Case{8e-6, 532e-9, 1.905}, Case{8e-6, 450e-9, 1.612},
+                        Case{3.74e-6, 633e-9, 4.854}, Case{3.74e-6, 532e-9, 4.078}, Case{3.74e-6, 450e-9, 3.449}}) {
+    const Limits l = limits({100, 100, c.pitch}, c.wavelength, 1);
+    EXPECT_NEAR(degrees(l.half_angle), c.angle, 5e-4);
+    EXPECT_DOUBLE_EQ(l.field_of_view, 2 * l.half_angle);
+    EXPECT_NEAR(std::sin(l.first_order_angle), 2 * std::sin(l.half_angle), 1e-12);  // λ/p and λ/2p
+  }
+}
+
+TEST(Limits, BoxOfASource) {
+  // In pixels of 8 µm, as physics.md counts them.
+  EXPECT_NEAR(limits(pluto, 532_nm, 0.1_m).box_radius / 8e-6, 416, 0.5);
+  EXPECT_NEAR(limits(pluto, 532_nm, 0.2_m).box_radius / 8e-6, 832, 0.5);
+  EXPECT_NEAR(limits(pluto, 532_nm, 0.3_m).box_radius / 8e-6, 1248, 0.5);
+  EXPECT_NEAR(limits(pluto, 633_nm, 0.3_m).box_radius / 8e-6, 1485, 0.5);
+}
+
+TEST(Limits, ResolutionAndDepthOfFocusOfTheWholePanel) {
+  const Limits near = limits(pluto, 532_nm, 0.2_m), far = limits(pluto, 532_nm, 0.3_m);
+  EXPECT_NEAR(near.resolution_x, 6.927e-6, 5e-10);
+  EXPECT_NEAR(near.resolution_y, 12.315e-6, 5e-10);
+  EXPECT_NEAR(far.resolution_x, 10.391e-6, 5e-10);
+  EXPECT_NEAR(far.resolution_y, 18.472e-6, 5e-10);
+  EXPECT_NEAR(far.depth_of_focus_x, 2 * far.resolution_x * far.resolution_x / 532e-9, 1e-12);  // 2(λz/S)²/λ
+  EXPECT_NEAR(far.depth_of_focus_y, 2 * far.resolution_y * far.resolution_y / 532e-9, 1e-12);
+  EXPECT_EQ(far.space_bandwidth, 1920 * 1080);
+}
+
+TEST(Limits, SpaceBandwidthIsTheEtendueOverTheSquaredWavelength) {
+  const Limits l = limits(pluto, 532_nm, 1);
+  const double etendue = pluto.width() * pluto.height() * std::pow(2 * std::sin(l.half_angle), 2);
+  EXPECT_NEAR(double(l.space_bandwidth), etendue / (532e-9 * 532e-9), 1e-9 * l.space_bandwidth);
+}
+
+TEST(Limits, GratingsOfWholePixels) {  // case 10: 8 µm pixels, 0.3 m
+  const std::pair<int, double> table[] = {{2, 9.98052}, {4, 4.98819}, {8, 2.49384}, {16, 1.24689}, {32, 0.62344}};
+  for (const auto& [pixels, offset] : table)
+    EXPECT_NEAR(grating_order_offset(pixels * 8e-6, 532_nm, 0.3_m), offset * 1e-3, 5e-9) << pixels;
+  const Limits l = limits(pluto, 532_nm, 0.3_m);
+  EXPECT_DOUBLE_EQ(l.finest_grating, 16e-6);
+  EXPECT_NEAR(grating_order_offset(l.finest_grating, 532_nm, 0.3_m), l.box_radius, 1e-12);  // both z·tan(asin(λ/2p))
+  EXPECT_NEAR(grating_order_offset(8e-6, 532_nm, 0.3_m), l.order_spacing, 1e-12);
+  EXPECT_DOUBLE_EQ(grating_order_offset(16e-6, 532_nm, 0.3_m, -2), -l.order_spacing);
+  EXPECT_EQ(grating_order_offset(8e-6, 532_nm, 0.3_m, 0), 0);
+}
+
+TEST(Limits, FinePitchHasNoReplicas) {
+  const Limits l = limits({10, 10, 0.3_um}, 532_nm, 0.1_m);
+  EXPECT_TRUE(std::isinf(l.order_spacing));  // λ/p > 1: order 1 is evanescent
+  EXPECT_DOUBLE_EQ(l.first_order_angle, pi / 2);
+}
+
+TEST(WantedPitch, IsThePapersRule) {
+  const double pitch = wanted_pitch(632.8_nm, 15.0_deg);
+  EXPECT_NEAR(pitch, 1.181e-6, 5e-10);  // the paper: 1.18 µm for 15° × 15°
+  EXPECT_EQ(wanted_pixels(0.1, pitch), int64_t(std::ceil(0.1 * 2 * std::tan(15.0_deg) / 632.8e-9)));
+  EXPECT_EQ(wanted_pixels(1920 * 8e-6, 8e-6), 1920);  // divides evenly
+  EXPECT_EQ(wanted_pixels(8.1e-6, 8e-6), 2);
+  EXPECT_DOUBLE_EQ(pixel_rate(4e9, 3, 30), 3.6e11);  // the paper's figure is that of 4e9 pixels, 3 colours, 30 frames/s
+}
+
+TEST(Limits, SayWhatIsWrong) {
+  EXPECT_EQ(error_of([] { limits(pluto, 532_nm, 0); }), "expected a distance above 0 m, got 0 m");
+  EXPECT_EQ(error_of([] { limits(pluto, -1, 1); }), "expected a wavelength above 0 m, got -1 m");
+  EXPECT_EQ(error_of([] { limits({0, 4, 8e-6}, 532_nm, 1); }), "expected a grid of at least 1 × 1 pixels, got 0 × 4");
+  EXPECT_EQ(error_of([] { wanted_pitch(532_nm, 90.0_deg); }), "expected a half angle above 0° and below 90°, got 90°");
+  EXPECT_EQ(error_of([] { wanted_pixels(-1, 1); }), "expected a panel size above 0 m, got -1 m");
+  EXPECT_EQ(error_of([] { grating_order_offset(0, 532_nm, 1); }), "expected a grating period above 0 m, got 0 m");
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "holotrace/view/compare.h"
+#include "support/panels.h"
+
+namespace holotrace {
+namespace {
+
+Image random_image(int ny, int nx, int channels, uint64_t seed) {
+  Image image(ny, nx, channels);
+  CounterRandom random(seed, 0, 0);
+  for (float& v : image.values) v = float(random.uniform());
+  return image;
+}
+
+TEST(Compare, IdenticalImages) {
+  const Image image = random_image(20, 30, 3, 1);
+  const Metrics m = compare(image, image);
+  EXPECT_TRUE(std::isinf(m.psnr_unscaled) && m.psnr_unscaled > 0);
+  EXPECT_TRUE(std::isinf(m.psnr) && m.psnr > 0);
+  EXPECT_EQ(m.scale, 1);
+  EXPECT_EQ(m.rms_error, 0);
+  EXPECT_DOUBLE_EQ(m.ssim, 1);
+  EXPECT_DOUBLE_EQ(m.ssim_unscaled, 1);
+  EXPECT_NEAR(m.speckle_contrast, 0, 1e-12);
+  EXPECT_EQ(m.power_ratio, 1);
+}
+
+TEST(Compare, AScaleIsFittedAway) {
+  const Image reference = random_image(16, 16, 1, 2);
+  Image image = reference;
+  for (float& v : image.values) v *= 0.25F;  // exact in binary
+  const Metrics m = compare(reference, image);
+  EXPECT_EQ(m.scale, 4);
+  EXPECT_TRUE(std::isinf(m.psnr));
+  EXPECT_DOUBLE_EQ(m.ssim, 1);
+  EXPECT_EQ(m.power_ratio, 0.25);
+  double squares = 0;
+  for (float v : reference.values) squares += double(v) * v / double(reference.values.size());
+  const double peak = *std::max_element(reference.values.begin(), reference.values.end());
+  EXPECT_NEAR(m.psnr_unscaled, 10 * std::log10(peak * peak / (0.5625 * squares)), 1e-9);  // (1 − 0.25)²
+}
+
+TEST(Compare, ConstantImagesHaveTheClosedForm) {
+  // No variance: SSIM is its luminance term (2ab + c₁)/(a² + b² + c₁), c₁ = (0.01·L)²; PSNR 20·log₁₀(L/|a − b|).
+  const double a = 0.75, b = 0.5;
+  Image reference(15, 15, 1), image(15, 15, 1);
+  std::fill(reference.values.begin(), reference.values.end(), float(a));
+  std::fill(image.values.begin(), image.values.end(), float(b));
+  const Metrics m = compare(reference, image);
+  const double c1 = 1e-4 * a * a;
+  EXPECT_NEAR(m.ssim_unscaled, (2 * a * b + c1) / (a * a + b * b + c1), 1e-12);
+  EXPECT_NEAR(m.psnr_unscaled, 20 * std::log10(a / 0.25), 1e-12);
+  EXPECT_DOUBLE_EQ(m.scale, 1.5);
+}
+
+// SSIM as written in the paper: a two-dimensional window at every pixel where it fits.
+double slow_similarity(const Image& a, const Image& b, double L) {
+  double weights[11][11], total = 0, sum = 0;
+  for (int y = 0; y < 11; ++y)
+    for (int x = 0; x < 11; ++x)
+      total += weights[y][x] = std::exp(-((x - 5) * (x - 5) + (y - 5) * (y - 5)) / (2 * 1.5 * 1.5));
+  for (int j = 0; j + 11 <= a.ny; ++j)
+    for (int i = 0; i + 11 <= a.nx; ++i) {
+      double ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
+      for (int y = 0; y < 11; ++y)
+        for (int x = 0; x < 11; ++x)
+          ma += weights[y][x] / total * a(j + y, i + x), mb += weights[y][x] / total * b(j + y, i + x);
+      for (int y = 0; y < 11; ++y)
+        for (int x = 0; x < 11; ++x) {
+          const double da = a(j + y, i + x) - ma, db = b(j + y, i + x) - mb, w = weights[y][x] / total;
+          aa += w * da * da, bb += w * db * db, ab += w * da * db;
+        }
+      const double c1 = 1e-4 * L * L, c2 = 9e-4 * L * L;
+      sum += (2 * ma * mb + c1) * (2 * ab + c2) / ((ma * ma + mb * mb + c1) * (aa + bb + c2));
+    }
+  return sum / (double(a.ny - 10) * (a.nx - 10));
+}
+
+TEST(Compare, SimilarityAgreesWithItsDefinition) {
+  const Image reference = random_image(23, 31, 1, 3);
+  Image image = random_image(23, 31, 1, 4);
+  for (size_t i = 0; i < image.values.size(); ++i)
+    image.values[i] = 0.6F * reference.values[i] + 0.4F * image.values[i];
+  const double peak = *std::max_element(reference.values.begin(), reference.values.end());
+  EXPECT_NEAR(compare(reference, image).ssim_unscaled, slow_similarity(reference, image, peak), 1e-12);  // double
+}
+
+TEST(Compare, SimilarityOfASmallImageTakesASmallWindow) {
+  EXPECT_DOUBLE_EQ(compare(random_image(4, 7, 1, 5), random_image(4, 7, 1, 5)).ssim, 1);
+  EXPECT_DOUBLE_EQ(compare(random_image(1, 1, 1, 5), random_image(1, 1, 1, 5)).ssim, 1);
+}
+
+TEST(Compare, LeastSquaresScaleIsBestAndItsErrorIsOrthogonal) {
+  // The residual of a least-squares fit is orthogonal to the image: rms² = (Σr² − s·Σrv)/n.
+  const Image reference = random_image(12, 12, 3, 6), image = random_image(12, 12, 3, 7);
+  const Metrics m = compare(reference, image);
+  double rr = 0, rv = 0, vv = 0;
+  for (size_t i = 0; i < image.values.size(); ++i) {
+    rr += double(reference.values[i]) * reference.values[i];
+    rv += double(reference.values[i]) * image.values[i];
+    vv += double(image.values[i]) * image.values[i];
+  }
+  EXPECT_NEAR(m.scale, rv / vv, 1e-12);
+  EXPECT_NEAR(m.rms_error * m.rms_error, (rr - rv * rv / vv) / double(image.values.size()), 1e-12);
+  EXPECT_GE(m.psnr, m.psnr_unscaled);
+}
+
+TEST(Compare, BrightFractionIsTheLightInsideTheWantedRegion) {
+  Image reference(10, 10, 1), image(10, 10, 1);
+  for (int j = 0; j < 10; ++j)
+    for (int i = 0; i < 10; ++i) {
+      reference(j, i) = i < 5 ? 1.0F : 0.05F;  // 0.05 is below a tenth of the maximum
+      image(j, i) = i < 5 ? 3.0F : 1.0F;
+    }
+  EXPECT_NEAR(compare(reference, image).bright_fraction, 0.75, 1e-12);
+  EXPECT_NEAR(compare(reference, image, {.bright = 0.01}).bright_fraction, 1, 1e-12);
+}
+
+TEST(Compare, SaysWhatIsWrong) {
+  const Image a = random_image(4, 6, 1, 1);
+  EXPECT_EQ(
+      error_of([&] { compare(a, random_image(6, 4, 3, 1)); }),
+      "expected an image of 6 × 4 pixels and 1 channel(s), as its reference, got 4 × 6 and 3; resample or crop one "
+      "of them");
+  Image bad = a;
+  bad(2, 5) = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(error_of([&] { compare(a, bad); }), "expected finite values in the image, got inf at row 2, column 5");
+  EXPECT_EQ(error_of([&] { compare(Image(4, 6, 1), a); }),
+            "expected a reference with light in it, got one whose maximum is 0");
+  EXPECT_EQ(error_of([&] {
+              compare(Field({4, 4, test_pitch}, test_wavelength), Field({4, 5, test_pitch}, test_wavelength));
+            }),
+            "expected a field of 4 × 4 samples, as its reference, got 4 × 5");
+}
+
+TEST(CompareFields, ErrorCorrelationAndScaleOfAKnownDifference) {
+  // Two orthogonal plane waves r and e: f = c·(r + ε·e) has correlation c/(|c|·√(1+ε²)), scale 1/(c(1+ε²)).
+  const Grid grid{32, 16, test_pitch};
+  const std::complex<double> c = std::polar(2.0, 0.7);
+  const double epsilon = 0.1;
+  const FieldDouble r = convert<double>(sum_of({{2, 1, 1}}, grid));
+  const FieldDouble f = convert<double>(sum_of({{2, 1, c}, {-3, 2, c * epsilon}}, grid));
+  const FieldMetrics m = compare(r, f);
+  const double tolerance = 1e-6;  // the fields were made in single precision
+  EXPECT_LT(std::abs(m.correlation - std::polar(1 / std::sqrt(1 + epsilon * epsilon), 0.7)), tolerance);
+  EXPECT_LT(std::abs(m.scale - 1.0 / (c * (1 + epsilon * epsilon))), tolerance);
+  EXPECT_NEAR(m.relative_error, std::sqrt(std::norm(c - 1.0) + std::norm(c * epsilon)), tolerance);
+  EXPECT_NEAR(m.scaled_error, epsilon / std::sqrt(1 + epsilon * epsilon), tolerance);
+  EXPECT_EQ(compare(r, r).relative_error, 0);
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,97 @@
+#include "holotrace/view/compare.h"
+#include "holotrace/view/expose.h"
+#include "support/panels.h"
+
+namespace holotrace {
+namespace {
+
+TEST(Expose, IsTheIrradianceAveragedOverPixels) {
+  Field f({6, 4, 2e-6}, test_wavelength);
+  for (size_t i = 0; i < f.samples.size(); ++i) f.samples.values[i] = {float(i), 1};
+  const Image image = expose(f, {.binning = 2});
+  EXPECT_EQ(image.nx, 3);
+  EXPECT_EQ(image.ny, 2);
+  EXPECT_DOUBLE_EQ(image.pitch, 4e-6);
+  // Samples 8, 9, 14, 15 of rows of 6: (64 + 81 + 196 + 225)/4 + 1.
+  EXPECT_FLOAT_EQ(image(0, 1), (2 * 2 + 3 * 3 + 8 * 8 + 9 * 9) / 4.0F + 1);
+  EXPECT_FLOAT_EQ(image(1, 1), (14 * 14 + 15 * 15 + 20 * 20 + 21 * 21) / 4.0F + 1);
+  double light = 0;
+  for (float v : image.values) light += v;
+  EXPECT_NEAR(light * image.pitch * image.pitch, power(f), 1e-6 * power(f));  // no light is lost
+}
+
+TEST(Expose, NoBinningIsTheSquaredModulus) {
+  const Field f = sum_of(random_waves(3, 4, 1), {16, 8, test_pitch});
+  const Image image = expose(f, {});
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 16; ++i) EXPECT_FLOAT_EQ(image(j, i), std::norm(f.samples(j, i)));
+}
+
+TEST(Expose, CropsEvenlyAndSaysSo) {
+  Field f({8, 5, test_pitch}, test_wavelength);
+  f.samples(1, 1) = 3;
+  Heard heard;
+  const Image image = expose(f, {.binning = 3}, heard.observer());
+  EXPECT_EQ(image.nx, 2);
+  EXPECT_EQ(image.ny, 1);
+  EXPECT_FLOAT_EQ(image(0, 0), 1);  // 9 over 9 samples: column 1 and row 1 are the first that stay
+  ASSERT_EQ(heard.warnings.size(), 1u);
+  EXPECT_EQ(
+      heard.warnings[0],
+      "the field of 8 × 5 samples does not divide into bins of 3: 2 columns and 2 rows at its border are left out");
+}
+
+TEST(Expose, SaysWhatIsWrong) {
+  const Field f({8, 5, test_pitch}, test_wavelength);
+  EXPECT_EQ(error_of([&] { expose(f, {.binning = 6}); }),
+            "expected a binning of 1 to 5 samples, the side of the field, or 0 for 1, got 6");
+  EXPECT_EQ(error_of([&] { expose(f, {.binning = -1}); }),
+            "expected a binning of 1 to 5 samples, the side of the field, or 0 for 1, got -1");
+}
+
+TEST(ExposureWhite, IsThePercentileOrWhatIsAskedFor) {
+  Image image(10, 200, 1);
+  for (size_t i = 0; i < image.values.size(); ++i)
+    image.values[i] = float((i * 7919 + 1) % 2000 + 1);  // 1 … 2000, mixed
+  EXPECT_EQ(exposure_white(image, 0), 1998);             // 99.9 % of 2000 values are at most 1998
+  EXPECT_EQ(exposure_white(image, 0.25), 0.25);
+  EXPECT_EQ(exposure_white(Image(4, 4, 1), 0), 1);  // dark
+  Image star(100, 100, 1);
+  star(3, 4) = 5;
+  EXPECT_EQ(exposure_white(star, 0), 5);  // one pixel in 10,000 is beyond the percentile
+  EXPECT_NE(error_of([&] { exposure_white(star, -1); }), "no error");
+}
+
+TEST(Speckle, ExponentialIntensityHasContrastOne) {
+  // Sum of M frames of circular Gaussian fields: contrast 1/√M; its standard error over n pixels is
+  // √((1 + 1/M)/2n)/√M (delta method on the Gamma distribution). 4 standard errors, fixed seed.
+  for (int frames : {1, 4, 16}) {
+    const int side = 128;
+    Image image(side, side, 1);
+    for (int frame = 0; frame < frames; ++frame) {
+      Field f({side, side, test_pitch}, test_wavelength);
+      for (size_t i = 0; i < f.samples.size(); ++i) {
+        CounterRandom random(42, uint32_t(frame), i);
+        const double radius = std::sqrt(-std::log(1 - random.uniform()));
+        f.samples.values[i] = std::complex<float>(std::polar(radius, 2 * pi * random.uniform()));
+      }
+      const Image seen = expose(f, {});
+      for (size_t i = 0; i < image.values.size(); ++i) image.values[i] += seen.values[i];
+    }
+    const double n = double(side) * side;
+    const double standard_error = std::sqrt((1 + 1.0 / frames) / (2 * n) / frames);
+    EXPECT_NEAR(speckle_contrast(image), 1 / std::sqrt(frames), 4 * standard_error) << frames;
+
+    // Before a shaded reference the shading divides out.
+    Image shading(side, side, 1);
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        shading(j, i) = 0.2F + float(i) / side;
+        image(j, i) *= shading(j, i);
+      }
+    EXPECT_NEAR(compare(shading, image).speckle_contrast, 1 / std::sqrt(frames), 4 * standard_error) << frames;
+  }
+}
+
+}  // namespace
+}  // namespace holotrace
