@@ -27,7 +27,7 @@ double error_against_direct_sum(const FieldDouble& input, double z, const Propag
   CounterRandom random(5, 0, 0);
   std::vector<Vec3> points;
   std::vector<std::complex<double>> found;
-  for (int n = 0; n < 60; ++n) {
+  for (int n = 0; n < 40; ++n) {
     const int i = int(random.uniform() * output.grid.nx), j = int(random.uniform() * output.grid.ny);
     points.push_back({output.grid.x(i), output.grid.y(j), z});
     found.push_back(std::complex<double>(output.samples(j, i)));
@@ -43,6 +43,7 @@ double error_against_direct_sum(const FieldDouble& input, double z, const Propag
 
 struct Window {
   int nx, ny;
+  double z;  // within what both methods sample: near z* of section 2
 };
 class PropagateWindow : public ::testing::TestWithParam<Window> {};
 
@@ -52,7 +53,7 @@ TEST_P(PropagateWindow, IsTheDirectRayleighSommerfeldSum) {
   const FieldDouble field = make_band_limited_noise({GetParam().nx, GetParam().ny, 8_um}, 520_nm, 9e3);
   for (const PropagationMethod method :
        {PropagationMethod::automatic, PropagationMethod::angular_spectrum, PropagationMethod::rayleigh_sommerfeld})
-    for (const double z : {0.1_m, -0.1_m}) {
+    for (const double z : {GetParam().z, -GetParam().z}) {
       PropagateParams params;
       params.method = method;
       EXPECT_LT(error_against_direct_sum<double>(field, z, params), 1e-9) << int(method) << " " << z;
@@ -61,7 +62,7 @@ TEST_P(PropagateWindow, IsTheDirectRayleighSommerfeldSum) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Windows, PropagateWindow,
-                         ::testing::Values(Window{512, 512}, Window{640, 384}, Window{211, 333}),
+                         ::testing::Values(Window{512, 512, 0.1_m}, Window{640, 384, 0.1_m}, Window{211, 333, 0.045_m}),
                          [](const auto& info) { return fmt::format("{}x{}", info.param.nx, info.param.ny); });
 
 TEST(Propagate, RayleighSommerfeldIsTheDirectSumOfAnySamples) {
@@ -184,7 +185,9 @@ TEST(Propagate, SendsARampToItsAngle) {
       }
     // The beam's spectrum, ±470/m about the order, bends tan by z/2·tan″·σ²: 2e-8 m at the steepest, P = 2;
     // there the order's upper half passes Nyquist and wraps, so it is only seen in the closed form.
-    if (c.period > 2) EXPECT_NEAR(centre / total, c.place, 3e-8) << c.period;
+    if (c.period > 2) {
+      EXPECT_NEAR(centre / total, c.place, 3e-8) << c.period;
+    }
   }
 }
 
