@@ -102,6 +102,7 @@ void save_image(const std::string& path, const Image& image, double white, int b
   if (extension == ".exr") {
     OIIO::ImageSpec spec(image.nx, image.ny, image.channels, OIIO::TypeDesc::FLOAT);
     spec.attribute("compression", "zip");
+    spec.attribute("DateTime", "");  // no time stamp: the same image gives the same bytes
     spec.attribute("oiio:ColorSpace", "Linear");
     if (image.pitch > 0) spec.attribute("pitch_m", OIIO::TypeDesc::DOUBLE, &image.pitch);
     write_atomically(path, [&](const std::string& temporary) {
