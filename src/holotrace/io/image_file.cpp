@@ -87,9 +87,11 @@ Image decode_image(const void* bytes, size_t size, const std::string& name) {
   const auto* first = static_cast<const unsigned char*>(bytes);
   const bool is_jpeg = size > 2 && first[0] == 0xff && first[1] == 0xd8;
   OIIO::Filesystem::IOMemReader memory(const_cast<void*>(bytes), size);
-  const OIIO::ImageSpec config = plain_colours();
+  OIIO::ImageSpec config = plain_colours();
+  OIIO::Filesystem::IOProxy* source = &memory;
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
   // The name only picks the format; the bytes come from memory.
-  const auto input = OIIO::ImageInput::open(is_jpeg ? "texture.jpg" : "texture.png", &config, &memory);
+  const auto input = OIIO::ImageInput::open(is_jpeg ? "texture.jpg" : "texture.png", &config, source);
   if (!input) fail_not_an_image(name);
   return read_image(*input, name);
 }
