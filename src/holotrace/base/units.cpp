@@ -17,7 +17,7 @@ struct Unit {
 };
 
 constexpr std::array<Unit, 7> length_units{
-    {{"nm", 1e9}, {"um", 1e6}, {"µm", 1e6}, {"μm", 1e6}, {"mm", 1e3}, {"cm", 1e2}, {"m", 1}}};
+    {{"nm", 1e9, -9}, {"um", 1e6, -6}, {"µm", 1e6, -6}, {"μm", 1e6, -6}, {"mm", 1e3, -3}, {"cm", 1e2, -2}, {"m", 1}}};
 constexpr std::array<Unit, 4> angle_units{{{"deg", 180 / pi}, {"°", 180 / pi}, {"mrad", 1e3}, {"rad", 1}}};
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == ',' || c == '\n'; }

@@ -26,6 +26,7 @@ void write_field_exr(const std::string& path, const Field& field) {
   OIIO::ImageSpec spec(field.grid.nx, field.grid.ny, 2, OIIO::TypeDesc::FLOAT);
   spec.channelnames = {"real", "imag"};
   spec.attribute("compression", "zip");
+  spec.attribute("DateTime", "");  // no time stamp: the same field gives the same bytes
   const auto put = [&](const char* name, double value) { spec.attribute(name, OIIO::TypeDesc::DOUBLE, &value); };
   put("pitch_m", field.grid.pitch);
   put("wavelengths_m", field.wavelength);
@@ -54,6 +55,8 @@ Field read_field_exr(const std::string& path) {
           path);
 
   Field field;
+  field.grid.nx = spec.width;
+  field.grid.ny = spec.height;
   field.samples = Array2D<std::complex<float>>(spec.height, spec.width);
   std::vector<float> values(field.samples.size() * size_t(spec.nchannels));
   require(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()),

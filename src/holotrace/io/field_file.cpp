@@ -36,6 +36,8 @@ template <class Real>
 BasicField<Real> read_field_npy(const std::string& path) {
   BasicField<Real> field;
   field.samples = read_npy<Real>(path);
+  field.grid.nx = field.samples.nx;
+  field.grid.ny = field.samples.ny;
   const std::string sidecar = sidecar_path(path);
   check_file_exists(sidecar, "the field's metadata {pitch_m, wavelengths_m, z_m, image}");
   const nlohmann::json json = read_metadata(sidecar);
@@ -61,8 +63,6 @@ BasicField<Real> load(const std::string& path) {
   } else {
     fail_extension(path);
   }
-  field.grid.nx = field.samples.nx;
-  field.grid.ny = field.samples.ny;
   try {
     check_grid(field.grid);
     check_wavelength(field.wavelength);

@@ -163,7 +163,9 @@ BasicField<Real> read_field_hdf5(const std::string& path) {
           "{}: expected the shape (ny, nx) or (1, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
 
   BasicField<Real> field;
-  field.samples = Array2D<std::complex<Real>>(int(ny), int(nx));
+  field.grid.nx = int(nx);
+  field.grid.ny = int(ny);
+  field.samples = Array2D<std::complex<Real>>(field.grid.ny, field.grid.nx);
   const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
   require(H5Dread(data, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.samples.values.data()) >= 0,
           "{}: expected {} × {} complex samples, but they cannot be read; the file is truncated or damaged", path, nx,

@@ -87,9 +87,11 @@ Image decode_image(const void* bytes, size_t size, const std::string& name) {
   const auto* first = static_cast<const unsigned char*>(bytes);
   const bool is_jpeg = size > 2 && first[0] == 0xff && first[1] == 0xd8;
   OIIO::Filesystem::IOMemReader memory(const_cast<void*>(bytes), size);
-  const OIIO::ImageSpec config = plain_colours();
+  OIIO::ImageSpec config = plain_colours();
+  OIIO::Filesystem::IOProxy* source = &memory;
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
   // The name only picks the format; the bytes come from memory.
-  const auto input = OIIO::ImageInput::open(is_jpeg ? "texture.jpg" : "texture.png", &config, &memory);
+  const auto input = OIIO::ImageInput::open(is_jpeg ? "texture.jpg" : "texture.png", &config, source);
   if (!input) fail_not_an_image(name);
   return read_image(*input, name);
 }
@@ -102,6 +104,7 @@ void save_image(const std::string& path, const Image& image, double white, int b
   if (extension == ".exr") {
     OIIO::ImageSpec spec(image.nx, image.ny, image.channels, OIIO::TypeDesc::FLOAT);
     spec.attribute("compression", "zip");
+    spec.attribute("DateTime", "");  // no time stamp: the same image gives the same bytes
     spec.attribute("oiio:ColorSpace", "Linear");
     if (image.pitch > 0) spec.attribute("pitch_m", OIIO::TypeDesc::DOUBLE, &image.pitch);
     write_atomically(path, [&](const std::string& temporary) {

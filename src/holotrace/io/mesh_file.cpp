@@ -6,9 +6,12 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 
 #include "holotrace/base/error.h"
 #include "holotrace/data/shapes.h"
@@ -155,6 +158,52 @@ struct Reader {
   }
 };
 
+// Assimp drops texture coordinates and normals whose indices are out of range without a word, and says of vertices
+// only that one is. So the faces of an OBJ file are read here first.
+void check_obj_indices(const std::string& path) {
+  struct Farthest {
+    int64_t index = 0;
+    size_t line = 0;
+  };
+  constexpr std::array kinds{"vertex", "texture coordinate", "normal"};
+  std::array<int64_t, 3> counts{};
+  std::array<Farthest, 3> farthest;
+  const auto refuse = [&](size_t line, size_t kind, int64_t index) {
+    fail("{}:{}: expected {} indices from 1 to {} or as far back, got {}; export the mesh again", path, line,
+         kinds[kind], counts[kind], index);
+  };
+  const std::string text = read_text(path);
+  size_t line = 0;
+  for (size_t at = 0, end = 0; at < text.size(); at = end + 1) {
+    ++line;
+    end = std::min(text.find('\n', at), text.size());
+    std::string_view words = std::string_view(text).substr(at, end - at);
+    words.remove_prefix(std::min(words.find_first_not_of(" \t"), words.size()));
+    const std::string_view keyword = words.substr(0, words.find_first_of(" \t"));
+    if (keyword == "v") ++counts[0];
+    if (keyword == "vt") ++counts[1];
+    if (keyword == "vn") ++counts[2];
+    if (keyword != "f") continue;
+    size_t kind = 0;
+    for (const char *c = words.data() + 1, *stop = words.data() + words.size(); c < stop;) {
+      int64_t index = 0;
+      const auto [next, error] = std::from_chars(c, stop, index);
+      if (error == std::errc::invalid_argument) {
+        kind = *c == '/' ? kind + 1 : 0;
+        ++c;
+        continue;
+      }
+      if (kind < 3) {
+        if (error != std::errc() || index == 0 || index < -counts[kind]) refuse(line, kind, index);
+        if (index > farthest[kind].index) farthest[kind] = {index, line};
+      }
+      c = next;
+    }
+  }
+  for (size_t kind = 0; kind < 3; ++kind)
+    if (farthest[kind].index > counts[kind]) refuse(farthest[kind].line, kind, farthest[kind].index);
+}
+
 // The triangle soup of the OpenHolo library: rows of vertices, three to a face.
 LoadedModel from_soup(const PlyVertices& vertices) {
   const auto& x = vertices.column("x");
@@ -185,6 +234,7 @@ LoadedModel load_meshes(const std::string& path) {
     if (vertices.find("face_idx")) return from_soup(vertices);
     require(vertices.count > 0, "{}: expected a mesh with vertices, got none", path);
   }
+  if (extension == ".obj") check_obj_indices(path);
   Assimp::Importer importer;
   // Validation turns indices out of range into an error before any other step trusts them.
   const aiScene* scene = importer.ReadFile(

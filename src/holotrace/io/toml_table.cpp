@@ -116,12 +116,15 @@ std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& n
 void TomlTable::length(const char* key, double& value, const char*) {
   const toml::node* node = find(key);
   if (!node) return;
-  if (node->is_array()) fail_kind(key, "a length with its unit, such as \"300 mm\",", *node);
-  const std::vector<double> values = read_lengths(key, *node);
-  require(values.size() == 1, "{}expected one length for \"{}\", got {}", where(key), key, values.size());
-  require(values[0] >= 0, "{}expected a length of 0 m or more for \"{}\", got {}", where(key), key,
-          format_length(values[0]));
-  value = values[0];
+  const std::string text = length_text(key, *node);
+  double metres = 0;
+  try {
+    metres = parse_length(text);
+  } catch (const Error& e) {
+    fail("{}{} for \"{}\"", where(key), e.what(), key);
+  }
+  require(metres >= 0, "{}expected a length of 0 m or more for \"{}\", got {}", where(key), key, format_length(metres));
+  value = metres;
 }
 
 void TomlTable::lengths(const char* key, std::vector<double>& value, const char*) {
@@ -169,8 +172,8 @@ void TomlTable::colour(const char* key, Vec3& value, double most) {
     const auto number = to_number(item);
     if (!number) fail_kind(key, "a number or [red, green, blue]", item);
     if (!(std::isfinite(*number) && *number >= 0 && *number <= most)) {
-      const std::string range = std::isfinite(most) ? fmt::format("from 0 to {}", most) : "of 0 or more, finite";
-      fail("{}expected numbers {} for \"{}\", got {}", place(item.source()), range, key, *number);
+      const std::string range = std::isfinite(most) ? fmt::format("from 0 to {}", most) : "of 0 or more";
+      fail("{}expected finite numbers {} for \"{}\", got {}", place(item.source()), range, key, *number);
     }
     return *number;
   };

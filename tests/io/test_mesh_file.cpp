@@ -1,0 +1,202 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/io/image_file.h"
+#include "holotrace/io/mesh_file.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+using test::make_file;
+
+const DiffuseMaterial& diffuse(const LoadedModel& model, size_t mesh = 0) {
+  return std::get<DiffuseMaterial>(model.materials[size_t(model.meshes[mesh].material)]);
+}
+
+double area(const LoadedModel& model) {
+  double sum = 0;
+  for (const Mesh& mesh : model.meshes)
+    for (auto [a, b, c] : mesh.triangles) {
+      const Vec3 p = mesh.positions[a];
+      sum += length(cross(mesh.positions[b] - p, mesh.positions[c] - p)) / 2;
+    }
+  return sum;
+}
+
+size_t triangles(const LoadedModel& model) {
+  size_t sum = 0;
+  for (const Mesh& mesh : model.meshes) sum += mesh.triangles.size();
+  return sum;
+}
+
+TEST(MeshFile, AnObjSquareBecomesTwoTriangles) {
+  const LoadedModel model = load_meshes(make_file("m.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nf 1 2 3 4\n"));
+  ASSERT_EQ(model.meshes.size(), 1u);
+  EXPECT_EQ(model.meshes[0].triangles.size(), 2u);
+  EXPECT_EQ(model.meshes[0].positions.size(), 4u);
+  EXPECT_TRUE(model.meshes[0].normals.empty());  // flat
+  EXPECT_EQ(area(model), 2);
+  EXPECT_EQ(diffuse(model).reflectance, DiffuseMaterial{}.reflectance);
+  EXPECT_TRUE(model.warnings.empty());
+}
+
+TEST(MeshFile, ObjKeepsTextureCoordinatesNormalsAndMaterials) {
+  Image texture(1, 1, 3);
+  texture.values = {1, 0, 0};
+  save_image(test::temporary("red.png"), texture, 1, 8);
+  make_file("m.mtl", "newmtl paint\nKd 0.5 0.25 1\nmap_Kd red.png\nnewmtl lost\nKd 1 1 1\nmap_Kd none.png\n");
+  const LoadedModel model = load_meshes(
+      make_file("m.obj",
+                "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nvt 1 0\nvt 0 1\nvn 0 0 2\nusemtl paint\n"
+                "f 1/1/1 2/2/1 3/3/1\nusemtl lost\nf 1/1/1 3/3/1 2/2/1\n"));
+  ASSERT_EQ(model.meshes.size(), 2u);
+  EXPECT_EQ(model.meshes[0].normals[0], (Vec3{0, 0, 1}));
+  EXPECT_EQ(model.meshes[0].texture_coordinates[0], (Vec2{0, 0.25}));
+  EXPECT_EQ(diffuse(model).reflectance, (Vec3{0.5, 0.25, 1}));
+  ASSERT_TRUE(diffuse(model).texture);
+  EXPECT_EQ(diffuse(model).texture->values, texture.values);
+  EXPECT_FALSE(diffuse(model, 1).texture);
+  ASSERT_EQ(model.warnings.size(), 1u);
+  EXPECT_NE(model.warnings[0].find("none.png is missing, the plain colour is shown"), std::string::npos);
+}
+
+TEST(MeshFile, APlyMeshIsRead) {
+  const LoadedModel model = load_meshes(
+      make_file("m.ply",
+                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+  EXPECT_EQ(area(model), 0.5);
+}
+
+TEST(MeshFile, MissingAndUnknownFilesAreNamed) {
+  const std::string none = test::temporary("none.obj"), other = make_file("m.stl", "solid");
+  EXPECT_EQ(error_of([&] { load_meshes(none); }),
+            "expected a mesh at " + none + ", but there is no such file; check the path");
+  EXPECT_EQ(error_of([&] { load_meshes(other); }),
+            "expected a mesh file .obj, .ply, .gltf or .glb, got " + other + "; convert it");
+}
+
+TEST(MeshFile, AMeshWithoutTrianglesIsRefused) {
+  for (const char* text : {"", "# nothing\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "v 0 0 0\nv 1 0 0\nl 1 2\n"}) {
+    const std::string path = make_file("m.obj", text);
+    const std::string error = error_of([&] { load_meshes(path); });
+    EXPECT_TRUE(error.starts_with(path + ": expected a mesh")) << error;
+  }
+  const std::string path =
+      make_file("m.ply",
+                "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
+                "element face 0\nproperty list uchar int vertex_indices\nend_header\n");
+  EXPECT_EQ(error_of([&] { load_meshes(path); }), path + ": expected a mesh with vertices, got none");
+}
+
+TEST(MeshFile, IndicesOutOfRangeAreRefused) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (const char* face : {"f 1 2 4\n", "f 1 2 -9\n", "f 1 2 0\n", "f 1 2 3\nf 1 2 4000000000\n", "f 1/7 2/8 3/9\n",
+                           "f 1//4 2//5 3//6\n"}) {
+    const std::string path = make_file("m.obj", vertices + face);
+    const std::string error = error_of([&] { load_meshes(path); });
+    EXPECT_TRUE(error.starts_with(path + ":")) << face << error;
+  }
+  for (const char* face : {"3 0 1 3\n", "3 0 1 -1\n", "3 0 1 2000000000\n"}) {
+    const std::string path = make_file(
+        "m.ply",
+        std::string("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                    "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n") +
+            face);
+    const std::string error = error_of([&] { load_meshes(path); });
+    EXPECT_TRUE(error.starts_with(path + ":")) << face << error;
+  }
+}
+
+TEST(MeshFile, AnIndexOutOfRangeIsNamedWithItsLine) {
+  const std::string path = make_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/2\n");
+  EXPECT_EQ(error_of([&] { load_meshes(path); }),
+            path + ":5: expected texture coordinate indices from 1 to 1 or as far back, got 2; export the mesh again");
+}
+
+TEST(MeshFile, IndicesMayCountBackwards) {
+  EXPECT_EQ(area(load_meshes(make_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n"))), 0.5);
+}
+
+TEST(MeshFile, CoordinatesThatAreNotFiniteAreRefused) {
+  for (const char* number : {"nan", "inf", "1e999"}) {
+    const std::string path = make_file("m.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 ") + number + " 0\nf 1 2 3\n");
+    const std::string error = error_of([&] { load_meshes(path); });
+    EXPECT_TRUE(error.starts_with(path + ":")) << number << error;
+  }
+}
+
+TEST(MeshFile, DamagedFilesAreRefused) {
+  for (const char* name : {"m.glb", "m.gltf", "m.ply"}) {
+    const std::string path = make_file(name, "only text");
+    const std::string error = error_of([&] { load_meshes(path); });
+    EXPECT_TRUE(error.starts_with(path + ":")) << error;
+  }
+}
+
+class SharedMeshes : public ::testing::Test {
+ protected:
+  std::string path(const char* name) {
+    const std::string file = std::string(HOLOTRACE_SHARED_DATA) + "/" + name;
+    present_ = std::filesystem::exists(file);
+    return file;
+  }
+  bool present_ = false;
+};
+
+// Counts are those of the files' own lines (grep -c '^f ').
+TEST_F(SharedMeshes, TheBunnyHasItsVerticesAndNoNormals) {
+  const std::string file = path("stanford-bunny.obj");
+  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
+  const LoadedModel model = load_meshes(file);
+  ASSERT_EQ(model.meshes.size(), 1u);
+  EXPECT_EQ(triangles(model), 69451u);
+  EXPECT_TRUE(model.meshes[0].normals.empty());
+}
+
+TEST_F(SharedMeshes, SpotHasTextureCoordinatesWithVUp) {
+  const std::string file = path("spot_triangulated.obj");
+  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
+  const LoadedModel model = load_meshes(file);
+  ASSERT_EQ(model.meshes.size(), 1u);
+  EXPECT_EQ(triangles(model), 5856u);
+  EXPECT_EQ(model.meshes[0].texture_coordinates.size(), model.meshes[0].positions.size());
+}
+
+TEST_F(SharedMeshes, TheTeapotIsTriangulated) {
+  const std::string file = path("teapot.obj");
+  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
+  EXPECT_EQ(triangles(load_meshes(file)), 6320u);
+}
+
+// Khronos' BoxTextured is a cube of side 1 under a node that turns z up into y up, with a PNG inside.
+TEST_F(SharedMeshes, TheTexturedBoxIsAUnitCubeWithItsTexture) {
+  const std::string file = path("BoxTextured.glb");
+  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
+  const LoadedModel model = load_meshes(file);
+  EXPECT_EQ(triangles(model), 12u);
+  EXPECT_NEAR(area(model), 6, 1e-6);  // float coordinates
+  ASSERT_TRUE(diffuse(model).texture);
+  EXPECT_EQ(diffuse(model).texture->nx, 211);  // its PNG's header
+  EXPECT_EQ(diffuse(model).texture->channels, 3);
+}
+
+TEST_F(SharedMeshes, TheEngineIsPlacedByItsNodesAndWarnsOfItsMetal) {
+  const std::string file = path("2CylinderEngine.glb");
+  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
+  const LoadedModel model = load_meshes(file);
+  EXPECT_GT(model.meshes.size(), 10u);
+  for (const Mesh& mesh : model.meshes) EXPECT_LT(size_t(mesh.material), model.materials.size());
+}
+
+TEST_F(SharedMeshes, TheTriangleSoupOfOpenHoloIsRead) {
+  const std::string file = path("openholo_dice_mesh.ply");
+  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
+  EXPECT_EQ(triangles(load_meshes(file)), 40686u / 3);
+}
+
+}  // namespace
+}  // namespace holotrace
