@@ -1,0 +1,84 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "holotrace/base/array.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/fft.h"
+#include "holotrace/base/random.h"
+#include "holotrace/base/units.h"
+
+namespace holotrace {
+namespace {
+
+template <class Real>
+AlignedVector<std::complex<Real>> noise(int count) {
+  AlignedVector<std::complex<Real>> data;
+  CounterRandom random(17, 0, 0);
+  for (int i = 0; i < count; ++i) data.emplace_back(Real(random.uniform() - 0.5), Real(random.uniform() - 0.5));
+  return data;
+}
+
+// The definition, summed in double.
+std::vector<std::complex<double>> slow_transform(const std::complex<double>* data, int n, int sign) {
+  std::vector<std::complex<double>> out(static_cast<size_t>(n));
+  for (int k = 0; k < n; ++k)
+    for (int i = 0; i < n; ++i)
+      out[size_t(k)] += data[i] * std::polar(1.0, sign * 2 * pi * double(int64_t(k) * i % n) / n);
+  return out;
+}
+
+TEST(Fft, IsTheDefinitionForwardAndBackward) {
+  for (const int n : {1, 2, 7, 30, 127, 240}) {
+    for (const auto& [direction, sign] : {std::pair{FftDirection::forward, -1}, {FftDirection::backward, 1}}) {
+      auto data = noise<double>(n);
+      const auto expected = slow_transform(data.data(), n, sign);
+      Fft<double>(n, direction)(data.data());
+      // √n sums of numbers below 1, each to 1e-16
+      for (int k = 0; k < n; ++k) EXPECT_LT(std::abs(data[size_t(k)] - expected[size_t(k)]), 1e-13) << n;
+    }
+  }
+}
+
+TEST(Fft, TransformsDataOffTheSimdBoundaryAlike) {
+  const int n = 60;
+  auto data = noise<float>(n + 1);
+  AlignedVector<std::complex<float>> aligned(data.begin() + 1, data.end());
+  const Fft<float> forward(n, FftDirection::forward);
+  forward(data.data() + 1);
+  forward(aligned.data());
+  for (int k = 0; k < n; ++k) EXPECT_LT(std::abs(data[size_t(k) + 1] - aligned[size_t(k)]), 1e-5F);  // 60·2⁻²⁴
+}
+
+TEST(Fft, TransformsRowsAndColumns) {
+  const int ny = 9, nx = 20;
+  auto data = noise<double>(ny * nx);
+  const auto original = data;
+  fft_2d(data.data(), ny, nx, FftDirection::forward);
+  std::complex<double> expected = 0;  // one coefficient by the definition, (3, 5)
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i)
+      expected += original[size_t(j * nx + i)] * std::polar(1.0, -2 * pi * (3.0 * j / ny + 5.0 * i / nx));
+  EXPECT_LT(std::abs(data[3 * nx + 5] - expected), 1e-13);
+  fft_2d(data.data(), ny, nx, FftDirection::backward);
+  for (size_t i = 0; i < data.size(); ++i) EXPECT_LT(std::abs(data[i] / double(ny * nx) - original[i]), 1e-15);
+}
+
+TEST(Fft, HasGoodLengthsOfSmallFactors) {
+  EXPECT_EQ(fft_good_length(3839), 3840);
+  EXPECT_EQ(fft_good_length(2160), 2160);
+  EXPECT_EQ(fft_good_length(7), 8);
+  EXPECT_EQ(fft_good_length(0), 1);
+}
+
+TEST(Fft, KeepsItsWisdomAsText) {
+  EXPECT_TRUE(import_fft_wisdom(export_fft_wisdom()));
+  EXPECT_FALSE(import_fft_wisdom("no wisdom"));
+  EXPECT_FALSE(import_fft_wisdom(std::string("no\0wisdom", 9)));
+}
+
+TEST(Fft, RefusesATransformOfNothing) { EXPECT_THROW(Fft<float>(0, FftDirection::forward), Error); }
+
+}  // namespace
+}  // namespace holotrace
