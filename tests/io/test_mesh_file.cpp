@@ -71,6 +71,19 @@ TEST(MeshFile, APlyMeshIsRead) {
   EXPECT_EQ(area(model), 0.5);
 }
 
+TEST(MeshFile, APlyMeshKeepsNormalsTextureCoordinatesAndQuads) {
+  const LoadedModel model = load_meshes(make_file(
+      "m.ply",
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty "
+      "float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\nelement face 1\n"
+      "property list uchar int vertex_index\nend_header\n0 0 0 0 0 2 0 0\n2 0 0 0 0 2 1 0\n2 1 0 0 0 2 1 1\n"
+      "0 1 0 0 0 2 0 1\n4 0 1 2 3\n"));
+  EXPECT_EQ(area(model), 2);
+  EXPECT_EQ(triangles(model), 2u);
+  EXPECT_EQ(model.meshes[0].normals[0], (Vec3{0, 0, 1}));
+  EXPECT_EQ(model.meshes[0].texture_coordinates[2], (Vec2{1, 1}));
+}
+
 TEST(MeshFile, MissingAndUnknownFilesAreNamed) {
   const std::string none = test::temporary("none.obj"), other = make_file("m.stl", "solid");
   EXPECT_EQ(error_of([&] { load_meshes(none); }),
@@ -100,7 +113,7 @@ TEST(MeshFile, IndicesOutOfRangeAreRefused) {
     const std::string error = error_of([&] { load_meshes(path); });
     EXPECT_TRUE(error.starts_with(path + ":")) << face << error;
   }
-  for (const char* face : {"3 0 1 3\n", "3 0 1 -1\n", "3 0 1 2000000000\n"}) {
+  for (const char* face : {"3 0 1 3\n", "2 0 1\n", "3 0 1 -1\n", "3 0 1 2000000000\n"}) {
     const std::string path = make_file(
         "m.ply",
         std::string("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"

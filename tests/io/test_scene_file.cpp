@@ -273,6 +273,13 @@ TEST(SceneFileErrors, BrokenTomlIsPlaced) {
   EXPECT_TRUE(error.starts_with("2:5: expected valid TOML, but: ")) << error;
 }
 
+TEST(SceneFileErrors, EveryDamageToTomlIsAnError) {
+  for (const char* text : {"[+a]\n", "[=]\n", "[[", "[a.]\n", "a={=1}", "a.=1\n", "\xff\xfe", "a=\"\n", "a = [1,\n"}) {
+    const std::string error = scene_error(text);
+    EXPECT_NE(error.find("expected valid TOML, but: "), std::string::npos) << text << error;
+  }
+}
+
 TEST(SceneFileErrors, UnknownKeysAreRefusedEverywhere) {
   EXPECT_EQ(scene_error("wavelenght = \"532 nm\"\n"), "1:1: unknown key \"wavelenght\"; did you mean \"wavelength\"?");
   EXPECT_EQ(error_with("[slm]\nptich = \"8 um\"\n"), "3:1: unknown key \"ptich\"; did you mean \"pitch\"?");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,11 +11,25 @@
 
 namespace holotrace::test {
 
-/// A path for a test's own file. A file left there by an earlier run is gone, and its sidecar too.
+/// The folder of this run's files, gone when the run ends.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() : path_(std::filesystem::path(::testing::TempDir()) / ("holotrace_" + std::to_string(getpid()))) {}
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A path for a test's own file. A file left there earlier in the run is gone, and its sidecar too.
 inline std::string temporary(const std::string& name) {
+  static const TemporaryFolder run;
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) /
-                                       ("holotrace_" + std::string(info->test_suite_name()) + "_" + info->name());
+  const auto folder = run.path() / info->test_suite_name() / info->name();
   std::filesystem::create_directories(folder);
   const auto path = folder / name;
   std::filesystem::remove_all(path);

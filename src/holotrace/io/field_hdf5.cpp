@@ -64,10 +64,12 @@ void write_number(hid_t object, const char* name, double value, hsize_t rank, co
 
 void write_word(hid_t object, const char* name, const std::string& value, const std::string& path) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, value.size() + 1);
+  H5Tset_size(type, H5T_VARIABLE);  // h5py reads it as str
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const char* text = value.c_str();
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  require_written(attribute.valid() && H5Awrite(attribute, type, value.c_str()) >= 0, path);
+  require_written(attribute.valid() && H5Awrite(attribute, type, &text) >= 0, path);
 }
 
 double read_number(hid_t object, const char* name, const std::string& path) {
@@ -113,7 +115,10 @@ hid_t native_real() {
 template <class Real>
 void write_field_hdf5(const std::string& path, const BasicField<Real>& field) {
   const Silence silence;
-  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  // The file layout since HDF5 1.8 has checksums: damage is found instead of followed.
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   require_written(file.valid(), path);
   {
     const Handle stored(complex_type(sizeof(Real), sizeof(Real) == 4 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE), H5Tclose);
@@ -161,6 +166,11 @@ BasicField<Real> read_field_hdf5(const std::string& path) {
   const hsize_t ny = shape[size_t(rank == 3)], nx = shape[size_t(rank == 3) + 1];
   require((rank == 2 || rank == 3) && ny > 0 && nx > 0 && ny < (1u << 30) && nx < (1u << 30),
           "{}: expected the shape (ny, nx) or (1, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
+
+  const Handle properties(H5Dget_create_plist(data), H5Pclose);
+  require(H5Pget_layout(properties) != H5D_CONTIGUOUS || H5Dget_storage_size(data) / H5Tget_size(type) == ny * nx,
+          "{}: expected {} × {} samples, got {} bytes of them; the file is truncated or damaged", path, nx, ny,
+          H5Dget_storage_size(data));
 
   BasicField<Real> field;
   field.grid.nx = int(nx);

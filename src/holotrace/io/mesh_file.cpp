@@ -204,22 +204,62 @@ void check_obj_indices(const std::string& path) {
     if (farthest[kind].index > counts[kind]) refuse(farthest[kind].line, kind, farthest[kind].index);
 }
 
-// The triangle soup of the OpenHolo library: rows of vertices, three to a face.
-LoadedModel from_soup(const PlyVertices& vertices) {
+// A PLY mesh. Assimp stops the program at some damaged ones, so the reader of point files reads them.
+LoadedModel from_ply(const std::string& path) {
+  const PlyVertices vertices = read_ply(path, true);
+  require(vertices.count > 0, "{}: expected a mesh with vertices, got none", path);
   const auto& x = vertices.column("x");
   const auto& y = vertices.column("y");
   const auto& z = vertices.column("z");
-  require(vertices.count > 0 && vertices.count % 3 == 0, "{}: expected three vertices per face, got {} vertices",
-          vertices.path, vertices.count);
+  LoadedModel model{{DiffuseMaterial{}}, {}, {}};
   Mesh mesh;
-  mesh.name = std::filesystem::path(vertices.path).stem().string();
+  mesh.name = std::filesystem::path(path).stem().string();
   for (size_t i = 0; i < vertices.count; ++i) {
     mesh.positions.push_back({x[i], y[i], z[i]});
-    require(is_finite(mesh.positions.back()), "{}: expected finite coordinates, got ({}, {}, {}) at vertex {}",
-            vertices.path, x[i], y[i], z[i], i);
+    require(is_finite(mesh.positions.back()), "{}: expected finite coordinates, got ({}, {}, {}) at vertex {}", path,
+            x[i], y[i], z[i], i);
   }
-  for (uint32_t i = 0; i < vertices.count; i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
-  return {{DiffuseMaterial{}}, {mesh}, {vertices.path + ": the colours of its vertices are not shown"}};
+
+  const auto* nx = vertices.find("nx");
+  const auto* ny = vertices.find("ny");
+  const auto* nz = vertices.find("nz");
+  for (size_t i = 0; nx && ny && nz && i < vertices.count; ++i) {
+    const Vec3 normal{(*nx)[i], (*ny)[i], (*nz)[i]};
+    if (!(is_finite(normal) && length(normal) > 0)) {
+      mesh.normals.clear();
+      model.warnings.push_back(path + ": it has normals without a direction, it is shown flat");
+      break;
+    }
+    mesh.normals.push_back(normalize(normal));
+  }
+  for (auto [u_name, v_name] : {std::pair{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}}) {
+    const auto* u = vertices.find(u_name);
+    const auto* v = vertices.find(v_name);
+    if (!u || !v || !mesh.texture_coordinates.empty()) continue;
+    for (size_t i = 0; i < vertices.count; ++i) {
+      require(std::isfinite((*u)[i]) && std::isfinite((*v)[i]),
+              "{}: expected finite texture coordinates, got ({}, {}) at vertex {}", path, (*u)[i], (*v)[i], i);
+      mesh.texture_coordinates.push_back({(*u)[i], (*v)[i]});
+    }
+  }
+
+  for (size_t f = 0; f < vertices.faces.size(); ++f) {
+    const auto& face = vertices.faces[f];
+    require(face.size() >= 3, "{}: expected faces of 3 vertices or more, got {} in face {}", path, face.size(), f);
+    for (double index : face)
+      require(index >= 0 && index < double(vertices.count) && index == std::floor(index),
+              "{}: expected vertex indices below {}, got {} in face {}", path, vertices.count, index, f);
+    for (size_t i = 2; i < face.size(); ++i)  // a fan, right for convex faces
+      mesh.triangles.push_back({uint32_t(face[0]), uint32_t(face[i - 1]), uint32_t(face[i])});
+  }
+  if (vertices.find("face_idx") && mesh.triangles.empty()) {  // the triangle soup of the OpenHolo library
+    require(vertices.count % 3 == 0, "{}: expected three vertices per face, got {} vertices", path, vertices.count);
+    for (uint32_t i = 0; i < vertices.count; i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
+  }
+  require(!mesh.triangles.empty(), "{}: expected a mesh with triangles, got none", path);
+  if (vertices.find("red")) model.warnings.push_back(path + ": the colours of its vertices are not shown");
+  model.meshes.push_back(std::move(mesh));
+  return model;
 }
 
 }  // namespace
@@ -229,11 +269,7 @@ LoadedModel load_meshes(const std::string& path) {
   const std::string extension = extension_of(path);
   const bool known = extension == ".obj" || extension == ".ply" || extension == ".gltf" || extension == ".glb";
   require(known, "expected a mesh file .obj, .ply, .gltf or .glb, got {}; convert it", path);
-  if (extension == ".ply") {
-    const PlyVertices vertices = read_ply(path);
-    if (vertices.find("face_idx")) return from_soup(vertices);
-    require(vertices.count > 0, "{}: expected a mesh with vertices, got none", path);
-  }
+  if (extension == ".ply") return from_ply(path);
   if (extension == ".obj") check_obj_indices(path);
   Assimp::Importer importer;
   // Validation turns indices out of range into an error before any other step trusts them.

@@ -16,8 +16,8 @@ struct LoadedModel {
 
 /// Reads OBJ, PLY, glTF and GLB: triangles in metres with the transforms of their nodes applied,
 /// normals where the file has them (flat shading where not), texture coordinates with v up, and of
-/// each material the base colour, its texture (embedded or beside the file) and the emission. The
-/// triangle soup of the OpenHolo library's PLY dialect (property `face_idx`) is read too, without colours.
+/// each material the base colour, its texture (embedded or beside the file) and the emission. PLY
+/// faces are cut as fans; the triangle soup of the OpenHolo library's dialect (property `face_idx`) is read too.
 /// @throws Error naming the file if it is missing, of another kind, damaged or without triangles, and
 ///         naming the mesh for indices that are out of range and coordinates that are not finite
 LoadedModel load_meshes(const std::string& path);

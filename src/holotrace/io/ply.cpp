@@ -232,7 +232,7 @@ const std::vector<double>& PlyVertices::column(const std::string& name) const {
   return *found;
 }
 
-PlyVertices read_ply(const std::string& path) {
+PlyVertices read_ply(const std::string& path, bool with_faces) {
   check_file_exists(path, "a PLY file");
   const std::string bytes = read_text(path);
   const Header header = read_header(bytes, path);
@@ -240,6 +240,7 @@ PlyVertices read_ply(const std::string& path) {
   vertices.path = path;
   vertices.comments = header.comments;
 
+  bool has_vertices = false;
   Numbers numbers(bytes, header, path);
   for (const Element& element : header.elements) {
     const size_t row = least_row_size(element, header.format);
@@ -248,6 +249,7 @@ PlyVertices read_ply(const std::string& path) {
             "{}: expected {} of the element \"{}\", but the file is truncated or its header promises too much", path,
             element.count, element.name);
     const bool wanted = element.name == "vertex";
+    has_vertices = has_vertices || wanted;
     if (wanted) {
       vertices.count = element.count;
       for (const Property& p : element.properties)
@@ -263,14 +265,20 @@ PlyVertices read_ply(const std::string& path) {
         if (p.list_count) {
           require(value >= 0 && value <= double(numbers.bytes_left()),
                   "{}: expected the length of a list in the element \"{}\", got {}", path, element.name, value);
-          for (auto n = uint64_t(value); n > 0; --n) numbers.next(p.kind);
+          const bool is_face = with_faces && element.name == "face" && p.name.starts_with("vertex_ind");
+          if (is_face) vertices.faces.emplace_back();
+          for (auto n = uint64_t(value); n > 0; --n) {
+            const double item = numbers.next(p.kind);
+            if (is_face) vertices.faces.back().push_back(item);
+          }
         } else if (wanted) {
           vertices.columns[column++].push_back(value);
         }
       }
     }
-    if (wanted) return vertices;
+    if (has_vertices && !with_faces) return vertices;
   }
+  if (has_vertices) return vertices;
   fail("{}: expected an element \"vertex\" in the PLY file, got none", path);
 }
 

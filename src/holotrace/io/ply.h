@@ -6,13 +6,14 @@
 
 namespace holotrace {
 
-/// The vertices of a PLY file: each scalar property as a column of doubles.
+/// The vertices of a PLY file: each scalar property as a column of doubles; and its faces, if asked for.
 struct PlyVertices {
   std::string path;
   std::vector<std::string> comments;  ///< without the word "comment"
   size_t count = 0;
   std::vector<std::string> names;            ///< of the scalar properties, in the order of the file
   std::vector<std::vector<double>> columns;  ///< count values each
+  std::vector<std::vector<double>> faces;    ///< the lists vertex_indices (or vertex_index) of the element "face"
 
   /// The column of that name, nullptr where there is none.
   const std::vector<double>* find(const std::string& name) const;
@@ -22,9 +23,10 @@ struct PlyVertices {
 
 /// Reads the element "vertex" of a PLY file: ascii or binary of either byte order, numbers of any
 /// type. Other elements and lists are passed over.
+/// @param with_faces  whether to read the element "face", if there is one
 /// @throws Error naming the file, and the line in its text, for what is missing, malformed or truncated
 ///
 /// Reference: G. Turk, The PLY Polygon File Format, 1994.
-PlyVertices read_ply(const std::string& path);
+PlyVertices read_ply(const std::string& path, bool with_faces = false);
 
 }  // namespace holotrace

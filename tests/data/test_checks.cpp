@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/data/grid.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/data/shapes.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/data/sources.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+
+// x(i) = (i − (nx−1)/2)·pitch, row 0 on top: the conventions of the panel's frame.
+TEST(Grid, ItsPixelsAreCentredWithRowZeroOnTop) {
+  const Grid grid{4, 3, 2.0};
+  EXPECT_EQ(grid.x(0), -3);
+  EXPECT_EQ(grid.x(3), 3);
+  EXPECT_EQ(grid.y(0), 2);
+  EXPECT_EQ(grid.y(1), 0);
+  EXPECT_EQ(grid.y(2), -2);
+}
+
+TEST(Checks, GridsWithoutPixelsOrPitchAreRefused) {
+  EXPECT_EQ(error_of([] { check_grid({0, 5, 1e-6}); }), "expected a grid of at least 1 × 1 pixels, got 0 × 5");
+  EXPECT_EQ(error_of([] { check_grid({5, 5, -1e-6}); }), "expected a pixel pitch above 0 m, got -1e-06 m");
+  EXPECT_EQ(error_of([] { check_grid({5, 5, std::nan("")}); }), "expected a pixel pitch above 0 m, got nan m");
+  EXPECT_EQ(error_of([] { check_wavelength(0); }), "expected a wavelength above 0 m, got 0 m");
+}
+
+TEST(Checks, PanelsOutOfRangeAreRefused) {
+  for (const std::string& name : slm_preset_names()) {
+    EXPECT_EQ(error_of([&] { check_slm(slm_preset(name)); }), "no error");
+    EXPECT_EQ(slm_preset(name).name, name);
+  }
+  Slm slm = slm_preset("pluto");
+  slm.levels = 65537;
+  EXPECT_EQ(error_of([&] { check_slm(slm); }), "expected 2 to 65536 levels, got 65537");
+  slm = slm_preset("pluto");
+  slm.fill_factor = 0;
+  EXPECT_EQ(error_of([&] { check_slm(slm); }), "expected a fill factor in (0, 1], got 0");
+  EXPECT_EQ(error_of([] { slm_preset("plutto"); }), "unknown SLM \"plutto\"; did you mean \"pluto\"?");
+}
+
+TEST(Checks, TheFirstSourceAtFaultIsNamed) {
+  EXPECT_EQ(
+      error_of([] {
+        check_sources({532e-9, {{{0, 0, -1}, 1, 0}, {{0, 0, 0}, 1, 0}}});
+      }),
+      "expected source 1 behind the panel (z < 0), got z = 0 m; move the scene to negative z, the viewer's far side");
+  EXPECT_EQ(error_of([] {
+              check_sources({532e-9, {{{0, 0, -1}, 1, std::nanf("")}}});
+            }),
+            "expected finite numbers in source 0, got origin (0, 0, -1) m, amplitude 1, phase nan");
+}
+
+TEST(Checks, BrokenScenesAreNamedByMeshAndElement) {
+  Scene scene;
+  EXPECT_EQ(error_of([&] { check_scene(scene); }), "expected at least one object in the scene, got none");
+  scene.materials.push_back(DiffuseMaterial{});
+  Mesh quad = make_quad(1, 1);
+  for (Vec3& p : quad.positions) p.z = -1;
+  scene.meshes = {quad};
+  EXPECT_EQ(error_of([&] { check_scene(scene); }), "no error");
+  scene.meshes[0].triangles[1] = {0, 1, 4};
+  EXPECT_EQ(error_of([&] { check_scene(scene); }),
+            "expected vertex indices below 4 in mesh \"quad\", got 4 in triangle 1");
+  scene.meshes[0] = quad;
+  scene.meshes[0].positions[2].x = INFINITY;
+  EXPECT_EQ(error_of([&] { check_scene(scene); }),
+            "expected finite coordinates in mesh \"quad\", got (inf, 0.5, -1) at vertex 2");
+  scene.meshes[0] = quad;
+  scene.meshes[0].triangles.clear();
+  EXPECT_EQ(error_of([&] { check_scene(scene); }), "expected triangles in mesh \"quad\", got none");
+  scene.meshes[0] = quad;
+  scene.meshes[0].material = 1;
+  EXPECT_EQ(error_of([&] { check_scene(scene); }), "mesh \"quad\" has no material");
+  scene.meshes.clear();
+  scene.points = {{{0, 0, 0.1}}};
+  EXPECT_EQ(error_of([&] { check_scene(scene); }),
+            "expected point 0 behind the panel (z < 0), got z = 100 mm; move the object to negative z");
+}
+
+}  // namespace
+}  // namespace holotrace
