@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   add_inspect_commands(app, global);
   add_bench_command(app, global);
 
-  const WisdomFile wisdom;  // FFTW's plans, from the last run to the next
+  keep_fft_wisdom();
   try {
     app.parse(argc, argv);
     return 0;

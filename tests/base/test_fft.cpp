@@ -72,10 +72,26 @@ TEST(Fft, HasGoodLengthsOfSmallFactors) {
   EXPECT_EQ(fft_good_length(0), 1);
 }
 
-TEST(Fft, KeepsItsWisdomAsText) {
-  EXPECT_TRUE(import_fft_wisdom(export_fft_wisdom()));
-  EXPECT_FALSE(import_fft_wisdom("no wisdom"));
-  EXPECT_FALSE(import_fft_wisdom(std::string("no\0wisdom", 9)));
+// What one program measures, the next takes from the store, and plans alike.
+TEST(Fft, AsksItsStoreAroundEachNewPlanAndKeepsWhatItLearns) {
+  std::string kept = "no wisdom";  // is passed over
+  int opened = 0, closed = 0;
+  FftWisdomStore store;
+  store.open = [&] {
+    ++opened;
+    return kept;
+  };
+  store.close = [&](const std::string& wisdom) {
+    ++closed;
+    kept = wisdom;
+  };
+  set_fft_wisdom_store(store);
+  const Fft<float> first(1155, FftDirection::forward), again(1155, FftDirection::forward);
+  set_fft_wisdom_store({[] { return std::string(); }, [](const std::string&) {}});
+  EXPECT_EQ(opened, 1);
+  EXPECT_EQ(closed, 1);
+  EXPECT_NE(kept.find("fftwf_wisdom"), std::string::npos);  // both precisions
+  EXPECT_NE(kept.find("fftw_wisdom"), std::string::npos);
 }
 
 TEST(Fft, RefusesATransformOfNothing) { EXPECT_THROW(Fft<float>(0, FftDirection::forward), Error); }

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <tuple>
 #include <type_traits>
 
@@ -18,10 +19,10 @@ namespace {
 
 // FFTW's planner, wisdom and our table of plans are shared by all threads: one lock for the three.
 std::mutex planner;
-FftPlanning planning = FftPlanning::estimate;
+std::optional<FftWisdomStore> store;
 
 unsigned flags(bool aligned) {
-  return (planning == FftPlanning::measure ? FFTW_MEASURE : FFTW_ESTIMATE) | (aligned ? 0U : unsigned(FFTW_UNALIGNED));
+  return (store ? FFTW_MEASURE : FFTW_ESTIMATE) | (aligned ? 0U : unsigned(FFTW_UNALIGNED));
 }
 
 int sign(FftDirection direction) { return direction == FftDirection::forward ? FFTW_FORWARD : FFTW_BACKWARD; }
@@ -52,6 +53,25 @@ struct Fftw<double> {
   static bool is_aligned(std::complex<double>* data) { return fftw_alignment_of(reinterpret_cast<double*>(data)) == 0; }
 };
 
+// Both precisions' wisdom in one text; neither holds a null character.
+std::string export_wisdom() {
+  std::string wisdom;
+  for (char* text : {fftwf_export_wisdom_to_string(), fftw_export_wisdom_to_string()}) {
+    wisdom += text;
+    wisdom += '\0';
+    free(text);
+  }
+  return wisdom;
+}
+
+// Text that is no wisdom is passed over: FFTW then measures anew.
+void import_wisdom(const std::string& wisdom) {
+  const size_t end = wisdom.find('\0');
+  if (end == std::string::npos) return;
+  fftwf_import_wisdom_from_string(wisdom.c_str());
+  fftw_import_wisdom_from_string(wisdom.c_str() + end + 1);
+}
+
 template <class Real>
 using PlanOf = typename Fftw<Real>::Plan;
 
@@ -61,8 +81,10 @@ const void* shared_plan(int length, FftDirection direction, bool aligned) {
   const std::lock_guard lock(planner);
   PlanOf<Real>& plan = plans[{length, direction, aligned}];
   if (!plan) {
-    AlignedVector<std::complex<Real>> scratch(size_t(length) + 1);  // measuring overwrites it
+    AlignedVector<std::complex<Real>> scratch(static_cast<size_t>(length));  // measuring overwrites it
+    if (store) import_wisdom(store->open());
     plan = Fftw<Real>::make(length, scratch.data(), direction, aligned);
+    if (store) store->close(export_wisdom());
   }
   return plan;
 }
@@ -108,31 +130,12 @@ void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction) {
   });
 }
 
-void set_fft_planning(FftPlanning wanted) {
+void set_fft_wisdom_store(FftWisdomStore wanted) {
   const std::lock_guard lock(planner);
-  planning = wanted;
+  store = std::move(wanted);
 }
 
 std::string fft_library_version() { return fftw_version; }
-
-std::string export_fft_wisdom() {
-  const std::lock_guard lock(planner);
-  std::string wisdom;
-  for (char* text : {fftwf_export_wisdom_to_string(), fftw_export_wisdom_to_string()}) {
-    wisdom += text;
-    wisdom += '\0';
-    free(text);
-  }
-  return wisdom;
-}
-
-bool import_fft_wisdom(const std::string& wisdom) {
-  const std::lock_guard lock(planner);
-  const size_t end = wisdom.find('\0');
-  if (end == std::string::npos) return false;
-  const bool single = fftwf_import_wisdom_from_string(wisdom.c_str());
-  return fftw_import_wisdom_from_string(wisdom.c_str() + end + 1) && single;
-}
 
 template class Fft<float>;
 template class Fft<double>;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <functional>
 #include <string>
 
 namespace holotrace {
@@ -34,18 +35,19 @@ class Fft {
 template <class Real>
 void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction);
 
-/// How carefully new plans are made. `estimate` (the default) gives the same plan on every run;
-/// `measure` times candidates, and gives the same plan on every run that imports the same wisdom.
-enum class FftPlanning { estimate, measure };
-void set_fft_planning(FftPlanning planning);
-
 /// Name and version of the library that plans the transforms.
 std::string fft_library_version();
 
-/// FFTW's knowledge of fast plans, both precisions, as text to keep between runs.
-std::string export_fft_wisdom();
+/// Where plans are kept between runs and shared by programs: FFTW's knowledge of fast plans ("wisdom") as text.
+/// Around the making of each new plan, `open` is called for the text kept so far, and `close` with the new
+/// one; between the two nobody else may write it, so that all programs that share it plan alike.
+struct FftWisdomStore {
+  std::function<std::string()> open;
+  std::function<void(const std::string& wisdom)> close;
+};
 
-/// Takes in what export_fft_wisdom gave. Returns whether FFTW could read it.
-bool import_fft_wisdom(const std::string& wisdom);
+/// From here on new plans are chosen by timing candidates, and kept in `store`: the same on every run that
+/// shares it. Without a store, plans are estimated: slower, and the same on every run.
+void set_fft_wisdom_store(FftWisdomStore store);
 
 }  // namespace holotrace

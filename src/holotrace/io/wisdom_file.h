@@ -1,23 +1,10 @@
 #pragma once
 
-#include <string>
-
 namespace holotrace {
 
-/// FFTW's knowledge of fast plans, kept between runs in the user's cache folder
-/// ($XDG_CACHE_HOME or ~/.cache)/holotrace. Read on construction, written back on destruction if
-/// plans were added. Where the folder cannot be written, plans are estimated, which is slower but the
-/// same on every run.
-class WisdomFile {
- public:
-  WisdomFile();
-  ~WisdomFile();
-  WisdomFile(const WisdomFile&) = delete;
-  WisdomFile& operator=(const WisdomFile&) = delete;
-
- private:
-  std::string path_;  // empty: no cache
-  std::string loaded_;
-};
+/// Keeps FFTW's knowledge of fast plans between runs, in the user's cache folder ($XDG_CACHE_HOME or
+/// ~/.cache)/holotrace/fftw_wisdom, and shares it by a lock with programs that run at the same time. Where
+/// the folder cannot be written it does nothing: plans are then estimated (base/fft.h).
+void keep_fft_wisdom();
 
 }  // namespace holotrace
