@@ -84,8 +84,17 @@ def white_of(pictures):
     return max(max(np.percentile(p, 99.7) for p in pictures), 1e-6)
 
 
-def picture(path, size):
+def thicken(linear):
+    """Each pixel is the mean of 3 × 3: luminous points, drawn one pixel wide, become visible."""
+    padded = np.pad(linear, ((1, 1), (1, 1), (0, 0)))
+    rows, columns = linear.shape[:2]
+    return sum(padded[j : j + rows, i : i + columns] for j in range(3) for i in range(3)) / 9
+
+
+def picture(path, size, is_points=False):
     linear = shrink(load_linear(path), size)
+    if is_points:
+        linear = thicken(linear)
     return develop(linear, white_of([linear]))
 
 
@@ -112,8 +121,10 @@ def scene_rows(folder):
     """The pictures of one scene: (label, picture) by rows."""
     near, far = distances(folder)
     first, second = views(folder, PANEL)
+    is_points = "chess" not in folder.name
     return [
-        [("scene, path-traced" if "chess" in folder.name else "scene", picture(folder / "render.png", PANEL)),
+        [("scene: luminous points" if is_points else "scene, path-traced",
+          picture(folder / "render.png", PANEL, is_points)),
          (f"hologram: the phase on the middle {PANEL[0]} × {PANEL[1]} pixels", hologram_crop(folder, PANEL))],
         [(f"camera at {near}", first), (f"camera at {far}", second)],
         [("camera at 300 mm, sensor 56 × 14 mm: the image and its replicas, orders −1 and 1, 23.8 mm apart",
@@ -148,18 +159,14 @@ def make_sheet(figure, output):
 
 def make_readme_picture(folder):
     """Scene, hologram and camera view of the chess game, side by side."""
-    size, label_height = (488, 366), 30
-    titles = ["3D scene", "hologram", f"what a camera sees of it at {distances(folder)[1]}"]
-    full = (size[1] * 16 // 9, size[1])
-    left = (full[0] - size[0]) // 2
-    box = (left, 0, left + size[0], size[1])
-    pictures = [picture(folder / "render.png", full).crop(box), hologram_crop(folder, size),
-                views(folder, full)[1].crop(box)]
+    size, label_height = (488, 275), 28
+    titles = ["3D scene", "hologram (detail)", f"what a camera sees of it at {distances(folder)[0]}"]
+    pictures = [picture(folder / "render.png", size), hologram_crop(folder, size), views(folder, size)[0]]
     strip = Image.new("RGB", (3 * size[0] + 2 * GAP, size[1] + label_height), PAPER)
     draw = ImageDraw.Draw(strip)
     for i, (title, image) in enumerate(zip(titles, pictures)):
         x = i * (size[0] + GAP)
-        draw.text((x, 3), title, INK, font(18))
+        draw.text((x, 2), title, INK, font(18))
         strip.paste(image, (x, label_height))
     return strip
 
