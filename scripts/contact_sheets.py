@@ -42,9 +42,10 @@ FIGURES = [
            "The front is sharp and the back wide, then the other way round.",
            [Scene("fig07_wireframe_sphere", "")]),
     Figure("fig08", "Fig. 8  Quad tilted about its main diagonal",
-           "The diagonal is sharp at 300 mm, a corner is where the camera moves to it. "
-           "256 × 256 points interfere: fringes and bright edges.",
-           [Scene("fig08_quad_16", "16 × 16 points"), Scene("fig08_quad_256", "256 × 256 points")]),
+           "The diagonal is sharp at 300 mm, the upper right corner at 296.8 mm. "
+           "256 × 256 points interfere: fringes, or speckle.",
+           [Scene("fig08_quad_16", "16 × 16 points"), Scene("fig08_quad_256", "256 × 256 points in step"),
+            Scene("fig08_quad_256_diffuse", "256 × 256 points of random phase")]),
     Figure("fig09", "Fig. 9  Textured quad of 128 × 128 points",
            "Coarse bars, text and greys come back; the finest bars are at the sampling of the quad. "
            "Speckle lowers the contrast.",
@@ -192,7 +193,7 @@ def renew_docs(output, table):
     for figure in FIGURES:
         sheet = Image.open(output / f"{figure.name}.png")
         sheet.resize((1200, sheet.height * 1200 // sheet.width), Image.Resampling.LANCZOS).save(
-            images / f"{figure.name}.jpg", quality=85, optimize=True)
+            images / f"{figure.name}.jpg", quality=75, optimize=True)
     Image.open(output / "chess.png").save(images / "chess.png", optimize=True)
     page = ROOT / "docs" / "figures.md"
     before, _, rest = page.read_text().partition("<!-- table1 -->\n")
