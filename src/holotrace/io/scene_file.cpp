@@ -1,7 +1,7 @@
 #include "holotrace/io/scene_file.h"
 
+#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 
 #include "holotrace/base/error.h"
@@ -35,7 +35,7 @@ Slm read_slm(TomlTable table) {
   return slm;
 }
 
-Material read_material(TomlTable table, const std::filesystem::path& folder) {
+Material read_material(TomlTable table) {
   std::string type = "diffuse";
   table.text("type", type);
   if (type != "diffuse") throw Error(table.where("type") + unknown_name_message("material type", type, {"diffuse"}));
@@ -47,7 +47,7 @@ Material read_material(TomlTable table, const std::filesystem::path& folder) {
   table.refuse_unknown_keys();
   if (!texture.empty()) {
     table.locate("texture",
-                 [&] { material.texture = std::make_shared<Image>(load_image((folder / texture).string())); });
+                 [&] { material.texture = std::make_shared<Image>(load_image(table.beside("texture", texture))); });
     if (!table.has("reflectance")) material.reflectance = {1, 1, 1};  // the texture alone
   }
   return material;
@@ -104,8 +104,7 @@ void check_params(const Job& job, TomlTable& root) {
   check("camera", "bits", job.camera.bits == 8 || job.camera.bits == 16, "8 or 16");
 }
 
-Job read_job(TomlTable& root, const std::string& path) {
-  const auto folder = std::filesystem::path(path).parent_path();
+Job read_job(TomlTable& root) {
   Job job;
   for (const char* section : {"slm", "materials", "light", "object", "shape", "background", "trace", "render",
                               "synthesize", "encode", "show", "propagate", "camera"})
@@ -119,10 +118,10 @@ Job read_job(TomlTable& root, const std::string& path) {
   const auto slm = root.table("slm");
   job.slm = slm ? read_slm(*slm) : slm_preset("pluto");
 
-  SceneObjects objects(folder, job);
+  SceneObjects objects(job);
   std::vector<std::string> names;
   const auto materials = root.named_tables("materials", names);
-  for (size_t i = 0; i < materials.size(); ++i) objects.add_material(names[i], read_material(materials[i], folder));
+  for (size_t i = 0; i < materials.size(); ++i) objects.add_material(names[i], read_material(materials[i]));
   for (const TomlTable& light : root.tables("light")) job.scene.lights.push_back(read_light(light));
   if (auto shapes = root.table("shape")) objects.add_shapes(*shapes);
   for (const TomlTable& object : root.tables("object")) objects.add_object(object);
@@ -140,20 +139,55 @@ Job read_job(TomlTable& root, const std::string& path) {
   return job;
 }
 
-}  // namespace
-
-Job load_job(const std::string& path) {
-  check_file_exists(path, "a scene file");
+toml::table parse_file(const std::string& path) {
   const std::string text = read_text(path);
-  toml::table parsed;
   try {
-    parsed = toml::parse(text, path);
+    return toml::parse(text, path);
   } catch (const toml::parse_error& e) {
     const auto at = e.source().begin;
     fail("{}:{}:{}: expected valid TOML, but: {}", path, at.line, at.column, e.description());
   }
-  TomlTable root(parsed, path, "the scene file");
-  return read_job(root, path);
+}
+
+// Puts the keys of `over` into `base`: tables key by key, all else (lists of tables too) as a whole.
+void overrule(toml::table& base, toml::table&& over) {
+  for (auto&& [key, node] : over) {
+    toml::node* present = base.get(key);
+    if (present && present->is_table() && node.is_table()) {
+      overrule(*present->as_table(), std::move(*node.as_table()));
+      continue;
+    }
+    base.erase(key);
+    base.insert(key, std::move(node));  // moved, not copied: a node keeps its place in its file
+  }
+}
+
+// The tables of a scene file over those of the file that it extends, and the names of all files read.
+toml::table read_scene(const std::string& path, std::vector<std::string>& files) {
+  files.push_back(path);
+  toml::table scene = parse_file(path);
+  if (!scene.contains("extends")) return scene;
+  TomlTable root(scene, files, "the scene file");
+  std::string name;
+  root.text("extends", name);
+  const std::string extended = root.beside("extends", name);
+  require(std::find(files.begin(), files.end(), extended) == files.end(),
+          "{}expected a scene that does not extend itself, but \"{}\" is being read", root.where("extends"), extended);
+  root.locate("extends", [&] { check_file_exists(extended, "a scene file"); });
+  toml::table base = read_scene(extended, files);
+  scene.erase("extends");
+  overrule(base, std::move(scene));
+  return base;
+}
+
+}  // namespace
+
+Job load_job(const std::string& path) {
+  check_file_exists(path, "a scene file");
+  std::vector<std::string> files;
+  const toml::table parsed = read_scene(path, files);
+  TomlTable root(parsed, files, "the scene file");
+  return read_job(root);
 }
 
 }  // namespace holotrace

@@ -7,7 +7,9 @@
 namespace holotrace {
 
 /// Reads a scene file (TOML): the scene, the light, the panel, and the parameters of every stage.
-/// The format is described in docs/scene_format.md. Files that it names are sought beside it.
+/// The format is described in docs/scene_format.md. Files that it names are sought beside it. With
+/// `extends = "other.toml"` it is that scene with this file's tables over it, key by key; a list of
+/// tables ([[object]], …) replaces the other's list.
 /// @throws Error starting with file:line:column for what is missing, unknown (naming the nearest known
 ///         name), without a unit, out of range, or in front of the panel
 Job load_job(const std::string& path);

@@ -301,7 +301,7 @@ std::string SceneObjects::read_file_name(TomlTable& object, const char* key) {
   object.require_key(key);
   std::string name;
   object.text(key, name);
-  return (folder_ / name).string();
+  return object.beside(key, name);
 }
 
 }  // namespace holotrace

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
@@ -16,9 +15,8 @@ namespace holotrace {
 /// points into a job's scene. Materials and shapes come first.
 class SceneObjects {
  public:
-  /// @param folder  where files that objects name are sought
-  /// @param job     gets materials, meshes, points and warnings; outlives this
-  SceneObjects(std::filesystem::path folder, Job& job) : folder_(std::move(folder)), job_(job) {}
+  /// @param job  gets materials, meshes, points and warnings; outlives this
+  explicit SceneObjects(Job& job) : job_(job) {}
 
   void add_material(const std::string& name, const Material& material);
   void add_shapes(TomlTable& shapes);  ///< the table that holds every [[shape.NAME]]
@@ -50,7 +48,6 @@ class SceneObjects {
     int first_material = -1;  // where its materials stand in the scene; -1: not there yet
   };
 
-  std::filesystem::path folder_;
   Job& job_;
   std::map<std::string, int> materials_;
   std::map<std::string, std::vector<TomlTable>> shapes_;

@@ -1,6 +1,8 @@
 #include "holotrace/io/toml_table.h"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "holotrace/base/units.h"
@@ -26,14 +28,30 @@ std::optional<double> to_number(const toml::node& node) {
 
 }  // namespace
 
+const std::string& TomlTable::file(const toml::source_region& source) const {
+  return source.path ? *source.path : files_.front();
+}
+
+bool TomlTable::is_placed(const Error& error) const {
+  const std::string_view sentence = error.what();
+  return std::any_of(files_.begin(), files_.end(),
+                     [&](const std::string& name) { return sentence.starts_with(name + ":"); });
+}
+
 std::string TomlTable::place(const toml::source_region& source) const {
   // Tables that the file only implies have no place of their own.
-  return fmt::format("{}:{}:{}: ", file_, std::max(source.begin.line, 1u), std::max(source.begin.column, 1u));
+  return fmt::format("{}:{}:{}: ", file(source), std::max(source.begin.line, 1u), std::max(source.begin.column, 1u));
 }
 
 std::string TomlTable::where(const char* key) const {
   const toml::node* node = table_->get(key);
   return place(node ? node->source() : table_->source());
+}
+
+std::string TomlTable::beside(const char* key, const std::string& name) const {
+  const toml::node* node = table_->get(key);
+  const std::filesystem::path holder = file(node ? node->source() : table_->source());
+  return (holder.parent_path() / name).string();
 }
 
 const toml::node* TomlTable::find(const char* key) {
@@ -102,7 +120,7 @@ std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& n
       const std::vector<double> some = parse_lengths(length_text(key, item));
       values.insert(values.end(), some.begin(), some.end());
     } catch (const Error& e) {
-      if (std::string_view(e.what()).starts_with(file_ + ":")) throw;
+      if (is_placed(e)) throw;
       fail("{}{} for \"{}\"", place(item.source()), e.what(), key);
     }
   };
@@ -247,7 +265,7 @@ std::optional<TomlTable> TomlTable::table(const char* key) {
   const toml::node* node = find(key);
   if (!node) return std::nullopt;
   if (!node->is_table()) fail_kind(key, "a table", *node);
-  return TomlTable(*node->as_table(), file_, fmt::format("[{}]", key));
+  return TomlTable(*node->as_table(), files_, fmt::format("[{}]", key));
 }
 
 std::vector<TomlTable> TomlTable::tables(const char* key) {
@@ -258,7 +276,7 @@ std::vector<TomlTable> TomlTable::tables(const char* key) {
   if (!items) fail_kind(key, "tables headed [[…]]", *node);
   for (const toml::node& item : *items) {
     if (!item.is_table()) fail_kind(key, "tables headed [[…]]", item);
-    found.emplace_back(*item.as_table(), file_, fmt::format("[[{}]]", key));
+    found.emplace_back(*item.as_table(), files_, fmt::format("[[{}]]", key));
   }
   return found;
 }
@@ -271,7 +289,7 @@ std::vector<TomlTable> TomlTable::named_tables(const char* key, std::vector<std:
     const std::string full = fmt::format("{}.{}", key, name.str());
     if (!node.is_table()) outer->fail_kind(full.c_str(), "a table", node);
     names.emplace_back(name.str());
-    found.emplace_back(*node.as_table(), file_, "[" + full + "]");
+    found.emplace_back(*node.as_table(), files_, "[" + full + "]");
   }
   return found;
 }

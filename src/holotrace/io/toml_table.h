@@ -26,9 +26,10 @@ namespace holotrace {
 /// Every Error starts with file:line:column.
 class TomlTable {
  public:
-  /// @param name  what errors call the table: "[slm]"; the table outlives this view of it
-  TomlTable(const toml::table& table, std::string file, std::string name)
-      : table_(&table), file_(std::move(file)), name_(std::move(name)) {}
+  /// @param files  that the tables were read from, the one that names the others first
+  /// @param name   what errors call the table: "[slm]"; the table outlives this view of it
+  TomlTable(const toml::table& table, std::vector<std::string> files, std::string name)
+      : table_(&table), files_(std::move(files)), name_(std::move(name)) {}
 
   const std::string& name() const { return name_; }
   const toml::table& toml() const { return *table_; }
@@ -37,13 +38,16 @@ class TomlTable {
   /// "file:line:column: " of a key's value, or of the table where the key is "" or absent.
   std::string where(const char* key) const;
 
+  /// Path of the file `name`, which stands beside the file that holds the key.
+  std::string beside(const char* key, const std::string& name) const;
+
   /// Runs `read`; an Error it throws gets the place of the key in front.
   template <class Read>
   void locate(const char* key, const Read& read) const {
     try {
       read();
     } catch (const Error& e) {
-      if (std::string_view(e.what()).starts_with(file_ + ":")) throw;
+      if (is_placed(e)) throw;
       throw Error(where(key) + e.what());
     }
   }
@@ -97,13 +101,15 @@ class TomlTable {
  private:
   const toml::node* find(const char* key);
   [[noreturn]] void fail_kind(const char* key, const char* expected, const toml::node& got) const;
+  const std::string& file(const toml::source_region& source) const;
   std::string place(const toml::source_region& source) const;
+  bool is_placed(const Error& error) const;  // whether it starts with a place in one of the files
   std::string length_text(const char* key, const toml::node& node) const;
   std::vector<double> read_lengths(const char* key, const toml::node& node) const;
   Vec3 read_vector(const char* key, const toml::node& node) const;
 
   const toml::table* table_;
-  std::string file_;
+  std::vector<std::string> files_;
   std::string name_;
   std::set<std::string> known_;
 };
