@@ -35,6 +35,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
   b.report.seed = job.trace.seed;
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
   const Grid& panel = job.slm.grid;
+  check_field_fits(panel, sizeof(std::complex<float>));  // before the first stage, not after the second
 
   b.render =
       stage("render", [&](const Observer& o) { return render(job.scene, panel, job.wavelength, job.render, o); });

@@ -21,12 +21,24 @@ inline std::string scene_head(const Grid& panel = small_panel) {
                      panel.pitch * 1e6);
 }
 
-/// One luminous point: a quad of points with one row and one column has it at its centre.
-inline std::string point(Vec3 at, double amplitude = 1) {
-  return fmt::format(
-      "[[object]]\ntype = \"point_quad\"\nwidth = \"1 mm\"\nheight = \"1 mm\"\ncolumns = 1\nrows = 1\n"
-      "position = \"{} {} {} m\"\namplitude = {}\n",
-      at.x, at.y, at.z, amplitude);
+/// A PLY file of luminous points.
+struct Luminous {
+  Vec3 at;
+  double amplitude = 1;
+};
+
+inline std::string point_file(const std::vector<Luminous>& points) {
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
+      "property float amplitude\nend_header\n",
+      points.size());
+  for (const Luminous& p : points) text += fmt::format("{} {} {} {}\n", p.at.x, p.at.y, p.at.z, p.amplitude);
+  return text;
+}
+
+/// Shows the points of a file beside the scene, with the phases that `phase` gives them.
+inline std::string points_object(const std::string& file = "points.ply") {
+  return "[trace]\nphase = \"constant\"\n[[object]]\ntype = \"points\"\nfile = \"" + file + "\"\n";
 }
 
 /// A lit, shadowed scene of meshes and a wireframe, 30 mm behind the small panel; few samples, so that it is quick.

@@ -112,7 +112,7 @@ Json describe_ply(const std::string& path) {
 }  // namespace
 
 Json describe_file(const std::string& path) {
-  check_file_exists(path, "file");
+  check_file_exists(path, "a file");
   const std::string extension = extension_of(path);
   if (extension == ".toml") return describe(load_job(path));
   if (extension == ".ply") return describe_ply(path);
