@@ -15,10 +15,10 @@ namespace holotrace::test {
 inline constexpr Grid small_panel{256, 192, 8e-6};
 inline constexpr double test_wavelength = 532e-9;
 
-/// The head of a scene file with that light and panel.
-inline std::string scene_head(const Grid& panel = small_panel) {
-  return fmt::format("wavelength = \"532 nm\"\n[slm]\ncolumns = {}\nrows = {}\npitch = \"{} um\"\n", panel.nx, panel.ny,
-                     panel.pitch * 1e6);
+/// The head of a scene file with that light and panel; `more` are further keys of the file itself.
+inline std::string scene_head(const Grid& panel = small_panel, const std::string& more = "") {
+  return fmt::format("wavelength = \"532 nm\"\n{}[slm]\ncolumns = {}\nrows = {}\npitch = \"{} um\"\n", more, panel.nx,
+                     panel.ny, panel.pitch * 1e6);
 }
 
 /// A PLY file of luminous points.
@@ -43,8 +43,7 @@ inline std::string points_object(const std::string& file = "points.ply") {
 
 /// A lit, shadowed scene of meshes and a wireframe, 30 mm behind the small panel; few samples, so that it is quick.
 inline std::string mesh_scene() {
-  return scene_head() +
-         "background = 0.1\n"
+  return scene_head(small_panel, "background = 0.1\n") +
          "[trace]\ncolumns = 48\nrows = 48\npaths = 4\n"
          "[render]\nrows = 64\npaths = 4\n"
          "[camera]\ndistances = \"30 mm\"\n"
