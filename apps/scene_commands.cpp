@@ -48,6 +48,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.camera);
+    check_field_fits(job.slm.grid, sizeof(std::complex<float>));  // before a folder is made for nothing
     make_folder(o->folder);
     Console console(global.is_quiet);
     const Boxes boxes = run(job, console.stages());

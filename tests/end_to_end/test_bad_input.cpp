@@ -207,7 +207,7 @@ TEST(BadInput, OutputsThatCannotBeWrittenAreRefusedBeforeTheWork) {
   expect_error(work, {"field", "scene.toml", "-o", "missing/f.npy"}, {"missing", "does not exist"});
   expect_error(work, {"trace", "scene.toml", "-o", "missing/s.ply"}, {"missing", "does not exist"});
   expect_error(work, {"render", "scene.toml", "-o", "missing/r.png"}, {"missing", "does not exist"});
-  expect_error(work, {"run", "scene.toml", "-o", "file"}, {"file", "exists"});
+  expect_error(work, {"run", "scene.toml", "-o", "file"}, {"file", "choose another place"});
   expect_error(work, {"run", "scene.toml", "-o", "file/out"}, {"file/out"});
   expect_error(work, {"field", "scene.toml", "-o", "file/f.npy"}, {"file"});
   // Neither root nor anyone else can make a file in /proc, so this holds in containers too.
@@ -267,9 +267,9 @@ TEST(BadInput, DamagedFieldsAreRefused) {
     expect_error(work, {"encode", "f.npy", "-o", "h.png"}, words);
   };
   write_field(work, "f", 8, 8, {std::numeric_limits<float>::quiet_NaN(), 0});
-  expect({"f.npy", "nan", "row 4, column 4"});  // element 32 of 8 × 8
+  expect({"f.npy", "nan", "row 4, column 0"});  // sample 32 of 8 × 8
   write_field(work, "f", 8, 8, {0, std::numeric_limits<float>::infinity()});
-  expect({"f.npy", "inf", "row 4, column 4"});
+  expect({"f.npy", "inf", "row 4, column 0"});
   write_field(work, "f", 8, 8);
   const std::string whole = work.read("f.npy");
   for (const size_t length : {size_t(0), size_t(5), size_t(60), whole.size() - 1}) {

@@ -72,7 +72,7 @@ TEST(Commands, TheStagesOneByOneMakeTheSameFilesAsRun) {
   succeed(work, {"show", "hologram.png", "-o", "view.png", "--distance", "30 mm"});
   for (const char* name : {"render.png", "sources.ply", "field.npy", "field.json", "hologram.png", "hologram.json",
                            "view.png"})
-    EXPECT_EQ(work.read(name), work.read(std::string("out/") + name)) << name;
+    EXPECT_TRUE(work.read(name) == work.read(std::string("out/") + name)) << name;
 }
 
 TEST(Commands, RunLooksAtSeveralDistancesInOneExposure) {
@@ -82,7 +82,7 @@ TEST(Commands, RunLooksAtSeveralDistancesInOneExposure) {
   succeed(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm, 40 mm"});
   EXPECT_TRUE(work.has("out/view.png"));
   EXPECT_TRUE(work.has("out/view_2.png"));
-  EXPECT_NE(work.read("out/view.png"), work.read("out/view_2.png"));
+  EXPECT_FALSE(work.read("out/view.png") == work.read("out/view_2.png"));
 }
 
 TEST(Commands, FieldTakesSourcesAndAPanelByName) {
@@ -93,8 +93,8 @@ TEST(Commands, FieldTakesSourcesAndAPanelByName) {
   succeed(work, {"field", "scene.toml", "-o", "from_scene.npy"});
   succeed(work, {"field", "sources.ply", "-o", "from_sources.npy", "--slm", "pluto", "--wavelength", "632.8 nm",
                  "--method", "auto", "--tolerance", "1e-3"});
-  EXPECT_EQ(work.read("from_scene.npy"), work.read("from_sources.npy"));
-  EXPECT_EQ(work.read("from_scene.json"), work.read("from_sources.json"));
+  EXPECT_TRUE(work.read("from_scene.npy") == work.read("from_sources.npy"));
+  EXPECT_TRUE(work.read("from_scene.json") == work.read("from_sources.json"));
 }
 
 TEST(Commands, FieldKeepsItsToleranceAgainstTheExactMethod) {
@@ -117,8 +117,8 @@ TEST(Commands, FieldsTravelThroughEveryFormat) {
   for (const char* name : {"f.npy", "f.h5", "f.exr"}) succeed(work, {"field", "scene.toml", "-o", name});
   for (const char* name : {"f.npy", "f.h5", "f.exr"})
     succeed(work, {"encode", name, "-o", std::string(name) + ".png"});
-  EXPECT_EQ(work.read("f.npy.png"), work.read("f.h5.png"));
-  EXPECT_EQ(work.read("f.npy.png"), work.read("f.exr.png"));
+  EXPECT_TRUE(work.read("f.npy.png") == work.read("f.h5.png"));
+  EXPECT_TRUE(work.read("f.npy.png") == work.read("f.exr.png"));
 }
 
 TEST(Commands, EncodeTakesEveryMethod) {
@@ -142,7 +142,7 @@ TEST(Commands, ShowTakesAPanelByNameAndAHologramWithoutItsSidecar) {
   std::filesystem::remove(work.path("h.json"));  // a bare PNG, as another program would leave
   succeed(work, {"show", "h.png", "-o", "without.png", "--slm", "pluto", "--distance", "300 mm", "--wavelength",
                  "632.8 nm"});
-  EXPECT_EQ(work.read("with.png"), work.read("without.png"));
+  EXPECT_TRUE(work.read("with.png") == work.read("without.png"));
 }
 
 TEST(Commands, PropagateThereAndBackIsTheField) {
@@ -150,7 +150,7 @@ TEST(Commands, PropagateThereAndBackIsTheField) {
   work.write("points.ply", point_file({{{0, 0, -0.03}}}));
   work.write("scene.toml", scene_head() + points_object());
   succeed(work, {"field", "scene.toml", "-o", "f.npy"});
-  const std::vector<std::string> periodic{"--periodic", "true"};  // keeps all light: there and back is the identity
+  // A window that repeats keeps all light: there and back is the identity.
   succeed(work, {"propagate", "f.npy", "--distance", "10 mm", "-o", "g.npy", "--periodic", "true"});
   succeed(work, {"propagate", "g.npy", "--distance", "-10 mm", "-o", "back.npy", "--periodic", "true"});
   EXPECT_NEAR(load_field(work.path("g.npy")).z, 0.01, 1e-15);

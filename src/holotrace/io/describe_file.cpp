@@ -119,6 +119,7 @@ Json describe_file(const std::string& path) {
   if (extension == ".npy" || extension == ".h5") return describe(load_field_double(path));
   if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return describe(load_meshes(path));
   if (extension == ".png" && std::filesystem::exists(sidecar_path(path))) return describe(load_hologram(path));
+  if (is_field_exr(path)) return describe(load_field_double(path));
   return describe(load_image(path));
 }
 
