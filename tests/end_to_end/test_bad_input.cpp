@@ -262,12 +262,10 @@ TEST(BadInput, DistancesThatNoMethodCanSampleSayWhatWould) {
 
 TEST(BadInput, DamagedFieldsAreRefused) {
   const Workplace work;
-  const auto expect = [&](const Words& words) {
-    expect_error(work, {"propagate", "f.npy", "--distance", "1 mm", "-o", "g.npy"}, words);
-    expect_error(work, {"encode", "f.npy", "-o", "h.png"}, words);
-  };
+  const auto expect = [&](const Words& words) { expect_error(work, {"encode", "f.npy", "-o", "h.png"}, words); };
   write_field(work, "f", 8, 8, {std::numeric_limits<float>::quiet_NaN(), 0});
   expect({"f.npy", "nan", "row 4, column 0"});  // sample 32 of 8 × 8
+  expect_error(work, {"propagate", "f.npy", "--distance", "1 mm", "-o", "g.npy"}, {"f.npy", "nan", "row 4, column 0"});
   write_field(work, "f", 8, 8, {0, std::numeric_limits<float>::infinity()});
   expect({"f.npy", "inf", "row 4, column 0"});
   write_field(work, "f", 8, 8);
