@@ -69,7 +69,10 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   const double pitch = shown.grid.pitch;
   const auto samples = [&](double size, int present) {
     if (size <= 0) return present;
-    return present + 2 * int(std::lround((size / pitch - present) / 2));
+    const int wanted = present + 2 * int(std::lround((size / pitch - present) / 2));
+    require(wanted > 0, "expected a sensor of a sample of {} or more, got a side of {}", format_length(pitch),
+            format_length(size));
+    return wanted;
   };
   PropagateParams window = propagation;
   if (window.columns == 0) window.columns = samples(camera.width, shown.grid.nx);

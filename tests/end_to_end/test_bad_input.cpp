@@ -295,6 +295,7 @@ TEST(BadInput, FlagsOfTheWrongKindAreNamed) {
   expect_error(work, {"show", h, "-o", "v.png", "--distance", ""}, {"--distance:", "unit"});
   expect_error(work, {"show", h, "-o", "v.png", "--distance", "-30 mm"}, {"distance", "0 m or more"});
   expect_error(work, {"show", h, "-o", "v.png", "--bits", "9"}, {"8 or 16", "9"});
+  expect_error(work, {"show", h, "-o", "v.png", "--distance", "30 mm", "--width", "1 nm"}, {"sensor", "8 µm", "1 nm"});
   expect_error(work, {"propagate", f, "-o", "g.npy", "--distance", "300"}, {"--distance:", "unit", "300"});
   expect_error(work, {"propagate", f, "-o", "g.npy", "--distance", "nan mm"}, {"--distance:", "finite"});
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--wavelength", "632.8"}, {"--wavelength:", "unit"});
