@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
+#include "holotrace/io/wisdom_file.h"
 
 namespace {
 
@@ -60,6 +61,7 @@ int main(int argc, char** argv) {
   add_inspect_commands(app, global);
   add_bench_command(app, global);
 
+  const WisdomFile wisdom;  // FFTW's plans, from the last run to the next
   try {
     app.parse(argc, argv);
     return 0;

@@ -96,7 +96,8 @@ Image load_image(const std::string& path) {
   const OIIO::ImageSpec config = plain_colours();
   const auto input = OIIO::ImageInput::open(path, &config);
   if (!input) fail_not_an_image(path);
-  require(!is_truncated_png(path), "{}: expected an image, but it is truncated; write it again", path);
+  require(!is_truncated_png(path), "{}: expected an image of {} × {} pixels, but it is truncated or damaged", path,
+          input->spec().width, input->spec().height);
   return read_image(*input, path);
 }
 
