@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace holotrace {
 
@@ -20,6 +21,11 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global);      // bench
 /// Adds `-o`, required.
 inline void add_output(CLI::App& command, std::string& path, const std::string& help) {
   command.add_option("-o,--output", path, help)->required()->type_name("FILE");
+}
+
+/// What a field can be saved as; EXR holds single precision only.
+inline std::vector<std::string> field_extensions(bool is_double) {
+  return is_double ? std::vector<std::string>{".npy", ".h5"} : std::vector<std::string>{".npy", ".h5", ".exr"};
 }
 
 }  // namespace holotrace

@@ -17,6 +17,21 @@
 
 namespace holotrace {
 
+/// The flag of a field: "field_of_view" is --field-of-view. Distances are given one at a time more often than not.
+inline std::string dashed(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name == "distances" ? "--distance" : "--" + name;
+}
+
+/// A length given by a flag that is no field of a parameter struct. @throws Error, naming the flag
+inline double parse_length_flag(const char* flag, const std::string& text) {
+  try {
+    return parse_length(text);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", flag, error.what()));
+  }
+}
+
 /// Flags made from the list of fields of a parameter struct (data/params.h). They keep the text that
 /// was given, so that a flag can overrule a scene file that is read later.
 class Flags {
@@ -36,7 +51,7 @@ class Flags {
   }
 
  private:
-  using Texts = std::map<std::string, std::string>;
+  using Texts = std::map<std::string, std::string>;  // by field, of the flags that were given
 
   struct Adder {
     CLI::App& app;
@@ -45,10 +60,9 @@ class Flags {
 
     void add(std::string name, const std::string& help, const std::string& shown, const std::string& kind) {
       if (without.count(name)) return;
-      std::string dashed = "--" + name;
-      std::replace(dashed.begin(), dashed.end(), '_', '-');
-      if (name == "distances") dashed = "--distance," + dashed;
-      app.add_option(dashed, texts[name], help + " [" + shown + "]")->type_name(kind);
+      const std::string other = name == "distances" ? ",--distances" : "";
+      const auto keep = [&texts = texts, name](const std::string& text) { texts[name] = text; };
+      app.add_option_function<std::string>(dashed(name) + other, keep, help + " [" + shown + "]")->type_name(kind);
     }
     template <class Integer>
     void count(const char* name, Integer& v, const char* help) {
@@ -80,11 +94,11 @@ class Flags {
     template <class Value, class Parse>
     void set(const char* name, Value& v, const Parse& parse) {
       const auto found = texts.find(name);
-      if (found == texts.end() || found->second.empty()) return;
+      if (found == texts.end()) return;
       try {
         v = Value(parse(found->second));
       } catch (const Error& error) {
-        throw Error(fmt::format("--{}: {}", name, error.what()));
+        throw Error(fmt::format("{}: {}", dashed(name), error.what()));
       }
     }
     template <class Integer>

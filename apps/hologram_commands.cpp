@@ -35,7 +35,7 @@ void add_encode(CLI::App& app, const GlobalFlags& global) {
     Slm slm;
     slm.grid = field.grid;
     if (!o->slm.empty()) slm = slm_preset(o->slm);
-    check_output(o->output);
+    check_output(o->output, {".png"});
     Console console(global.is_quiet);
     save_hologram(o->output, encode(field, slm, params, console.watch("encode")));
     console.finish();
@@ -45,13 +45,13 @@ void add_encode(CLI::App& app, const GlobalFlags& global) {
 void add_show(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("show", "hologram to the image that a virtual SLM and camera show");
   struct Options {
-    std::string input, output, slm = "pluto";
+    std::string input, output, slm;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
   command->add_option("hologram", o->input, "hologram .png")->required()->type_name("HOLOGRAM.png");
   add_output(*command, o->output, "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …");
-  command->add_option("--slm", o->slm, "panel by name")->capture_default_str()->type_name("NAME");
+  command->add_option("--slm", o->slm, "panel by name [pluto, with the hologram's own pixels]")->type_name("NAME");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
   o->flags.add(*command, PropagateParams(), {"columns", "rows"});
@@ -62,12 +62,13 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(params);
     o->flags.apply(camera);
     o->flags.apply(propagation);
-    const Slm slm = slm_preset(o->slm);
+    Slm slm = slm_preset(o->slm.empty() ? "pluto" : o->slm);
     Hologram hologram = load_hologram(o->input);
     if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;  // a bare PNG, without its sidecar
+    if (o->slm.empty()) slm.grid = hologram.grid;
     if (hologram.wavelength == 0) hologram.wavelength = params.wavelength;
     require(hologram.wavelength > 0, "{} has no sidecar that tells its wavelength; give --wavelength", o->input);
-    check_output(o->output);
+    check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
     const Field shown = show(hologram, slm, params, console.watch("show"));
     std::vector<Image> views;
@@ -104,8 +105,8 @@ void add_propagate(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     PropagateParams params;
     o->flags.apply(params);
-    const double distance = parse_length(o->distance);
-    check_output(o->output);
+    const double distance = parse_length_flag("--distance", o->distance);
+    check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
     if (o->is_double)
       propagate_file(load_field_double(o->input), o->output, distance, params, console);

@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/suggest.h"
 #include "holotrace/io/wisdom_file.h"
 
 namespace {
@@ -15,6 +16,23 @@ namespace {
 int report_error(const std::string& sentence) {
   fmt::print(stderr, "holotrace: {}\n", sentence);
   return 1;
+}
+
+// CLI11's own check would list the largest double there is.
+std::string check_threads(const std::string& text) {
+  const bool is_count = !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == std::string::npos;
+  return is_count ? "" : "expected a whole number of 0 or more, got \"" + text + "\"";
+}
+
+// CLI11 says of a misspelt subcommand only that one is required.
+int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  const bool is_unknown = argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty();
+  if (!is_unknown) return app.exit(error) == 0 ? 0 : 2;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  fmt::print(stderr, "{}\nRun with --help for more information.\n",
+             holotrace::unknown_name_message("command", argv[1], names));
+  return 2;
 }
 
 }  // namespace
@@ -29,7 +47,7 @@ int main(int argc, char** argv) {
 
   GlobalFlags global;
   app.add_option("--threads", global.threads, "threads to use; 0: all. The result does not depend on it")
-      ->check(CLI::NonNegativeNumber);
+      ->check(check_threads, "N", "N");
   app.add_flag("-q,--quiet", global.is_quiet, "no progress bars");
 
   std::unique_ptr<tbb::global_control> limit;
@@ -48,7 +66,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return report_usage(app, error, argc, argv);
   } catch (const std::bad_alloc&) {
     return report_error(
         "expected enough memory for this job, ran out; use a smaller panel, fewer subpixels or fewer samples");

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/slm.h"
@@ -115,17 +116,17 @@ void add_limits(CLI::App& app) {
       ->type_name("LENGTH");
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o] {
-    const double wavelength = parse_length(o->wavelength);
+    const double wavelength = parse_length_flag("--wavelength", o->wavelength);
     if (!o->angle.empty()) {
       const double pitch = wanted_pitch(wavelength, parse_angle(o->angle));
       Json facts{{"wanted_pitch_m", pitch}};
-      if (!o->size.empty()) facts["wanted_pixels_per_side"] = wanted_pixels(parse_length(o->size), pitch);
+      if (!o->size.empty()) facts["wanted_pixels_per_side"] = wanted_pixels(parse_length_flag("--size", o->size), pitch);
       print_facts(facts, o->is_json);
       return;
     }
     require(o->size.empty(),
             "--size asks for the pixels of a wanted panel: give the half diffraction angle too, as --angle \"15 deg\"");
-    print_facts(limits_json(slm_preset(o->slm), wavelength, parse_length(o->distance)), o->is_json);
+    print_facts(limits_json(slm_preset(o->slm), wavelength, parse_length_flag("--distance", o->distance)), o->is_json);
   });
 }
 

@@ -48,6 +48,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.camera);
+    check_field_fits(job.slm.grid, sizeof(std::complex<float>));  // before a folder is made for nothing
     make_folder(o->folder);
     Console console(global.is_quiet);
     const Boxes boxes = run(job, console.stages());
@@ -77,7 +78,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.render);
-    check_output(o->output);
+    check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
     const Image image = render(job.scene, job.slm.grid, job.wavelength, job.render, console.watch("render"));
     console.finish();
@@ -98,7 +99,7 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.trace);
-    check_output(o->output);
+    check_output(o->output, {".ply"});
     Console console(global.is_quiet);
     const Sources sources = trace(job.scene, job.slm.grid, job.wavelength, job.trace, console.watch("trace"));
     console.finish();
@@ -128,9 +129,9 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
     job.slm = slm_preset("pluto");
     if (is_scene) job = load_job(o->input);
     if (!o->slm.empty()) job.slm = slm_preset(o->slm);
-    if (!o->wavelength.empty()) job.wavelength = parse_length(o->wavelength);
+    if (!o->wavelength.empty()) job.wavelength = parse_length_flag("--wavelength", o->wavelength);
     o->flags.apply(job.synthesize);
-    check_output(o->output);
+    check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
     Sources sources;
     if (is_scene) {

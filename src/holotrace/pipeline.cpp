@@ -21,7 +21,13 @@ namespace holotrace {
 
 namespace {
 
-void report_metrics(const Metrics& metrics, const Observer& observer) {
+// A point's light may fall between the pixels of a render: without a reference there is nothing to compare.
+void report_metrics(const Image& reference, const Image& view, const Observer& observer) {
+  if (std::none_of(reference.values.begin(), reference.values.end(), [](float v) { return v > 0; })) {
+    observer.fact("why_no_metrics", std::string("the render is dark where the sensor looks"));
+    return;
+  }
+  const Metrics metrics = compare(reference, view);
   observer.fact("psnr_db", metrics.psnr);
   observer.fact("ssim", metrics.ssim);
   observer.fact("speckle_contrast", metrics.speckle_contrast);
@@ -35,6 +41,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
   b.report.seed = job.trace.seed;
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
   const Grid& panel = job.slm.grid;
+  check_field_fits(panel, sizeof(std::complex<float>));  // before the first stage, not in the third
 
   b.render =
       stage("render", [&](const Observer& o) { return render(job.scene, panel, job.wavelength, job.render, o); });
@@ -47,7 +54,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
       const Image view = look(shown, job.slm, distance, job.propagate, job.camera, o);
       const Image reference =
           project_render(b.render, raster_tangent(job.render.field_of_view, panel, job.wavelength), view, distance);
-      report_metrics(compare(reference, view), o);
+      report_metrics(reference, view, o);
       return view;
     }));
   return b;
@@ -62,7 +69,10 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   const double pitch = shown.grid.pitch;
   const auto samples = [&](double size, int present) {
     if (size <= 0) return present;
-    return present + 2 * int(std::lround((size / pitch - present) / 2));
+    const int wanted = present + 2 * int(std::lround((size / pitch - present) / 2));
+    require(wanted > 0, "expected a sensor of a sample of {} or more, got a side of {}", format_length(pitch),
+            format_length(size));
+    return wanted;
   };
   PropagateParams window = propagation;
   if (window.columns == 0) window.columns = samples(camera.width, shown.grid.nx);

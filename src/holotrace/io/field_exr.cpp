@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/field_file.h"
 #include "holotrace/io/field_formats.h"
+#include "holotrace/io/file.h"
 #include "holotrace/io/metadata.h"
 
 namespace holotrace {
@@ -41,6 +43,13 @@ void write_field_exr(const std::string& path, const Field& field) {
                        output->write_image(OIIO::TypeDesc::FLOAT, field.samples.values.data()) && output->close();
   require(written, "expected to write {}, got \"{}\"; check the room and the permissions there", path,
           output ? output->geterror() : OIIO::geterror());
+}
+
+bool is_field_exr(const std::string& path) {
+  if (extension_of(path) != ".exr") return false;
+  const auto input = OIIO::ImageInput::open(path);
+  if (!input) OIIO::geterror();  // clears it
+  return input && input->spec().channelindex("real") >= 0 && input->spec().channelindex("imag") >= 0;
 }
 
 Field read_field_exr(const std::string& path) {

@@ -26,4 +26,7 @@ Field load_field(const std::string& path);
 /// As load_field, in double precision. complex64 samples are widened.
 FieldDouble load_field_double(const std::string& path);
 
+/// Whether an EXR file is a field rather than an image: it has channels "real" and "imag".
+bool is_field_exr(const std::string& path);
+
 }  // namespace holotrace

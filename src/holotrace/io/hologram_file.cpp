@@ -8,6 +8,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/file.h"
+#include "holotrace/io/image_file.h"
 #include "holotrace/io/metadata.h"
 
 namespace holotrace {
@@ -37,6 +38,8 @@ Greys read_greys(const std::string& path) {
     fail("{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
   }
   const OIIO::ImageSpec& spec = input->spec();
+  require(!is_truncated_png(path), "{}: expected a hologram of {} × {} pixels, but it is truncated or damaged", path,
+          spec.width, spec.height);
   const bool is_8 = spec.format == OIIO::TypeDesc::UINT8, is_16 = spec.format == OIIO::TypeDesc::UINT16;
   require(is_8 || is_16, "{}: expected a hologram in 8 or 16 bits, got {}; write it as a PNG", path,
           spec.format.c_str());

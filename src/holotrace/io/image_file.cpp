@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
+#include <string_view>
 #include <vector>
 
 #include "holotrace/base/error.h"
@@ -75,11 +77,27 @@ double srgb_encode(double linear) {
 
 double srgb_decode(double code) { return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4); }
 
+bool is_truncated_png(const std::string& path) {
+  constexpr std::string_view signature("\x89PNG"), end("IEND");
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(signature.size(), ' ');
+  file.read(bytes.data(), std::streamsize(bytes.size()));
+  if (bytes != signature) return false;
+  constexpr int most = 1024;  // what other programs add after the end
+  file.seekg(0, std::ios::end);
+  file.seekg(-std::min<std::streamoff>(most, file.tellg()), std::ios::end);
+  bytes.resize(most);
+  file.read(bytes.data(), most);
+  return std::string_view(bytes).substr(0, size_t(file.gcount())).find(end) == std::string_view::npos;
+}
+
 Image load_image(const std::string& path) {
   check_file_exists(path, "an image");
   const OIIO::ImageSpec config = plain_colours();
   const auto input = OIIO::ImageInput::open(path, &config);
   if (!input) fail_not_an_image(path);
+  require(!is_truncated_png(path), "{}: expected an image of {} × {} pixels, but it is truncated or damaged", path,
+          input->spec().width, input->spec().height);
   return read_image(*input, path);
 }
 

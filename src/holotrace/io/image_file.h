@@ -14,6 +14,9 @@ namespace holotrace {
 ///         and imag), or has values that are not finite
 Image load_image(const std::string& path);
 
+/// Whether a file that begins as a PNG lacks its end: libpng would tell of it on stderr.
+bool is_truncated_png(const std::string& path);
+
 /// As load_image, from the bytes of an image file, such as a texture inside a glTF model.
 /// @param name  what an error calls it
 Image decode_image(const void* bytes, size_t size, const std::string& name);

@@ -262,6 +262,14 @@ LoadedModel from_ply(const std::string& path) {
   return model;
 }
 
+// A face without vertices is what a truncated PLY leaves; Assimp's triangulation would end the program over it.
+void check_faces(const aiScene& scene, const std::string& path) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m)
+    for (unsigned f = 0; f < scene.mMeshes[m]->mNumFaces; ++f)
+      require(scene.mMeshes[m]->mFaces[f].mNumIndices > 0,
+              "{}: expected vertices in face {}, got none; the file is truncated or damaged, export it again", path, f);
+}
+
 }  // namespace
 
 LoadedModel load_meshes(const std::string& path) {
@@ -273,8 +281,11 @@ LoadedModel load_meshes(const std::string& path) {
   if (extension == ".obj") check_obj_indices(path);
   Assimp::Importer importer;
   // Validation turns indices out of range into an error before any other step trusts them.
-  const aiScene* scene = importer.ReadFile(
-      path, aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
+  const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure);
+  if (scene) {
+    check_faces(*scene, path);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
+  }
   if (!scene || !scene->mRootNode || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE)) {
     std::string reason = importer.GetErrorString();
     fail("{}: expected a mesh, but it is damaged ({}); export it again", path, reason.empty() ? "incomplete" : reason);

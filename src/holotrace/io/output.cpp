@@ -2,14 +2,19 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/file.h"
 
 namespace holotrace {
 namespace fs = std::filesystem;
 
-void check_output(const std::string& path) {
+void check_output(const std::string& path, const std::vector<std::string>& extensions) {
+  const bool is_known = std::find(extensions.begin(), extensions.end(), extension_of(path)) != extensions.end();
+  require(extensions.empty() || is_known, "expected an output file {}, got {}; change its extension",
+          fmt::join(extensions, " or "), path);
   std::error_code error;
   require(!fs::is_directory(path, error), "expected a file to write, {} is a folder; name a file in it", path);
   const fs::path parent = fs::path(path).parent_path();

@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace holotrace {
 
 /// Refuses an output path that could not be written, before the work is done.
-/// @throws Error  if its folder is missing or not writable, or the path is a folder
-void check_output(const std::string& path);
+/// @param extensions  those of the formats that can be written, such as ".npy"; none: any
+/// @throws Error  if its folder is missing or not writable, the path is a folder, or its extension is another
+void check_output(const std::string& path, const std::vector<std::string>& extensions = {});
 
 /// Makes a folder and those above it. @throws Error if it cannot, or a file stands there
 void make_folder(const std::string& path);

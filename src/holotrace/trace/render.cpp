@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/path.h"
@@ -78,6 +79,7 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
   const int rows = params.rows, columns = params.columns > 0 ? params.columns : rows;
   const Pinhole pinhole{columns, rows, 2 * raster_tangent(params.field_of_view, panel, wavelength) / rows};
   const Accelerator accelerator(scene);
+  require_memory(3.0 * sizeof(float) * columns * rows, fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);
   std::vector<PathCounts> counts(size_t(rows), PathCounts{});
   const auto render_row = [&](int64_t row) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
@@ -72,6 +73,7 @@ void append_meshes(const Scene& scene, const Grid& panel, double wavelength, con
                    const FirstHits& pattern, const Observer& observer, std::vector<Source>& waves) {
   const Accelerator accelerator(scene);
   const int64_t count = pattern.count();
+  require_memory(double(count) * sizeof(Source), fmt::format("the waves of {} first hits", count));
   std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
   const auto trace_block = [&](int64_t b) {
     const int64_t end = std::min(count, (b + 1) * block_size);

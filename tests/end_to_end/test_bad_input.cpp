@@ -1,0 +1,318 @@
+// Bad input, by the command line: exit 1, one helpful sentence on stderr, and no file left behind.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "end_to_end/scenes.h"
+#include "holotrace/io/field_file.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+// The contract of every error: exit 1, one line "holotrace: …" that holds these words, and no file more or less.
+void expect_error(const Workplace& work, const std::vector<std::string>& arguments, const Words& words) {
+  const auto before = work.names();
+  const Outcome outcome = work.run(arguments);
+  std::string command;
+  for (const std::string& argument : arguments) command += " " + argument;
+  SCOPED_TRACE("holotrace" + command + "\n" + outcome.err);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err.substr(0, 11), "holotrace: ");
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << "expected one line";
+  EXPECT_GT(outcome.err.size(), 30U) << "expected a sentence";  // shorter than any that says what to do
+  for (const std::string& word : words) EXPECT_NE(outcome.err.find(word), std::string::npos) << word;
+  EXPECT_EQ(work.names(), before);
+}
+
+// A scene that is right but for `line`, which takes the place of `instead_of`.
+std::string scene_with(const std::string& instead_of, const std::string& line) {
+  std::string scene = mesh_scene();
+  const size_t at = scene.find(instead_of);
+  EXPECT_NE(at, std::string::npos) << instead_of;
+  return scene.replace(at, instead_of.size(), line);
+}
+
+struct BadScene {
+  std::string instead_of, line;
+  Words words;
+};
+
+void expect_scene_errors(const std::vector<BadScene>& cases) {
+  const Workplace work;
+  for (const BadScene& bad : cases) {
+    work.write("scene.toml", scene_with(bad.instead_of, bad.line));
+    expect_error(work, {"run", "scene.toml", "-o", "out"}, bad.words);
+  }
+}
+
+TEST(BadInput, MissingFilesAreNamed) {
+  const Workplace work;
+  expect_error(work, {"run", "none.toml", "-o", "out"}, {"none.toml", "no such file"});
+  expect_error(work, {"render", "none.toml", "-o", "x.png"}, {"none.toml", "no such file"});
+  expect_error(work, {"trace", "none.toml", "-o", "x.ply"}, {"none.toml", "no such file"});
+  expect_error(work, {"field", "none.toml", "-o", "x.npy"}, {"none.toml", "no such file"});
+  expect_error(work, {"field", "none.ply", "-o", "x.npy"}, {"none.ply", "no such file"});
+  expect_error(work, {"encode", "none.npy", "-o", "x.png"}, {"none.npy", "no such file"});
+  expect_error(work, {"show", "none.png", "-o", "x.png"}, {"none.png", "no such file"});
+  expect_error(work, {"propagate", "none.npy", "--distance", "1 mm", "-o", "x.npy"}, {"none.npy", "no such file"});
+  expect_error(work, {"compare", "none.png", "none.png"}, {"none.png", "no such file"});
+  expect_error(work, {"estimate", "none.toml"}, {"none.toml", "no such file"});
+  expect_error(work, {"info", "none"}, {"none", "no such file"});
+}
+
+TEST(BadInput, BrokenTomlIsPlacedByLineAndColumn) {
+  const Workplace work;
+  work.write("scene.toml", "wavelength = \"532 nm\"\n[slm\ncolumns = 3\n");
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:2:", "TOML"});
+  work.write("scene.toml", "wavelength = = 3\n");
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:1:14", "TOML"});  // the second =
+  work.write("scene.toml", "");
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml", "wavelength", "missing"});
+  work.write("scene.toml", std::string("\xff\xfe\x00\x01", 4));
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:1:1", "TOML"});
+}
+
+TEST(BadInput, UnknownKeysSuggestTheNearestAndTellTheirPlace) {
+  expect_scene_errors({
+      {"pitch =", "pich =", {"scene.toml:6:1", "pich", "did you mean \"pitch\""}},
+      {"paths = 4\n", "path = 4\n", {"scene.toml:10:1", "did you mean \"paths\""}},
+      {"intensity = 1e-3", "intensty = 1e-3", {"did you mean \"intensity\""}},
+      {"type = \"sphere\"", "type = \"spere\"", {"did you mean \"sphere\""}},
+      {"[camera]", "[camra]", {"did you mean \"camera\""}},
+      {"pitch = \"8 um\"", "preset = \"plutto\"", {"did you mean \"pluto\""}},
+      {"[trace]\n", "[trace]\nphase = \"randum\"\n", {"did you mean \"random\""}},
+  });
+}
+
+TEST(BadInput, LengthsWithoutAUnitAreRefused) {
+  expect_scene_errors({
+      {"\"8 um\"", "\"8\"", {"scene.toml:6:", "unit", "\"8\"", "pitch"}},
+      {"\"8 um\"", "8", {"scene.toml:6:", "unit", "pitch"}},
+      {"\"8 um\"", "\"8 furlong\"", {"scene.toml:6:", "nm", "furlong"}},
+      {"\"532 nm\"", "532e-9", {"scene.toml:1:", "unit", "wavelength"}},
+      {"\"0.3 0.1 -30 mm\"", "\"0.3 0.1 -30\"", {"unit", "position"}},
+  });
+}
+
+TEST(BadInput, NumbersThatAreNotFiniteOrOutOfRangeAreRefused) {
+  expect_scene_errors({
+      {"intensity = 1e-3", "intensity = nan", {"intensity", "nan"}},
+      {"intensity = 1e-3", "intensity = inf", {"intensity", "inf"}},
+      {"intensity = 1e-3", "intensity = -1", {"intensity", "-1"}},
+      {"\"0.8 mm\"", "\"nan mm\"", {"finite", "nan", "size"}},
+      {"\"0.8 mm\"", "\"1e400 mm\"", {"1e400", "size"}},
+      {"\"532 nm\"", "\"0 nm\"", {"wavelength", "above 0"}},
+      {"\"532 nm\"", "\"-532 nm\"", {"wavelength", "-532"}},
+      {"\"8 um\"", "\"-8 um\"", {"pitch", "-8"}},
+      {"\"8 um\"", "\"0 um\"", {"pitch", "above 0"}},
+      {"columns = 256", "columns = 0", {"1 × 1 pixels", "0 × 192"}},
+      {"columns = 256", "columns = -5", {"columns", "-5"}},
+      {"columns = 256", "columns = 25.5", {"whole number", "25.5"}},
+      {"paths = 4", "paths = 0", {"paths", "1 or more"}},
+      {"rows = 64", "rows = 0", {"rows", "1 or more"}},
+      {"distances = \"30 mm\"", "distances = \"-30 mm\"", {"distances", "-30"}},
+      {"distances = \"30 mm\"", "bits = 12", {"bits", "8 or 16", "scene.toml:15:"}},
+      {"background = 0.1", "background = -0.1", {"background", "-0.1"}},
+  });
+}
+
+TEST(BadInput, ObjectsInFrontOfThePanelAreRefused) {
+  expect_scene_errors({
+      {"0.3 0.1 -30 mm", "0.3 0.1 30 mm", {"behind the panel", "z < 0", "negative z"}},
+      {"0.3 0.1 -30 mm", "0.3 0.1 0 mm", {"behind the panel", "z < 0"}},
+      {"-0.5 0 -29 mm", "-0.5 0 29 mm", {"behind the panel", "z < 0"}},
+  });
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.1}}, {{0, 0, 0.1}}}));
+  work.write("scene.toml", scene_head() + points_object());
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"behind the panel", "100 mm"});
+}
+
+TEST(BadInput, ASceneOfNothingIsRefused) {
+  const Workplace work;
+  work.write("scene.toml", scene_head());
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"at least one object"});
+}
+
+TEST(BadInput, DamagedMeshesAreRefused) {
+  const Workplace work;
+  const auto expect = [&](const std::string& file, const std::string& bytes, const Words& words) {
+    work.write(file, bytes);
+    work.write("scene.toml", scene_head() + "[[object]]\ntype = \"mesh\"\nfile = \"" + file +
+                                 "\"\nposition = \"0 0 -30 mm\"\nscale = 0.001\n");
+    expect_error(work, {"run", "scene.toml", "-o", "out"}, words);
+  };
+  expect("empty.obj", "", {"empty.obj"});
+  expect("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", {"points.obj"});
+  expect("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", {"range.obj"});
+  expect("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", {"nan.obj"});
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
+  expect("range.ply", ply + "3 0 1 7\n", {"range.ply"});
+  expect("negative.ply", ply + "3 0 1 -1\n", {"negative.ply"});
+  expect("short.ply", ply, {"short.ply"});
+  expect("mesh.stl", "solid\nendsolid\n", {"mesh.stl", ".obj"});
+  expect("broken.gltf", "{ \"asset\": ", {"broken.gltf"});
+  work.write("scene.toml", scene_head() + "[[object]]\ntype = \"mesh\"\nfile = \"no.obj\"\nposition = \"0 0 -1 mm\"\n");
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:8:", "no.obj", "no such file"});
+}
+
+TEST(BadInput, WhatIsNoImageIsRefused) {
+  const Workplace work;
+  work.write("no.png", "this is text\n");
+  expect_error(work, {"show", "no.png", "-o", "x.png"}, {"no.png", "not an image"});
+  expect_error(work, {"compare", "no.png", "no.png"}, {"no.png", "not an image"});
+  work.write("scene.toml", scene_with("[[light]]", "[materials.m]\ntexture = \"no.png\"\n[[light]]"));
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:", "no.png", "not an image"});
+}
+
+TEST(BadInput, ATruncatedImageIsRefused) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
+  const std::string whole = work.read("out/hologram.png");
+  work.write("out/hologram.png", whole.substr(0, whole.size() / 2));
+  expect_error(work, {"show", "out/hologram.png", "-o", "x.png", "--distance", "30 mm"}, {"hologram.png", "truncated"});
+}
+
+TEST(BadInput, APanelTooLargeForMemorySaysItsNeedBeforeAnythingIsDone) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.1}}}));
+  work.write("scene.toml", scene_head({2000000, 2000000, 8e-6}) + points_object());
+  // 4e12 samples of 8 bytes are 29.1 TiB.
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"2000000 × 2000000", "29.1 TiB", "memory"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy"}, {"2000000 × 2000000", "29.1 TiB", "memory"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--double"}, {"2000000 × 2000000", "58.2 TiB", "memory"});
+  expect_error(work, {"estimate", "scene.toml"}, {"2000000 × 2000000", "29.1 TiB", "memory"});
+  work.write("scene.toml", mesh_scene());
+  expect_error(work, {"render", "scene.toml", "-o", "r.png", "--rows", "1000000"}, {"memory", "TiB"});
+  expect_error(work, {"trace", "scene.toml", "-o", "s.ply", "--columns", "2000000000", "--rows", "2000000000"},
+               {"memory", "TiB"});
+}
+
+TEST(BadInput, OutputsThatCannotBeWrittenAreRefusedBeforeTheWork) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  work.write("file", "in the way");
+  expect_error(work, {"field", "scene.toml", "-o", "missing/f.npy"}, {"missing", "does not exist"});
+  expect_error(work, {"trace", "scene.toml", "-o", "missing/s.ply"}, {"missing", "does not exist"});
+  expect_error(work, {"render", "scene.toml", "-o", "missing/r.png"}, {"missing", "does not exist"});
+  expect_error(work, {"run", "scene.toml", "-o", "file"}, {"file", "choose another place"});
+  expect_error(work, {"run", "scene.toml", "-o", "file/out"}, {"file/out"});
+  expect_error(work, {"field", "scene.toml", "-o", "file/f.npy"}, {"file"});
+  // Neither root nor anyone else can make a file in /proc, so this holds in containers too.
+  expect_error(work, {"field", "scene.toml", "-o", "/proc/f.npy"}, {"/proc/f.npy"});
+  expect_error(work, {"run", "scene.toml", "-o", "/proc/holotrace"}, {"/proc/holotrace"});
+}
+
+TEST(BadInput, AFolderWithoutPermissionIsRefused) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  std::filesystem::create_directory(work.path("locked"));
+  std::filesystem::permissions(work.path("locked"), std::filesystem::perms::owner_read |
+                                                        std::filesystem::perms::owner_exec);
+  expect_error(work, {"field", "scene.toml", "-o", "locked/f.npy"}, {"locked", "not writable"});
+}
+
+TEST(BadInput, OutputsOfAnUnknownFormatAreRefusedBeforeTheWork) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  expect_error(work, {"field", "scene.toml", "-o", "f.txt"}, {".npy or .h5 or .exr", "f.txt"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.exr", "--double"}, {".npy or .h5", "f.exr"});
+  expect_error(work, {"trace", "scene.toml", "-o", "s.npy"}, {".ply", "s.npy"});
+  expect_error(work, {"render", "scene.toml", "-o", "r.gif"}, {".png or .exr", "r.gif"});
+  expect_error(work, {"render", "scene.toml", "-o", "r"}, {".png or .exr"});
+}
+
+// A field file of complex64 without holotrace's help, so that it can be wrong.
+void write_field(const Workplace& work, const std::string& name, int ny, int nx, std::complex<float> middle = 1.0F,
+                 const std::string& sidecar = "{\"pitch_m\": 8e-6, \"wavelengths_m\": [532e-9]}") {
+  std::string header = fmt::format("{{'descr': '<c8', 'fortran_order': False, 'shape': ({}, {}), }}", ny, nx);
+  header.resize(117, ' ');  // 128 = 10 bytes of preamble, this, and the newline
+  header += '\n';
+  std::string bytes("\x93NUMPY\x01\x00\x76\x00", 10);  // 0x76 = 118
+  bytes += header;
+  std::vector<std::complex<float>> samples(size_t(ny) * size_t(nx), 1.0F);
+  samples[samples.size() / 2] = middle;
+  bytes.append(reinterpret_cast<const char*>(samples.data()), samples.size() * sizeof samples[0]);
+  work.write(name + ".npy", bytes);
+  work.write(name + ".json", sidecar);
+}
+
+TEST(BadInput, DistancesThatNoMethodCanSampleSayWhatWould) {
+  const Workplace work;
+  write_field(work, "f", 16, 1920);
+  expect_error(work, {"propagate", "f.npy", "--distance", "300 mm", "-o", "g.npy"},
+               {"no method", "300 mm", "in y", "or wider", "or finer"});
+  // The remedy that it names works: 1.6 mm are the 200 rows of √(16λz) = 1.598 mm.
+  write_field(work, "f", 200, 1920);
+  EXPECT_EQ(work.run({"propagate", "f.npy", "--distance", "300 mm", "-o", "g.npy"}).exit_code, 0);
+}
+
+TEST(BadInput, DamagedFieldsAreRefused) {
+  const Workplace work;
+  const auto expect = [&](const Words& words) { expect_error(work, {"encode", "f.npy", "-o", "h.png"}, words); };
+  write_field(work, "f", 8, 8, {std::numeric_limits<float>::quiet_NaN(), 0});
+  expect({"f.npy", "nan", "row 4, column 0"});  // sample 32 of 8 × 8
+  expect_error(work, {"propagate", "f.npy", "--distance", "1 mm", "-o", "g.npy"}, {"f.npy", "nan", "row 4, column 0"});
+  write_field(work, "f", 8, 8, {0, std::numeric_limits<float>::infinity()});
+  expect({"f.npy", "inf", "row 4, column 0"});
+  write_field(work, "f", 8, 8);
+  const std::string whole = work.read("f.npy");
+  for (const size_t length : {size_t(0), size_t(5), size_t(60), whole.size() - 1}) {
+    work.write("f.npy", whole.substr(0, length));
+    expect({"f.npy"});
+  }
+  work.write("f.npy", whole + "x");
+  expect({"f.npy", "513"});  // 8·8·8 bytes and one
+  write_field(work, "f", 8, 8, 1.0F, "{\"wavelengths_m\": [532e-9]}");
+  expect({"f.json", "pitch_m", "missing"});
+  write_field(work, "f", 8, 8, 1.0F, "{\"pitch_m\": -8e-6, \"wavelengths_m\": [532e-9]}");
+  expect({"pitch", "-8e-06"});
+  write_field(work, "f", 8, 8, 1.0F, "{\"pitch_m\": 8e-6, ");
+  expect({"f.json:1", "JSON"});
+  std::filesystem::remove(work.path("f.json"));
+  expect({"f.json", "no such file"});
+}
+
+TEST(BadInput, FlagsOfTheWrongKindAreNamed) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
+  const std::string f = "out/field.npy", h = "out/hologram.png";
+  expect_error(work, {"show", h, "-o", "v.png", "--distance", "300"}, {"--distance:", "unit", "300"});
+  expect_error(work, {"show", h, "-o", "v.png", "--distance", ""}, {"--distance:", "unit"});
+  expect_error(work, {"show", h, "-o", "v.png", "--distance", "-30 mm"}, {"distance", "0 m or more"});
+  expect_error(work, {"show", h, "-o", "v.png", "--bits", "9"}, {"8 or 16", "9"});
+  expect_error(work, {"show", h, "-o", "v.png", "--distance", "30 mm", "--width", "1 nm"}, {"sensor", "8 µm", "1 nm"});
+  expect_error(work, {"propagate", f, "-o", "g.npy", "--distance", "300"}, {"--distance:", "unit", "300"});
+  expect_error(work, {"propagate", f, "-o", "g.npy", "--distance", "nan mm"}, {"--distance:", "finite"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--wavelength", "632.8"}, {"--wavelength:", "unit"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--slm", "plutto"}, {"did you mean \"pluto\""});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--method", "tield"}, {"did you mean \"tiled\""});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "small"}, {"--tolerance:", "number", "small"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "-1"}, {"tolerance", "(0, 1)", "-1"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--wavelength", "-1 nm"}, {"wavelength", "above 0"});
+  expect_error(work, {"encode", f, "-o", "h.png", "--method", "phaze"}, {"did you mean \"phase\""});
+  expect_error(work, {"encode", f, "-o", "h.png", "--levels", "1"}, {"levels", "2 to"});
+  expect_error(work, {"show", h, "-o", "v.png", "--slm", "gaia"}, {"did you mean \"gaea\""});
+  expect_error(work, {"trace", "scene.toml", "-o", "s.ply", "--field-of-view", "3"}, {"--field-of-view:", "unit"});
+  expect_error(work, {"trace", "scene.toml", "-o", "s.ply", "--paths", "many"}, {"--paths:", "whole number"});
+  expect_error(work, {"limits", "--wavelength", "633"}, {"--wavelength:", "unit"});
+  expect_error(work, {"limits", "--wavelength", "-633 nm"}, {"wavelength", "above 0"});
+  expect_error(work, {"limits", "--size", "100 mm"}, {"--size", "--angle"});
+}
+
+}  // namespace
+}  // namespace holotrace::test

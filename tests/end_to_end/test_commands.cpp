@@ -1,0 +1,262 @@
+// Every subcommand of the design's section 4 with the flags it promises, run by its command line.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "end_to_end/scenes.h"
+#include "holotrace/io/field_file.h"
+#include "holotrace/io/hologram_file.h"
+#include "holotrace/io/image_file.h"
+#include "holotrace/io/sources_file.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+// Runs a command that must succeed and say nothing on stderr, and returns what it printed.
+std::string succeed(const Workplace& work, const std::vector<std::string>& arguments) {
+  const Outcome outcome = work.run(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "") << "expected no progress bar and no warning in a pipe";
+  return outcome.out;
+}
+
+TEST(Commands, RunWritesEveryBoxOfThePipeline) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  EXPECT_EQ(succeed(work, {"run", "scene.toml", "-o", "out"}), "");
+  const std::set<std::string> expected{"scene.toml",        "out",           "out/render.png",   "out/sources.ply",
+                                       "out/field.npy",     "out/field.json", "out/hologram.png", "out/hologram.json",
+                                       "out/view.png",      "out/report.json"};
+  EXPECT_EQ(work.names(), expected);
+  EXPECT_EQ(load_image(work.path("out/render.png")).ny, 64);  // [render] rows of the scene
+  EXPECT_GT(load_sources(work.path("out/sources.ply"), 0).waves.size(), 1000U);  // 48×48 first hits, nearly all lit
+  EXPECT_EQ(load_field(work.path("out/field.npy")).grid, small_panel);
+  EXPECT_EQ(load_hologram(work.path("out/hologram.png")).levels, 256);  // 8 bit
+  EXPECT_EQ(load_image(work.path("out/view.png")).nx, small_panel.nx);  // a sensor as large as the panel
+}
+
+TEST(Commands, TheReportTellsTimeCountsMethodMetricsVersionsAndSeed) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  const auto report = nlohmann::json::parse(work.read("out/report.json"));
+  EXPECT_EQ(report.at("seed"), 1);
+  EXPECT_TRUE(report.at("versions").contains("holotrace"));
+  EXPECT_GT(report.at("seconds").get<double>(), 0);
+  std::map<std::string, nlohmann::json> stages;
+  for (const auto& stage : report.at("stages")) {
+    EXPECT_GE(stage.at("seconds").get<double>(), 0);
+    EXPECT_TRUE(stage.at("warnings").is_array());
+    stages[stage.at("stage")] = stage;
+  }
+  EXPECT_GT(stages.at("trace").at("paths"), 0);
+  EXPECT_GT(stages.at("trace").at("rays"), 0);
+  EXPECT_GT(stages.at("synthesize").at("waves"), 0);
+  EXPECT_GT(stages.at("synthesize").at("waves_pixels"), 0);
+  EXPECT_TRUE(stages.at("synthesize").contains("method"));
+  EXPECT_TRUE(stages.at("synthesize").contains("why"));
+  EXPECT_TRUE(stages.at("look at 30 mm").contains("psnr_db"));
+}
+
+TEST(Commands, TheStagesOneByOneMakeTheSameFilesAsRun) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  succeed(work, {"render", "scene.toml", "-o", "render.png"});
+  succeed(work, {"trace", "scene.toml", "-o", "sources.ply"});
+  succeed(work, {"field", "scene.toml", "-o", "field.npy"});
+  succeed(work, {"encode", "field.npy", "-o", "hologram.png"});
+  succeed(work, {"show", "hologram.png", "-o", "view.png", "--distance", "30 mm"});
+  for (const char* name : {"render.png", "sources.ply", "field.npy", "field.json", "hologram.png", "hologram.json",
+                           "view.png"})
+    EXPECT_TRUE(work.read(name) == work.read(std::string("out/") + name)) << name;
+}
+
+TEST(Commands, RunLooksAtSeveralDistancesInOneExposure) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.02}}, {{0.0002, 0, -0.04}}}));
+  work.write("scene.toml", scene_head() + points_object());
+  succeed(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm, 40 mm"});
+  EXPECT_TRUE(work.has("out/view.png"));
+  EXPECT_TRUE(work.has("out/view_2.png"));
+  EXPECT_FALSE(work.read("out/view.png") == work.read("out/view_2.png"));
+}
+
+TEST(Commands, FieldTakesSourcesAndAPanelByName) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.2}}, {{0.001, 0.002, -0.25}, 0.5}}));
+  work.write("scene.toml", "wavelength = \"632.8 nm\"\n" + points_object());  // on the default panel, pluto
+  succeed(work, {"trace", "scene.toml", "-o", "sources.ply"});
+  succeed(work, {"field", "scene.toml", "-o", "from_scene.npy"});
+  succeed(work, {"field", "sources.ply", "-o", "from_sources.npy", "--slm", "pluto", "--wavelength", "632.8 nm",
+                 "--method", "auto", "--tolerance", "1e-3"});
+  EXPECT_TRUE(work.read("from_scene.npy") == work.read("from_sources.npy"));
+  EXPECT_TRUE(work.read("from_scene.json") == work.read("from_sources.json"));
+}
+
+TEST(Commands, FieldKeepsItsToleranceAgainstTheExactMethod) {
+  const Workplace work;
+  std::string scene = mesh_scene();
+  scene.replace(scene.find("columns = 48"), 12, "columns = 6");  // exact is slow: an eighth of the waves will do
+  work.write("scene.toml", scene);
+  succeed(work, {"field", "scene.toml", "-o", "exact.npy", "--method", "exact"});
+  succeed(work, {"field", "scene.toml", "-o", "double.npy", "--double"});
+  succeed(work, {"field", "scene.toml", "-o", "tiled.npy", "--method", "tiled", "--tolerance", "2e-3"});
+  const auto error = [&](const char* name) {
+    const auto json = nlohmann::json::parse(succeed(work, {"compare", "double.npy", name, "--json"}));
+    return json.at("relative_l2_error").get<double>();
+  };
+  EXPECT_LT(error("tiled.npy"), 2e-3);  // what was asked for
+  EXPECT_LT(error("exact.npy"), 6e-8);  // complex64 keeps 24 bits: 2⁻²⁴ relative
+}
+
+TEST(Commands, FieldsTravelThroughEveryFormat) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  for (const char* name : {"f.npy", "f.h5", "f.exr"}) succeed(work, {"field", "scene.toml", "-o", name});
+  for (const char* name : {"f.npy", "f.h5", "f.exr"})
+    succeed(work, {"encode", name, "-o", std::string(name) + ".png"});
+  EXPECT_TRUE(work.read("f.npy.png") == work.read("f.h5.png"));
+  EXPECT_TRUE(work.read("f.npy.png") == work.read("f.exr.png"));
+}
+
+TEST(Commands, EncodeTakesEveryMethod) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"field", "scene.toml", "-o", "f.npy"});
+  for (const std::string method : {"phase", "amplitude", "off-axis"}) {
+    const Outcome outcome = work.run({"encode", "f.npy", "-o", method + ".png", "--method", method});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(nlohmann::json::parse(work.read(method + ".json")).at("encoder"), method);
+  }
+}
+
+TEST(Commands, ShowTakesAPanelByNameAndAHologramWithoutItsSidecar) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.3}}}));
+  work.write("scene.toml", "wavelength = \"632.8 nm\"\n" + points_object());
+  succeed(work, {"field", "scene.toml", "-o", "f.npy"});
+  succeed(work, {"encode", "f.npy", "-o", "h.png"});
+  succeed(work, {"show", "h.png", "-o", "with.png", "--slm", "pluto", "--distance", "300 mm"});
+  std::filesystem::remove(work.path("h.json"));  // a bare PNG, as another program would leave
+  succeed(work, {"show", "h.png", "-o", "without.png", "--slm", "pluto", "--distance", "300 mm", "--wavelength",
+                 "632.8 nm"});
+  EXPECT_TRUE(work.read("with.png") == work.read("without.png"));
+}
+
+TEST(Commands, PropagateThereAndBackIsTheField) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.03}}}));
+  work.write("scene.toml", scene_head() + points_object());
+  succeed(work, {"field", "scene.toml", "-o", "f.npy"});
+  // A window that repeats keeps all light: there and back is the identity.
+  succeed(work, {"propagate", "f.npy", "--distance", "10 mm", "-o", "g.npy", "--periodic", "true"});
+  succeed(work, {"propagate", "g.npy", "--distance", "-10 mm", "-o", "back.npy", "--periodic", "true"});
+  EXPECT_NEAR(load_field(work.path("g.npy")).z, 0.01, 1e-15);
+  EXPECT_NEAR(load_field(work.path("back.npy")).z, 0, 1e-15);
+  const auto json = nlohmann::json::parse(succeed(work, {"compare", "f.npy", "back.npy", "--json"}));
+  EXPECT_LT(json.at("relative_l2_error").get<double>(), 1e-6);  // the design's bound for single precision
+}
+
+TEST(Commands, PropagateInDoubleKeepsComplex128) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"field", "scene.toml", "-o", "f.npy"});
+  succeed(work, {"propagate", "f.npy", "--distance", "10 mm", "-o", "single.npy"});
+  succeed(work, {"propagate", "f.npy", "--distance", "10 mm", "-o", "double.npy", "--double"});
+  const size_t samples = size_t(small_panel.pixels());
+  EXPECT_EQ(work.read("single.npy").size(), 128 + 8 * samples);   // header, 2 × 4 bytes
+  EXPECT_EQ(work.read("double.npy").size(), 128 + 16 * samples);  // header, 2 × 8 bytes
+}
+
+TEST(Commands, CompareTellsEqualFilesAndScaledOnes) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"field", "scene.toml", "-o", "f.npy"});
+  succeed(work, {"render", "scene.toml", "-o", "r.exr"});
+  Field twice = load_field(work.path("f.npy"));
+  for (auto& u : twice.samples.values) u *= 2;
+  save_field(work.path("twice.npy"), twice);
+  const auto fields = nlohmann::json::parse(succeed(work, {"compare", "f.npy", "twice.npy", "--json"}));
+  EXPECT_NEAR(fields.at("relative_l2_error").get<double>(), 1, 1e-6);  // ‖2f − f‖/‖f‖
+  EXPECT_NEAR(fields.at("scale_modulus").get<double>(), 0.5, 1e-6);
+  const auto images = nlohmann::json::parse(succeed(work, {"compare", "r.exr", "r.exr", "--json"}));
+  EXPECT_TRUE(images.at("psnr_db").is_null());  // infinite, which JSON cannot say
+  EXPECT_EQ(images.at("ssim").get<double>(), 1);
+  EXPECT_NE(succeed(work, {"compare", "r.exr", "r.exr"}).find("infinite"), std::string::npos);
+}
+
+TEST(Commands, LimitsAreThePapers) {
+  const Workplace work;
+  const auto panel = nlohmann::json::parse(
+      succeed(work, {"limits", "--slm", "pluto", "--wavelength", "532 nm", "--distance", "200 mm", "--json"}));
+  EXPECT_NEAR(panel.at("half_angle_deg").get<double>(), 1.905, 5e-4);          // physics.md, section 1
+  EXPECT_NEAR(panel.at("alias_free_radius_m").get<double>() / 8e-6, 832, 1);  // the same: 832 px
+  const auto wanted =
+      nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "632.8 nm", "--angle", "15 deg", "--json"}));
+  EXPECT_NEAR(wanted.at("wanted_pitch_m").get<double>(), 1.181e-6, 5e-10);  // the paper: 1.18 µm
+}
+
+TEST(Commands, InfoKnowsEveryKindOfFile) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  const std::vector<std::pair<std::string, std::string>> kinds{{"scene.toml", "scene"},
+                                                               {"out/sources.ply", "sources"},
+                                                               {"out/field.npy", "field"},
+                                                               {"out/hologram.png", "hologram"},
+                                                               {"out/view.png", "image"}};
+  for (const auto& [file, kind] : kinds) {
+    EXPECT_EQ(nlohmann::json::parse(succeed(work, {"info", file, "--json"})).at("kind"), kind) << file;
+    EXPECT_NE(succeed(work, {"info", file}).find(kind), std::string::npos) << file;
+  }
+}
+
+TEST(Commands, EstimateProbesTheScene) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
+  EXPECT_EQ(cost.at("paths").get<double>(), 48 * 48 * 4);  // columns · rows · paths of the scene
+  EXPECT_GT(cost.at("seconds").get<double>(), 0);
+  EXPECT_NE(succeed(work, {"estimate", "scene.toml"}).find("seconds"), std::string::npos);
+}
+
+// `bench` itself takes 7 to 20 s, by the load of the machine: too long for a test.
+TEST(Commands, EveryHelpTextNamesItsCommand) {
+  const Workplace work;
+  EXPECT_NE(succeed(work, {"--help"}).find("Usage"), std::string::npos);
+  EXPECT_EQ(succeed(work, {"--version"}).substr(0, 10), "holotrace ");
+  for (const std::string command : {"run", "render", "trace", "field", "encode", "show", "propagate", "compare",
+                                    "limits", "estimate", "info", "bench"})
+    EXPECT_NE(succeed(work, {command, "--help"}).find("holotrace " + command), std::string::npos) << command;
+}
+
+TEST(Commands, WrongUsageExitsWith2AndSaysWhatIsWrong) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{}, "subcommand is required"},
+      {{"rnder", "scene.toml"}, "did you mean \"render\""},
+      {{"run", "scene.toml"}, "--output is required"},
+      {{"run", "-o", "out"}, "scene is required"},
+      {{"field", "scene.toml", "-o", "f.npy", "--tolerence", "1e-3"}, "--tolerence"},
+      {{"field", "scene.toml", "extra", "-o", "f.npy"}, "extra"},
+      {{"propagate", "f.npy", "-o", "g.npy"}, "--distance is required"},
+      {{"compare", "a.png"}, "b is required"},
+      {{"info", "scene.toml", "--threads", "-1"}, "whole number of 0 or more"},
+      {{"show", "h.png", "-o"}, "--output"},
+  };
+  for (const auto& [arguments, sentence] : cases) {
+    const Outcome outcome = work.run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << sentence;
+    EXPECT_NE(outcome.err.find(sentence), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+  EXPECT_EQ(work.names(), std::set<std::string>{"scene.toml"});
+}
+
+}  // namespace
+}  // namespace holotrace::test

@@ -1,0 +1,91 @@
+// A run that is killed leaves whole files or none.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <thread>
+
+#include "end_to_end/scenes.h"
+#include "holotrace/io/field_file.h"
+#include "holotrace/io/hologram_file.h"
+#include "holotrace/io/image_file.h"
+#include "holotrace/io/sources_file.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+// A scene on a panel of 4 million pixels, so that writing takes long enough to be interrupted.
+std::string large_scene() {
+  std::string scene = scene_head({2048, 2048, 8e-6}) + points_object();
+  return scene + "[render]\nrows = 32\npaths = 1\n[camera]\ndistances = \"0 mm\"\n";
+}
+
+// Every file of a final name must be readable: what a reader takes for whole is whole.
+void expect_whole_files(const Workplace& work) {
+  for (const std::string& name : work.names()) {
+    const std::string file = std::filesystem::path(name).filename().string();
+    if (!name.starts_with("out/") || file.starts_with(".")) continue;  // a temporary name is no promise
+    const std::string path = work.path(name);
+    if (file == "field.npy") {
+      EXPECT_NO_THROW(load_field(path)) << name;
+    }
+    if (file == "hologram.png") {
+      EXPECT_NO_THROW(load_hologram(path)) << name;
+    }
+    if (file == "render.png" || file == "view.png") {
+      EXPECT_NO_THROW(load_image(path)) << name;
+    }
+    if (file == "sources.ply") {
+      EXPECT_NO_THROW(load_sources(path, 0)) << name;
+    }
+    if (file.ends_with(".json")) {
+      EXPECT_EQ(work.read(name).back(), '\n') << name;
+    }
+  }
+}
+
+void end_by_kill(pid_t child) {
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+}
+
+TEST(Killed, ARunLeavesNoFileThatLooksWholeAndIsNot) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.1}}}));
+  work.write("scene.toml", large_scene());
+  const pid_t child = work.start({"run", "scene.toml", "-o", "out"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  end_by_kill(child);
+  expect_whole_files(work);
+}
+
+TEST(Killed, InTheMidstOfWritingTooAndTheNextRunIsWhole) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.1}}}));
+  work.write("scene.toml", large_scene());
+  // Killed as soon as the folder holds that many files, of temporary names or final ones: at each stage of writing.
+  for (const size_t count : {1U, 3U, 5U, 6U}) {
+    std::filesystem::remove_all(work.path("out"));
+    const pid_t child = work.start({"run", "scene.toml", "-o", "out"});
+    const auto present = [&] {
+      std::error_code ignored;
+      size_t files = 0;
+      for (std::filesystem::directory_iterator i(work.path("out"), ignored), end; i != end; i.increment(ignored)) ++files;
+      return files;
+    };
+    while (present() < count && waitpid(child, nullptr, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    end_by_kill(child);
+    expect_whole_files(work);
+  }
+  const Outcome again = work.run({"run", "scene.toml", "-o", "out"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_TRUE(work.has("out/report.json"));
+  expect_whole_files(work);
+}
+
+}  // namespace
+}  // namespace holotrace::test

@@ -1,0 +1,121 @@
+#include "support/program.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace holotrace::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path make_folder(const char* name) {
+  std::string pattern = (fs::temp_directory_path() / (std::string(name) + "-XXXXXX")).string();
+  if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder can be made");
+  return pattern;
+}
+
+// In the child: the program in `folder`, writing to these descriptors. Never returns.
+[[noreturn]] void become_program(const std::vector<std::string>& arguments, const fs::path& folder,
+                                 const fs::path& cache, int out, int err) {
+  std::vector<char*> argv{const_cast<char*>(HOLOTRACE_PROGRAM)};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  const int in = open("/dev/null", O_RDONLY);
+  if (chdir(folder.c_str()) == 0 && setenv("XDG_CACHE_HOME", cache.c_str(), 1) == 0 && dup2(in, STDIN_FILENO) >= 0 &&
+      dup2(out, STDOUT_FILENO) >= 0 && dup2(err, STDERR_FILENO) >= 0)
+    execv(HOLOTRACE_PROGRAM, argv.data());
+  _exit(127);
+}
+
+// Reads both pipes to their ends, so that neither can fill up and stop the program.
+void drain(int out, int err, Outcome& outcome) {
+  std::array<pollfd, 2> pipes{{{out, POLLIN, 0}, {err, POLLIN, 0}}};
+  const std::array<std::string*, 2> texts{&outcome.out, &outcome.err};
+  for (int open_pipes = 2; open_pipes > 0;) {
+    if (poll(pipes.data(), pipes.size(), -1) < 0 && errno != EINTR) break;
+    for (size_t i = 0; i < pipes.size(); ++i) {
+      if (pipes[i].fd < 0 || pipes[i].revents == 0) continue;
+      std::array<char, 4096> block;
+      const ssize_t count = ::read(pipes[i].fd, block.data(), block.size());
+      if (count > 0) {
+        texts[i]->append(block.data(), size_t(count));
+        continue;
+      }
+      close(pipes[i].fd);
+      pipes[i].fd = -1;
+      --open_pipes;
+    }
+  }
+}
+
+}  // namespace
+
+Workplace::Workplace() : folder_(make_folder("holotrace")), cache_(make_folder("holotrace-cache")) {}
+
+Workplace::~Workplace() {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+  fs::remove_all(cache_, ignored);
+}
+
+std::string Workplace::read(const std::string& name) const { return bytes_of(path(name)); }
+
+std::string Workplace::write(const std::string& name, const std::string& bytes) const {
+  fs::create_directories((folder_ / name).parent_path());
+  std::ofstream(folder_ / name, std::ios::binary) << bytes;
+  return path(name);
+}
+
+std::set<std::string> Workplace::names() const {
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_))
+    names.insert(fs::relative(entry.path(), folder_).string());
+  return names;
+}
+
+void Workplace::clear_cache() const {
+  fs::remove_all(cache_);
+  fs::create_directories(cache_);
+}
+
+Outcome Workplace::run(const std::vector<std::string>& arguments) const {
+  int out[2], err[2];
+  if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) throw std::runtime_error("no pipe can be made");
+  const pid_t child = fork();
+  if (child == 0) become_program(arguments, folder_, cache_, out[1], err[1]);
+  close(out[1]);
+  close(err[1]);
+  Outcome outcome;
+  drain(out[0], err[0], outcome);
+  int status = 0;
+  waitpid(child, &status, 0);
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return outcome;
+}
+
+pid_t Workplace::start(const std::vector<std::string>& arguments) const {
+  const pid_t child = fork();
+  if (child == 0) {
+    const int nowhere = open("/dev/null", O_WRONLY);
+    become_program(arguments, folder_, cache_, nowhere, nowhere);
+  }
+  return child;
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file) << "expected a file at " << path;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace holotrace::test
