@@ -26,7 +26,7 @@ void add_encode(CLI::App& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   command->add_option("field", o->input, "field file")->required()->type_name("FIELD");
   add_output(*command, o->output, "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json");
-  command->add_option("--slm", o->slm, "panel by name [256 phase levels on the field's grid]")->type_name("NAME");
+  command->add_option("--slm", o->slm, "panel by name [256 levels on the field's grid]")->type_name("NAME");
   o->flags.add(*command, EncodeParams());
   command->callback([o, &global] {
     EncodeParams params;
@@ -34,6 +34,7 @@ void add_encode(CLI::App& app, const GlobalFlags& global) {
     const Field field = load_field(o->input);
     Slm slm;
     slm.grid = field.grid;
+    if (params.method != Encoding::phase) slm.modulation = Modulation::amplitude;
     if (!o->slm.empty()) slm = slm_preset(o->slm);
     check_output(o->output, {".png"});
     Console console(global.is_quiet);

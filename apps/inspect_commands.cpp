@@ -120,7 +120,8 @@ void add_limits(CLI::App& app) {
     if (!o->angle.empty()) {
       const double pitch = wanted_pitch(wavelength, parse_angle(o->angle));
       Json facts{{"wanted_pitch_m", pitch}};
-      if (!o->size.empty()) facts["wanted_pixels_per_side"] = wanted_pixels(parse_length_flag("--size", o->size), pitch);
+      if (!o->size.empty())
+        facts["wanted_pixels_per_side"] = wanted_pixels(parse_length_flag("--size", o->size), pitch);
       print_facts(facts, o->is_json);
       return;
     }

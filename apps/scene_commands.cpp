@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.h"
 #include "console.h"
@@ -35,6 +36,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to what the camera sees of its hologram");
   struct Options {
     std::string scene, folder;
+    std::optional<int64_t> seed;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
@@ -45,9 +47,11 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
       ->required()
       ->type_name("DIR");
   o->flags.add(*command, CameraParams(), {"width", "height", "binning"});
+  command->add_option("--seed", o->seed, "of every random number [the scene's]")->type_name("N");
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.camera);
+    if (o->seed) job.trace.seed = job.render.seed = *o->seed;
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));  // before a folder is made for nothing
     make_folder(o->folder);
     Console console(global.is_quiet);

@@ -43,6 +43,11 @@ Boxes run(const Job& job, const StageObserver& watch) {
   const Grid& panel = job.slm.grid;
   check_field_fits(panel, sizeof(std::complex<float>));  // before the first stage, not in the third
 
+  if (!job.warnings.empty())
+    stage("scene", [&](const Observer& o) {
+      for (const std::string& warning : job.warnings) o.warn(warning);
+      return job.warnings.size();
+    });
   b.render =
       stage("render", [&](const Observer& o) { return render(job.scene, panel, job.wavelength, job.render, o); });
   b.sources = stage("trace", [&](const Observer& o) { return trace(job.scene, panel, job.wavelength, job.trace, o); });

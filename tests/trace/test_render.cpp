@@ -84,16 +84,28 @@ TEST(Render, EdgesAreAntialiased) {
 
 TEST(Render, APointAtAKnownPlaceLandsInItsPixel) {
   const double t = std::tan(10_deg);
-  for (const auto& [x, y, row, column] : {std::tuple{0.0, 0.0, 10, 20}, {-1.0, 0.25, 5, 0}, {0.99, -0.24, 14, 39}}) {
-    // 40 × 20 pixels: x/depth from −2T to 2T, y/depth from T down to −T. A hair right and down of the pixel's corner.
+  for (const auto& [x, y, row, column] : {std::tuple{0.0, 0.0, 10, 20}, {-1.0, 0.25, 5, 0}, {0.95, -0.25, 15, 39}}) {
+    // 40 × 20 pixels: x/depth from −2T to 2T, y/depth from T down to −T. At the middle of a pixel.
     Scene scene;
-    const double depth = 0.25, hair = 1e-6;
-    scene.points = {{{(2 * x + hair) * t * depth, (2 * y - hair) * t * depth, -depth}, 3.0f, 0}};
+    const double depth = 0.25, half = 0.05;
+    scene.points = {{{(2 * x + half) * t * depth, (2 * y - half) * t * depth, -depth}, 3.0f, 0}};
     const RenderParams params{.columns = 40, .rows = 20, .field_of_view = 10_deg, .paths = 1};
     const Image image = render(scene, panel, green_light, params);
     for (int j = 0; j < 20; ++j)
-      for (int i = 0; i < 40; ++i) EXPECT_EQ(image(j, i) > 0, j == row && i == column) << j << " " << i;
+      for (int i = 0; i < 40; ++i)  // 1e-6: rounding of the place shares out a little light
+        EXPECT_EQ(image(j, i) > 1e-6 * image(row, column), j == row && i == column) << j << " " << i;
   }
+}
+
+TEST(Render, APointBetweenPixelsSharesItsLight) {
+  Scene scene;
+  const double pixel = std::tan(10_deg) / 10 * 0.25;  // 20 rows span 2T
+  scene.points = {{{0.25 * pixel, 0.5 * pixel, -0.25}, 1.0f, 0}};
+  const RenderParams params{.columns = 20, .rows = 20, .field_of_view = 10_deg, .paths = 1};
+  const Image image = render(scene, panel, green_light, params);
+  // The corner of four pixels is at the axis: 3/4 of a pixel to the right of the left one's middle, on a row's middle.
+  EXPECT_NEAR(image(9, 10) / image(9, 9), 3, 1e-5);
+  EXPECT_LT(image(10, 10) / image(9, 10), 1e-5);
 }
 
 TEST(Render, APointHasTheLightOfACellWithItsAmplitude) {

@@ -1,5 +1,6 @@
 #include "holotrace/trace/render.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -52,18 +53,29 @@ Vec3 render_pixel(const Accelerator& scene, const Pinhole& pinhole, int row, int
   return sum / params.paths;
 }
 
+/// Adds light at (column, row), pixel centres at whole numbers, shared by the four pixels around it.
+void add_between(Image& image, double column, double row, Vec3 light) {
+  const double left = std::floor(column), top = std::floor(row);
+  for (const int j : {0, 1})
+    for (const int i : {0, 1}) {
+      const double share = (1 - std::abs(left + i - column)) * (1 - std::abs(top + j - row));
+      add(image, std::clamp(int(top) + j, 0, image.ny - 1), std::clamp(int(left) + i, 0, image.nx - 1), light * share);
+    }
+}
+
 /// Adds the luminous points that fall into the picture and that no mesh hides.
 void draw_points(const Accelerator& scene, const Pinhole& pinhole, Image& image) {
   for (const ScenePoint& point : scene.scene().points) {
     const Vec3 p = point.position;
-    const double column = std::floor(p.x / -p.z / pinhole.pixel + pinhole.columns / 2.0);
-    const double row = std::floor(pinhole.rows / 2.0 - p.y / -p.z / pinhole.pixel);
-    const bool is_inside = column >= 0 && column < pinhole.columns && row >= 0 && row < pinhole.rows;
+    const double column = p.x / -p.z / pinhole.pixel + (pinhole.columns - 1) / 2.0;
+    const double row = (pinhole.rows - 1) / 2.0 - p.y / -p.z / pinhole.pixel;
+    const bool is_inside = std::abs(column - (pinhole.columns - 1) / 2.0) <= pinhole.columns / 2.0 &&
+                           std::abs(row - (pinhole.rows - 1) / 2.0) <= pinhole.rows / 2.0;
     if (!is_inside || scene.is_occluded({}, p)) continue;
     const double cosine = -p.z / length(p);
     const double radiance =
         double(point.amplitude) * point.amplitude / (pinhole.pixel * pinhole.pixel * cosine * cosine);
-    add(image, int(row), int(column), Vec3{1, 1, 1} * radiance);
+    add_between(image, column, row, Vec3{1, 1, 1} * radiance);
   }
 }
 

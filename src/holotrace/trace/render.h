@@ -15,7 +15,7 @@ namespace holotrace {
 /// acceptance_tangent; the width ±T·columns/rows. Each pixel is the mean of `paths` light paths
 /// (path_radiance) through places stratified over it.
 ///
-/// A luminous point of amplitude a that no mesh hides adds its light to the pixel it falls in, as the white
+/// A luminous point of amplitude a that no mesh hides adds its light to the four pixels around it, as the white
 /// radiance that would make the same wave in `trace` (pattern grid) from a cell of that pixel's tangent area dA:
 ///
 ///     L = a² / (dA·cos²θ)
