@@ -77,7 +77,8 @@ using PlanOf = typename Fftw<Real>::Plan;
 
 template <class Real>
 const void* shared_plan(int length, FftDirection direction, bool aligned) {
-  static std::map<std::tuple<int, FftDirection, bool>, PlanOf<Real>> plans;
+  // Never destroyed: threads may transform until the program ends.
+  static auto& plans = *new std::map<std::tuple<int, FftDirection, bool>, PlanOf<Real>>;
   const std::lock_guard lock(planner);
   PlanOf<Real>& plan = plans[{length, direction, aligned}];
   if (!plan) {
