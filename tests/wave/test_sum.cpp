@@ -147,6 +147,28 @@ TEST(SumTiled, StatesAnErrorNearTheOneItMakes) {
   EXPECT_GT(made, choice.error / 2);     // and the estimate is no empty promise
 }
 
+// The review's two traps. One bright near wave among many faint far ones: draws by energy find it.
+TEST(SumTiled, KeepsItsToleranceForOneNearWaveAmongMany) {
+  const Grid grid{256, 192, 8_um};
+  Sources sources = make_random_sources(20000, grid, green, 0.5_m, 0.5_m);
+  for (Source& s : sources.waves) s.amplitude *= 1e-4F;
+  sources.waves.push_back({{0.1_mm, 0.05_mm, -20_mm}, 10, 0});
+  const FieldDouble exact = sum_exact(sources, grid);
+  EXPECT_LT(relative_error(synthesize(sources, grid, {}), exact), 1e-3);
+}
+
+// Waves that cancel leave a field that is small beside their errors.
+TEST(SumTiled, KeepsItsToleranceForWavesThatCancel) {
+  const Grid grid{512, 384, 8_um};
+  const Sources sources{green,
+                        {{{1_mm, 0.5_mm, -0.2_m}, 1, 0},
+                         {{1_mm, 0.5_mm, -0.2_m - 1_um}, 1, float(pi - 2 * pi * std::fmod(1_um / green, 1.0))}}};
+  const FieldDouble exact = sum_exact(sources, grid);
+  const FieldDouble one = sum_exact({green, {sources.waves[0]}}, grid);
+  ASSERT_LT(power(exact), 0.01 * power(one));  // they do cancel
+  EXPECT_LT(relative_error(synthesize(sources, grid, {}), exact), 1e-3);
+}
+
 TEST(SumTiled, RefusesAToleranceThatFloatsCannotHold) {
   const Grid grid{64, 64, 8_um};
   try {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "holotrace/base/observer.h"
@@ -14,7 +15,8 @@ namespace holotrace {
 ///
 /// Inside a tile r is split as r₀ + Δr(column) + Δr(row). The wave is then one number times a column
 /// times a row, and the sum over waves a complex matrix product. The neglected phase, about
-/// k·x₀·y₀·u·v/r₀³, is kept below `tolerance` by choosing the shape of the tile (tile_error.h).
+/// k·x₀·y₀·u·v/r₀³, is kept below `tolerance` by choosing the shape of the tile (tile_error.h). Where the
+/// waves turn out to cancel, so that their errors weigh more, the sum is made again with smaller tiles.
 ///
 /// @param sources    spherical waves at z < 0 [m]
 /// @param grid       panel pixels: nx, ny, pitch [m]
@@ -25,6 +27,10 @@ namespace holotrace {
 /// Cost: 4 multiply-adds per wave and pixel in its box, and a sine and cosine per wave and per column
 /// and row of the tiles it meets.
 Field sum_tiled(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer = {});
+
+/// The same, or no field where no tile meets the tolerance; `reachable` is then set to a tolerance that one does.
+std::optional<Field> try_sum_tiled(const Sources& sources, const Grid& grid, double tolerance, double& reachable,
+                                   const Observer& observer = {});
 
 /// Name of the instruction set that sum_tiled runs on here: "AVX3", "AVX2", "SSE4", …
 std::string sum_tiled_instruction_set();

@@ -1,24 +1,23 @@
 #include "holotrace/wave/synthesize.h"
 
+#include <algorithm>
+#include <optional>
+#include <utility>
+
 #include "holotrace/base/error.h"
 #include "holotrace/wave/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_tiled.h"
-#include "holotrace/wave/tile_error.h"
 
 namespace holotrace {
 namespace {
 
 void report_boxes(const Sources& sources, const Grid& grid, const Observer& observer) {
   const double tangent = acceptance_tangent(sources.wavelength, grid.pitch);
-  int64_t pixels = 0, missed = 0;
-  for (const Source& source : sources.waves) {
-    const PixelBox box = lit_box(source, grid, tangent);
-    pixels += box.pixels();
-    missed += box.is_empty();
-  }
-  observer.fact("waves", int64_t(sources.waves.size()));
-  observer.fact("waves_pixels", pixels);
+  const auto missed = std::count_if(sources.waves.begin(), sources.waves.end(),
+                                    [&](const Source& source) { return lit_box(source, grid, tangent).is_empty(); });
+  observer.fact("waves", sources.waves.size());
+  observer.fact("waves_pixels", waves_pixels(sources, grid));
   if (missed > 0)
     observer.warn(fmt::format(
         "{} of {} waves reach no pixel at an angle that the panel can hold (half angle {}); move them nearer to the "
@@ -43,16 +42,19 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   require(params.tolerance > 0 && params.tolerance < 1, "expected a tolerance in (0, 1), got {}", params.tolerance);
   report_boxes(sources, grid, observer);
 
-  SynthesisMethod method = params.method;
-  if (method == SynthesisMethod::automatic) {
-    const TileChoice choice = choose_tile(prepare_waves(sources, grid), grid, sources.wavelength, params.tolerance);
-    method = choice.meets_tolerance ? SynthesisMethod::tiled : SynthesisMethod::exact;
-    observer.fact("why", fmt::format("tiles of {}x{} are expected to be off by {:.1e}, the tolerance is {:.1e}",
-                                     choice.tile.columns, choice.tile.rows, choice.error, params.tolerance));
-  }
-  if (method == SynthesisMethod::exact) {
+  const auto exact = [&] {
     observer.fact("method", std::string("exact"));
     return convert<float>(sum_exact(sources, grid, observer));
+  };
+  if (params.method == SynthesisMethod::exact) return exact();
+  double reachable = 0;
+  if (params.method == SynthesisMethod::automatic) {
+    std::optional<Field> field = try_sum_tiled(sources, grid, params.tolerance, reachable, observer);
+    observer.fact(
+        "why", fmt::format("tiles are expected to hold {:.1e}, the tolerance is {:.1e}", reachable, params.tolerance));
+    if (!field) return exact();
+    observer.fact("method", "tiled on " + sum_tiled_instruction_set());
+    return std::move(*field);
   }
   observer.fact("method", "tiled on " + sum_tiled_instruction_set());
   return sum_tiled(sources, grid, params.tolerance, observer);

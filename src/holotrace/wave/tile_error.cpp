@@ -1,20 +1,50 @@
 #include "holotrace/wave/tile_error.h"
 
+#include <algorithm>
+
 #include "holotrace/base/random.h"
 
 namespace holotrace {
+namespace {
 
-double separability_error(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, TileShape tile) {
+// Numbers to draw waves by: the running sums of their weights, scaled to end at 1.
+class WaveDraw {
+ public:
+  template <class Weight>
+  WaveDraw(const std::vector<PreparedWave>& waves, const Weight& weight) {
+    double sum = 0;
+    sums_.reserve(waves.size());
+    for (const PreparedWave& wave : waves) sums_.push_back(sum += weight(wave));
+  }
+  double total() const { return sums_.back(); }
+  size_t wave_at(double u) const {  // u in [0, 1)
+    const auto found = std::upper_bound(sums_.begin(), sums_.end(), u * total());
+    return std::min(size_t(found - sums_.begin()), sums_.size() - 1);
+  }
+
+ private:
+  std::vector<double> sums_;
+};
+
+// About the energy that a wave brings to the panel, in units of the pixel's area.
+double energy_of(const PreparedWave& w) { return w.amplitude * w.amplitude * double(w.box.pixels()); }
+
+double nearness_of(const PreparedWave& w) { return energy_of(w) / (w.depth * w.depth); }
+
+}  // namespace
+
+SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,
+                            TileShape tile) {
   constexpr int draws = 8192;
+  const WaveDraw by_energy(waves, energy_of), by_nearness(waves, nearness_of);
+  if (by_energy.total() == 0) return {};
   CounterRandom random(0, 0, 0);
-  double error = 0, energy = 0;
+  SplitEnergies energies;
   for (int s = 0; s < draws; ++s) {
-    const size_t j = size_t((s + random.uniform()) / draws * double(waves.size()));
-    const PreparedWave& w = waves[j];
-    const double along_x = random.uniform(), along_y = random.uniform();
-    if (w.box.is_empty()) continue;
-    const int i = w.box.x0 + int(along_x * (w.box.x1 - w.box.x0));
-    const int k = w.box.y0 + int(along_y * (w.box.y1 - w.box.y0));
+    const WaveDraw& draw = s % 2 == 0 ? by_energy : by_nearness;
+    const PreparedWave& w = waves[draw.wave_at((s / 2 + random.uniform()) / (draws / 2))];
+    const int i = w.box.x0 + int(random.uniform() * (w.box.x1 - w.box.x0));
+    const int k = w.box.y0 + int(random.uniform() * (w.box.y1 - w.box.y0));
     // The tile's centre as sum_tiled places it: tiles start at pixel (0, 0).
     const double x0 = grid.x(i - i % tile.columns + (tile.columns - 1) / 2.0) - w.x;
     const double y0 = grid.y(k - k % tile.rows + (tile.rows - 1) / 2.0) - w.y;
@@ -23,18 +53,24 @@ double separability_error(const std::vector<PreparedWave>& waves, const Grid& gr
     const double along_column = std::sqrt(x * x + y0 * y0 + d2), along_row = std::sqrt(x0 * x0 + y * y + d2);
     const double phase = 2 * pi / wavelength * ((r - along_column) - (along_row - r0));
     const double modulus = r * r0 / (along_column * along_row);
-    const double weight = w.amplitude * w.amplitude * (d2 / (r * r)) * double(w.box.pixels());
-    error += weight * std::norm(std::polar(modulus, -phase) - 1.0);
-    energy += weight;
+    // Energy at the drawn pixel over the density of the two draws together.
+    const double density =
+        draws / 2 * (energy_of(w) / by_energy.total() + nearness_of(w) / by_nearness.total()) / double(w.box.pixels());
+    const double energy = w.amplitude * w.amplitude * (d2 / (r * r)) / density;
+    energies.error += energy * std::norm(std::polar(modulus, -phase) - 1.0);
+    energies.waves += energy;
   }
-  return energy > 0 ? std::sqrt(error / energy) : 0;
+  return energies;
 }
 
-TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, double tolerance) {
+TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, double tolerance,
+                       double coherence) {
   TileChoice choice{};
   for (const TileShape tile : tile_shapes) {
-    const double error = separability_error(waves, grid, wavelength, tile) + tiled_rounding_error;
-    choice = {tile, error, 1.25 * error <= tolerance};
+    const SplitEnergies energies = measure_split(waves, grid, wavelength, tile);
+    const double split = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
+    const double error = (split + tiled_rounding_error) / std::sqrt(coherence);
+    choice = {tile, error, energies, 1.25 * error <= tolerance};
     if (choice.meets_tolerance) break;
   }
   return choice;

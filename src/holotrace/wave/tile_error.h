@@ -22,22 +22,34 @@ inline constexpr std::array<TileShape, 8> tile_shapes{
 /// Single precision in the factors and the sum leaves this relative error however small the tile.
 inline constexpr double tiled_rounding_error = 5e-6;
 
-/// Relative L2 error of splitting r into r₀ + Δr(column) + Δr(row) inside tiles of that shape.
-///
-/// The split neglects about k·x₀·y₀·u·v/r₀³ for a pixel at (u, v) from the tile's centre, which
-/// lies at (x₀, y₀) from the source. The error is measured: at a few thousand pixels, drawn evenly
-/// over the waves and their boxes from a fixed seed, the split is compared with the wave itself.
-double separability_error(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, TileShape tile);
+/// What splitting r into r₀ + Δr(column) + Δr(row) inside tiles does to a set of waves: the energies
+/// of the error and of the waves, Σⱼ Σ over the pixels of j of |error|² and |Uⱼ|² [W/m²].
+struct SplitEnergies {
+  double error = 0, waves = 0;
+};
 
-/// A tile and the relative L2 error that is expected of it.
+/// The split neglects about k·x₀·y₀·u·v/r₀³ for a pixel at (u, v) from the tile's centre, which lies at
+/// (x₀, y₀) from the source. Its error is measured: at 8192 pixels of the waves' boxes, drawn from a fixed
+/// seed, the split is compared with the wave itself. Half of the draws go to waves by their energy, half by
+/// their energy over depth squared, which near waves with their worse splits have most of: a few near
+/// waves among many far ones are found.
+SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,
+                            TileShape tile);
+
+/// A tile and the relative L2 error that is expected of it: √(error/waves) over √coherence, and the rounding.
 struct TileChoice {
   TileShape tile;
-  double error;
-  bool meets_tolerance;
+  double error = 0;
+  SplitEnergies energies;
+  bool meets_tolerance = false;
 };
 
 /// The fastest tile whose expected error, with a margin of a quarter, is below the tolerance; the most
 /// accurate one if none is.
-TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, double tolerance);
+///
+/// @param coherence  energy of the field over the sum of its waves' energies: 1 for random phases, less
+///                   where the waves cancel, so that their errors weigh more
+TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, double tolerance,
+                       double coherence = 1);
 
 }  // namespace holotrace
