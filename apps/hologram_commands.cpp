@@ -9,9 +9,9 @@
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/output.h"
-#include "holotrace/pipeline.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
+#include "holotrace/view/camera.h"
 #include "holotrace/wave/propagate.h"
 
 namespace holotrace {

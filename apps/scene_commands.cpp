@@ -21,6 +21,7 @@
 #include "holotrace/pipeline.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
+#include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/synthesize.h"

@@ -26,16 +26,4 @@ struct Boxes {
 /// @throws Error  as the stages do
 Boxes run(const Job& job, const StageObserver& watch = {});
 
-/// What the camera sees of the light that leaves an SLM, focused at `distance` [m] ≥ 0: behind the panel
-/// for a virtual image, before it for a real one. Applies the stop that the encoder asked for.
-Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
-           const CameraParams& camera, const Observer& observer = {});
-
-/// The irradiance that is white in all the views: the exposure given, or the brightest view's own.
-double common_white(const std::vector<Image>& views, double exposure);
-
-/// The render as the sensor would see it: what stands at `distance` falls on the sensor's pixels at
-/// x = distance·tan. Pixels past the render's window are black.
-Image project_render(const Image& render, double half_tangent, const Image& sensor, double distance);
-
 }  // namespace holotrace

@@ -81,7 +81,8 @@ TEST(Architecture, EveryIncludedHeaderExists) {
 
 TEST(Architecture, TheLibraryNeitherPrintsNorExits) {
   // Rule 8 of the style: errors are thrown and doubts go to the observer.
-  static const std::regex pattern("(std::cout|std::cerr|\\bprintf\\(|fmt::print\\(|std::exit\\(|\\bexit\\(|std::abort\\()");
+  static const std::regex pattern(
+      "(std::cout|std::cerr|\\bprintf\\(|fmt::print\\(|std::exit\\(|\\bexit\\(|std::abort\\()");
   for (const auto& entry : fs::recursive_directory_iterator(library)) {
     if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
     std::ifstream in(entry.path());

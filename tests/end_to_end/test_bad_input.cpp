@@ -220,8 +220,8 @@ TEST(BadInput, AFolderWithoutPermissionIsRefused) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   std::filesystem::create_directory(work.path("locked"));
-  std::filesystem::permissions(work.path("locked"), std::filesystem::perms::owner_read |
-                                                        std::filesystem::perms::owner_exec);
+  std::filesystem::permissions(work.path("locked"),
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   expect_error(work, {"field", "scene.toml", "-o", "locked/f.npy"}, {"locked", "not writable"});
 }
 
@@ -301,7 +301,8 @@ TEST(BadInput, FlagsOfTheWrongKindAreNamed) {
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--wavelength", "632.8"}, {"--wavelength:", "unit"});
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--slm", "plutto"}, {"did you mean \"pluto\""});
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--method", "tield"}, {"did you mean \"tiled\""});
-  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "small"}, {"--tolerance:", "number", "small"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "small"},
+               {"--tolerance:", "number", "small"});
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "-1"}, {"tolerance", "(0, 1)", "-1"});
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--wavelength", "-1 nm"}, {"wavelength", "above 0"});
   expect_error(work, {"encode", f, "-o", "h.png", "--method", "phaze"}, {"did you mean \"phase\""});

@@ -27,11 +27,13 @@ TEST(Commands, RunWritesEveryBoxOfThePipeline) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   EXPECT_EQ(succeed(work, {"run", "scene.toml", "-o", "out"}), "");
-  const std::set<std::string> expected{"scene.toml",        "out",           "out/render.png",   "out/sources.ply",
-                                       "out/field.npy",     "out/field.json", "out/hologram.png", "out/hologram.json",
-                                       "out/view.png",      "out/report.json"};
+  const std::set<std::string> expected{"scene.toml",       "out",
+                                       "out/render.png",   "out/sources.ply",
+                                       "out/field.npy",    "out/field.json",
+                                       "out/hologram.png", "out/hologram.json",
+                                       "out/view.png",     "out/report.json"};
   EXPECT_EQ(work.names(), expected);
-  EXPECT_EQ(load_image(work.path("out/render.png")).ny, 64);  // [render] rows of the scene
+  EXPECT_EQ(load_image(work.path("out/render.png")).ny, 64);                     // [render] rows of the scene
   EXPECT_GT(load_sources(work.path("out/sources.ply"), 0).waves.size(), 1000U);  // 48×48 first hits, nearly all lit
   EXPECT_EQ(load_field(work.path("out/field.npy")).grid, small_panel);
   EXPECT_EQ(load_hologram(work.path("out/hologram.png")).levels, 256);  // 8 bit
@@ -70,8 +72,8 @@ TEST(Commands, TheStagesOneByOneMakeTheSameFilesAsRun) {
   succeed(work, {"field", "scene.toml", "-o", "field.npy"});
   succeed(work, {"encode", "field.npy", "-o", "hologram.png"});
   succeed(work, {"show", "hologram.png", "-o", "view.png", "--distance", "30 mm"});
-  for (const char* name : {"render.png", "sources.ply", "field.npy", "field.json", "hologram.png", "hologram.json",
-                           "view.png"})
+  for (const char* name :
+       {"render.png", "sources.ply", "field.npy", "field.json", "hologram.png", "hologram.json", "view.png"})
     EXPECT_TRUE(work.read(name) == work.read(std::string("out/") + name)) << name;
 }
 
@@ -117,8 +119,7 @@ TEST(Commands, FieldsTravelThroughEveryFormat) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   for (const char* name : {"f.npy", "f.h5", "f.exr"}) succeed(work, {"field", "scene.toml", "-o", name});
-  for (const char* name : {"f.npy", "f.h5", "f.exr"})
-    succeed(work, {"encode", name, "-o", std::string(name) + ".png"});
+  for (const char* name : {"f.npy", "f.h5", "f.exr"}) succeed(work, {"encode", name, "-o", std::string(name) + ".png"});
   EXPECT_TRUE(work.read("f.npy.png") == work.read("f.h5.png"));
   EXPECT_TRUE(work.read("f.npy.png") == work.read("f.exr.png"));
 }
@@ -142,8 +143,8 @@ TEST(Commands, ShowTakesAPanelByNameAndAHologramWithoutItsSidecar) {
   succeed(work, {"encode", "f.npy", "-o", "h.png"});
   succeed(work, {"show", "h.png", "-o", "with.png", "--slm", "pluto", "--distance", "300 mm"});
   std::filesystem::remove(work.path("h.json"));  // a bare PNG, as another program would leave
-  succeed(work, {"show", "h.png", "-o", "without.png", "--slm", "pluto", "--distance", "300 mm", "--wavelength",
-                 "632.8 nm"});
+  succeed(work,
+          {"show", "h.png", "-o", "without.png", "--slm", "pluto", "--distance", "300 mm", "--wavelength", "632.8 nm"});
   EXPECT_TRUE(work.read("with.png") == work.read("without.png"));
 }
 
@@ -193,7 +194,7 @@ TEST(Commands, LimitsAreThePapers) {
   const Workplace work;
   const auto panel = nlohmann::json::parse(
       succeed(work, {"limits", "--slm", "pluto", "--wavelength", "532 nm", "--distance", "200 mm", "--json"}));
-  EXPECT_NEAR(panel.at("half_angle_deg").get<double>(), 1.905, 5e-4);          // physics.md, section 1
+  EXPECT_NEAR(panel.at("half_angle_deg").get<double>(), 1.905, 5e-4);         // physics.md, section 1
   EXPECT_NEAR(panel.at("alias_free_radius_m").get<double>() / 8e-6, 832, 1);  // the same: 832 px
   const auto wanted =
       nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "632.8 nm", "--angle", "15 deg", "--json"}));

@@ -154,8 +154,9 @@ TEST(Conventions, AConvergingLensFocusesAtItsFocalLength) {
   const Grid grid{129, 129, 8e-6};
   const double f = 0.03, k = 2 * pi / test_wavelength, side = grid.width();
   const auto on_axis = [&](double sign) {
-    const FieldDouble lens = holotrace::testing::make_field(
-        grid, test_wavelength, [&](double x, double y) { return std::polar(1.0, sign * k * (x * x + y * y) / (2 * f)); });
+    const FieldDouble lens = holotrace::testing::make_field(grid, test_wavelength, [&](double x, double y) {
+      return std::polar(1.0, sign * k * (x * x + y * y) / (2 * f));
+    });
     return std::norm(propagate(lens, f).samples(64, 64));
   };
   // All of the aperture in phase: (S²/λf)² = 4451. The term k·ρ⁴/8f³ of the sphere that a thin lens lacks is 0.015 rad
@@ -167,7 +168,7 @@ TEST(Conventions, AConvergingLensFocusesAtItsFocalLength) {
 
 TEST(Conventions, PowerIsTheSumOfSquaredModuliTimesThePixelsArea) {
   Field field({10, 20, 8e-6}, 532_nm);
-  for (auto& u : field.samples.values) u = {3, 4};  // 25 W/m²
+  for (auto& u : field.samples.values) u = {3, 4};      // 25 W/m²
   EXPECT_NEAR(power(field), 25 * 200 * 64e-12, 1e-20);  // rounding of 200 additions, far below
   // The same of a wave on the SLM: 1 W/m² on 256 × 192 pixels of 64 µm².
   Hologram hologram{small_panel, {small_panel.ny, small_panel.nx}, 256, Modulation::phase, 532_nm, {}, {}, ""};
@@ -182,7 +183,7 @@ TEST(Conventions, PhaseIsReducedBeforeItBecomesAFloat) {
   const long double k = 2 * std::numbers::pi_v<long double> / 532e-9L;
   for (const int column : {0, 100, 255}) {
     const long double x = field.grid.x(column), y = field.grid.y(10);
-    const long double r = std::sqrt(x * x + y * y + (long double)(depth) * depth);
+    const long double r = std::sqrt(x * x + y * y + (long double)(depth)*depth);
     const auto u = Complex(field.samples(10, column));
     const double phase = double(std::remainder(k * r, 2 * std::numbers::pi_v<long double>));
     EXPECT_NEAR(std::arg(u * std::polar(1.0, -phase)), 0, std::ldexp(1, -23)) << column;
@@ -193,8 +194,8 @@ TEST(Conventions, AnEightBitGreyShowsItsPartOfACycle) {
   const Grid panel{256, 2, 8e-6};
   Hologram hologram{panel, {panel.ny, panel.nx}, 256, Modulation::phase, 532_nm, {}, {}, ""};
   for (int i = 0; i < 256; ++i) hologram.level(0, i) = hologram.level(1, i) = uint16_t(i);
-  // Through a file, where a level is a grey, and onto a panel whose pixels touch: one sample per pixel is smoothed by the
-  // pixel's sinc, so what is compared is the spectrum's only line, the ramp's own order 1 cycle in 256 pixels.
+  // Through a file, where a level is a grey, and onto a panel whose pixels touch: one sample per pixel is smoothed by
+  // the pixel's sinc, so what is compared is the spectrum's only line, the ramp's own order 1 cycle in 256 pixels.
   const Workplace work;
   save_hologram(work.path("h.png"), hologram);
   const Hologram loaded = load_hologram(work.path("h.png"));

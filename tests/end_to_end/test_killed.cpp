@@ -73,7 +73,8 @@ TEST(Killed, InTheMidstOfWritingTooAndTheNextRunIsWhole) {
     const auto present = [&] {
       std::error_code ignored;
       size_t files = 0;
-      for (std::filesystem::directory_iterator i(work.path("out"), ignored), end; i != end; i.increment(ignored)) ++files;
+      for (std::filesystem::directory_iterator i(work.path("out"), ignored), end; i != end; i.increment(ignored))
+        ++files;
       return files;
     };
     while (present() < count && waitpid(child, nullptr, WNOHANG) == 0)

@@ -4,7 +4,7 @@
 #include <mutex>
 
 #include "holotrace/data/acceptance.h"
-#include "holotrace/trace/spectrum.h"
+#include "holotrace/data/spectrum.h"
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"
 

@@ -234,6 +234,39 @@ TEST(Propagate, TakesTheMethodThatTheSamplingConditionAllows) {
   EXPECT_EQ(make_propagator<float>(small, 532_nm, 15.6_mm).method, PropagationMethod::rayleigh_sommerfeld);
 }
 
+TEST(Propagate, OverNoDistanceCutsOrPadsTheWindow) {
+  FieldDouble field({5, 4, 8_um}, 532_nm);
+  for (size_t i = 0; i < field.samples.size(); ++i) field.samples.values[i] = double(i);
+  const FieldDouble out = propagate(field, 0, {PropagationMethod::automatic, 3, 6});
+  ASSERT_EQ(out.grid, (Grid{3, 6, 8_um}));
+  EXPECT_EQ(out.samples(0, 0), 0.0);  // a row above the input
+  EXPECT_EQ(out.samples(1, 0), field.samples(0, 1));
+  EXPECT_EQ(out.samples(4, 2), field.samples(3, 3));
+}
+
+// The window that the error names is wide enough, and a tenth less is not.
+TEST(Propagate, NamesTheWindowThatTheAngularSpectrumNeeds) {
+  const double z = 2_m, needed = std::sqrt(4 * 532_nm * z);
+  PropagateParams params;
+  params.method = PropagationMethod::angular_spectrum;
+  const int enough = int(needed / 8_um) + 2, less = int(0.9 * needed / 8_um);
+  EXPECT_NO_THROW(make_propagator<float>({enough, enough, 8_um}, 532_nm, z, params));
+  EXPECT_THROW(make_propagator<float>({less, less, 8_um}, 532_nm, z, params), Error);
+}
+
+// physics.md section 1: 1.11 rad at 0.2 m and 0.33 rad at 0.3 m at the corner of a full-HD panel of 8 µm.
+TEST(Propagate, WarnsWhatFresnelNeglects) {
+  PropagateParams params;
+  params.method = PropagationMethod::fresnel;
+  std::string warning;
+  Observer observer;
+  observer.on_warning = [&](const std::string& text) { warning = text; };
+  make_propagator<float>({1920, 1080, 8_um}, 532_nm, 0.2_m, params, observer);
+  EXPECT_NE(warning.find("neglects up to 1.1 rad"), std::string::npos) << warning;
+  make_propagator<float>({1920, 1080, 8_um}, 532_nm, 0.3_m, params, observer);
+  EXPECT_NE(warning.find("neglects up to 0.33 rad"), std::string::npos) << warning;
+}
+
 void expect_error(const Grid& grid, double z, const PropagateParams& params, const std::string& part) {
   try {
     make_propagator<float>(grid, 532_nm, z, params);

@@ -12,9 +12,9 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/spectrum.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/path.h"
-#include "holotrace/trace/spectrum.h"
 
 namespace holotrace {
 

@@ -14,11 +14,6 @@ namespace holotrace {
 /// @throws Error  as make_propagator does
 template <class Real>
 BasicField<Real> propagate(const BasicField<Real>& field, double distance, const PropagateParams& params = {},
-                           const Observer& observer = {}) {
-  const bool is_whole_window =
-      (params.columns == 0 || params.columns == field.grid.nx) && (params.rows == 0 || params.rows == field.grid.ny);
-  if (distance == 0 && is_whole_window) return field;
-  return propagate(field, make_propagator<Real>(field.grid, field.wavelength, distance, params, observer), observer);
-}
+                           const Observer& observer = {});
 
 }  // namespace holotrace

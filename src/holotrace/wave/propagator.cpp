@@ -32,7 +32,8 @@ struct Axis {
   int band_samples_held() const { return int(band_samples()) + 1; }
   // With fewer samples than this the band's edge, which rings, is all there is.
   bool holds_angular_spectrum() const { return z <= critical() || band_samples() >= 8; }
-  double window_needed() const { return std::sqrt(16 * wavelength * z); }
+  // Mean side of the input and output windows that makes it eight: (window/λz)·window/4 samples.
+  double window_needed() const { return std::sqrt(4 * wavelength * z); }
   // The pitch at which the Rayleigh–Sommerfeld kernel is sampled well over the window.
   double pitch_needed() const { return wavelength / 2 * std::hypot(1.0, z / offset); }
 };
@@ -83,6 +84,15 @@ void check_method(PropagationMethod method, const Axis& x, const Axis& y, const 
             "the angular spectrum cannot sample a propagation over {}: it needs a window of {} × {} or wider; use "
             "rayleigh-sommerfeld, or a larger window",
             format_length(z), format_length(x.window_needed()), format_length(y.window_needed()));
+  if (method == PropagationMethod::fresnel) {
+    const double rho2 = (x.offset * x.offset + y.offset * y.offset) / 4;  // from the axis to the panel's corner
+    const double neglected = pi / 4 * rho2 * rho2 / (x.wavelength * z * z * z);
+    if (neglected > 0.1)
+      observer.warn(fmt::format(
+          "the paraxial Fresnel kernel neglects up to {:.2g} rad of a wave from the panel's corner over {}; the other "
+          "methods are exact here",
+          neglected, format_length(z)));
+  }
   if (method != PropagationMethod::rayleigh_sommerfeld || z >= critical) return;
   const double pitch = std::min(x.pitch_needed(), y.pitch_needed());
   require(z >= critical / 20,
@@ -93,20 +103,6 @@ void check_method(PropagationMethod method, const Axis& x, const Axis& y, const 
       "the Rayleigh–Sommerfeld kernel aliases near the window's edges over {}: it is sampled well from {} on, or at a "
       "pitch of {}; angular-spectrum holds here",
       format_length(z), format_length(critical), format_length(pitch)));
-}
-
-Grid output_grid(const Grid& input, const PropagateParams& params) {
-  require(params.columns >= 0 && params.rows >= 0,
-          "expected an output window of 0 (as the input) or more pixels, got {} × {}", params.columns, params.rows);
-  Grid out = input;
-  if (params.columns > 0) out.nx = params.columns;
-  if (params.rows > 0) out.ny = params.rows;
-  require(
-      (out.nx - input.nx) % 2 == 0 && (out.ny - input.ny) % 2 == 0,
-      "expected an output window that differs from the input's {} × {} by even numbers of pixels (both are centred), "
-      "got {} × {}",
-      input.nx, input.ny, out.nx, out.ny);
-  return out;
 }
 
 // A window that repeats has a spectrum of lines at the frequencies of the DFT: the transfer function there is
@@ -139,6 +135,20 @@ struct BandEnergy {
 
 }  // namespace
 
+Grid propagation_output(const Grid& input, const PropagateParams& params) {
+  require(params.columns >= 0 && params.rows >= 0,
+          "expected an output window of 0 (as the input) or more pixels, got {} × {}", params.columns, params.rows);
+  Grid out = input;
+  if (params.columns > 0) out.nx = params.columns;
+  if (params.rows > 0) out.ny = params.rows;
+  require(
+      (out.nx - input.nx) % 2 == 0 && (out.ny - input.ny) % 2 == 0,
+      "expected an output window that differs from the input's {} × {} by even numbers of pixels (both are centred), "
+      "got {} × {}",
+      input.nx, input.ny, out.nx, out.ny);
+  return out;
+}
+
 template <class Real>
 Propagator<Real> make_propagator(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
                                  const Observer& observer) {
@@ -149,7 +159,7 @@ Propagator<Real> make_propagator(const Grid& grid, double wavelength, double dis
 
   Propagator<Real> p;
   p.input = grid;
-  p.output = output_grid(grid, params);
+  p.output = propagation_output(grid, params);
   p.wavelength = wavelength;
   p.distance = distance;
   if (params.is_periodic) {
@@ -241,6 +251,7 @@ BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>
   // 3. Back along x: only the rows that hold output.
   BasicField<Real> out(p.output, field.wavelength, field.z + p.distance);
   out.image = field.image;
+  out.filter = field.filter;
   const Real scale = Real(1.0 / (double(nx) * ny));
   parallel_for(0, p.output.ny, [&](int64_t o) {
     Complex* row = spectrum.row(int(o));

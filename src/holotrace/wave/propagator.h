@@ -24,6 +24,10 @@ struct Propagator {
   int band_nx = 0, band_ny = 0;
 };
 
+/// The window that the parameters ask for, on the same pitch and axis as the input's.
+/// @throws Error  for a size below 0, or one that differs from the input's by an odd number of pixels
+Grid propagation_output(const Grid& input, const PropagateParams& params);
+
 /// Prepares the propagation over `distance` [m] (either sign) of fields on `grid`.
 ///
 /// `auto` takes Rayleigh–Sommerfeld where its kernel is sampled well over the whole window, z ≥ z*, and

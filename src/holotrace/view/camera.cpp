@@ -1,0 +1,95 @@
+#include "holotrace/view/camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/view/expose.h"
+#include "holotrace/view/select_order.h"
+#include "holotrace/wave/propagate.h"
+
+namespace holotrace {
+namespace {
+
+// Samples of the sensor's window along one axis: the present ones and an even number more or less.
+int window_samples(double size, double pitch, int present) {
+  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {} m", size);
+  if (size == 0) return present;
+  const double wanted = present + 2 * std::round((size / pitch - present) / 2);
+  require(wanted >= 1, "expected a sensor of a sample of {} or more, got a side of {}", format_length(pitch),
+          format_length(size));
+  require(wanted < 1e9, "expected a sensor of less than 1e9 samples a side, got a side of {} in samples of {}",
+          format_length(size), format_length(pitch));
+  return int(wanted);
+}
+
+PropagateParams sensor_window(const PropagateParams& propagation, const CameraParams& camera, const Grid& grid) {
+  PropagateParams window = propagation;
+  if (camera.width == 0 && camera.height == 0) return window;
+  require(propagation.columns == 0 && propagation.rows == 0,
+          "expected the sensor's window once, got it by the camera's width and height and by the propagation's columns "
+          "and rows; leave one of them out");
+  window.columns = window_samples(camera.width, grid.pitch, grid.nx);
+  window.rows = window_samples(camera.height, grid.pitch, grid.ny);
+  return window;
+}
+
+// Radiance of a pixel of a render at the wavelength of the weights.
+double radiance(const Image& render, Vec3 weights, int row, int column) {
+  if (render.channels == 1) return render(row, column);
+  return weights.x * render(row, column, 0) + weights.y * render(row, column, 1) + weights.z * render(row, column, 2);
+}
+
+// Between the middles of pixels; black past the outer ones.
+double radiance_between(const Image& render, Vec3 weights, double row, double column) {
+  const int r = int(std::floor(row)), c = int(std::floor(column));
+  if (c < 0 || r < 0 || c + 1 >= render.nx || r + 1 >= render.ny) return 0;
+  const double fx = column - c, fy = row - r;
+  return (1 - fy) * ((1 - fx) * radiance(render, weights, r, c) + fx * radiance(render, weights, r, c + 1)) +
+         fy * ((1 - fx) * radiance(render, weights, r + 1, c) + fx * radiance(render, weights, r + 1, c + 1));
+}
+
+}  // namespace
+
+Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
+           const CameraParams& camera, const Observer& observer) {
+  require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {} m", distance);
+  const PropagateParams window = sensor_window(propagation, camera, shown.grid);
+  const Field stopped = shown.filter ? select_order(shown, *shown.filter, observer) : shown;
+  CameraParams sensor = camera;
+  if (sensor.binning == 0) sensor.binning = std::max(1, int(std::lround(slm.grid.pitch / shown.grid.pitch)));
+  const double z = shown.image == ImageSide::real_image ? distance : -distance;
+  return expose(propagate(stopped, z, window, observer), sensor, observer);
+}
+
+double common_white(const std::vector<Image>& views, double exposure) {
+  double white = 0;
+  for (const Image& view : views) white = std::max(white, exposure_white(view, exposure));
+  return white;
+}
+
+Image project_render(const Image& render, double half_tangent, Vec3 weights, const Image& sensor, double distance) {
+  Image out(sensor.ny, sensor.nx, 1);
+  out.pitch = sensor.pitch;
+  const double step = 2 * half_tangent / render.ny * distance;  // side of a render pixel on the sensor [m]
+  if (step <= 0) return out;
+  const double ratio = sensor.pitch / step;
+  const int parts = std::clamp(int(std::ceil(ratio)), 1, 32);  // places of the render that a sensor pixel averages
+  parallel_for(0, out.ny, [&](int64_t j) {
+    for (int i = 0; i < out.nx; ++i) {
+      double sum = 0;
+      for (int b = 0; b < parts; ++b)
+        for (int a = 0; a < parts; ++a) {
+          const double x = i + (a + 0.5) / parts - 0.5, y = double(j) + (b + 0.5) / parts - 0.5;
+          sum += radiance_between(render, weights, (y - (out.ny - 1) / 2.0) * ratio + (render.ny - 1) / 2.0,
+                                  (x - (out.nx - 1) / 2.0) * ratio + (render.nx - 1) / 2.0);
+        }
+      out(int(j), i) = float(sum / (parts * parts));
+    }
+  });
+  return out;
+}
+
+}  // namespace holotrace
