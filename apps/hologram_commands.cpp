@@ -52,7 +52,8 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   command->add_option("hologram", o->input, "hologram .png")->required()->type_name("HOLOGRAM.png");
   add_output(*command, o->output, "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …");
-  command->add_option("--slm", o->slm, "panel by name [pluto, with the hologram's own pixels]")->type_name("NAME");
+  command->add_option("--slm", o->slm, "panel by name [the one the hologram was made for, or pluto]")
+      ->type_name("NAME");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
   o->flags.add(*command, PropagateParams(), {"columns", "rows"});
@@ -63,8 +64,8 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(params);
     o->flags.apply(camera);
     o->flags.apply(propagation);
-    Slm slm = slm_preset(o->slm.empty() ? "pluto" : o->slm);
     Hologram hologram = load_hologram(o->input);
+    Slm slm = !o->slm.empty() ? slm_preset(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
     if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;  // a bare PNG, without its sidecar
     if (o->slm.empty()) slm.grid = hologram.grid;
     if (hologram.wavelength == 0) hologram.wavelength = params.wavelength;

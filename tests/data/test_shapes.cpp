@@ -96,13 +96,17 @@ TEST(Shapes, APointQuadSpansItsRectangleFromTheTopLeft) {
   EXPECT_EQ(points.back().position, (Vec3{0.02, -0.01, 0}));
 }
 
-TEST(Shapes, ATextureGivesAPointQuadTheRootOfItsLuminance) {
+TEST(Shapes, ATextureGivesAPointQuadTheRootOfItsLight) {
   Image texture(1, 2, 3);
   texture.values = {0, 0, 0, 0.25f, 0.25f, 0.25f};
-  const auto points = make_point_quad(1, 1, 3, 2, &texture);
+  const auto points = make_point_quad(1, 1, 3, 2, &texture, {0.5, 0.5, 0});
   EXPECT_EQ(points[0].amplitude, 0);
   EXPECT_NEAR(points[1].amplitude, std::sqrt(0.125), 1e-7);  // halfway between the pixels; float
   EXPECT_NEAR(points[2].amplitude, 0.5, 1e-7);
+  texture.values = {0, 1, 1, 1, 0, 0};  // cyan and red: red light sees the second alone
+  const auto red = make_point_quad(1, 1, 3, 2, &texture, {1, 0, 0});
+  EXPECT_EQ(red[0].amplitude, 0);
+  EXPECT_EQ(red[2].amplitude, 1);
 }
 
 TEST(Shapes, AQuadFacesTheViewer) {

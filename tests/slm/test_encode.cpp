@@ -104,10 +104,15 @@ TEST(EncodeAmplitude, HoldsTheModulusOverItsMaximum) {
   EXPECT_NE(heard.warnings[0].find("crossed polariser"), std::string::npos);
 }
 
-TEST(EncodeOffAxis, DefaultReferenceIsHalfOfNyquist) {
-  const Vec2 carrier = reference_carrier({}, {64, 64, test_pitch}, test_wavelength);
-  EXPECT_DOUBLE_EQ(carrier.x, 1 / (4 * test_pitch));  // sin α/λ with sin α = λ/4p
+TEST(EncodeOffAxis, DefaultReferenceLeavesTheWidestBand) {
+  const Grid grid{64, 64, test_pitch};
+  // With bias the band B fits f − B = 2B below and f + B = 1/2p above: f = 3/8p, B = 1/8p.
+  const Vec2 carrier = reference_carrier({}, grid, test_wavelength);
+  EXPECT_DOUBLE_EQ(carrier.x, 3 / (8 * test_pitch));
   EXPECT_EQ(carrier.y, 0);
+  EXPECT_DOUBLE_EQ(off_axis_filter(carrier, grid, true).half_u, 1 / (8 * test_pitch));
+  // Without: the twins at ±f alone, f = 1/4p.
+  EXPECT_DOUBLE_EQ(reference_carrier({.with_bias = false}, grid, test_wavelength).x, 1 / (4 * test_pitch));
 }
 
 TEST(EncodeOffAxis, HoldsTheInterferencePattern) {
@@ -141,10 +146,10 @@ TEST(EncodeOffAxis, HoldsTheInterferencePattern) {
 TEST(EncodeOffAxis, StopIsAroundTheOrderThatCarriesTheField) {
   const Grid grid{128, 64, test_pitch};
   const double nyquist = 1 / (2 * test_pitch);
-  // With bias: half way to the axis; without: all but one bin (1/width) of the way.
-  EXPECT_EQ(off_axis_filter({nyquist / 2, 0}, grid, true), (SpectralFilter{-nyquist / 2, -0.0, nyquist / 4, nyquist}));
+  // With bias: a third of the way to the axis, where |U|² begins; without: all but one bin (1/width) of the way.
+  EXPECT_EQ(off_axis_filter({nyquist / 2, 0}, grid, true), (SpectralFilter{-nyquist / 2, -0.0, nyquist / 6, nyquist}));
   EXPECT_NEAR(off_axis_filter({nyquist / 2, 0}, grid, false).half_u, nyquist / 2 - 1 / grid.width(), 1e-9);
-  // Beyond 2/3 of Nyquist, where the twin of the next order is nearer than half the axis, and along y.
+  // Beyond 3/4 of Nyquist, where the twin of the next order is nearer than |U|², and along y.
   EXPECT_NEAR(off_axis_filter({0, -0.9 * nyquist}, grid, true).half_v, 0.1 * nyquist, 1e-9);
   EXPECT_NEAR(off_axis_filter({0, -0.9 * nyquist}, grid, true).v0, 0.9 * nyquist, 1e-9);
   EXPECT_EQ(off_axis_filter({0, -0.9 * nyquist}, grid, true).half_u, nyquist);

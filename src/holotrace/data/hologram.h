@@ -21,6 +21,7 @@ struct Hologram {
   ImageSide image = ImageSide::virtual_image;
   std::optional<SpectralFilter> filter;  ///< the order to let through, if the encoding needs it
   std::string encoder;
+  std::optional<Slm> slm;  ///< the panel it was made for, where that is known
 };
 
 }  // namespace holotrace

@@ -100,10 +100,11 @@ enum class Encoding { phase, amplitude, off_axis };
 struct EncodeParams {
   Encoding method = Encoding::phase;
   ImageSide image = ImageSide::virtual_image;
-  double reference_angle_x = 0, reference_angle_y = 0;  ///< of the off-axis reference [rad]; both 0: λ/4p in x
-  double reference_ratio = 1;                           ///< amplitude of the reference over the largest |U|
-  bool with_bias = true;                                ///< keep I_U + I_R of Eq. 9
-  int levels = 0;                                       ///< 0: as many as the SLM has
+  double reference_angle_x = 0,
+         reference_angle_y = 0;  ///< of the off-axis reference [rad]; both 0: sin = 3λ/8p in x, λ/4p without bias
+  double reference_ratio = 1;    ///< amplitude of the reference over the largest |U|
+  bool with_bias = true;         ///< keep I_U + I_R of Eq. 9
+  int levels = 0;                ///< 0: as many as the SLM has
 };
 
 template <class Visitor>
@@ -114,7 +115,7 @@ void describe(Visitor& v, EncodeParams& p) {
   v.choice("image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
            "show U (scene behind the panel) or conj(U) (points focus in front of it)");
   v.angle("reference_angle_x", p.reference_angle_x,
-          "off-axis: tilt of the reference in x; both 0 deg: asin(lambda/4p) in x");
+          "off-axis: tilt of the reference in x; both 0 deg: asin(3 lambda/8p) in x, asin(lambda/4p) without bias");
   v.angle("reference_angle_y", p.reference_angle_y, "off-axis: tilt of the reference in y");
   v.number("reference_ratio", p.reference_ratio, "off-axis: amplitude of the reference over the largest |U|");
   v.flag("with_bias", p.with_bias, "off-axis: keep the terms I_U + I_R of Eq. 9");

@@ -24,11 +24,11 @@ void add_face(Mesh& mesh, Vec3 a, Vec3 u, Vec3 v) {
   mesh.triangles.push_back({first, first + 2, first + 3});
 }
 
-// Luminance (ITU-R BT.709) of linear light at the fractional pixel (x, y), bilinear.
-double luminance_at(const Image& image, double x, double y) {
+// Light at the fractional pixel (x, y), bilinear, its channels weighted.
+double light_at(const Image& image, Vec3 weights, double x, double y) {
   const auto pixel = [&](int row, int column) -> double {
     if (image.channels < 3) return image(row, column);
-    return 0.2126 * image(row, column, 0) + 0.7152 * image(row, column, 1) + 0.0722 * image(row, column, 2);
+    return weights.x * image(row, column, 0) + weights.y * image(row, column, 1) + weights.z * image(row, column, 2);
   };
   const int i = std::min(int(x), image.nx - 1), j = std::min(int(y), image.ny - 1);
   const int i1 = std::min(i + 1, image.nx - 1), j1 = std::min(j + 1, image.ny - 1);
@@ -82,7 +82,8 @@ std::vector<ScenePoint> make_wireframe_sphere(double size, int meridians, int pa
   return points;
 }
 
-std::vector<ScenePoint> make_point_quad(double width, double height, int columns, int rows, const Image* texture) {
+std::vector<ScenePoint> make_point_quad(double width, double height, int columns, int rows, const Image* texture,
+                                        Vec3 weights) {
   check_side(width, "a point quad", "width");
   check_side(height, "a point quad", "height");
   require(columns >= 2 && rows >= 2, "expected a point quad of 2 × 2 points or more, got {} × {}", columns, rows);
@@ -95,8 +96,8 @@ std::vector<ScenePoint> make_point_quad(double width, double height, int columns
       const double s = double(i) / (columns - 1), t = double(j) / (rows - 1);
       ScenePoint point{{width * (s - 0.5), height * (0.5 - t), 0}};
       if (texture) {
-        const double luminance = luminance_at(*texture, s * (texture->nx - 1), t * (texture->ny - 1));
-        point.amplitude = float(std::sqrt(std::max(luminance, 0.0)));
+        const double light = light_at(*texture, weights, s * (texture->nx - 1), t * (texture->ny - 1));
+        point.amplitude = float(std::sqrt(std::max(light, 0.0)));
       }
       points.push_back(point);
     }

@@ -18,10 +18,11 @@ std::vector<ScenePoint> make_wireframe_cube(double size, int per_edge);
 std::vector<ScenePoint> make_wireframe_sphere(double size, int meridians, int parallels, int per_circle);
 
 /// columns × rows points evenly over a rectangle in the xy plane, centred at the origin, the outer
-/// ones on its border. With a texture, a point's amplitude is the root of the texture's luminance there.
+/// ones on its border. With a texture, a point's amplitude is the root of the texture's light there, its
+/// channels weighted by `weights` (channel_weights at the hologram's wavelength).
 /// @throws Error unless width, height > 0 and columns, rows ≥ 2.
 std::vector<ScenePoint> make_point_quad(double width, double height, int columns, int rows,
-                                        const Image* texture = nullptr);
+                                        const Image* texture = nullptr, Vec3 weights = {1, 0, 0});
 
 /// A rectangle in the xy plane, centred at the origin, facing +z: two triangles with texture coordinates.
 Mesh make_quad(double width, double height);

@@ -24,6 +24,23 @@ void check_levels(int levels, const std::string& path) {
   require(levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}", path, levels);
 }
 
+// The panel that a sidecar names, on the hologram's grid.
+Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& sidecar) {
+  Slm slm;
+  slm.name = metadata_text(json, sidecar, "name", "");
+  slm.grid = grid;
+  slm.modulation = modulation_from(metadata_text(json, sidecar, "modulation", "phase"), sidecar);
+  slm.levels = int(metadata_number(json, sidecar, "levels"));
+  slm.fill_factor = metadata_number(json, sidecar, "fill_factor");
+  slm.design_wavelength = metadata_number(json, sidecar, "design_wavelength_m");
+  try {
+    check_slm(slm);
+  } catch (const Error& error) {
+    fail("{}: {}", sidecar, error.what());
+  }
+  return slm;
+}
+
 struct Greys {
   int nx = 0, ny = 0, bits = 8;
   std::vector<uint16_t> values;
@@ -82,6 +99,12 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
                               {"modulation", modulation_name(hologram.modulation)},
                               {"image", image_side_name(hologram.image)},
                               {"encoder", hologram.encoder}};
+  if (hologram.slm)
+    json["slm"] = {{"name", hologram.slm->name},
+                   {"modulation", modulation_name(hologram.slm->modulation)},
+                   {"levels", hologram.slm->levels},
+                   {"fill_factor", hologram.slm->fill_factor},
+                   {"design_wavelength_m", hologram.slm->design_wavelength}};
   if (hologram.filter) json["filter"] = filter_to_json(*hologram.filter);
 
   OIIO::ImageSpec spec(hologram.level.nx, hologram.level.ny, 1,
@@ -103,6 +126,8 @@ Hologram load_hologram(const std::string& path) {
   const Greys greys = read_greys(path);
   Hologram hologram;
   hologram.levels = greys.bits == 8 ? 256 : 65536;
+  hologram.grid.nx = greys.nx;
+  hologram.grid.ny = greys.ny;
   const std::string sidecar = sidecar_path(path);
   if (std::filesystem::exists(sidecar)) {
     const nlohmann::json json = read_metadata(sidecar);
@@ -119,10 +144,9 @@ Hologram load_hologram(const std::string& path) {
     hologram.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
     hologram.encoder = metadata_text(json, sidecar, "encoder", "");
     hologram.filter = filter_from_json(json, sidecar);
+    if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, sidecar);
   }
   const double scale = grey_scale(hologram.levels, hologram.modulation, greys.bits);
-  hologram.grid.nx = greys.nx;
-  hologram.grid.ny = greys.ny;
   hologram.level = Array2D<uint16_t>(greys.ny, greys.nx);
   for (size_t i = 0; i < greys.values.size(); ++i) {
     const long level = std::lround(greys.values[i] / scale);

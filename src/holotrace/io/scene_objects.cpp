@@ -7,6 +7,7 @@
 #include "holotrace/base/suggest.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
+#include "holotrace/data/spectrum.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/point_file.h"
 
@@ -201,7 +202,7 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
       const std::string file = read_file_name(object, "texture");
       Image texture;
       object.locate("texture", [&] { texture = load_image(file); });
-      return {{}, make_point_quad(width, height, columns, rows, &texture)};
+      return {{}, make_point_quad(width, height, columns, rows, &texture, channel_weights(job_.wavelength))};
     }
     std::string none;
     object.text("texture", none);  // makes the key known

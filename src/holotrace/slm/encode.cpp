@@ -107,6 +107,7 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
     observer.warn("the field is dark everywhere and the hologram holds nothing; is a source inside the panel's view?");
 
   Hologram hologram;
+  hologram.slm = slm;
   hologram.grid = slm.grid;
   hologram.level = Array2D<uint16_t>(slm.grid.ny, slm.grid.nx);
   hologram.levels = params.levels == 0 ? slm.levels : params.levels;

@@ -38,7 +38,7 @@ Vec2 reference_carrier(const EncodeParams& params, const Grid& grid, double wave
   require(std::isfinite(ax) && std::isfinite(ay) && std::max(std::abs(ax), std::abs(ay)) < pi / 2,
           "expected an off-axis reference tilted by less than 90°, got {} in x, {} in y", format_angle(ax),
           format_angle(ay));
-  if (ax == 0 && ay == 0) return {1 / (4 * grid.pitch), 0};
+  if (ax == 0 && ay == 0) return {(params.with_bias ? 3.0 : 2.0) / (8 * grid.pitch), 0};
   const Vec2 carrier{std::sin(ax) / wavelength, std::sin(ay) / wavelength};
   const double nyquist = 1 / (2 * grid.pitch);
   require(std::max(std::abs(carrier.x), std::abs(carrier.y)) < nyquist,
@@ -51,7 +51,7 @@ Vec2 reference_carrier(const EncodeParams& params, const Grid& grid, double wave
 SpectralFilter off_axis_filter(Vec2 carrier, const Grid& grid, bool with_bias) {
   const double nyquist = 1 / (2 * grid.pitch);
   const auto half_width = [&](double f, double panel_side) {
-    const double to_bias = with_bias ? f / 2 : std::max(f / 2, f - 1 / panel_side);
+    const double to_bias = with_bias ? f / 3 : std::max(f / 3, f - 1 / panel_side);
     return std::min(to_bias, nyquist - f);
   };
   const double fx = std::abs(carrier.x), fy = std::abs(carrier.y);

@@ -8,16 +8,16 @@
 
 namespace holotrace {
 
-/// Spatial frequency (sin αx, sin αy)/λ of the off-axis reference [1/m]. Both angles 0: (1/4p, 0),
-/// half of what the pitch p can hold.
+/// Spatial frequency (sin αx, sin αy)/λ of the off-axis reference [1/m]. Both angles 0: (3/8p, 0)
+/// with bias, where the widest band, ±1/8p, is told apart, and (1/4p, 0) without, half of what the pitch p holds.
 /// @throws Error unless both frequencies are below 1/2p and one of them is not 0.
 Vec2 reference_carrier(const EncodeParams& params, const Grid& grid, double wavelength);
 
 /// The stop that lets through the term U·R* of an off-axis hologram under an axial plane wave: centred at
 /// −carrier. The other terms are told apart along the axis in which the carrier is the larger, f:
-/// |U|² + |R|² lie around 0, the twin U*·R around f, and around f − 1/p by the panel's orders. So the
-/// half width there is f/2 with bias, f less one bin of the panel's spectrum without, never beyond
-/// 1/2p − f; along the other axis it is a whole order, 1/2p.
+/// |U|² + |R|² lie around 0, |U|² twice as wide as U, the twin U*·R around f, and around f − 1/p by the
+/// panel's orders. So the half width there is f/3 with bias (f − B = 2B), f less one bin of the panel's
+/// spectrum without, never beyond 1/2p − f; along the other axis it is a whole order, 1/2p.
 SpectralFilter off_axis_filter(Vec2 carrier, const Grid& grid, bool with_bias);
 
 /// Interference of the field with a plane wave, as transmittances:
