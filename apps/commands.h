@@ -13,10 +13,11 @@ struct GlobalFlags {
 };
 
 // Each adds its subcommands with their flags and what they do.
-void add_scene_commands(CLI::App& app, const GlobalFlags& global);     // run, render, trace, field, estimate
+void add_scene_commands(CLI::App& app, const GlobalFlags& global);     // run, render, trace, field
 void add_hologram_commands(CLI::App& app, const GlobalFlags& global);  // encode, show, propagate
 void add_inspect_commands(CLI::App& app, const GlobalFlags& global);   // compare, limits, info
 void add_bench_command(CLI::App& app, const GlobalFlags& global);      // bench
+void add_estimate_command(CLI::App& app, const GlobalFlags& global);   // estimate
 
 /// Adds `-o`, required.
 inline void add_output(CLI::App& command, std::string& path, const std::string& help) {
