@@ -135,6 +135,7 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
   command->add_flag("--double", o->is_double, "sum by the method exact and keep complex128");
   o->flags.add(*command, SynthesizeParams());
   command->callback([o, &global] {
+    if (o->is_double) check_is_for_double(o->flags);
     const bool is_scene = std::filesystem::path(o->input).extension() == ".toml";
     Job job;
     job.slm = slm_preset("pluto");
@@ -142,7 +143,6 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
     if (!o->slm.empty()) job.slm = slm_preset(o->slm);
     if (!o->wavelength.empty()) job.wavelength = parse_length_flag("--wavelength", o->wavelength);
     o->flags.apply(job.synthesize);
-    if (o->is_double) check_is_for_double(o->flags);
     check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
     Sources sources;
