@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "holotrace/io/scene_file.h"
+
 namespace holotrace {
 
 /// Flags that every subcommand takes.
@@ -13,14 +15,20 @@ struct GlobalFlags {
 };
 
 // Each adds its subcommands with their flags and what they do.
-void add_scene_commands(CLI::App& app, const GlobalFlags& global);     // run, render, trace, field, estimate
+void add_scene_commands(CLI::App& app, const GlobalFlags& global);     // run, render, trace, field
 void add_hologram_commands(CLI::App& app, const GlobalFlags& global);  // encode, show, propagate
 void add_inspect_commands(CLI::App& app, const GlobalFlags& global);   // compare, limits, info
 void add_bench_command(CLI::App& app, const GlobalFlags& global);      // bench
+void add_estimate_command(CLI::App& app, const GlobalFlags& global);   // estimate
 
 /// Adds `-o`, required.
 inline void add_output(CLI::App& command, std::string& path, const std::string& help) {
   command.add_option("-o,--output", path, help)->required()->type_name("FILE");
+}
+
+/// A panel by the name of a preset, or the [slm] of a scene file. @throws Error as slm_preset and load_job do
+inline Slm slm_by_name(const std::string& name) {
+  return name.ends_with(".toml") ? load_job(name).slm : slm_preset(name);
 }
 
 /// What a field can be saved as; EXR holds single precision only.

@@ -32,6 +32,15 @@ inline double parse_length_flag(const char* flag, const std::string& text) {
   }
 }
 
+/// An angle given by a flag that is no field of a parameter struct. @throws Error, naming the flag
+inline double parse_angle_flag(const char* flag, const std::string& text) {
+  try {
+    return parse_angle(text);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", flag, error.what()));
+  }
+}
+
 /// Flags made from the list of fields of a parameter struct (data/params.h). They keep the text that
 /// was given, so that a flag can overrule a scene file that is read later.
 class Flags {
@@ -42,6 +51,9 @@ class Flags {
     Adder adder{app, texts_, without};
     describe(adder, defaults);
   }
+
+  /// Whether the flag of that field was given.
+  bool has(const std::string& name) const { return texts_.count(name) > 0; }
 
   /// Sets the fields whose flags were given. @throws Error for a text that is not such a value.
   template <class Params>

@@ -26,7 +26,7 @@ void add_encode(CLI::App& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   command->add_option("field", o->input, "field file")->required()->type_name("FIELD");
   add_output(*command, o->output, "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json");
-  command->add_option("--slm", o->slm, "panel by name [256 levels on the field's grid]")->type_name("NAME");
+  command->add_option("--slm", o->slm, "panel by name [256 levels on the field's grid]")->type_name("NAME|SCENE.toml");
   o->flags.add(*command, EncodeParams());
   command->callback([o, &global] {
     EncodeParams params;
@@ -35,10 +35,12 @@ void add_encode(CLI::App& app, const GlobalFlags& global) {
     Slm slm;
     slm.grid = field.grid;
     if (params.method != Encoding::phase) slm.modulation = Modulation::amplitude;
-    if (!o->slm.empty()) slm = slm_preset(o->slm);
+    if (!o->slm.empty()) slm = slm_by_name(o->slm);
     check_output(o->output, {".png"});
     Console console(global.is_quiet);
-    save_hologram(o->output, encode(field, slm, params, console.watch("encode")));
+    Hologram hologram = encode(field, slm, params, console.watch("encode"));
+    if (o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
+    save_hologram(o->output, hologram);
     console.finish();
   });
 }
@@ -53,7 +55,7 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
   command->add_option("hologram", o->input, "hologram .png")->required()->type_name("HOLOGRAM.png");
   add_output(*command, o->output, "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel by name [the one the hologram was made for, or pluto]")
-      ->type_name("NAME");
+      ->type_name("NAME|SCENE.toml");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
   o->flags.add(*command, PropagateParams(), {"columns", "rows"});
@@ -65,7 +67,7 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(camera);
     o->flags.apply(propagation);
     Hologram hologram = load_hologram(o->input);
-    Slm slm = !o->slm.empty() ? slm_preset(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
+    Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
     if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;  // a bare PNG, without its sidecar
     if (o->slm.empty()) slm.grid = hologram.grid;
     if (hologram.wavelength == 0) hologram.wavelength = params.wavelength;

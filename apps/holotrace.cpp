@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   add_scene_commands(app, global);
   add_hologram_commands(app, global);
   add_inspect_commands(app, global);
+  add_estimate_command(app, global);
   add_bench_command(app, global);
 
   keep_fft_wisdom();

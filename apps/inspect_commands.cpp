@@ -1,7 +1,6 @@
 // Subcommands that tell rather than make: compare, limits, info.
 
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +12,7 @@
 #include "holotrace/estimate/limits.h"
 #include "holotrace/io/describe_file.h"
 #include "holotrace/io/field_file.h"
+#include "holotrace/io/file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/view/compare.h"
 
@@ -38,13 +38,8 @@ void print_facts(const Json& facts, bool is_json) {
 // JSON has no infinity: PSNR of equal images is null.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-bool is_field_file(const std::string& path) {
-  const auto extension = std::filesystem::path(path).extension();
-  return extension == ".npy" || extension == ".h5";
-}
-
 void add_compare(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("compare", "two images, or two fields (.npy, .h5): how far they differ");
+  CLI::App* command = app.add_subcommand("compare", "two images, or two fields (.npy, .h5, .exr): how far they differ");
   struct Options {
     std::string reference, other;
     bool is_json = false;
@@ -54,7 +49,15 @@ void add_compare(CLI::App& app) {
   command->add_option("b", o->other, "what is compared with it")->required()->type_name("B");
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o] {
-    if (is_field_file(o->reference) && is_field_file(o->other)) {
+    check_file_exists(o->reference, "an image or a field");
+    check_file_exists(o->other, "an image or a field");
+    const bool is_field = is_field_file(o->reference);
+    require(
+        is_field == is_field_file(o->other),
+        "expected two images or two fields to compare, got the {} {} and the {} {}; `holotrace show` makes images of "
+        "fields by way of their hologram",
+        is_field ? "field" : "image", o->reference, is_field ? "image" : "field", o->other);
+    if (is_field) {
       const FieldMetrics m = compare(load_field_double(o->reference), load_field_double(o->other));
       print_facts({{"relative_l2_error", number(m.relative_error)},
                    {"scaled_l2_error", number(m.scaled_error)},
@@ -98,36 +101,89 @@ Json limits_json(const Slm& slm, double wavelength, double distance) {
           {"finest_grating_m", l.finest_grating}};
 }
 
+struct LimitsOptions {
+  std::string slm = "pluto", wavelength = "632.8 nm", distance = "300 mm", period, angle, size;
+  int order = 1, colours = 1;
+  double frames = 0;  // per second
+  bool is_json = false;
+};
+
+// What a moving display sends its panel. Levels take whole bytes.
+void add_rate(const LimitsOptions& o, double pixels, int levels, Json& facts) {
+  const double rate = pixel_rate(pixels, o.colours, o.frames);
+  facts["pixels_per_second"] = rate;
+  facts["bytes_per_second"] = rate * (levels > 256 ? 2 : 1);
+}
+
+Json panel_facts(const LimitsOptions& o, double wavelength, bool has_rate) {
+  const Slm slm = slm_preset(o.slm);
+  const double distance = parse_length_flag("--distance", o.distance);
+  Json facts = limits_json(slm, wavelength, distance);
+  if (!o.period.empty()) {
+    const double period = parse_length_flag("--period", o.period);
+    facts["period_m"] = period;
+    facts["order"] = o.order;
+    facts["order_offset_m"] = number(grating_order_offset(period, wavelength, distance, o.order));
+  }
+  if (has_rate) add_rate(o, double(slm.grid.pixels()), slm.levels, facts);
+  if (wavelength >= 2 * slm.grid.pitch)
+    facts["note"] =
+        "the wavelength is 2 pitches or more: waves of every direction fit the panel, and every replica is "
+        "evanescent";
+  return facts;
+}
+
+Json wanted_facts(const LimitsOptions& o, double wavelength, bool has_rate) {
+  const double pitch = wanted_pitch(wavelength, parse_angle_flag("--angle", o.angle));
+  Json facts{{"wanted_pitch_m", pitch}};
+  if (!o.size.empty()) {
+    const int64_t side = wanted_pixels(parse_length_flag("--size", o.size), pitch);
+    facts["wanted_pixels_per_side"] = side;
+    if (has_rate) add_rate(o, double(side) * double(side), 256, facts);
+  }
+  return facts;
+}
+
 void add_limits(CLI::App& app) {
   CLI::App* command = app.add_subcommand("limits", "what a panel can show: angles, sizes, resolution, pixels");
-  struct Options {
-    std::string slm = "pluto", wavelength = "632.8 nm", distance = "300 mm", size, angle;
-    bool is_json = false;
-  };
-  auto o = std::make_shared<Options>();
-  command->add_option("--slm", o->slm, "panel by name")->capture_default_str()->type_name("NAME");
+  auto o = std::make_shared<LimitsOptions>();
+  command->add_option("--slm", o->slm, "panel by name")->capture_default_str()->type_name("NAME|SCENE.toml");
   command->add_option("--wavelength", o->wavelength)->capture_default_str()->type_name("LENGTH");
   command->add_option("--distance", o->distance, "of the scene from the panel")
       ->capture_default_str()
       ->type_name("LENGTH");
+  command->add_option("--period", o->period, "of a grating: gives where its order lands at that distance")
+      ->type_name("LENGTH");
+  command->add_option("--order", o->order, "with --period: the order")->capture_default_str()->type_name("N");
+  command->add_option("--frames", o->frames, "per second: gives pixels and bytes per second")->type_name("NUMBER");
+  command->add_option("--colours", o->colours, "with --frames: colours of a frame")
+      ->capture_default_str()
+      ->type_name("N");
   command->add_option("--angle", o->angle, "half diffraction angle wanted: gives the pitch it needs")
       ->type_name("ANGLE");
-  command->add_option("--size", o->size, "with --angle: side of the panel wanted, gives its pixels")
+  command->add_option("--size", o->size, "with --angle: side of the square panel wanted, gives its pixels")
       ->type_name("LENGTH");
   command->add_flag("--json", o->is_json, "as JSON");
-  command->callback([o] {
+  command->callback([o, command] {
+    const auto is_given = [&](const std::string& flag) { return command->count(flag) > 0; };
     const double wavelength = parse_length_flag("--wavelength", o->wavelength);
-    if (!o->angle.empty()) {
-      const double pitch = wanted_pitch(wavelength, parse_angle(o->angle));
-      Json facts{{"wanted_pitch_m", pitch}};
-      if (!o->size.empty())
-        facts["wanted_pixels_per_side"] = wanted_pixels(parse_length_flag("--size", o->size), pitch);
-      print_facts(facts, o->is_json);
+    require(!is_given("--colours") || is_given("--frames"),
+            "--colours asks for a rate: give the frames per second too, as --frames 30");
+    if (is_given("--angle")) {
+      for (const char* flag : {"--slm", "--distance", "--period", "--order"})
+        require(!is_given(flag),
+                "--angle asks for the pitch of a wanted panel, on which {0} has no bearing: leave out {0} or --angle",
+                flag);
+      require(!is_given("--frames") || is_given("--size"),
+              "--frames with --angle asks for the rate of a wanted panel: give its side too, as --size \"100 mm\"");
+      print_facts(wanted_facts(*o, wavelength, is_given("--frames")), o->is_json);
       return;
     }
-    require(o->size.empty(),
+    require(!is_given("--size"),
             "--size asks for the pixels of a wanted panel: give the half diffraction angle too, as --angle \"15 deg\"");
-    print_facts(limits_json(slm_preset(o->slm), wavelength, parse_length_flag("--distance", o->distance)), o->is_json);
+    require(!is_given("--order") || is_given("--period"),
+            "--order asks where an order of a grating lands: give its period too, as --period \"16 um\"");
+    print_facts(panel_facts(*o, wavelength, is_given("--frames")), o->is_json);
   });
 }
 

@@ -1,16 +1,12 @@
-// Subcommands that read a scene: run, render, trace, field, estimate.
+// Subcommands that read a scene: run, render, trace, field.
 
-#include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
-#include "holotrace/estimate/cost.h"
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
@@ -112,6 +108,17 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   });
 }
 
+// --double overrules a scene file's method, but not flags beside it.
+void check_is_for_double(const Flags& flags) {
+  SynthesizeParams given;
+  flags.apply(given);
+  const bool is_tiled = given.method == SynthesisMethod::tiled;
+  require(!is_tiled && !flags.has("tolerance"),
+          "expected --double alone or with --method exact, for it sums wave by wave; got {0} too: leave out {0}, or "
+          "--double",
+          is_tiled ? "--method tiled" : "--tolerance");
+}
+
 void add_field(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("field", "scene or sources to the field on the panel");
   struct Options {
@@ -124,16 +131,17 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
       ->required()
       ->type_name("SCENE.toml|SOURCES.ply");
   add_output(*command, o->output, "field: .npy (with a sidecar .json), .h5 or .exr");
-  command->add_option("--slm", o->slm, "panel by name [the scene's, or pluto]")->type_name("NAME");
+  command->add_option("--slm", o->slm, "panel by name [the scene's, or pluto]")->type_name("NAME|SCENE.toml");
   command->add_option("--wavelength", o->wavelength, "[the input's]")->type_name("LENGTH");
   command->add_flag("--double", o->is_double, "sum by the method exact and keep complex128");
   o->flags.add(*command, SynthesizeParams());
   command->callback([o, &global] {
+    if (o->is_double) check_is_for_double(o->flags);
     const bool is_scene = std::filesystem::path(o->input).extension() == ".toml";
     Job job;
     job.slm = slm_preset("pluto");
     if (is_scene) job = load_job(o->input);
-    if (!o->slm.empty()) job.slm = slm_preset(o->slm);
+    if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
     if (!o->wavelength.empty()) job.wavelength = parse_length_flag("--wavelength", o->wavelength);
     o->flags.apply(job.synthesize);
     check_output(o->output, field_extensions(o->is_double));
@@ -153,72 +161,6 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
   });
 }
 
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-// Times a small raster of first hits and a few of the waves, and scales both to the whole job (Eq. 16–23).
-void add_estimate(CLI::App& app, const GlobalFlags&) {
-  CLI::App* command = app.add_subcommand("estimate", "how long a scene will take, from a short probe of it");
-  struct Options {
-    std::string scene;
-    bool is_json = false;
-  };
-  auto o = std::make_shared<Options>();
-  add_scene(*command, o->scene);
-  command->add_flag("--json", o->is_json, "as JSON");
-  command->callback([o] {
-    const Job job = load_job(o->scene);
-    const Grid& panel = job.slm.grid;
-    TraceParams probe = job.trace;
-    const double hits = probe.pattern == Pattern::grid ? double(probe.columns) * probe.rows : double(probe.samples);
-    probe.columns = std::min(probe.columns, 64);
-    probe.rows = std::min(probe.rows, 64);
-    probe.samples = std::min<int64_t>(probe.samples, 4096);
-    const double probed = probe.pattern == Pattern::grid ? double(probe.columns) * probe.rows : double(probe.samples);
-    double path_length = 1;
-    Observer observer;
-    observer.on_fact = [&](const std::string& name, const Fact& value) {
-      if (name == "mean_path_length") path_length = std::get<double>(value);
-    };
-    Sources sources;
-    const double trace_seconds =
-        seconds_of([&] { sources = trace(job.scene, panel, job.wavelength, probe, observer); });
-    const double points = double(job.scene.points.size());
-    const double waves = points + (double(sources.waves.size()) - points) * hits / probed;
-    require(!sources.waves.empty(), "expected light from the scene, the probe found none");
-    if (sources.waves.size() > 4096) sources.waves.resize(4096);
-    const double summed = double(waves_pixels(sources, panel));
-    const double sum_seconds = seconds_of([&] { synthesize(sources, panel, job.synthesize); });
-
-    CostInputs inputs;
-    inputs.pixels = double(panel.pixels());
-    inputs.samples_per_pixel = hits * job.trace.paths / inputs.pixels;
-    inputs.reflectance = 1 - 1 / std::max(path_length, 1.0);
-    const double probe_rays = probed * probe.paths * (1 + path_length);
-    inputs.trace_seconds = job.scene.meshes.empty() ? 0 : trace_seconds / probe_rays;
-    inputs.waves = waves * summed / double(sources.waves.size()) / inputs.pixels;  // whole-panel equivalents
-    inputs.wave_rate = summed / sum_seconds;
-    const Cost cost = estimate_cost(inputs);
-    const nlohmann::ordered_json json{{"paths", job.scene.meshes.empty() ? 0.0 : cost.paths},
-                                      {"mean_path_length", path_length},
-                                      {"rays", job.scene.meshes.empty() ? 0.0 : cost.rays},
-                                      {"seconds_per_ray", inputs.trace_seconds},
-                                      {"trace_seconds", cost.trace_seconds},
-                                      {"waves", waves},
-                                      {"waves_pixels_per_second", inputs.wave_rate},
-                                      {"synthesis_seconds", cost.synthesis_seconds},
-                                      {"seconds", cost.seconds}};
-    if (o->is_json) {
-      fmt::print("{}\n", json.dump(2));
-      return;
-    }
-    for (const auto& [name, value] : json.items()) fmt::print("{:<28} {:.4g}\n", name, value.get<double>());
-  });
-}
-
 }  // namespace
 
 void add_scene_commands(CLI::App& app, const GlobalFlags& global) {
@@ -226,7 +168,6 @@ void add_scene_commands(CLI::App& app, const GlobalFlags& global) {
   add_render(app, global);
   add_trace(app, global);
   add_field(app, global);
-  add_estimate(app, global);
 }
 
 }  // namespace holotrace

@@ -313,6 +313,39 @@ TEST(BadInput, FlagsOfTheWrongKindAreNamed) {
   expect_error(work, {"limits", "--wavelength", "633"}, {"--wavelength:", "unit"});
   expect_error(work, {"limits", "--wavelength", "-633 nm"}, {"wavelength", "above 0"});
   expect_error(work, {"limits", "--size", "100 mm"}, {"--size", "--angle"});
+  expect_error(work, {"limits", "--angle", "15"}, {"--angle:", "unit", "15"});
+  expect_error(work, {"limits", "--period", "16"}, {"--period:", "unit", "16"});
+}
+
+TEST(BadInput, FlagsThatWouldBeIgnoredAreRefused) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  const std::vector<std::string> field{"field", "scene.toml", "-o", "f.npy", "--double"};
+  const auto with = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  expect_error(work, with(field, {"--method", "tiled"}), {"--double", "--method exact", "leave out --method tiled"});
+  expect_error(work, with(field, {"--tolerance", "1e-2"}), {"--double", "leave out --tolerance"});
+  const std::vector<std::string> angle{"limits", "--angle", "15 deg"};
+  expect_error(work, with(angle, {"--period", "16 um"}), {"--angle", "--period"});
+  expect_error(work, with(angle, {"--order", "2"}), {"--angle", "--order"});
+  expect_error(work, with(angle, {"--slm", "pluto"}), {"--angle", "--slm"});
+  expect_error(work, with(angle, {"--distance", "1 m"}), {"--angle", "--distance"});
+  expect_error(work, with(angle, {"--frames", "30"}), {"--frames", "--size"});
+  expect_error(work, {"limits", "--order", "2"}, {"--order", "--period"});
+  expect_error(work, {"limits", "--colours", "3"}, {"--colours", "--frames"});
+  expect_error(work, {"limits", "--frames", "-30"}, {"frames per second", "-30"});
+  expect_error(work, {"limits", "--frames", "30", "--colours", "0"}, {"1 colour or more", "0"});
+}
+
+TEST(BadInput, AFieldIsNotComparedWithAnImage) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  for (const char* name : {"f.npy", "f.exr"}) ASSERT_EQ(work.run({"field", "scene.toml", "-o", name}).exit_code, 0);
+  ASSERT_EQ(work.run({"render", "scene.toml", "-o", "r.exr"}).exit_code, 0);
+  expect_error(work, {"compare", "f.exr", "r.exr"}, {"two images or two fields", "field f.exr", "image r.exr"});
+  expect_error(work, {"compare", "r.exr", "f.npy"}, {"two images or two fields", "image r.exr", "field f.npy"});
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ TEST(Commands, TheStagesOneByOneMakeTheSameFilesAsRun) {
   succeed(work, {"render", "scene.toml", "-o", "render.png"});
   succeed(work, {"trace", "scene.toml", "-o", "sources.ply"});
   succeed(work, {"field", "scene.toml", "-o", "field.npy"});
-  succeed(work, {"encode", "field.npy", "-o", "hologram.png"});
+  succeed(work, {"encode", "field.npy", "-o", "hologram.png", "--slm", "scene.toml"});
   succeed(work, {"show", "hologram.png", "-o", "view.png", "--distance", "30 mm"});
   for (const char* name :
        {"render.png", "sources.ply", "field.npy", "field.json", "hologram.png", "hologram.json", "view.png"})
@@ -185,7 +185,10 @@ TEST(Commands, CompareTellsEqualFilesAndScaledOnes) {
   EXPECT_NEAR(fields.at("relative_l2_error").get<double>(), 1, 1e-6);  // ‖2f − f‖/‖f‖
   EXPECT_NEAR(fields.at("scale_modulus").get<double>(), 0.5, 1e-6);
   const auto images = nlohmann::json::parse(succeed(work, {"compare", "r.exr", "r.exr", "--json"}));
-  EXPECT_TRUE(images.at("psnr_db").is_null());  // infinite, which JSON cannot say
+  succeed(work, {"field", "scene.toml", "-o", "f.exr"});
+  const auto exr = nlohmann::json::parse(succeed(work, {"compare", "f.npy", "f.exr", "--json"}));
+  EXPECT_EQ(exr.at("relative_l2_error").get<double>(), 0);  // EXR keeps the same floats
+  EXPECT_TRUE(images.at("psnr_db").is_null());              // infinite, which JSON cannot say
   EXPECT_EQ(images.at("ssim").get<double>(), 1);
   EXPECT_NE(succeed(work, {"compare", "r.exr", "r.exr"}).find("infinite"), std::string::npos);
 }
@@ -199,6 +202,43 @@ TEST(Commands, LimitsAreThePapers) {
   const auto wanted =
       nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "632.8 nm", "--angle", "15 deg", "--json"}));
   EXPECT_NEAR(wanted.at("wanted_pitch_m").get<double>(), 1.181e-6, 5e-10);  // the paper: 1.18 µm
+}
+
+TEST(Commands, LimitsTellGratingOrdersAndDataRates) {
+  const Workplace work;
+  const auto ask = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), "limits");
+    flags.push_back("--json");
+    return nlohmann::json::parse(succeed(work, flags));
+  };
+  const std::vector<std::string> grating{"--wavelength", "500 nm", "--distance", "300 mm", "--period", "2 um"};
+  const auto first = ask(grating);
+  EXPECT_DOUBLE_EQ(first.at("order_offset_m").get<double>(), 0.3 / std::sqrt(15));  // tan(asin(1/4)) = 1/√15
+  EXPECT_TRUE(first.contains("half_angle_deg"));
+  auto flags = grating;
+  flags.insert(flags.end(), {"--order", "-2"});
+  EXPECT_DOUBLE_EQ(ask(flags).at("order_offset_m").get<double>(), -0.3 / std::sqrt(3));  // −tan(asin(1/2))
+  flags.back() = "4";
+  EXPECT_TRUE(ask(flags).at("order_offset_m").is_null());  // sin θ = 1: evanescent, infinitely far
+
+  const double pixels = 1920.0 * 1080;  // pluto and ideal
+  const auto rate = ask({"--colours", "3", "--frames", "30"});
+  EXPECT_EQ(rate.at("pixels_per_second").get<double>(), pixels * 90);
+  EXPECT_EQ(rate.at("bytes_per_second").get<double>(), pixels * 90);                                        // 8 bit
+  EXPECT_EQ(ask({"--slm", "ideal", "--frames", "60"}).at("bytes_per_second").get<double>(), pixels * 120);  // 16 bit
+  const auto wanted = ask({"--angle", "15 deg", "--size", "100 mm", "--frames", "30", "--colours", "3"});
+  EXPECT_EQ(wanted.at("pixels_per_second").get<double>(),
+            std::pow(wanted.at("wanted_pixels_per_side").get<double>(), 2) * 90);
+}
+
+TEST(Commands, LimitsSayWhereAPanelHoldsEveryDirection) {
+  const Workplace work;
+  const auto coarse = nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "15.9 um", "--json"}));
+  EXPECT_FALSE(coarse.contains("note"));
+  const auto fine = nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "16 um", "--json"}));  // 2 pitches
+  EXPECT_NE(fine.at("note").get<std::string>().find("every direction"), std::string::npos);
+  EXPECT_EQ(fine.at("half_angle_deg").get<double>(), 90);
+  EXPECT_TRUE(fine.at("alias_free_radius_m").is_null());
 }
 
 TEST(Commands, InfoKnowsEveryKindOfFile) {
@@ -220,9 +260,32 @@ TEST(Commands, EstimateProbesTheScene) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
-  EXPECT_EQ(cost.at("paths").get<double>(), 48 * 48 * 4);  // columns · rows · paths of the scene
-  EXPECT_GT(cost.at("seconds").get<double>(), 0);
+  // The scene's 48×48 rays are fewer than the probe's 64×64: what it finds is what the run finds.
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  for (const auto& stage : nlohmann::json::parse(work.read("out/report.json")).at("stages")) {
+    if (stage.at("stage") != "trace") continue;
+    for (const char* name : {"paths", "rays", "shadow_rays", "waves"})
+      EXPECT_EQ(cost.at(name).get<double>(), stage.at(name).get<double>()) << name;
+  }
+  for (const char* name : {"trace_seconds", "synthesis_seconds", "simulation_seconds"})
+    EXPECT_GT(cost.at(name).get<double>(), 0) << name;
+  EXPECT_FALSE(cost.contains("why_no_simulation"));
   EXPECT_NE(succeed(work, {"estimate", "scene.toml"}).find("seconds"), std::string::npos);
+}
+
+TEST(Commands, EstimateScalesItsProbeToTheWholeRaster) {
+  const Workplace work;
+  std::string scene = mesh_scene();
+  scene.replace(scene.find("columns = 48\nrows = 48"), 22, "columns = 96\nrows = 96");
+  work.write("scene.toml", scene);
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
+  for (const auto& stage : nlohmann::json::parse(work.read("out/report.json")).at("stages")) {
+    if (stage.at("stage") != "trace") continue;
+    // 64×64 rays for 96×96: hits differ along the quad's outline alone, one row of 64 on each side of two, 2/64 each.
+    for (const char* name : {"paths", "rays", "shadow_rays", "waves"})
+      EXPECT_NEAR(cost.at(name).get<double>() / stage.at(name).get<double>(), 1, 4 * 2.0 / 64) << name;
+  }
 }
 
 // `bench` itself takes 7 to 20 s, by the load of the machine: too long for a test.

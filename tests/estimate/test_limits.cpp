@@ -82,6 +82,9 @@ TEST(WantedPitch, IsThePapersRule) {
 
 TEST(Limits, SayWhatIsWrong) {
   EXPECT_EQ(error_of([] { limits(pluto, 532_nm, 0); }), "expected a distance above 0 m, got 0 m");
+  EXPECT_EQ(error_of([] { pixel_rate(0, 3, 30); }), "expected 1 pixel or more, got 0");
+  EXPECT_EQ(error_of([] { pixel_rate(1, 0, 30); }), "expected 1 colour or more, got 0");
+  EXPECT_EQ(error_of([] { pixel_rate(1, 3, -1); }), "expected more than 0 frames per second, got -1");
   EXPECT_EQ(error_of([] { limits(pluto, -1, 1); }), "expected a wavelength above 0 m, got -1 m");
   EXPECT_EQ(error_of([] { limits({0, 4, 8e-6}, 532_nm, 1); }), "expected a grid of at least 1 × 1 pixels, got 0 × 4");
   EXPECT_EQ(error_of([] { wanted_pitch(532_nm, 90.0_deg); }), "expected a half angle above 0° and below 90°, got 90°");

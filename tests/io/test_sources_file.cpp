@@ -141,9 +141,9 @@ TEST(Ply, DamagedFilesAreNamedWithTheirLine) {
 TEST(PointFile, SourcesAreReadAsPoints) {
   const std::string path = temporary("s.ply");
   save_sources(path, some_sources);
-  const auto points = load_points(path, {.scale = 2, .distance = 0.1});
+  const auto points = load_points(path);
   ASSERT_EQ(points.size(), 2u);
-  EXPECT_EQ(points[0].position, (Vec3{2e-3, -4e-3, 2 * -0.3 - 0.1}));
+  EXPECT_EQ(points[0].position, some_sources.waves[0].origin);
   EXPECT_EQ(points[0].amplitude, 0.5f);
   EXPECT_EQ(points[0].phase, 1.25f);
 }
@@ -154,9 +154,9 @@ TEST(PointFile, ColoursBecomeAmplitudes) {
                 "ply\nformat ascii 1.0\nelement color 1\nproperty int channel\nelement vertex 1\nproperty float x\n"
                 "property float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
                 "property double phase\nend_header\n3\n1 2 3 255 51 0 0.5\n");
-  EXPECT_EQ(load_points(path, {.channel = PointChannel::red})[0].amplitude, 1);
-  EXPECT_EQ(load_points(path, {.channel = PointChannel::green})[0].amplitude, 0.2f);
-  EXPECT_EQ(load_points(path, {.channel = PointChannel::blue})[0].amplitude, 0);
+  EXPECT_EQ(load_points(path, PointChannel::red)[0].amplitude, 1);
+  EXPECT_EQ(load_points(path, PointChannel::green)[0].amplitude, 0.2f);
+  EXPECT_EQ(load_points(path, PointChannel::blue)[0].amplitude, 0);
   EXPECT_FLOAT_EQ(load_points(path)[0].amplitude, float(0.2126 + 0.7152 * 0.2));  // ITU-R BT.709
   EXPECT_EQ(load_points(path)[0].phase, 0.5f);
 }
@@ -164,10 +164,10 @@ TEST(PointFile, ColoursBecomeAmplitudes) {
 TEST(PointFile, TheDiceOfOpenHoloAreRead) {
   const std::string path = std::string(HOLOTRACE_SHARED_DATA) + "/openholo_dice_points.ply";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "the data of others is not here: " << path;
-  const auto points = load_points(path, {.scale = 0.01, .distance = 0.1});
-  ASSERT_EQ(points.size(), 7493u);                        // as its header says
-  EXPECT_NEAR(points[0].position.x, 0.109375e-2, 1e-17);  // its first row, in its unit of 1 cm
-  EXPECT_NEAR(points[0].position.z, 0.197784e-2 - 0.1, 1e-16);
+  const auto points = load_points(path);
+  ASSERT_EQ(points.size(), 7493u);                          // as its header says
+  EXPECT_FLOAT_EQ(float(points[0].position.x), 0.109375F);  // its first row, in its own unit
+  EXPECT_FLOAT_EQ(float(points[0].position.z), 0.197784F);
   EXPECT_FLOAT_EQ(points[0].phase, 5.059415f);
   EXPECT_FLOAT_EQ(points[0].amplitude, float((0.2126 * 3 + 0.7152 * 18 + 0.0722 * 8) / 255));
 }

@@ -22,20 +22,26 @@ struct Choice {
 
 // --- trace: Scene → Sources ---------------------------------------------------------------------
 
+/// Which rays look for first hits: a raster seen from the panel's centre, or random ones over the panel's acceptance.
 enum class Pattern { grid, random };
+
+/// The phase that a wave starts with: even over the circle, or 0.
 enum class SourcePhase { random, constant };
+
+/// How the amplitude of a wave follows from radiance L: as √L, or as L itself (the paper's Step 5).
 enum class AmplitudeLaw { sqrt, linear };
 
+/// Where a scene's waves begin, and how much light is followed for each.
 struct TraceParams {
-  Pattern pattern = Pattern::grid;
-  int columns = 256, rows = 256;  ///< of the raster of first hits (grid)
-  int64_t samples = 65536;        ///< first hits (random)
-  double field_of_view = 0;       ///< half angle of the raster [rad]; 0: the panel's acceptance
-  int paths = 64;                 ///< light paths per first hit
-  int max_depth = 8;              ///< surfaces on a path
-  SourcePhase phase = SourcePhase::random;
-  AmplitudeLaw amplitude = AmplitudeLaw::sqrt;
-  int64_t seed = 1;
+  Pattern pattern = Pattern::grid;              ///< which rays look for first hits
+  int columns = 256, rows = 256;                ///< of the raster of first hits (grid)
+  int64_t samples = 65536;                      ///< first hits (random)
+  double field_of_view = 0;                     ///< half angle of the raster [rad]; 0: the panel's acceptance
+  int paths = 64;                               ///< light paths per first hit
+  int max_depth = 8;                            ///< surfaces on a path
+  SourcePhase phase = SourcePhase::random;      ///< that waves start with
+  AmplitudeLaw amplitude = AmplitudeLaw::sqrt;  ///< from radiance
+  int64_t seed = 1;                             ///< of every random number
 };
 
 template <class Visitor>
@@ -57,12 +63,13 @@ void describe(Visitor& v, TraceParams& p) {
 
 // --- render: Scene → Image ----------------------------------------------------------------------
 
+/// The picture of a scene that a pinhole at the panel's centre takes.
 struct RenderParams {
-  int columns = 0, rows = 512;  ///< columns 0: square
+  int columns = 0, rows = 512;  ///< of the picture [pixels]; columns 0: square
   double field_of_view = 0;     ///< half angle over the height [rad]; 0: the panel's acceptance
-  int paths = 64;
-  int max_depth = 8;
-  int64_t seed = 1;
+  int paths = 64;               ///< light paths per pixel
+  int max_depth = 8;            ///< surfaces on a path
+  int64_t seed = 1;             ///< of every random number
 };
 
 template <class Visitor>
@@ -78,11 +85,13 @@ void describe(Visitor& v, RenderParams& p) {
 
 // --- synthesize: Sources → Field ----------------------------------------------------------------
 
+/// How waves are summed: one by one in double, tile by tile, or by the latter where the tolerance allows.
 enum class SynthesisMethod { automatic, exact, tiled };
 
+/// How the waves of a scene become the field on the panel.
 struct SynthesizeParams {
-  SynthesisMethod method = SynthesisMethod::automatic;
-  double tolerance = 1e-3;
+  SynthesisMethod method = SynthesisMethod::automatic;  ///< how waves are summed
+  double tolerance = 1e-3;                              ///< relative L2 error allowed against exact, in (0, 1)
 };
 
 template <class Visitor>
@@ -95,16 +104,18 @@ void describe(Visitor& v, SynthesizeParams& p) {
 
 // --- encode: Field → Hologram -------------------------------------------------------------------
 
+/// What a pixel of a hologram holds: the phase, the modulus, or the interference with a tilted reference.
 enum class Encoding { phase, amplitude, off_axis };
 
+/// How the field on the panel becomes levels of its pixels.
 struct EncodeParams {
-  Encoding method = Encoding::phase;
-  ImageSide image = ImageSide::virtual_image;
-  double reference_angle_x = 0,
-         reference_angle_y = 0;  ///< of the off-axis reference [rad]; both 0: sin = 3λ/8p in x, λ/4p without bias
-  double reference_ratio = 1;    ///< amplitude of the reference over the largest |U|
-  bool with_bias = true;         ///< keep I_U + I_R of Eq. 9
-  int levels = 0;                ///< 0: as many as the SLM has
+  Encoding method = Encoding::phase;           ///< what a pixel holds
+  ImageSide image = ImageSide::virtual_image;  ///< show U (virtual) or its conjugate (real)
+  /// Of the off-axis reference [rad]; both 0: sin = 3λ/8p in x, λ/4p without bias.
+  double reference_angle_x = 0, reference_angle_y = 0;
+  double reference_ratio = 1;  ///< amplitude of the reference over the largest |U|
+  bool with_bias = true;       ///< keep I_U + I_R of Eq. 9
+  int levels = 0;              ///< 0: as many as the SLM has
 };
 
 template <class Visitor>
@@ -124,6 +135,7 @@ void describe(Visitor& v, EncodeParams& p) {
 
 // --- show: Hologram → Field ---------------------------------------------------------------------
 
+/// The light on the panel, and how finely the field that leaves it is sampled.
 struct ShowParams {
   int subpixels = 1;      ///< samples per pixel and axis: n holds the orders |m| ≤ (n−1)/2
   double wavelength = 0;  ///< of the illumination [m]; 0: the hologram's
@@ -139,12 +151,14 @@ void describe(Visitor& v, ShowParams& p) {
 
 // --- propagate: Field → Field -------------------------------------------------------------------
 
+/// By which transfer function a field travels through free space; automatic: the one that the sampling allows.
 enum class PropagationMethod { automatic, angular_spectrum, rayleigh_sommerfeld, fresnel };
 
+/// How a field travels through free space, and the window it arrives in.
 struct PropagateParams {
-  PropagationMethod method = PropagationMethod::automatic;
-  int columns = 0, rows = 0;  ///< of the output window; 0: as the input
-  bool is_periodic = false;   ///< the window repeats for ever: no padding, by the angular spectrum
+  PropagationMethod method = PropagationMethod::automatic;  ///< of the transfer function
+  int columns = 0, rows = 0;                                ///< of the output window [samples]; 0: as the input
+  bool is_periodic = false;  ///< the window repeats for ever: no padding, by the angular spectrum
 };
 
 template <class Visitor>

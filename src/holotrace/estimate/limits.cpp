@@ -58,6 +58,12 @@ int64_t wanted_pixels(double size, double pitch) {
   return int64_t(std::ceil(size / pitch * (1 - 1e-12)));  // a size that divides evenly must not round up
 }
 
-double pixel_rate(double pixels, int colours, double frames_per_second) { return pixels * colours * frames_per_second; }
+double pixel_rate(double pixels, int colours, double frames_per_second) {
+  require(std::isfinite(pixels) && pixels > 0, "expected 1 pixel or more, got {}", pixels);
+  require(colours >= 1, "expected 1 colour or more, got {}", colours);
+  require(std::isfinite(frames_per_second) && frames_per_second > 0, "expected more than 0 frames per second, got {}",
+          frames_per_second);
+  return pixels * colours * frames_per_second;
+}
 
 }  // namespace holotrace

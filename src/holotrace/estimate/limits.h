@@ -44,6 +44,7 @@ double wanted_pitch(double wavelength, double half_angle);
 int64_t wanted_pixels(double size, double pitch);
 
 /// Pixels per second that a moving display of that many pixels, colours and frames per second takes.
+/// @throws Error  for a count or rate that is not above 0
 double pixel_rate(double pixels, int colours, double frames_per_second);
 
 }  // namespace holotrace

@@ -116,10 +116,9 @@ Json describe_file(const std::string& path) {
   const std::string extension = extension_of(path);
   if (extension == ".toml") return describe(load_job(path));
   if (extension == ".ply") return describe_ply(path);
-  if (extension == ".npy" || extension == ".h5") return describe(load_field_double(path));
   if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return describe(load_meshes(path));
   if (extension == ".png" && std::filesystem::exists(sidecar_path(path))) return describe(load_hologram(path));
-  if (is_field_exr(path)) return describe(load_field_double(path));
+  if (is_field_file(path)) return describe(load_field_double(path));
   return describe(load_image(path));
 }
 

@@ -46,7 +46,6 @@ void write_field_exr(const std::string& path, const Field& field) {
 }
 
 bool is_field_exr(const std::string& path) {
-  if (extension_of(path) != ".exr") return false;
   const auto input = OIIO::ImageInput::open(path);
   if (!input) OIIO::geterror();  // clears it
   return input && input->spec().channelindex("real") >= 0 && input->spec().channelindex("imag") >= 0;

@@ -105,6 +105,11 @@ void save_field(const std::string& path, const BasicField<Real>& field) {
   }
 }
 
+bool is_field_file(const std::string& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".npy" || extension == ".h5" || (extension == ".exr" && is_field_exr(path));
+}
+
 Field load_field(const std::string& path) { return load<float>(path); }
 FieldDouble load_field_double(const std::string& path) { return load<double>(path); }
 

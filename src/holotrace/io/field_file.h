@@ -26,7 +26,7 @@ Field load_field(const std::string& path);
 /// As load_field, in double precision. complex64 samples are widened.
 FieldDouble load_field_double(const std::string& path);
 
-/// Whether an EXR file is a field rather than an image: it has channels "real" and "imag".
-bool is_field_exr(const std::string& path);
+/// Whether a file is a field rather than an image: .npy and .h5 are, an EXR with channels "real" and "imag" is.
+bool is_field_file(const std::string& path);
 
 }  // namespace holotrace

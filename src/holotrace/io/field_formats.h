@@ -17,4 +17,7 @@ BasicField<Real> read_field_hdf5(const std::string& path);
 void write_field_exr(const std::string& path, const Field& field);
 Field read_field_exr(const std::string& path);
 
+/// Whether an EXR file has the channels of a field.
+bool is_field_exr(const std::string& path);
+
 }  // namespace holotrace

@@ -24,7 +24,7 @@ double pick_channel(PointChannel channel, double red, double green, double blue)
 
 }  // namespace
 
-std::vector<ScenePoint> load_points(const std::string& path, const PointFileParams& params) {
+std::vector<ScenePoint> load_points(const std::string& path, PointChannel channel) {
   const PlyVertices vertices = read_ply(path);
   require(vertices.count > 0, "{}: expected points, got none", path);
   const auto& x = vertices.column("x");
@@ -39,11 +39,11 @@ std::vector<ScenePoint> load_points(const std::string& path, const PointFilePara
   std::vector<ScenePoint> points(vertices.count);
   for (size_t i = 0; i < points.size(); ++i) {
     ScenePoint& point = points[i];
-    point.position = {x[i] * params.scale, y[i] * params.scale, z[i] * params.scale - params.distance};
+    point.position = {x[i], y[i], z[i]};
     if (amplitude) {
       point.amplitude = float((*amplitude)[i]);
     } else if (red && green && blue) {
-      point.amplitude = float(pick_channel(params.channel, (*red)[i], (*green)[i], (*blue)[i]) / 255);
+      point.amplitude = float(pick_channel(channel, (*red)[i], (*green)[i], (*blue)[i]) / 255);
     }
     if (phase) point.phase = float((*phase)[i]);
     require(is_finite(point.position) && std::isfinite(point.amplitude) && std::isfinite(point.phase),

@@ -167,8 +167,8 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
   if (type == "mesh") return read_mesh_file(object);
   if (type == "shape") return read_shape(object);
   if (type == "points") {
-    PointFileParams params;
-    object.choice("channel", params.channel,
+    PointChannel channel = PointChannel::luminance;
+    object.choice("channel", channel,
                   {{"luminance", PointChannel::luminance},
                    {"red", PointChannel::red},
                    {"green", PointChannel::green},
@@ -178,7 +178,7 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
     offset.z = -distance;
     const std::string file = read_file_name(object, "file");
     Geometry geometry;
-    object.locate("file", [&] { geometry.points = load_points(file, params); });
+    object.locate("file", [&] { geometry.points = load_points(file, channel); });
     return geometry;
   }
   if (type == "wireframe_cube") {

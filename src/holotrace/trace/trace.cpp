@@ -68,6 +68,21 @@ void trace_sample(const Accelerator& scene, const FirstHits& pattern, int64_t in
   if (amplitude > 0) block.waves.push_back({origin, float(amplitude), float(phase)});
 }
 
+/// Says how far the rays looked, and what would make them meet a mesh.
+std::string unseen_sentence(const Grid& panel, double wavelength, const TraceParams& params, int64_t rays) {
+  if (params.pattern == Pattern::grid && params.field_of_view > 0)
+    return fmt::format(
+        "none of {} rays from the panel met a mesh: the raster sees {} to each side of the axis; move the "
+        "scene onto the axis or widen field_of_view",
+        rays, format_angle(params.field_of_view));
+  return fmt::format(
+      "none of {} rays from the panel met a mesh: its pitch of {} sees {} to each side of the axis at {}; {}", rays,
+      format_length(panel.pitch), format_angle(std::asin(acceptance_sine(wavelength, panel.pitch))),
+      format_length(wavelength),
+      params.pattern == Pattern::grid ? "move the scene onto the axis or set field_of_view"
+                                      : "move the scene onto the axis or take a panel of finer pitch");
+}
+
 /// The waves of the meshes, and the facts of their tracing.
 void append_meshes(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
                    const FirstHits& pattern, const Observer& observer, std::vector<Source>& waves) {
@@ -93,29 +108,9 @@ void append_meshes(const Scene& scene, const Grid& panel, double wavelength, con
   report(counts, params.max_depth, observer);
   observer.fact("first_hits", Fact(first_hits));
   if (first_hits == 0)
-    observer.warn(
-        fmt::format("none of {} rays from the panel met a mesh: its pitch of {} sees {} to each side of the "
-                    "axis at {}; move the scene onto the axis or set field_of_view",
-                    count, format_length(panel.pitch),
-                    format_angle(std::asin(acceptance_sine(wavelength, panel.pitch))), format_length(wavelength)));
+    observer.warn(unseen_sentence(panel, wavelength, params, count));
   else if (waves.size() == points)
     observer.warn("every first hit is dark; add lights, emission or a background to the scene");
-}
-
-/// Warns of waves whose box holds no pixel: they cost time later and show nothing.
-void warn_of_dark_waves(const Sources& sources, const Grid& panel, const Observer& observer) {
-  const auto is_dark = [&](const Source& wave) {
-    const double radius = box_radius(-wave.origin.z, sources.wavelength, panel.pitch);
-    return std::abs(wave.origin.x) - panel.width() / 2 >= radius ||
-           std::abs(wave.origin.y) - panel.height() / 2 >= radius;
-  };
-  const auto count = std::count_if(sources.waves.begin(), sources.waves.end(), is_dark);
-  if (count > 0)
-    observer.warn(fmt::format(
-        "{} of {} waves light no pixel, for they lie beyond the {} that the panel accepts at {}; "
-        "narrow field_of_view or move the scene toward the axis",
-        count, sources.waves.size(), format_angle(std::asin(acceptance_sine(sources.wavelength, panel.pitch))),
-        format_length(sources.wavelength)));
 }
 
 }  // namespace
@@ -134,7 +129,6 @@ Sources trace(const Scene& scene, const Grid& panel, double wavelength, const Tr
     append_meshes(scene, panel, wavelength, params, pattern, observer, sources.waves);
   }
   observer.fact("waves", Fact(int64_t(sources.waves.size())));
-  warn_of_dark_waves(sources, panel, observer);
   return sources;
 }
 

@@ -44,8 +44,8 @@ namespace holotrace {
 /// @param scene       at z < 0 [m]
 /// @param panel       pixels: nx, ny, pitch [m]
 /// @param wavelength  [m]
-/// @param observer    hears the facts of `report` and "first_hits" and "waves"; warnings when the rays miss the scene,
-///                    find it dark, or make waves that light no pixel
+/// @param observer    hears the facts of `report` and "first_hits" and "waves"; warnings when the rays miss the scene or
+///                    find it dark
 /// @throws Error      for parameters out of range, a scene that check_scene or Accelerator refuses, and a raster
 /// without
 ///                    `field_of_view` on a panel of pitch λ/2 or less, whose acceptance has no tangent
