@@ -171,7 +171,7 @@ TEST(Conventions, PowerIsTheSumOfSquaredModuliTimesThePixelsArea) {
   for (auto& u : field.samples.values) u = {3, 4};      // 25 W/m²
   EXPECT_NEAR(power(field), 25 * 200 * 64e-12, 1e-20);  // rounding of 200 additions, far below
   // The same of a wave on the SLM: 1 W/m² on 256 × 192 pixels of 64 µm².
-  Hologram hologram{small_panel, {small_panel.ny, small_panel.nx}, 256, Modulation::phase, 532_nm, {}, {}, ""};
+  Hologram hologram{small_panel, {small_panel.ny, small_panel.nx}, 256, Modulation::phase, 532_nm, {}, {}, "", {}};
   const Field shown = show(hologram, {.grid = small_panel, .fill_factor = 1}, {});
   EXPECT_NEAR(power(shown) / (49152 * 64e-12), 1, 1e-6);  // a flat panel of fill factor 1 loses nothing
 }
@@ -192,7 +192,7 @@ TEST(Conventions, PhaseIsReducedBeforeItBecomesAFloat) {
 
 TEST(Conventions, AnEightBitGreyShowsItsPartOfACycle) {
   const Grid panel{256, 2, 8e-6};
-  Hologram hologram{panel, {panel.ny, panel.nx}, 256, Modulation::phase, 532_nm, {}, {}, ""};
+  Hologram hologram{panel, {panel.ny, panel.nx}, 256, Modulation::phase, 532_nm, {}, {}, "", {}};
   for (int i = 0; i < 256; ++i) hologram.level(0, i) = hologram.level(1, i) = uint16_t(i);
   // Through a file, where a level is a grey, and onto a panel whose pixels touch: one sample per pixel is smoothed by
   // the pixel's sinc, so what is compared is the spectrum's only line, the ramp's own order 1 cycle in 256 pixels.

@@ -135,6 +135,17 @@ TEST(Trace, EachWavelengthSeesItsChannels) {
   EXPECT_NEAR(radiance_at(581e-9, {10, 2, 100}), 6, 1e-12);  // half way from green to red
 }
 
+TEST(Trace, AMeshHidesThePointsBehindItAsInTheRender) {
+  Scene scene;
+  scene.materials = {grey(0)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.points = {{{0, 0, -0.31}, 1.0f, 0}, {{0, 0, -0.29}, 2.0f, 0}, {{50_mm, 0, -0.31}, 3.0f, 0}};
+  const Sources sources = trace(scene, panel, green_light, {.columns = 4, .rows = 4, .paths = 1});
+  ASSERT_EQ(sources.waves.size(), 2u);  // the wall is black; the first point is behind it
+  EXPECT_EQ(sources.waves[0].amplitude, 2.0f);
+  EXPECT_EQ(sources.waves[1].amplitude, 3.0f);
+}
+
 TEST(Trace, DarkHitsAndMissesMakeNoWave) {
   Scene scene;
   scene.materials = {grey(0, 1), grey(0)};
@@ -197,12 +208,12 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
 
 TEST(Trace, LuminousPointsBecomeSourcesAsTheyAre) {
   Scene scene = make_bright_wall();
-  scene.points = {{{1_mm, 2_mm, -0.4}, 0.5f, 0.25f}, {{0, 0, -0.2}, 2.0f, 0}};  // the first stands behind the wall
+  scene.points = {{{1_mm, 2_mm, -0.25}, 0.5f, 0.25f}, {{0, 0, -0.2}, 2.0f, 0}};
   TraceParams params{.columns = 3, .rows = 3, .paths = 1, .phase = SourcePhase::constant};
   Sources sources = trace(scene, panel, green_light, params);
   ASSERT_EQ(sources.waves.size(), 2u + 9u);
   EXPECT_EQ(sources.wavelength, green_light);
-  EXPECT_EQ(sources.waves[0], (Source{{1_mm, 2_mm, -0.4}, 0.5f, 0.25f}));
+  EXPECT_EQ(sources.waves[0], (Source{{1_mm, 2_mm, -0.25}, 0.5f, 0.25f}));
   EXPECT_EQ(sources.waves[1], (Source{{0, 0, -0.2}, 2.0f, 0}));
   EXPECT_EQ(sources.waves[2].phase, 0);
 

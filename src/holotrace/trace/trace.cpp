@@ -33,10 +33,12 @@ double draw_phase(SourcePhase phase, CounterRandom& random) {
   return phase == SourcePhase::random ? 2 * pi * u : 0;
 }
 
-/// The luminous points as they are.
-void append_points(const Scene& scene, const TraceParams& params, std::vector<Source>& waves) {
-  for (size_t i = 0; i < scene.points.size(); ++i) {
-    const ScenePoint& point = scene.points[i];
+/// The luminous points that no mesh hides from the panel's centre, as they are.
+void append_points(const Accelerator& accelerator, const TraceParams& params, std::vector<Source>& waves) {
+  const std::vector<ScenePoint>& points = accelerator.scene().points;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const ScenePoint& point = points[i];
+    if (accelerator.is_occluded({}, point.position)) continue;
     CounterRandom random(uint64_t(params.seed), 0, i);
     waves.push_back({point.position, point.amplitude, float(draw_phase(params.phase, random) + point.phase)});
   }
@@ -84,9 +86,8 @@ std::string unseen_sentence(const Grid& panel, double wavelength, const TracePar
 }
 
 /// The waves of the meshes, and the facts of their tracing.
-void append_meshes(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
+void append_meshes(const Accelerator& accelerator, const Grid& panel, double wavelength, const TraceParams& params,
                    const FirstHits& pattern, const Observer& observer, std::vector<Source>& waves) {
-  const Accelerator accelerator(scene);
   const int64_t count = pattern.count();
   require_memory(double(count) * sizeof(Source), fmt::format("the waves of {} first hits", count));
   std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
@@ -123,10 +124,11 @@ Sources trace(const Scene& scene, const Grid& panel, double wavelength, const Tr
   check_params(params);
 
   Sources sources{wavelength, {}};
-  append_points(scene, params, sources.waves);
+  const Accelerator accelerator(scene);
+  append_points(accelerator, params, sources.waves);
   if (!scene.meshes.empty()) {
     const FirstHits pattern(params, panel, wavelength);
-    append_meshes(scene, panel, wavelength, params, pattern, observer, sources.waves);
+    append_meshes(accelerator, panel, wavelength, params, pattern, observer, sources.waves);
   }
   observer.fact("waves", Fact(int64_t(sources.waves.size())));
   return sources;

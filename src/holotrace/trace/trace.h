@@ -35,8 +35,9 @@ namespace holotrace {
 /// `amplitude = linear` puts L²/(1 W/m²/sr) for L in both: a ∝ L, as the paper's Step 5. With `sqrt`, noise in L makes
 /// the mean of a smaller by Var(L)/8L², relative: `paths` is what makes that small.
 ///
-/// **Phases.** random: 2π·u; constant: 0; a luminous point adds its own. Luminous points keep their amplitude and hide
-/// nothing and are not hidden. A first hit that is dark makes no wave, a ray that hits nothing neither.
+/// **Phases.** random: 2π·u; constant: 0; a luminous point adds its own. Luminous points keep their amplitude; they
+/// hide nothing, and a mesh between one and the panel's centre hides it. A first hit that is dark makes no wave, a ray
+/// that hits nothing neither.
 ///
 /// Random numbers come from CounterRandom(seed, 0, i), i counting the points and then the rays; the waves are in that
 /// order, so the result is the same on any number of threads.
@@ -44,7 +45,8 @@ namespace holotrace {
 /// @param scene       at z < 0 [m]
 /// @param panel       pixels: nx, ny, pitch [m]
 /// @param wavelength  [m]
-/// @param observer    hears the facts of `report` and "first_hits" and "waves"; warnings when the rays miss the scene or
+/// @param observer    hears the facts of `report` and "first_hits" and "waves"; warnings when the rays miss the scene
+/// or
 ///                    find it dark
 /// @throws Error      for parameters out of range, a scene that check_scene or Accelerator refuses, and a raster
 /// without
