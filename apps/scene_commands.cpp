@@ -62,6 +62,9 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     const double white = common_white(boxes.views, job.camera.exposure);
     for (size_t i = 0; i < boxes.views.size(); ++i)
       save_image(numbered_path(in("view.png"), i), boxes.views[i], white, job.camera.bits);
+    for (size_t i = boxes.views.size(); std::filesystem::remove(numbered_path(in("view.png"), i)); ++i) {
+      // views of an earlier run with more distances
+    }
     save_report(in("report.json"), boxes.report);
   });
 }

@@ -85,6 +85,8 @@ TEST(Commands, RunLooksAtSeveralDistancesInOneExposure) {
   EXPECT_TRUE(work.has("out/view.png"));
   EXPECT_TRUE(work.has("out/view_2.png"));
   EXPECT_FALSE(work.read("out/view.png") == work.read("out/view_2.png"));
+  succeed(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm"});
+  EXPECT_FALSE(work.has("out/view_2.png"));  // of the earlier run
 }
 
 TEST(Commands, FieldTakesSourcesAndAPanelByName) {

@@ -11,6 +11,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/pixel_kernel.h"
+#include "holotrace/wave/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {
@@ -80,7 +81,7 @@ void encode_off_axis(const Field& field, const EncodeParams& params, const Obser
       const std::complex<double> sample(field.samples(int(j), i));
       const std::complex<double> u(sample.real(), sign * sample.imag());
       const double cycles = carrier.x * grid.x(i) + y_cycles;
-      const std::complex<double> r = std::polar(reference, 2 * pi * (cycles - std::floor(cycles)));
+      const std::complex<double> r = reference * cis_cycles(cycles);
       const double interference = 2 * (u * std::conj(r)).real();
       out[i] = params.with_bias ? std::norm(u) + reference * reference + interference : interference;
     }

@@ -8,6 +8,7 @@
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/wave/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {
@@ -37,10 +38,7 @@ std::vector<char> bins_inside(int n, double side, double sign, double centre, do
 template <class Position>
 std::vector<std::complex<double>> carrier(int n, double f, const Position& position) {
   std::vector<std::complex<double>> wave(static_cast<size_t>(n));
-  for (int i = 0; i < n; ++i) {
-    const double cycles = -f * position(i);
-    wave[size_t(i)] = std::polar(1.0, 2 * pi * (cycles - std::floor(cycles)));
-  }
+  for (int i = 0; i < n; ++i) wave[size_t(i)] = cis_cycles(-f * position(i));
   return wave;
 }
 

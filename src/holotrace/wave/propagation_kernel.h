@@ -8,11 +8,6 @@
 
 namespace holotrace {
 
-/// exp(2πi·cycles), reduced before it is scaled.
-inline std::complex<double> cis_cycles(double cycles) {
-  return std::polar(1.0, 2 * pi * (cycles - std::floor(cycles)));
-}
-
 /// Transfer function of free space over z [m] at the spatial frequency (u, v) [1/m]:
 ///
 ///     H = exp(i2πz·√(λ⁻² − u² − v²));   evanescent waves decay by |z|, for either sign of z

@@ -30,6 +30,11 @@ inline PixelBox lit_box(const Source& source, const Grid& grid, double tangent) 
           clamp(std::ceil(row - reach), grid.ny), clamp(std::floor(row + reach) + 1, grid.ny)};
 }
 
+/// exp(2πi·cycles), reduced before it is scaled.
+inline std::complex<double> cis_cycles(double cycles) {
+  return std::polar(1.0, 2 * pi * (cycles - std::floor(cycles)));
+}
+
 /// The fraction of a cycle in a length of many wavelengths, in [0, 1). Long double keeps 1e-19 of
 /// the cycle count, where a double keeps 1e-10 of a cycle at 0.3 m.
 inline double cycle_fraction(double length, double wavelength) {
@@ -76,7 +81,7 @@ inline std::complex<double> wave_at(const PreparedWave& wave, double x, double y
   const double beyond = path_beyond_depth(dx * dx + dy * dy, wave.depth);
   const double cycles = wave.start_cycles + beyond / wavelength;
   const double modulus = wave.amplitude * wave.depth / (wave.depth + beyond);
-  return std::polar(1.0, 2 * pi * (cycles - std::floor(cycles))) * modulus;
+  return cis_cycles(cycles) * modulus;
 }
 
 }  // namespace holotrace
