@@ -264,7 +264,8 @@ TEST(Commands, EstimateProbesTheScene) {
   const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
   // The scene's 48×48 rays are fewer than the probe's 64×64: what it finds is what the run finds.
   succeed(work, {"run", "scene.toml", "-o", "out"});
-  for (const auto& stage : nlohmann::json::parse(work.read("out/report.json")).at("stages")) {
+  const auto report = nlohmann::json::parse(work.read("out/report.json"));
+  for (const auto& stage : report.at("stages")) {
     if (stage.at("stage") != "trace") continue;
     for (const char* name : {"paths", "rays", "shadow_rays", "waves"})
       EXPECT_EQ(cost.at(name).get<double>(), stage.at(name).get<double>()) << name;
@@ -282,7 +283,8 @@ TEST(Commands, EstimateScalesItsProbeToTheWholeRaster) {
   work.write("scene.toml", scene);
   succeed(work, {"run", "scene.toml", "-o", "out"});
   const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
-  for (const auto& stage : nlohmann::json::parse(work.read("out/report.json")).at("stages")) {
+  const auto report = nlohmann::json::parse(work.read("out/report.json"));
+  for (const auto& stage : report.at("stages")) {
     if (stage.at("stage") != "trace") continue;
     // 64×64 rays for 96×96: hits differ along the quad's outline alone, one row of 64 on each side of two, 2/64 each.
     for (const char* name : {"paths", "rays", "shadow_rays", "waves"})
