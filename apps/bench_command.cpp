@@ -38,7 +38,8 @@ double median_seconds(int runs, const Work& work) {
 
 // Waves of random place and phase across the panel, `depth` away within a tenth.
 Sources random_sources(int count, const Grid& panel, double depth) {
-  Sources sources{532_nm, {}};
+  Sources sources;
+  sources.wavelength = 532_nm;
   CounterRandom random(1, 0, 0);
   for (int j = 0; j < count; ++j)
     sources.waves.push_back({{(random.uniform() - 0.5) * panel.width(), (random.uniform() - 0.5) * panel.height(),

@@ -50,7 +50,7 @@ struct TraceProbe {
 
 TraceProbe probe_trace(const Job& job) {
   const auto trace_with = [&](const TraceParams& params, const Observer& observer) {
-    return trace(job.scene, job.slm.grid, job.wavelength, params, observer);
+    return trace(job.scene, job.slm.grid, job.wavelengths.front(), params, observer);
   };
   std::map<std::string, double> facts;
   Observer observer;
@@ -77,7 +77,8 @@ TraceProbe probe_trace(const Job& job) {
 // `count` of the waves, evenly over them all.
 Sources sample_evenly(const Sources& all, size_t count) {
   if (all.waves.size() <= count) return all;
-  Sources some{all.wavelength, {}};
+  Sources some;
+  some.wavelength = all.wavelength;
   for (size_t i = 0; i < count; ++i) some.waves.push_back(all.waves[i * all.waves.size() / count]);
   return some;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
@@ -67,13 +69,13 @@ class Flags {
 
   struct Adder {
     CLI::App& app;
-    Texts& texts;
+    Texts& given;
     const std::set<std::string>& without;
 
     void add(std::string name, const std::string& help, const std::string& shown, const std::string& kind) {
       if (without.count(name)) return;
       const std::string other = name == "distances" ? ",--distances" : "";
-      const auto keep = [&texts = texts, name](const std::string& text) { texts[name] = text; };
+      const auto keep = [&given = given, name](const std::string& text) { given[name] = text; };
       app.add_option_function<std::string>(dashed(name) + other, keep, help + " [" + shown + "]")->type_name(kind);
     }
     template <class Integer>
@@ -89,6 +91,12 @@ class Flags {
       for (const double value : v) shown += (shown.empty() ? "" : ", ") + format_length(value);
       add(name, help, shown, "LENGTHS");
     }
+    void position(const char* name, Vec3& v, const char* help) {
+      add(name, help, fmt::format("{}, {}, {}", format_length(v.x), format_length(v.y), format_length(v.z)), "LENGTHS");
+    }
+    void texts(const char* name, std::vector<std::string>& v, const char* help) {
+      add(name, help, fmt::format("{}", fmt::join(v, ", ")), "TEXTS");
+    }
     template <class Enum>
     void choice(const char* name, Enum& v, std::initializer_list<Choice<Enum>> choices, const char* help) {
       std::string names, shown;
@@ -101,12 +109,12 @@ class Flags {
   };
 
   struct Setter {
-    const Texts& texts;
+    const Texts& given;
 
     template <class Value, class Parse>
     void set(const char* name, Value& v, const Parse& parse) {
-      const auto found = texts.find(name);
-      if (found == texts.end()) return;
+      const auto found = given.find(name);
+      if (found == given.end()) return;
       try {
         v = Value(parse(found->second));
       } catch (const Error& error) {
@@ -140,6 +148,24 @@ class Flags {
     void length(const char* name, double& v, const char*) { set(name, v, parse_length); }
     void angle(const char* name, double& v, const char*) { set(name, v, parse_angle); }
     void lengths(const char* name, std::vector<double>& v, const char*) { set(name, v, parse_lengths); }
+    void position(const char* name, Vec3& v, const char*) {
+      set(name, v, [](const std::string& text) {
+        const std::vector<double> lengths = parse_lengths(text);
+        require(lengths.size() == 3, "expected three lengths x, y and z, got {}", lengths.size());
+        return Vec3{lengths[0], lengths[1], lengths[2]};
+      });
+    }
+    void texts(const char* name, std::vector<std::string>& v, const char*) {
+      set(name, v, [](const std::string& text) {  // separated by commas
+        std::vector<std::string> parts;
+        for (size_t at = 0; at <= text.size();) {
+          const size_t end = std::min(text.find(',', at), text.size());
+          parts.push_back(text.substr(at, end - at));
+          at = end + 1;
+        }
+        return parts;
+      });
+    }
     template <class Enum>
     void choice(const char* name, Enum& v, std::initializer_list<Choice<Enum>> choices, const char*) {
       set(name, v, [&](const std::string& text) {

@@ -84,7 +84,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(job.render);
     check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
-    const Image image = render(job.scene, job.slm.grid, job.wavelength, job.render, console.watch("render"));
+    const Image image = render(job.scene, job.slm.grid, job.wavelengths.front(), job.render, console.watch("render"));
     console.finish();
     save_image(o->output, image, exposure_white(image, 0), 8);
   });
@@ -105,7 +105,7 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(job.trace);
     check_output(o->output, {".ply"});
     Console console(global.is_quiet);
-    const Sources sources = trace(job.scene, job.slm.grid, job.wavelength, job.trace, console.watch("trace"));
+    const Sources sources = trace(job.scene, job.slm.grid, job.wavelengths.front(), job.trace, console.watch("trace"));
     console.finish();
     save_sources(o->output, sources);
   });
@@ -143,18 +143,19 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
     const bool is_scene = std::filesystem::path(o->input).extension() == ".toml";
     Job job;
     job.slm = slm_preset("pluto");
+    job.wavelengths = {0};
     if (is_scene) job = load_job(o->input);
     if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
-    if (!o->wavelength.empty()) job.wavelength = parse_length_flag("--wavelength", o->wavelength);
+    if (!o->wavelength.empty()) job.wavelengths.front() = parse_length_flag("--wavelength", o->wavelength);
     o->flags.apply(job.synthesize);
     check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
     Sources sources;
     if (is_scene) {
-      sources = trace(job.scene, job.slm.grid, job.wavelength, job.trace, console.watch("trace"));
+      sources = trace(job.scene, job.slm.grid, job.wavelengths.front(), job.trace, console.watch("trace"));
     } else {
-      sources = load_sources(o->input, job.wavelength);
-      if (!o->wavelength.empty()) sources.wavelength = job.wavelength;
+      sources = load_sources(o->input, job.wavelengths.front());
+      if (!o->wavelength.empty()) sources.wavelength = job.wavelengths.front();
     }
     if (o->is_double)
       save_field(o->output, sum_exact(sources, job.slm.grid, console.watch("synthesize")));

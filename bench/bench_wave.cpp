@@ -18,7 +18,8 @@ using namespace literals;
 const Grid full_hd{1920, 1080, 8_um};
 
 Sources random_sources(int64_t count) {
-  Sources sources{532_nm, {}};
+  Sources sources;
+  sources.wavelength = 532_nm;
   CounterRandom random(1, 0, 0);
   for (int64_t j = 0; j < count; ++j)
     sources.waves.push_back({{(random.uniform() - 0.5) * full_hd.width(), (random.uniform() - 0.5) * full_hd.height(),

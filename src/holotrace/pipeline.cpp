@@ -67,21 +67,22 @@ Boxes run(const Job& job, const StageObserver& watch) {
     });
   b.render = stage("render", [&](const Observer& o) {
     o.fact("seed", job.render.seed);
-    return render(job.scene, panel, job.wavelength, job.render, o);
+    return render(job.scene, panel, job.wavelengths.front(), job.render, o);
   });
   b.sources = stage("trace", [&](const Observer& o) {
     o.fact("seed", job.trace.seed);
-    return trace(job.scene, panel, job.wavelength, job.trace, o);
+    return trace(job.scene, panel, job.wavelengths.front(), job.trace, o);
   });
   b.field = stage("synthesize", [&](const Observer& o) { return synthesize(b.sources, panel, job.synthesize, o); });
   b.hologram = stage("encode", [&](const Observer& o) { return encode(b.field, job.slm, job.encode, o); });
   const Field shown = stage("show", [&](const Observer& o) { return show(b.hologram, job.slm, job.show, o); });
-  const double half_tangent = raster_tangent(job.render.field_of_view, panel, job.wavelength);
+  const double half_tangent = raster_tangent(job.render.field_of_view, panel, job.wavelengths.front());
   const double incident_power = job.show.irradiance * panel.width() * panel.height();
   for (const double distance : job.camera.distances)
     b.views.push_back(stage("look at " + format_length(distance), [&](const Observer& o) {
       const Image view = look(shown, job.slm, distance, job.propagate, job.camera, o);
-      const Image reference = project_render(b.render, half_tangent, channel_weights(job.wavelength), view, distance);
+      const Image reference =
+          project_render(b.render, half_tangent, channel_weights(job.wavelengths.front()), view, distance);
       report_metrics(reference, view, incident_power, o);
       return view;
     }));

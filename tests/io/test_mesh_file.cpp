@@ -13,7 +13,7 @@ using test::error_of;
 using test::make_file;
 
 const DiffuseMaterial& diffuse(const LoadedModel& model, size_t mesh = 0) {
-  return std::get<DiffuseMaterial>(model.materials[size_t(model.meshes[mesh].material)]);
+  return std::get<DiffuseMaterial>(model.materials[size_t(model.meshes[mesh].material)].surface);
 }
 
 double area(const LoadedModel& model) {

@@ -32,7 +32,7 @@ columns = 32
 )"));
   EXPECT_EQ(job.trace.columns, 32);
   EXPECT_EQ(job.trace.rows, 8);
-  EXPECT_EQ(job.wavelength, 632.8e-9);
+  EXPECT_EQ(job.wavelengths.front(), 632.8e-9);
   EXPECT_EQ(job.scene.background.x, 0.25);
   EXPECT_EQ(job.scene.points.size(), 8u);  // the corners of the cube
 }

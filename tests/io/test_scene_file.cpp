@@ -29,7 +29,7 @@ std::string error_with(const std::string& rest) { return scene_error("wavelength
 
 TEST(SceneFile, ASmallSceneTakesEveryDefault) {
   const Job job = load("wavelength = \"632.8 nm\"\n" + cube);
-  EXPECT_EQ(job.wavelength, 632.8e-9);
+  EXPECT_EQ(job.wavelengths.front(), 632.8e-9);
   EXPECT_EQ(job.slm.name, "pluto");
   EXPECT_EQ(job.slm.grid, (Grid{1920, 1080, 8e-6}));
   ASSERT_EQ(job.scene.points.size(), 20u);  // 12·3 − 16
@@ -141,12 +141,12 @@ position = "0 0 -300 mm"
   const auto& rectangle = std::get<RectangleLight>(job.scene.lights[1]);
   EXPECT_EQ(rectangle.corner, (Vec3{0, 0, -0.1}));
   EXPECT_EQ(rectangle.radiance, (Vec3{1, 2, 3}));
-  const auto& lamp = std::get<DiffuseMaterial>(job.scene.materials[size_t(job.scene.meshes[0].material)]);
-  EXPECT_EQ(lamp.reflectance, (Vec3{0.5, 0.5, 0.5}));
+  const Material& lamp = job.scene.materials[size_t(job.scene.meshes[0].material)];
+  EXPECT_EQ(std::get<DiffuseMaterial>(lamp.surface).reflectance, (Vec3{0.5, 0.5, 0.5}));
   EXPECT_EQ(lamp.emission, (Vec3{1, 2, 3}));
   int with_texture = 0;
   for (const Material& material : job.scene.materials)
-    with_texture += std::get<DiffuseMaterial>(material).texture != nullptr;
+    with_texture += std::get<DiffuseMaterial>(material.surface).texture != nullptr;
   EXPECT_EQ(with_texture, 1);
 }
 

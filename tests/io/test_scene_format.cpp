@@ -45,6 +45,8 @@ struct KeysInText {
   void length(const char* key, double&, const char*) { look(key); }
   void lengths(const char* key, std::vector<double>&, const char*) { look(key); }
   void angle(const char* key, double&, const char*) { look(key); }
+  void position(const char* key, Vec3&, const char*) { look(key); }
+  void texts(const char* key, std::vector<std::string>&, const char*) { look(key); }
   template <class Enum>
   void choice(const char* key, Enum&, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices, const char*) {
     look(key);

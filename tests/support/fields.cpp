@@ -38,7 +38,8 @@ FieldDouble make_band_limited_noise(const Grid& grid, double wavelength, double 
 
 Sources make_random_sources(int count, const Grid& panel, double wavelength, double nearest, double farthest,
                             double margin) {
-  Sources sources{wavelength, {}};
+  Sources sources;
+  sources.wavelength = wavelength;
   CounterRandom random(11, 0, 0);
   const double spread = 1 + 2 * margin;
   for (int j = 0; j < count; ++j)

@@ -59,7 +59,7 @@ inline Mesh make_round_mesh(Vec3 centre, double radius, int segments) {
 }
 
 /// A closed box centre ± half.
-inline Scene make_box_scene(Vec3 centre, Vec3 half, const DiffuseMaterial& material) {
+inline Scene make_box_scene(Vec3 centre, Vec3 half, const Material& material) {
   const Vec3 x{half.x, 0, 0}, y{0, half.y, 0}, z{0, 0, half.z};
   Scene scene;
   scene.materials = {material};
@@ -71,8 +71,8 @@ inline Scene make_box_scene(Vec3 centre, Vec3 half, const DiffuseMaterial& mater
   return scene;
 }
 
-inline DiffuseMaterial grey(double reflectance, double emission = 0) {
-  return {Vec3{1, 1, 1} * reflectance, nullptr, Vec3{1, 1, 1} * emission};
+inline Material grey(double reflectance, double emission = 0) {
+  return {DiffuseMaterial{.reflectance = Vec3{1, 1, 1} * reflectance}, Vec3{1, 1, 1} * emission};
 }
 
 /// Mean and standard error of independent numbers.

@@ -3,20 +3,29 @@
 #include <functional>
 
 #include "holotrace/trace/path.h"
+#include "holotrace/trace/sampling.h"
 #include "trace/scenes.h"
 
 namespace holotrace {
 namespace {
 
-/// Statistics of single paths from the first hit of a ray.
-Statistics follow(const Accelerator& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
-  const auto hit = scene.closest_hit(ray);
+/// Radiance of single paths from the first hit of a ray, at red, green and blue.
+std::vector<Vec3> radiances(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
+  PathParams params;
+  params.max_depth = max_depth;
+  const PathScene path_scene(scene, Lines{}, {}, params);
+  const auto hit = path_scene.accelerator.closest_hit(ray);
   EXPECT_TRUE(hit.has_value());
+  const PathStart start{hit->point, -ray.direction, path_scene.automaton.start(), 1};
+  std::vector<Vec3> all;
+  for (int i = 0; i < count; ++i) mean_radiance(path_scene, start, 1, uint64_t(i), {&all.emplace_back(), 1}, counts);
+  return all;
+}
+
+/// Statistics of their green.
+Statistics follow(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
   Statistics statistics;
-  for (int i = 0; i < count; ++i) {
-    CounterRandom random(1, 0, uint64_t(i));
-    statistics.add(path_radiance(scene, hit->point, max_depth, random, counts).y);
-  }
+  for (const Vec3 radiance : radiances(scene, ray, count, max_depth, counts)) statistics.add(radiance.y);
   return statistics;
 }
 
@@ -25,11 +34,10 @@ constexpr int unlimited = 100000;  // surfaces: roulette ends every path long be
 TEST(Path, ClosedFurnaceHasRadianceAndPathLengthOneOverOneMinusAlbedo) {
   for (double rho : {0.2, 0.5, 0.9}) {
     const Scene scene = make_box_scene({0, 0, -0.3}, {10_mm, 8_mm, 6_mm}, grey(rho, 1));
-    const Accelerator accelerator(scene);
     PathCounts counts;
     constexpr int paths = 40000;
     const Ray ray{{1_mm, 1_mm, -0.3}, normalize({0.3, -0.5, 0.2})};
-    const Statistics radiance = follow(accelerator, ray, paths, unlimited, counts);
+    const Statistics radiance = follow(scene, ray, paths, unlimited, counts);
     // A path of l surfaces finds radiance l, and l is geometric: mean 1/(1−ρ), variance ρ/(1−ρ)².
     const double expected = 1 / (1 - rho), four_standard_errors = 4 * std::sqrt(rho / paths) / (1 - rho);
     EXPECT_NEAR(radiance.mean(), expected, four_standard_errors);
@@ -45,10 +53,9 @@ TEST(Path, NoPathLeaksThroughTheEdgesOfAFineSphereFarFromTheOrigin) {
   Scene scene;
   scene.materials = {grey(rho, 1)};
   scene.meshes = {make_round_mesh({0, 0, -0.3}, 10_mm, 64)};
-  const Accelerator accelerator(scene);
   PathCounts counts;
   constexpr int paths = 20000;
-  const Statistics radiance = follow(accelerator, {{1_mm, 2_mm, -0.301}, {0, 0, -1}}, paths, unlimited, counts);
+  const Statistics radiance = follow(scene, {{1_mm, 2_mm, -0.301}, {0, 0, -1}}, paths, unlimited, counts);
   EXPECT_NEAR(radiance.mean(), 1 / (1 - rho), 4 * std::sqrt(rho / paths) / (1 - rho));
   EXPECT_EQ(counts.escaped, 0) << "of " << counts.rays << " rays";
 }
@@ -56,10 +63,9 @@ TEST(Path, NoPathLeaksThroughTheEdgesOfAFineSphereFarFromTheOrigin) {
 TEST(Path, MaxDepthCutsTheFurnaceAfterThatManySurfaces) {
   constexpr double rho = 0.5;
   const Scene scene = make_box_scene({0, 0, -0.3}, {10_mm, 10_mm, 10_mm}, grey(rho, 1));
-  const Accelerator accelerator(scene);
   PathCounts counts;
   constexpr int paths = 40000, depth = 3;
-  const Statistics radiance = follow(accelerator, {{0, 0, -0.3}, {0, 0, -1}}, paths, depth, counts);
+  const Statistics radiance = follow(scene, {{0, 0, -0.3}, {0, 0, -1}}, paths, depth, counts);
   // 1 + ρ + ρ² = (1 − ρ³)/(1 − ρ).
   EXPECT_NEAR(radiance.mean(), 1.75, 4 * radiance.standard_error());
   const double share = rho * rho * rho;  // of the paths that would have met a fourth surface
@@ -67,18 +73,12 @@ TEST(Path, MaxDepthCutsTheFurnaceAfterThatManySurfaces) {
 }
 
 TEST(Path, ColouredFurnaceHasEachChannelsOwnAnswer) {
-  DiffuseMaterial material{{0.1, 0.4, 0.8}, nullptr, {1, 1, 1}};
+  const Material material{DiffuseMaterial{.reflectance = {0.1, 0.4, 0.8}}, {1, 1, 1}};
   const Scene scene = make_box_scene({0, 0, -0.3}, {10_mm, 10_mm, 10_mm}, material);
-  const Accelerator accelerator(scene);
-  const auto hit = accelerator.closest_hit({{0, 0, -0.3}, {0, 0, -1}});
-  ASSERT_TRUE(hit);
   PathCounts counts;
   Statistics red, green, blue;
-  for (int i = 0; i < 40000; ++i) {
-    CounterRandom random(1, 0, uint64_t(i));
-    const Vec3 radiance = path_radiance(accelerator, hit->point, unlimited, random, counts);
+  for (const Vec3 radiance : radiances(scene, {{0, 0, -0.3}, {0, 0, -1}}, 40000, unlimited, counts))
     red.add(radiance.x), green.add(radiance.y), blue.add(radiance.z);
-  }
   EXPECT_NEAR(red.mean(), 1 / 0.9, 4 * red.standard_error());
   EXPECT_NEAR(green.mean(), 1 / 0.6, 4 * green.standard_error());
   EXPECT_NEAR(blue.mean(), 1 / 0.2, 4 * blue.standard_error());
@@ -89,10 +89,9 @@ TEST(Path, PointLightOverAPlaneGivesAlbedoOverPiTimesIrradiance) {
   scene.materials = {grey(0.6)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   scene.lights = {PointLight{{30_mm, 0, -0.26}, {1, 2, 3}}};
-  const Accelerator accelerator(scene);
   PathCounts counts;
   // Seen at the centre: d = 50 mm, cosθ = 40/50. One surface and a point light: nothing is random in the direct light.
-  const Statistics radiance = follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts);
+  const Statistics radiance = follow(scene, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts);
   EXPECT_NEAR(radiance.mean(), 0.6 / pi * 2 * 0.8 / (0.05 * 0.05), 1e-9);
 }
 
@@ -101,13 +100,12 @@ TEST(Path, BothSidesOfADiffuseSurfaceReflectAndEachOnlyItsOwnLight) {
   scene.materials = {grey(0.6)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   scene.lights = {PointLight{{0, 0, -0.26}, {1, 1, 1}}};
-  const Accelerator accelerator(scene);
   PathCounts counts;
-  EXPECT_GT(follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts).mean(), 0);
-  EXPECT_EQ(follow(accelerator, {{0, 0, -0.5}, {0, 0, 1}}, 1, 1, counts).mean(), 0);
+  EXPECT_GT(follow(scene, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts).mean(), 0);
+  EXPECT_EQ(follow(scene, {{0, 0, -0.5}, {0, 0, 1}}, 1, 1, counts).mean(), 0);
   scene.lights = {PointLight{{0, 0, -0.34}, {1, 1, 1}}};
-  EXPECT_EQ(follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts).mean(), 0);
-  EXPECT_GT(follow(accelerator, {{0, 0, -0.5}, {0, 0, 1}}, 1, 1, counts).mean(), 0);
+  EXPECT_EQ(follow(scene, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts).mean(), 0);
+  EXPECT_GT(follow(scene, {{0, 0, -0.5}, {0, 0, 1}}, 1, 1, counts).mean(), 0);
 }
 
 /// View factor from a small plane patch to a parallel rectangle a × b at distance c, one corner of it
@@ -123,15 +121,14 @@ TEST(Path, RectangleLightGivesItsClosedFormFactor) {
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   // 40 mm × 20 mm, 30 mm in front of the wall, facing it (edge_u × edge_v = −z), its corner over the centre.
   scene.lights = {RectangleLight{{0, 0, -0.27}, {0, 20_mm, 0}, {40_mm, 0, 0}, {5, 5, 5}}};
-  const Accelerator accelerator(scene);
   PathCounts counts;
-  const Statistics radiance = follow(accelerator, {{0, 0, -0.2}, {0, 0, -1}}, 20000, 1, counts);
+  const Statistics radiance = follow(scene, {{0, 0, -0.2}, {0, 0, -1}}, 20000, 1, counts);
   EXPECT_NEAR(radiance.mean(), 0.6 * 5 * corner_view_factor(0.04, 0.02, 0.03), 4 * radiance.standard_error());
   EXPECT_LT(radiance.standard_error() / radiance.mean(), 0.01) << "else the line above claims little";
 
   // The other side of the light is dark.
   scene.lights = {RectangleLight{{0, 0, -0.27}, {40_mm, 0, 0}, {0, 20_mm, 0}, {5, 5, 5}}};
-  EXPECT_EQ(follow(accelerator, {{0, 0, -0.2}, {0, 0, -1}}, 100, 1, counts).mean(), 0);
+  EXPECT_EQ(follow(scene, {{0, 0, -0.2}, {0, 0, -1}}, 100, 1, counts).mean(), 0);
 }
 
 TEST(Path, EmissiveMeshAndRectangleLightOfTheSameShapeGiveTheSameLight) {
@@ -139,10 +136,9 @@ TEST(Path, EmissiveMeshAndRectangleLightOfTheSameShapeGiveTheSameLight) {
   Scene scene;
   scene.materials = {grey(0.6), grey(0, 5)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_test_quad({0, 0, -0.27}, {20_mm, 0, 0}, {0, 20_mm, 0}, 1)};
-  const Accelerator accelerator(scene);
   PathCounts counts;
   const Ray ray{{0, 0, -0.28}, {0, 0, -1}};
-  const Statistics hit = follow(accelerator, ray, 40000, 2, counts);
+  const Statistics hit = follow(scene, ray, 40000, 2, counts);
   EXPECT_NEAR(hit.mean(), 0.6 * 5 * 4 * corner_view_factor(0.02, 0.02, 0.03), 4 * hit.standard_error());
 }
 
@@ -151,10 +147,9 @@ TEST(Path, AShadowIsBlack) {
   scene.materials = {grey(0.6), grey(0)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_test_quad({0, 20_mm, -0.28}, {2_mm, 0, 0}, {0, 2_mm, 0}, 1)};
   scene.lights = {PointLight{{0, 40_mm, -0.26}, {1, 1, 1}}};  // half way to the centre of the wall; its shadow is ±4 mm
-  const Accelerator accelerator(scene);
   PathCounts counts;
-  EXPECT_EQ(follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 100, unlimited, counts).mean(), 0);
-  EXPECT_GT(follow(accelerator, {{0, -8_mm, 0}, {0, 0, -1}}, 100, unlimited, counts).mean(), 0) << "beside the shadow";
+  EXPECT_EQ(follow(scene, {{0, 0, 0}, {0, 0, -1}}, 100, unlimited, counts).mean(), 0);
+  EXPECT_GT(follow(scene, {{0, -8_mm, 0}, {0, 0, -1}}, 100, unlimited, counts).mean(), 0) << "beside the shadow";
 }
 
 TEST(Path, PathsThatLeaveBringTheBackground) {
@@ -162,9 +157,8 @@ TEST(Path, PathsThatLeaveBringTheBackground) {
   scene.materials = {grey(0.6)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   scene.background = {2, 2, 2};
-  const Accelerator accelerator(scene);
   PathCounts counts;
-  const Statistics radiance = follow(accelerator, {{0, 0, 0}, {0, 0, -1}}, 10000, unlimited, counts);
+  const Statistics radiance = follow(scene, {{0, 0, 0}, {0, 0, -1}}, 10000, unlimited, counts);
   EXPECT_NEAR(radiance.mean(), 0.6 * 2, 4 * radiance.standard_error());  // a white sky on albedo 0.6
   EXPECT_EQ(counts.escaped + counts.absorbed, counts.paths);
 }
@@ -176,13 +170,13 @@ TEST(Accelerator, HitsAreExactToAHundredthOfAWavelength) {
   Scene scene;
   scene.materials = {grey(0.5)};
   scene.meshes = {make_test_quad(centre, u, v)};
-  const Accelerator accelerator(scene);
   const Vec3 normal = normalize(cross(u, v));
   int hits = 0;
   for (int i = 0; i < 200; ++i) {
     CounterRandom random(1, 0, uint64_t(i));
     const Ray ray{{}, view_direction(0.03 * (random.uniform() - 0.3), 0.03 * (random.uniform() - 0.5))};
     const double distance = dot(centre, normal) / dot(ray.direction, normal);
+    const Accelerator accelerator(scene);
     const auto hit = accelerator.closest_hit(ray);
     if (!hit) continue;
     ++hits;
@@ -199,9 +193,9 @@ TEST(Accelerator, TrianglesWithoutAreaAreNotMet) {
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_wall(-0.29, 10_mm, 10_mm)};
   // Three vertices on a slanted line across the view.
   scene.meshes[1].positions = {{-9_mm, -3_mm, -0.29}, {0, 0, -0.29}, {9_mm, 3_mm, -0.29}, {9_mm, 3_mm, -0.29}};
-  const Accelerator accelerator(scene);
   for (int i = -800; i <= 800; ++i) {
     const Vec3 target{i * 1e-5, i * 1e-5 / 3, -0.29};
+    const Accelerator accelerator(scene);
     const auto hit = accelerator.closest_hit({{}, normalize(target)});
     ASSERT_TRUE(hit);
     ASSERT_NEAR(hit->point.position.z, -0.3, 1e-12);
@@ -247,6 +241,7 @@ TEST(Accelerator, RefusesWhatItCannotTrace) {
   const auto sentence = [&](const std::function<void(Scene&)>& spoil) {
     Scene bad = scene;
     spoil(bad);
+    const Accelerator accelerator(scene);
     return error_of([&] { Accelerator accelerator(bad); });
   };
   EXPECT_EQ(sentence([](Scene& s) {

@@ -3,73 +3,11 @@
 #include <set>
 
 #include "holotrace/trace/first_hits.h"
-#include "holotrace/trace/material.h"
 #include "holotrace/trace/sampling.h"
 #include "trace/scenes.h"
 
 namespace holotrace {
 namespace {
-
-// Chi-square statistics as (χ² − k)/√(2k), k in the hundreds: 4 of its standard deviations are p = 6e-5.
-constexpr double deviations = 4;
-
-TEST(Sampling, DirectionsOfDiffuseMaterialsFollowTheirPdf) {
-  const Vec3 normal = normalize({1, -2, 3});
-  const SurfacePoint point{{}, normal, normal, {}, 0};
-  const Material material = grey(0.5);
-  constexpr int rows = 16, columns = 32, count = 200000, steps = 16;
-  std::vector<double> found(rows * columns), expected(rows * columns);
-  const Frame frame = frame_from_normal(normal);
-  CounterRandom random(1, 0, 0);
-  for (int i = 0; i < count; ++i) {
-    const Vec3 d = sample_material(material, point, random).direction;
-    ASSERT_NEAR(length(d), 1, 1e-14);  // a few roundings
-    const double height = dot(d, normal), angle = std::atan2(dot(d, frame.y), dot(d, frame.x));
-    const int row = int(height * rows), column = int((angle / (2 * pi) + 0.5) * columns);
-    ++found[size_t(std::min(row, rows - 1) * columns + std::min(column, columns - 1))];
-  }
-  // Midpoint rule over cells of height and angle, whose area is their solid angle; exact for the cosine.
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column)
-      for (int i = 0; i < steps; ++i) {
-        const double z = (row + (i + 0.5) / steps) / rows, angle = 2 * pi * ((column + 0.5) / columns - 0.5);
-        const double s = std::sqrt(1 - z * z);
-        const Vec3 d = transform_vector(frame, {s * std::cos(angle), s * std::sin(angle), z});
-        expected[size_t(row * columns + column)] +=
-            count * pdf_material(material, point, d) * (2 * pi / columns) * (1.0 / rows) / steps;
-      }
-  double chi_square = 0;
-  for (size_t i = 0; i < found.size(); ++i)
-    chi_square += (found[i] - expected[i]) * (found[i] - expected[i]) / expected[i];
-  const double freedom = rows * columns - 1;
-  EXPECT_LT(std::abs(chi_square - freedom) / std::sqrt(2 * freedom), deviations);
-}
-
-TEST(Sampling, WeightOfAMaterialSampleIsItsValueOverItsPdf) {
-  const Vec3 normal = normalize({0.3, 0.1, 1});
-  const SurfacePoint point{{}, normal, normal, {}, 0};
-  const Material material = DiffuseMaterial{{0.2, 0.5, 0.9}, nullptr, {}};
-  CounterRandom random(2, 0, 0);
-  for (int i = 0; i < 100; ++i) {
-    const MaterialSample s = sample_material(material, point, random);
-    const Vec3 ratio = eval_material(material, point, s.direction) / pdf_material(material, point, s.direction);
-    EXPECT_NEAR(length(s.weight - ratio), 0, 1e-14);  // a few roundings
-  }
-}
-
-TEST(Sampling, DiffuseSurfacesReflectTheirAlbedoAndNothingThroughTheTriangle) {
-  const Vec3 normal{0, 0, 1};
-  const SurfacePoint point{{}, normal, normal, {}, 0};
-  const Material material = grey(0.7);
-  // ∫ f cosθ dω by the midpoint rule in height and one angle: exact for the cosine.
-  double sum = 0;
-  for (int i = 0; i < 64; ++i) {
-    const double z = (i + 0.5) / 64;
-    sum += eval_material(material, point, {std::sqrt(1 - z * z), 0, z}).x * 2 * pi / 64;
-  }
-  EXPECT_NEAR(sum, 0.7, 1e-14);
-  EXPECT_EQ(eval_material(material, point, {0, 0, -1}), Vec3());
-}
 
 TEST(Sampling, StrataTileTheSquareInCellsOfEqualArea) {
   for (int64_t count : {1, 2, 3, 7, 10, 64, 1000}) {

@@ -3,6 +3,7 @@
 
 #include <mutex>
 
+#include "holotrace/base/random.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/spectrum.h"
 #include "holotrace/trace/trace.h"

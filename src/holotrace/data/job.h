@@ -12,7 +12,7 @@ namespace holotrace {
 /// All that a scene file says: the scene, the light, the panel, and the parameters of each stage.
 struct Job {
   Scene scene;
-  double wavelength = 0;  ///< [m]
+  std::vector<double> wavelengths;  ///< [m], at least one; the first is that of single-coloured commands
   Slm slm;
   TraceParams trace;
   RenderParams render;

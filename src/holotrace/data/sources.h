@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "holotrace/base/vec.h"
@@ -18,11 +20,36 @@ struct Source {
   bool operator==(const Source&) const = default;
 };
 
-/// Waves of one wavelength [m].
-struct Sources {
-  double wavelength = 0;
-  std::vector<Source> waves;
+/// The panel cut into columns × rows tiles of (almost) equal size, row 0 on top: tile (c, r) holds the pixels
+/// ⌊c·nx/columns⌋ ≤ i < ⌊(c+1)·nx/columns⌋, and rows alike. Each wave has an amplitude of its own in each.
+struct TileAmplitudes {
+  int columns = 0, rows = 0;  ///< 0: the waves have one amplitude for the whole panel
+  std::vector<float> values;  ///< values[tile·waves + wave], tile = r·columns + c [√(W/m²)]
+  bool operator==(const TileAmplitudes&) const = default;
 };
+
+/// Waves of one wavelength, all coherent with each other.
+struct Sources {
+  double wavelength = 0;  ///< [m]
+  std::vector<Source> waves{};
+  TileAmplitudes tiles{};  ///< overrule the amplitudes of the waves
+  std::string name{};      ///< of the layer or light that they show, "" for all light
+
+  /// Waves with equal keys start with the same random phase, 2π·u(seed, frame, key) (source_phase.h); a wave
+  /// without a random part has the key `no_phase_key`. Empty: no wave has one.
+  std::vector<uint64_t> phase_keys{};
+  uint64_t seed = 0;
+  uint32_t frame = 0;  ///< that the phases are of
+
+  static constexpr uint64_t no_phase_key = ~uint64_t(0);
+};
+
+/// The random part of a wave's phase in a frame [rad], in [0, 2π).
+double random_phase(uint64_t seed, uint32_t frame, uint64_t key);
+
+/// The same waves in another frame of a time-multiplexed hologram: independent random phases, all else alike. Cost:
+/// one hash per wave, so a further frame needs no tracing.
+void set_frame(Sources& sources, uint32_t frame);
 
 /// @throws Error, naming the first wave at fault, unless every number is finite and every wave is
 ///         behind the panel (z < 0).

@@ -4,18 +4,20 @@
 
 namespace holotrace {
 
-/// Weights of red, green and blue at a wavelength [m]: they sum to 1 and run straight between
-/// blue at 460 nm, green at 532 nm and red at 630 nm; outside that span the end channel has it all.
-/// Colours of scenes are thus what a laser of each of those three lines would see.
+/// Where the red, green and blue of scenes stand in the spectrum [m].
+inline constexpr double red_line = 630e-9, green_line = 532e-9, blue_line = 460e-9;
+
+/// Weights of red, green and blue at a wavelength [m]: they sum to 1 and run straight between the three lines;
+/// outside that span the end channel has it all. Colours of scenes are thus what a laser of each of those
+/// three lines would see, and a white is 1 at every wavelength.
 inline Vec3 channel_weights(double wavelength) {
-  constexpr double blue = 460e-9, green = 532e-9, red = 630e-9;
-  if (wavelength <= blue) return {0, 0, 1};
-  if (wavelength >= red) return {1, 0, 0};
-  if (wavelength <= green) {
-    const double t = (wavelength - blue) / (green - blue);
+  if (wavelength <= blue_line) return {0, 0, 1};
+  if (wavelength >= red_line) return {1, 0, 0};
+  if (wavelength <= green_line) {
+    const double t = (wavelength - blue_line) / (green_line - blue_line);
     return {0, t, 1 - t};
   }
-  const double t = (wavelength - green) / (red - green);
+  const double t = (wavelength - green_line) / (red_line - green_line);
   return {t, 1 - t, 0};
 }
 

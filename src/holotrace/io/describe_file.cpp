@@ -27,7 +27,7 @@ Json describe(const Job& job) {
   size_t triangles = 0;
   for (const Mesh& mesh : job.scene.meshes) triangles += mesh.triangles.size();
   return {{"kind", "scene"},
-          {"wavelength", format_length(job.wavelength)},
+          {"wavelength", format_length(job.wavelengths.front())},
           {"slm", job.slm.name},
           {"panel", size_text(job.slm.grid.nx, job.slm.grid.ny) + " at " + format_length(job.slm.grid.pitch)},
           {"points", job.scene.points.size()},

@@ -74,9 +74,10 @@ struct Reader {
       if (colour.a < 1) warn(fmt::format("material \"{}\" is see-through, it is shown opaque", name));
     }
     aiColor3D emission;
+    Vec3 emitted;
     if (source.Get(AI_MATKEY_COLOR_EMISSIVE, emission) == aiReturn_SUCCESS && std::isfinite(emission.r) &&
         std::isfinite(emission.g) && std::isfinite(emission.b))
-      material.emission = {std::max(emission.r, 0.f), std::max(emission.g, 0.f), std::max(emission.b, 0.f)};
+      emitted = {std::max(emission.r, 0.f), std::max(emission.g, 0.f), std::max(emission.b, 0.f)};
     float metallic = 0, opacity = 1;
     if (source.Get(AI_MATKEY_METALLIC_FACTOR, metallic) == aiReturn_SUCCESS && metallic > 0)
       warn(fmt::format("material \"{}\" is metallic, it is shown diffuse", name));
@@ -88,7 +89,7 @@ struct Reader {
     if (source.GetTexture(aiTextureType_BASE_COLOR, 0, &texture) == aiReturn_SUCCESS ||
         source.GetTexture(aiTextureType_DIFFUSE, 0, &texture) == aiReturn_SUCCESS)
       material.texture = read_texture(texture);
-    model.materials.push_back(material);
+    model.materials.push_back({material, emitted});
   }
 
   void read_mesh(const aiMesh& source, const Frame& frame) {

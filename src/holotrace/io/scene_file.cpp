@@ -41,7 +41,8 @@ Material read_material(TomlTable table) {
   if (type != "diffuse") throw Error(table.where("type") + unknown_name_message("material type", type, {"diffuse"}));
   DiffuseMaterial material;
   table.colour("reflectance", material.reflectance, 1);
-  table.colour("emission", material.emission, unbounded);
+  Vec3 emission;
+  table.colour("emission", emission, unbounded);
   std::string texture;
   table.text("texture", texture);
   table.refuse_unknown_keys();
@@ -50,7 +51,7 @@ Material read_material(TomlTable table) {
                  [&] { material.texture = std::make_shared<Image>(load_image(table.beside("texture", texture))); });
     if (!table.has("reflectance")) material.reflectance = {1, 1, 1};  // the texture alone
   }
-  return material;
+  return {material, emission};
 }
 
 Light read_light(TomlTable table) {
@@ -112,8 +113,9 @@ Job read_job(TomlTable& root) {
   root.require_key("wavelength");
   root.refuse_unknown_keys();
 
-  root.length("wavelength", job.wavelength);
-  root.locate("wavelength", [&] { check_wavelength(job.wavelength); });
+  job.wavelengths.resize(1);
+  root.length("wavelength", job.wavelengths[0]);
+  root.locate("wavelength", [&] { check_wavelength(job.wavelengths[0]); });
   root.colour("background", job.scene.background, unbounded);
   const auto slm = root.table("slm");
   job.slm = slm ? read_slm(*slm) : slm_preset("pluto");

@@ -202,7 +202,7 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
       const std::string file = read_file_name(object, "texture");
       Image texture;
       object.locate("texture", [&] { texture = load_image(file); });
-      return {{}, make_point_quad(width, height, columns, rows, &texture, channel_weights(job_.wavelength))};
+      return {{}, make_point_quad(width, height, columns, rows, &texture, channel_weights(job_.wavelengths.front()))};
     }
     std::string none;
     object.text("texture", none);  // makes the key known

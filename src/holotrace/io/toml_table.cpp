@@ -154,6 +154,21 @@ void TomlTable::lengths(const char* key, std::vector<double>& value, const char*
     require(one >= 0, "{}expected lengths of 0 m or more for \"{}\", got {}", where(key), key, format_length(one));
 }
 
+void TomlTable::texts(const char* key, std::vector<std::string>& value, const char*) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  const auto append = [&](const toml::node& item) {
+    const auto text = item.value_exact<std::string>();
+    if (!text) fail_kind(key, "a text in quotes, or a list of them,", item);
+    value.push_back(*text);
+  };
+  value.clear();
+  if (const toml::array* list = node->as_array())
+    for (const toml::node& item : *list) append(item);
+  else
+    append(*node);
+}
+
 void TomlTable::angle(const char* key, double& value, const char*) {
   const toml::node* node = find(key);
   if (!node) return;

@@ -60,6 +60,8 @@ class TomlTable {
   void length(const char* key, double& value, const char* help = "");                ///< "8 um", ≥ 0 m
   void lengths(const char* key, std::vector<double>& value, const char* help = "");  ///< "1 2 mm" or a list, each ≥ 0
   void angle(const char* key, double& value, const char* help = "");                 ///< "15 deg"
+  void position(const char* key, Vec3& value, const char* = "") { length_vector(key, value); }
+  void texts(const char* key, std::vector<std::string>& value, const char* help = "");  ///< a text or a list of them
 
   /// One of a few names.
   template <class Enum>

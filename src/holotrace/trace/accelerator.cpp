@@ -31,6 +31,9 @@ void check_light(const PointLight& light, size_t index) {
           index, light.intensity.x, light.intensity.y, light.intensity.z);
 }
 
+template <class Other>
+void check_light(const Other&, size_t) {}
+
 void check_light(const RectangleLight& light, size_t index) {
   require(is_finite(light.corner), "expected a finite corner of light {}", index);
   const double area = length(cross(light.edge_u, light.edge_v));
@@ -39,30 +42,44 @@ void check_light(const RectangleLight& light, size_t index) {
           index, light.radiance.x, light.radiance.y, light.radiance.z);
 }
 
-void check_material(const DiffuseMaterial& material, size_t index) {
+void check_texture(const Image* image, const char* what, size_t index) {
+  if (!image) return;
+  const bool is_complete = image->values.size() == size_t(image->nx) * size_t(image->ny) * size_t(image->channels);
+  require(image->nx > 0 && image->ny > 0 && (image->channels == 1 || image->channels == 3) && is_complete,
+          "expected {} of at least 1 × 1 pixels with 1 or 3 channels in material {}, got {} × {} with {}", what, index,
+          image->nx, image->ny, image->channels);
+}
+
+void check_surface(const DiffuseMaterial& material, size_t index) {
   require(is_light_value(material.reflectance), "expected a reflectance from 0 to 1 in material {}, got ({}, {}, {})",
           index, material.reflectance.x, material.reflectance.y, material.reflectance.z);
+  check_texture(material.texture.get(), "a texture", index);
+}
+
+template <class Surface>
+void check_surface(const Surface&, size_t) {}
+
+void check_material(const Material& material, size_t index) {
+  std::visit([&](const auto& surface) { check_surface(surface, index); }, material.surface);
   require(is_light_value(material.emission),
           "expected an emission of 0 W/m²/sr or more in material {}, got ({}, {}, {})", index, material.emission.x,
           material.emission.y, material.emission.z);
-  if (!material.texture) return;
-  const Image& image = *material.texture;
-  const bool is_complete = image.values.size() == size_t(image.nx) * size_t(image.ny) * size_t(image.channels);
-  require(image.nx > 0 && image.ny > 0 && (image.channels == 1 || image.channels == 3) && is_complete,
-          "expected a texture of at least 1 × 1 pixels with 1 or 3 channels in material {}, got {} × {} with {}", index,
-          image.nx, image.ny, image.channels);
 }
 
 bool has_texture(const DiffuseMaterial& material) { return material.texture != nullptr; }
 
+template <class Surface>
+bool has_texture(const Surface&) {
+  return false;
+}
+
 void check_light_and_materials(const Scene& scene) {
   for (size_t i = 0; i < scene.lights.size(); ++i)
     std::visit([&](const auto& light) { check_light(light, i); }, scene.lights[i]);
-  for (size_t i = 0; i < scene.materials.size(); ++i)
-    std::visit([&](const auto& material) { check_material(material, i); }, scene.materials[i]);
+  for (size_t i = 0; i < scene.materials.size(); ++i) check_material(scene.materials[i], i);
   for (const Mesh& mesh : scene.meshes) {
-    const bool is_textured =
-        std::visit([](const auto& material) { return has_texture(material); }, scene.materials[size_t(mesh.material)]);
+    const bool is_textured = std::visit([](const auto& surface) { return has_texture(surface); },
+                                        scene.materials[size_t(mesh.material)].surface);
     require(!is_textured || !mesh.texture_coordinates.empty(),
             "expected texture coordinates in mesh \"{}\", whose material has a texture, got none; add them or use a "
             "material without a texture",
@@ -173,7 +190,8 @@ struct Accelerator::Implementation {
     point.position = a + (b - a) * b1 + (c - a) * b2;
     hit.distance = dot(point.position - ray.origin, ray.direction);
     point.geometric_normal = normalize(cross(b - a, c - a));
-    if (dot(point.geometric_normal, ray.direction) > 0) point.geometric_normal = -point.geometric_normal;
+    point.is_front = dot(point.geometric_normal, ray.direction) <= 0;
+    if (!point.is_front) point.geometric_normal = -point.geometric_normal;
     point.normal = point.geometric_normal;
     if (!mesh.normals.empty()) {
       const Vec3 smooth = mesh.normals[i] * b0 + mesh.normals[j] * b1 + mesh.normals[k] * b2;
@@ -183,8 +201,16 @@ struct Accelerator::Implementation {
     if (!mesh.texture_coordinates.empty()) {
       const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
       point.uv = {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
+      const double u1 = q.x - p.x, v1 = q.y - p.y, u2 = r.x - p.x, v2 = r.y - p.y;
+      if (const double area = u1 * v2 - u2 * v1; area != 0) {
+        point.tangent_u = ((b - a) * v2 - (c - a) * v1) / area;
+        point.tangent_v = ((c - a) * u1 - (b - a) * u2) / area;
+      }
     }
+    if (!mesh.colours.empty()) point.colour = mesh.colours[i] * b0 + mesh.colours[j] * b1 + mesh.colours[k] * b2;
     point.material = mesh.material;
+    point.mesh = found.geomID;
+    point.triangle = found.primID;
     return hit;
   }
 };

@@ -5,7 +5,7 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/scene.h"
-#include "holotrace/trace/material.h"
+#include "holotrace/trace/surface_point.h"
 
 namespace holotrace {
 

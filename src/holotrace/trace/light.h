@@ -41,6 +41,11 @@ inline LightSample sample(const RectangleLight& light, Vec3 from, double u, doub
   return {position, direction, light.radiance, distance * distance / projected_area};
 }
 
+template <class Other>
+LightSample sample(const Other&, Vec3 from, double, double) {
+  return {from, {}, {}, 1};
+}
+
 /// Draws a way from the point `from` [m] to a light, by two numbers in [0, 1).
 inline LightSample sample_light(const Light& light, Vec3 from, double u, double v) {
   return std::visit([&](const auto& l) { return sample(l, from, u, v); }, light);

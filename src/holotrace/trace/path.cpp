@@ -2,30 +2,45 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "holotrace/base/error.h"
+#include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/light.h"
 
 namespace holotrace {
 
 namespace {
 
-Vec3 multiply(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-
 bool is_black(Vec3 v) { return v.x <= 0 && v.y <= 0 && v.z <= 0; }
 
+void add(const PathScene& scene, uint32_t layers, int group, Vec3 radiance, std::span<Vec3> sums) {
+  const int count = scene.automaton.layers(), first = scene.params.separate_lights ? group * count : 0;
+  for (int layer = 0; layer < count; ++layer)
+    if (layers >> layer & 1) sums[size_t(first + layer)] += radiance;
+}
+
 /// Light of all lights that a surface sends back, by one shadow ray to each.
-Vec3 direct_light(const Accelerator& scene, const Material& material, const SurfacePoint& point, CounterRandom& random,
-                  PathCounts& counts) {
-  Vec3 sum;
-  for (const Light& light : scene.scene().lights) {
-    const double u = random.uniform(), v = random.uniform();
-    const LightSample way = sample_light(light, point.position, u, v);
+void add_direct_light(const PathScene& scene, const Bsdf& bsdf, const SurfacePoint& point, Vec3 outgoing,
+                      Vec3 throughput, PathAutomaton::State state, LowDiscrepancy& numbers, std::span<Vec3> sums,
+                      PathCounts& counts) {
+  const auto& lights = scene.scene.lights;
+  for (size_t i = 0; i < lights.size(); ++i) {
+    const Vec2 u = numbers.two();
+    const LightSample way = sample_light(lights[i], point.position, u.x, u.y);
     if (is_black(way.radiance)) continue;
-    const Vec3 reflected = multiply(eval_material(material, point, way.direction), way.radiance) / way.pdf;
+    const Vec3 reflected =
+        eval_bsdf(bsdf, outgoing, way.direction, Lobe::diffuse) * scene.lines.from_rgb(way.radiance) / way.pdf;
     if (is_black(reflected)) continue;
     ++counts.shadow_rays;
-    if (!scene.is_occluded(scene.leave(point), way.position)) sum += reflected;
+    if (scene.accelerator.is_occluded(scene.accelerator.leave(point), way.position)) continue;
+    const auto event = scene.automaton.step(state, PathEvent::diffuse);
+    add(scene, scene.automaton.accepted(event), int(i), throughput * reflected, sums);
   }
-  return sum;
+}
+
+PathEvent event_of(Lobe lobe) {
+  return lobe == Lobe::diffuse ? PathEvent::diffuse : lobe == Lobe::glossy ? PathEvent::glossy : PathEvent::specular;
 }
 
 }  // namespace
@@ -58,44 +73,63 @@ void report(const PathCounts& counts, int max_depth, const Observer& observer) {
                     100.0 * double(counts.cut) / double(counts.paths), max_depth));
 }
 
-Vec3 path_radiance(const Accelerator& scene, const SurfacePoint& first, int max_depth, CounterRandom& random,
-                   PathCounts& counts) {
-  ++counts.paths;
-  Vec3 radiance, throughput{1, 1, 1};
-  SurfacePoint point = first;
-  for (int depth = 1;; ++depth) {
-    ++counts.vertices;
-    const Material& material = scene.scene().materials[size_t(point.material)];
-    radiance += multiply(throughput, eval_emission(material) + direct_light(scene, material, point, random, counts));
+PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& layers,
+                     const PathParams& params)
+    : scene(scene), accelerator(scene), emitters(scene, lines), automaton(layers), lines(lines), params(params) {
+  require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
+}
 
-    const MaterialSample next = sample_material(material, point, random);
-    throughput = multiply(throughput, next.weight);
-    const double goes_on = max_component(throughput);
-    if (!(random.uniform() < goes_on)) {
+void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
+                  PathCounts& counts) {
+  ++counts.paths;
+  Vec3 throughput{1, 1, 1}, outgoing = start.outgoing;
+  SurfacePoint point = start.point;
+  PathAutomaton::State state = start.state;
+  for (int depth = start.depth;; ++depth) {
+    ++counts.vertices;
+    const Material& material = scene.scene.materials[size_t(point.material)];
+    const Bsdf bsdf = make_bsdf(material, point, scene.lines);
+    add(scene, scene.automaton.accepted(state), scene.emitters.mesh_group(),
+        throughput * emitted_radiance(material, point, scene.lines), sums);
+    add_direct_light(scene, bsdf, point, outgoing, throughput, state, numbers, sums, counts);
+
+    const double u_lobe = numbers.one();
+    const auto next = sample_bsdf(bsdf, outgoing, u_lobe, numbers.two());
+    if (next) throughput *= next->weight;
+    const double goes_on = next ? max_component(throughput) : 0;
+    if (!(numbers.one() < goes_on)) {
       ++counts.absorbed;
-      return radiance;
+      return;
     }
-    if (depth >= max_depth) {
+    if (depth >= scene.params.max_depth) {
       ++counts.cut;
-      return radiance;
+      return;
     }
     throughput = throughput / goes_on;
+    state = scene.automaton.step(state, event_of(next->lobe));
 
     ++counts.rays;
-    const auto hit = scene.closest_hit({scene.leave(point), next.direction});
+    const auto hit = scene.accelerator.closest_hit({scene.accelerator.leave(point), next->direction});
     if (!hit) {
       ++counts.escaped;
-      return radiance + multiply(throughput, scene.scene().background);
+      add(scene, scene.automaton.accepted(state), scene.emitters.background_group(),
+          throughput * scene.emitters.background(next->direction), sums);
+      return;
     }
     point = hit->point;
+    outgoing = -next->direction;
   }
 }
 
-Vec3 mean_path_radiance(const Accelerator& scene, const SurfacePoint& first, int paths, int max_depth,
-                        CounterRandom& random, PathCounts& counts) {
-  Vec3 sum;
-  for (int path = 0; path < paths; ++path) sum += path_radiance(scene, first, max_depth, random, counts);
-  return sum / paths;
+void mean_radiance(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Vec3> sums,
+                   PathCounts& counts) {
+  std::fill(sums.begin(), sums.end(), Vec3{});
+  LowDiscrepancy numbers(scene.params.seed, 0, sample);
+  for (int path = 0; path < paths; ++path) {
+    numbers.start(uint32_t(path));
+    add_radiance(scene, start, numbers, sums, counts);
+  }
+  for (Vec3& sum : sums) sum = sum / paths;
 }
 
 }  // namespace holotrace

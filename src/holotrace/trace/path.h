@@ -1,10 +1,13 @@
 #pragma once
 
+#include <array>
+#include <complex>
 #include <cstdint>
+#include <span>
 
+#include "holotrace/base/low_discrepancy.h"
 #include "holotrace/base/observer.h"
-#include "holotrace/base/random.h"
-#include "holotrace/trace/accelerator.h"
+#include "holotrace/trace/path_scene.h"
 
 namespace holotrace {
 
@@ -28,30 +31,44 @@ struct PathCounts {
 /// "absorbed" and "cut", and warns when cut paths cost light.
 void report(const PathCounts& counts, int max_depth, const Observer& observer);
 
-/// Radiance that one light path finds leaving a surface point toward where the path came from, in red,
-/// green and blue [W/m²/sr]: an unbiased estimate of the rendering equation up to `max_depth` surfaces.
+/// Where light paths begin: a surface that a ray from the panel or a lens has met, perhaps by way of mirrors and glass.
+struct PathStart {
+  SurfacePoint point;              ///< as shading_point returns it
+  Vec3 outgoing;                   ///< unit, from the surface back along the ray
+  PathAutomaton::State state = 0;  ///< after E and an S for each mirror or glass surface on the way
+  int depth = 1;                   ///< surfaces so far, this one included
+};
+
+/// Adds the radiance that one light path finds leaving `start.point` along `start.outgoing`, at the lines
+/// [W/m²/sr], to sums[i] (PathScene::sums): an unbiased estimate of the rendering equation up to
+/// `max_depth` surfaces.
 ///
 ///     L = Σₖ βₖ · (emissionₖ + Σ_lights f·cosθ·radiance/pdf · visibility)  (+ β · background where it escapes)
 ///
-/// - Every light is asked at every surface (next-event estimation): the cost grows with their number.
-///   Rectangle lights are met in no other way, for paths pass through them; meshes that emit are found
-///   by hitting them and not asked, so no light counts twice.
-/// - Roulette from the first surface on: with β the throughput and ρ = f·cosθ/pdf the weight of the
-///   drawn direction, the path goes on with probability q = max(β·ρ), and β becomes β·ρ/q. The largest
-///   component of β is therefore always 1, q is the albedo on grey surfaces, and in a closed grey scene
-///   the mean number of surfaces is 1/(1−ρ) (Eq. 20).
-/// - Paths that would go on beyond `max_depth` surfaces are cut, which loses their light.
-///
-/// @param scene      the scene, ready for rays
-/// @param first      where the path begins, its normals toward the viewer
-/// @param max_depth  most surfaces on the path, `first` included, ≥ 1
-/// @param random     the path's own numbers
-/// @param counts     what happened is added here
-Vec3 path_radiance(const Accelerator& scene, const SurfacePoint& first, int max_depth, CounterRandom& random,
+/// @param numbers  the path's own, started
+/// @param sums     as many as PathScene::sums()
+/// @param counts   what happened is added here
+void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
+                  PathCounts& counts);
+
+/// The mean of `paths` paths from the same start, numbers keyed by (scene.params.seed, sample). `sums` is overwritten.
+void mean_radiance(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Vec3> sums,
                    PathCounts& counts);
 
-/// The mean of `paths` independent paths from the same point.
-Vec3 mean_path_radiance(const Accelerator& scene, const SurfacePoint& first, int paths, int max_depth,
-                        CounterRandom& random, PathCounts& counts);
+/// Complex amplitudes at the three lines.
+using Phasors = std::array<std::complex<double>, 3>;
+
+/// Light of a laser that leaves `start.point` along `start.outgoing`, as amplitudes whose squared modulus is radiance
+/// and whose phase is 2π/λ times the optical path from the laser to the point, plus Fresnel's phases. `sums` is
+/// overwritten.
+///
+/// - Ways without a free choice (the laser lights the point directly, through no random bounce) are all alike and add
+///   up coherently as they are: √L·exp(iφ), L their mean.
+/// - A way with random bounces is one of `paths` equally bright ones: √(L/paths)·exp(iφ) each, so that E|U|² is the
+/// mean
+///   radiance and the sum is speckle, as laser light off rough surfaces is.
+/// - Other light has no phase to follow: it adds with random phases.
+void laser_phasors(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Phasors> sums,
+                   PathCounts& counts);
 
 }  // namespace holotrace

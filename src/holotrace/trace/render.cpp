@@ -39,17 +39,23 @@ void add(Image& image, int row, int column, Vec3 radiance) {
   image(row, column, 2) += float(radiance.z);
 }
 
-Vec3 render_pixel(const Accelerator& scene, const Pinhole& pinhole, int row, int column, const RenderParams& params,
+Vec3 render_pixel(const PathScene& scene, const Pinhole& pinhole, int row, int column, const RenderParams& params,
                   PathCounts& counts) {
-  CounterRandom random(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(pinhole.columns) + uint64_t(column));
+  LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(pinhole.columns) + uint64_t(column));
+  std::vector<Vec3> sums(size_t(scene.sums()));
   Vec3 sum;
   for (int path = 0; path < params.paths; ++path) {
-    const double u = random.uniform(), v = random.uniform();
-    const Vec2 place = stratum(path, params.paths, u, v);
+    numbers.start(uint32_t(path));
+    const Vec2 place = numbers.two();
     ++counts.rays;
-    const auto hit = scene.closest_hit(pinhole.ray(column + place.x, row + place.y));
-    sum += hit ? path_radiance(scene, hit->point, params.max_depth, random, counts) : scene.scene().background;
+    const Ray ray = pinhole.ray(column + place.x, row + place.y);
+    const auto hit = scene.accelerator.closest_hit(ray);
+    if (hit)
+      add_radiance(scene, {hit->point, -ray.direction, scene.automaton.start(), 1}, numbers, sums, counts);
+    else
+      sum += scene.emitters.background(ray.direction);
   }
+  for (const Vec3 layer : sums) sum += layer;
   return sum / params.paths;
 }
 
@@ -90,16 +96,19 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
 
   const int rows = params.rows, columns = params.columns > 0 ? params.columns : rows;
   const Pinhole pinhole{columns, rows, 2 * raster_tangent(params.field_of_view, panel, wavelength) / rows};
-  const Accelerator accelerator(scene);
+  PathParams path_params;
+  path_params.max_depth = params.max_depth;
+  path_params.seed = uint64_t(params.seed);
+  const PathScene path_scene(scene, Lines{}, params.layers, path_params);
   require_memory(3.0 * sizeof(float) * columns * rows, fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);
   std::vector<PathCounts> counts(size_t(rows), PathCounts{});
   const auto render_row = [&](int64_t row) {
     for (int column = 0; column < columns; ++column)
-      add(image, int(row), column, render_pixel(accelerator, pinhole, int(row), column, params, counts[size_t(row)]));
+      add(image, int(row), column, render_pixel(path_scene, pinhole, int(row), column, params, counts[size_t(row)]));
   };
   parallel_for(0, rows, render_row, observer);
-  draw_points(accelerator, pinhole, image);
+  draw_points(path_scene.accelerator, pinhole, image);
 
   PathCounts total;
   for (const PathCounts& row : counts) total += row;

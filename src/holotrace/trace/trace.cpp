@@ -12,7 +12,6 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/spectrum.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/path.h"
 
@@ -52,19 +51,23 @@ struct Block {
 };
 
 /// Follows ray `index` to its first hit and traces light there.
-void trace_sample(const Accelerator& scene, const FirstHits& pattern, int64_t index, double wavelength,
-                  const TraceParams& params, Block& block) {
-  CounterRandom random(uint64_t(params.seed), 0, scene.scene().points.size() + uint64_t(index));
+void trace_sample(const PathScene& scene, const FirstHits& pattern, int64_t index, const TraceParams& params,
+                  Block& block) {
+  const uint64_t sample = scene.scene.points.size() + uint64_t(index);
+  CounterRandom random(uint64_t(params.seed), 0, sample);
   const double phase = draw_phase(params.phase, random);
   const auto ray = pattern.ray(index, random);
   if (!ray) return;
   ++block.counts.rays;
-  const auto hit = scene.closest_hit(*ray);
+  const auto hit = scene.accelerator.closest_hit(*ray);
   if (!hit) return;
   ++block.first_hits;
   const Vec3 origin = hit->point.position;
-  const Vec3 rgb = mean_path_radiance(scene, hit->point, params.paths, params.max_depth, random, block.counts);
-  const double radiance = radiance_at(wavelength, rgb);
+  std::vector<Vec3> sums(size_t(scene.sums()));
+  mean_radiance(scene, {hit->point, -ray->direction, scene.automaton.start(), 1}, params.paths, sample, sums,
+                block.counts);
+  double radiance = 0;
+  for (const Vec3 sum : sums) radiance += sum.x;
   const double light = params.amplitude == AmplitudeLaw::sqrt ? radiance : radiance * radiance;
   const double amplitude = std::sqrt(light * pattern.squared_amplitude(*ray, origin));
   if (amplitude > 0) block.waves.push_back({origin, float(amplitude), float(phase)});
@@ -86,15 +89,14 @@ std::string unseen_sentence(const Grid& panel, double wavelength, const TracePar
 }
 
 /// The waves of the meshes, and the facts of their tracing.
-void append_meshes(const Accelerator& accelerator, const Grid& panel, double wavelength, const TraceParams& params,
+void append_meshes(const PathScene& path_scene, const Grid& panel, double wavelength, const TraceParams& params,
                    const FirstHits& pattern, const Observer& observer, std::vector<Source>& waves) {
   const int64_t count = pattern.count();
   require_memory(double(count) * sizeof(Source), fmt::format("the waves of {} first hits", count));
   std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
   const auto trace_block = [&](int64_t b) {
     const int64_t end = std::min(count, (b + 1) * block_size);
-    for (int64_t i = b * block_size; i < end; ++i)
-      trace_sample(accelerator, pattern, i, wavelength, params, blocks[size_t(b)]);
+    for (int64_t i = b * block_size; i < end; ++i) trace_sample(path_scene, pattern, i, params, blocks[size_t(b)]);
   };
   parallel_for(0, int64_t(blocks.size()), trace_block, observer);
 
@@ -123,15 +125,26 @@ Sources trace(const Scene& scene, const Grid& panel, double wavelength, const Tr
   check_wavelength(wavelength);
   check_params(params);
 
-  Sources sources{wavelength, {}};
-  const Accelerator accelerator(scene);
-  append_points(accelerator, params, sources.waves);
+  Sources sources;
+  sources.wavelength = wavelength;
+  PathParams path_params;
+  path_params.max_depth = params.max_depth;
+  path_params.seed = uint64_t(params.seed);
+  const PathScene path_scene(scene, make_lines(wavelength, wavelength, wavelength), params.layers, path_params);
+  append_points(path_scene.accelerator, params, sources.waves);
   if (!scene.meshes.empty()) {
     const FirstHits pattern(params, panel, wavelength);
-    append_meshes(accelerator, panel, wavelength, params, pattern, observer, sources.waves);
+    append_meshes(path_scene, panel, wavelength, params, pattern, observer, sources.waves);
   }
   observer.fact("waves", Fact(int64_t(sources.waves.size())));
   return sources;
+}
+
+std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
+                           const TraceParams& params, const Observer& observer) {
+  std::vector<Sources> sets;
+  for (const double wavelength : wavelengths) sets.push_back(trace(scene, panel, wavelength, params, observer));
+  return sets;
 }
 
 }  // namespace holotrace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "holotrace/base/observer.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/params.h"
@@ -55,5 +57,11 @@ namespace holotrace {
 /// Cost: one ray per first hit, then mean_path_length·(1 + lights) rays per path.
 Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
               const Observer& observer = {});
+
+/// The sets of waves of a scene, none coherent with another: for each wavelength in turn, one set; with
+/// params.separate_layers one per layer, with params.separate_lights one per light group (and layer). All of frame 0:
+/// set_frame makes the others.
+std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
+                           const TraceParams& params, const Observer& observer = {});
 
 }  // namespace holotrace

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+namespace holotrace {
+
+/// Complex refractive index n + ik against wavelength, straight between its samples, constant beyond the outer ones.
+/// With the time factor exp(−iωt), k > 0 absorbs.
+struct RefractiveIndex {
+  struct Sample {
+    double wavelength;  ///< [m], rising
+    double n, k;
+  };
+  std::vector<Sample> samples;  ///< at least one
+};
+
+/// @throws Error for an index without samples
+std::complex<double> index_at(const RefractiveIndex& index, double wavelength);
+
+/// The same n (k = 0) at every wavelength.
+RefractiveIndex constant_index(double n);
+
+/// Whether n differs between wavelengths by more than rounding: paths of different colours then part.
+bool is_dispersive(const RefractiveIndex& index);
+
+/// Measured indices over the visible, by chemical symbol: "Ag", "Al", "Au", "Cu", …
+/// @throws Error for an unknown name, suggesting the nearest
+RefractiveIndex metal_index(const std::string& name);
+std::vector<std::string> metal_names();
+
+/// Glasses and liquids by name: "BK7", "fused-silica", "water", "diamond", …
+/// @throws Error for an unknown name, suggesting the nearest
+RefractiveIndex glass_index(const std::string& name);
+std::vector<std::string> glass_names();
+
+}  // namespace holotrace

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+
+#include "holotrace/base/vec.h"
+
+namespace holotrace {
+
+/// A point of a surface as materials and lights see it. Normals are unit vectors on the side that the path
+/// came from.
+struct SurfacePoint {
+  Vec3 position;          ///< [m]
+  Vec3 geometric_normal;  ///< of the triangle
+  Vec3 normal;            ///< interpolated, for shading
+  Vec2 uv;
+  Vec3 tangent_u, tangent_v;  ///< ∂position/∂u and ∂position/∂v [m]; 0 without texture coordinates
+  Vec3 colour{1, 1, 1};       ///< of the vertices, interpolated
+  int material = 0;           ///< index into Scene::materials
+  bool is_front = true;       ///< the path came from the side that sees the triangle counter-clockwise
+  uint32_t mesh = 0, triangle = 0;
+};
+
+}  // namespace holotrace
