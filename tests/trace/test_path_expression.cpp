@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -93,9 +94,9 @@ std::string random_piece(std::mt19937& random, int depth) {
     case 1:
       return random_piece(random, depth - 1) + random_piece(random, depth - 1);
     case 2:
-      return "(" + random_piece(random, depth - 1) + "|" + random_piece(random, depth - 1) + ")";
+      return fmt::format("({}|{})", random_piece(random, depth - 1), random_piece(random, depth - 1));
     default:
-      return "[" + random_piece(random, depth - 1) + "]" + one_of("*+?*");
+      return fmt::format("[{}]{}", random_piece(random, depth - 1), one_of("*+?*"));
   }
 }
 
@@ -103,7 +104,7 @@ TEST(PathExpression, RandomExpressionsAgreeWithAnIndependentMatcher) {
   std::mt19937 random(1);
   const std::vector<std::string> shorter = words("DGS", 4);  // nested stars are slow in a matcher that backtracks
   for (int i = 0; i < 100; ++i) {
-    const std::string expression = "E" + random_piece(random, 4) + "L";
+    const std::string expression = fmt::format("E{}L", random_piece(random, 4));
     const PathAutomaton automaton({expression});
     const std::regex reference = as_regex(expression);
     for (const std::string& events : shorter)
@@ -130,7 +131,7 @@ TEST(PathExpression, EveryPathIsInExactlyOneLayerOfAPartition) {
 TEST(PathExpression, LayersTogetherAreTheLayersAlone) {
   std::vector<std::string> layers;
   std::mt19937 random(2);
-  for (int i = 0; i < 32; ++i) layers.push_back("E" + random_piece(random, 3) + "L");
+  for (int i = 0; i < 32; ++i) layers.push_back(fmt::format("E{}L", random_piece(random, 3)));
   const PathAutomaton together(layers);
   EXPECT_EQ(together.layers(), 32);
   EXPECT_EQ(together.expressions(), layers);
@@ -248,13 +249,13 @@ TEST(PathExpression, AnErrorInOneLayerNamesThatLayer) { EXPECT_EQ(error_of({"EL"
 TEST(PathExpression, SizesAreBounded) {
   EXPECT_EQ(error_of(std::vector<std::string>(32, "E.*L")), "no error");
   EXPECT_EQ(error_of(std::vector<std::string>(33, "E.*L")), "expected at most 32 path expressions, got 33");
-  EXPECT_EQ(error_of({"E" + std::string(253, 'D') + "L"}), "no error");
-  EXPECT_EQ(error_of({"E" + std::string(254, 'D') + "L"}),
+  EXPECT_EQ(error_of({fmt::format("E{}L", std::string(253, 'D'))}), "no error");
+  EXPECT_EQ(error_of({fmt::format("E{}L", std::string(254, 'D'))}),
             "expected a path expression of at most 255 characters, got 256");
-  EXPECT_EQ(error_of({"E" + std::string(120, '(') + "D" + std::string(120, ')') + "L"}), "no error");
+  EXPECT_EQ(error_of({fmt::format("E{}D{}L", std::string(120, '('), std::string(120, ')'))}), "no error");
   // Whether the n-th event from the end is D needs 2ⁿ states.
-  EXPECT_EQ(error_of({"E.*D" + std::string(9, '.') + "L"}), "no error");
-  EXPECT_EQ(error_of({"E.*D" + std::string(20, '.') + "L"}),
+  EXPECT_EQ(error_of({fmt::format("E.*D{}L", std::string(9, '.'))}), "no error");
+  EXPECT_EQ(error_of({fmt::format("E.*D{}L", std::string(20, '.'))}),
             "the path expressions need more than 10000 states together: use fewer or shorter ones");
 }
 

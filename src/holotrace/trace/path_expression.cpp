@@ -1,6 +1,9 @@
 #include "holotrace/trace/path_expression.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string_view>
@@ -142,8 +145,7 @@ class Reader {
     Piece result = choice();
     --open_groups_;
     if (const char c = peek(); c != closing) {
-      const std::string got =
-          c == end ? "the end" : "'" + std::string(1, c) + "' at character " + std::to_string(place_ + 1);
+      const std::string got = c == end ? "the end" : fmt::format("'{}' at character {}", c, place_ + 1);
       fail("path expression '{}': expected '{}' for the '{}' at character {}, got {}", text_, closing, text_[opened],
            opened + 1, got);
     }
@@ -189,7 +191,7 @@ Letters letters_on_paths(const Expression& expression) {
 
 /// What may have been meant by an expression that names no path: the same with the eye, a light or both.
 std::string nearest_path(const std::string& text, bool has_bare_choice) {
-  const std::string group = has_bare_choice ? "(" + text + ")" : text;
+  const std::string group = has_bare_choice ? fmt::format("({})", text) : text;
   for (const std::string& candidate : {"E" + group, group + "L", "E" + group + "L"}) {
     const Expression expression = Reader(candidate).read();
     if (letters_on_paths(expression).size() == expression.letters.size()) return candidate;
