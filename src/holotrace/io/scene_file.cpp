@@ -72,8 +72,11 @@ void check_params(const Job& job, TomlTable& root) {
 }
 
 std::vector<double> read_wavelengths(TomlTable& root) {
-  std::vector<double> wavelengths;
-  root.lengths("wavelength", wavelengths);
+  std::vector<double> wavelengths(1);
+  if (root.toml().get("wavelength")->is_array())
+    root.lengths("wavelength", wavelengths);
+  else
+    root.length("wavelength", wavelengths.front());
   for (size_t i = 0; i < wavelengths.size(); ++i) {
     root.locate("wavelength", [&] { check_wavelength(wavelengths[i]); });
     require(std::count(wavelengths.begin(), wavelengths.end(), wavelengths[i]) == 1,
