@@ -84,6 +84,63 @@ TEST(MeshFile, APlyMeshKeepsNormalsTextureCoordinatesAndQuads) {
   EXPECT_EQ(model.meshes[0].texture_coordinates[2], (Vec2{1, 1}));
 }
 
+TEST(MeshFile, ObjMaterialsWithAHighlightAreMetallicRoughness) {
+  Image data(1, 1, 3);
+  data.values = {float(srgb_decode(188 / 255.)), 0, 1};
+  save_image(test::temporary("normal.png"), data, 1, 8);
+  make_file("m.mtl",
+            "newmtl gloss\nKd 0.5 0.25 1\nKs 1 1 1\nNs 30\nillum 2\nnorm normal.png\n"
+            "newmtl metal\nKd 0.5 0.25 1\nPm 0.75\nPr 0.5\nKe 1 2 3\nmap_bump normal.png\n"
+            "newmtl glass\nKd 1 1 1\nNi 1.25\nd 0.25\nillum 7\n"
+            "newmtl flat\nKd 0.5 0.25 1\nKs 1 1 1\nNs 30\nillum 1\n");
+  const LoadedModel model =
+      load_meshes(make_file("m.obj",
+                            "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl gloss\nf 1/1 2/1 3/1\n"
+                            "usemtl metal\nf 1/1 2/1 3/1\nusemtl glass\nf 1/1 2/1 3/1\nusemtl flat\nf 1/1 2/1 3/1\n"));
+  ASSERT_EQ(model.meshes.size(), 4u);
+  const auto material = [&](size_t mesh) { return model.materials[size_t(model.meshes[mesh].material)]; };
+  const auto gloss = std::get<MetallicRoughnessMaterial>(material(0).surface);
+  EXPECT_EQ(gloss.base_color, (Vec3{0.5, 0.25, 1}));
+  EXPECT_EQ(gloss.metallic, 0);
+  EXPECT_DOUBLE_EQ(gloss.roughness, 0.5);  // α² = 2/(30 + 2) = 0.25², α = roughness²
+  ASSERT_TRUE(material(0).normal_map);
+  EXPECT_EQ(material(0).normal_map->values[0], 188 / 255.f);  // not decoded
+  const auto metal = std::get<MetallicRoughnessMaterial>(material(1).surface);
+  EXPECT_EQ(metal.metallic, 0.75);
+  EXPECT_EQ(metal.roughness, 0.5);
+  EXPECT_EQ(material(1).emission, (Vec3{1, 2, 3}));
+  EXPECT_EQ(index_at(std::get<DielectricMaterial>(material(2).surface).index, 532e-9), std::complex<double>(1.25));
+  EXPECT_TRUE(std::holds_alternative<DiffuseMaterial>(material(3).surface));
+  ASSERT_EQ(model.warnings.size(), 1u);
+  EXPECT_NE(model.warnings[0].find("\"metal\" has a bump map, which is not shown"), std::string::npos);
+}
+
+TEST(MeshFile, VertexColoursOfObjAndPlyAreDecoded) {
+  const LoadedModel obj = load_meshes(make_file("m.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 0.5\nf 1 2 3\n"));
+  ASSERT_EQ(obj.meshes[0].colours.size(), 3u);
+  EXPECT_EQ(obj.meshes[0].colours[0], (Vec3{1, 0, 0}));
+  EXPECT_DOUBLE_EQ(obj.meshes[0].colours[2].z, srgb_decode(0.5));
+  const auto ply = [](const std::string& type, const std::string& blue) {
+    return load_meshes(
+        make_file("m.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                  "property " +
+                      type + " red\nproperty " + type + " green\nproperty " + type +
+                      " blue\n"
+                      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0 0\n1 0 0 0 0 0\n"
+                      "0 1 0 0 0 " +
+                      blue + "\n3 0 1 2\n"));
+  };
+  EXPECT_EQ(ply("uchar", "188").meshes[0].colours[2], (Vec3{0, 0, srgb_decode(188 / 255.)}));
+  EXPECT_EQ(ply("ushort", "65535").meshes[0].colours[2], (Vec3{0, 0, 1}));
+  EXPECT_EQ(ply("float", "0.5").meshes[0].colours[2], (Vec3{0, 0, 0.5}));  // linear already
+  const LoadedModel damaged = ply("uchar", "-2147483648");
+  EXPECT_TRUE(damaged.meshes[0].colours.empty());
+  ASSERT_EQ(damaged.warnings.size(), 1u);
+  EXPECT_NE(damaged.warnings[0].find("the colours of its vertices are not from 0 to 255 (one is -2147483648)"),
+            std::string::npos);
+}
+
 TEST(MeshFile, MissingAndUnknownFilesAreNamed) {
   const std::string none = test::temporary("none.obj"), other = make_file("m.stl", "solid");
   EXPECT_EQ(error_of([&] { load_meshes(none); }),
@@ -192,17 +249,30 @@ TEST_F(SharedMeshes, TheTexturedBoxIsAUnitCubeWithItsTexture) {
   const LoadedModel model = load_meshes(file);
   EXPECT_EQ(triangles(model), 12u);
   EXPECT_NEAR(area(model), 6, 1e-6);  // float coordinates
-  ASSERT_TRUE(diffuse(model).texture);
-  EXPECT_EQ(diffuse(model).texture->nx, 211);  // its PNG's header
-  EXPECT_EQ(diffuse(model).texture->channels, 3);
+  const auto& surface = std::get<MetallicRoughnessMaterial>(model.materials[0].surface);
+  EXPECT_EQ(surface.metallic, 0);
+  ASSERT_TRUE(surface.base_texture);
+  EXPECT_EQ(surface.base_texture->nx, 211);  // its PNG's header
+  EXPECT_EQ(surface.base_texture->channels, 3);
 }
 
-TEST_F(SharedMeshes, TheEngineIsPlacedByItsNodesAndWarnsOfItsMetal) {
+// Its file's pistons are of a grey and a black material, in this order; its first node turns and moves them.
+TEST_F(SharedMeshes, TheEngineIsPlacedByItsNodesAndHasItsColours) {
   const std::string file = path("2CylinderEngine.glb");
   if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
   const LoadedModel model = load_meshes(file);
   EXPECT_GT(model.meshes.size(), 10u);
   for (const Mesh& mesh : model.meshes) EXPECT_LT(size_t(mesh.material), model.materials.size());
+  const auto piston = [&](size_t part) {
+    size_t found = 0;
+    for (const Mesh& mesh : model.meshes)
+      if (mesh.name.starts_with("Piston_123-844_0_Parts_1") && found++ == part)
+        return std::get<MetallicRoughnessMaterial>(model.materials[size_t(mesh.material)].surface).base_color;
+    return Vec3{-1, -1, -1};
+  };
+  EXPECT_NEAR(piston(0).x, 0.85, 1e-6);  // written as float
+  EXPECT_EQ(piston(1), (Vec3{0, 0, 0}));
+  EXPECT_EQ(model.warnings, (std::vector<std::string>{file + ": the cameras are not used"}));
 }
 
 TEST_F(SharedMeshes, TheTriangleSoupOfOpenHoloIsRead) {

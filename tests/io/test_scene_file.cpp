@@ -286,7 +286,8 @@ TEST(SceneFileErrors, UnknownKeysAreRefusedEverywhere) {
   EXPECT_EQ(error_with("[camera]\nbits = 8\ndistance = \"1 m\"\n" + cube),
             "4:1: unknown key \"distance\"; did you mean \"distances\"?");
   EXPECT_EQ(error_with("[[object]]\ntype = \"box\"\nsize = \"1 1 1 mm\"\ncolor = 1\n"),
-            "5:1: unknown key \"color\"; known: fit, material, name, position, positions, rotation, scale, size, type");
+            "5:1: unknown key \"color\"; known: distance, fit, material, name, position, positions, rotation, scale, "
+            "size, type");
   EXPECT_EQ(error_with("[[object]]\ntype = \"wireframe_cube\"\nsize = \"1 mm\"\nmaterial = \"x\"\n").substr(0, 24),
             "5:1: unknown key \"materi");
   EXPECT_EQ(error_with("[[light]]\ntype = \"point\"\nposition = \"0 0 0 m\"\nintensty = 1\n"),
@@ -296,7 +297,8 @@ TEST(SceneFileErrors, UnknownKeysAreRefusedEverywhere) {
   EXPECT_EQ(error_with("[[shape.a]]\ntype = \"sphere\"\nsize = \"1 mm\"\nsegmnts = 8\n" + cube),
             "5:1: unknown key \"segmnts\"; did you mean \"segments\"?");
   EXPECT_EQ(error_with("[scene]\n"),
-            "2:2: unknown key \"scene\"; known: background, camera, encode, light, materials, object, propagate, "
+            "2:2: unknown key \"scene\"; known: background, camera, encode, environment, light, materials, object, "
+            "propagate, "
             "render, shape, show, slm, synthesize, trace, wavelength");
 }
 
@@ -304,7 +306,8 @@ TEST(SceneFileErrors, UnknownNamesAreRefused) {
   EXPECT_EQ(error_with("[slm]\npreset = \"plto\"\n"), "3:10: unknown SLM \"plto\"; did you mean \"pluto\"?");
   EXPECT_EQ(error_with("[[object]]\ntype = \"shpere\"\n"),
             "3:8: unknown object type \"shpere\"; did you mean \"sphere\"?");
-  EXPECT_EQ(error_with("[[light]]\ntype = \"sun\"\n"), "3:8: unknown light type \"sun\"; known: point, rectangle");
+  EXPECT_EQ(error_with("[[light]]\ntype = \"sun\"\n"),
+            "3:8: unknown light type \"sun\"; known: point, spot, directional, rectangle, laser-point, laser-beam");
   EXPECT_EQ(error_with("[trace]\npattern = \"gird\"\n" + cube),
             "3:11: unknown pattern \"gird\"; did you mean \"grid\"?");
   EXPECT_EQ(error_with("[materials.ivory]\n[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nmaterial = \"ivori\"\n"),

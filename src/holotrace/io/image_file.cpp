@@ -18,12 +18,13 @@ namespace {
 
 constexpr const char* known_extensions = ".png or .exr";
 
-float decode(float code, int steps) {
+float decode(float code, int steps, ImageContent content) {
   // Codes are whole numbers of steps: in double the value is right to the last bit of a float.
-  return float(srgb_decode(std::round(double(code) * steps) / steps));
+  const double value = std::round(double(code) * steps) / steps;
+  return float(content == ImageContent::colour ? srgb_decode(value) : value);
 }
 
-Image read_image(OIIO::ImageInput& input, const std::string& name) {
+Image read_image(OIIO::ImageInput& input, const std::string& name, ImageContent content) {
   const OIIO::ImageSpec& spec = input.spec();
   require(spec.channelindex("real") < 0 || spec.channelindex("imag") < 0,
           "{}: expected an image, got a field (channels \"real\" and \"imag\"); pass it where a field is due", name);
@@ -43,7 +44,7 @@ Image read_image(OIIO::ImageInput& input, const std::string& name) {
       const float value = values[i * size_t(file_channels) + size_t(c)];
       require(std::isfinite(value), "{}: expected finite pixels, got {} at row {}, column {}", name, value,
               i / size_t(image.nx), i % size_t(image.nx));
-      image.values[i * size_t(image.channels) + size_t(c)] = is_float ? value : decode(value, steps);
+      image.values[i * size_t(image.channels) + size_t(c)] = is_float ? value : decode(value, steps, content);
     }
   const OIIO::ParamValue* pitch = spec.find_attribute("pitch_m", OIIO::TypeDesc::DOUBLE);
   if (pitch) image.pitch = pitch->get<double>();
@@ -91,27 +92,40 @@ bool is_truncated_png(const std::string& path) {
   return std::string_view(bytes).substr(0, size_t(file.gcount())).find(end) == std::string_view::npos;
 }
 
-Image load_image(const std::string& path) {
+Image load_image(const std::string& path, ImageContent content) {
   check_file_exists(path, "an image");
   const OIIO::ImageSpec config = plain_colours();
   const auto input = OIIO::ImageInput::open(path, &config);
   if (!input) fail_not_an_image(path);
   require(!is_truncated_png(path), "{}: expected an image of {} × {} pixels, but it is truncated or damaged", path,
           input->spec().width, input->spec().height);
-  return read_image(*input, path);
+  return read_image(*input, path, content);
 }
 
-Image decode_image(const void* bytes, size_t size, const std::string& name) {
+Image decode_image(const void* bytes, size_t size, const std::string& name, ImageContent content) {
   const auto* first = static_cast<const unsigned char*>(bytes);
-  const bool is_jpeg = size > 2 && first[0] == 0xff && first[1] == 0xd8;
+  const auto begins = [&](std::string_view signature, size_t at = 0) {
+    return size >= at + signature.size() && std::equal(signature.begin(), signature.end(), first + at,
+                                                       [](char a, unsigned char b) { return (unsigned char)(a) == b; });
+  };
+  const char* kind = begins("\xff\xd8") ? "texture.jpg" : begins("WEBP", 8) ? "texture.webp" : "texture.png";
   OIIO::Filesystem::IOMemReader memory(const_cast<void*>(bytes), size);
   OIIO::ImageSpec config = plain_colours();
   OIIO::Filesystem::IOProxy* source = &memory;
   config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
   // The name only picks the format; the bytes come from memory.
-  const auto input = OIIO::ImageInput::open(is_jpeg ? "texture.jpg" : "texture.png", &config, source);
+  const auto input = OIIO::ImageInput::open(kind, &config, source);
   if (!input) fail_not_an_image(name);
-  return read_image(*input, name);
+  return read_image(*input, name, content);
+}
+
+Image with_three_channels(Image image) {
+  if (image.channels == 3) return image;
+  Image wide(image.ny, image.nx, 3);
+  wide.pitch = image.pitch;
+  for (size_t i = 0; i < image.values.size(); ++i)
+    std::fill_n(wide.values.begin() + std::ptrdiff_t(3 * i), 3, image.values[i]);
+  return wide;
 }
 
 void save_image(const std::string& path, const Image& image, double white, int bits) {

@@ -7,19 +7,26 @@
 
 namespace holotrace {
 
-/// An image file as linear light: 8- and 16-bit values are decoded from sRGB (IEC 61966-2-1) to
-/// [0, 1], floating-point ones (EXR) are taken as they are. Alpha is dropped. Gray images have one
-/// channel, all others three.
+/// What the values of an image mean. Those of 8 and 16 bits are colours coded by sRGB (IEC 61966-2-1), or numbers in
+/// [0, 1] such as the directions of a normal map, which no curve bends.
+enum class ImageContent { colour, data };
+
+/// An image file as linear light: 8- and 16-bit values are decoded from sRGB to [0, 1] unless they are data,
+/// floating-point ones (EXR) are taken as they are. Alpha is dropped. Gray images have one channel, all others three.
 /// @throws Error naming the file if it is missing, not an image, truncated, a field (channels real
 ///         and imag), or has values that are not finite
-Image load_image(const std::string& path);
+Image load_image(const std::string& path, ImageContent content = ImageContent::colour);
 
 /// Whether a file that begins as a PNG lacks its end: libpng would tell of it on stderr.
 bool is_truncated_png(const std::string& path);
 
 /// As load_image, from the bytes of an image file, such as a texture inside a glTF model.
 /// @param name  what an error calls it
-Image decode_image(const void* bytes, size_t size, const std::string& name);
+Image decode_image(const void* bytes, size_t size, const std::string& name,
+                   ImageContent content = ImageContent::colour);
+
+/// The same image in three channels: a grey one three times.
+Image with_three_channels(Image image);
 
 /// Writes an image. `.png`: value/white clipped to [0, 1], sRGB-coded, in `bits` per channel.
 /// `.exr`: the linear values as floats; white and bits do not matter.

@@ -1,23 +1,23 @@
 #include "holotrace/io/mesh_file.h"
 
-#include <assimp/config.h>
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
-#include <array>
 #include <assimp/Importer.hpp>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <string_view>
+#include <set>
 
 #include "holotrace/base/error.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/io/file.h"
-#include "holotrace/io/image_file.h"
-#include "holotrace/io/ply.h"
+#include "holotrace/io/gltf_materials.h"
+#include "holotrace/io/mesh_formats.h"
 
 namespace holotrace {
 namespace {
@@ -28,99 +28,93 @@ Frame to_frame(const aiMatrix4x4& m) {
   return {{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}, {m.a4, m.b4, m.c4}};
 }
 
+// Shapes and materials of a file that Assimp has read.
 struct Reader {
   const std::string& path;
-  const aiScene& scene;
-  LoadedModel model;
+  LoadedModel model{};
+  std::vector<FileMaterial> materials{};
+  std::set<std::string> warned{};
   size_t primitives_left_out = 0;
+  bool is_gltf = false;
 
-  void warn(const std::string& sentence) {
-    const std::string warning = path + ": " + sentence;
-    if (std::find(model.warnings.begin(), model.warnings.end(), warning) == model.warnings.end())
-      model.warnings.push_back(warning);
-  }
+  WarnOnce warn = [this](const std::string& feature, const std::string& sentence) {
+    if (warned.insert(feature).second) model.warnings.push_back(path + ": " + sentence);
+  };
 
-  std::shared_ptr<const Image> read_texture(const aiString& name) {
-    const std::string label = fmt::format("{} (texture \"{}\")", path, name.C_Str());
-    if (const aiTexture* embedded = scene.GetEmbeddedTexture(name.C_Str())) {
-      if (embedded->mHeight == 0)  // still compressed, mWidth bytes of it
-        return std::make_shared<Image>(decode_image(embedded->pcData, embedded->mWidth, label));
-      warn(fmt::format("the uncompressed texture \"{}\" is not shown", name.C_Str()));
-      return nullptr;
-    }
-    std::string relative = name.C_Str();
+  std::shared_ptr<const Image> load_texture(const std::string& name, ImageContent content) {
+    std::string relative = name;
     std::replace(relative.begin(), relative.end(), '\\', '/');
     const auto file = std::filesystem::path(path).parent_path() / relative;
     if (!std::filesystem::exists(file)) {
-      warn(fmt::format("the texture {} is missing, the plain colour is shown", file.string()));
+      warn("missing " + file.string(),
+           fmt::format("the texture {} is missing, the plain colour is shown", file.string()));
       return nullptr;
     }
-    return std::make_shared<Image>(load_image(file.string()));
+    Image image = load_image(file.string(), content);
+    if (content == ImageContent::data) image = with_three_channels(std::move(image));
+    return std::make_shared<Image>(std::move(image));
   }
 
-  void read_material(const aiMaterial& source) {
-    DiffuseMaterial material;
+  // Where the material of a mesh stands in `materials`: of a glTF model its name is its number, none is the last.
+  size_t material_of(const aiMaterial& source, unsigned index) const {
+    if (!is_gltf) return index;
     const std::string name = source.GetName().C_Str();
-    const bool is_default = name == AI_DEFAULT_MATERIAL_NAME;
-    aiColor4D colour;
-    if (!is_default && (source.Get(AI_MATKEY_BASE_COLOR, colour) == aiReturn_SUCCESS ||
-                        source.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == aiReturn_SUCCESS)) {
-      const auto albedo = [&](float value) {
-        if (!(value >= 0 && value <= 1))
-          warn(fmt::format("material \"{}\" has a colour outside [0, 1], which is clipped", name));
-        return value > 0 ? std::min(double(value), 1.0) : 0.0;
-      };
-      material.reflectance = {albedo(colour.r), albedo(colour.g), albedo(colour.b)};
-      if (colour.a < 1) warn(fmt::format("material \"{}\" is see-through, it is shown opaque", name));
-    }
-    aiColor3D emission;
-    Vec3 emitted;
-    if (source.Get(AI_MATKEY_COLOR_EMISSIVE, emission) == aiReturn_SUCCESS && std::isfinite(emission.r) &&
-        std::isfinite(emission.g) && std::isfinite(emission.b))
-      emitted = {std::max(emission.r, 0.f), std::max(emission.g, 0.f), std::max(emission.b, 0.f)};
-    float metallic = 0, opacity = 1;
-    if (source.Get(AI_MATKEY_METALLIC_FACTOR, metallic) == aiReturn_SUCCESS && metallic > 0)
-      warn(fmt::format("material \"{}\" is metallic, it is shown diffuse", name));
-    if (source.Get(AI_MATKEY_OPACITY, opacity) == aiReturn_SUCCESS && opacity < 1)
-      warn(fmt::format("material \"{}\" is see-through, it is shown opaque", name));
-    if (source.GetTextureCount(aiTextureType_NORMALS) > 0 || source.GetTextureCount(aiTextureType_HEIGHT) > 0)
-      warn(fmt::format("material \"{}\" has a normal or bump map, which is not shown", name));
-    aiString texture;
-    if (source.GetTexture(aiTextureType_BASE_COLOR, 0, &texture) == aiReturn_SUCCESS ||
-        source.GetTexture(aiTextureType_DIFFUSE, 0, &texture) == aiReturn_SUCCESS)
-      material.texture = read_texture(texture);
-    model.materials.push_back({material, emitted});
+    size_t number = materials.size() - 1;
+    std::from_chars(name.data(), name.data() + name.size(), number);
+    return std::min(number, materials.size() - 1);
   }
 
-  void read_mesh(const aiMesh& source, const Frame& frame) {
-    Mesh mesh;
-    mesh.name = source.mName.length > 0 ? source.mName.C_Str() : std::filesystem::path(path).stem().string();
-    mesh.material = int(source.mMaterialIndex);
-    mesh.positions.reserve(source.mNumVertices);
+  void read_normals(const aiMesh& source, Mesh& mesh) {
+    if (!source.HasNormals()) return;
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
-      const Vec3 p = to_vec3(source.mVertices[i]);
-      require(is_finite(p), "{}: expected finite coordinates in mesh \"{}\", got ({}, {}, {}) at vertex {}", path,
-              mesh.name, p.x, p.y, p.z, i);
-      mesh.positions.push_back(p);
-    }
-    bool normals_are_whole = source.HasNormals();
-    for (unsigned i = 0; normals_are_whole && i < source.mNumVertices; ++i) {
       const Vec3 n = to_vec3(source.mNormals[i]);
-      normals_are_whole = is_finite(n) && length(n) > 0;
-      if (normals_are_whole) mesh.normals.push_back(normalize(n));
-    }
-    if (source.HasNormals() && !normals_are_whole) {
-      mesh.normals.clear();
-      warn(fmt::format("mesh \"{}\" has normals without a direction, it is shown flat", mesh.name));
-    }
-    if (source.HasTextureCoords(0))
-      for (unsigned i = 0; i < source.mNumVertices; ++i) {
-        const aiVector3D t = source.mTextureCoords[0][i];
-        require(std::isfinite(t.x) && std::isfinite(t.y),
-                "{}: expected finite texture coordinates in mesh \"{}\", got ({}, {}) at vertex {}", path, mesh.name,
-                t.x, t.y, i);
-        mesh.texture_coordinates.push_back({t.x, t.y});
+      if (!(is_finite(n) && length(n) > 0)) {
+        mesh.normals.clear();
+        warn("normals of " + mesh.name,
+             fmt::format("mesh \"{}\" has normals without a direction, it is shown flat", mesh.name));
+        return;
       }
+      mesh.normals.push_back(normalize(n));
+    }
+  }
+
+  void read_texture_coordinates(const aiMesh& source, const FileMaterial& material, Mesh& mesh) {
+    const auto set = unsigned(std::clamp(material.coordinates.set, 0, AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));
+    if (!source.HasTextureCoords(set)) {
+      if (!material.has_textures) return;
+      warn("no coordinates",
+           fmt::format("mesh \"{}\" has textures but no texture coordinates, their corner is shown", mesh.name));
+      mesh.texture_coordinates.assign(source.mNumVertices, {0, 0});
+      return;
+    }
+    bool is_inside = true;
+    for (unsigned i = 0; i < source.mNumVertices; ++i) {
+      const aiVector3D t = source.mTextureCoords[set][i];
+      require(std::isfinite(t.x) && std::isfinite(t.y),
+              "{}: expected finite texture coordinates in mesh \"{}\", got ({}, {}) at vertex {}", path, mesh.name, t.x,
+              t.y, i);
+      const Vec2 uv = transform_coordinates(material.coordinates, {t.x, t.y});
+      is_inside = is_inside && uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1;
+      mesh.texture_coordinates.push_back(uv);
+    }
+    if (!is_inside && !material.repeats)
+      warn("wrap",
+           fmt::format("mesh \"{}\" has a texture that ends or is mirrored at its border, it is repeated", mesh.name));
+  }
+
+  void read_colours(const aiMesh& source, Mesh& mesh) {
+    if (!source.HasVertexColors(0)) return;
+    const auto channel = [&](float value) {
+      const double clipped = value > 0 ? std::min(double(value), 1.0) : 0.0;
+      return is_gltf ? clipped : srgb_decode(clipped);
+    };
+    for (unsigned i = 0; i < source.mNumVertices; ++i) {
+      const aiColor4D& c = source.mColors[0][i];
+      mesh.colours.push_back({channel(c.r), channel(c.g), channel(c.b)});
+    }
+  }
+
+  void read_triangles(const aiMesh& source, Mesh& mesh) {
     for (unsigned f = 0; f < source.mNumFaces; ++f) {
       const aiFace& face = source.mFaces[f];
       if (face.mNumIndices != 3) {
@@ -133,137 +127,50 @@ struct Reader {
                 mesh.name, face.mIndices[i], f);
       mesh.triangles.push_back({face.mIndices[0], face.mIndices[1], face.mIndices[2]});
     }
-    if (source.HasBones()) warn(fmt::format("mesh \"{}\" has bones, it is shown at rest", mesh.name));
-    if (source.mNumAnimMeshes > 0) warn(fmt::format("mesh \"{}\" has morph targets, which are not shown", mesh.name));
+  }
+
+  void read_mesh(const aiScene& scene, const aiMesh& source, const Frame& frame) {
+    Mesh mesh;
+    mesh.name = source.mName.length > 0 ? source.mName.C_Str() : std::filesystem::path(path).stem().string();
+    mesh.material = int(material_of(*scene.mMaterials[source.mMaterialIndex], source.mMaterialIndex));
+    mesh.positions.reserve(source.mNumVertices);
+    for (unsigned i = 0; i < source.mNumVertices; ++i) {
+      const Vec3 p = to_vec3(source.mVertices[i]);
+      require(is_finite(p), "{}: expected finite coordinates in mesh \"{}\", got ({}, {}, {}) at vertex {}", path,
+              mesh.name, p.x, p.y, p.z, i);
+      mesh.positions.push_back(p);
+    }
+    read_triangles(source, mesh);
     if (mesh.triangles.empty()) return;
+    read_normals(source, mesh);
+    read_texture_coordinates(source, materials[size_t(mesh.material)], mesh);
+    read_colours(source, mesh);
     transform_mesh(frame, mesh);
     model.meshes.push_back(std::move(mesh));
   }
 
-  void read_node(const aiNode& node, const Frame& parent) {
+  void read_node(const aiScene& scene, const aiNode& node, const Frame& parent) {
     const Frame frame = compose(parent, to_frame(node.mTransformation));
-    for (unsigned i = 0; i < node.mNumMeshes; ++i) read_mesh(*scene.mMeshes[node.mMeshes[i]], frame);
-    for (unsigned i = 0; i < node.mNumChildren; ++i) read_node(*node.mChildren[i], frame);
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) read_mesh(scene, *scene.mMeshes[node.mMeshes[i]], frame);
+    for (unsigned i = 0; i < node.mNumChildren; ++i) read_node(scene, *node.mChildren[i], frame);
   }
 
-  LoadedModel read() {
-    for (unsigned i = 0; i < scene.mNumMaterials; ++i) read_material(*scene.mMaterials[i]);
-    if (model.materials.empty()) model.materials.push_back(DiffuseMaterial{});
-    read_node(*scene.mRootNode, Frame{});
+  LoadedModel read(const aiScene& scene) {
+    if (!is_gltf)
+      for (unsigned i = 0; i < scene.mNumMaterials; ++i)
+        materials.push_back(obj_material(
+            *scene.mMaterials[i], [this](const auto& name, auto content) { return load_texture(name, content); },
+            warn));
+    read_node(scene, *scene.mRootNode, Frame{});
     require(!model.meshes.empty(), "{}: expected a mesh with triangles, got none", path);
-    if (primitives_left_out > 0) warn(fmt::format("{} points and lines are not shown", primitives_left_out));
-    if (scene.HasAnimations()) warn("the animations are not shown, the model is at rest");
-    if (scene.HasLights()) warn("the lights are not used; place them in the scene");
-    if (scene.HasCameras()) warn("the cameras are not used");
+    if (primitives_left_out > 0)
+      warn("primitives", fmt::format("{} points and lines are not shown", primitives_left_out));
+    for (FileMaterial& material : materials) model.materials.push_back(std::move(material.material));
     return std::move(model);
   }
 };
 
-// Assimp drops texture coordinates and normals whose indices are out of range without a word, and says of vertices
-// only that one is. So the faces of an OBJ file are read here first.
-void check_obj_indices(const std::string& path) {
-  struct Farthest {
-    int64_t index = 0;
-    size_t line = 0;
-  };
-  constexpr std::array kinds{"vertex", "texture coordinate", "normal"};
-  std::array<int64_t, 3> counts{};
-  std::array<Farthest, 3> farthest;
-  const auto refuse = [&](size_t line, size_t kind, int64_t index) {
-    fail("{}:{}: expected {} indices from 1 to {} or as far back, got {}; export the mesh again", path, line,
-         kinds[kind], counts[kind], index);
-  };
-  const std::string text = read_text(path);
-  size_t line = 0;
-  for (size_t at = 0, end = 0; at < text.size(); at = end + 1) {
-    ++line;
-    end = std::min(text.find('\n', at), text.size());
-    std::string_view words = std::string_view(text).substr(at, end - at);
-    words.remove_prefix(std::min(words.find_first_not_of(" \t"), words.size()));
-    const std::string_view keyword = words.substr(0, words.find_first_of(" \t"));
-    if (keyword == "v") ++counts[0];
-    if (keyword == "vt") ++counts[1];
-    if (keyword == "vn") ++counts[2];
-    if (keyword != "f") continue;
-    size_t kind = 0;
-    for (const char *c = words.data() + 1, *stop = words.data() + words.size(); c < stop;) {
-      int64_t index = 0;
-      const auto [next, error] = std::from_chars(c, stop, index);
-      if (error == std::errc::invalid_argument) {
-        kind = *c == '/' ? kind + 1 : 0;
-        ++c;
-        continue;
-      }
-      if (kind < 3) {
-        if (error != std::errc() || index == 0 || index < -counts[kind]) refuse(line, kind, index);
-        if (index > farthest[kind].index) farthest[kind] = {index, line};
-      }
-      c = next;
-    }
-  }
-  for (size_t kind = 0; kind < 3; ++kind)
-    if (farthest[kind].index > counts[kind]) refuse(farthest[kind].line, kind, farthest[kind].index);
-}
-
-// A PLY mesh. Assimp stops the program at some damaged ones, so the reader of point files reads them.
-LoadedModel from_ply(const std::string& path) {
-  const PlyVertices vertices = read_ply(path, true);
-  require(vertices.count > 0, "{}: expected a mesh with vertices, got none", path);
-  const auto& x = vertices.column("x");
-  const auto& y = vertices.column("y");
-  const auto& z = vertices.column("z");
-  LoadedModel model{{DiffuseMaterial{}}, {}, {}};
-  Mesh mesh;
-  mesh.name = std::filesystem::path(path).stem().string();
-  for (size_t i = 0; i < vertices.count; ++i) {
-    mesh.positions.push_back({x[i], y[i], z[i]});
-    require(is_finite(mesh.positions.back()), "{}: expected finite coordinates, got ({}, {}, {}) at vertex {}", path,
-            x[i], y[i], z[i], i);
-  }
-
-  const auto* nx = vertices.find("nx");
-  const auto* ny = vertices.find("ny");
-  const auto* nz = vertices.find("nz");
-  for (size_t i = 0; nx && ny && nz && i < vertices.count; ++i) {
-    const Vec3 normal{(*nx)[i], (*ny)[i], (*nz)[i]};
-    if (!(is_finite(normal) && length(normal) > 0)) {
-      mesh.normals.clear();
-      model.warnings.push_back(path + ": it has normals without a direction, it is shown flat");
-      break;
-    }
-    mesh.normals.push_back(normalize(normal));
-  }
-  for (auto [u_name, v_name] : {std::pair{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}}) {
-    const auto* u = vertices.find(u_name);
-    const auto* v = vertices.find(v_name);
-    if (!u || !v || !mesh.texture_coordinates.empty()) continue;
-    for (size_t i = 0; i < vertices.count; ++i) {
-      require(std::isfinite((*u)[i]) && std::isfinite((*v)[i]),
-              "{}: expected finite texture coordinates, got ({}, {}) at vertex {}", path, (*u)[i], (*v)[i], i);
-      mesh.texture_coordinates.push_back({(*u)[i], (*v)[i]});
-    }
-  }
-
-  for (size_t f = 0; f < vertices.faces.size(); ++f) {
-    const auto& face = vertices.faces[f];
-    require(face.size() >= 3, "{}: expected faces of 3 vertices or more, got {} in face {}", path, face.size(), f);
-    for (double index : face)
-      require(index >= 0 && index < double(vertices.count) && index == std::floor(index),
-              "{}: expected vertex indices below {}, got {} in face {}", path, vertices.count, index, f);
-    for (size_t i = 2; i < face.size(); ++i)  // a fan, right for convex faces
-      mesh.triangles.push_back({uint32_t(face[0]), uint32_t(face[i - 1]), uint32_t(face[i])});
-  }
-  if (vertices.find("face_idx") && mesh.triangles.empty()) {  // the triangle soup of the OpenHolo library
-    require(vertices.count % 3 == 0, "{}: expected three vertices per face, got {} vertices", path, vertices.count);
-    for (uint32_t i = 0; i < vertices.count; i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
-  }
-  require(!mesh.triangles.empty(), "{}: expected a mesh with triangles, got none", path);
-  if (vertices.find("red")) model.warnings.push_back(path + ": the colours of its vertices are not shown");
-  model.meshes.push_back(std::move(mesh));
-  return model;
-}
-
-// A face without vertices is what a truncated PLY leaves; Assimp's triangulation would end the program over it.
+// A face without vertices is what a truncated file leaves; Assimp's triangulation would end the program over it.
 void check_faces(const aiScene& scene, const std::string& path) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m)
     for (unsigned f = 0; f < scene.mMeshes[m]->mNumFaces; ++f)
@@ -271,16 +178,52 @@ void check_faces(const aiScene& scene, const std::string& path) {
               "{}: expected vertices in face {}, got none; the file is truncated or damaged, export it again", path, f);
 }
 
+// The files of the disk, but for one, whose bytes are others.
+class FilesWithOneReplaced : public Assimp::DefaultIOSystem {
+ public:
+  FilesWithOneReplaced(std::string path, std::string bytes) : path_(std::move(path)), bytes_(std::move(bytes)) {}
+
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    if (path_ != name) return DefaultIOSystem::Open(name, mode);
+    return new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(bytes_.data()), bytes_.size());
+  }
+
+ private:
+  std::string path_, bytes_;
+};
+
 }  // namespace
+
+Vec2 transform_coordinates(const TextureCoordinates& t, Vec2 uv) {
+  if (t == TextureCoordinates{.set = t.set}) return uv;
+  // KHR_texture_transform: scale, turn counter-clockwise as seen with v down, move.
+  const double u = uv.x * t.scale_u, v = (1 - uv.y) * t.scale_v;
+  const double c = std::cos(t.rotation), s = std::sin(t.rotation);
+  return {c * u + s * v + t.offset_u, 1 - (-s * u + c * v + t.offset_v)};
+}
+
+bool is_mesh_file(const std::string& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".obj" || extension == ".ply" || extension == ".gltf" || extension == ".glb";
+}
 
 LoadedModel load_meshes(const std::string& path) {
   check_file_exists(path, "a mesh");
+  require(is_mesh_file(path), "expected a mesh file .obj, .ply, .gltf or .glb, got {}; convert it", path);
   const std::string extension = extension_of(path);
-  const bool known = extension == ".obj" || extension == ".ply" || extension == ".gltf" || extension == ".glb";
-  require(known, "expected a mesh file .obj, .ply, .gltf or .glb, got {}; convert it", path);
-  if (extension == ".ply") return from_ply(path);
-  if (extension == ".obj") check_obj_indices(path);
+  if (extension == ".ply") return load_ply_mesh(path);
   Assimp::Importer importer;
+  Reader reader{path};
+  reader.is_gltf = extension != ".obj";
+  if (reader.is_gltf) {
+    // Assimp numbers materials anew and knows only some of what they hold: it reads the shapes.
+    const GltfFile gltf = read_gltf(path);
+    reader.materials = gltf_materials(gltf, reader.warn);
+    warn_of_gltf_features(gltf, reader.warn);
+    importer.SetIOHandler(new FilesWithOneReplaced(path, gltf_shapes(gltf)));  // which the importer owns
+  } else {
+    check_obj_indices(path);
+  }
   // Validation turns indices out of range into an error before any other step trusts them.
   const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure);
   if (scene) {
@@ -291,7 +234,7 @@ LoadedModel load_meshes(const std::string& path) {
     std::string reason = importer.GetErrorString();
     fail("{}: expected a mesh, but it is damaged ({}); export it again", path, reason.empty() ? "incomplete" : reason);
   }
-  return Reader{path, *scene, {}, 0}.read();
+  return reader.read(*scene);
 }
 
 }  // namespace holotrace

@@ -34,6 +34,12 @@ size_t size_of(Kind kind) {
   return sizes[size_t(kind)];
 }
 
+// The largest value of an integer; 1, the most of a colour, for numbers with a fraction.
+double largest_of(Kind kind) {
+  constexpr std::array<double, 8> values{127, 255, 32767, 65535, 2147483647, 4294967295, 1, 1};
+  return values[size_t(kind)];
+}
+
 std::optional<Kind> kind_from(std::string_view name) {
   struct Name {
     std::string_view old_name, name;
@@ -232,6 +238,12 @@ const std::vector<double>& PlyVertices::column(const std::string& name) const {
   return *found;
 }
 
+double PlyVertices::largest_of(const std::string& name) const {
+  for (size_t i = 0; i < names.size(); ++i)
+    if (names[i] == name) return largest[i];
+  return 0;
+}
+
 PlyVertices read_ply(const std::string& path, bool with_faces) {
   check_file_exists(path, "a PLY file");
   const std::string bytes = read_text(path);
@@ -255,6 +267,7 @@ PlyVertices read_ply(const std::string& path, bool with_faces) {
       for (const Property& p : element.properties)
         if (!p.list_count) {
           vertices.names.push_back(p.name);
+          vertices.largest.push_back(largest_of(p.kind));
           vertices.columns.emplace_back().reserve(element.count);
         }
     }

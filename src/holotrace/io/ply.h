@@ -13,12 +13,15 @@ struct PlyVertices {
   size_t count = 0;
   std::vector<std::string> names;            ///< of the scalar properties, in the order of the file
   std::vector<std::vector<double>> columns;  ///< count values each
+  std::vector<double> largest;               ///< value of each property's type: 255 for uchar; 1 for float and double
   std::vector<std::vector<double>> faces;    ///< the lists vertex_indices (or vertex_index) of the element "face"
 
   /// The column of that name, nullptr where there is none.
   const std::vector<double>* find(const std::string& name) const;
   /// @throws Error naming the file and the property if there is none
   const std::vector<double>& column(const std::string& name) const;
+  /// The largest value of that property's type, 0 where there is none of that name.
+  double largest_of(const std::string& name) const;
 };
 
 /// Reads the element "vertex" of a PLY file: ascii or binary of either byte order, numbers of any

@@ -5,15 +5,16 @@
 #include <limits>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
 #include "holotrace/io/file.h"
-#include "holotrace/io/image_file.h"
+#include "holotrace/io/model_job.h"
 #include "holotrace/io/params_toml.h"
+#include "holotrace/io/scene_lights.h"
+#include "holotrace/io/scene_materials.h"
 #include "holotrace/io/scene_objects.h"
 
 namespace holotrace {
 namespace {
-
-constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 Slm read_slm(TomlTable table) {
   std::string preset = "pluto";
@@ -35,53 +36,6 @@ Slm read_slm(TomlTable table) {
   return slm;
 }
 
-Material read_material(TomlTable table) {
-  std::string type = "diffuse";
-  table.text("type", type);
-  if (type != "diffuse") throw Error(table.where("type") + unknown_name_message("material type", type, {"diffuse"}));
-  DiffuseMaterial material;
-  table.colour("reflectance", material.reflectance, 1);
-  Vec3 emission;
-  table.colour("emission", emission, unbounded);
-  std::string texture;
-  table.text("texture", texture);
-  table.refuse_unknown_keys();
-  if (!texture.empty()) {
-    table.locate("texture",
-                 [&] { material.texture = std::make_shared<Image>(load_image(table.beside("texture", texture))); });
-    if (!table.has("reflectance")) material.reflectance = {1, 1, 1};  // the texture alone
-  }
-  return {material, emission};
-}
-
-Light read_light(TomlTable table) {
-  table.require_key("type");
-  std::string type;
-  table.text("type", type);
-  if (type == "point") {
-    PointLight light;
-    table.require_key("position");
-    table.require_key("intensity");
-    table.length_vector("position", light.position);
-    table.colour("intensity", light.intensity, unbounded);
-    table.refuse_unknown_keys();
-    return light;
-  }
-  if (type == "rectangle") {
-    RectangleLight light;
-    for (const char* key : {"corner", "edge_u", "edge_v", "radiance"}) table.require_key(key);
-    table.length_vector("corner", light.corner);
-    table.length_vector("edge_u", light.edge_u);
-    table.length_vector("edge_v", light.edge_v);
-    table.colour("radiance", light.radiance, unbounded);
-    table.refuse_unknown_keys();
-    require(length(cross(light.edge_u, light.edge_v)) > 0,
-            "{}expected edges edge_u and edge_v that span a rectangle, got parallel or empty ones", table.where(""));
-    return light;
-  }
-  throw Error(table.where("type") + unknown_name_message("light type", type, {"point", "rectangle"}));
-}
-
 // What a stage would refuse, with the place in the file.
 void check_params(const Job& job, TomlTable& root) {
   const auto check = [&](const char* section, const char* key, bool holds, const char* expected) {
@@ -90,11 +44,23 @@ void check_params(const Job& job, TomlTable& root) {
     fail("{}expected {} for \"{}\" in [{}]", table ? table->where(key) : root.where(""), expected, key, section);
   };
   constexpr const char* one = "1 or more";
+  const auto is_half_angle = [](double angle) { return angle >= 0 && angle < pi / 2; };
+  constexpr const char* half_angle = "an angle from 0 deg to less than 90 deg";
+  constexpr const char* positive = "a length above 0 m";
   check("trace", "columns", job.trace.columns >= 1, one);
   check("trace", "rows", job.trace.rows >= 1, one);
   check("trace", "samples", job.trace.samples >= 1, one);
+  check("trace", "pixel_samples", job.trace.pixel_samples >= 1, one);
+  check("trace", "tile_columns", job.trace.tile_columns >= 1, one);
+  check("trace", "tile_rows", job.trace.tile_rows >= 1, one);
+  check("trace", "frames", job.trace.frames >= 1, one);
+  check("trace", "field_of_view", is_half_angle(job.trace.field_of_view), half_angle);
   check("trace", "paths", job.trace.paths >= 1, one);
   check("trace", "max_depth", job.trace.max_depth >= 1, one);
+  check("render", "field_of_view", is_half_angle(job.render.field_of_view), half_angle);
+  check("render", "eye", job.render.eye.z >= 0, "a place on the panel or before it (z of 0 m or more)");
+  check("render", "pupil", job.render.pupil > 0, positive);
+  check("render", "focus", job.render.focus > 0, positive);
   check("render", "rows", job.render.rows >= 1, one);
   check("render", "paths", job.render.paths >= 1, one);
   check("render", "max_depth", job.render.max_depth >= 1, one);
@@ -105,18 +71,30 @@ void check_params(const Job& job, TomlTable& root) {
   check("camera", "bits", job.camera.bits == 8 || job.camera.bits == 16, "8 or 16");
 }
 
+std::vector<double> read_wavelengths(TomlTable& root) {
+  std::vector<double> wavelengths(1);
+  if (root.toml().get("wavelength")->is_array())
+    root.lengths("wavelength", wavelengths);
+  else
+    root.length("wavelength", wavelengths.front());
+  for (size_t i = 0; i < wavelengths.size(); ++i) {
+    root.locate("wavelength", [&] { check_wavelength(wavelengths[i]); });
+    require(std::count(wavelengths.begin(), wavelengths.end(), wavelengths[i]) == 1,
+            "{}expected each wavelength once, got {} twice", root.where("wavelength"), format_length(wavelengths[i]));
+  }
+  return wavelengths;
+}
+
 Job read_job(TomlTable& root) {
   Job job;
-  for (const char* section : {"slm", "materials", "light", "object", "shape", "background", "trace", "render",
-                              "synthesize", "encode", "show", "propagate", "camera"})
+  for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
+                              "render", "synthesize", "encode", "show", "propagate", "camera"})
     root.know(section);
   root.require_key("wavelength");
   root.refuse_unknown_keys();
 
-  job.wavelengths.resize(1);
-  root.length("wavelength", job.wavelengths[0]);
-  root.locate("wavelength", [&] { check_wavelength(job.wavelengths[0]); });
-  root.colour("background", job.scene.background, unbounded);
+  job.wavelengths = read_wavelengths(root);
+  root.colour("background", job.scene.background, std::numeric_limits<double>::infinity());
   const auto slm = root.table("slm");
   job.slm = slm ? read_slm(*slm) : slm_preset("pluto");
 
@@ -125,6 +103,7 @@ Job read_job(TomlTable& root) {
   const auto materials = root.named_tables("materials", names);
   for (size_t i = 0; i < materials.size(); ++i) objects.add_material(names[i], read_material(materials[i]));
   for (const TomlTable& light : root.tables("light")) job.scene.lights.push_back(read_light(light));
+  if (const auto environment = root.table("environment")) job.scene.environment = read_environment(*environment);
   if (auto shapes = root.table("shape")) objects.add_shapes(*shapes);
   for (const TomlTable& object : root.tables("object")) objects.add_object(object);
   objects.check_unused_shapes();
@@ -185,6 +164,7 @@ toml::table read_scene(const std::string& path, std::vector<std::string>& files)
 }  // namespace
 
 Job load_job(const std::string& path) {
+  if (is_mesh_file(path)) return job_for_model(path);
   check_file_exists(path, "a scene file");
   std::vector<std::string> files;
   const toml::table parsed = read_scene(path, files);

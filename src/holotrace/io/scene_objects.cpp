@@ -125,10 +125,11 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
   require(!(object.has("position") && object.has("positions")),
           "{}expected either \"position\" or \"positions\", got both", object.where("positions"));
   object.length_vectors("positions", positions);
+  double distance = 0;
+  object.length("distance", distance);
 
-  Vec3 offset;
   Geometry local;
-  object.locate("", [&] { local = read_type(object, type, offset); });
+  object.locate("", [&] { local = read_type(object, type); });
   if (is_point_type(type)) {
     double amplitude = 1, phase = 0;
     object.number("amplitude", amplitude);
@@ -150,7 +151,7 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
   Geometry placed;
   for (Vec3 place : positions) {
     Frame frame = compose(rotation, size);
-    frame.origin += place + offset;
+    frame.origin += place - Vec3{0, 0, distance};
     Geometry copy = local;
     transform(frame, copy);
     std::move(copy.meshes.begin(), copy.meshes.end(), std::back_inserter(placed.meshes));
@@ -159,7 +160,7 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
   return placed;
 }
 
-SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::string& type, Vec3& offset) {
+SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::string& type) {
   const auto from_mesh = [](Mesh mesh) {
     mesh.material = -1;
     return Geometry{{std::move(mesh)}, {}};
@@ -173,9 +174,6 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
                    {"red", PointChannel::red},
                    {"green", PointChannel::green},
                    {"blue", PointChannel::blue}});
-    double distance = 0;
-    object.length("distance", distance);
-    offset.z = -distance;
     const std::string file = read_file_name(object, "file");
     Geometry geometry;
     object.locate("file", [&] { geometry.points = load_points(file, channel); });
@@ -202,6 +200,10 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
       const std::string file = read_file_name(object, "texture");
       Image texture;
       object.locate("texture", [&] { texture = load_image(file); });
+      if (job_.wavelengths.size() > 1 && texture.channels > 1)
+        job_.warnings.push_back(
+            fmt::format("{}points have one amplitude at all wavelengths, the texture is taken at {}",
+                        object.where("texture"), format_length(job_.wavelengths.front())));
       return {{}, make_point_quad(width, height, columns, rows, &texture, channel_weights(job_.wavelengths.front()))};
     }
     std::string none;
@@ -283,7 +285,10 @@ SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
     job_.scene.materials.insert(job_.scene.materials.end(), materials.begin(), materials.end());
   }
   Geometry geometry{model.loaded.meshes, {}};
-  for (Mesh& mesh : geometry.meshes) mesh.material = has_own_material ? -1 : mesh.material + model.first_material;
+  for (Mesh& mesh : geometry.meshes) {
+    mesh.material = has_own_material ? -1 : mesh.material + model.first_material;
+    if (has_own_material) mesh.colours.clear();
+  }
   return geometry;
 }
 

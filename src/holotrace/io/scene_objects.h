@@ -36,7 +36,7 @@ class SceneObjects {
   };
 
   Geometry read_object(TomlTable& object);
-  Geometry read_type(TomlTable& object, const std::string& type, Vec3& offset);
+  Geometry read_type(TomlTable& object, const std::string& type);
   Geometry read_shape(TomlTable& object);
   Geometry read_parts(const std::string& shape);
   Geometry read_mesh_file(TomlTable& object);

@@ -1,6 +1,7 @@
 #include "holotrace/io/toml_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -21,12 +22,12 @@ std::string describe_value(const toml::node& node) {
   return "a date or time";
 }
 
+}  // namespace
+
 std::optional<double> to_number(const toml::node& node) {
   if (const auto value = node.value_exact<int64_t>()) return double(*value);
   return node.value_exact<double>();
 }
-
-}  // namespace
 
 const std::string& TomlTable::file(const toml::source_region& source) const {
   return source.path ? *source.path : files_.front();
@@ -218,6 +219,32 @@ void TomlTable::colour(const char* key, Vec3& value, double most) {
     const double grey = component(*node);
     value = {grey, grey, grey};
   }
+}
+
+void TomlTable::fraction(const char* key, double& value) {
+  number(key, value);
+  require(!has(key) || value <= 1, "{}expected a number from 0 to 1 for \"{}\", got {}", where(key), key, value);
+}
+
+void TomlTable::direction(const char* key, Vec3& value) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  const char* expected = "a direction [x, y, z] of three plain numbers";
+  const toml::array* items = node->as_array();
+  if (!items || items->size() != 3) fail_kind(key, expected, *node);
+  std::array<double, 3> numbers{};
+  for (size_t i = 0; i < 3; ++i) {
+    const auto number = to_number((*items)[i]);
+    if (!number) fail_kind(key, expected, (*items)[i]);
+    require(std::isfinite(*number), "{}expected finite numbers for \"{}\", got {}", place((*items)[i].source()), key,
+            *number);
+    numbers[i] = *number;
+  }
+  const Vec3 given{numbers[0], numbers[1], numbers[2]};
+  const double size = std::hypot(given.x, given.y, given.z);
+  require(size > 0 && std::isfinite(size), "{}expected a direction for \"{}\", got [0, 0, 0], which points nowhere",
+          where(key), key);
+  value = given / size;
 }
 
 void TomlTable::rotation(const char* key, Frame& value) {

@@ -18,6 +18,9 @@
 
 namespace holotrace {
 
+/// The number of a TOML value, whole or not; none for values of another kind.
+std::optional<double> to_number(const toml::node& node);
+
 /// One table of a TOML file, read key by key. Each reader leaves its value alone where the key is
 /// absent, and remembers the key, so that refuse_unknown_keys can name the others. It has the
 /// members that `describe` of data/params.h asks of a visitor: a parameter set reads itself by
@@ -84,6 +87,8 @@ class TomlTable {
   void length_vector(const char* key, Vec3& value);                ///< "0 0 -300 mm" or three texts, of any sign
   void length_vectors(const char* key, std::vector<Vec3>& value);  ///< a list of such texts
   void colour(const char* key, Vec3& value, double most);          ///< one number or [r, g, b], each in [0, most]
+  void direction(const char* key, Vec3& value);                    ///< [x, y, z] of any length above 0, made 1
+  void fraction(const char* key, double& value);                   ///< a number in [0, 1]
   void rotation(const char* key, Frame& value);                    ///< "y 30 deg" or a list of turns, first one first
   void outline(const char* key, std::vector<Vec2>& value);         ///< { unit = "mm", points = [[1, 2], …] }
 
@@ -100,11 +105,14 @@ class TomlTable {
   /// @throws Error for the first key that no reader asked for, naming the nearest that one did
   void refuse_unknown_keys() const;
 
- private:
+  /// The value of a key, which is known from then on; nullptr where it is absent. With place and fail_kind it serves
+  /// the values that one reader alone has.
   const toml::node* find(const char* key);
+  std::string place(const toml::source_region& source) const;  ///< "file:line:column: "
   [[noreturn]] void fail_kind(const char* key, const char* expected, const toml::node& got) const;
+
+ private:
   const std::string& file(const toml::source_region& source) const;
-  std::string place(const toml::source_region& source) const;
   bool is_placed(const Error& error) const;  // whether it starts with a place in one of the files
   std::string length_text(const char* key, const toml::node& node) const;
   std::vector<double> read_lengths(const char* key, const toml::node& node) const;
