@@ -130,11 +130,12 @@ toml::table parse_file(const std::string& path) {
   }
 }
 
-// Puts the keys of `over` into `base`: tables key by key, all else (lists of tables too) as a whole.
+// Puts the keys of `over` into `base`: tables key by key; all else (lists of tables, and tables that say their type,
+// such as another kind of material) as a whole.
 void overrule(toml::table& base, toml::table&& over) {
   for (auto&& [key, node] : over) {
     toml::node* present = base.get(key);
-    if (present && present->is_table() && node.is_table()) {
+    if (present && present->is_table() && node.is_table() && !node.as_table()->contains("type")) {
       overrule(*present->as_table(), std::move(*node.as_table()));
       continue;
     }
