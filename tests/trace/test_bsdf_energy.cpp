@@ -37,8 +37,8 @@ Vec3 furnace(const Bsdf& bsdf, Vec3 outgoing, double far_over_near) {
                   [&](const BsdfSample& way) { return way.is_transmission ? far_over_near * far_over_near : 1; });
 }
 
-constexpr double table =
-    0.007;  // the albedos of microfacets are off by 0.003, and 2¹⁴ points by as much of a rare lobe
+// The albedos of microfacets are off by 0.003, and 2¹⁴ points by as much of a rare lobe.
+constexpr double table = 0.007;
 constexpr double quadrature = 1e-3;  // three times what `received` says
 
 /// A metal that reflects everything: 1 − F = 4n/k² = 4e-12 head-on.
