@@ -73,6 +73,8 @@ inline LightSample sample(const RectangleLight& light, Vec3 from, Vec2 u) {
 /// Draws a way from the point `from` [m] to a light, by two numbers in [0, 1). Radiance 0: the point has no light of
 /// it.
 inline LightSample sample_light(const Light& light, Vec3 from, Vec2 u) {
+  if (const auto* rectangle = std::get_if<RectangleLight>(&light)) return sample(*rectangle, from, u);
+  if (const auto* point = std::get_if<PointLight>(&light)) return sample(*point, from, u);
   return std::visit([&](const auto& l) { return sample(l, from, u); }, light);
 }
 
