@@ -117,8 +117,8 @@ class PathWalk {
     const auto& lights = emitters_.lights();
     for (size_t i = 0; i < lights.size(); ++i) {
       const bool is_shared = has_area(lights[i]);
-      const LightSample way = sample_light(lights[i], point_.position, is_shared ? numbers.two() : Vec2{});
-      add_way(bsdf, way, is_shared, int(i), &lights[i]);
+      add_way(bsdf, sample_light(lights[i], point_.position, is_shared ? numbers.two() : Vec2{}), is_shared, int(i),
+              &lights[i]);
     }
     // Light of a mesh comes from a surface, which counts as one.
     if (depth_ < scene_.params.max_depth && !emitters_.triangles().is_empty()) {
@@ -132,12 +132,14 @@ class PathWalk {
   /// Light by one way that a light was asked for; `is_shared` if the path can find it by chance too.
   template <class B>
   void add_way(const B& bsdf, const LightSample& way, bool is_shared, int group, const Light* light = nullptr) {
-    if (is_black(way.radiance)) return;
+    constexpr double most = 1e150;  // whose square is finite; such light comes at a vanishing angle to its surface
+    if (is_black(way.radiance) || !(way.pdf < most)) return;
     const auto reflected = [&](Lobe lobe) {
       const Vec3 f = eval(bsdf, outgoing_, way.direction, lobe);
       if (is_black(f)) return Vec3{};
-      const double weight = is_shared ? shared_weight(way.pdf, pdf(bsdf, outgoing_, way.direction, lobe)) : 1;
-      return throughput_ * f * way.radiance * (weight / way.pdf);
+      // The weight over the density, p/(p² + p′²), without a division of its own.
+      const double other = is_shared ? pdf(bsdf, outgoing_, way.direction, lobe) : 0;
+      return throughput_ * f * way.radiance * (way.pdf / (way.pdf * way.pdf + other * other));
     };
     const Vec3 diffuse = diffuse_layers_ ? reflected(Lobe::diffuse) : Vec3{};
     const Vec3 glossy = glossy_layers_ ? reflected(Lobe::glossy) : Vec3{};
