@@ -150,6 +150,21 @@ TEST(SceneMaterials, FilesThatAreMissingOrOfAnotherKindAreNamed) {
                 ":3: expected a wavelength with its unit, n and k, such as \"450 nm 0.04 2.6\", got \"600 1.6\"");
 }
 
+TEST(SceneMaterials, ATextureNeedsTextureCoordinatesAndNoLightBelowZero) {
+  texture("t.png");
+  make_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(
+      error("texture = \"t.png\"\n[[object]]\ntype = \"mesh\"\nfile = \"m.obj\"\nfit = \"1 mm\"\n"
+            "distance = \"1 m\"\nname = \"leaf\"\nmaterial = \"m\""),
+      "10:12: expected a mesh with texture coordinates for a material with a texture, got \"leaf\" without; export "
+      "it with them, or use a material without a texture");
+  Image dark(1, 1, 3);
+  dark.values = {1, -2, 1};
+  const std::string path = test::temporary("dark.exr");
+  save_image(path, dark, 1, 8);
+  EXPECT_EQ(error("texture = \"dark.exr\""), "3:11: " + path + ": expected a texture of values of 0 or more, got -2");
+}
+
 TEST(SceneMaterials, AnObjectsOwnMaterialTakesThePlaceOfItsFiles) {
   make_file("m.ply",
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"

@@ -84,14 +84,15 @@ void read_metal_index(TomlTable& table, const char* key, RefractiveIndex& index)
   constexpr const char* expected = "{ n = 0.05, k = 3.4 }, a list [[\"450 nm\", 0.04, 2.6], …] or a table file";
   if (node->is_table()) {
     auto inner = *table.table(key);
-    RefractiveIndex::Sample sample{0, 0, 0};
+    double n = 0, k = 0;
     inner.know("k");
     inner.require_key("n");
-    inner.number("n", sample.n);
-    inner.number("k", sample.k);
+    inner.number("n", n);
+    inner.number("k", k);
     inner.refuse_unknown_keys();
-    check_sample(sample, inner.where("n"));
-    index = {{sample}};
+    index = constant_index(n);
+    index.samples.front().k = k;
+    check_sample(index.samples.front(), inner.where("n"));
   } else if (const toml::array* list = node->as_array()) {
     index = from_list(table, key, *list, expected);
   } else if (const auto name = node->value_exact<std::string>()) {
