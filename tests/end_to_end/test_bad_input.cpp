@@ -176,6 +176,71 @@ TEST(BadInput, WhatIsNoImageIsRefused) {
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:", "no.png", "not an image"});
 }
 
+TEST(BadInput, MaterialsThatCannotBeArePlaced) {
+  const auto material = [](const std::string& lines) { return "[materials.m]\n" + lines + "\n[[light]]"; };
+  expect_scene_errors({
+      {"[[light]]",
+       material("type = \"glas\""),
+       {"scene.toml:17:8", "unknown material type \"glas\"", "known: diffuse"}},
+      {"[[light]]", material("type = \"dielectrick\""), {"scene.toml:17:8", "did you mean \"dielectric\""}},
+      {"[[light]]", material("type = \"conductor\"\nmetal = \"Unobtainium\""), {"scene.toml:18:9", "metal", "known: "}},
+      {"[[light]]", material("type = \"dielectric\"\nglass = \"BK77\""), {"scene.toml:18:9", "did you mean \"BK7\""}},
+      {"[[light]]", material("type = \"conductor\"\nroughness = 2"), {"scene.toml:18:13", "from 0 to 1", "got 2"}},
+      {"[[light]]", material("texture = \"no.png\""), {"scene.toml:17:11", "no.png", "no such file"}},
+      {"[[light]]", material("normal_map = \"no.png\""), {"scene.toml:17:14", "no.png", "no such file"}},
+      {"[[light]]", material("emission = nan"), {"scene.toml:17:12", "emission", "nan"}},
+      {"[[light]]", material("reflectance = 0.9\ntransmittance = 0.9"), {"scene.toml:18:17", "at most 1", "1.8"}},
+  });
+}
+
+TEST(BadInput, LightsThatPointNowhereArePlaced) {
+  const auto light = [](const std::string& lines) { return "[[light]]\n" + lines + "\n[[light]]"; };
+  const std::string sun = "type = \"directional\"\nirradiance = 1\n";
+  expect_scene_errors({
+      {"[[light]]", light(sun + "direction = [0, 0, 0]"), {"scene.toml:19:13", "points nowhere"}},
+      {"[[light]]", light(sun + "direction = \"down\""), {"scene.toml:19:13", "[x, y, z]", "down"}},
+      {"[[light]]", light(sun), {"scene.toml:16:1", "direction", "missing"}},
+      {"[[light]]", light("type = \"laser\""), {"scene.toml:17:8", "unknown light type \"laser\""}},
+  });
+}
+
+TEST(BadInput, AnEnvironmentMapThatIsNoneIsNamed) {
+  const Workplace work;
+  work.write("text.exr", "this is text\n");
+  const auto scene = [&](const std::string& map) {
+    work.write("scene.toml", scene_with("[[light]]", "[environment]\nmap = \"" + map + "\"\n[[light]]"));
+  };
+  scene("text.exr");
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:17:7", "text.exr", "not an image"});
+  scene("none.exr");
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:17:7", "none.exr", "no such file"});
+  work.write("plain.toml", mesh_scene());
+  ASSERT_EQ(work.run({"render", "plain.toml", "-o", "square.png", "--rows", "8", "--columns", "8"}).exit_code, 0);
+  scene("square.png");
+  expect_error(work, {"run", "scene.toml", "-o", "out"},
+               {"scene.toml:17:7", "square.png", "environment map", "twice as wide as high", "8 × 8"});
+}
+
+TEST(BadInput, WrongWavelengthListsArePlaced) {
+  expect_scene_errors({
+      {"\"532 nm\"", "[]", {"scene.toml:1:14", "one length or more"}},
+      {"\"532 nm\"", "[\"532 nm\", \"532 nm\"]", {"scene.toml:1:14", "each wavelength once", "532 nm twice"}},
+      {"\"532 nm\"", "[\"638 nm\", 532]", {"scene.toml:1:25", "unit", "532"}},
+      {"\"532 nm\"", "\"638 532 nm\"", {"scene.toml:1:14", "wavelength"}},
+  });
+}
+
+TEST(BadInput, DamagedModelsAreRefusedAlone) {
+  const Workplace work;
+  expect_error(work, {"run", "none.glb", "-o", "out"}, {"none.glb", "a mesh", "no such file"});
+  work.write("broken.glb", "glTF");
+  expect_error(work, {"run", "broken.glb", "-o", "out"}, {"broken.glb", "truncated", "export it again"});
+  work.write("old.gltf", R"({"asset": {"version": "1.0"}})");
+  expect_error(work, {"render", "old.gltf", "-o", "x.png"}, {"old.gltf", "version 2", "1.0"});
+  work.write("draco.gltf", R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_draco_mesh_compression"]})");
+  expect_error(work, {"render", "draco.gltf", "-o", "x.png"}, {"draco.gltf", "KHR_draco", "export it without"});
+}
+
 TEST(BadInput, ATruncatedImageIsRefused) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());

@@ -264,6 +264,14 @@ TEST(Gltf, OtherVersionsAndDamageAreRefused) {
     EXPECT_TRUE(error.starts_with(path + ":")) << length << error;
   }
   GltfTriangle wrong;
+  for (const char* nodes : {R"([{"children": [0]}])", R"([{"children": [1]}, {"children": [0]}])",
+                            R"([{"children": [7]}])", R"([{"children": [1, 1]}, {"mesh": 0}])"}) {
+    wrong.nodes = nodes;
+    const std::string path = make_file("m.gltf", wrong.text());
+    const std::string error = error_of([&] { load_meshes(path); });
+    EXPECT_TRUE(error.starts_with(path + ": expected ")) << nodes << error;
+  }
+  wrong.nodes = GltfTriangle().nodes;
   for (const char* materials : {"3", "[3]", R"([{"pbrMetallicRoughness": {"baseColorFactor": "red"}}])",
                                 R"([{"normalTexture": {"index": 7}}])", R"([{"emissiveFactor": [1]}])"}) {
     wrong.materials = materials;

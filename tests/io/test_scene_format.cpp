@@ -20,7 +20,7 @@ TEST_F(SceneFormat, ItsExampleLoads) {
   const size_t begin = text_.find(fence) + fence.size();
   const std::string example = text_.substr(begin, text_.find("```\n", begin) - begin);
   const Job job = load_job(test::make_file("example.toml", example));
-  EXPECT_EQ(job.scene.meshes.size(), 5u);  // two pawns of two parts, and the board
+  EXPECT_EQ(job.scene.meshes.size(), 6u);  // two pawns of two parts, the board and the crystal
   ASSERT_EQ(job.scene.lights.size(), 2u);
   const auto& lamp = std::get<RectangleLight>(job.scene.lights[0]);
   EXPECT_LT(cross(lamp.edge_u, lamp.edge_v).y, 0);  // as its comment says

@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <stdexcept>
 #include <string_view>
+#include <tuple>
+#include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/file.h"
@@ -75,6 +78,19 @@ void check_required_extensions(const GltfFile& gltf) {
              ? "compression"
              : "that extension");
   }
+}
+
+// Nodes are trees: one that has itself below it would be read without end.
+void check_nodes(const GltfFile& gltf) {
+  const Json nodes = gltf.document.value("nodes", Json::array());
+  std::vector<int> parents(nodes.size(), 0), places(nodes.size(), 0);
+  for (const Json& node : nodes)
+    for (const Json& child : node.value("children", Json::array())) ++parents.at(child.get<size_t>());
+  for (const Json& scene : gltf.document.value("scenes", Json::array()))
+    for (const Json& root : scene.value("nodes", Json::array())) places.at(root.get<size_t>()) = 1;
+  for (size_t i = 0; i < nodes.size(); ++i)
+    require(parents[i] + places[i] <= 1, "{}: expected each node in one place, got node {} in several; export it again",
+            gltf.path, i);
 }
 
 std::string decode_base64(std::string_view text) {
@@ -152,8 +168,11 @@ GltfFile read_gltf(const std::string& path) {
     gltf.document = Json::parse(text);
     check_version(gltf);
     check_required_extensions(gltf);
+    check_nodes(gltf);
   } catch (const Json::exception& e) {
     fail("{}: expected a glTF model, but it is damaged ({}); export it again", path, e.what());
+  } catch (const std::out_of_range&) {
+    fail("{}: expected nodes that are there, got one with a number beyond them; export it again", path);
   }
   return gltf;
 }

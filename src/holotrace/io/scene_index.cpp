@@ -1,7 +1,9 @@
 #include "holotrace/io/scene_index.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 
 #include "holotrace/base/error.h"
@@ -61,6 +63,13 @@ RefractiveIndex from_file(TomlTable& table, const char* key, const std::string& 
   return index;
 }
 
+double parse_number(const std::string& word) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  require(error == std::errc() && end == word.data() + word.size(), "no number");
+  return value;
+}
+
 void check_transparent(const RefractiveIndex& index, const std::string& where) {
   for (const auto& sample : index.samples)
     require(sample.k == 0, "{}expected a glass without absorption (k = 0), got k = {}; a metal is a \"conductor\"",
@@ -75,13 +84,15 @@ void read_metal_index(TomlTable& table, const char* key, RefractiveIndex& index)
   constexpr const char* expected = "{ n = 0.05, k = 3.4 }, a list [[\"450 nm\", 0.04, 2.6], …] or a table file";
   if (node->is_table()) {
     auto inner = *table.table(key);
-    RefractiveIndex::Sample sample{0, 0, 0};
+    double n = 0, k = 0;
+    inner.know("k");
     inner.require_key("n");
-    inner.number("n", sample.n);
-    inner.number("k", sample.k);
+    inner.number("n", n);
+    inner.number("k", k);
     inner.refuse_unknown_keys();
-    check_sample(sample, inner.where("n"));
-    index = {{sample}};
+    index = constant_index(n);
+    index.samples.front().k = k;
+    check_sample(index.samples.front(), inner.where("n"));
   } else if (const toml::array* list = node->as_array()) {
     index = from_list(table, key, *list, expected);
   } else if (const auto name = node->value_exact<std::string>()) {
@@ -114,27 +125,22 @@ RefractiveIndex load_index_table(const std::string& path) {
   RefractiveIndex index;
   std::string line;
   for (size_t number = 1; std::getline(lines, line); ++number) {
-    line.resize(std::min(line.find('#'), line.size()));
-    std::replace(line.begin(), line.end(), ',', ' ');
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    std::string content = line.substr(0, line.find('#'));
+    std::replace(content.begin(), content.end(), ',', ' ');
+    std::istringstream stream(content);
+    const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
+    if (words.empty()) continue;
     const std::string where = fmt::format("{}:{}: ", path, number);
-    std::istringstream words(line);
-    std::string length, unit;
-    RefractiveIndex::Sample sample{0, 0, 0};
-    words >> length >> unit;
     try {
-      sample.wavelength = parse_length(length + " " + unit);
+      require(words.size() == 3 || words.size() == 4, "too few or many words");
+      RefractiveIndex::Sample sample{parse_length(words[0] + " " + words[1]), parse_number(words[2]), 0};
+      if (words.size() == 4) sample.k = parse_number(words[3]);
+      require(sample.wavelength > 0, "no wavelength");
+      index.samples.push_back(sample);
     } catch (const Error&) {
       fail("{}expected a wavelength with its unit, n and k, such as \"450 nm 0.04 2.6\", got \"{}\"", where, line);
     }
-    words >> sample.n;
-    const bool has_n = bool(words);
-    double k = 0;
-    if (words >> k) sample.k = k;
-    require(has_n && words.eof() && sample.wavelength > 0,
-            "{}expected a wavelength with its unit, n and k, such as \"450 nm 0.04 2.6\", got \"{}\"", where, line);
-    check_sample(sample, where);
-    index.samples.push_back(sample);
+    check_sample(index.samples.back(), where);
   }
   require(!index.samples.empty(), "{}: expected lines such as \"450 nm 0.04 2.6\", got none", path);
   return in_order(std::move(index), path + ": ");

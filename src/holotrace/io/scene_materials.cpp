@@ -1,5 +1,6 @@
 #include "holotrace/io/scene_materials.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "holotrace/base/error.h"
@@ -17,6 +18,10 @@ Texture read_texture(TomlTable& table, const char* key, ImageContent content = I
   if (name.empty()) return nullptr;
   Image image;
   table.locate(key, [&] { image = load_image(table.beside(key, name), content); });
+  const std::string where = table.where(key) + table.beside(key, name);
+  const auto dark = std::find_if(image.values.begin(), image.values.end(), [](float value) { return value < 0; });
+  require(dark == image.values.end(), "{}: expected a texture of values of 0 or more, got {}", where,
+          dark == image.values.end() ? 0 : *dark);
   if (content == ImageContent::data) {
     require(image.channels == 3, "{}expected an image of red, green and blue for \"{}\", got the grey one {}",
             table.where(key), key, table.beside(key, name));

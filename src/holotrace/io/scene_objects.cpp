@@ -67,6 +67,13 @@ double read_required_length(TomlTable& object, const char* key) {
   return value;
 }
 
+bool has_texture(const Material& material) {
+  const auto* diffuse = std::get_if<DiffuseMaterial>(&material.surface);
+  const auto* metallic = std::get_if<MetallicRoughnessMaterial>(&material.surface);
+  return material.emission_texture || material.normal_map || (diffuse && diffuse->texture) ||
+         (metallic && (metallic->base_texture || metallic->metallic_texture));
+}
+
 }  // namespace
 
 void SceneObjects::add_material(const std::string& name, const Material& material) {
@@ -97,6 +104,10 @@ void SceneObjects::add_object(TomlTable object) {
       }
       mesh.material = default_material_;
     }
+    require(!mesh.texture_coordinates.empty() || !has_texture(job_.scene.materials[size_t(mesh.material)]),
+            "{}expected a mesh with texture coordinates for a material with a texture, got \"{}\" without; export it "
+            "with them, or use a material without a texture",
+            object.where("material"), mesh.name);
     job_.scene.meshes.push_back(std::move(mesh));
   }
   job_.scene.points.insert(job_.scene.points.end(), geometry.points.begin(), geometry.points.end());
