@@ -64,7 +64,12 @@ double phase_range(const Slm& slm, double wavelength, const Observer& observer) 
 }
 
 void encode_phase(const Field& field, ImageSide image, double range, Hologram& hologram) {
-  hologram.illumination = power(field) / (field.grid.width() * field.grid.height());
+  double modulus = 0, square = 0;
+  for (const auto& u : field.samples.values) {
+    modulus += std::abs(std::complex<double>(u));
+    square += std::norm(std::complex<double>(u));
+  }
+  hologram.illumination = modulus > 0 ? std::pow(square / modulus, 2) : 0;
   const float sign = image == ImageSide::real_image ? -1.0F : 1.0F;
   parallel_for(0, field.grid.ny, [&](int64_t j) {
     const std::complex<float>* u = field.samples.row(int(j));

@@ -18,11 +18,11 @@ namespace holotrace {
 /// arg(U) around the circle, among those of the first turn. Above 2π (λ < λ₀) it has levels to spare, which cost
 /// fineness alone; short of 2π (λ > λ₀) see short_range_efficiency.
 ///
-/// The hologram's `illumination` is the irradiance that shows U with its own brightness, for the levels forget the
-/// field's scale. With E on the panel it shows √E·t, and
+/// The hologram's `illumination` is the irradiance E that shows U with its own brightness, for the levels forget the
+/// field's scale. The panel then shows √E·t; what of it is U is √E·⟨t·U*⟩/⟨|U|²⟩ (least squares), and E makes that 1:
 ///
-///     phase      |t| = 1: the same power as U, E = mean|U|². What the dropped modulus costs goes into noise, the same
-///                part (1 − π/4 for speckle) of every such hologram
+///     phase      |t| = 1: E = (⟨|U|²⟩/⟨|U|⟩)², with noise of power E − ⟨|U|²⟩ from the dropped modulus on top. That is
+///                4/π·⟨|U|²⟩ for speckle, more where part of the panel is dark in U: the kinoform lights it up
 ///     amplitude  t = |U|/max|U|: E = max|U|² shows |U| itself
 ///     off-axis   the order's term of t is U·R*/max I: E = (max I/|R|)² shows |U| (max I − min I without bias)
 ///
