@@ -196,8 +196,7 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     if (o->is_double) check_is_for_double(o->flags);
     const bool is_scene = std::filesystem::path(o->inputs.front()).extension() == ".toml";
-    require(!is_scene || o->inputs.size() == 1, "expected one scene, or files of sources, got {} files after {}",
-            o->inputs.size() - 1, o->inputs.front());
+    if (is_scene && o->inputs.size() > 1) throw CLI::ExtrasError({o->inputs.begin() + 1, o->inputs.end()});
     Job job;
     job.slm = slm_preset("pluto");
     if (is_scene) job = load_job(o->inputs.front());

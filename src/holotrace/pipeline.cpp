@@ -179,15 +179,16 @@ Boxes run(const Job& job, const StageObserver& watch) {
 
   const std::vector<double>& distances = job.camera.distances;
   const int64_t holograms = int64_t(b.sources.size()) * job.trace.frames;
+  // The one place where the light of a frame comes from: one field per set.
+  const auto make_fields = [&](int frame, const Observer& o) {
+    return fields_of_frame(b.sources, uint32_t(frame), panel, job.synthesize, o);
+  };
   RepeatedStages repeat(holograms, job.trace.frames + holograms * int64_t(2 + distances.size()), b.report, watch);
   std::vector<ViewSum> sums(distances.size());
   for (int frame = 0; frame < job.trace.frames; ++frame) {
-    // The one place where the light of a frame comes from.
-    std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) {
-      return fields_of_frame(b.sources, uint32_t(frame), panel, job.synthesize, o);
-    });
+    std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) { return make_fields(frame, o); });
     for (size_t i = 0; i < fields.size(); ++i) {
-      const bool is_dark = b.sources[i].waves.empty();  // as tracing has said
+      const bool is_dark = i < b.sources.size() && b.sources[i].waves.empty();  // as tracing has said
       b.holograms.push_back(repeat("encode", [&](const Observer& o) {
         return encode(fields[i], job.slm, job.encode, is_dark ? Observer{} : o);
       }));

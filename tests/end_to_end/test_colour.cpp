@@ -155,6 +155,18 @@ TEST(Colour, FramesThatAreAlikeAreTheFirst) {
   for (size_t i = 0; i < one.values.size(); ++i) EXPECT_FLOAT_EQ(three.values[i], one.values[i]);
 }
 
+TEST(Colour, ALensIsFocusedAtEveryDistanceLookedAt) {
+  Job job = quads({{1, 1, 1}}, 0.03, 1e-3, small_panel);
+  job.wavelengths = {532e-9};
+  job.trace.columns = job.trace.rows = 16;
+  job.camera.distances = {0.03, 0.035, 0.04};
+  EXPECT_EQ(run(job).renders.size(), 1u);  // a pinhole needs no focus
+  job.render.lens = Lens::round;
+  const Boxes boxes = run(job);
+  EXPECT_EQ(boxes.renders.size(), 3u);
+  EXPECT_EQ(boxes.report.stages.front().stage, "render focused at 30 mm");
+}
+
 TEST(Colour, AWavelengthGivenTwiceIsRefused) {
   Job job = quads({{1, 1, 1}}, 0.03, 1e-3, small_panel);
   job.wavelengths = {532e-9, 450e-9, 532e-9};

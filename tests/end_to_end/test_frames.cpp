@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "end_to_end/scenes.h"
 #include "holotrace/base/units.h"
@@ -195,8 +196,21 @@ TEST(Frames, FieldsInColourPassThroughEveryCommand) {
   EXPECT_NE(work.run({"info", "g.h5"}).out.find("638 nm, 520 nm, 450 nm"), std::string::npos);
   EXPECT_NE(work.run({"field", "scene.toml", "-o", "f.exr", "--wavelength", lines}).err.find(".exr holds one"),
             std::string::npos);
-  const Outcome estimate = work.run({"estimate", "scene.toml"});
-  EXPECT_EQ(estimate.exit_code, 0) << estimate.err;
+}
+
+TEST(Frames, AreCountedByTheEstimate) {
+  const Workplace work;
+  std::string scene = mesh_scene();
+  scene.replace(scene.find("[trace]\n"), 8, "[trace]\nframes = 8\n");
+  work.write("scene.toml", scene);
+  const Outcome outcome = work.run({"estimate", "scene.toml", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json.at("frames"), 8);
+  EXPECT_EQ(json.at("holograms"), 8);
+  const double parts = json.at("trace_seconds").get<double>() + json.at("synthesis_seconds").get<double>() +
+                       json.at("simulation_seconds").get<double>();
+  EXPECT_NEAR(json.at("seconds").get<double>() / parts, 1, 1e-9);
 }
 
 }  // namespace
