@@ -71,7 +71,8 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     o->trace_flags.apply(job.trace);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
     if (o->seed) job.trace.seed = job.render.seed = *o->seed;
-    check_field_fits(job.slm.grid, sizeof(std::complex<float>));  // before a folder is made for nothing
+    check_field_fits(job.slm.grid, sizeof(std::complex<float>));
+    check_job(job);  // before a folder is made for nothing
     make_folder(o->folder);
     Console console(global.is_quiet);
     const Boxes boxes = run(job, console.stages());
@@ -156,6 +157,11 @@ std::vector<Sources> read_sources(const std::vector<std::string>& paths, const s
     const double given = wavelengths.empty() ? 0 : wavelengths[std::min(i, wavelengths.size() - 1)];
     sets.push_back(load_sources(paths[i], given));
     if (given > 0) sets.back().wavelength = given;
+    for (size_t j = 0; j < i; ++j)
+      require(sets[j].wavelength != sets[i].wavelength || sets[j].name != sets[i].name,
+              "expected sources of different wavelengths or names, got {} and {} at {}; make one file of them if they "
+              "are coherent, or holograms of each",
+              paths[j], paths[i], format_length(sets[i].wavelength));
   }
   return sets;
 }

@@ -63,15 +63,6 @@ size_t least_sets(const Job& job) {
   return job.wavelengths.size() * (job.trace.separate_layers ? std::max<size_t>(1, job.trace.layers.size()) : 1);
 }
 
-void check_job(const Job& job) {
-  require(!job.wavelengths.empty(), "expected at least one wavelength, got none");
-  require(job.trace.frames >= 1, "expected 1 frame or more, got {}", job.trace.frames);
-  for (size_t i = 0; i < job.wavelengths.size(); ++i)
-    require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,
-            "expected wavelengths that differ, got {} twice; leave one out, or ask for frames",
-            format_length(job.wavelengths[i]));
-}
-
 bool has_random_phase(const std::vector<Sources>& sets) {
   return std::any_of(sets.begin(), sets.end(), [](const Sources& set) {
     return std::any_of(set.phase_keys.begin(), set.phase_keys.end(),
@@ -109,6 +100,17 @@ Image reference_of(const Job& job, const Image& render, const ViewSum& sum, cons
 }
 
 }  // namespace
+
+void check_job(const Job& job) {
+  require(!job.wavelengths.empty(), "expected at least one wavelength, got none");
+  require(job.trace.frames >= 1, "expected 1 frame or more, got {}", job.trace.frames);
+  for (const double wavelength : job.wavelengths) check_wavelength(wavelength);
+  for (size_t i = 0; i < job.wavelengths.size(); ++i)
+    require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,
+            "expected wavelengths that differ, got {} twice; leave one out, or ask for frames",
+            format_length(job.wavelengths[i]));
+  check_memory(job, least_sets(job));
+}
 
 std::vector<Field> fields_of_frame(const std::vector<Sources>& sources, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer) {
@@ -156,7 +158,6 @@ Boxes run(const Job& job, const StageObserver& watch) {
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
   const Grid& panel = job.slm.grid;
   check_job(job);
-  check_memory(job, least_sets(job));
 
   if (!job.warnings.empty())
     stage("scene", [&](const Observer& o) {

@@ -37,6 +37,12 @@ struct Boxes {
 /// @throws Error  as the stages do, and before the first where the job does not fit in the machine's memory
 Boxes run(const Job& job, const StageObserver& watch = {});
 
+/// What `run` refuses before its first stage.
+/// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, and a job that does
+/// not
+///                fit in the machine's memory
+void check_job(const Job& job);
+
 /// Fields of one frame, each a layer or light at a wavelength, in the order of `sources`; a set without waves is dark.
 /// @throws Error  as synthesize does; also if no set has a wave
 std::vector<Field> fields_of_frame(const std::vector<Sources>& sources, uint32_t frame, const Grid& panel,

@@ -198,6 +198,31 @@ TEST(Frames, FieldsInColourPassThroughEveryCommand) {
             std::string::npos);
 }
 
+TEST(Frames, WhatCannotBeShownIsRefusedBeforeAFolderIsMade) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  save_sources(work.path("s.ply"), patch(1e-3, 4));
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"run", "scene.toml", "-o", "out", "--frames", "0"}, "holotrace: expected 1 frame or more, got 0\n"},
+      {{"run", "scene.toml", "-o", "out", "--wavelength", "638 nm, 638 nm"},
+       "holotrace: expected wavelengths that differ, got 638 nm twice; leave one out, or ask for frames\n"},
+      {{"run", "scene.toml", "-o", "out", "--wavelength", "638 nm, -1 nm"},
+       "holotrace: expected a wavelength above 0 m, got -1e-09 m\n"},
+      {{"field", "s.ply", "s.ply", "--slm", "scene.toml", "-o", "f.npy"},
+       "holotrace: expected sources of different wavelengths or names, got s.ply and s.ply at 532 nm; make one file of "
+       "them if they are coherent, or holograms of each\n"},
+      {{"field", "s.ply", "--slm", "scene.toml", "-o", "f.npy", "--wavelength", "638 nm, 450 nm"},
+       "holotrace: --wavelength: expected one length, or one for each of 1 files of sources, got 2\n"}};
+  for (const auto& [arguments, sentence] : cases) {
+    const Outcome outcome = work.run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.err, sentence);
+  }
+  const Outcome many = work.run({"run", "scene.toml", "-o", "out", "--frames", "1000000000"});
+  EXPECT_NE(many.err.find("a run of 1000000000 hologram(s)"), std::string::npos) << many.err;
+  EXPECT_EQ(work.names(), (std::set<std::string>{"scene.toml", "s.ply"}));
+}
+
 TEST(Frames, AreCountedByTheEstimate) {
   const Workplace work;
   std::string scene = mesh_scene();
