@@ -40,7 +40,21 @@ TraceParams with_at_most(TraceParams params, int side) {
   return params;
 }
 
-// What the tracing of the whole job comes to, from that of a small raster.
+// How often the stages run: tracing once per wavelength, the others once per hologram. Each layer or light shown by
+// itself is counted as a hologram of all waves, which is what it costs at most.
+struct Shape {
+  double wavelengths = 1, parts = 1, frames = 1;
+  double holograms() const { return wavelengths * parts * frames; }
+};
+
+Shape shape_of(const Job& job) {
+  Shape shape{double(job.wavelengths.size()), 1, double(job.trace.frames)};
+  if (job.trace.separate_layers) shape.parts *= double(std::max<size_t>(1, job.trace.layers.size()));
+  if (job.trace.separate_lights) shape.parts *= double(std::max<size_t>(1, job.scene.lights.size()));
+  return shape;
+}
+
+// What the tracing of the whole job comes to, from that of a small raster and of the first wavelength.
 struct TraceProbe {
   Sources sources;  // of the small raster
   double paths = 0, rays = 0, shadow_rays = 0, mean_path_length = 0, waves = 0;
@@ -96,6 +110,7 @@ double simulation_seconds(const Job& job, const Field& field) {
 // Scales the probe to the whole job (Eq. 16–23).
 nlohmann::ordered_json estimate(const Job& job) {
   const Grid& panel = job.slm.grid;
+  const Shape shape = shape_of(job);
   const TraceProbe probe = probe_trace(job);
   require(!probe.sources.waves.empty(), "expected light from the scene, the probe found none");
   const Sources some = sample_evenly(probe.sources, 4096);
@@ -112,23 +127,29 @@ nlohmann::ordered_json estimate(const Job& job) {
   inputs.wave_rate = summed / sum_seconds;
   const Cost cost = estimate_cost(inputs);
   const double all_rays = probe.rays + probe.shadow_rays;
-  nlohmann::ordered_json json{{"paths", probe.paths},
+  const double colours = shape.wavelengths, holograms = shape.holograms();
+  const double trace_seconds = colours * (probe.prepare_seconds + cost.trace_seconds);
+  const double synthesis_seconds = holograms * cost.synthesis_seconds;
+  nlohmann::ordered_json json{{"wavelengths", shape.wavelengths},
+                              {"frames", shape.frames},
+                              {"holograms", holograms},
+                              {"paths", colours * probe.paths},
                               {"mean_path_length", probe.mean_path_length},
-                              {"rays", probe.rays},
-                              {"shadow_rays", probe.shadow_rays},
+                              {"rays", colours * probe.rays},
+                              {"shadow_rays", colours * probe.shadow_rays},
                               {"seconds_per_ray", all_rays > 0 ? probe.ray_seconds / all_rays : 0.0},
-                              {"trace_seconds", probe.prepare_seconds + cost.trace_seconds},
-                              {"waves", probe.waves},
+                              {"trace_seconds", trace_seconds},
+                              {"waves", colours * probe.waves},
                               {"waves_pixels_per_second", inputs.wave_rate},
-                              {"synthesis_seconds", cost.synthesis_seconds}};
+                              {"synthesis_seconds", synthesis_seconds}};
   double simulation = 0;
   try {
-    simulation = simulation_seconds(job, field);
+    simulation = holograms * simulation_seconds(job, field);
   } catch (const Error& error) {  // scenes that are for `field` alone need no camera
     json["why_no_simulation"] = error.what();
   }
   json["simulation_seconds"] = simulation;
-  json["seconds"] = probe.prepare_seconds + cost.seconds + simulation;
+  json["seconds"] = trace_seconds + synthesis_seconds + simulation;
   return json;
 }
 

@@ -34,6 +34,15 @@ inline double parse_length_flag(const char* flag, const std::string& text) {
   }
 }
 
+/// Lengths given by a flag that is no field of a parameter struct. @throws Error, naming the flag
+inline std::vector<double> parse_lengths_flag(const char* flag, const std::string& text) {
+  try {
+    return parse_lengths(text);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", flag, error.what()));
+  }
+}
+
 /// An angle given by a flag that is no field of a parameter struct. @throws Error, naming the flag
 inline double parse_angle_flag(const char* flag, const std::string& text) {
   try {
@@ -47,10 +56,10 @@ inline double parse_angle_flag(const char* flag, const std::string& text) {
 /// was given, so that a flag can overrule a scene file that is read later.
 class Flags {
  public:
-  /// Adds a flag per field of `defaults`, except the fields named in `without`.
+  /// Adds a flag per field of `defaults`, except the fields named in `without`. `group` heads them in the help text.
   template <class Params>
-  void add(CLI::App& app, Params defaults, const std::set<std::string>& without = {}) {
-    Adder adder{app, texts_, without};
+  void add(CLI::App& app, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "") {
+    Adder adder{app, texts_, without, group};
     describe(adder, defaults);
   }
 
@@ -71,12 +80,15 @@ class Flags {
     CLI::App& app;
     Texts& given;
     const std::set<std::string>& without;
+    const std::string& group;
 
     void add(std::string name, const std::string& help, const std::string& shown, const std::string& kind) {
       if (without.count(name)) return;
       const std::string other = name == "distances" ? ",--distances" : "";
       const auto keep = [&given = given, name](const std::string& text) { given[name] = text; };
-      app.add_option_function<std::string>(dashed(name) + other, keep, help + " [" + shown + "]")->type_name(kind);
+      CLI::Option* option =
+          app.add_option_function<std::string>(dashed(name) + other, keep, help + " [" + shown + "]")->type_name(kind);
+      if (!group.empty()) option->group(group);
     }
     template <class Integer>
     void count(const char* name, Integer& v, const char* help) {

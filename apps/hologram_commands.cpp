@@ -1,6 +1,8 @@
 // Subcommands on fields and holograms: encode, show, propagate.
 
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "commands.h"
 #include "console.h"
@@ -12,6 +14,7 @@
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/view/camera.h"
+#include "holotrace/view/view_sum.h"
 #include "holotrace/wave/propagate.h"
 
 namespace holotrace {
@@ -25,34 +28,50 @@ void add_encode(CLI::App& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   command->add_option("field", o->input, "field file")->required()->type_name("FIELD");
-  add_output(*command, o->output, "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json");
+  add_output(*command, o->output,
+             "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json; a field in colour: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel by name [256 levels on the field's grid]")->type_name("NAME|SCENE.toml");
   o->flags.add(*command, EncodeParams());
   command->callback([o, &global] {
     EncodeParams params;
     o->flags.apply(params);
-    const Field field = load_field(o->input);
+    const std::vector<Field> fields = load_fields(o->input);
     Slm slm;
-    slm.grid = field.grid;
+    slm.grid = fields.front().grid;
     if (params.method != Encoding::phase) slm.modulation = Modulation::amplitude;
     if (!o->slm.empty()) slm = slm_by_name(o->slm);
     check_output(o->output, {".png"});
     Console console(global.is_quiet);
-    Hologram hologram = encode(field, slm, params, console.watch("encode"));
-    if (o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
-    save_hologram(o->output, hologram);
+    for (size_t i = 0; i < fields.size(); ++i) {
+      Hologram hologram = encode(fields[i], slm, params, console.watch("encode"));
+      if (o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
+      save_hologram(numbered_path(o->output, i), hologram);
+    }
     console.finish();
   });
 }
 
+// What a bare PNG, without its sidecar, does not tell.
+void complete(const std::string& path, const Slm& slm, double wavelength, Hologram& hologram) {
+  if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;
+  if (hologram.wavelength == 0) hologram.wavelength = wavelength;
+  require(hologram.wavelength > 0, "{} has no sidecar that tells its wavelength; give --wavelength", path);
+}
+
 void add_show(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("show", "hologram to the image that a virtual SLM and camera show");
+  CLI::App* command = app.add_subcommand("show", "holograms to the image that a virtual SLM and camera show");
   struct Options {
-    std::string input, output, slm;
+    std::vector<std::string> inputs;
+    std::string output, slm;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("hologram", o->input, "hologram .png")->required()->type_name("HOLOGRAM.png");
+  command
+      ->add_option("holograms", o->inputs,
+                   "hologram .png; of several, those of one wavelength and name are averaged as frames, names added, "
+                   "and wavelengths make colours")
+      ->required()
+      ->type_name("HOLOGRAM.png");
   add_output(*command, o->output, "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel by name [the one the hologram was made for, or pluto]")
       ->type_name("NAME|SCENE.toml");
@@ -66,31 +85,42 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(params);
     o->flags.apply(camera);
     o->flags.apply(propagation);
-    Hologram hologram = load_hologram(o->input);
-    Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
-    if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;  // a bare PNG, without its sidecar
-    if (o->slm.empty()) slm.grid = hologram.grid;
-    if (hologram.wavelength == 0) hologram.wavelength = params.wavelength;
-    require(hologram.wavelength > 0, "{} has no sidecar that tells its wavelength; give --wavelength", o->input);
     check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
-    const Field shown = show(hologram, slm, params, console.watch("show"));
-    std::vector<Image> views;
-    for (const double distance : camera.distances)
-      views.push_back(
-          look(shown, slm, distance, propagation, camera, console.watch("look at " + format_length(distance))));
+    std::vector<ViewSum> sums(camera.distances.size());
+    for (const std::string& path : o->inputs) {
+      Hologram hologram = load_hologram(path);
+      Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
+      complete(path, slm, params.wavelength, hologram);
+      if (o->slm.empty()) slm.grid = hologram.grid;
+      const Field shown = show(hologram, slm, params, console.watch("show"));
+      for (size_t d = 0; d < sums.size(); ++d) {
+        const double distance = camera.distances[d];
+        const Observer observer = console.watch("look at " + format_length(distance));
+        const Image view = look(shown, slm, distance, propagation, camera, observer);
+        sums[d].add(shown.wavelength, hologram.name, hologram.illumination, view,
+                    axial_reach(slm, shown.wavelength, distance, hologram.filter));
+      }
+    }
     console.finish();
+    std::vector<Image> views;
+    for (const ViewSum& sum : sums) views.push_back(sum.image());
     const double white = common_white(views, camera.exposure);
     for (size_t i = 0; i < views.size(); ++i) save_image(numbered_path(o->output, i), views[i], white, camera.bits);
   });
 }
 
 template <class Real>
-void propagate_file(const BasicField<Real>& field, const std::string& output, double distance,
+void propagate_file(std::vector<BasicField<Real>> fields, const std::string& output, double distance,
                     const PropagateParams& params, Console& console) {
-  const auto moved = propagate(field, distance, params, console.watch("propagate"));
+  for (BasicField<Real>& field : fields) {
+    auto moved = propagate(field, distance, params, console.watch("propagate"));
+    moved.name = field.name;
+    moved.frame = field.frame;
+    field = std::move(moved);
+  }
   console.finish();
-  save_field(output, moved);
+  save_fields(output, fields);
 }
 
 void add_propagate(CLI::App& app, const GlobalFlags& global) {
@@ -113,9 +143,9 @@ void add_propagate(CLI::App& app, const GlobalFlags& global) {
     check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
     if (o->is_double)
-      propagate_file(load_field_double(o->input), o->output, distance, params, console);
+      propagate_file(load_fields_double(o->input), o->output, distance, params, console);
     else
-      propagate_file(load_field(o->input), o->output, distance, params, console);
+      propagate_file(load_fields(o->input), o->output, distance, params, console);
   });
 }
 

@@ -38,6 +38,27 @@ void print_facts(const Json& facts, bool is_json) {
 // JSON has no infinity: PSNR of equal images is null.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+Json field_facts(const FieldDouble& reference, const FieldDouble& field) {
+  const FieldMetrics m = compare(reference, field);
+  return {{"relative_l2_error", number(m.relative_error)},
+          {"scaled_l2_error", number(m.scaled_error)},
+          {"correlation", number(std::abs(m.correlation))},
+          {"scale_modulus", number(std::abs(m.scale))},
+          {"scale_phase_rad", number(std::arg(m.scale))}};
+}
+
+// Of fields in colour: all wavelengths together, and each by itself where its reference has light.
+Json field_facts(const std::vector<FieldDouble>& reference, const std::vector<FieldDouble>& fields) {
+  if (reference.size() == 1 && fields.size() == 1) return field_facts(reference.front(), fields.front());
+  Json facts{{"relative_l2_error", number(relative_error(reference, fields))}};
+  for (size_t n = 0; n < fields.size(); ++n) {
+    Json one{{"wavelength_m", fields[n].wavelength}};
+    if (power(reference[n]) > 0) one.update(field_facts(reference[n], fields[n]));
+    facts["fields"].push_back(one);
+  }
+  return facts;
+}
+
 void add_compare(CLI::App& app) {
   CLI::App* command = app.add_subcommand("compare", "two images, or two fields (.npy, .h5, .exr): how far they differ");
   struct Options {
@@ -58,13 +79,7 @@ void add_compare(CLI::App& app) {
         "fields by way of their hologram",
         is_field ? "field" : "image", o->reference, is_field ? "image" : "field", o->other);
     if (is_field) {
-      const FieldMetrics m = compare(load_field_double(o->reference), load_field_double(o->other));
-      print_facts({{"relative_l2_error", number(m.relative_error)},
-                   {"scaled_l2_error", number(m.scaled_error)},
-                   {"correlation", number(std::abs(m.correlation))},
-                   {"scale_modulus", number(std::abs(m.scale))},
-                   {"scale_phase_rad", number(std::arg(m.scale))}},
-                  o->is_json);
+      print_facts(field_facts(load_fields_double(o->reference), load_fields_double(o->other)), o->is_json);
       return;
     }
     const Metrics m = compare(load_image(o->reference), load_image(o->other));

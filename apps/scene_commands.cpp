@@ -1,8 +1,10 @@
 // Subcommands that read a scene: run, render, trace, field.
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "commands.h"
 #include "console.h"
@@ -29,42 +31,63 @@ void add_scene(CLI::App& command, std::string& path) {
   command.add_option("scene", path, "scene file (TOML), see docs/scene_format.md")->required()->type_name("SCENE.toml");
 }
 
+constexpr const char* trace_group = "Tracing (over the scene's [trace])";
+
+void add_wavelength(CLI::App& command, std::string& text) {
+  command.add_option("--wavelength", text, "one, or several for colour, as \"638 nm, 520 nm, 450 nm\" [the input's]")
+      ->type_name("LENGTHS");
+}
+
+// Writes numbered files, and removes those of an earlier run that had more.
+template <class Item, class Save>
+void save_numbered(const std::string& path, const std::vector<Item>& items, const Save& save) {
+  for (size_t i = 0; i < items.size(); ++i) save(numbered_path(path, i), items[i]);
+  remove_numbered(path, items.size());
+}
+
 void add_run(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to what the camera sees of its hologram");
+  CLI::App* command =
+      app.add_subcommand("run", "whole pipeline: from a scene to what the camera sees of its holograms");
   struct Options {
-    std::string scene, folder;
+    std::string scene, folder, wavelengths;
     std::optional<int64_t> seed;
-    Flags flags;
+    Flags flags, trace_flags;  // both have samples, rows, …
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
   command
       ->add_option("-o,--output", o->folder,
-                   "folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json")
+                   "folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json; of several: "
+                   "NAME, NAME_2, …")
       ->required()
       ->type_name("DIR");
-  o->flags.add(*command, CameraParams(), {"width", "height", "binning"});
+  add_wavelength(*command, o->wavelengths);
   command->add_option("--seed", o->seed, "of every random number [the scene's]")->type_name("N");
+  o->flags.add(*command, CameraParams(), {"width", "height", "binning"});
+  o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.camera);
+    o->trace_flags.apply(job.trace);
+    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
     if (o->seed) job.trace.seed = job.render.seed = *o->seed;
-    check_field_fits(job.slm.grid, sizeof(std::complex<float>));  // before a folder is made for nothing
+    check_field_fits(job.slm.grid, sizeof(std::complex<float>));
+    check_job(job);  // before a folder is made for nothing
     make_folder(o->folder);
     Console console(global.is_quiet);
     const Boxes boxes = run(job, console.stages());
     console.finish();
     const auto in = [&](const std::string& name) { return (std::filesystem::path(o->folder) / name).string(); };
-    save_image(in("render.png"), boxes.render, exposure_white(boxes.render, 0), 8);
-    save_sources(in("sources.ply"), boxes.sources);
-    save_field(in("field.npy"), boxes.field);
-    save_hologram(in("hologram.png"), boxes.hologram);
-    const double white = common_white(boxes.views, job.camera.exposure);
-    for (size_t i = 0; i < boxes.views.size(); ++i)
-      save_image(numbered_path(in("view.png"), i), boxes.views[i], white, job.camera.bits);
-    for (size_t i = boxes.views.size(); std::filesystem::remove(numbered_path(in("view.png"), i)); ++i) {
-      // views of an earlier run with more distances
-    }
+    const double render_white = common_white(boxes.renders, 0),
+                 view_white = common_white(boxes.views, job.camera.exposure);
+    save_numbered(in("render.png"), boxes.renders,
+                  [&](const std::string& path, const Image& image) { save_image(path, image, render_white, 8); });
+    save_numbered(in("sources.ply"), boxes.sources, save_sources);
+    save_numbered(in("field.npy"), boxes.fields, save_fields<float>);
+    save_numbered(in("hologram.png"), boxes.holograms, save_hologram);
+    save_numbered(in("view.png"), boxes.views, [&](const std::string& path, const Image& image) {
+      save_image(path, image, view_white, job.camera.bits);
+    });
     save_report(in("report.json"), boxes.report);
   });
 }
@@ -93,21 +116,23 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
 void add_trace(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("trace", "scene to sources: spherical waves that carry path-traced light");
   struct Options {
-    std::string scene, output;
+    std::string scene, output, wavelengths;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
-  add_output(*command, o->output, "sources: .ply");
+  add_wavelength(*command, o->wavelengths);
+  add_output(*command, o->output, "sources: .ply; one per wavelength, layer and light: NAME, NAME_2, …");
   o->flags.add(*command, TraceParams());
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.trace);
+    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
     check_output(o->output, {".ply"});
     Console console(global.is_quiet);
-    const Sources sources = trace(job.scene, job.slm.grid, job.wavelengths.front(), job.trace, console.watch("trace"));
+    const auto sets = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, console.watch("trace"));
     console.finish();
-    save_sources(o->output, sources);
+    for (size_t i = 0; i < sets.size(); ++i) save_sources(numbered_path(o->output, i), sets[i]);
   });
 }
 
@@ -122,46 +147,84 @@ void check_is_for_double(const Flags& flags) {
           is_tiled ? "--method tiled" : "--tolerance");
 }
 
+// The waves of a scene, or of files of one set each.
+std::vector<Sources> read_sources(const std::vector<std::string>& paths, const std::vector<double>& wavelengths) {
+  require(wavelengths.size() <= 1 || wavelengths.size() == paths.size(),
+          "--wavelength: expected one length, or one for each of {} files of sources, got {}", paths.size(),
+          wavelengths.size());
+  std::vector<Sources> sets;
+  for (size_t i = 0; i < paths.size(); ++i) {
+    const double given = wavelengths.empty() ? 0 : wavelengths[std::min(i, wavelengths.size() - 1)];
+    sets.push_back(load_sources(paths[i], given));
+    if (given > 0) sets.back().wavelength = given;
+    for (size_t j = 0; j < i; ++j)
+      require(sets[j].wavelength != sets[i].wavelength || sets[j].name != sets[i].name,
+              "expected sources of different wavelengths or names, got {} and {} at {}; make one file of them if they "
+              "are coherent, or holograms of each",
+              paths[j], paths[i], format_length(sets[i].wavelength));
+  }
+  return sets;
+}
+
+std::vector<FieldDouble> exact_fields(std::vector<Sources> sets, uint32_t frame, const Grid& panel,
+                                      const Observer& observer) {
+  std::vector<FieldDouble> fields;
+  for (Sources& set : sets) {
+    set_frame(set, frame);
+    fields.push_back(set.waves.empty() && sets.size() > 1 ? FieldDouble(panel, set.wavelength)
+                                                          : sum_exact(set, panel, observer));
+    fields.back().name = set.name;
+    fields.back().frame = frame;
+  }
+  return fields;
+}
+
 void add_field(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("field", "scene or sources to the field on the panel");
   struct Options {
-    std::string input, output, slm, wavelength;
+    std::vector<std::string> inputs;
+    std::string output, slm, wavelengths;
+    std::optional<uint32_t> frame;
     bool is_double = false;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("input", o->input, "scene (.toml) or sources (.ply)")
+  command->add_option("input", o->inputs, "scene (.toml) or sources (.ply, one file per set)")
       ->required()
       ->type_name("SCENE.toml|SOURCES.ply");
-  add_output(*command, o->output, "field: .npy (with a sidecar .json), .h5 or .exr");
+  add_output(*command, o->output,
+             "field: .npy (with a sidecar .json), .h5 or .exr; one per layer and light: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel by name [the scene's, or pluto]")->type_name("NAME|SCENE.toml");
-  command->add_option("--wavelength", o->wavelength, "[the input's]")->type_name("LENGTH");
+  add_wavelength(*command, o->wavelengths);
+  command->add_option("--frame", o->frame, "whose random phases the waves take, from 0 [the input's]")->type_name("N");
   command->add_flag("--double", o->is_double, "sum by the method exact and keep complex128");
   o->flags.add(*command, SynthesizeParams());
   command->callback([o, &global] {
     if (o->is_double) check_is_for_double(o->flags);
-    const bool is_scene = std::filesystem::path(o->input).extension() == ".toml";
+    const bool is_scene = std::filesystem::path(o->inputs.front()).extension() == ".toml";
+    if (is_scene && o->inputs.size() > 1) throw CLI::ExtrasError({o->inputs.begin() + 1, o->inputs.end()});
     Job job;
     job.slm = slm_preset("pluto");
-    job.wavelengths = {0};
-    if (is_scene) job = load_job(o->input);
+    if (is_scene) job = load_job(o->inputs.front());
     if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
-    if (!o->wavelength.empty()) job.wavelengths.front() = parse_length_flag("--wavelength", o->wavelength);
+    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
     o->flags.apply(job.synthesize);
     check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
-    Sources sources;
-    if (is_scene) {
-      sources = trace(job.scene, job.slm.grid, job.wavelengths.front(), job.trace, console.watch("trace"));
-    } else {
-      sources = load_sources(o->input, job.wavelengths.front());
-      if (!o->wavelength.empty()) sources.wavelength = job.wavelengths.front();
-    }
+    const std::vector<Sources> sets =
+        is_scene ? trace(job.scene, job.slm.grid, job.wavelengths, job.trace, console.watch("trace"))
+                 : read_sources(o->inputs, job.wavelengths);
+    const uint32_t frame = o->frame.value_or(sets.front().frame);
+    const Observer observer = console.watch("synthesize");
+    const auto save = [&](const auto& fields) {
+      console.finish();
+      const auto stacks = group_by_name(fields);
+      for (size_t i = 0; i < stacks.size(); ++i) save_fields(numbered_path(o->output, i), stacks[i]);
+    };
     if (o->is_double)
-      save_field(o->output, sum_exact(sources, job.slm.grid, console.watch("synthesize")));
+      save(exact_fields(sets, frame, job.slm.grid, observer));
     else
-      save_field(o->output, synthesize(sources, job.slm.grid, job.synthesize, console.watch("synthesize")));
-    console.finish();
+      save(fields_of_frame(sets, frame, job.slm.grid, job.synthesize, observer));
   });
 }
 

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
-#include "holotrace/data/spectrum.h"
+#include "holotrace/repeated_stages.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/trace/first_hits.h"
@@ -15,6 +14,7 @@
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
+#include "holotrace/view/view_sum.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -23,69 +23,198 @@ namespace {
 
 // How near the view comes to the render, and how much of the light on the panel goes into its image.
 // A point's light may fall between the pixels of a render: without a reference there is nothing to compare.
-void report_metrics(const Image& reference, const Image& view, double incident_power, const Observer& observer) {
+void report_metrics(const Image& reference, const Image& view, double efficiency, const Observer& observer) {
   if (std::none_of(reference.values.begin(), reference.values.end(), [](float v) { return v > 0; })) {
     observer.fact("why_no_metrics", std::string("the render is dark where the sensor looks"));
     return;
   }
   const Metrics metrics = compare(reference, view);
-  const double seen = std::accumulate(view.values.begin(), view.values.end(), 0.0) * view.pitch * view.pitch;
   observer.fact("psnr_db", metrics.psnr);
   observer.fact("ssim", metrics.ssim);
   observer.fact("speckle_contrast", metrics.speckle_contrast);
   observer.fact("bright_fraction", metrics.bright_fraction);
-  observer.fact("diffraction_efficiency", metrics.bright_fraction * seen / incident_power);
+  observer.fact("diffraction_efficiency", metrics.bright_fraction * efficiency);
 }
 
-// Refused before the first stage, not in the last: the field, the hologram, the light that leaves the panel
-// and its transform, and the propagation to the sensor, padded to the sum of both windows.
-void check_memory(const Job& job) {
+// Refused before the first stage, not in the last: the fields of two frames, all holograms, the light that leaves the
+// panel and its transform, the propagation to the sensor, padded to the sum of both windows, and the sums of views.
+void check_memory(const Job& job, size_t sets) {
   const Grid& panel = job.slm.grid;
-  const double pixels = double(panel.pixels()), n = job.show.subpixels;
+  const double pixels = double(panel.pixels()), n = job.show.subpixels, frames = job.trace.frames;
   const double columns = std::max(job.camera.width, panel.width()) / panel.pitch * n;
   const double rows = std::max(job.camera.height, panel.height()) / panel.pitch * n;
+  const double fields = 8 * pixels * double(sets) * (frames > 1 ? 2 : 1);
+  const double holograms = 2 * pixels * double(sets) * frames;
   const double shown = 8 * pixels * n * n, showing = 8 * pixels * n;
   const double looking = 8 * (columns + panel.nx * n) * (rows + (rows + panel.ny * n) / 4) + 8 * columns * rows;
-  require_memory(10 * pixels + shown + std::max(showing, looking),
-                 fmt::format("a run on {} × {} pixels at {} samples per pixel and axis, seen by a sensor of {} × {},",
-                             panel.nx, panel.ny, job.show.subpixels, std::llround(columns), std::llround(rows)));
+  const double bin = job.camera.binning > 0 ? job.camera.binning : n;
+  const double views = sets > 1 || frames > 1
+                           ? 8 * columns * rows / (bin * bin) * double(sets) * double(job.camera.distances.size())
+                           : 0;
+  require_memory(fields + holograms + shown + std::max(showing, looking) + views,
+                 fmt::format("a run of {} hologram(s) on {} × {} pixels at {} samples per pixel and axis, seen by a "
+                             "sensor of {} × {},",
+                             double(sets) * frames, panel.nx, panel.ny, job.show.subpixels, std::llround(columns),
+                             std::llround(rows)));
+}
+
+// Sets that are known before tracing: those of separate lights are counted once they are there.
+size_t least_sets(const Job& job) {
+  return job.wavelengths.size() * (job.trace.separate_layers ? std::max<size_t>(1, job.trace.layers.size()) : 1);
+}
+
+bool has_random_phase(const std::vector<Sources>& sets) {
+  return std::any_of(sets.begin(), sets.end(), [](const Sources& set) {
+    return std::any_of(set.phase_keys.begin(), set.phase_keys.end(),
+                       [](uint64_t key) { return key != Sources::no_phase_key; });
+  });
+}
+
+// With a lens what is in focus depends on the distance.
+void make_renders(const Job& job, Report& report, const StageObserver& watch, std::vector<Image>& renders) {
+  const auto render_with = [&](const std::string& name, const RenderParams& params) {
+    renders.push_back(run_stage(name, report, watch, [&](const Observer& o) {
+      o.fact("seed", params.seed);
+      return render(job.scene, job.slm.grid, job.wavelengths.front(), params, o);
+    }));
+  };
+  if (job.render.lens == Lens::pinhole) {
+    render_with("render", job.render);
+    return;
+  }
+  for (const double distance : job.camera.distances) {
+    RenderParams params = job.render;
+    params.focus = distance;
+    const bool is_one = job.camera.distances.size() == 1;
+    render_with(is_one ? "render" : "render focused at " + format_length(distance), params);
+  }
+  if (renders.empty()) render_with("render", job.render);
+}
+
+// The only light of a job of one wavelength may be another than it was computed for (ShowParams::wavelength).
+Image reference_of(const Job& job, const Image& render, const ViewSum& sum, const Image& view, double distance) {
+  const std::vector<double> lines = sum.wavelengths();
+  const std::vector<double>& seen = lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
+  const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid, job.wavelengths.front());
+  return project_render(seen_at(render, seen), half_tangent, view, distance, job.render.eye);
 }
 
 }  // namespace
+
+void check_job(const Job& job) {
+  require(!job.wavelengths.empty(), "expected at least one wavelength, got none");
+  require(job.trace.frames >= 1, "expected 1 frame or more, got {}", job.trace.frames);
+  for (const double wavelength : job.wavelengths) check_wavelength(wavelength);
+  for (size_t i = 0; i < job.wavelengths.size(); ++i)
+    require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,
+            "expected wavelengths that differ, got {} twice; leave one out, or ask for frames",
+            format_length(job.wavelengths[i]));
+  check_memory(job, least_sets(job));
+}
+
+std::vector<Field> fields_of_frame(const std::vector<Sources>& sources, uint32_t frame, const Grid& panel,
+                                   const SynthesizeParams& params, const Observer& observer) {
+  const bool has_waves =
+      std::any_of(sources.begin(), sources.end(), [](const Sources& set) { return !set.waves.empty(); });
+  std::vector<Field> fields;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    Observer part = observer;
+    part.on_progress = [&, i](double fraction) { observer.progress((double(i) + fraction) / double(sources.size())); };
+    if (sources[i].waves.empty() && has_waves) {
+      fields.emplace_back(panel, sources[i].wavelength);
+    } else if (sources[i].frame == frame) {
+      fields.push_back(synthesize(sources[i], panel, params, part));
+    } else {
+      Sources set = sources[i];
+      set_frame(set, frame);
+      fields.push_back(synthesize(set, panel, params, part));
+    }
+    fields.back().name = sources[i].name;
+    fields.back().frame = frame;
+  }
+  return fields;
+}
+
+template <class Real>
+std::vector<std::vector<BasicField<Real>>> group_by_name(std::vector<BasicField<Real>> fields) {
+  std::vector<std::vector<BasicField<Real>>> groups;
+  for (BasicField<Real>& field : fields) {
+    const auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.front().name == field.name; });
+    if (group == groups.end())
+      groups.emplace_back().push_back(std::move(field));
+    else
+      group->push_back(std::move(field));
+  }
+  return groups;
+}
+
+template std::vector<std::vector<Field>> group_by_name(std::vector<Field>);
+template std::vector<std::vector<FieldDouble>> group_by_name(std::vector<FieldDouble>);
 
 Boxes run(const Job& job, const StageObserver& watch) {
   Boxes b;
   b.report.seed = job.trace.seed;
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
   const Grid& panel = job.slm.grid;
-  check_memory(job);
+  check_job(job);
 
   if (!job.warnings.empty())
     stage("scene", [&](const Observer& o) {
       for (const std::string& warning : job.warnings) o.warn(warning);
       return job.warnings.size();
     });
-  b.render = stage("render", [&](const Observer& o) {
-    o.fact("seed", job.render.seed);
-    return render(job.scene, panel, job.wavelengths.front(), job.render, o);
-  });
+  make_renders(job, b.report, watch, b.renders);
   b.sources = stage("trace", [&](const Observer& o) {
     o.fact("seed", job.trace.seed);
-    return trace(job.scene, panel, job.wavelengths.front(), job.trace, o);
+    auto sets = trace(job.scene, panel, job.wavelengths, job.trace, o);
+    o.fact("wavelengths", job.wavelengths.size());
+    o.fact("sets", sets.size());
+    o.fact("frames", job.trace.frames);
+    if (job.trace.frames > 1 && !has_random_phase(sets))
+      o.warn(fmt::format("no wave has a random phase: all {} frames are alike; ask for one frame, or for random phases",
+                         job.trace.frames));
+    return sets;
   });
-  b.field = stage("synthesize", [&](const Observer& o) { return synthesize(b.sources, panel, job.synthesize, o); });
-  b.hologram = stage("encode", [&](const Observer& o) { return encode(b.field, job.slm, job.encode, o); });
-  const Field shown = stage("show", [&](const Observer& o) { return show(b.hologram, job.slm, job.show, o); });
-  const double half_tangent = raster_tangent(job.render.field_of_view, panel, job.wavelengths.front());
-  const double incident_power = job.show.irradiance * panel.width() * panel.height();
-  for (const double distance : job.camera.distances)
-    b.views.push_back(stage("look at " + format_length(distance), [&](const Observer& o) {
-      const Image view = look(shown, job.slm, distance, job.propagate, job.camera, o);
-      const Image reference =
-          project_render(b.render, half_tangent, channel_weights(job.wavelengths.front()), view, distance);
-      report_metrics(reference, view, incident_power, o);
-      return view;
-    }));
+  check_memory(job, b.sources.size());
+
+  const std::vector<double>& distances = job.camera.distances;
+  const int64_t holograms = int64_t(b.sources.size()) * job.trace.frames;
+  // The one place where the light of a frame comes from: one field per set.
+  const auto make_fields = [&](int frame, const Observer& o) {
+    return fields_of_frame(b.sources, uint32_t(frame), panel, job.synthesize, o);
+  };
+  RepeatedStages repeat(holograms, job.trace.frames + holograms * int64_t(2 + distances.size()), b.report, watch);
+  std::vector<ViewSum> sums(distances.size());
+  for (int frame = 0; frame < job.trace.frames; ++frame) {
+    std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) { return make_fields(frame, o); });
+    for (size_t i = 0; i < fields.size(); ++i) {
+      const bool is_dark = i < b.sources.size() && b.sources[i].waves.empty();  // as tracing has said
+      b.holograms.push_back(repeat("encode", [&](const Observer& o) {
+        return encode(fields[i], job.slm, job.encode, is_dark ? Observer{} : o);
+      }));
+      const Hologram& hologram = b.holograms.back();
+      const Field shown = repeat("show", [&](const Observer& o) { return show(hologram, job.slm, job.show, o); });
+      for (size_t d = 0; d < distances.size(); ++d)
+        repeat("look at " + format_length(distances[d]), [&](const Observer& o) {
+          const Image view = look(shown, job.slm, distances[d], job.propagate, job.camera, o);
+          sums[d].add(shown.wavelength, hologram.name, hologram.illumination, view,
+                      axial_reach(job.slm, shown.wavelength, distances[d], hologram.filter));
+          return true;
+        });
+    }
+    if (frame == 0) b.fields = group_by_name(std::move(fields));
+  }
+  for (size_t d = 0; d < distances.size(); ++d)
+    repeat.finish("look at " + format_length(distances[d]), [&](const Observer& o) {
+      b.views.push_back(sums[d].image());
+      const Image& view = b.views.back();
+      const Image& render = b.renders[std::min(d, b.renders.size() - 1)];
+      const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
+      const double incident = sums[d].relative_illumination() * job.show.irradiance * panel.width() * panel.height();
+      report_metrics(reference_of(job, render, sums[d], view, distances[d]), view,
+                     sums[d].mean_irradiance() * sensor / incident, o);
+    });
   return b;
 }
 

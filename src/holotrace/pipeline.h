@@ -12,18 +12,44 @@
 
 namespace holotrace {
 
-/// Every box of the pipeline's picture, from a scene to what a viewer sees of its hologram.
+/// Every box of the pipeline's picture, from a scene to what a viewer sees of its holograms.
+///
+/// A **set** is the light of one layer or light at one wavelength; a run shows frames × sets holograms, one after the
+/// other.
 struct Boxes {
-  Image render;  ///< path-traced reference, seen from the panel's centre
-  Sources sources;
-  Field field;  ///< at the panel
-  Hologram hologram;
-  std::vector<Image> views;  ///< one per camera distance
+  /// Path-traced references in red, green and blue: one from the panel's centre, or with a lens one per camera
+  /// distance, focused there.
+  std::vector<Image> renders;
+  std::vector<Sources> sources;            ///< of the first frame, one per set
+  std::vector<std::vector<Field>> fields;  ///< at the panel in the first frame, [layer or light][wavelength]
+  std::vector<Hologram> holograms;         ///< in the order shown: for each frame, each set
+  std::vector<Image> views;                ///< one per camera distance: one channel, or red, green and blue
   Report report;
 };
 
-/// The whole pipeline, one verb after the other.
-/// @throws Error  as the stages do
+/// The whole pipeline, one verb after the other. Each frame m of job.trace.frames gives the waves of every set
+/// independent phases (set_frame: no tracing anew), and its holograms are shown with irradiances in proportion to
+/// their illumination, the brightest with job.show.irradiance; the camera averages frames and adds sets (ViewSum). A
+/// set without waves, as green light of a red scene, is dark.
+///
+/// With more than one hologram the report has one entry per kind of stage: the seconds of all, the facts of the first
+/// (waves and waves_pixels summed), each warning once.
+/// @throws Error  as the stages do, and before the first where the job does not fit in the machine's memory
 Boxes run(const Job& job, const StageObserver& watch = {});
+
+/// What `run` refuses before its first stage.
+/// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, and a job that does
+/// not
+///                fit in the machine's memory
+void check_job(const Job& job);
+
+/// Fields of one frame, each a layer or light at a wavelength, in the order of `sources`; a set without waves is dark.
+/// @throws Error  as synthesize does; also if no set has a wave
+std::vector<Field> fields_of_frame(const std::vector<Sources>& sources, uint32_t frame, const Grid& panel,
+                                   const SynthesizeParams& params, const Observer& observer = {});
+
+/// Fields in stacks of one name, each in the order given: [name][wavelength].
+template <class Real>
+std::vector<std::vector<BasicField<Real>>> group_by_name(std::vector<BasicField<Real>> fields);
 
 }  // namespace holotrace

@@ -9,6 +9,7 @@
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/view/camera.h"
+#include "holotrace/view/view_sum.h"
 #include "support/program.h"
 
 namespace holotrace::test {
@@ -202,8 +203,8 @@ TEST_P(Reconstruction, OfATexturedQuadIsItsRender) {
   Image view = load_image(work.path("view.exr"));
   view.pitch = 8 * small_panel.pitch;
   const Image render = load_image(work.path("render.exr"));
-  const Image reference = project_render(render, acceptance_tangent(test_wavelength, small_panel.pitch),
-                                         {1. / 3, 1. / 3, 1. / 3}, view, 0.03);
+  const Image reference = project_render(seen_at(render, {test_wavelength}),
+                                         acceptance_tangent(test_wavelength, small_panel.pitch), view, 0.03);
   // 64 pixels of speckle of contrast 1 in a bin: the correlation with a picture in black and white is at most
   // 1/√(1 + 2/64) = 0.985. A kinoform loses the modulus of the field, about 1 − π/4 of the light as noise.
   const double upright = correlation(reference, view);

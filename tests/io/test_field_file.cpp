@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/file.h"
@@ -112,6 +113,42 @@ TEST_P(FieldFile, AMissingFileIsNamed) {
             "expected a field at " + path + ", but there is no such file; check the path");
 }
 
+TEST_P(FieldFile, AFieldInColourComesBackAsSaved) {
+  const std::string path = temporary(std::string("field") + GetParam());
+  std::vector<Field> stack(3, some_field<float>());
+  for (size_t n = 0; n < 3; ++n) {
+    stack[n].wavelength = (638 - 90.0 * double(n)) * 1e-9;
+    stack[n].samples(1, 2) = {float(n), 7};
+    stack[n].name = "ED*L";
+    stack[n].frame = 5;
+  }
+  if (std::string(GetParam()) == ".exr") {
+    EXPECT_EQ(error_of([&] { save_fields(path, stack); }),
+              "expected .npy or .h5 for a field of 3 wavelengths, got " + path + "; .exr holds one");
+    stack.resize(1);
+  }
+  save_fields(path, stack);
+  const std::vector<Field> loaded = load_fields(path);
+  ASSERT_EQ(loaded.size(), stack.size());
+  for (size_t n = 0; n < stack.size(); ++n) {
+    expect_equal(loaded[n], stack[n]);
+    EXPECT_EQ(loaded[n].name, "ED*L");
+    EXPECT_EQ(loaded[n].frame, 5u);
+  }
+  const std::vector<FieldDouble> wide = load_fields_double(path);
+  ASSERT_EQ(wide.size(), stack.size());
+  for (size_t n = 0; n < stack.size(); ++n) expect_equal(wide[n], convert<double>(stack[n]));
+  const std::string bytes = read_text(path);
+  save_fields(path, loaded);
+  EXPECT_EQ(read_text(path), bytes);
+  if (stack.size() > 1) {
+    EXPECT_EQ(error_of([&] { load_field(path); }),
+              path + ": expected a field of one wavelength, got 3; save each as its own field");
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) - 20);
+    EXPECT_NE(error_of([&] { load_fields(path); }).find("truncated"), std::string::npos);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Formats, FieldFile, ::testing::Values(".npy", ".h5", ".exr"),
                          [](const auto& info) { return std::string(info.param + 1); });
 
@@ -163,11 +200,12 @@ TEST(NpyFile, OtherArraysAreRefused) {
   EXPECT_EQ(error("{'descr': '<c8', 'fortran_order': True, 'shape': (2, 3), }", data),
             ": expected C order, got Fortran order; save numpy.ascontiguousarray of it");
   EXPECT_EQ(error("{'descr': '<c8', 'fortran_order': False, 'shape': (6,), }", data),
-            ": expected the shape (ny, nx) or (1, ny, nx), got (6,)");
+            ": expected the shape (ny, nx) or (wavelengths, ny, nx), got (6,)");
   EXPECT_EQ(error("{'descr': '<c8', 'fortran_order': False, 'shape': (0, 3), }", ""),
-            ": expected the shape (ny, nx) or (1, ny, nx), got (0, 3)");
-  EXPECT_EQ(error("{'descr': '<c8', 'fortran_order': False, 'shape': (2, 2, 3), }", wide),
-            ": expected one wavelength, got 2 in shape (2, 2, 3); save each as its own field");
+            ": expected the shape (ny, nx) or (wavelengths, ny, nx), got (0, 3)");
+  EXPECT_EQ(error("{'descr': '<c8', 'fortran_order': False, 'shape': (1073741823, 1073741823, 1073741823), }", wide)
+                .substr(0, 10),
+            ": expected");
   EXPECT_EQ(
       error("{'descr': '<c8', 'fortran_order': False, 'shape': (2, 4), }", data),
       ": expected 64 bytes of samples for shape (2, 4), got 48; the file is truncated or damaged, write it again");
@@ -191,7 +229,7 @@ TEST(NpyFile, SidecarsAreChecked) {
             sidecar + ": expected a number for \"pitch_m\", got \"8 um\"");
   EXPECT_EQ(
       error(R"({"pitch_m": 8e-6, "wavelengths_m": [532e-9, 638e-9]})"),
-      sidecar + ": expected one wavelength in \"wavelengths_m\", got [5.32e-07,6.38e-07]; save each as its own field");
+      sidecar + ": expected 1 number(s) in \"wavelengths_m\", one per field of the stack, got [5.32e-07,6.38e-07]");
   EXPECT_EQ(error(R"({"pitch_m": -8e-6, "wavelengths_m": [532e-9]})"),
             path + ": expected a pixel pitch above 0 m, got -8e-06 m; correct its metadata");
   EXPECT_EQ(error(R"({"pitch_m": 8e-6, "wavelengths_m": [0]})"),
@@ -202,6 +240,28 @@ TEST(NpyFile, SidecarsAreChecked) {
   EXPECT_EQ(error_of([&] { load_field(path); }),
             "expected the field's metadata {pitch_m, wavelengths_m, z_m, image} at " + sidecar +
                 ", but there is no such file; check the path");
+}
+
+TEST(NpyFile, AFieldInColourHasTheShapeOfItsWavelengths) {
+  const std::string path = temporary("f.npy");
+  std::vector<Field> stack(2, some_field<float>(false));
+  stack[1].wavelength = 450e-9;
+  save_fields(path, stack);
+  EXPECT_NE(read_text(path).find("'shape': (2, 2, 3), }"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(read_text(sidecar_path(path)))["wavelengths_m"], nlohmann::json({632.8e-9, 450e-9}));
+  save_fields(path, std::vector<Field>(1, stack[0]));  // one: no leading axis
+  EXPECT_NE(read_text(path).find("'shape': (2, 3), }"), std::string::npos);
+}
+
+TEST(FieldFiles, OnlyFieldsThatDifferInWavelengthMakeAStack) {
+  std::vector<Field> stack(2, some_field<float>());
+  stack[1].z = 0;
+  const std::string path = temporary("f.npy");
+  EXPECT_EQ(error_of([&] { save_fields(path, stack); }),
+            "expected fields that differ in wavelength alone to save as " + path +
+                ", got other grids, planes, image sides, filters, names or frames; save each as its own field");
+  EXPECT_EQ(error_of([&] { save_fields(path, std::vector<Field>()); }),
+            "expected at least one field to save as " + path + ", got none");
 }
 
 TEST(FieldFiles, OtherExtensionsAreRefused) {

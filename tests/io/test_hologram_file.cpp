@@ -48,6 +48,22 @@ TEST(HologramFile, EveryLevelComesBackAsSaved) {
     }
 }
 
+TEST(HologramFile, IlluminationNameAndFrameComeBackAsSaved) {
+  const std::string path = temporary("h.png");
+  Hologram hologram = all_levels(16, Modulation::phase);
+  hologram.illumination = 0.1 + 0.2;
+  hologram.name = "ES*L";
+  hologram.frame = 12;
+  save_hologram(path, hologram);
+  const Hologram loaded = load_hologram(path);
+  EXPECT_EQ(loaded.illumination, hologram.illumination);
+  EXPECT_EQ(loaded.name, "ES*L");
+  EXPECT_EQ(loaded.frame, 12u);
+  // Files from before, and bare ones, are alike in brightness.
+  std::filesystem::remove(sidecar_path(path));
+  EXPECT_EQ(load_hologram(path).illumination, 1);
+}
+
 // Grey g shows 2πg/256: level 1 of 2 is half a turn, grey 128. Amplitude level 1 of 2 is all, grey 255.
 TEST(HologramFile, GreysAreRawAndMeanTheSameForAnyLevels) {
   const auto greys = [](Modulation modulation, int levels) {

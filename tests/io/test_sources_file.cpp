@@ -33,6 +33,50 @@ TEST(SourcesFile, SourcesComeBackAsSaved) {
   EXPECT_EQ(loaded.waves, some_sources.waves);
 }
 
+TEST(SourcesFile, KeysTilesNameAndFrameComeBackAsSaved) {
+  const std::string path = temporary("s.ply");
+  Sources sources = some_sources;
+  sources.name = "lamp of the desk";
+  sources.phase_keys = {0x123456789abcdef0, Sources::no_phase_key};  // 64 bits, more than a double holds
+  sources.seed = ~uint64_t(0) - 5;
+  sources.frame = 3000000000u;
+  sources.tiles = {3, 2, {}};
+  for (int i = 0; i < 12; ++i) sources.tiles.values.push_back(std::sqrt(float(i)));
+  save_sources(path, sources);
+  const Sources loaded = load_sources(path);
+  EXPECT_EQ(loaded.waves, sources.waves);
+  EXPECT_EQ(loaded.name, sources.name);
+  EXPECT_EQ(loaded.phase_keys, sources.phase_keys);
+  EXPECT_EQ(loaded.seed, sources.seed);
+  EXPECT_EQ(loaded.frame, sources.frame);
+  EXPECT_EQ(loaded.tiles, sources.tiles);
+  const std::string bytes = read_text(path);
+  save_sources(path, loaded);
+  EXPECT_EQ(read_text(path), bytes);
+}
+
+TEST(SourcesFile, WrongKeysAndTilesAreRefused) {
+  const std::string path = temporary("s.ply");
+  Sources sources = some_sources;
+  sources.phase_keys = {1};
+  EXPECT_EQ(error_of([&] { save_sources(path, sources); }),
+            "expected 2 phase keys, one per wave, to save as " + path + ", got 1");
+  sources = some_sources;
+  sources.tiles = {2, 2, {1, 2, 3}};
+  EXPECT_EQ(error_of([&] { save_sources(path, sources); }),
+            "expected 8 amplitudes, 4 tiles of 2 waves, to save as " + path + ", got 3");
+  const auto error = [](const std::string& comment) {
+    const std::string file = make_file("t.ply", ascii("0 0 -1 1 0\n", "comment wavelength_m 5.32e-07\n" + comment));
+    return error_of([&] { load_sources(file); }).substr(file.size());
+  };
+  EXPECT_EQ(error("comment frame one\n"), ": expected a whole number in \"comment frame\", got \"one\"");
+  EXPECT_EQ(error("comment tiles 2\n"), ": expected columns and rows in \"comment tiles\", got \"2\"");
+  EXPECT_EQ(error("comment tiles 0 2\n"), ": expected 1 to 4096 columns and rows of tiles, got 0 × 2");
+  EXPECT_EQ(error("comment tiles 2 2\n"),
+            ": expected the property \"amplitude_0\" of the element \"vertex\", which "
+            "is missing");
+}
+
 TEST(SourcesFile, TheHeaderIsTheOneThatOtherProgramsRead) {
   const std::string path = temporary("s.ply");
   save_sources(path, some_sources);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
 #include <optional>
+#include <string>
 
 #include "holotrace/base/array.h"
 #include "holotrace/data/grid.h"
@@ -29,6 +31,8 @@ struct BasicField {
   Array2D<std::complex<Real>> samples;
   ImageSide image = ImageSide::virtual_image;
   std::optional<SpectralFilter> filter;  ///< a stop that the encoder asks the camera for
+  std::string name;                      ///< of the layer or light that it shows, "" for all light
+  uint32_t frame = 0;                    ///< of a time-multiplexed hologram
 
   BasicField() = default;
   BasicField(const Grid& grid, double wavelength, double z = 0)
@@ -52,6 +56,8 @@ BasicField<To> convert(const BasicField<From>& field) {
   BasicField<To> out(field.grid, field.wavelength, field.z);
   out.image = field.image;
   out.filter = field.filter;
+  out.name = field.name;
+  out.frame = field.frame;
   for (size_t i = 0; i < field.samples.size(); ++i) out.samples.values[i] = std::complex<To>(field.samples.values[i]);
   return out;
 }

@@ -22,6 +22,11 @@ struct Hologram {
   std::optional<SpectralFilter> filter;  ///< the order to let through, if the encoding needs it
   std::string encoder;
   std::optional<Slm> slm;  ///< the panel it was made for, where that is known
+  /// Irradiance of the light on the panel that shows the field at its own brightness [W/m²]: what one hologram of
+  /// several (colours, layers, lights, frames) is lit with in proportion. See encode.h.
+  double illumination = 1;
+  std::string name{};  ///< of the layer or light that it shows, "" for all light
+  uint32_t frame = 0;  ///< of a time-multiplexed hologram
 };
 
 }  // namespace holotrace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "holotrace/base/vec.h"
 
 namespace holotrace {
@@ -20,6 +22,23 @@ inline Vec3 channel_weights(double wavelength) {
   const double t = (wavelength - green_line) / (red_line - green_line);
   return {t, 1 - t, 0};
 }
+
+/// Red, green and blue of light that is seen at N wavelengths:
+///
+///     rgb = Σₙ Mₙ·Iₙ,   M = W⁺ (3 × N),   W (N × 3) with the rows channel_weights(λₙ)
+///
+/// W makes wavelengths of a scene's colours, I = W·rgb, and its Moore–Penrose inverse makes colours again. Where W has
+/// rank 3 (as for 638, 520 and 450 nm), M·W is the identity: every colour comes back, and equal light at all
+/// wavelengths is white, (1, 1, 1). Two wavelengths, or more that tell no three colours apart, give the nearest that
+/// they can: M·W·rgb is the part of rgb in the span of the rows of W, so a white is not white. Pictures of one
+/// wavelength are left monochrome instead (view/view_sum.h).
+///
+/// Singular values below 1e-5 of the largest count as 0: wavelengths that near are one colour.
+///
+/// @param wavelengths  [m], at least one
+/// @return             Mₙ, one per wavelength; its parts may be negative
+/// @throws Error       for no wavelength, or one that is not above 0
+std::vector<Vec3> colour_matrix(const std::vector<double>& wavelengths);
 
 /// Radiance at a wavelength [m] from radiance in red, green and blue, in the unit of `rgb`.
 inline double radiance_at(double wavelength, Vec3 rgb) { return dot(channel_weights(wavelength), rgb); }

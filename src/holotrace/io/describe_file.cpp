@@ -23,18 +23,31 @@ using Json = nlohmann::ordered_json;
 
 std::string size_text(int nx, int ny) { return fmt::format("{}x{}", nx, ny); }
 
+std::string lengths_text(const std::vector<double>& lengths) {
+  std::string text;
+  for (const double length : lengths) text += (text.empty() ? "" : ", ") + format_length(length);
+  return text;
+}
+
+// The name and frame of what is part of something larger.
+void add_part(const std::string& name, uint32_t frame, Json& json) {
+  if (!name.empty()) json["name"] = name;
+  if (frame > 0) json["frame"] = frame;
+}
+
 Json describe(const Job& job) {
   size_t triangles = 0;
   for (const Mesh& mesh : job.scene.meshes) triangles += mesh.triangles.size();
   return {{"kind", "scene"},
-          {"wavelength", format_length(job.wavelengths.front())},
+          {"wavelength", lengths_text(job.wavelengths)},
           {"slm", job.slm.name},
           {"panel", size_text(job.slm.grid.nx, job.slm.grid.ny) + " at " + format_length(job.slm.grid.pitch)},
           {"points", job.scene.points.size()},
           {"meshes", job.scene.meshes.size()},
           {"triangles", triangles},
           {"materials", job.scene.materials.size()},
-          {"lights", job.scene.lights.size()}};
+          {"lights", job.scene.lights.size()},
+          {"frames", job.trace.frames}};
 }
 
 Json describe(const Sources& sources) {
@@ -43,35 +56,49 @@ Json describe(const Sources& sources) {
     nearest = std::min(nearest, -s.origin.z);
     farthest = std::max(farthest, -s.origin.z);
   }
-  return {{"kind", "sources"},
-          {"waves", sources.waves.size()},
-          {"wavelength", format_length(sources.wavelength)},
-          {"nearest", format_length(nearest)},
-          {"farthest", format_length(farthest)}};
+  Json json{{"kind", "sources"},
+            {"waves", sources.waves.size()},
+            {"wavelength", format_length(sources.wavelength)},
+            {"nearest", format_length(nearest)},
+            {"farthest", format_length(farthest)}};
+  add_part(sources.name, sources.frame, json);
+  if (sources.tiles.columns > 0) json["tiles"] = size_text(sources.tiles.columns, sources.tiles.rows);
+  return json;
 }
 
-Json describe(const FieldDouble& field) {
-  double largest = 0;
-  for (const auto& u : field.samples.values) largest = std::max(largest, std::abs(u));
-  return {{"kind", "field"},
-          {"samples", size_text(field.grid.nx, field.grid.ny)},
-          {"pitch", format_length(field.grid.pitch)},
-          {"wavelength", format_length(field.wavelength)},
-          {"z", format_length(field.z)},
-          {"image", field.image == ImageSide::real_image ? "real" : "virtual"},
-          {"power_w", power(field)},
-          {"largest_amplitude", largest}};
+Json describe(const std::vector<FieldDouble>& stack) {
+  double largest = 0, watts = 0;
+  std::vector<double> wavelengths;
+  for (const FieldDouble& field : stack) {
+    for (const auto& u : field.samples.values) largest = std::max(largest, std::abs(u));
+    watts += power(field);
+    wavelengths.push_back(field.wavelength);
+  }
+  const FieldDouble& field = stack.front();
+  Json json{{"kind", "field"},
+            {"samples", size_text(field.grid.nx, field.grid.ny)},
+            {"pitch", format_length(field.grid.pitch)},
+            {"wavelength", lengths_text(wavelengths)},
+            {"z", format_length(field.z)},
+            {"image", field.image == ImageSide::real_image ? "real" : "virtual"},
+            {"power_w", watts},
+            {"largest_amplitude", largest}};
+  add_part(field.name, field.frame, json);
+  return json;
 }
 
 Json describe(const Hologram& hologram) {
-  return {{"kind", "hologram"},
-          {"pixels", size_text(hologram.grid.nx, hologram.grid.ny)},
-          {"pitch", format_length(hologram.grid.pitch)},
-          {"wavelength", format_length(hologram.wavelength)},
-          {"levels", hologram.levels},
-          {"modulation", hologram.modulation == Modulation::phase ? "phase" : "amplitude"},
-          {"image", hologram.image == ImageSide::real_image ? "real" : "virtual"},
-          {"encoder", hologram.encoder}};
+  Json json{{"kind", "hologram"},
+            {"pixels", size_text(hologram.grid.nx, hologram.grid.ny)},
+            {"pitch", format_length(hologram.grid.pitch)},
+            {"wavelength", format_length(hologram.wavelength)},
+            {"levels", hologram.levels},
+            {"modulation", hologram.modulation == Modulation::phase ? "phase" : "amplitude"},
+            {"image", hologram.image == ImageSide::real_image ? "real" : "virtual"},
+            {"encoder", hologram.encoder},
+            {"illumination_w_per_m2", hologram.illumination}};
+  add_part(hologram.name, hologram.frame, json);
+  return json;
 }
 
 Json describe(const Image& image) {
@@ -118,7 +145,7 @@ Json describe_file(const std::string& path) {
   if (extension == ".ply") return describe_ply(path);
   if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return describe(load_meshes(path));
   if (extension == ".png" && std::filesystem::exists(sidecar_path(path))) return describe(load_hologram(path));
-  if (is_field_file(path)) return describe(load_field_double(path));
+  if (is_field_file(path)) return describe(load_fields_double(path));
   return describe(load_image(path));
 }
 

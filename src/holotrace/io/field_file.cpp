@@ -1,7 +1,9 @@
 #include "holotrace/io/field_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/field_formats.h"
@@ -16,53 +18,57 @@ namespace {
   fail("expected a field file .npy, .h5 or .exr, got {}; change its extension", path);
 }
 
-std::string field_metadata(const Grid& grid, double wavelength, double z, ImageSide image,
-                           const std::optional<SpectralFilter>& filter) {
-  nlohmann::ordered_json json{
-      {"pitch_m", grid.pitch}, {"wavelengths_m", {wavelength}}, {"z_m", z}, {"image", image_side_name(image)}};
-  if (filter) json["filter"] = filter_to_json(*filter);
+template <class Real>
+std::string field_metadata(const std::vector<BasicField<Real>>& stack) {
+  const BasicField<Real>& field = stack.front();
+  std::vector<double> wavelengths;
+  for (const auto& one : stack) wavelengths.push_back(one.wavelength);
+  nlohmann::ordered_json json{{"pitch_m", field.grid.pitch},
+                              {"wavelengths_m", wavelengths},
+                              {"z_m", field.z},
+                              {"image", image_side_name(field.image)}};
+  if (!field.name.empty()) json["name"] = field.name;
+  if (field.frame > 0) json["frame"] = field.frame;
+  if (field.filter) json["filter"] = filter_to_json(*field.filter);
   return json.dump(2) + "\n";
 }
 
-double the_wavelength(const nlohmann::json& json, const std::string& path) {
+std::vector<double> wavelengths_of(const nlohmann::json& json, size_t count, const std::string& path) {
   const auto found = json.find("wavelengths_m");
   require(found != json.end(), "{}: expected the key \"wavelengths_m\", which is missing; add it, in SI units", path);
-  require(found->is_array() && found->size() == 1 && found->front().is_number(),
-          "{}: expected one wavelength in \"wavelengths_m\", got {}; save each as its own field", path, found->dump());
-  return found->front().get<double>();
+  const bool are_numbers = found->is_array() && std::all_of(found->begin(), found->end(),
+                                                            [](const auto& value) { return value.is_number(); });
+  require(are_numbers && found->size() == count,
+          "{}: expected {} number(s) in \"wavelengths_m\", one per field of the stack, got {}", path, count,
+          found->dump());
+  return found->template get<std::vector<double>>();
 }
 
 template <class Real>
-BasicField<Real> read_field_npy(const std::string& path) {
-  BasicField<Real> field;
-  field.samples = read_npy<Real>(path);
-  field.grid.nx = field.samples.nx;
-  field.grid.ny = field.samples.ny;
+std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
+  std::vector<Array2D<std::complex<Real>>> planes = read_npy<Real>(path);
   const std::string sidecar = sidecar_path(path);
   check_file_exists(sidecar, "the field's metadata {pitch_m, wavelengths_m, z_m, image}");
   const nlohmann::json json = read_metadata(sidecar);
-  field.grid.pitch = metadata_number(json, sidecar, "pitch_m");
-  field.wavelength = the_wavelength(json, sidecar);
+  BasicField<Real> field;
+  field.grid = {planes.front().nx, planes.front().ny, metadata_number(json, sidecar, "pitch_m")};
+  const std::vector<double> wavelengths = wavelengths_of(json, planes.size(), sidecar);
   field.z = metadata_number(json, sidecar, "z_m", 0.0);
   field.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
+  field.name = metadata_text(json, sidecar, "name", "");
+  field.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
   field.filter = filter_from_json(json, sidecar);
-  return field;
+  std::vector<BasicField<Real>> stack;
+  for (size_t n = 0; n < planes.size(); ++n) {
+    field.wavelength = wavelengths[n];
+    stack.push_back(field);
+    stack.back().samples = std::move(planes[n]);
+  }
+  return stack;
 }
 
 template <class Real>
-BasicField<Real> load(const std::string& path) {
-  check_file_exists(path, "a field");
-  const std::string extension = extension_of(path);
-  BasicField<Real> field;
-  if (extension == ".npy") {
-    field = read_field_npy<Real>(path);
-  } else if (extension == ".h5") {
-    field = read_field_hdf5<Real>(path);
-  } else if (extension == ".exr") {
-    field = convert<Real>(read_field_exr(path));
-  } else {
-    fail_extension(path);
-  }
+void check_loaded(const std::string& path, const BasicField<Real>& field) {
   try {
     check_grid(field.grid);
     check_wavelength(field.wavelength);
@@ -76,28 +82,70 @@ BasicField<Real> load(const std::string& path) {
       require(std::isfinite(u.real()) && std::isfinite(u.imag()),
               "{}: expected finite samples, got {} + {}i at row {}, column {}", path, u.real(), u.imag(), j, i);
     }
-  return field;
+}
+
+template <class Real>
+std::vector<BasicField<Real>> load(const std::string& path) {
+  check_file_exists(path, "a field");
+  const std::string extension = extension_of(path);
+  std::vector<BasicField<Real>> stack;
+  if (extension == ".npy") {
+    stack = read_fields_npy<Real>(path);
+  } else if (extension == ".h5") {
+    stack = read_fields_hdf5<Real>(path);
+  } else if (extension == ".exr") {
+    stack.push_back(convert<Real>(read_field_exr(path)));
+  } else {
+    fail_extension(path);
+  }
+  for (const auto& field : stack) check_loaded(path, field);
+  return stack;
+}
+
+template <class Real>
+BasicField<Real> the_only_one(const std::string& path, std::vector<BasicField<Real>>&& stack) {
+  require(stack.size() == 1, "{}: expected a field of one wavelength, got {}; save each as its own field", path,
+          stack.size());
+  return std::move(stack.front());
+}
+
+template <class Real>
+void check_stack(const std::string& path, const std::vector<BasicField<Real>>& stack) {
+  require(!stack.empty(), "expected at least one field to save as {}, got none", path);
+  const BasicField<Real>& first = stack.front();
+  check_grid(first.grid);
+  for (const BasicField<Real>& field : stack) {
+    require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
+            "expected {} × {} samples in the field to save as {}, got {} × {}", field.grid.nx, field.grid.ny, path,
+            field.samples.nx, field.samples.ny);
+    require(field.grid == first.grid && field.z == first.z && field.image == first.image &&
+                field.filter == first.filter && field.name == first.name && field.frame == first.frame,
+            "expected fields that differ in wavelength alone to save as {}, got other grids, planes, image sides, "
+            "filters, names or frames; save each as its own field",
+            path);
+  }
 }
 
 }  // namespace
 
 template <class Real>
-void save_field(const std::string& path, const BasicField<Real>& field) {
-  check_grid(field.grid);
-  require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
-          "expected {} × {} samples in the field to save as {}, got {} × {}", field.grid.nx, field.grid.ny, path,
-          field.samples.nx, field.samples.ny);
+void save_fields(const std::string& path, const std::vector<BasicField<Real>>& stack) {
+  check_stack(path, stack);
   const std::string extension = extension_of(path);
   if (extension == ".npy") {
     write_atomically(path, [&](const std::string& temporary) {
-      write_npy(temporary, field.samples);
-      write_text(sidecar_path(path), field_metadata(field.grid, field.wavelength, field.z, field.image, field.filter));
+      std::vector<const Array2D<std::complex<Real>>*> planes;
+      for (const auto& field : stack) planes.push_back(&field.samples);
+      write_npy(temporary, planes);
+      write_text(sidecar_path(path), field_metadata(stack));
     });
   } else if (extension == ".h5") {
-    write_atomically(path, [&](const std::string& temporary) { write_field_hdf5(temporary, field); });
+    write_atomically(path, [&](const std::string& temporary) { write_fields_hdf5(temporary, stack); });
   } else if (extension == ".exr") {
+    require(stack.size() == 1, "expected .npy or .h5 for a field of {} wavelengths, got {}; .exr holds one",
+            stack.size(), path);
     if constexpr (std::is_same_v<Real, float>)
-      write_atomically(path, [&](const std::string& temporary) { write_field_exr(temporary, field); });
+      write_atomically(path, [&](const std::string& temporary) { write_field_exr(temporary, stack.front()); });
     else
       fail("expected .npy or .h5 for a field in double precision, got {}; .exr holds single precision", path);
   } else {
@@ -105,14 +153,23 @@ void save_field(const std::string& path, const BasicField<Real>& field) {
   }
 }
 
+template <class Real>
+void save_field(const std::string& path, const BasicField<Real>& field) {
+  save_fields(path, std::vector<BasicField<Real>>{field});
+}
+
 bool is_field_file(const std::string& path) {
   const std::string extension = extension_of(path);
   return extension == ".npy" || extension == ".h5" || (extension == ".exr" && is_field_exr(path));
 }
 
-Field load_field(const std::string& path) { return load<float>(path); }
-FieldDouble load_field_double(const std::string& path) { return load<double>(path); }
+std::vector<Field> load_fields(const std::string& path) { return load<float>(path); }
+std::vector<FieldDouble> load_fields_double(const std::string& path) { return load<double>(path); }
+Field load_field(const std::string& path) { return the_only_one(path, load<float>(path)); }
+FieldDouble load_field_double(const std::string& path) { return the_only_one(path, load<double>(path)); }
 
+template void save_fields(const std::string&, const std::vector<Field>&);
+template void save_fields(const std::string&, const std::vector<FieldDouble>&);
 template void save_field(const std::string&, const Field&);
 template void save_field(const std::string&, const FieldDouble&);
 

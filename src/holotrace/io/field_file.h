@@ -1,29 +1,40 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "holotrace/data/field.h"
 
 namespace holotrace {
 
-/// Writes a field with its geometry. The extension picks the format:
+/// Writes fields that differ in wavelength alone, a field in colour, with their geometry. The extension picks the
+/// format:
 ///
-/// - `.npy`  complex64 or complex128, shape (ny, nx), as numpy.load reads it, and beside it NAME.json
-///           {pitch_m, wavelengths_m, z_m, image, filter}
-/// - `.h5`   dataset "field" {r, i}, as h5py reads it, with the same metadata as attributes
-/// - `.exr`  float channels "real" and "imag", with the same metadata as attributes; single precision only
+/// - `.npy`  complex64 or complex128, shape (ny, nx) for one wavelength, (wavelengths, ny, nx) for several, as
+///           numpy.load reads it, and beside it NAME.json {pitch_m, wavelengths_m, z_m, image, name, frame, filter}
+/// - `.h5`   dataset "field" {r, i} of that shape, as h5py reads it, with the same metadata as attributes
+/// - `.exr`  float channels "real" and "imag", with the same metadata as attributes; one wavelength in single
+///           precision only
 ///
-/// @throws Error for another extension, and where write_atomically throws
+/// @throws Error for no field, fields of different grids, planes, image sides, filters, names or frames, another
+///         extension, and where write_atomically throws
+template <class Real>
+void save_fields(const std::string& path, const std::vector<BasicField<Real>>& stack);
+
+/// Reads what save_fields wrote, by wavelength. complex128 samples are rounded to complex64.
+/// @throws Error naming the file for what is missing (also the sidecar), truncated, of another kind of
+///         number or shape than (ny, nx) or (wavelengths, ny, nx), and for samples that are not finite
+std::vector<Field> load_fields(const std::string& path);
+
+/// As load_fields, in double precision. complex64 samples are widened.
+std::vector<FieldDouble> load_fields_double(const std::string& path);
+
+/// As save_fields, of one field.
 template <class Real>
 void save_field(const std::string& path, const BasicField<Real>& field);
 
-/// Reads what save_field wrote. complex128 samples are rounded to complex64.
-/// @throws Error naming the file for what is missing (also the sidecar), truncated, of another kind of
-///         number or shape than (ny, nx) or (1, ny, nx), for several wavelengths, and for samples
-///         that are not finite
+/// As load_fields, of one field. @throws Error for several wavelengths too
 Field load_field(const std::string& path);
-
-/// As load_field, in double precision. complex64 samples are widened.
 FieldDouble load_field_double(const std::string& path);
 
 /// Whether a file is a field rather than an image: .npy and .h5 are, an EXR with channels "real" and "imag" is.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "holotrace/data/field.h"
 
@@ -9,10 +10,11 @@
 
 namespace holotrace {
 
+/// Fields of one grid, plane, image side and filter, by wavelength.
 template <class Real>
-void write_field_hdf5(const std::string& path, const BasicField<Real>& field);
+void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Real>>& stack);
 template <class Real>
-BasicField<Real> read_field_hdf5(const std::string& path);
+std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path);
 
 void write_field_exr(const std::string& path, const Field& field);
 Field read_field_exr(const std::string& path);

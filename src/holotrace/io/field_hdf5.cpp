@@ -55,11 +55,14 @@ void require_written(bool holds, const std::string& path) {
   require(holds, "expected to write {}, but HDF5 could not; check the room and the permissions there", path);
 }
 
-void write_number(hid_t object, const char* name, double value, hsize_t rank, const std::string& path) {
-  const hsize_t one = 1;
-  const Handle space(rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &one, nullptr), H5Sclose);
+void write_numbers(hid_t object, const char* name, const double* values, hid_t shape, const std::string& path) {
+  const Handle space(shape, H5Sclose);
   const Handle attribute(H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  require_written(attribute.valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value) >= 0, path);
+  require_written(attribute.valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, values) >= 0, path);
+}
+
+void write_number(hid_t object, const char* name, double value, const std::string& path) {
+  write_numbers(object, name, &value, H5Screate(H5S_SCALAR), path);
 }
 
 void write_word(hid_t object, const char* name, const std::string& value, const std::string& path) {
@@ -72,18 +75,22 @@ void write_word(hid_t object, const char* name, const std::string& value, const 
   require_written(attribute.valid() && H5Awrite(attribute, type, &text) >= 0, path);
 }
 
-double read_number(hid_t object, const char* name, const std::string& path) {
+std::vector<double> read_numbers(hid_t object, const char* name, hssize_t wanted, const std::string& path) {
   require(H5Aexists(object, name) > 0,
           "{}: expected the attribute \"{}\" of \"field\", which is missing; add it, in SI units", path, name);
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   const Handle space(H5Aget_space(attribute), H5Sclose);
   const hssize_t count = H5Sget_simple_extent_npoints(space);
-  require(count == 1, "{}: expected one number in \"{}\", got {}; save each wavelength as its own field", path, name,
-          count);
-  double value = 0;
-  require(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) >= 0, "{}: expected a number for \"{}\", got another kind",
-          path, name);
-  return value;
+  require(count == wanted, "{}: expected {} number(s) in \"{}\", as many as the dataset has fields, got {}", path,
+          wanted, name, count);
+  std::vector<double> values(size_t(wanted), 0.0);
+  require(H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0,
+          "{}: expected a number for \"{}\", got another kind", path, name);
+  return values;
+}
+
+double read_number(hid_t object, const char* name, const std::string& path) {
+  return read_numbers(object, name, 1, path).front();
 }
 
 std::string read_word(hid_t object, const char* name, const std::string& path) {
@@ -113,8 +120,9 @@ hid_t native_real() {
 }  // namespace
 
 template <class Real>
-void write_field_hdf5(const std::string& path, const BasicField<Real>& field) {
+void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Real>>& stack) {
   const Silence silence;
+  const BasicField<Real>& field = stack.front();
   // The file layout since HDF5 1.8 has checksums: damage is found instead of followed.
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
@@ -123,29 +131,41 @@ void write_field_hdf5(const std::string& path, const BasicField<Real>& field) {
   {
     const Handle stored(complex_type(sizeof(Real), sizeof(Real) == 4 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE), H5Tclose);
     const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
-    const std::array<hsize_t, 2> shape{hsize_t(field.grid.ny), hsize_t(field.grid.nx)};
-    const Handle space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
+    const std::array<hsize_t, 3> shape{stack.size(), hsize_t(field.grid.ny), hsize_t(field.grid.nx)};
+    const bool is_one = stack.size() == 1;
+    const Handle space(H5Screate_simple(is_one ? 2 : 3, shape.data() + (is_one ? 1 : 0), nullptr), H5Sclose);
     // No time stamp: the same field gives the same bytes.
     const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_obj_track_times(properties, false);
     const Handle data(H5Dcreate2(file, "field", stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
     require_written(data.valid(), path);
-    write_number(data, "pitch_m", field.grid.pitch, 0, path);
-    write_number(data, "wavelengths_m", field.wavelength, 1, path);
-    write_number(data, "z_m", field.z, 0, path);
+    std::vector<double> wavelengths;
+    for (const auto& one : stack) wavelengths.push_back(one.wavelength);
+    const hsize_t count = wavelengths.size();
+    write_number(data, "pitch_m", field.grid.pitch, path);
+    write_numbers(data, "wavelengths_m", wavelengths.data(), H5Screate_simple(1, &count, nullptr), path);
+    write_number(data, "z_m", field.z, path);
     write_word(data, "image", image_side_name(field.image), path);
+    if (!field.name.empty()) write_word(data, "name", field.name, path);
+    if (field.frame > 0) write_number(data, "frame", field.frame, path);
     if (field.filter) {
       const SpectralFilter& f = *field.filter;
       const double values[] = {f.u0, f.v0, f.half_u, f.half_v};
-      for (int i = 0; i < 4; ++i) write_number(data, filter_names[i], values[i], 0, path);
+      for (int i = 0; i < 4; ++i) write_number(data, filter_names[i], values[i], path);
     }
-    require_written(H5Dwrite(data, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.samples.values.data()) >= 0, path);
+    for (hsize_t n = 0; n < count; ++n) {
+      const std::array<hsize_t, 3> start{n, 0, 0}, block{1, shape[1], shape[2]};
+      const Handle plane(H5Screate_simple(2, shape.data() + 1, nullptr), H5Sclose);
+      const Handle place(H5Dget_space(data), H5Sclose);
+      if (!is_one) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+      require_written(H5Dwrite(data, memory, plane, place, H5P_DEFAULT, stack[n].samples.values.data()) >= 0, path);
+    }
   }
   require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
 }
 
 template <class Real>
-BasicField<Real> read_field_hdf5(const std::string& path) {
+std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
   const Silence silence;
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   require(file.valid(), "{}: expected an HDF5 file, got other bytes or a truncated file; write it again", path);
@@ -161,38 +181,48 @@ BasicField<Real> read_field_hdf5(const std::string& path) {
   const int rank = H5Sget_simple_extent_ndims(space);
   std::array<hsize_t, 3> shape{};
   if (rank == 2 || rank == 3) H5Sget_simple_extent_dims(space, shape.data(), nullptr);
-  require(rank != 3 || shape[0] == 1, "{}: expected one wavelength, got {}; save each as its own field", path,
-          shape[0]);
-  const hsize_t ny = shape[size_t(rank == 3)], nx = shape[size_t(rank == 3) + 1];
-  require((rank == 2 || rank == 3) && ny > 0 && nx > 0 && ny < (1u << 30) && nx < (1u << 30),
-          "{}: expected the shape (ny, nx) or (1, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
+  const bool has_planes = rank == 3;
+  const hsize_t count = has_planes ? shape[0] : 1, ny = shape[has_planes], nx = shape[size_t(has_planes) + 1];
+  require((rank == 2 || rank == 3) && count > 0 && ny > 0 && nx > 0 && count < (1u << 30) && ny < (1u << 30) &&
+              nx < (1u << 30),
+          "{}: expected the shape (ny, nx) or (wavelengths, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
 
   const Handle properties(H5Dget_create_plist(data), H5Pclose);
-  require(H5Pget_layout(properties) != H5D_CONTIGUOUS || H5Dget_storage_size(data) / H5Tget_size(type) == ny * nx,
-          "{}: expected {} × {} samples, got {} bytes of them; the file is truncated or damaged", path, nx, ny,
-          H5Dget_storage_size(data));
+  const hsize_t stored = H5Dget_storage_size(data);
+  require(H5Pget_layout(properties) != H5D_CONTIGUOUS ||
+              double(stored) == double(H5Tget_size(type)) * double(count) * double(ny * nx),
+          "{}: expected {} × {} samples, got {} bytes of them; the file is truncated or damaged", path, nx, ny, stored);
 
+  const std::vector<double> wavelengths = read_numbers(data, "wavelengths_m", hssize_t(count), path);
   BasicField<Real> field;
-  field.grid.nx = int(nx);
-  field.grid.ny = int(ny);
-  field.samples = Array2D<std::complex<Real>>(field.grid.ny, field.grid.nx);
-  const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
-  require(H5Dread(data, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.samples.values.data()) >= 0,
-          "{}: expected {} × {} complex samples, but they cannot be read; the file is truncated or damaged", path, nx,
-          ny);
-  field.grid.pitch = read_number(data, "pitch_m", path);
-  field.wavelength = read_number(data, "wavelengths_m", path);
+  field.grid = {int(nx), int(ny), read_number(data, "pitch_m", path)};
   if (H5Aexists(data, "z_m") > 0) field.z = read_number(data, "z_m", path);
   if (H5Aexists(data, "image") > 0) field.image = image_side_from(read_word(data, "image", path), path);
+  if (H5Aexists(data, "name") > 0) field.name = read_word(data, "name", path);
+  if (H5Aexists(data, "frame") > 0) field.frame = frame_from(read_number(data, "frame", path), path);
   if (H5Aexists(data, filter_names[0]) > 0)
     field.filter = SpectralFilter{read_number(data, filter_names[0], path), read_number(data, filter_names[1], path),
                                   read_number(data, filter_names[2], path), read_number(data, filter_names[3], path)};
-  return field;
+  const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
+  std::vector<BasicField<Real>> stack;
+  for (hsize_t n = 0; n < count; ++n) {
+    field.wavelength = wavelengths[n];
+    BasicField<Real>& one = stack.emplace_back(field);
+    one.samples = Array2D<std::complex<Real>>(one.grid.ny, one.grid.nx);
+    const std::array<hsize_t, 3> start{n, 0, 0}, block{1, ny, nx};
+    const Handle plane(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
+    const Handle place(H5Dget_space(data), H5Sclose);
+    if (has_planes) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+    require(H5Dread(data, memory, plane, place, H5P_DEFAULT, one.samples.values.data()) >= 0,
+            "{}: expected {} × {} complex samples, but they cannot be read; the file is truncated or damaged", path, nx,
+            ny);
+  }
+  return stack;
 }
 
-template void write_field_hdf5(const std::string&, const Field&);
-template void write_field_hdf5(const std::string&, const FieldDouble&);
-template Field read_field_hdf5(const std::string&);
-template FieldDouble read_field_hdf5(const std::string&);
+template void write_fields_hdf5(const std::string&, const std::vector<Field>&);
+template void write_fields_hdf5(const std::string&, const std::vector<FieldDouble>&);
+template std::vector<Field> read_fields_hdf5(const std::string&);
+template std::vector<FieldDouble> read_fields_hdf5(const std::string&);
 
 }  // namespace holotrace

@@ -98,7 +98,10 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
                               {"levels", hologram.levels},
                               {"modulation", modulation_name(hologram.modulation)},
                               {"image", image_side_name(hologram.image)},
-                              {"encoder", hologram.encoder}};
+                              {"encoder", hologram.encoder},
+                              {"illumination_w_per_m2", hologram.illumination}};
+  if (!hologram.name.empty()) json["name"] = hologram.name;
+  if (hologram.frame > 0) json["frame"] = hologram.frame;
   if (hologram.slm)
     json["slm"] = {{"name", hologram.slm->name},
                    {"modulation", modulation_name(hologram.slm->modulation)},
@@ -143,6 +146,11 @@ Hologram load_hologram(const std::string& path) {
     hologram.modulation = modulation_from(metadata_text(json, sidecar, "modulation", "phase"), sidecar);
     hologram.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
     hologram.encoder = metadata_text(json, sidecar, "encoder", "");
+    hologram.illumination = metadata_number(json, sidecar, "illumination_w_per_m2", hologram.illumination);
+    require(hologram.illumination >= 0, "{}: expected an illumination of 0 W/m² or more, got {} W/m²", sidecar,
+            hologram.illumination);
+    hologram.name = metadata_text(json, sidecar, "name", "");
+    hologram.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
     hologram.filter = filter_from_json(json, sidecar);
     if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, sidecar);
   }

@@ -7,7 +7,8 @@
 namespace holotrace {
 
 /// Writes what goes to the panel as a PNG of raw grey levels, not sRGB-coded, and beside it
-/// NAME.json {pitch_m, wavelength_m, levels, modulation, image, encoder, filter}. Of M levels:
+/// NAME.json {pitch_m, wavelength_m, levels, modulation, image, encoder, illumination_w_per_m2, name, frame, slm,
+/// filter}. Of M levels:
 ///
 ///     phase:      grey = round(ℓ·256/M)      in 8 bits (M ≤ 256), or round(ℓ·65536/M) in 16 bits
 ///     amplitude:  grey = round(ℓ·255/(M−1))  in 8 bits (M ≤ 256), or round(ℓ·65535/(M−1)) in 16 bits
@@ -17,7 +18,7 @@ namespace holotrace {
 void save_hologram(const std::string& path, const Hologram& hologram);
 
 /// Reads what save_hologram wrote. Without a sidecar: a phase hologram of 256 or 65536 levels by the
-/// file's bits, pitch 0 and wavelength 0 for the caller to fill in.
+/// file's bits, illumination 1 W/m², pitch 0 and wavelength 0 for the caller to fill in.
 /// @throws Error naming the file if it is not an image, has colours, or greys that are no level
 Hologram load_hologram(const std::string& path);
 

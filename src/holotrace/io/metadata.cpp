@@ -62,6 +62,12 @@ Modulation modulation_from(const std::string& name, const std::string& path) {
   fail("{}: {}", path, unknown_name_message("modulation", name, {"phase", "amplitude"}));
 }
 
+uint32_t frame_from(double number, const std::string& path) {
+  require(number >= 0 && number < 0x1p32 && number == std::floor(number),
+          "{}: expected a whole number of 0 or more for \"frame\", got {}", path, number);
+  return uint32_t(number);
+}
+
 nlohmann::json filter_to_json(const SpectralFilter& filter) {
   return {{"u0_per_m", filter.u0},
           {"v0_per_m", filter.v0},

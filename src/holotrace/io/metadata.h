@@ -30,6 +30,9 @@ ImageSide image_side_from(const std::string& name, const std::string& path);   /
 const char* modulation_name(Modulation modulation);                            ///< "phase" or "amplitude"
 Modulation modulation_from(const std::string& name, const std::string& path);  ///< @throws Error naming the file
 
+/// The number of a frame. @throws Error naming the file unless it is whole and 0 … 2³²−1
+uint32_t frame_from(double number, const std::string& path);
+
 nlohmann::json filter_to_json(const SpectralFilter& filter);
 
 /// The filter of a JSON object, none where the key "filter" is absent or null.

@@ -1,5 +1,6 @@
 #include "holotrace/io/npy.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <string_view>
@@ -81,20 +82,22 @@ void copy_samples(const char* bytes, AlignedVector<std::complex<To>>& values) {
 }  // namespace
 
 template <class Real>
-void write_npy(const std::string& path, const Array2D<std::complex<Real>>& values) {
-  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}, {}), }}", dtype_of<Real>,
-                                   values.ny, values.nx);
+void write_npy(const std::string& path, const std::vector<const Array2D<std::complex<Real>>*>& stack) {
+  const std::string count = stack.size() == 1 ? "" : fmt::format("{}, ", stack.size());
+  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}, {}), }}", dtype_of<Real>,
+                                   count, stack.front()->ny, stack.front()->nx);
   header.append((64 - (10 + header.size() + 1) % 64) % 64, ' ');  // the data starts at a multiple of 64 bytes
   header += '\n';
   std::string bytes(magic);
   bytes += {'\x01', '\x00', char(header.size() & 255), char(header.size() >> 8)};
   bytes += header;
-  bytes.append(reinterpret_cast<const char*>(values.values.data()), values.size() * sizeof(std::complex<Real>));
+  for (const auto* values : stack)
+    bytes.append(reinterpret_cast<const char*>(values->values.data()), values->size() * sizeof(std::complex<Real>));
   write_bytes(path, bytes.data(), bytes.size());
 }
 
 template <class Real>
-Array2D<std::complex<Real>> read_npy(const std::string& path) {
+std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path) {
   const std::string bytes = read_text(path);
   const Header header = read_header(bytes, path);
   const bool is_single = header.dtype == "<c8", is_double = header.dtype == "<c16";
@@ -103,30 +106,30 @@ Array2D<std::complex<Real>> read_npy(const std::string& path) {
           header.dtype);
   require(!header.fortran_order, "{}: expected C order, got Fortran order; save numpy.ascontiguousarray of it", path);
   std::vector<int64_t> shape = header.shape;
-  if (shape.size() == 3) {
-    require(shape[0] == 1, "{}: expected one wavelength, got {} in shape {}; save each as its own field", path,
-            shape[0], format_shape(shape));
-    shape.erase(shape.begin());
-  }
-  require(shape.size() == 2 && shape[0] > 0 && shape[1] > 0 && shape[0] < (1 << 30) && shape[1] < (1 << 30),
-          "{}: expected the shape (ny, nx) or (1, ny, nx), got {}", path, format_shape(header.shape));
-  const size_t count = size_t(shape[0]) * size_t(shape[1]), sample = is_single ? 8 : 16;
+  if (shape.size() == 2) shape.insert(shape.begin(), 1);
+  require(shape.size() == 3 && std::all_of(shape.begin(), shape.end(), [](int64_t n) { return n > 0 && n < 1 << 30; }),
+          "{}: expected the shape (ny, nx) or (wavelengths, ny, nx), got {}", path, format_shape(header.shape));
+  const size_t count = size_t(shape[1]) * size_t(shape[2]), sample = is_single ? 8 : 16;
   const size_t present = bytes.size() - header.data_begin;
-  require(present == count * sample,
+  const double expected = double(shape[0]) * double(count) * double(sample);  // may be more than 64 bits hold
+  require(double(present) == expected,
           "{}: expected {} bytes of samples for shape {}, got {}; the file is truncated or damaged, write it again",
-          path, count * sample, format_shape(header.shape), present);
-  const int ny = int(shape[0]), nx = int(shape[1]);
-  Array2D<std::complex<Real>> values(ny, nx);
-  if (is_single)
-    copy_samples<float>(bytes.data() + header.data_begin, values.values);
-  else
-    copy_samples<double>(bytes.data() + header.data_begin, values.values);
-  return values;
+          path, expected, format_shape(header.shape), present);
+  std::vector<Array2D<std::complex<Real>>> stack;
+  for (size_t n = 0; n < size_t(shape[0]); ++n) {
+    const char* data = bytes.data() + header.data_begin + n * count * sample;
+    Array2D<std::complex<Real>>& values = stack.emplace_back(int(shape[1]), int(shape[2]));
+    if (is_single)
+      copy_samples<float>(data, values.values);
+    else
+      copy_samples<double>(data, values.values);
+  }
+  return stack;
 }
 
-template void write_npy(const std::string&, const Array2D<std::complex<float>>&);
-template void write_npy(const std::string&, const Array2D<std::complex<double>>&);
-template Array2D<std::complex<float>> read_npy(const std::string&);
-template Array2D<std::complex<double>> read_npy(const std::string&);
+template void write_npy(const std::string&, const std::vector<const Array2D<std::complex<float>>*>&);
+template void write_npy(const std::string&, const std::vector<const Array2D<std::complex<double>>*>&);
+template std::vector<Array2D<std::complex<float>>> read_npy(const std::string&);
+template std::vector<Array2D<std::complex<double>>> read_npy(const std::string&);
 
 }  // namespace holotrace

@@ -8,14 +8,15 @@
 
 namespace holotrace {
 
-/// Fills a file with a complex array in NumPy's format 1.0, C order, little endian.
+/// Fills a file with complex arrays of one size in NumPy's format 1.0, C order, little endian: shape (ny, nx) for one,
+/// (count, ny, nx) for several.
 /// Reference: numpy.lib.format (NEP 1).
 template <class Real>
-void write_npy(const std::string& path, const Array2D<std::complex<Real>>& values);
+void write_npy(const std::string& path, const std::vector<const Array2D<std::complex<Real>>*>& stack);
 
-/// Reads complex64 or complex128, shape (ny, nx) or (1, ny, nx), C order.
+/// Reads complex64 or complex128, shape (ny, nx) or (count, ny, nx), C order.
 /// @throws Error naming the file for any other content, and for a file too short for its shape
 template <class Real>
-Array2D<std::complex<Real>> read_npy(const std::string& path);
+std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path);
 
 }  // namespace holotrace

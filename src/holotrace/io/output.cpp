@@ -33,6 +33,10 @@ void make_folder(const std::string& path) {
   check_output((fs::path(path) / "file").string());
 }
 
+void remove_numbered(const std::string& path, size_t i) {
+  for (; fs::remove(numbered_path(path, i)); ++i) fs::remove(sidecar_path(numbered_path(path, i)));
+}
+
 std::string numbered_path(const std::string& path, size_t i) {
   if (i == 0) return path;
   const fs::path p(path);

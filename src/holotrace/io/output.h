@@ -14,6 +14,9 @@ void check_output(const std::string& path, const std::vector<std::string>& exten
 /// Makes a folder and those above it. @throws Error if it cannot, or a file stands there
 void make_folder(const std::string& path);
 
+/// Removes the i-th and further outputs of an earlier run, with their sidecars, up to the first that is not there.
+void remove_numbered(const std::string& path, size_t i);
+
 /// The path of the i-th of several outputs: view.png, view_2.png, view_3.png, …
 std::string numbered_path(const std::string& path, size_t i);
 

@@ -50,22 +50,32 @@ void check_panel(const Slm& slm, Encoding method, const Observer& observer) {
                     slm.name, name_of(method)));
 }
 
-void check_design_wavelength(const Slm& slm, double wavelength, const Observer& observer) {
-  if (slm.design_wavelength > 0 && std::abs(slm.design_wavelength / wavelength - 1) > 1e-6)
+// What level M would show at this wavelength, in turns.
+double phase_range(const Slm& slm, double wavelength, const Observer& observer) {
+  const double range = slm.design_wavelength > 0 ? slm.design_wavelength / wavelength : 1;
+  observer.fact("phase_range", Fact(2 * pi * range));
+  if (range < 1 - 1e-6)
     observer.warn(fmt::format(
-        "the SLM \"{}\" shows 2π at {} and the field is for {}: its phases will be {:.4g} times too large; give the "
-        "panel "
-        "the design wavelength of the field",
-        slm.name, format_length(slm.design_wavelength), format_length(wavelength), slm.design_wavelength / wavelength));
+        "the SLM \"{}\" reaches a phase of {:.4g}π at {}, short of 2π: phases in the gap take its nearer end, which "
+        "leaves {:.3g} % of the light in the image; give the panel a design wavelength of {} or more, now it is {}",
+        slm.name, 2 * range, format_length(wavelength), 100 * short_range_efficiency(range), format_length(wavelength),
+        format_length(slm.design_wavelength)));
+  return range;
 }
 
-void encode_phase(const Field& field, ImageSide image, Hologram& hologram) {
+void encode_phase(const Field& field, ImageSide image, double range, Hologram& hologram) {
+  double modulus = 0, square = 0;
+  for (const auto& u : field.samples.values) {
+    modulus += std::abs(std::complex<double>(u));
+    square += std::norm(std::complex<double>(u));
+  }
+  hologram.illumination = modulus > 0 ? std::pow(square / modulus, 2) : 0;
   const float sign = image == ImageSide::real_image ? -1.0F : 1.0F;
   parallel_for(0, field.grid.ny, [&](int64_t j) {
     const std::complex<float>* u = field.samples.row(int(j));
     uint16_t* level = hologram.level.row(int(j));
     for (int i = 0; i < field.grid.nx; ++i)
-      level[i] = uint16_t(phase_level(u[i].real(), sign * u[i].imag(), hologram.levels));
+      level[i] = uint16_t(phase_level(u[i].real(), sign * u[i].imag(), hologram.levels, range));
   });
 }
 
@@ -84,11 +94,17 @@ void encode_amplitude(const Field& field, const Observer& observer, Hologram& ho
     for (int i = 0; i < field.grid.nx; ++i)
       level[i] = uint16_t(amplitude_level(std::abs(std::complex<double>(u[i])) * scale, hologram.levels));
   });
+  hologram.illumination = largest * largest;
   observer.fact("modulus_max", Fact(largest));
   observer.fact("mean_transmittance", Fact(sum * scale / double(field.grid.pixels())));
 }
 
 }  // namespace
+
+double short_range_efficiency(double range) {
+  const double amplitude = range < 1 ? range + std::sin(pi * range) / pi : 1;
+  return amplitude * amplitude;
+}
 
 Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   check_slm(slm);
@@ -113,18 +129,20 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
   hologram.levels = params.levels == 0 ? slm.levels : params.levels;
   hologram.wavelength = field.wavelength;
   hologram.image = params.image;
+  hologram.name = field.name;
+  hologram.frame = field.frame;
   hologram.encoder = name_of(params.method);
   hologram.modulation = params.method == Encoding::phase ? Modulation::phase : Modulation::amplitude;
   observer.fact("encoder", hologram.encoder);
   observer.fact("levels", hologram.levels);
   if (params.method == Encoding::phase) {
-    check_design_wavelength(slm, field.wavelength, observer);
-    encode_phase(field, params.image, hologram);
+    encode_phase(field, params.image, phase_range(slm, field.wavelength, observer), hologram);
   } else if (params.method == Encoding::amplitude) {
     encode_amplitude(field, observer, hologram);
   } else {
     encode_off_axis(field, params, observer, hologram);
   }
+  observer.fact("illumination", Fact(hologram.illumination));
   observer.progress(1);
   return hologram;
 }

@@ -97,6 +97,7 @@ void encode_off_axis(const Field& field, const EncodeParams& params, const Obser
       hologram.level(int(j), i) = uint16_t(amplitude_level((irradiance(int(j), i) + offset) * scale, hologram.levels));
   });
   hologram.filter = filter;
+  hologram.illumination = reference > 0 ? std::pow(top / reference, 2) : 0;
 
   const double inside = power_inside(field, filter);
   observer.fact("modulus_max", Fact(largest));

@@ -25,7 +25,7 @@ SpectralFilter off_axis_filter(Vec2 carrier, const Grid& grid, bool with_bias);
 ///     I = |U|² + |R|² + 2Re(U·R*)  with bias,   I = 2Re(U·R*) − min  without     (Eq. 8–10)
 ///     R = ρ·max|U|·exp(2πi(u·x + v·y)),   (u, v) the carrier, ρ = params.reference_ratio
 ///
-/// Writes `level`, `modulation`, `filter` of the hologram, whose grid, levels and wavelength are set.
+/// Writes `level`, `filter` and `illumination` of the hologram, whose grid, levels and wavelength are set.
 /// Facts: `carrier_u`, `carrier_v` [1/m], `modulus_max` [√(W/m²)], `band_power`: the fraction of the field's
 /// power that lies in the half width of the stop. Warns where that is less than 0.99.
 void encode_off_axis(const Field& field, const EncodeParams& params, const Observer& observer, Hologram& hologram);

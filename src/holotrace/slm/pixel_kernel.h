@@ -27,10 +27,15 @@ HOLOTRACE_HOST_DEVICE inline Transmittance amplitude_transmittance(int level, in
   return {double(level) / (levels - 1), 0};
 }
 
-/// The level of M whose phase 2πℓ/M is nearest to the phase of (real, imaginary); level 0 for 0.
-HOLOTRACE_HOST_DEVICE inline int phase_level(double real, double imaginary, int levels) {
-  const double level = std::atan2(imaginary, real) * levels / (2 * std::numbers::pi);
-  return (int(std::floor(level + 0.5)) + levels) % levels;
+/// The level of M whose phase 2π·stretch·ℓ/M is nearest, around the circle, to the phase of (real, imaginary), among
+/// the levels of the first turn; level 0 for 0. Where the levels reach beyond 2π (stretch > 1), those beyond are not
+/// used; where they fall short of it, phases in the gap take the nearer end.
+HOLOTRACE_HOST_DEVICE inline int phase_level(double real, double imaginary, int levels, double stretch = 1) {
+  double cycles = std::atan2(imaginary, real) / (2 * std::numbers::pi);
+  if (cycles < 0) cycles += 1;
+  const double nearest = std::fmin(std::floor(cycles * levels / stretch + 0.5), levels - 1.0);
+  const double off = std::fabs(cycles - stretch * nearest / levels);
+  return 1 - cycles <= off ? 0 : int(nearest);
 }
 
 /// The level of M whose transmittance ℓ/(M−1) is nearest; transmittances beyond [0, 1] are clipped.

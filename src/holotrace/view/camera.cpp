@@ -36,19 +36,14 @@ PropagateParams sensor_window(const PropagateParams& propagation, const CameraPa
   return window;
 }
 
-// Radiance of a pixel of a render at the wavelength of the weights.
-double radiance(const Image& render, Vec3 weights, int row, int column) {
-  if (render.channels == 1) return render(row, column);
-  return weights.x * render(row, column, 0) + weights.y * render(row, column, 1) + weights.z * render(row, column, 2);
-}
-
-// Between the middles of pixels; black past the outer ones.
-double radiance_between(const Image& render, Vec3 weights, double row, double column) {
+// Between the middles of pixels; black past the outer ones. Added to one sum per channel.
+void add_between(const Image& render, double row, double column, double* sums) {
   const int r = int(std::floor(row)), c = int(std::floor(column));
-  if (c < 0 || r < 0 || c + 1 >= render.nx || r + 1 >= render.ny) return 0;
+  if (c < 0 || r < 0 || c + 1 >= render.nx || r + 1 >= render.ny) return;
   const double fx = column - c, fy = row - r;
-  return (1 - fy) * ((1 - fx) * radiance(render, weights, r, c) + fx * radiance(render, weights, r, c + 1)) +
-         fy * ((1 - fx) * radiance(render, weights, r + 1, c) + fx * radiance(render, weights, r + 1, c + 1));
+  for (int channel = 0; channel < render.channels; ++channel)
+    sums[channel] += (1 - fy) * ((1 - fx) * render(r, c, channel) + fx * render(r, c + 1, channel)) +
+                     fy * ((1 - fx) * render(r + 1, c, channel) + fx * render(r + 1, c + 1, channel));
 }
 
 }  // namespace
@@ -64,29 +59,53 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   return expose(propagate(stopped, z, window, observer), sensor, observer);
 }
 
+double axial_reach(const Slm& slm, double wavelength, double distance, const std::optional<SpectralFilter>& filter) {
+  if (distance <= 0) return 1;
+  const double pitch = slm.grid.pitch, lit = std::sqrt(slm.fill_factor);
+  const auto along = [&](double side, double half_band, double carrier) {
+    const double sine = std::min(wavelength * std::min(half_band, 1 / (2 * pitch)), 1.0);
+    const double box = sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
+    const double half = std::min(side / 2, box);
+    constexpr int steps = 200;  // Simpson's rule on less than one lobe of sinc²: to 1e-9
+    double sum = 0;
+    for (int i = 0; i <= steps; ++i) {
+      const double x = half * (2.0 * i / steps - 1), u = x / (wavelength * std::hypot(x, distance));
+      const double a = pi * lit * pitch * (u + carrier), s = a == 0 ? 1 : std::sin(a) / a;
+      sum += s * s * (i == 0 || i == steps ? 1 : i % 2 ? 4 : 2);
+    }
+    return sum * 2 * half / (3.0 * steps) / side;
+  };
+  const double open = 1 / pitch;
+  return along(slm.grid.width(), filter ? filter->half_u : open, filter ? filter->u0 : 0) *
+         along(slm.grid.height(), filter ? filter->half_v : open, filter ? filter->v0 : 0);
+}
+
 double common_white(const std::vector<Image>& views, double exposure) {
   double white = 0;
   for (const Image& view : views) white = std::max(white, exposure_white(view, exposure));
   return white;
 }
 
-Image project_render(const Image& render, double half_tangent, Vec3 weights, const Image& sensor, double distance) {
-  Image out(sensor.ny, sensor.nx, 1);
+Image project_render(const Image& render, double half_tangent, const Image& sensor, double distance, Vec3 eye) {
+  require(render.channels == 1 || render.channels == 3, "expected a render of 1 or 3 channels, got {}",
+          render.channels);
+  Image out(sensor.ny, sensor.nx, render.channels);
   out.pitch = sensor.pitch;
-  const double step = 2 * half_tangent / render.ny * distance;  // side of a render pixel on the sensor [m]
+  const double step = 2 * half_tangent / render.ny * (distance + eye.z);  // side of a render pixel on the sensor [m]
   if (step <= 0) return out;
   const double ratio = sensor.pitch / step;
   const int parts = std::clamp(int(std::ceil(ratio)), 1, 32);  // places of the render that a sensor pixel averages
   parallel_for(0, out.ny, [&](int64_t j) {
     for (int i = 0; i < out.nx; ++i) {
-      double sum = 0;
+      double sums[3] = {0, 0, 0};
       for (int b = 0; b < parts; ++b)
         for (int a = 0; a < parts; ++a) {
           const double x = i + (a + 0.5) / parts - 0.5, y = double(j) + (b + 0.5) / parts - 0.5;
-          sum += radiance_between(render, weights, (y - (out.ny - 1) / 2.0) * ratio + (render.ny - 1) / 2.0,
-                                  (x - (out.nx - 1) / 2.0) * ratio + (render.nx - 1) / 2.0);
+          add_between(render, (y - (out.ny - 1) / 2.0) * ratio + eye.y / step + (render.ny - 1) / 2.0,
+                      (x - (out.nx - 1) / 2.0) * ratio - eye.x / step + (render.nx - 1) / 2.0, sums);
         }
-      out(int(j), i) = float(sum / (parts * parts));
+      for (int channel = 0; channel < out.channels; ++channel)
+        out(int(j), i, channel) = float(sums[channel] / (parts * parts));
     }
   });
   return out;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "holotrace/base/observer.h"
@@ -23,15 +24,25 @@ namespace holotrace {
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
            const CameraParams& camera, const Observer& observer = {});
 
+/// Part of the light of a point on the axis at `distance` that a panel takes in and sends on in order 0: what a white
+/// surface there is the brighter for.
+///
+///     r = Π_axes ∫ sinc²(w·p·(u + u₀)) dx / side,   u = x/(λ√(x² + distance²)),  w = √F
+///
+/// over the part of the panel's side where |u| is below 1/2p, or below the half width of the encoder's stop (centred at
+/// u₀). [0, 1]; 1 at a distance of 0 m, where it has no meaning.
+double axial_reach(const Slm& slm, double wavelength, double distance, const std::optional<SpectralFilter>& filter);
+
 /// The irradiance that is white in all the views: the exposure given, or the brightest view's own.
 double common_white(const std::vector<Image>& views, double exposure);
 
-/// A render as the sensor would see it: what stands at `distance` [m] falls on the sensor at x = distance·tan,
-/// each sensor pixel taking the mean of the render over its area. Black past the render's window.
+/// A render as the sensor would see it: what stands at `distance` [m] from the panel falls on the sensor at
+/// x = eye.x + (distance + eye.z)·tan, each sensor pixel taking the mean of the render over its area. Black past the
+/// render's window.
 ///
 /// @param half_tangent  of the render's height
-/// @param weights       of red, green and blue at the hologram's wavelength (channel_weights)
-/// @return              radiance at that wavelength, as large as `sensor`
-Image project_render(const Image& render, double half_tangent, Vec3 weights, const Image& sensor, double distance);
+/// @param eye           that the render was taken from [m], RenderParams::eye
+/// @return              radiance, as large as `sensor`, with the channels of the render
+Image project_render(const Image& render, double half_tangent, const Image& sensor, double distance, Vec3 eye = {});
 
 }  // namespace holotrace

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
 #include "holotrace/view/structural_similarity.h"
 
 namespace holotrace {
@@ -114,6 +115,31 @@ FieldMetrics compare(const BasicField<Real>& reference, const BasicField<Real>& 
   return m;
 }
 
+template <class Real>
+double relative_error(const std::vector<BasicField<Real>>& reference, const std::vector<BasicField<Real>>& fields) {
+  require(reference.size() == fields.size(), "expected a field of {} wavelength(s), as its reference, got {}",
+          reference.size(), fields.size());
+  double rr = 0, dd = 0;
+  for (size_t n = 0; n < fields.size(); ++n) {
+    const BasicField<Real>&r = reference[n], &f = fields[n];
+    require(r.grid.nx == f.grid.nx && r.grid.ny == f.grid.ny,
+            "expected a field of {} × {} samples, as its reference, got {} × {}", r.grid.nx, r.grid.ny, f.grid.nx,
+            f.grid.ny);
+    require(std::abs(f.wavelength / r.wavelength - 1) <= 1e-9,
+            "expected a field at {}, as its reference, got one at {}; give both the same order of wavelengths",
+            format_length(r.wavelength), format_length(f.wavelength));
+    for (size_t i = 0; i < f.samples.size(); ++i) {
+      const std::complex<double> u(r.samples.values[i]);
+      rr += std::norm(u);
+      dd += std::norm(std::complex<double>(f.samples.values[i]) - u);
+    }
+  }
+  require(rr > 0, "expected a reference field with light in it, got one that is dark everywhere");
+  return std::sqrt(dd / rr);
+}
+
+template double relative_error(const std::vector<Field>&, const std::vector<Field>&);
+template double relative_error(const std::vector<FieldDouble>&, const std::vector<FieldDouble>&);
 template FieldMetrics compare(const BasicField<float>&, const BasicField<float>&);
 template FieldMetrics compare(const BasicField<double>&, const BasicField<double>&);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <vector>
 
 #include "holotrace/data/field.h"
 #include "holotrace/data/image.h"
@@ -50,5 +51,11 @@ struct FieldMetrics {
 /// @throws Error  unless both have the same number of rows and columns, and the reference has light
 template <class Real>
 FieldMetrics compare(const BasicField<Real>& reference, const BasicField<Real>& field);
+
+/// ‖f − r‖/‖r‖ over fields in colour: all their samples together.
+/// @throws Error  unless both have as many fields, of the same sizes and wavelengths (to 1e-9), and the reference has
+///                light
+template <class Real>
+double relative_error(const std::vector<BasicField<Real>>& reference, const std::vector<BasicField<Real>>& fields);
 
 }  // namespace holotrace
