@@ -256,8 +256,8 @@ TEST(EncodePhase, APanelShortOfTwoPiLosesWhatItSays) {
 }
 
 TEST(Encode, IlluminationShowsTheFieldAtItsOwnBrightness) {
-  // What the panel shows is the wanted light to scale 1, and noise. A band of 4 cycles in 64 pixels: the pixels' roll-off
-  // sinc(4/64) per axis, 1.3 % at most.
+  // What the panel shows is the wanted light to scale 1, and noise. A band of 4 cycles in 64 pixels: the pixels'
+  // roll-off sinc(4/64) per axis, 1.3 % at most.
   const Slm slm = make_panel(64, 64, 65536);
   const Field field = sum_of(random_waves(4, 20, 5), slm.grid);
   for (const bool bias : {false, true})

@@ -119,8 +119,8 @@ Field speckle(const Grid& grid, int band, uint32_t frame) {
 }
 
 TEST(ViewSum, SpeckleFallsAsOneOverTheRootOfTheFrames) {
-  // 97² = 9409 independent modes, one grain each: the contrast C = 1/√M of N grains is known to about 1/√N = 1 % (M = 1),
-  // 1/√(2N) = 0.7 % (many frames): 3 % is three of that.
+  // 97² = 9409 independent modes, one grain each: the contrast C = 1/√M of N grains is known to about 1/√N = 1 % (M =
+  // 1), 1/√(2N) = 0.7 % (many frames): 3 % is three of that.
   const Grid grid{128, 128, test_pitch};
   ViewSum sum;
   for (uint32_t frame = 0; frame < 16; ++frame) {
