@@ -17,7 +17,7 @@ struct MicrofacetAlbedoTable {
   std::array<Entry, size> means;  ///< 2·∫·cosθ_o d(cosθ_o), of the straight lines between entries
 };
 
-/// The table, computed at the first call (some 30 ms); any number of threads may call.
+/// The table, computed at the first call (0.1 s); any number of threads may call.
 const MicrofacetAlbedoTable& microfacet_albedo_table();
 
 /// The albedos at one roughness, straight between entries: the mean is that of the interpolated values, so what is
