@@ -204,7 +204,8 @@ TEST(Render, ARoundLensBlursAnEdgeToTheDiscOfGeometry) {
   const Image sharp = render(half_plane(focus), panel, green_light, params);
   for (int row = 0; row < 20; ++row)
     for (int column = 0; column < 20; ++column)
-      EXPECT_NEAR(sharp(row, column), column < 10 ? 1 : 0, 1e-6) << "in focus the edge falls between pixels";
+      EXPECT_NEAR(sharp(row, column), column < 10 ? 1 : 0, 2.0 / 1024)
+          << "in focus the edge falls between pixels; a path or two may fall on it, within Embree's rounding";
 }
 
 TEST(Render, ThePanelAsALensBlursByItsOwnWidth) {
