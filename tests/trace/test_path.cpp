@@ -1,33 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "holotrace/trace/path.h"
-#include "holotrace/trace/sampling.h"
-#include "trace/scenes.h"
+#include "trace/follow.h"
 
 namespace holotrace {
 namespace {
-
-/// Radiance of single paths from the first hit of a ray, at red, green and blue.
-std::vector<Vec3> radiances(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
-  PathParams params;
-  params.max_depth = max_depth;
-  const PathScene path_scene(scene, Lines{}, {}, params);
-  const auto hit = path_scene.accelerator.closest_hit(ray);
-  EXPECT_TRUE(hit.has_value());
-  const PathStart start{hit->point, -ray.direction, path_scene.automaton.start(), 1};
-  std::vector<Vec3> all;
-  for (int i = 0; i < count; ++i) mean_radiance(path_scene, start, 1, uint64_t(i), {&all.emplace_back(), 1}, counts);
-  return all;
-}
-
-/// Statistics of their green.
-Statistics follow(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
-  Statistics statistics;
-  for (const Vec3 radiance : radiances(scene, ray, count, max_depth, counts)) statistics.add(radiance.y);
-  return statistics;
-}
-
-constexpr int unlimited = 100000;  // surfaces: roulette ends every path long before
 
 TEST(Path, ClosedFurnaceHasRadianceAndPathLengthOneOverOneMinusAlbedo) {
   for (double rho : {0.2, 0.5, 0.9}) {
@@ -36,7 +12,8 @@ TEST(Path, ClosedFurnaceHasRadianceAndPathLengthOneOverOneMinusAlbedo) {
     constexpr int paths = 40000;
     const Ray ray{{1_mm, 1_mm, -0.3}, normalize({0.3, -0.5, 0.2})};
     const Statistics radiance = follow(scene, ray, paths, unlimited, counts);
-    // A path of l surfaces finds radiance l, and l is geometric: mean 1/(1−ρ), variance ρ/(1−ρ)².
+    // A path has l surfaces, l geometric: mean 1/(1−ρ), variance ρ/(1−ρ)². Found by hits alone, its radiance would be
+    // l; asking the walls as well does not make it vary more.
     const double expected = 1 / (1 - rho), four_standard_errors = 4 * std::sqrt(rho / paths) / (1 - rho);
     EXPECT_NEAR(radiance.mean(), expected, four_standard_errors);
     EXPECT_NEAR(counts.mean_path_length(), expected, four_standard_errors);
@@ -106,13 +83,6 @@ TEST(Path, BothSidesOfADiffuseSurfaceReflectAndEachOnlyItsOwnLight) {
   EXPECT_GT(follow(scene, {{0, 0, -0.5}, {0, 0, 1}}, 1, 1, counts).mean(), 0);
 }
 
-/// View factor from a small plane patch to a parallel rectangle a × b at distance c, one corner of it
-/// right above the patch (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-3).
-double corner_view_factor(double a, double b, double c) {
-  const double x = a / c, y = b / c, sx = std::sqrt(1 + x * x), sy = std::sqrt(1 + y * y);
-  return (x / sx * std::atan(y / sx) + y / sy * std::atan(x / sy)) / (2 * pi);
-}
-
 TEST(Path, RectangleLightGivesItsClosedFormFactor) {
   Scene scene;
   scene.materials = {grey(0.6)};
@@ -130,7 +100,7 @@ TEST(Path, RectangleLightGivesItsClosedFormFactor) {
 }
 
 TEST(Path, EmissiveMeshAndRectangleLightOfTheSameShapeGiveTheSameLight) {
-  // The rectangle is asked for, the mesh is hit: two independent ways to one answer.
+  // Both are asked and met, in different code.
   Scene scene;
   scene.materials = {grey(0.6), grey(0, 5)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_test_quad({0, 0, -0.27}, {20_mm, 0, 0}, {0, 20_mm, 0}, 1)};

@@ -161,11 +161,168 @@ TEST(Render, ThePictureAndTheWavesHoldTheSameLight) {
   EXPECT_GT(radiance.mean(), 0.1);
 }
 
+TEST(Render, ThroughAPinholeOnTheAxisTheFocusDoesNotMatter) {
+  Scene scene;
+  scene.materials = {grey(0.7, 0.5)};
+  scene.meshes = {make_wall(-0.3, 3_mm, 3_mm)};
+  scene.background = {0.2, 0.2, 0.2};
+  EXPECT_EQ(render(scene, panel, green_light, {.rows = 16, .focus = 0.2, .paths = 4}).values,
+            render(scene, panel, green_light, {.rows = 16, .focus = 0.5, .paths = 4}).values);
+}
+
+/// A wall that shines, left of the axis, at that depth.
+Scene half_plane(double depth) {
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  scene.meshes = {make_test_quad({-50_mm, 0, -depth}, {50_mm, 0, 0}, {0, 50_mm, 0})};
+  return scene;
+}
+
+TEST(Render, ARoundLensBlursAnEdgeToTheDiscOfGeometry) {
+  // In the plane in focus f an edge at depth d = 2f is blurred over a disc of diameter pupil·|d − f|/d = 2 mm.
+  const double focus = 0.2, radius = 1_mm, half = 2_mm;  // of the disc, and of the window
+  const RenderParams params{.columns = 20,
+                            .rows = 20,
+                            .field_of_view = std::atan(half / focus),
+                            .lens = Lens::round,
+                            .pupil = 4_mm,
+                            .focus = focus,
+                            .paths = 1024};
+  const Image image = render(half_plane(2 * focus), panel, green_light, params);
+  // The share of a disc left of the chord at s radii is acos(s)/π − s√(1−s²)/π; a pixel, 0.2 mm, is the mean over it.
+  const auto share = [](double s) {
+    return s <= -1 ? 1.0 : s >= 1 ? 0.0 : (std::acos(s) - s * std::sqrt(1 - s * s)) / pi;
+  };
+  for (int column = 0; column < 20; ++column) {
+    double expected = 0;
+    for (int i = 0; i < 100; ++i) expected += share(((column + (i + 0.5) / 100) / 20 * 2 - 1) * half / radius) / 100;
+    // 1024 paths of 0 or 1 in each of 20 rows, no worse than independent ones: 4 standard errors of their mean.
+    double mean = 0;
+    for (int row = 0; row < 20; ++row) mean += image(row, column) / 20;
+    EXPECT_NEAR(mean, expected, 4 * std::sqrt(std::abs(expected * (1 - expected)) / (20 * 1024)) + 1e-5) << column;
+  }
+  const Image sharp = render(half_plane(focus), panel, green_light, params);
+  for (int row = 0; row < 20; ++row)
+    for (int column = 0; column < 20; ++column)
+      EXPECT_NEAR(sharp(row, column), column < 10 ? 1 : 0, 2.0 / 1024)
+          << "in focus the edge falls between pixels; a path or two may fall on it, within Embree's rounding";
+}
+
+TEST(Render, ThePanelAsALensBlursByItsOwnWidth) {
+  // 256 pixels of 8 µm: 2.048 mm wide; at f = 0.2 m its boxes reach 6.7 mm, so all of it lights the whole window. An
+  // edge at depth 2f is even over a width of 2.048 mm·|d − f|/d.
+  const double focus = 0.2, width = panel.width() / 2, half = 2_mm;
+  const RenderParams params{.columns = 20,
+                            .rows = 20,
+                            .field_of_view = std::atan(half / focus),
+                            .lens = Lens::panel,
+                            .focus = focus,
+                            .paths = 1024};
+  const Image image = render(half_plane(2 * focus), panel, green_light, params);
+  for (int column = 0; column < 20; ++column) {
+    double expected = 0, mean = 0;
+    for (int i = 0; i < 100; ++i)
+      expected += std::clamp(0.5 - ((column + (i + 0.5) / 100) / 20 * 2 - 1) * half / width, 0.0, 1.0) / 100;
+    for (int row = 0; row < 20; ++row) mean += image(row, column) / 20;
+    EXPECT_NEAR(mean, expected, 4 * std::sqrt(std::abs(expected * (1 - expected)) / (20 * 1024)) + 1e-4) << column;
+  }
+}
+
+TEST(Render, ThePanelAsALensIsBlackWhereNoneOfItsPixelsSendsLight) {
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  scene.meshes = {make_wall(-0.2, 50_mm, 50_mm)};
+  const double focus = 0.2, tangent = acceptance_tangent(green_light, panel.pitch);
+  const double limit = panel.width() / 2 + focus * tangent, half = 2 * limit;  // of the light, of the window
+  const RenderParams params{.columns = 40,
+                            .rows = 1,
+                            .field_of_view = std::atan(half / 40 / focus),
+                            .lens = Lens::panel,
+                            .focus = focus,
+                            .paths = 16};
+  const Image image = render(scene, panel, green_light, params);
+  for (int column = 0; column < 40; ++column)
+    EXPECT_NEAR(image(0, column), column >= 10 && column < 30 ? 1 : 0, 1e-6) << column;
+}
+
+TEST(Render, AnEyeOffTheAxisSeesParallax) {
+  // A square of 1 mm at P, seen from e: it lands at X = e + (P − e)·(e_z + f)/(e_z + d) in the plane in focus.
+  const Vec3 at{1_mm, -0.5_mm, -0.4}, eye{2_mm, 1_mm, 0.3};
+  const double focus = 0.2, half = 4_mm;
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  scene.meshes = {make_test_quad(at, {0.5_mm, 0, 0}, {0, 0.5_mm, 0})};
+  for (const Lens lens : {Lens::pinhole, Lens::round}) {
+    const RenderParams params{.columns = 40,
+                              .rows = 40,
+                              .field_of_view = std::atan(half / focus),
+                              .eye = eye,
+                              .lens = lens,
+                              .pupil = 1_mm,
+                              .focus = focus,
+                              .paths = 256};
+    const Image image = render(scene, panel, green_light, params);
+    double sum = 0, x = 0, y = 0;
+    for (int row = 0; row < 40; ++row)
+      for (int column = 0; column < 40; ++column) {
+        sum += image(row, column);
+        x += image(row, column) * ((column + 0.5) / 20 - 1) * half;
+        y += image(row, column) * (1 - (row + 0.5) / 20) * half;
+      }
+    const double scale = (0.3 + focus) / (0.3 + 0.4);
+    // Pixels are 0.2 mm, the square has 13 of them, and some 10 that it cuts, 1.8 from its middle, know their share to
+    // ½/√256: 0.5/16·√10·1.8/13 of a pixel, four times.
+    EXPECT_NEAR(x / sum, eye.x + (at.x - eye.x) * scale, 0.06 * 0.2_mm);
+    EXPECT_NEAR(y / sum, eye.y + (at.y - eye.y) * scale, 0.06 * 0.2_mm);
+    EXPECT_NEAR(sum * 0.2_mm * 0.2_mm / (scale * scale * 1e-6), 1, 0.03) << "and has its size";
+  }
+}
+
+TEST(Render, APointIsWhereTheEyeSeesItWithTheIrradianceOfItsWave) {
+  Scene scene;
+  scene.points = {{{1_mm, -0.5_mm, -0.4}, 2.0F, 0}};
+  const Vec3 eye{2_mm, 1_mm, 0.3};
+  const double focus = 0.2, half = 4_mm;
+  const Image image = render(
+      scene, panel, green_light,
+      {.columns = 40, .rows = 40, .field_of_view = std::atan(half / focus), .eye = eye, .focus = focus, .paths = 1});
+  double sum = 0, x = 0;
+  for (int row = 0; row < 40; ++row)
+    for (int column = 0; column < 40; ++column) {
+      sum += image(row, column);
+      x += image(row, column) * ((column + 0.5) / 20 - 1) * half;
+    }
+  EXPECT_NEAR(x / sum, eye.x + (1_mm - eye.x) * 0.5 / 0.7, 1e-8);  // floats
+  // A pixel of 0.2 mm at 0.5 m before the eye, under cosθ, is dΩ·cosθ = (0.2 mm/0.5 m)²·cos⁴θ.
+  const double squared = 1e-6 + 1.5_mm * 1.5_mm + 0.49, cosine = 0.7 / std::sqrt(squared);
+  EXPECT_NEAR(sum * std::pow(0.2e-3 / 0.5, 2) * std::pow(cosine, 4) / (4 * 0.16 / squared), 1, 1e-6);
+}
+
+TEST(Render, LayersLeaveOutTheBackgroundToo) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_test_quad({-50_mm, 0, -0.3}, {50_mm, 0, 0}, {0, 50_mm, 0})};
+  scene.background = {1, 1, 1};
+  const auto picture = [&](const std::vector<std::string>& layers) {
+    return render(scene, panel, green_light, {.columns = 2, .rows = 1, .paths = 256, .layers = layers});
+  };
+  EXPECT_EQ(picture({"EDL"})(0, 1), 0);
+  EXPECT_EQ(picture({"EL"})(0, 0), 0);
+  EXPECT_EQ(picture({"EL"})(0, 1), 1);
+  const Image all = picture({}), parts = picture({"EL", "ED+L"});
+  for (int column : {0, 1}) EXPECT_NEAR(parts(0, column), all(0, column), 1e-6);
+}
+
 TEST(Render, TheSamePictureComesFromAnyNumberOfThreads) {
   Scene scene;
   scene.materials = {grey(0.7)};
   scene.meshes = {make_wall(-0.3, 12_mm, 12_mm), make_test_quad({0, -6_mm, -0.29}, {12_mm, 0, 0}, {0, 2_mm, 10_mm})};
-  scene.lights = {PointLight{{5_mm, 15_mm, -0.28}, {1, 1, 1}}};
+  scene.materials[0].emission = {0.1, 0.1, 0.1};
+  scene.lights = {PointLight{{5_mm, 15_mm, -0.28}, {1, 1, 1}},
+                  RectangleLight{{-5_mm, 15_mm, -0.29}, {10_mm, 0, 0}, {0, 0, 10_mm}, {4, 4, 4}}};
+  auto map = std::make_shared<Image>(2, 4, 1);
+  for (float& value : map->values) value = 1;
+  scene.environment = {map, {1, 1, 1}, 0};
   std::vector<Image> images;
   for (size_t threads : {1, 2, 7}) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
@@ -186,6 +343,11 @@ TEST(Render, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
       "expected a picture of at least 1 row, and columns of 1 or more or 0 for a square, got columns = 0, rows = 0");
   EXPECT_EQ(sentence({.paths = -1}), "expected paths of 1 or more per pixel, got -1");
   EXPECT_EQ(sentence({.max_depth = 0}), "expected a max_depth of 1 surface or more, got 0");
+  EXPECT_EQ(sentence({.eye = {0, 0, -0.1}}),
+            "expected an eye on the panel or before it (z of 0 m or more), got (0, 0, -0.1) m");
+  EXPECT_EQ(sentence({.focus = 0}), "expected a focus behind the panel, above 0 m, got 0 m");
+  EXPECT_EQ(sentence({.lens = Lens::round, .pupil = 0}), "expected a pupil above 0 m for a round lens, got 0 m");
+  EXPECT_EQ(sentence({.clamp = -1}), "expected a clamp of 0 W/m²/sr or more, got -1");
   EXPECT_EQ(sentence({.field_of_view = -0.1}).substr(0, 48), "expected a field_of_view from 0 to less than 90 ");
 }
 

@@ -96,7 +96,7 @@ LightSample EmissiveTriangles::sample(Vec3 from, double u_triangle, Vec2 u) cons
   }
   const double cosine = std::abs(projected) / (length(normal) * distance);
   return {way / distance, distance, emitted_radiance(material, point, lines_),
-          pdf(triangle.mesh, triangle.index, distance, cosine)};
+          pdf(triangle.mesh, triangle.index, distance, cosine), cosine};
 }
 
 }  // namespace holotrace

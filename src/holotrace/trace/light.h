@@ -23,6 +23,7 @@ struct LightSample {
   double distance = 0;  ///< [m]; infinite for parallel light and an environment
   Vec3 radiance;        ///< [W/m²/sr]; of a point, spot or directional light its irradiance across the way [W/m²]
   double pdf = 1;       ///< [1/sr]; of those lights, which no ray meets by chance, 1
+  double cosine = 0;    ///< |cosθ'| where it ends on a mesh, else 0
 };
 
 /// Whether a ray that a surface sends out can meet the light: then both ways of finding it share it.

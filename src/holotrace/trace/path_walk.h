@@ -145,12 +145,23 @@ class PathWalk {
     const Vec3 glossy = glossy_layers_ ? reflected(Lobe::glossy) : Vec3{};
     if (is_black(diffuse) && is_black(glossy)) return;
     ++counts_.shadow_rays;
-    const Ray ray{scene_.accelerator.leave(point_, way.direction), way.direction};
-    // The ray starts off the surface, by up to a clearance nearer to the light.
-    if (scene_.accelerator.is_occluded(ray, way.distance - scene_.accelerator.clearance())) return;
+    if (is_occluded(way)) return;
     if (diffuse_layers_) sink_.add(diffuse_layers_, group, diffuse);
     if (glossy_layers_) sink_.add(glossy_layers_, group, glossy);
     if constexpr (Sink::follows_phase) sink_.end_way(light ? laser_path(*light, point_.position) : std::nullopt);
+  }
+
+  bool is_occluded(const LightSample& way) const {
+    const Vec3 from = scene_.accelerator.leave(point_, way.direction);
+    const double clearance = scene_.accelerator.clearance();
+    // The ray starts off the surface, by up to a clearance nearer to the light.
+    if (way.cosine == 0) return scene_.accelerator.is_occluded({from, way.direction}, way.distance - clearance);
+    // What shines is itself in the way: the ray aims at its very place and ends before its plane, at grazing angles
+    // sooner.
+    const Vec3 rest = point_.position + way.direction * way.distance - from;
+    const double distance = length(rest);
+    return scene_.accelerator.is_occluded({from, rest * (1 / distance)},
+                                          distance - clearance / std::max(way.cosine, 0.01));
   }
 
   /// Goes to the next surface; false where the path ends.
