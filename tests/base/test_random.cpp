@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <vector>
 
 #include "holotrace/base/random.h"
+#include "support/statistics.h"
 
 namespace holotrace {
 namespace {
@@ -29,17 +29,6 @@ TEST(CounterRandom, SeedFrameAndSampleEachChangeTheSequence) {
   EXPECT_NE(first, CounterRandom(1, 0, 1).uniform());
   EXPECT_NE(first, CounterRandom(1, 0, 1ull << 32).uniform());
 }
-
-/// (χ² − k)/√(2k) for cells of equal chance, k degrees of freedom: about normal for k of some hundreds.
-double chi_square_z(const std::vector<int>& counts, double expected) {
-  double sum = 0;
-  for (int count : counts) sum += (count - expected) * (count - expected) / expected;
-  const double freedom = double(counts.size()) - 1;
-  return (sum - freedom) / std::sqrt(2 * freedom);
-}
-
-// 4 standard deviations of the statistic in the tests below: p = 6e-5 on a fixed seed.
-constexpr double deviations = 4;
 
 TEST(CounterRandom, OneSequenceIsUniformInPairs) {
   std::vector<int> counts(32 * 32);
