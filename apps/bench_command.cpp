@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "bench_trace.h"
 #include "commands.h"
 #include "console.h"
 #include "holotrace/base/random.h"
@@ -18,23 +17,12 @@
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/synthesize.h"
+#include "median_seconds.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
-
-template <class Work>
-double median_seconds(int runs, const Work& work) {
-  std::vector<double> seconds;
-  for (int i = 0; i < runs; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  std::nth_element(seconds.begin(), seconds.begin() + runs / 2, seconds.end());
-  return seconds[size_t(runs) / 2];
-}
 
 // Waves of random place and phase across the panel, `depth` away within a tenth.
 Sources random_sources(int count, const Grid& panel, double depth) {
@@ -91,6 +79,8 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
     nlohmann::ordered_json json;
     json["threads"] = global.threads > 0 ? global.threads : int(std::thread::hardware_concurrency());
     json["panel"] = fmt::format("{}x{} at {}", panel.nx, panel.ny, format_length(panel.pitch));
+    console.watch("trace");
+    json["trace"] = bench_trace();
     console.watch("synthesis");
     json["synthesis"] = bench_synthesis(panel);
     console.watch("propagation");
@@ -102,8 +92,12 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
     }
     const auto& s = json["synthesis"];
     const auto& p = json["propagation"];
+    const auto& t = json["trace"];
     fmt::print("panel {}, {} threads, {}\n", json["panel"].get<std::string>(), json["threads"].get<int>(),
                s["instruction_set"].get<std::string>());
+    fmt::print("{:<44} {:>9.3g} rays/s ({:.0f} % of {:.3g} rays/s of Embree alone)\n",
+               fmt::format("trace, {} triangles", t["triangles"].get<int64_t>()), t["rays_per_s"].get<double>(),
+               100 * t["rays_over_embree"].get<double>(), t["embree_rays_per_s"].get<double>());
     fmt::print("{:<44} {:>9.3g} waves·pixels/s\n", "exact", s["exact_waves_pixels_per_s"].get<double>());
     fmt::print("{:<44} {:>9.3g} waves·pixels/s ({:.0f}× exact, off by {:.1e})\n",
                "tiled, 4096 waves at 0.2 m, tolerance 1e-3", s["tiled_waves_pixels_per_s"].get<double>(),

@@ -52,7 +52,7 @@ TEST(Render, TexturesStandUpright) {
 
 TEST(Render, APictureOfAnEmissiveWallIsItsRadianceAndBesideItTheBackground) {
   Scene scene;
-  scene.materials = {DiffuseMaterial{{0, 0, 0}, nullptr, {1, 2, 3}}};
+  scene.materials = {Material{DiffuseMaterial{{0, 0, 0}}, {1, 2, 3}}};
   scene.meshes = {make_test_quad({-5_mm, 0, -0.3}, {5_mm, 0, 0}, {0, 20_mm, 0})};
   scene.background = {0.5, 0.25, 0.125};
   Record record;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "holotrace/base/error.h"
+#include "holotrace/trace/scene_checks.h"
 
 namespace holotrace {
 
@@ -23,86 +24,6 @@ void require_no_error(RTCDevice device, const char* what) {
           error == RTC_ERROR_OUT_OF_MEMORY ? " (out of memory); use fewer triangles" : "");
 }
 
-bool is_light_value(Vec3 v) { return is_finite(v) && v.x >= 0 && v.y >= 0 && v.z >= 0; }
-
-void check_light(const PointLight& light, size_t index) {
-  require(is_finite(light.position), "expected a finite position of light {}", index);
-  require(is_light_value(light.intensity), "expected an intensity of 0 W/sr or more in light {}, got ({}, {}, {})",
-          index, light.intensity.x, light.intensity.y, light.intensity.z);
-}
-
-template <class Other>
-void check_light(const Other&, size_t) {}
-
-void check_light(const RectangleLight& light, size_t index) {
-  require(is_finite(light.corner), "expected a finite corner of light {}", index);
-  const double area = length(cross(light.edge_u, light.edge_v));
-  require(std::isfinite(area) && area > 0, "expected edges of light {} that span an area, got {} m²", index, area);
-  require(is_light_value(light.radiance), "expected a radiance of 0 W/m²/sr or more in light {}, got ({}, {}, {})",
-          index, light.radiance.x, light.radiance.y, light.radiance.z);
-}
-
-void check_texture(const Image* image, const char* what, size_t index) {
-  if (!image) return;
-  const bool is_complete = image->values.size() == size_t(image->nx) * size_t(image->ny) * size_t(image->channels);
-  require(image->nx > 0 && image->ny > 0 && (image->channels == 1 || image->channels == 3) && is_complete,
-          "expected {} of at least 1 × 1 pixels with 1 or 3 channels in material {}, got {} × {} with {}", what, index,
-          image->nx, image->ny, image->channels);
-}
-
-void check_surface(const DiffuseMaterial& material, size_t index) {
-  require(is_light_value(material.reflectance), "expected a reflectance from 0 to 1 in material {}, got ({}, {}, {})",
-          index, material.reflectance.x, material.reflectance.y, material.reflectance.z);
-  check_texture(material.texture.get(), "a texture", index);
-}
-
-template <class Surface>
-void check_surface(const Surface&, size_t) {}
-
-void check_material(const Material& material, size_t index) {
-  std::visit([&](const auto& surface) { check_surface(surface, index); }, material.surface);
-  require(is_light_value(material.emission),
-          "expected an emission of 0 W/m²/sr or more in material {}, got ({}, {}, {})", index, material.emission.x,
-          material.emission.y, material.emission.z);
-}
-
-bool has_texture(const DiffuseMaterial& material) { return material.texture != nullptr; }
-
-template <class Surface>
-bool has_texture(const Surface&) {
-  return false;
-}
-
-void check_light_and_materials(const Scene& scene) {
-  for (size_t i = 0; i < scene.lights.size(); ++i)
-    std::visit([&](const auto& light) { check_light(light, i); }, scene.lights[i]);
-  for (size_t i = 0; i < scene.materials.size(); ++i) check_material(scene.materials[i], i);
-  for (const Mesh& mesh : scene.meshes) {
-    const bool is_textured = std::visit([](const auto& surface) { return has_texture(surface); },
-                                        scene.materials[size_t(mesh.material)].surface);
-    require(!is_textured || !mesh.texture_coordinates.empty(),
-            "expected texture coordinates in mesh \"{}\", whose material has a texture, got none; add them or use a "
-            "material without a texture",
-            mesh.name);
-  }
-  require(is_light_value(scene.background), "expected a background of 0 W/m²/sr or more, got ({}, {}, {})",
-          scene.background.x, scene.background.y, scene.background.z);
-}
-
-/// Barycentric coordinates (b₁, b₂) and distance of the ray on the plane of a triangle.
-struct PlaneHit {
-  double distance, b1, b2;
-};
-
-/// Möller and Trumbore, JGT 2(1), 1997; nothing for a ray in the plane.
-std::optional<PlaneHit> intersect_plane(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
-  const Vec3 ab = b - a, ac = c - a, p = cross(ray.direction, ac);
-  const double determinant = dot(ab, p);
-  if (determinant == 0) return std::nullopt;
-  const Vec3 s = ray.origin - a, q = cross(s, ab);
-  return PlaneHit{dot(ac, q) / determinant, dot(s, p) / determinant, dot(ray.direction, q) / determinant};
-}
-
 }  // namespace
 
 struct Accelerator::Implementation {
@@ -110,7 +31,7 @@ struct Accelerator::Implementation {
   Device device{nullptr, rtcReleaseDevice};
   EmbreeScene embree{nullptr, rtcReleaseScene};
   Vec3 centre;
-  double radius = 1;
+  double radius = 1, per_radius = 1;
 
   /// Centre and radius of a sphere around the meshes.
   void measure() {
@@ -125,6 +46,7 @@ struct Accelerator::Implementation {
         }
     centre = (low + high) * 0.5;
     radius = length(high - low) * 0.5;
+    per_radius = 1 / radius;
     require(std::isfinite(radius) && radius > 0, "expected meshes that fill some space, got all vertices in one place");
   }
 
@@ -150,76 +72,86 @@ struct Accelerator::Implementation {
     rtcAttachGeometryByID(embree.get(), geometry.get(), id);
   }
 
-  /// The part of a ray inside the sphere.
-  struct Inside {
-    RTCRay ray;      // in Embree's coordinates
-    double skipped;  // of the ray before it, in radii
-  };
-
-  std::optional<Inside> enter(const Ray& ray, double limit) const {
-    const Vec3 origin = (ray.origin - centre) / radius;
-    const double along = dot(origin, ray.direction), outside = dot(origin, origin) - 1.001 * 1.001;
-    const double discriminant = along * along - outside;
-    if (discriminant < 0) return std::nullopt;
-    const double skipped = std::max(0.0, -along - std::sqrt(discriminant));
-    const double end = limit / radius - skipped;
-    if (end <= 0 || -along + std::sqrt(discriminant) < 0) return std::nullopt;
-    const Vec3 entry = origin + ray.direction * skipped;
-    RTCRay out{};
-    out.org_x = float(entry.x), out.org_y = float(entry.y), out.org_z = float(entry.z);
+  /// The part of a ray inside the sphere in Embree's coordinates, and what comes before it, in radii.
+  /// False for a ray that misses the sphere.
+  bool enter(const Ray& ray, double limit, RTCRay& out, double& skipped) const {
+    constexpr double size = 1.001;  // of the sphere: triangles may reach 1
+    Vec3 origin = (ray.origin - centre) * per_radius;
+    double end = limit * per_radius;
+    skipped = 0;
+    // Rays between surfaces start inside.
+    if (const double outside = dot(origin, origin) - size * size; outside > 0) {
+      const double along = dot(origin, ray.direction), discriminant = along * along - outside;
+      if (along >= 0 || discriminant < 0) return false;
+      skipped = -along - std::sqrt(discriminant);
+      end -= skipped;
+      if (end <= 0) return false;
+      origin += ray.direction * skipped;
+    }
+    out.org_x = float(origin.x), out.org_y = float(origin.y), out.org_z = float(origin.z);
     out.dir_x = float(ray.direction.x), out.dir_y = float(ray.direction.y), out.dir_z = float(ray.direction.z);
-    out.tnear = 0;
-    out.tfar = float(end);
-    out.mask = ~0u;
-    return Inside{out, skipped};
+    out.tnear = 0, out.tfar = float(end);
+    out.time = 0, out.mask = ~0U, out.id = 0, out.flags = 0;
+    return true;
   }
 
   /// What a ray has met, from what Embree has found at `distance` [m].
-  Hit describe(const Ray& ray, const RTCHit& found, double distance) const {
+  void describe(const Ray& ray, const RTCHit& found, double distance, Hit& hit) const {
     const Mesh& mesh = scene.meshes[found.geomID];
     const auto [i, j, k] = mesh.triangles[found.primID];
-    const Vec3 a = mesh.positions[i], b = mesh.positions[j], c = mesh.positions[k];
-    PlaneHit plane{distance, found.u, found.v};
-    // Planes of slivers are not well defined: one that Embree's answer is not near to is not used.
-    const auto precise = intersect_plane(ray, a, b, c);
-    if (precise && std::abs(precise->distance - distance) < 1e-3 * radius) plane = *precise;
-    const double b1 = plane.b1, b2 = plane.b2, b0 = 1 - b1 - b2;
+    const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
+    const double b1 = double(found.u), b2 = double(found.v), b0 = 1 - b1 - b2;
+    const Vec3 area = cross(ab, ac);
 
-    Hit hit;
     SurfacePoint& point = hit.point;
-    point.position = a + (b - a) * b1 + (c - a) * b2;
-    hit.distance = dot(point.position - ray.origin, ray.direction);
-    point.geometric_normal = normalize(cross(b - a, c - a));
-    point.is_front = dot(point.geometric_normal, ray.direction) <= 0;
-    if (!point.is_front) point.geometric_normal = -point.geometric_normal;
+    // Where the ray meets the plane of the triangle, in double. Planes of slivers are not well defined: one that
+    // Embree's answer is not near to is not used.
+    const double along = dot(area, ray.direction), precise = dot(area, a - ray.origin) / along;
+    if (std::abs(precise - distance) < 1e-3 * radius) {
+      hit.distance = precise;
+      point.position = ray.origin + ray.direction * precise;
+    } else {
+      point.position = a + ab * b1 + ac * b2;
+      hit.distance = dot(point.position - ray.origin, ray.direction);
+    }
+    point.is_front = along <= 0;
+    point.geometric_normal = area * ((point.is_front ? 1 : -1) / length(area));
     point.normal = point.geometric_normal;
     if (!mesh.normals.empty()) {
       const Vec3 smooth = mesh.normals[i] * b0 + mesh.normals[j] * b1 + mesh.normals[k] * b2;
-      if (const double size = length(smooth); size > 0)
-        point.normal = smooth * (std::copysign(1.0, dot(smooth, point.geometric_normal)) / size);
+      if (const double squared = dot(smooth, smooth); squared > 0)
+        point.normal = smooth * (std::copysign(1.0, dot(smooth, point.geometric_normal)) / std::sqrt(squared));
     }
     if (!mesh.texture_coordinates.empty()) {
       const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
       point.uv = {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
       const double u1 = q.x - p.x, v1 = q.y - p.y, u2 = r.x - p.x, v2 = r.y - p.y;
-      if (const double area = u1 * v2 - u2 * v1; area != 0) {
-        point.tangent_u = ((b - a) * v2 - (c - a) * v1) / area;
-        point.tangent_v = ((c - a) * u1 - (b - a) * u2) / area;
+      if (const double size = u1 * v2 - u2 * v1; size != 0) {
+        point.tangent_u = (ab * v2 - ac * v1) / size;
+        point.tangent_v = (ac * u1 - ab * u2) / size;
       }
     }
     if (!mesh.colours.empty()) point.colour = mesh.colours[i] * b0 + mesh.colours[j] * b1 + mesh.colours[k] * b2;
     point.material = mesh.material;
     point.mesh = found.geomID;
     point.triangle = found.primID;
-    return hit;
   }
 };
+
+namespace {
+
+void write_down(const RTCRay& ray, bool is_shadow, std::vector<LoggedRay>& log) {
+  log.push_back({{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tfar, is_shadow});
+}
+
+}  // namespace
 
 Accelerator::Accelerator(const Scene& scene) : implementation_(new Implementation{.scene = scene, .centre = {}}) {
   check_light_and_materials(scene);
   if (scene.meshes.empty()) return;
   Implementation& self = *implementation_;
   self.measure();
+  clearance_ = 2e-6 * self.radius;
   self.device.reset(rtcNewDevice(nullptr));
   if (!self.device) require_no_error(nullptr, "start");
   self.embree.reset(rtcNewScene(self.device.get()));
@@ -234,33 +166,62 @@ Accelerator::~Accelerator() = default;
 Accelerator::Accelerator(Accelerator&&) noexcept = default;
 
 const Scene& Accelerator::scene() const { return implementation_->scene; }
-double Accelerator::clearance() const { return 2e-6 * implementation_->radius; }
 
 std::optional<Hit> Accelerator::closest_hit(const Ray& ray) const {
-  if (!implementation_->embree) return std::nullopt;
-  const auto inside = implementation_->enter(ray, std::numeric_limits<double>::infinity());
-  if (!inside) return std::nullopt;
-  RTCRayHit query{inside->ray, {}};
+  std::optional<Hit> hit;
+  const Implementation& self = *implementation_;
+  RTCRayHit query;
+  double skipped;
+  if (!self.embree || !self.enter(ray, std::numeric_limits<double>::infinity(), query.ray, skipped)) return hit;
+  if (log_) write_down(query.ray, false, *log_);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcIntersect1(implementation_->embree.get(), &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const double distance = (inside->skipped + double(query.ray.tfar)) * implementation_->radius;
-  return implementation_->describe(ray, query.hit, distance);
+  rtcIntersect1(self.embree.get(), &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+  self.describe(ray, query.hit, (skipped + double(query.ray.tfar)) * self.radius, hit.emplace());
+  return hit;
 }
 
 bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
-  if (!implementation_->embree) return false;
   const double distance = length(to - from);
-  if (distance == 0) return false;
-  const auto inside = implementation_->enter({from, (to - from) / distance}, distance - clearance());
-  if (!inside) return false;
-  RTCRay query = inside->ray;
+  return distance > 0 && is_occluded({from, (to - from) / distance}, distance);
+}
+
+bool Accelerator::is_occluded(const Ray& ray, double distance) const {
+  const Implementation& self = *implementation_;
+  RTCRay query;
+  double skipped;
+  if (!self.embree || !(distance > clearance_) || !self.enter(ray, distance - clearance_, query, skipped)) return false;
+  if (log_) write_down(query, true, *log_);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcOccluded1(implementation_->embree.get(), &context, &query);
+  rtcOccluded1(self.embree.get(), &context, &query);
   return query.tfar < 0;
+}
+
+int64_t Accelerator::replay(const LoggedRay* rays, int64_t count) const {
+  int64_t found = 0;
+  if (!implementation_->embree) return 0;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  for (const LoggedRay* ray = rays; ray != rays + count; ++ray) {
+    RTCRayHit query{};
+    query.ray.org_x = ray->origin[0], query.ray.org_y = ray->origin[1], query.ray.org_z = ray->origin[2];
+    query.ray.dir_x = ray->direction[0], query.ray.dir_y = ray->direction[1], query.ray.dir_z = ray->direction[2];
+    query.ray.tfar = ray->length;
+    query.ray.mask = ~0U;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    if (ray->is_shadow) {
+      rtcOccluded1(implementation_->embree.get(), &context, &query.ray);
+      found += query.ray.tfar < 0;
+    } else {
+      rtcIntersect1(implementation_->embree.get(), &context, &query);
+      found += query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    }
+  }
+  return found;
 }
 
 }  // namespace holotrace

@@ -1,24 +1,28 @@
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/scene.h"
+#include "holotrace/trace/ray.h"
 #include "holotrace/trace/surface_point.h"
 
 namespace holotrace {
-
-/// A half line.
-struct Ray {
-  Vec3 origin;     ///< [m]
-  Vec3 direction;  ///< unit
-};
 
 /// Where a ray meets the scene first.
 struct Hit {
   double distance = 0;  ///< from the ray's origin [m]
   SurfacePoint point;
+};
+
+/// A ray as Embree gets it: single precision, the scene moved to the origin and scaled to radius 1.
+struct LoggedRay {
+  float origin[3], direction[3], length;
+  bool is_shadow;  ///< asks whether there is a surface, not which
 };
 
 /// The meshes of a scene, ready for rays (Embree). Keeps a reference to the scene; calls may run on
@@ -44,16 +48,34 @@ class Accelerator {
   /// Whether a surface stands between two places [m]; one within `clearance` of `to` does not count.
   bool is_occluded(Vec3 from, Vec3 to) const;
 
+  /// Whether a surface stands on the ray before a distance [m], which may be infinite; one within `clearance` of its
+  /// end does not count.
+  bool is_occluded(const Ray& ray, double distance) const;
+
   /// How far from a surface a new ray has to start so as not to hit that surface again [m]: 2e-6 of
   /// the scene's radius, some ten times the rounding of single precision.
-  double clearance() const;
+  double clearance() const { return clearance_; }
 
   /// The place just off the surface, on the side of its normals.
-  Vec3 leave(const SurfacePoint& point) const { return point.position + point.geometric_normal * clearance(); }
+  Vec3 leave(const SurfacePoint& point) const { return point.position + point.geometric_normal * clearance_; }
+
+  /// The place just off the surface, on the side that `direction` points to.
+  Vec3 leave(const SurfacePoint& point, Vec3 direction) const {
+    return point.position + point.geometric_normal * std::copysign(clearance_, dot(point.geometric_normal, direction));
+  }
+
+  /// From now on every ray that goes to Embree is written down in `log`, or no longer for nullptr. For benchmarks, on
+  /// one thread.
+  void log_rays(std::vector<LoggedRay>* log) { log_ = log; }
+
+  /// Embree alone on logged rays, `count` of them from `rays` on: how many of them met a surface.
+  int64_t replay(const LoggedRay* rays, int64_t count) const;
 
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
+  double clearance_ = 0;
+  std::vector<LoggedRay>* log_ = nullptr;
 };
 
 }  // namespace holotrace

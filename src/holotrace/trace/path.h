@@ -19,7 +19,9 @@ struct PathCounts {
   int64_t shadow_rays = 0;  ///< that asked whether a light is seen
   int64_t escaped = 0;      ///< paths that left the scene
   int64_t absorbed = 0;     ///< paths that a surface took: roulette, or a direction into the surface
-  int64_t cut = 0;          ///< paths that roulette would have let go on beyond max_depth
+  int64_t cut = 0;          ///< paths that would have met, or could have met, a surface beyond max_depth
+  int64_t left_out = 0;     ///< paths ended because no layer can take them any more
+  int64_t clamped = 0;      ///< paths that brought more than PathParams::clamp
 
   PathCounts& operator+=(const PathCounts& other);
 
@@ -28,7 +30,7 @@ struct PathCounts {
 };
 
 /// States the counts as facts "rays", "shadow_rays", "paths", "mean_path_length", "escaped",
-/// "absorbed" and "cut", and warns when cut paths cost light.
+/// "absorbed", "cut", "left_out" and "clamped", and warns when cut paths cost light.
 void report(const PathCounts& counts, int max_depth, const Observer& observer);
 
 /// Where light paths begin: a surface that a ray from the panel or a lens has met, perhaps by way of mirrors and glass.
@@ -41,15 +43,36 @@ struct PathStart {
 
 /// Adds the radiance that one light path finds leaving `start.point` along `start.outgoing`, at the lines
 /// [W/m²/sr], to sums[i] (PathScene::sums): an unbiased estimate of the rendering equation up to
-/// `max_depth` surfaces.
+/// `max_depth` surfaces, as long as there is no clamp.
 ///
-///     L = Σₖ βₖ · (emissionₖ + Σ_lights f·cosθ·radiance/pdf · visibility)  (+ β · background where it escapes)
+///     L = Σₖ βₖ·(wₑ·emissionₖ + Σ_ℓ Σ_lights w·f_ℓ·|cosθ|·radiance/pdf · visibility)  + β·w·(light met on the way)
+///
+/// At each surface k every light is asked by one shadow ray (emissive meshes together, and the environment, by one
+/// each), and the path goes on in one direction that the BSDF draws. Light that both can find is shared by the power
+/// heuristic, for each lobe ℓ by itself, so that path expressions split it exactly: w = p²/(p² + p′²), p the density of
+/// the way that found it, p′ that of the other one (E. Veach, Robust Monte Carlo Methods for Light Transport
+/// Simulation, 1997, section 9.2.4). Point, spot and directional lights are only asked (w = 1); the even background,
+/// and all that comes by a specular way or at first hit, is only met (w = 1).
+///
+/// Roulette lets a path go on with probability min(1, max β), so a surface of weight 1 takes none. After the last
+/// surface one more ray looks for what shines beyond surfaces, if anything does.
+///
+/// Clamp: what all layers together take from the path, each light counted once, is held to `clamp` at each line, and
+/// the sums shrink in proportion.
+///
+/// Cost: per surface one ray, and one shadow ray for each light that may reach it.
 ///
 /// @param numbers  the path's own, started
 /// @param sums     as many as PathScene::sums()
 /// @param counts   what happened is added here
 void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
                   PathCounts& counts);
+
+/// Adds the light that a ray of radiance weight 1 from a mirror or a glass surface meets before `distance` [m] and
+/// not on a surface: rectangles on the way, and for an infinite distance background and environment. For those
+/// who follow specular ways from the panel themselves; `state` is that of the ray.
+void add_light_on_way(const PathScene& scene, const Ray& ray, double distance, PathAutomaton::State state,
+                      std::span<Vec3> sums);
 
 /// The mean of `paths` paths from the same start, numbers keyed by (scene.params.seed, sample). `sums` is overwritten.
 void mean_radiance(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Vec3> sums,
@@ -58,16 +81,17 @@ void mean_radiance(const PathScene& scene, const PathStart& start, int paths, ui
 /// Complex amplitudes at the three lines.
 using Phasors = std::array<std::complex<double>, 3>;
 
-/// Light of a laser that leaves `start.point` along `start.outgoing`, as amplitudes whose squared modulus is radiance
-/// and whose phase is 2π/λ times the optical path from the laser to the point, plus Fresnel's phases. `sums` is
-/// overwritten.
+/// Light of lasers that leaves `start.point` along `start.outgoing`, as amplitudes whose squared modulus is radiance
+/// and whose phase is 2π/λ times the optical path from the laser to the point, Σ n·d, plus Fresnel's phases. The
+/// path starts at a point light, or in the plane through a beam's position. `sums` is overwritten.
 ///
-/// - Ways without a free choice (the laser lights the point directly, through no random bounce) are all alike and add
-///   up coherently as they are: √L·exp(iφ), L their mean.
+/// - Ways without a random bounce (a laser lights the point directly, or by way of mirrors and glass from it on) that
+///   meet the same surfaces in the same manner are all alike: they add up as √L·exp(iφ), L their mean.
 /// - A way with random bounces is one of `paths` equally bright ones: √(L/paths)·exp(iφ) each, so that E|U|² is the
-/// mean
-///   radiance and the sum is speckle, as laser light off rough surfaces is.
-/// - Other light has no phase to follow: it adds with random phases.
+///   mean radiance and the sum is speckle, as laser light off rough surfaces is.
+/// - Other light has no phase to follow: its mean L adds √L with a random phase, drawn from (seed, sample).
+///
+/// A clamp holds what each way brings by itself.
 void laser_phasors(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Phasors> sums,
                    PathCounts& counts);
 

@@ -28,7 +28,7 @@ struct PathScene {
   Lines lines;
   PathParams params;
 
-  /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth below 1
+  /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth below 1 or a clamp below 0
   PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& layers, const PathParams& params);
 
   /// Sums that paths make: one per layer, and for each of them one per light group where lights are separate. Sum

@@ -1,0 +1,17 @@
+#include "holotrace/trace/path_scene.h"
+
+#include <cmath>
+
+#include "holotrace/base/error.h"
+
+namespace holotrace {
+
+PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& layers,
+                     const PathParams& params)
+    : scene(scene), accelerator(scene), emitters(scene, lines), automaton(layers), lines(lines), params(params) {
+  require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
+  require(std::isfinite(params.clamp) && params.clamp >= 0, "expected a clamp of 0 W/m²/sr or more, got {}",
+          params.clamp);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,200 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <variant>
+
+#include "holotrace/trace/bsdf.h"
+#include "holotrace/trace/light.h"
+#include "holotrace/trace/path.h"
+
+// The one loop along a light path (formulas: path.h, add_radiance). What the path finds goes to a Sink:
+//
+//   static constexpr bool follows_phase        whether start, scatter and travel are called
+//   add(layers, group, radiance)               light of a group for the layers whose bits are set
+//   end_way(laser_path)                        all the light of one way has been added; from a laser: its optical path
+//                                              from there to the surface, else none
+//   start(point), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
+
+namespace holotrace {
+
+inline bool is_black(Vec3 v) { return v.x <= 0 && v.y <= 0 && v.z <= 0; }
+
+/// The power heuristic: the weight of light found with density `own` that another way finds with density `other`.
+inline double shared_weight(double own, double other) {
+  const double ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+
+inline PathEvent event_of(Lobe lobe) {
+  return lobe == Lobe::diffuse ? PathEvent::diffuse : lobe == Lobe::glossy ? PathEvent::glossy : PathEvent::specular;
+}
+
+template <class Sink>
+class PathWalk {
+ public:
+  PathWalk(const PathScene& scene, Sink& sink, PathCounts& counts)
+      : scene_(scene), automaton_(scene.automaton), emitters_(scene.emitters), sink_(sink), counts_(counts) {}
+
+  void follow(const PathStart& start, LowDiscrepancy& numbers) {
+    ++counts_.paths;
+    state_ = start.state;
+    point_ = start.point;
+    outgoing_ = start.outgoing;
+    if constexpr (Sink::follows_phase) sink_.start(point_);
+    for (depth_ = start.depth;; ++depth_) {
+      ++counts_.vertices;
+      const Material& material = scene_.scene.materials[size_t(point_.material)];
+      if (emitters_.is_emissive(point_.material)) add_emission(material);
+      const Bsdf bsdf = make_bsdf(material, point_, scene_.lines);
+      // One visit per surface: below it, the functions of the kind of surface are called by themselves.
+      const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
+      if (!next || !leave(*next)) return;
+    }
+  }
+
+  /// Light on a ray up to `distance` and not on a surface, from which a path in `state` has come with density `pdf`
+  /// [1/sr]; 0: by a specular way.
+  void add_light_on_way(const Ray& ray, double distance, PathAutomaton::State state, double pdf, Vec3 throughput) {
+    const uint32_t layers = automaton_.accepted(state);
+    if (!layers) return;
+    for (const int i : emitters_.lights_with_area()) {
+      const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(i)]);
+      const auto met = meet(light, ray);
+      if (!met || met->distance >= distance) continue;
+      add_met(layers, i, throughput * light.radiance * (pdf > 0 ? shared_weight(pdf, met->pdf) : 1));
+    }
+    if (distance < std::numeric_limits<double>::infinity()) return;
+    Vec3 radiance = emitters_.even_background();
+    if (const EnvironmentLight* environment = emitters_.environment())
+      radiance +=
+          environment->radiance(ray.direction) * (pdf > 0 ? shared_weight(pdf, environment->pdf(ray.direction)) : 1);
+    add_met(layers, emitters_.background_group(), throughput * radiance);
+  }
+
+ private:
+  void add_met(uint32_t layers, int group, Vec3 light) {
+    if (is_black(light)) return;
+    sink_.add(layers, group, light);
+    sink_.end_way(std::nullopt);
+  }
+
+  /// What the surface sends out by itself.
+  void add_emission(const Material& material) {
+    const uint32_t layers = automaton_.accepted(state_);
+    if (!layers) return;
+    Vec3 light = throughput_ * emitted_radiance(material, point_, scene_.lines);
+    if (pdf_ > 0) {
+      const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
+      light *= shared_weight(pdf_, emitters_.triangles().pdf(point_.mesh, point_.triangle, distance_, cosine));
+    }
+    add_met(layers, emitters_.mesh_group(), light);
+  }
+
+  /// Asks the lights, then draws how the path goes on; nothing where it ends.
+  template <class B>
+  std::optional<BsdfSample> scatter(const B& bsdf, LowDiscrepancy& numbers) {
+    add_direct_light(bsdf, numbers);
+    const double u_lobe = numbers.one();
+    const Vec2 u = numbers.two();
+    auto next = sample(bsdf, outgoing_, u_lobe, u);
+    if (next) throughput_ *= next->weight;
+    const double goes_on = next ? std::min(1.0, max_component(throughput_)) : 0;
+    if (!(numbers.one() < goes_on)) {
+      ++counts_.absorbed;
+      return std::nullopt;
+    }
+    throughput_ *= 1 / goes_on;
+    return next;
+  }
+
+  template <class B>
+  void add_direct_light(const B& bsdf, LowDiscrepancy& numbers) {
+    const LobeSet has = lobes(bsdf);
+    diffuse_layers_ = has.has_diffuse ? automaton_.accepted(automaton_.step(state_, PathEvent::diffuse)) : 0;
+    glossy_layers_ = has.has_glossy ? automaton_.accepted(automaton_.step(state_, PathEvent::glossy)) : 0;
+    if (!(diffuse_layers_ | glossy_layers_)) return;
+    const auto& lights = emitters_.lights();
+    for (size_t i = 0; i < lights.size(); ++i) {
+      const bool is_shared = has_area(lights[i]);
+      const LightSample way = sample_light(lights[i], point_.position, is_shared ? numbers.two() : Vec2{});
+      add_way(bsdf, way, is_shared, int(i), &lights[i]);
+    }
+    // Light of a mesh comes from a surface, which counts as one.
+    if (depth_ < scene_.params.max_depth && !emitters_.triangles().is_empty()) {
+      const double u = numbers.one();
+      add_way(bsdf, emitters_.triangles().sample(point_.position, u, numbers.two()), true, emitters_.mesh_group());
+    }
+    if (const EnvironmentLight* environment = emitters_.environment())
+      add_way(bsdf, environment->sample(numbers.two()), true, emitters_.background_group());
+  }
+
+  /// Light by one way that a light was asked for; `is_shared` if the path can find it by chance too.
+  template <class B>
+  void add_way(const B& bsdf, const LightSample& way, bool is_shared, int group, const Light* light = nullptr) {
+    if (is_black(way.radiance)) return;
+    const auto reflected = [&](Lobe lobe) {
+      const Vec3 f = eval(bsdf, outgoing_, way.direction, lobe);
+      if (is_black(f)) return Vec3{};
+      const double weight = is_shared ? shared_weight(way.pdf, pdf(bsdf, outgoing_, way.direction, lobe)) : 1;
+      return throughput_ * f * way.radiance * (weight / way.pdf);
+    };
+    const Vec3 diffuse = diffuse_layers_ ? reflected(Lobe::diffuse) : Vec3{};
+    const Vec3 glossy = glossy_layers_ ? reflected(Lobe::glossy) : Vec3{};
+    if (is_black(diffuse) && is_black(glossy)) return;
+    ++counts_.shadow_rays;
+    const Ray ray{scene_.accelerator.leave(point_, way.direction), way.direction};
+    // The ray starts off the surface, by up to a clearance nearer to the light.
+    if (scene_.accelerator.is_occluded(ray, way.distance - scene_.accelerator.clearance())) return;
+    if (diffuse_layers_) sink_.add(diffuse_layers_, group, diffuse);
+    if (glossy_layers_) sink_.add(glossy_layers_, group, glossy);
+    if constexpr (Sink::follows_phase) sink_.end_way(light ? laser_path(*light, point_.position) : std::nullopt);
+  }
+
+  /// Goes to the next surface; false where the path ends.
+  bool leave(const BsdfSample& next) {
+    state_ = automaton_.step(state_, event_of(next.lobe));
+    if (automaton_.is_dead(state_)) {
+      ++counts_.left_out;
+      return false;
+    }
+    const bool is_last = depth_ >= scene_.params.max_depth;
+    if (is_last && !emitters_.shine_beyond_surfaces()) {
+      ++counts_.cut;
+      return false;
+    }
+    if constexpr (Sink::follows_phase) sink_.scatter(point_, next);
+
+    ++counts_.rays;
+    pdf_ = next.lobe == Lobe::specular ? 0 : next.pdf;
+    const Ray ray{scene_.accelerator.leave(point_, next.direction), next.direction};
+    const auto hit = scene_.accelerator.closest_hit(ray);
+    distance_ = hit ? hit->distance : std::numeric_limits<double>::infinity();
+    if (emitters_.shine_beyond_surfaces()) add_light_on_way(ray, distance_, state_, pdf_, throughput_);
+    if (!hit || is_last) {
+      ++(hit ? counts_.cut : counts_.escaped);
+      return false;
+    }
+    const Material& material = scene_.scene.materials[size_t(hit->point.material)];
+    if constexpr (Sink::follows_phase) sink_.travel(length(hit->point.position - point_.position));
+    point_ = material.normal_map ? shading_point(material, hit->point) : hit->point;
+    outgoing_ = -next.direction;
+    return true;
+  }
+
+  const PathScene& scene_;
+  const PathAutomaton& automaton_;
+  const Emitters& emitters_;
+  Sink& sink_;
+  PathCounts& counts_;
+
+  PathAutomaton::State state_ = 0;
+  SurfacePoint point_;
+  Vec3 outgoing_, throughput_{1, 1, 1};
+  int depth_ = 1;
+  double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: by a specular way, or the path begins here
+  uint32_t diffuse_layers_ = 0, glossy_layers_ = 0;  // that take light by those lobes of this surface
+};
+
+}  // namespace holotrace
