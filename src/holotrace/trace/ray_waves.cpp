@@ -1,6 +1,7 @@
 #include "holotrace/trace/ray_waves.h"
 
 #include <cmath>
+#include <variant>
 
 #include "holotrace/base/cycles.h"
 #include "holotrace/data/sources.h"
@@ -11,14 +12,28 @@ namespace holotrace {
 
 namespace {
 
-/// Light that no path has to be followed for: of a mirror or glass itself, or from infinitely far away.
+/// Light that no path has to be followed for.
 void add_known_light(const PathScene& scene, const SpecularLeaf& leaf, std::vector<Vec3>& sums) {
   const PathStart& start = leaf.start;
+  const Emitters& emitters = scene.emitters;
+  int group = leaf.light;
+  Vec3 radiance;
+  switch (leaf.kind) {
+    case LeafKind::surface:
+      return;
+    case LeafKind::glow:
+      group = emitters.mesh_group();
+      radiance = emitted_radiance(scene.scene.materials[size_t(start.point.material)], start.point, scene.lines);
+      break;
+    case LeafKind::light:
+      radiance = std::get<RectangleLight>(emitters.lights()[size_t(group)]).radiance;
+      break;
+    case LeafKind::beyond:
+      group = emitters.background_group();
+      radiance = emitters.background(-start.outgoing);
+      break;
+  }
   const int layers = scene.automaton.layers();
-  const int group = leaf.has_escaped ? scene.emitters.background_group() : scene.emitters.mesh_group();
-  const Vec3 radiance = leaf.has_escaped ? scene.emitters.background(-start.outgoing)
-                                         : emitted_radiance(scene.scene.materials[size_t(start.point.material)],
-                                                            start.point, scene.lines);
   for (int layer = 0; layer < layers; ++layer)
     if (scene.automaton.accepted(start.state) >> layer & 1)
       sums[size_t((scene.params.separate_lights ? group * layers : 0) + layer)] += radiance;
@@ -28,7 +43,7 @@ LeafLight light_from(const PathScene& scene, const TraceParams& params, const Sp
                      PathCounts& counts) {
   LeafLight light;
   const size_t count = size_t(scene.sums());
-  const bool is_known = leaf.has_escaped || leaf.is_emission;
+  const bool is_known = leaf.kind != LeafKind::surface;
   if (params.phase == SourcePhase::laser) {
     light.phasors.resize(count);
     if (!is_known) {
@@ -56,7 +71,7 @@ uint64_t key_of(const SpecularLeaf& leaf, SourcePhase phase, double side, uint64
       return sample;
     case SourcePhase::surface:
     case SourcePhase::path:
-      return leaf.has_escaped ? sample : surface_phase_key(leaf.start.point.position, side);
+      return leaf.kind == LeafKind::beyond ? sample : surface_phase_key(leaf.start.point.position, side);
     case SourcePhase::constant:
     case SourcePhase::laser:
       break;
@@ -121,10 +136,10 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
     auto found = follow_like(scene, {place, normalize(wave.origin - place)}, wave.leaf, counts);
     if (!found) return std::nullopt;
     const double apart = length(found->start.point.position - leaf.start.point.position);
-    if (!leaf.has_escaped && apart > 0.01 * leaf.optical_path) return std::nullopt;
+    if (leaf.kind != LeafKind::beyond && apart > 0.01 * leaf.optical_path) return std::nullopt;
     leaf = std::move(*found);
   }
-  const bool is_known = leaf.has_escaped || leaf.is_emission;
+  const bool is_known = leaf.kind != LeafKind::surface;
   if (!is_known && looks_alike_from_everywhere(scene, leaf.start)) return SeenLight{wave.light, leaf.weight};
   return SeenLight{light_from(scene, params, leaf, sample, counts), leaf.weight};
 }

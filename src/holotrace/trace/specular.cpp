@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <variant>
 
 #include "holotrace/trace/bsdf.h"
+#include "holotrace/trace/light.h"
 
 namespace holotrace {
 
@@ -73,7 +76,7 @@ std::optional<RayEnd> retrace(const Scene& scene, const SpecularLeaf& leaf, Ray 
     ray.direction = normalize(*next);
     if (vertex.is_transmission) index = vertex.far;
   }
-  if (!leaf.has_escaped) {
+  if (leaf.kind != LeafKind::beyond) {
     const auto distance = distance_to_plane(ray, leaf.start.point);
     if (!distance) return std::nullopt;
     end.optical_path += index * *distance;
@@ -90,12 +93,14 @@ std::optional<double> twice_mean_curvature(const Scene& scene, const SpecularLea
                                            const RayEnd& end) {
   const double reach = std::max(std::abs(end.optical_path), 1e-6), step = 1e-6;  // of the reach, and in radians
   const Frame across = frame_from_normal(ray.direction);
-  const Frame screen = frame_from_normal(leaf.has_escaped ? end.direction : leaf.start.point.geometric_normal);
+  const Frame screen =
+      frame_from_normal(leaf.kind == LeafKind::beyond ? end.direction : leaf.start.point.geometric_normal);
   const auto derivative = [&](Vec3 shift, Vec3 turn, double by) -> std::optional<Vec2> {
     const auto ahead = retrace(scene, leaf, {ray.origin + shift, normalize(ray.direction + turn)});
     const auto behind = retrace(scene, leaf, {ray.origin - shift, normalize(ray.direction - turn)});
     if (!ahead || !behind) return std::nullopt;
-    const Vec3 change = leaf.has_escaped ? ahead->direction - behind->direction : ahead->place - behind->place;
+    const Vec3 change =
+        leaf.kind == LeafKind::beyond ? ahead->direction - behind->direction : ahead->place - behind->place;
     return Vec2{dot(change, screen.x) / (2 * by), dot(change, screen.y) / (2 * by)};
   };
   const double shift = step * reach;
@@ -111,18 +116,18 @@ std::optional<double> twice_mean_curvature(const Scene& scene, const SpecularLea
 void place_leaf(const Scene& scene, const Ray& ray, SpecularLeaf& leaf) {
   const auto end = retrace(scene, leaf, ray);
   if (end) {
-    if (!leaf.has_escaped) leaf.start.point.position = end->place;
+    if (leaf.kind != LeafKind::beyond) leaf.start.point.position = end->place;
     leaf.start.outgoing = -end->direction;
     leaf.optical_path = end->optical_path;
   }
-  if (leaf.chain.empty() && !leaf.has_escaped) {
+  if (leaf.chain.empty() && leaf.kind != LeafKind::beyond) {
     leaf.distance = leaf.optical_path;
     return;
   }
   const auto curvature = end ? twice_mean_curvature(scene, leaf, ray, *end) : std::nullopt;
   leaf.is_far = !(curvature && *curvature > 2 / farthest_origin);
   leaf.distance = leaf.is_far ? farthest_origin : 2 / *curvature;
-  if (leaf.has_escaped) leaf.optical_path = leaf.distance;
+  if (leaf.kind == LeafKind::beyond) leaf.optical_path = leaf.distance;
 }
 
 /// Follows one tree, or the one branch of it that `guide` leads to.
@@ -134,14 +139,29 @@ struct Walk {
   std::vector<SpecularLeaf> leaves{};
 
   bool ends_here(const SpecularLeaf& leaf) const {
-    return !guide || (leaf.chain.size() == guide->chain.size() && leaf.has_escaped == guide->has_escaped &&
-                      leaf.is_emission == guide->is_emission);
+    return !guide ||
+           (leaf.chain.size() == guide->chain.size() && leaf.kind == guide->kind && leaf.light == guide->light);
   }
 
   void add(SpecularLeaf leaf) {
     if (!ends_here(leaf)) return;
     place_leaf(scene.scene, first, leaf);
     leaves.push_back(std::move(leaf));
+  }
+
+  /// The lights with an area that the ray meets before a distance; they do not end it.
+  void add_lights(const Ray& ray, double distance, const SpecularLeaf& leaf) {
+    for (const int i : scene.emitters.lights_with_area()) {
+      const auto& light = std::get<RectangleLight>(scene.emitters.lights()[size_t(i)]);
+      const auto met = meet(light, ray);
+      if (!met || met->distance >= distance) continue;
+      SpecularLeaf here = leaf;
+      here.kind = LeafKind::light;
+      here.light = i;
+      here.start.point.position = ray.origin + ray.direction * met->distance;
+      here.start.point.geometric_normal = normalize(cross(light.edge_u, light.edge_v));
+      add(std::move(here));
+    }
   }
 
   /// `leaf` is what is known of the branch so far, the ray being the one that goes on from its chain's end.
@@ -152,9 +172,14 @@ struct Walk {
     SpecularLeaf here = leaf;
     here.start.outgoing = -ray.direction;
     here.start.depth = depth;
+    if (depth > 1) add_lights(ray, hit ? hit->distance : std::numeric_limits<double>::infinity(), here);
     if (!hit) {
-      here.has_escaped = true;
+      here.kind = LeafKind::beyond;
       if (depth > 1) add(std::move(here));
+      return;
+    }
+    if (depth > scene.params.max_depth) {
+      counts.cut += guide == nullptr;
       return;
     }
     const Material& material = scene.scene.materials[size_t(hit->point.material)];
@@ -166,12 +191,8 @@ struct Walk {
     if (branches.count == 0) return add(std::move(here));
     if (max_component(emitted_radiance(material, here.start.point, scene.lines)) > 0) {
       SpecularLeaf glow = here;
-      glow.is_emission = true;
+      glow.kind = LeafKind::glow;
       add(std::move(glow));
-    }
-    if (depth >= scene.params.max_depth) {
-      counts.cut += guide == nullptr;
-      return;
     }
     const SurfacePoint point = here.start.point;
     const MediumIndices media = media_at(material, point, scene.lines.wavelengths[0]);

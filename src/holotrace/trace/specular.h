@@ -16,12 +16,16 @@ struct SpecularVertex {
   double near, far;      ///< refractive index before it and beyond it
 };
 
+/// What a branch of mirrors and glass ends at: a surface that scatters; the mirror or glass surface itself, which
+/// shines; a light with an area (RectangleLight), which is seen in reflections; or nothing, infinitely far away.
+enum class LeafKind { surface, glow, light, beyond };
+
 /// How a wavefront that has come to a panel by way of mirrors and glass began: at a surface that scatters or
 /// shines, or infinitely far away.
 struct SpecularLeaf {
-  PathStart start;                    ///< where; without a surface, only `outgoing` and the rest
-  bool has_escaped = false;           ///< the ray has left the scene
-  bool is_emission = false;           ///< the light that a mirror or glass surface itself sends out, no other
+  LeafKind kind = LeafKind::surface;
+  PathStart start;                    ///< where; beyond all surfaces only `outgoing` and what follows it
+  int light = 0;                      ///< its index, for LeafKind::light
   Vec3 weight{1, 1, 1};               ///< share of the radiance that reaches the panel, at the lines
   Vec3 phase;                         ///< that the mirrors and glass add [rad], at the lines: Fresnel's
   double optical_path = 0;            ///< Σ n·d from the ray's origin to the surface [m]
