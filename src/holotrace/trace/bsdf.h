@@ -6,9 +6,12 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/scene.h"
+#include "holotrace/trace/conductor_bsdf.h"
+#include "holotrace/trace/dielectric_bsdf.h"
 #include "holotrace/trace/diffuse_bsdf.h"
 #include "holotrace/trace/lines.h"
 #include "holotrace/trace/lobe.h"
+#include "holotrace/trace/metallic_roughness_bsdf.h"
 #include "holotrace/trace/surface_point.h"
 
 // What surfaces do to light, at one point: textures looked up, colours and indices taken at the lines of the path.
@@ -18,9 +21,17 @@
 
 namespace holotrace {
 
-using Bsdf = std::variant<DiffuseBsdf>;
+using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf>;
 
 /// The BSDF of a material at a point whose normal map has been applied (shading_point).
+///
+/// - Textures and the vertices' colour multiply colours; a product above 1 counts as 1.
+/// - A one-sided surface seen from behind is black. A solid dielectric has no such side: its back is its inside.
+/// - Metals and coats have air before them. A dielectric has air outside; it refracts by its index at the first line,
+///   so that what disperses is traced with three equal lines.
+///
+/// @throws Error for a refractive index without samples
+/// Cost: some 20 ns, 100 ns for a rough conductor; the first one with a rough lobe makes a table (30 ms).
 Bsdf make_bsdf(const Material& material, const SurfacePoint& point, const Lines& lines);
 
 /// The lobes that `eval` can answer for: all but the specular ones.
@@ -50,7 +61,13 @@ inline SpecularBranches specular_branches(const Bsdf& bsdf, Vec3 outgoing) {
   return std::visit([&](const auto& b) { return branches(b, outgoing); }, bsdf);
 }
 
-/// The point with its normal turned by the material's normal map, if it has one.
+/// The point as its BSDF wants it: its normal turned by the material's normal map, if it has one and the mesh has
+/// texture coordinates, then made to face the viewer's side of the triangle.
+///
+///     normal = normalize(s·x·T + s·y·B + z·N),  (x, y, z) = 2·map − 1,  s = normal_scale
+///
+/// T is ∂position/∂u without its part along the normal N, B = ±N × T toward ∂position/∂v. From behind, the turned
+/// normal is that of the front, negated (glTF 2.0, 3.7.2.1).
 SurfacePoint shading_point(const Material& material, const SurfacePoint& point);
 
 /// Radiance that a material sends out by itself toward where the path came from [W/m²/sr], at the lines.

@@ -23,6 +23,9 @@ struct BsdfSample {
   Lobe lobe = Lobe::diffuse;
   bool is_transmission = false;
   Vec3 phase;  ///< that the surface adds [rad] at the lines: Fresnel's of a specular way, else 0
+  /// The part (n_near/n_far)² of the weight of a refraction, 1 of all else. It is no loss, and undone when the
+  /// path leaves the medium: Russian roulette divides it out.
+  double squared_index_ratio = 1;
 };
 
 /// The ways that a specular lobe sends light.

@@ -1,12 +1,18 @@
 #include "holotrace/trace/render.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/path.h"
 
@@ -21,16 +27,46 @@ void check_params(const RenderParams& params) {
       params.columns, params.rows);
   require(params.paths >= 1, "expected paths of 1 or more per pixel, got {}", params.paths);
   require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
+  require(is_finite(params.eye) && params.eye.z >= 0,
+          "expected an eye on the panel or before it (z of 0 m or more), got ({}, {}, {}) m", params.eye.x,
+          params.eye.y, params.eye.z);
+  require(std::isfinite(params.focus) && params.focus > 0, "expected a focus behind the panel, above 0 m, got {} m",
+          params.focus);
+  require(params.lens != Lens::round || (std::isfinite(params.pupil) && params.pupil > 0),
+          "expected a pupil above 0 m for a round lens, got {} m", params.pupil);
 }
 
-/// A pinhole at the panel's centre.
-struct Pinhole {
+/// Where rays of the picture begin and what they go through (formulas: render.h).
+struct Eye {
   int columns, rows;
   double pixel;  // side in tangents
+  Lens lens;
+  Vec3 position;
+  double pupil, focus;
+  double panel_x, panel_y, reach;  // half the sides of the panel [m]; of its boxes in the plane in focus
 
-  Ray ray(double column, double row) const {
-    return {{}, view_direction((column - columns / 2.0) * pixel, (rows / 2.0 - row) * pixel)};
+  /// The place of the lens that sees the tangents (x, y), by two numbers; nothing where the panel has none.
+  std::optional<Vec3> lens_place(double x, double y, Vec2 u) const {
+    if (lens == Lens::pinhole) return position;
+    if (lens == Lens::round) {
+      const double radius = pupil / 2 * std::sqrt(u.x), angle = 2 * pi * u.y;
+      return position + Vec3{radius * std::cos(angle), radius * std::sin(angle), 0};
+    }
+    const double left = std::max(-panel_x, x * focus - reach), right = std::min(panel_x, x * focus + reach);
+    const double low = std::max(-panel_y, y * focus - reach), high = std::min(panel_y, y * focus + reach);
+    if (left >= right || low >= high) return std::nullopt;
+    return Vec3{left + (right - left) * u.x, low + (high - low) * u.y, 0};
   }
+
+  /// The ray of a place in the window, in pixels from its upper left corner.
+  std::optional<Ray> ray(double column, double row, Vec2 u) const {
+    const double x = (column - columns / 2.0) * pixel, y = (rows / 2.0 - row) * pixel;
+    const auto from = lens_place(x, y, u);
+    if (!from) return std::nullopt;
+    return Ray{*from, normalize({x - from->x / focus, y - from->y / focus, -1 - from->z / focus})};
+  }
+
+  bool needs_lens_place() const { return lens != Lens::pinhole; }
 };
 
 void add(Image& image, int row, int column, Vec3 radiance) {
@@ -39,21 +75,26 @@ void add(Image& image, int row, int column, Vec3 radiance) {
   image(row, column, 2) += float(radiance.z);
 }
 
-Vec3 render_pixel(const PathScene& scene, const Pinhole& pinhole, int row, int column, const RenderParams& params,
-                  PathCounts& counts) {
-  LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(pinhole.columns) + uint64_t(column));
-  std::vector<Vec3> sums(size_t(scene.sums()));
+Vec3 render_pixel(const PathScene& scene, const Eye& eye, int row, int column, const RenderParams& params,
+                  std::span<Vec3> sums, PathCounts& counts) {
+  LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(eye.columns) + uint64_t(column));
+  std::fill(sums.begin(), sums.end(), Vec3{});
+  const double seen_layers = std::popcount(scene.automaton.accepted(scene.automaton.start()));
   Vec3 sum;
   for (int path = 0; path < params.paths; ++path) {
     numbers.start(uint32_t(path));
     const Vec2 place = numbers.two();
+    const auto ray = eye.ray(column + place.x, row + place.y, eye.needs_lens_place() ? numbers.two() : Vec2{});
+    if (!ray) continue;
     ++counts.rays;
-    const Ray ray = pinhole.ray(column + place.x, row + place.y);
-    const auto hit = scene.accelerator.closest_hit(ray);
-    if (hit)
-      add_radiance(scene, {hit->point, -ray.direction, scene.automaton.start(), 1}, numbers, sums, counts);
-    else
-      sum += scene.emitters.background(ray.direction);
+    const auto hit = scene.accelerator.closest_hit(*ray);
+    if (!hit) {
+      sum += scene.emitters.background(ray->direction) * seen_layers;
+      continue;
+    }
+    const Material& material = scene.scene.materials[size_t(hit->point.material)];
+    const SurfacePoint point = material.normal_map ? shading_point(material, hit->point) : hit->point;
+    add_radiance(scene, {point, -ray->direction, scene.automaton.start(), 1}, numbers, sums, counts);
   }
   for (const Vec3 layer : sums) sum += layer;
   return sum / params.paths;
@@ -70,17 +111,20 @@ void add_between(Image& image, double column, double row, Vec3 light) {
 }
 
 /// Adds the luminous points that fall into the picture and that no mesh hides.
-void draw_points(const Accelerator& scene, const Pinhole& pinhole, Image& image) {
+void draw_points(const Accelerator& scene, const Eye& eye, Image& image) {
+  const Vec3 from = eye.lens == Lens::panel ? Vec3{} : eye.position;
   for (const ScenePoint& point : scene.scene().points) {
-    const Vec3 p = point.position;
-    const double column = p.x / -p.z / pinhole.pixel + (pinhole.columns - 1) / 2.0;
-    const double row = (pinhole.rows - 1) / 2.0 - p.y / -p.z / pinhole.pixel;
-    const bool is_inside = std::abs(column - (pinhole.columns - 1) / 2.0) <= pinhole.columns / 2.0 &&
-                           std::abs(row - (pinhole.rows - 1) / 2.0) <= pinhole.rows / 2.0;
-    if (!is_inside || scene.is_occluded({}, p)) continue;
-    const double cosine = -p.z / length(p);
-    const double radiance =
-        double(point.amplitude) * point.amplitude / (pinhole.pixel * pinhole.pixel * cosine * cosine);
+    const Vec3 way = point.position - from;
+    const Vec3 place = from + way * ((from.z + eye.focus) / -way.z);  // in the plane in focus
+    const double column = place.x / eye.focus / eye.pixel + (eye.columns - 1) / 2.0;
+    const double row = (eye.rows - 1) / 2.0 - place.y / eye.focus / eye.pixel;
+    const bool is_inside = std::abs(column - (eye.columns - 1) / 2.0) <= eye.columns / 2.0 &&
+                           std::abs(row - (eye.rows - 1) / 2.0) <= eye.rows / 2.0;
+    if (!is_inside || scene.is_occluded(from, point.position)) continue;
+    const double distance = length(way), cosine = -way.z / distance;
+    const double side = eye.pixel * eye.focus / (eye.focus + from.z), share = -point.position.z / distance;
+    const double irradiance = double(point.amplitude) * point.amplitude * share * share;
+    const double radiance = irradiance / (side * side * cosine * cosine * cosine * cosine);
     add_between(image, column, row, Vec3{1, 1, 1} * radiance);
   }
 }
@@ -95,20 +139,31 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
   check_params(params);
 
   const int rows = params.rows, columns = params.columns > 0 ? params.columns : rows;
-  const Pinhole pinhole{columns, rows, 2 * raster_tangent(params.field_of_view, panel, wavelength) / rows};
+  const Eye eye{.columns = columns,
+                .rows = rows,
+                .pixel = 2 * raster_tangent(params.field_of_view, panel, wavelength) / rows,
+                .lens = params.lens,
+                .position = params.eye,
+                .pupil = params.pupil,
+                .focus = params.focus,
+                .panel_x = panel.width() / 2,
+                .panel_y = panel.height() / 2,
+                .reach = box_radius(params.focus, wavelength, panel.pitch)};
   PathParams path_params;
   path_params.max_depth = params.max_depth;
+  path_params.clamp = params.clamp;
   path_params.seed = uint64_t(params.seed);
   const PathScene path_scene(scene, Lines{}, params.layers, path_params);
   require_memory(3.0 * sizeof(float) * columns * rows, fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);
   std::vector<PathCounts> counts(size_t(rows), PathCounts{});
   const auto render_row = [&](int64_t row) {
+    std::vector<Vec3> sums(size_t(path_scene.sums()));
     for (int column = 0; column < columns; ++column)
-      add(image, int(row), column, render_pixel(path_scene, pinhole, int(row), column, params, counts[size_t(row)]));
+      add(image, int(row), column, render_pixel(path_scene, eye, int(row), column, params, sums, counts[size_t(row)]));
   };
   parallel_for(0, rows, render_row, observer);
-  draw_points(path_scene.accelerator, pinhole, image);
+  draw_points(path_scene.accelerator, eye, image);
 
   PathCounts total;
   for (const PathCounts& row : counts) total += row;

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "holotrace/base/units.h"
+
+// What a smooth boundary between two media does to a plane wave (Born & Wolf, Principles of Optics, 7th edition, 1999,
+// sections 1.5 and 14.4). Time factor exp(−iωt), so that an index n + ik with k > 0 absorbs. `index` is that of the
+// far medium over that of the near one, `cosine` that of the angle of incidence, in [0, 1].
+//
+// The phase of scalar light. Vectors have two, of r_s and r_p; a scalar wave has one. Its own boundary conditions, that
+// U and ∂U/∂n are continuous, give
+//
+//     r = (k₁z − k₂z)/(k₁z + k₂z),
+//
+// which is r_s to the letter. So the phase here is arg r_s: π off a denser medium at every angle (at grazing incidence
+// too: Lloyd's mirror), 0 off a thinner one, Goos and Hänchen's phase at total reflection, continuous at the critical
+// angle and π at grazing. Brewster's angle, where r_p changes its sign, leaves no mark. Off dielectrics
+// below the critical angle it is also the phase of the mean of r_s and −r_p, the two amplitudes in the
+// convention in which they agree at normal incidence, since |r_p| ≤ |r_s|. How much is reflected is that of unpolarised
+// light, (|r_s|² + |r_p|²)/2.
+
+namespace holotrace {
+
+/// Amplitudes of the reflected and the transmitted wave over the incident one, E across the plane of incidence (s)
+/// and in it (p; r_p = −r_s at normal incidence).
+struct FresnelAmplitudes {
+  std::complex<double> r_s, r_p, t_s, t_p;
+};
+
+/// q = √(index² − sin²θ), the far medium's normal wave number over the near one's wave number, decaying into the far
+/// medium.
+inline std::complex<double> far_normal_component(double cosine, std::complex<double> index) {
+  const std::complex<double> q = std::sqrt(index * index - (1 - cosine * cosine));
+  return q.imag() < 0 ? -q : q;
+}
+
+/// Fresnel's amplitudes:
+///
+///     r_s = (c − q)/(c + q), r_p = (m²c − q)/(m²c + q), t_s = 2c/(c + q), t_p = 2mc/(m²c + q), c = cosθ, m = index.
+inline FresnelAmplitudes fresnel_amplitudes(double cosine, std::complex<double> index) {
+  const std::complex<double> q = far_normal_component(cosine, index), square = index * index;
+  return {(cosine - q) / (cosine + q), (square * cosine - q) / (square * cosine + q), 2 * cosine / (cosine + q),
+          2.0 * index * cosine / (square * cosine + q)};
+}
+
+/// Reflectance of unpolarised light at a boundary of dielectrics, in [0, 1]; 1 at total reflection.
+inline double reflectance_dielectric(double cosine, double index) {
+  const double q_squared = index * index - (1 - cosine * cosine);
+  if (q_squared <= 0) return 1;
+  const double q = std::sqrt(q_squared), square = index * index * cosine;
+  if (square + q == 0) return 0;  // along the boundary of equal media
+  const double r_s = (cosine - q) / (cosine + q), r_p = (square - q) / (square + q);
+  return 0.5 * (r_s * r_s + r_p * r_p);
+}
+
+/// Reflectance of unpolarised light off a conductor, in [0, 1]: with q = a + ib,
+///
+///     R_s = ((c − a)² + b²)/((c + a)² + b²),
+///     R_p = R_s·((a − s)² + b²)/((a + s)² + b²), s = sin²θ/cosθ.
+inline double reflectance_conductor(double cosine, std::complex<double> index) {
+  const double n = index.real(), k = index.imag(), sine_squared = 1 - cosine * cosine;
+  const double real = n * n - k * k - sine_squared, imaginary = 2 * n * k;
+  const double magnitude = std::sqrt(real * real + imaginary * imaginary);  // |q|² = a² + b²
+  const double a = std::sqrt(std::fmax(0, 0.5 * (magnitude + real)));
+  const double c = cosine, sum_s = magnitude + c * c;
+  if (sum_s + 2 * a * c == 0) return 0;
+  const double r_s = (sum_s - 2 * a * c) / (sum_s + 2 * a * c);
+  const double sum_p = magnitude * c * c + sine_squared * sine_squared, mixed = 2 * a * c * sine_squared;
+  const double ratio = sum_p + mixed > 0 ? (sum_p - mixed) / (sum_p + mixed) : 1;
+  return std::clamp(0.5 * r_s * (1 + ratio), 0.0, 1.0);
+}
+
+/// Phase that reflection adds to scalar light: arg r_s in (−π, π] [rad]. At total reflection
+///
+///     tan(δ/2) = −√(sin²θ − m²)/cosθ.
+inline double reflection_phase(double cosine, std::complex<double> index) {
+  const std::complex<double> q = far_normal_component(cosine, index);
+  if (q.imag() == 0) return cosine < q.real() ? pi : 0;
+  return std::arg((cosine - q) * (cosine + std::conj(q)));
+}
+
+/// Phase that transmission adds to scalar light: arg t_s [rad], 0 from one dielectric to another.
+inline double transmission_phase(double cosine, std::complex<double> index) {
+  return -std::arg(cosine + far_normal_component(cosine, index));
+}
+
+/// (1 − cosθ)⁵, the weight of white in Schlick's reflectance F₀ + (1 − F₀)(1 − cosθ)⁵ (Comput. Graph. Forum 13, 233,
+/// 1994).
+inline double schlick_weight(double cosine) {
+  const double x = 1 - cosine, x2 = x * x;
+  return x2 * x2 * x;
+}
+
+}  // namespace holotrace

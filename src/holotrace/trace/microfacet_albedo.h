@@ -1,0 +1,66 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace holotrace {
+
+/// Directional albedos of the GGX reflection lobe (microfacet.h), against √cosθ_o (columns) and roughness √α (rows).
+struct MicrofacetAlbedoTable {
+  static constexpr int size = 32;
+  struct Entry {
+    float loss;     ///< 1 − ∫f·cosθ_i dω for white microfacets: what single scattering leaves out
+    float schlick;  ///< ∫f·cosθ_i dω for microfacets of reflectance (1 − o·h)⁵
+  };
+  std::array<std::array<Entry, size>, size> entries;
+  std::array<Entry, size> means;  ///< 2·∫·cosθ_o d(cosθ_o), of the straight lines between entries
+};
+
+/// The table, computed at the first call (some 30 ms); any number of threads may call.
+const MicrofacetAlbedoTable& microfacet_albedo_table();
+
+/// The albedos at one roughness, straight between entries: the mean is that of the interpolated values, so what is
+/// balanced by it stays balanced.
+class MicrofacetAlbedo {
+ public:
+  MicrofacetAlbedo() = default;
+
+  /// @param alpha  of the GGX distribution, in [0, 1]
+  explicit MicrofacetAlbedo(double alpha) : table_(&microfacet_albedo_table()) {
+    const double x = std::sqrt(alpha) * (MicrofacetAlbedoTable::size - 1);
+    row_ = std::clamp(int(x), 0, MicrofacetAlbedoTable::size - 2);
+    weight_ = x - row_;
+  }
+
+  struct Value {
+    double loss = 0, schlick = 0;
+    /// Albedo of microfacets with Schlick's reflectance of normal value f0.
+    double reflected(double f0) const { return f0 * (1 - loss) + (1 - f0) * schlick; }
+  };
+
+  /// At a cosine in [0, 1].
+  Value at(double cosine) const {
+    const double x = std::sqrt(cosine) * (MicrofacetAlbedoTable::size - 1);
+    const int column = std::clamp(int(x), 0, MicrofacetAlbedoTable::size - 2);
+    const auto &low = table_->entries[size_t(row_)], &high = table_->entries[size_t(row_) + 1];
+    const Value a = between(low[size_t(column)], high[size_t(column)]);
+    const Value b = between(low[size_t(column) + 1], high[size_t(column) + 1]);
+    const double t = x - column;
+    return {a.loss + t * (b.loss - a.loss), a.schlick + t * (b.schlick - a.schlick)};
+  }
+
+  /// The mean over the hemisphere, by cosine.
+  Value mean() const { return between(table_->means[size_t(row_)], table_->means[size_t(row_) + 1]); }
+
+ private:
+  Value between(MicrofacetAlbedoTable::Entry a, MicrofacetAlbedoTable::Entry b) const {
+    return {a.loss + weight_ * (b.loss - a.loss), a.schlick + weight_ * (b.schlick - a.schlick)};
+  }
+
+  const MicrofacetAlbedoTable* table_ = nullptr;
+  int row_ = 0;
+  double weight_ = 0;
+};
+
+}  // namespace holotrace
