@@ -74,11 +74,11 @@ void add_box(Scene& scene, Vec3 centre, Vec3 half, int material) {
   }
 }
 
-/// A mirror at z = −0.2 m, turned by 45°, that shows a wall at x = 60 mm.
+/// A mirror at z = −0.2 m, turned by 45°, that shows a wall at x = −60 mm.
 Scene make_mirror_scene() {
   Scene scene;
   scene.materials = {grey(0.5, 1), mirror()};
-  scene.meshes = {make_test_quad({60_mm, 0, -0.2}, {0, 0, 40_mm}, {0, 40_mm, 0}, 0),
+  scene.meshes = {make_test_quad({-60_mm, 0, -0.2}, {0, 0, 40_mm}, {0, 40_mm, 0}, 0),
                   make_test_quad({0, 0, -0.2}, {15_mm, 0, 15_mm}, {0, 20_mm, 0}, 1)};
   return scene;
 }
@@ -88,10 +88,10 @@ TEST(Specular, APlaneMirrorShowsAWallAtTheTotalDistance) {
   for (const Vec3 origin : {Vec3{0, 0, 0}, Vec3{1_mm, -2_mm, 0}}) {
     const Ray ray{origin, view_direction(0.01, 0.02)};
     const SpecularLeaf leaf = leaf_of(scene, ray, "r");
-    // By hand: the mirror is the plane z = x − 0.2 and swaps the x and z of directions; the wall is x = 60 mm.
+    // By hand: the mirror is the plane z = x − 0.2 and swaps the x and z of directions; the wall is x = −60 mm.
     const Vec3 d = ray.direction;
     const double to_mirror = (-0.2 + origin.x) / (d.z - d.x), x = origin.x + to_mirror * d.x;
-    const double total = to_mirror + std::abs((60_mm - x) / d.z);
+    const double total = to_mirror + std::abs((-60_mm - x) / d.z);
     EXPECT_NEAR(leaf.optical_path, total, 5e-16);  // some roundings of 0.26 m
     EXPECT_NEAR(leaf.distance / total, 1, 1e-8);   // differences over 1e-6 of it, in double: 1e-10, and a margin
     EXPECT_FALSE(leaf.is_far);
@@ -154,8 +154,8 @@ TEST(Specular, CurvedMirrorsFollowTheMirrorEquation) {
   Scene scene;
   scene.materials = {grey(0.5, 1), mirror()};
   scene.meshes = {make_cap({0, 0, -0.2 - r}, r, 1, 4_mm, 1),
-                  make_test_quad({2_mm, 0, -0.15}, {1.5_mm, 0, 0}, {0, 1.5_mm, 0}, 0)};
-  // A ray at the tangent 0.005 meets the mirror at x = 1 mm and comes back at x ≈ 1 + 50·(0.005 + 0.02) = 2.25 mm.
+                  make_test_quad({2.25_mm, 0, -0.15}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0)};
+  // A ray at the tangent 0.005 meets the mirror at x = 1 mm and goes back at x = 1 + 50·(0.005 + 2·0.01) = 2.25 mm.
   const SpecularLeaf leaf = leaf_of(scene, {{}, view_direction(0.005, 0)}, "r");
   const double image = mirror_equation(50_mm, -r);  // convex: a virtual image, 25 mm behind the mirror
   EXPECT_NEAR(image, -25_mm, 1e-15);
@@ -171,12 +171,12 @@ TEST(Specular, AConcaveMirrorsWavesThatConvergeAreMadeFlatAndCounted) {
   Scene scene;
   scene.materials = {grey(0.5, 1), mirror()};
   scene.meshes = {make_cap({0, 0, -0.2 + r}, r, -1, 10_mm, 1),
-                  make_test_quad({2.5_mm, 0, -0.15}, {1.5_mm, 0, 0}, {0, 1.5_mm, 0}, 0)};
-  // Tangent 0.02: x = 4 mm on the mirror, slope there 0.02: back along −z with tangent 0.02 − 2·0.02 = −0.02.
-  const SpecularLeaf virtual_image = leaf_of(scene, {{}, view_direction(0.02, 0)}, "r");
+                  make_test_quad({4_mm, 0, -0.15}, {0.7_mm, 0, 0}, {0, 0.7_mm, 0}, 0)};
+  // It meets the mirror at x = 6 mm, where the slope is 0.03, and goes back at 6 + 50·(0.02 − 2·0.03) = 4 mm.
+  const SpecularLeaf virtual_image = leaf_of(scene, {{2_mm, 0, 0}, view_direction(0.02, 0)}, "r");
   EXPECT_NEAR(virtual_image.distance, 0.2 - mirror_equation(50_mm, r), 5e-3 * 100_mm);
   // 120 mm before it, outside the focal length: a real image 600 mm before the mirror, 400 mm before the panel.
-  scene.meshes[1] = make_test_quad({1.6_mm, 0, -0.08}, {1.2_mm, 0, 0}, {0, 1.2_mm, 0}, 0);
+  scene.meshes[1] = make_test_quad({-2_mm, 0, -0.08}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0);
   const SpecularLeaf real_image = leaf_of(scene, {{6_mm, 0, 0}, view_direction(-0.01, 0)}, "r");
   EXPECT_TRUE(real_image.is_far);
   EXPECT_EQ(real_image.distance, farthest_origin);
@@ -198,9 +198,8 @@ TEST(Specular, ABallLensMagnifiesByItsFocalLength) {
 
 TEST(Specular, MirrorsShowLightsWithAnAreaAndTheSky) {
   Scene scene = make_mirror_scene();
-  scene.meshes.erase(scene.meshes.begin());  // the wall
-  scene.lights = {RectangleLight{{50_mm, -10_mm, -0.21}, {0, 20_mm, 0}, {0, 0, 20_mm}, {3, 3, 3}}};
-  std::swap(std::get<RectangleLight>(scene.lights[0]).edge_u, std::get<RectangleLight>(scene.lights[0]).edge_v);
+  scene.meshes.erase(scene.meshes.begin());                                                           // the wall
+  scene.lights = {RectangleLight{{-50_mm, -10_mm, -0.21}, {0, 20_mm, 0}, {0, 0, 20_mm}, {3, 3, 3}}};  // shines to +x
   scene.background = {2, 2, 2};
   const auto leaves = leaves_of(scene, {{}, {0, 0, -1}});
   ASSERT_EQ(leaves.size(), 2u);

@@ -80,7 +80,7 @@ void require_colour(Vec3 value, const char* what, size_t index) {
 void check_index(const RefractiveIndex& refractive, size_t index) {
   require(!refractive.samples.empty(), "expected a refractive index in material {}, got one without samples", index);
   for (const auto& [wavelength, n, k] : refractive.samples)
-    require(std::isfinite(wavelength) && wavelength > 0 && std::isfinite(n) && n > 0 && std::isfinite(k) && k >= 0,
+    require(std::isfinite(wavelength) && wavelength >= 0 && std::isfinite(n) && n > 0 && std::isfinite(k) && k >= 0,
             "expected a refractive index n + ik with n > 0 and k ≥ 0 in material {}, got {} + {}i at {} m", index, n, k,
             wavelength);
 }

@@ -205,7 +205,9 @@ struct Walk {
         continue;
       SpecularLeaf next = here;
       next.weight = leaf.weight * way.weight;
-      if (max_component(next.weight) < least_weight) continue;
+      // Inside glass radiance is n² times what it is outside: n²·weight is the share of light.
+      const double beyond = way.is_transmission ? far : near;
+      if (max_component(next.weight) * beyond * beyond < least_weight) continue;
       next.phase = leaf.phase + way.phase;
       next.start.state = scene.automaton.step(leaf.start.state, PathEvent::specular);
       if (scene.automaton.is_dead(next.start.state)) continue;
@@ -214,7 +216,7 @@ struct Walk {
            way.is_transmission, near, far});
       const double side = way.is_transmission ? -1 : 1;
       const Vec3 start = point.position + point.geometric_normal * (side * scene.accelerator.clearance());
-      follow({start, way.direction}, way.is_transmission ? far : near, next);
+      follow({start, way.direction}, beyond, next);
     }
   }
 };
