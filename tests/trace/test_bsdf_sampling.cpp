@@ -27,8 +27,8 @@ struct Draws {
   }
 };
 
-/// A map that is fine where the directions are: about their middle, or about the normal, whose horizon is then a line of
-/// cells, where they are spread widely. Nothing where there are none.
+/// A map that is fine where the directions are: about their middle, or about the normal, whose horizon is then a line
+/// of cells, where they are spread widely. Nothing where there are none.
 std::optional<SphereMap> map_of(Draws draws) {
   std::vector<Vec3> directions;
   Vec3 sum;

@@ -130,10 +130,10 @@ TEST(Fresnel, APerfectMetalTurnsThePhaseByPiAndAMeasuredOneByLess) {
 }
 
 TEST(Fresnel, MetalsReflectHeadOnWhatOthersMeasured) {
-  // R = ((n − 1)² + k²)/((n + 1)² + k²) of other samples, straight between their neighbours: Babar and Weaver, Appl. Opt.
-  // 54, 477 (2015), for silver, gold and copper; Cheng et al., ACS Nano 10, 9852 (2016), for aluminium.
-  // Samples differ: by less than 0.01 where the metal shines, by 0.06 at gold's edge and for copper's red, which
-  // lives by its polish.
+  // R = ((n − 1)² + k²)/((n + 1)² + k²) of other samples, straight between their neighbours: Babar and Weaver, Appl.
+  // Opt. 54, 477 (2015), for silver, gold and copper; Cheng et al., ACS Nano 10, 9852 (2016), for aluminium. Samples
+  // differ: by less than 0.01 where the metal shines, by 0.06 at gold's edge and for copper's red, which lives by its
+  // polish.
   const struct {
     const char* name;
     double wavelength, n, k, tolerance;
