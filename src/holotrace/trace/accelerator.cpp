@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/trace/scene_checks.h"
@@ -117,6 +118,9 @@ struct Accelerator::Implementation {
     point.is_front = along <= 0;
     point.geometric_normal = area * ((point.is_front ? 1 : -1) / length(area));
     point.normal = point.geometric_normal;
+    point.uv = {};
+    point.tangent_u = point.tangent_v = {};
+    point.colour = {1, 1, 1};
     if (!mesh.normals.empty()) {
       const Vec3 smooth = mesh.normals[i] * b0 + mesh.normals[j] * b1 + mesh.normals[k] * b2;
       if (const double squared = dot(smooth, smooth); squared > 0)
@@ -168,20 +172,25 @@ Accelerator::Accelerator(Accelerator&&) noexcept = default;
 const Scene& Accelerator::scene() const { return implementation_->scene; }
 
 std::optional<Hit> Accelerator::closest_hit(const Ray& ray) const {
-  std::optional<Hit> hit;
+  std::optional<Hit> hit(std::in_place);
+  if (!closest_hit(ray, *hit)) hit.reset();
+  return hit;
+}
+
+bool Accelerator::closest_hit(const Ray& ray, Hit& hit) const {
   const Implementation& self = *implementation_;
   RTCRayHit query;
   double skipped;
-  if (!self.embree || !self.enter(ray, std::numeric_limits<double>::infinity(), query.ray, skipped)) return hit;
+  if (!self.embree || !self.enter(ray, std::numeric_limits<double>::infinity(), query.ray, skipped)) return false;
   if (log_) write_down(query.ray, false, *log_);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcIntersect1(self.embree.get(), &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
-  self.describe(ray, query.hit, (skipped + double(query.ray.tfar)) * self.radius, hit.emplace());
-  return hit;
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  self.describe(ray, query.hit, (skipped + double(query.ray.tfar)) * self.radius, hit);
+  return true;
 }
 
 bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {

@@ -45,6 +45,9 @@ class Accelerator {
   /// The first surface on the ray, if any.
   std::optional<Hit> closest_hit(const Ray& ray) const;
 
+  /// The same into `hit`, all of which is written; false, and `hit` as it was, if there is none.
+  bool closest_hit(const Ray& ray, Hit& hit) const;
+
   /// Whether a surface stands between two places [m]; one within `clearance` of `to` does not count.
   bool is_occluded(Vec3 from, Vec3 to) const;
 

@@ -33,8 +33,8 @@ inline LightSample sample(const PointLight& light, Vec3 from, Vec2) {
   const Vec3 way = light.position - from;
   const double squared = dot(way, way);
   if (squared == 0) return {};
-  const double distance = std::sqrt(squared);
-  return {way / distance, distance, light.intensity / squared, 1};
+  const double distance = std::sqrt(squared), inverse = 1 / distance;
+  return {way * inverse, distance, light.intensity * (inverse * inverse), 1};
 }
 
 /// Share of its full intensity that a spot light sends at an angle off its axis, given the angle's cosine:
@@ -67,12 +67,14 @@ inline LightSample sample(const RectangleLight& light, Vec3 from, Vec2 u) {
   const double projected = -dot(cross(light.edge_u, light.edge_v), way);  // A·cosθ'·d
   if (projected <= 0) return {};
   const double squared = dot(way, way), distance = std::sqrt(squared);
-  return {way / distance, distance, light.radiance, squared * distance / projected};
+  return {way * (1 / distance), distance, light.radiance, squared * distance / projected};
 }
 
 /// Draws a way from the point `from` [m] to a light, by two numbers in [0, 1). Radiance 0: the point has no light of
 /// it.
 inline LightSample sample_light(const Light& light, Vec3 from, Vec2 u) {
+  if (const auto* rectangle = std::get_if<RectangleLight>(&light)) return sample(*rectangle, from, u);
+  if (const auto* point = std::get_if<PointLight>(&light)) return sample(*point, from, u);
   return std::visit([&](const auto& l) { return sample(l, from, u); }, light);
 }
 

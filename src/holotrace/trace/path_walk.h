@@ -96,12 +96,11 @@ class PathWalk {
   template <class B>
   std::optional<BsdfSample> scatter(const B& bsdf, LowDiscrepancy& numbers) {
     add_direct_light(bsdf, numbers);
-    const double u_lobe = numbers.one();
-    const Vec2 u = numbers.two();
-    auto next = sample(bsdf, outgoing_, u_lobe, u);
+    const Vec2 choices = numbers.two(), u = numbers.two();  // of the lobe, and between going on and not
+    auto next = sample(bsdf, outgoing_, choices.x, u);
     if (next) throughput_ *= next->weight;
     const double goes_on = next ? std::min(1.0, max_component(throughput_)) : 0;
-    if (!(numbers.one() < goes_on)) {
+    if (!(choices.y < goes_on)) {
       ++counts_.absorbed;
       return std::nullopt;
     }
@@ -118,8 +117,8 @@ class PathWalk {
     const auto& lights = emitters_.lights();
     for (size_t i = 0; i < lights.size(); ++i) {
       const bool is_shared = has_area(lights[i]);
-      const LightSample way = sample_light(lights[i], point_.position, is_shared ? numbers.two() : Vec2{});
-      add_way(bsdf, way, is_shared, int(i), &lights[i]);
+      add_way(bsdf, sample_light(lights[i], point_.position, is_shared ? numbers.two() : Vec2{}), is_shared, int(i),
+              &lights[i]);
     }
     // Light of a mesh comes from a surface, which counts as one.
     if (depth_ < scene_.params.max_depth && !emitters_.triangles().is_empty()) {
@@ -133,12 +132,14 @@ class PathWalk {
   /// Light by one way that a light was asked for; `is_shared` if the path can find it by chance too.
   template <class B>
   void add_way(const B& bsdf, const LightSample& way, bool is_shared, int group, const Light* light = nullptr) {
-    if (is_black(way.radiance)) return;
+    constexpr double most = 1e150;  // whose square is finite; such light comes at a vanishing angle to its surface
+    if (is_black(way.radiance) || !(way.pdf < most)) return;
     const auto reflected = [&](Lobe lobe) {
       const Vec3 f = eval(bsdf, outgoing_, way.direction, lobe);
       if (is_black(f)) return Vec3{};
-      const double weight = is_shared ? shared_weight(way.pdf, pdf(bsdf, outgoing_, way.direction, lobe)) : 1;
-      return throughput_ * f * way.radiance * (weight / way.pdf);
+      // The weight over the density, p/(p² + p′²), without a division of its own.
+      const double other = is_shared ? pdf(bsdf, outgoing_, way.direction, lobe) : 0;
+      return throughput_ * f * way.radiance * (way.pdf / (way.pdf * way.pdf + other * other));
     };
     const Vec3 diffuse = diffuse_layers_ ? reflected(Lobe::diffuse) : Vec3{};
     const Vec3 glossy = glossy_layers_ ? reflected(Lobe::glossy) : Vec3{};
@@ -169,16 +170,17 @@ class PathWalk {
     ++counts_.rays;
     pdf_ = next.lobe == Lobe::specular ? 0 : next.pdf;
     const Ray ray{scene_.accelerator.leave(point_, next.direction), next.direction};
-    const auto hit = scene_.accelerator.closest_hit(ray);
-    distance_ = hit ? hit->distance : std::numeric_limits<double>::infinity();
+    const Vec3 here = point_.position;
+    const bool has_hit = scene_.accelerator.closest_hit(ray, hit_);
+    distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
     if (emitters_.shine_beyond_surfaces()) add_light_on_way(ray, distance_, state_, pdf_, throughput_);
-    if (!hit || is_last) {
-      ++(hit ? counts_.cut : counts_.escaped);
+    if (!has_hit || is_last) {
+      ++(has_hit ? counts_.cut : counts_.escaped);
       return false;
     }
-    const Material& material = scene_.scene.materials[size_t(hit->point.material)];
-    if constexpr (Sink::follows_phase) sink_.travel(length(hit->point.position - point_.position));
-    point_ = material.normal_map ? shading_point(material, hit->point) : hit->point;
+    const Material& material = scene_.scene.materials[size_t(point_.material)];
+    if constexpr (Sink::follows_phase) sink_.travel(length(point_.position - here));
+    if (material.normal_map) point_ = shading_point(material, point_);
     outgoing_ = -next.direction;
     return true;
   }
@@ -190,7 +192,8 @@ class PathWalk {
   PathCounts& counts_;
 
   PathAutomaton::State state_ = 0;
-  SurfacePoint point_;
+  Hit hit_;
+  SurfacePoint& point_ = hit_.point;
   Vec3 outgoing_, throughput_{1, 1, 1};
   int depth_ = 1;
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: by a specular way, or the path begins here

@@ -76,6 +76,6 @@ inline Vec3 sample_cosine(Vec3 normal, double u, double v) {
 }
 
 /// The density of sample_cosine [1/sr]; 0 below the surface.
-inline double pdf_cosine(Vec3 normal, Vec3 direction) { return std::fmax(0, dot(normal, direction)) / pi; }
+inline double pdf_cosine(Vec3 normal, Vec3 direction) { return std::max(0.0, dot(normal, direction)) / pi; }
 
 }  // namespace holotrace
