@@ -31,8 +31,8 @@ struct ChiSquare {
 /// the law is not yet χ².
 ChiSquare chi_square(std::span<const double> observed, std::span<const double> expected);
 
-/// The unit square laid on the sphere about an axis: the density of its image over the uniform one grows toward the axis
-/// as `concentration` falls below 1; areas are uniform for a large one.
+/// The unit square laid on the sphere about an axis: the density of its image over the uniform one grows toward the
+/// axis as `concentration` falls below 1; areas are uniform for a large one.
 ///
 ///     (1 − cosθ)/2 = c·u/(1 + c − u),  φ = 2π·v
 class SphereMap {
@@ -49,14 +49,14 @@ class SphereMap {
 
 struct SphereTest {
   ChiSquare chi_square;
-  double drawn = 0;     ///< part of the tries that gave a direction
-  double integral = 0;  ///< of the density over the sphere
+  double drawn = 0;      ///< part of the tries that gave a direction
+  double integral = 0;   ///< of the density over the sphere
   double deviation = 0;  ///< of one from the other, in standard errors
 };
 
 /// Counts directions that `sample()` draws (std::optional<Vec3>) in 16 × 32 cells of the map and compares them with
-/// the integral of `pdf(direction)` over each, by 16 × 16 midpoints and 128 × 128 where the density ends inside; what is
-/// not drawn is a cell too.
+/// the integral of `pdf(direction)` over each, by 16 × 16 midpoints and 128 × 128 where the density ends inside; what
+/// is not drawn is a cell too.
 template <class Sample, class Pdf>
 SphereTest test_sphere_sampling(const SphereMap& map, int count, Sample&& sample, const Pdf& pdf) {
   constexpr int rows = 16, columns = 32, midpoints = 16;

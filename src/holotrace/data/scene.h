@@ -32,7 +32,7 @@ struct ConductorMaterial {
 };
 
 /// Glass, water, crystal: reflection and refraction. The mesh is closed, its triangles counter-clockwise as seen from
-/// outside; rays enter on that side. A thin one is a pane: light goes straight through, reflected at both faces.
+/// outside; rays enter on that side. A thin one is a smooth pane: light goes straight through, reflected at both faces.
 struct DielectricMaterial {
   RefractiveIndex index = constant_index(1.5);  ///< n, k = 0
   double roughness = 0;                         ///< GGX α = roughness²; 0: smooth
@@ -48,8 +48,7 @@ struct MetallicRoughnessMaterial {
   std::shared_ptr<const Image> metallic_texture{};  ///< multiplies: roughness in green, metallic in blue
 };
 
-/// What a surface does to light, and the light that it sends out by itself. To add a material: write its struct here,
-/// its functions in trace/, and name it in io/scene_materials.cpp.
+/// What a surface does to light, and the light that it sends out by itself. To add a material: see CONTRIBUTING.md.
 struct Material {
   using Surface = std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, MetallicRoughnessMaterial>;
   Surface surface;
@@ -57,7 +56,8 @@ struct Material {
   std::shared_ptr<const Image> emission_texture{};  ///< multiplies it (linear light)
   std::shared_ptr<const Image> normal_map{};  ///< tangent space, glTF's: red to +u, green to +v, [0, 1] for [−1, 1]
   double normal_scale = 1;                    ///< stretches the x and y of the map
-  /// One-sided surfaces are black from behind: triangles are counter-clockwise as seen from their front.
+  /// One-sided surfaces are black from behind: triangles are counter-clockwise as seen from their front. The back of a
+  /// solid dielectric is its inside and never black.
   bool two_sided = true;
 
   Material() = default;

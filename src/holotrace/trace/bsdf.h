@@ -31,7 +31,8 @@ using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRo
 ///   so that what disperses is traced with three equal lines.
 ///
 /// @throws Error for a refractive index without samples
-/// Cost: some 20 ns, 100 ns for a rough conductor; the first one with a rough lobe makes a table (30 ms).
+/// Cost: some 30 ns, 200 ns for a rough conductor at three lines; the first one with a rough lobe makes a table (30
+/// ms).
 Bsdf make_bsdf(const Material& material, const SurfacePoint& point, const Lines& lines);
 
 /// The lobes that `eval` can answer for: all but the specular ones.

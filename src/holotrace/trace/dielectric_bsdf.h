@@ -18,8 +18,9 @@ namespace holotrace {
 /// cancel; lights inside glass are seen with theirs. In equilibrium the radiance is n², and the two ways bring
 /// F·n_near² + (1 − F)·(n_near/n_far)²·n_far² = n_near².
 ///
-/// Rough boundaries scatter once: light that meets a second microfacet is lost (tests/trace/test_bsdf_energy.cpp has
-/// how much).
+/// Rough boundaries scatter once: light that meets a second microfacet is lost. Of a furnace, n = 1.5, up to 60° from
+/// the normal, roughness 0.2, 0.5 and 1 keep 0.998, 0.95 and 0.67 seen from air, 0.99, 0.82 and 0.41 seen from inside,
+/// where total reflection sends light onto its neighbours; at grazing angles 0.90, 0.79 and 0.36.
 ///
 /// A pane (Born & Wolf 1.5) is smooth and without a thickness: the light goes straight through, and the many
 /// reflections between its faces add up by their power, R' = R + T²R/(1 − R²) = 2R/(1 + R), T' = 1 − R'. Its phases are

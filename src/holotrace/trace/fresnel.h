@@ -31,10 +31,14 @@ struct FresnelAmplitudes {
 };
 
 /// q = √(index² − sin²θ), the far medium's normal wave number over the near one's wave number, decaying into the far
-/// medium.
+/// medium: both parts at least 0.
 inline std::complex<double> far_normal_component(double cosine, std::complex<double> index) {
-  const std::complex<double> q = std::sqrt(index * index - (1 - cosine * cosine));
-  return q.imag() < 0 ? -q : q;
+  const double n = index.real(), k = index.imag();
+  const double real = n * n - k * k - (1 - cosine * cosine), imaginary = 2 * n * k;
+  const double larger = std::sqrt(0.5 * (std::sqrt(real * real + imaginary * imaginary) + std::fabs(real)));
+  if (larger == 0) return 0;
+  const double smaller = imaginary / (2 * larger);  // without the cancellation of a difference
+  return real > 0 ? std::complex<double>(larger, smaller) : std::complex<double>(smaller, larger);
 }
 
 /// Fresnel's amplitudes:
@@ -61,15 +65,13 @@ inline double reflectance_dielectric(double cosine, double index) {
 ///     R_s = ((c − a)² + b²)/((c + a)² + b²),
 ///     R_p = R_s·((a − s)² + b²)/((a + s)² + b²), s = sin²θ/cosθ.
 inline double reflectance_conductor(double cosine, std::complex<double> index) {
-  const double n = index.real(), k = index.imag(), sine_squared = 1 - cosine * cosine;
-  const double real = n * n - k * k - sine_squared, imaginary = 2 * n * k;
-  const double magnitude = std::sqrt(real * real + imaginary * imaginary);  // |q|² = a² + b²
-  const double a = std::sqrt(std::fmax(0, 0.5 * (magnitude + real)));
-  const double c = cosine, sum_s = magnitude + c * c;
-  if (sum_s + 2 * a * c == 0) return 0;
-  const double r_s = (sum_s - 2 * a * c) / (sum_s + 2 * a * c);
-  const double sum_p = magnitude * c * c + sine_squared * sine_squared, mixed = 2 * a * c * sine_squared;
-  const double ratio = sum_p + mixed > 0 ? (sum_p - mixed) / (sum_p + mixed) : 1;
+  const std::complex<double> q = far_normal_component(cosine, index);
+  const double c = cosine, a = q.real(), magnitude = a * a + q.imag() * q.imag(), sine_squared = 1 - c * c;
+  const double sum_s = magnitude + c * c, mixed_s = 2 * a * c;
+  if (sum_s + mixed_s == 0) return 0;
+  const double r_s = (sum_s - mixed_s) / (sum_s + mixed_s);
+  const double sum_p = magnitude * c * c + sine_squared * sine_squared, mixed_p = mixed_s * sine_squared;
+  const double ratio = sum_p + mixed_p > 0 ? (sum_p - mixed_p) / (sum_p + mixed_p) : 1;
   return std::clamp(0.5 * r_s * (1 + ratio), 0.0, 1.0);
 }
 
@@ -78,8 +80,9 @@ inline double reflectance_conductor(double cosine, std::complex<double> index) {
 ///     tan(δ/2) = −√(sin²θ − m²)/cosθ.
 inline double reflection_phase(double cosine, std::complex<double> index) {
   const std::complex<double> q = far_normal_component(cosine, index);
-  if (q.imag() == 0) return cosine < q.real() ? pi : 0;
-  return std::arg((cosine - q) * (cosine + std::conj(q)));
+  const double a = q.real(), b = q.imag();
+  if (b == 0) return cosine < a ? pi : 0;
+  return std::atan2(-2 * b * cosine, cosine * cosine - a * a - b * b);  // of (c − q)·(c + conj q)
 }
 
 /// Phase that transmission adds to scalar light: arg t_s [rad], 0 from one dielectric to another.
