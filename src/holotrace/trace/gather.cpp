@@ -62,7 +62,7 @@ void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, Pixe
       if (!(light.radiance > 0)) continue;
       const double amplitude = std::sqrt(squared_amplitude_of(light.radiance, g.params.amplitude) * share);
       const double phase = phase_beyond(wave, 0, set.wavelength, set.line) + light.phase;
-      add_wave(g, i, amplitude, phase / (2 * pi), wave.key, sums);
+      add_wave(g, i, amplitude, phase / (2 * pi), key_in(set, g.params.phase, wave.key, sample), sums);
     }
 }
 

@@ -111,7 +111,8 @@ std::vector<RayWave> find_waves(const PathScene& scene, const TraceParams& param
     const Vec3 origin = leaf.chain.empty() ? leaf.start.point.position : ray.origin + ray.direction * leaf.distance;
     const uint64_t key = key_of(leaf, params.phase, side, sample);
     LeafLight light = light_from(scene, params, leaf, sample, counts);
-    waves.push_back({std::move(leaf), origin, key, std::move(light)});
+    const bool is_diffuse = leaf.kind == LeafKind::surface && looks_alike_from_everywhere(scene, leaf.start);
+    waves.push_back({std::move(leaf), origin, key, std::move(light), is_diffuse});
   }
   return waves;
 }
@@ -125,22 +126,25 @@ double phase_beyond(const RayWave& wave, double length, double wavelength, int l
 
 std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams& params, const RayWave& wave,
                                       Vec3 place, uint64_t sample, PathCounts& counts) {
-  SpecularLeaf leaf = wave.leaf;
-  if (leaf.chain.empty()) {
-    const Vec3 way = place - leaf.start.point.position;
-    if (dot(way, leaf.start.point.geometric_normal) <= 0) return std::nullopt;
+  const SpecularLeaf& model = wave.leaf;
+  SpecularLeaf leaf;
+  if (model.chain.empty()) {
+    const SurfacePoint& point = model.start.point;
+    const Vec3 way = place - point.position;
+    if (dot(way, point.geometric_normal) <= 0) return std::nullopt;
     ++counts.shadow_rays;
-    if (scene.accelerator.is_occluded(place, leaf.start.point.position)) return std::nullopt;
+    if (scene.accelerator.is_occluded(place, point.position)) return std::nullopt;
+    if (wave.is_diffuse) return SeenLight{std::nullopt, model.weight};
+    leaf = model;
     leaf.start.outgoing = normalize(way);
   } else {
-    auto found = follow_like(scene, {place, normalize(wave.origin - place)}, wave.leaf, counts);
+    auto found = follow_like(scene, {place, normalize(wave.origin - place)}, model, counts);
     if (!found) return std::nullopt;
-    const double apart = length(found->start.point.position - leaf.start.point.position);
-    if (leaf.kind != LeafKind::beyond && apart > 0.01 * leaf.optical_path) return std::nullopt;
+    const double apart = length(found->start.point.position - model.start.point.position);
+    if (model.kind != LeafKind::beyond && apart > 0.01 * model.optical_path) return std::nullopt;
+    if (wave.is_diffuse) return SeenLight{std::nullopt, found->weight};
     leaf = std::move(*found);
   }
-  const bool is_known = leaf.kind != LeafKind::surface;
-  if (!is_known && looks_alike_from_everywhere(scene, leaf.start)) return SeenLight{wave.light, leaf.weight};
   return SeenLight{light_from(scene, params, leaf, sample, counts), leaf.weight};
 }
 

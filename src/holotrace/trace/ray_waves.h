@@ -24,6 +24,7 @@ struct RayWave {
   Vec3 origin;       ///< where it seems to come from [m]
   uint64_t key = 0;  ///< of its random phase, or Sources::no_phase_key
   LeafLight light;
+  bool is_diffuse = false;  ///< its surface alone is diffuse, and so looks alike from everywhere
 };
 
 /// The waves that a ray finds: one from its first hit or, where phases follow mirrors (follows_mirrors), one from
@@ -40,9 +41,9 @@ std::vector<RayWave> find_waves(const PathScene& scene, const TraceParams& param
 double phase_beyond(const RayWave& wave, double length, double wavelength, int line);
 
 /// Light of the wave toward another place on the panel, if it is seen from there: `weight` of its mirrors and glass,
-/// and what leaves its surface.
+/// and what leaves its surface, where that is not the light of the wave itself.
 struct SeenLight {
-  LeafLight light;
+  std::optional<LeafLight> light;
   Vec3 weight;
 };
 

@@ -15,7 +15,8 @@
 //   path      key = hash of the cell that the first surface behind mirrors and glass lies in, plus k × the optical
 //             path from there to the panel and Fresnel's phases
 //   laser     none: k × the optical path from the laser to the panel and Fresnel's phases (laser_phasors of path.h
-//             as far as that surface, specular.h from there)
+//             as far as that surface, specular.h from there). All frames are alike. Sets without a laser's light have
+//             no phase to follow: theirs is random.
 
 namespace holotrace {
 

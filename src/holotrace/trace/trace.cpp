@@ -44,7 +44,7 @@ struct Waves {
   void add(const Tracing& t, Vec3 origin, double amplitude, double phase, uint64_t key) {
     if (key != Sources::no_phase_key) phase += random_phase(uint64_t(t.params.seed), 0, key);
     waves.push_back({origin, float(amplitude), float(phase)});
-    if (t.params.phase != SourcePhase::constant && t.params.phase != SourcePhase::laser) keys.push_back(key);
+    if (key != Sources::no_phase_key) keys.push_back(key);  // all waves of a set have one, or none
   }
 };
 
@@ -59,7 +59,7 @@ struct Block {
 double wrapped(double phase) { return phase - 2 * pi * std::floor(phase / (2 * pi)); }
 
 /// Adds the waves that a ray has found to the sets, each with one amplitude for the whole panel.
-void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, Block& block) {
+void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t sample, Block& block) {
   for (size_t i = 0; i < t.sets.size(); ++i) {
     const WaveSet& set = t.sets[i];
     const SetLight light = light_of(set, wave.light, wave.leaf.weight);
@@ -68,7 +68,7 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, Block& bl
                            t.pattern->squared_amplitude(ray, wave.origin, set.wavelength);
     const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light.phase);
     if (const double amplitude = std::sqrt(squared); amplitude > 0)
-      block.sets[i].add(t, wave.origin, amplitude, phase, wave.key);
+      block.sets[i].add(t, wave.origin, amplitude, phase, key_in(set, t.params.phase, wave.key, sample));
   }
 }
 
@@ -84,7 +84,9 @@ void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t s
   for (size_t i = 0; i < t.sets.size(); ++i) {
     const WaveSet& set = t.sets[i];
     const SetLight light = light_of(set, wave.light, wave.leaf.weight);
-    const double per_radiance = t.pattern->squared_amplitude(ray, wave.origin, set.wavelength, visible);
+    const double per_radiance = visible.size() == t.tiles.size()
+                                    ? t.pattern->squared_amplitude(ray, wave.origin, set.wavelength)
+                                    : t.pattern->squared_amplitude(ray, wave.origin, set.wavelength, visible);
     const auto amplitude_of = [&](const SetLight& l) {
       return std::sqrt(squared_amplitude_of(l.radiance, t.params.amplitude) * per_radiance);
     };
@@ -92,7 +94,8 @@ void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t s
     const size_t first = waves.tiles.size();
     bool is_lit = false;
     for (const auto& toward : seen) {
-      const double amplitude = toward ? amplitude_of(light_of(set, toward->light, toward->weight)) : 0;
+      const double amplitude =
+          toward ? amplitude_of(light_of(set, toward->light ? *toward->light : wave.light, toward->weight)) : 0;
       waves.tiles.push_back(float(amplitude));
       is_lit = is_lit || amplitude > 0;
     }
@@ -101,7 +104,7 @@ void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t s
       continue;
     }
     const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light.phase);
-    waves.add(t, wave.origin, amplitude_of(light), phase, wave.key);
+    waves.add(t, wave.origin, amplitude_of(light), phase, key_in(set, t.params.phase, wave.key, sample));
   }
 }
 
@@ -117,15 +120,16 @@ void trace_sample(const Tracing& t, int64_t index, Block& block) {
   for (const RayWave& wave : waves) {
     block.far_waves += wave.leaf.is_far;
     if (t.tiles.empty())
-      add_shared(t, *ray, wave, block);
+      add_shared(t, *ray, wave, sample, block);
     else
       add_tiled(t, *ray, wave, sample, block);
   }
 }
 
 /// Key of the random phase of luminous point i.
-uint64_t point_key(const Tracing& t, size_t i) {
+uint64_t point_key(const Tracing& t, const WaveSet& set, size_t i) {
   if (t.params.phase == SourcePhase::random) return i;
+  if (t.params.phase == SourcePhase::laser) return key_in(set, t.params.phase, Sources::no_phase_key, i);
   if (t.params.phase == SourcePhase::surface || t.params.phase == SourcePhase::path)
     return surface_phase_key(t.scene.scene.points[i].position, t.side);
   return Sources::no_phase_key;
@@ -144,7 +148,7 @@ void add_points(const Tracing& t, std::vector<Waves>& sets) {
     if (!is_lit) continue;
     for (size_t s = 0; s < sets.size(); ++s) {
       if (!t.sets[s].has_points) continue;
-      sets[s].add(t, point.position, point.amplitude, point.phase, point_key(t, i));
+      sets[s].add(t, point.position, point.amplitude, point.phase, point_key(t, t.sets[s], i));
       sets[s].tiles.insert(sets[s].tiles.end(), amplitudes.begin(), amplitudes.end());
     }
   }
@@ -248,11 +252,13 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
 
   std::vector<Sources> sets;
   Totals totals;
+  bool has_laser = false;
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
     if (!pattern && !scene.meshes.empty()) pattern.emplace(params, panel, longest);
     const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g]);
+    for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
     const Tracing tracing{path_scene, params, pattern ? &*pattern : nullptr, tiles, wave_sets, side};
     const Observer part = part_of(observer, int(g), int(groups.size()));
     trace_group(tracing, part, totals, sets);
@@ -266,6 +272,8 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     else if (totals.mesh_waves == 0)
       observer.warn("every first hit is dark; add lights, emission or a background to the scene");
   }
+  if (params.phase == SourcePhase::laser && !has_laser)
+    observer.warn("no light of the scene is a laser: under the phase laser its waves have random phases");
   int64_t waves = 0;
   for (const Sources& set : sets) waves += int64_t(set.waves.size());
   observer.fact("waves", Fact(waves));

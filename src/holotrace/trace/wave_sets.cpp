@@ -15,6 +15,12 @@ bool parts_colours(const Material& material) {
   return glass && !glass->is_thin && is_dispersive(glass->index);
 }
 
+bool is_laser(const Light& light) {
+  const auto* point = std::get_if<PointLight>(&light);
+  const auto* beam = std::get_if<DirectionalLight>(&light);
+  return (point && point->is_laser) || (beam && beam->is_laser);
+}
+
 double at_line(Vec3 v, int line) { return line == 0 ? v.x : line == 1 ? v.y : v.z; }
 
 }  // namespace
@@ -54,16 +60,22 @@ std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params
                                     ? scene.automaton.expressions()[size_t(l)]
                                     : "";
       for (int g = 0; g < groups; ++g) {
-        WaveSet set{group[line], int(line), {}, !params.separate_lights && (point_layers & own) != 0, layer};
+        WaveSet set{group[line], int(line), {}, false, !params.separate_lights && (point_layers & own) != 0, layer};
+        for (int light = 0; light < int(scene.scene.lights.size()); ++light)
+          set.has_laser |= (!params.separate_lights || light == g) && is_laser(scene.scene.lights[size_t(light)]);
         for (int i = 0; i < layers; ++i)
           if (own >> i & 1) set.sums.push_back(g * layers + i);
         if (params.separate_lights) set.name += (layer.empty() ? "" : ", ") + scene.emitters.group_name(g);
         sets.push_back(set);
       }
       if (params.separate_lights && !scene.scene.points.empty() && (point_layers & own) != 0)
-        sets.push_back({group[line], int(line), {}, true, layer + (layer.empty() ? "points" : ", points")});
+        sets.push_back({group[line], int(line), {}, true, true, layer + (layer.empty() ? "points" : ", points")});
     }
   return sets;
+}
+
+uint64_t key_in(const WaveSet& set, SourcePhase phase, uint64_t key, uint64_t sample) {
+  return phase == SourcePhase::laser && !set.has_laser ? sample : key;
 }
 
 SetLight light_of(const WaveSet& set, const LeafLight& light, Vec3 weight) {
@@ -75,7 +87,7 @@ SetLight light_of(const WaveSet& set, const LeafLight& light, Vec3 weight) {
   }
   std::complex<double> amplitude = 0;
   for (const int sum : set.sums) amplitude += light.phasors[size_t(sum)][size_t(set.line)];
-  return {std::norm(amplitude) * share, std::arg(amplitude)};
+  return {std::norm(amplitude) * share, set.has_laser ? std::arg(amplitude) : 0};
 }
 
 }  // namespace holotrace

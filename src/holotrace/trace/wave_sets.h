@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct WaveSet {
   double wavelength = 0;   ///< [m]
   int line = 0;            ///< of the path's three
   std::vector<int> sums;   ///< light of layers and light groups that is in it
+  bool has_laser = false;  ///< lasers are among its lights
   bool has_points = true;  ///< the scene's luminous points are in it, too
   std::string name;        ///< of the layer or light, "" for all
 };
@@ -38,6 +40,10 @@ std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params
 struct SetLight {
   double radiance = 0, phase = 0;
 };
+
+/// Key of the random phase of a wave in a set: that of the wave or, under the phase `laser` in a set without lasers,
+/// which has no phase to follow, the number of its sample.
+uint64_t key_in(const WaveSet& set, SourcePhase phase, uint64_t key, uint64_t sample);
 
 /// Share of a leaf's light that is a set's, through mirrors and glass of that weight.
 SetLight light_of(const WaveSet& set, const LeafLight& light, Vec3 weight);
