@@ -39,7 +39,8 @@ struct SpecularLeaf {
 inline constexpr double farthest_origin = 100;
 
 /// What a ray from the panel finds behind mirrors and glass: the tree of their reflections and refractions, followed
-/// without chance down to the first surfaces that scatter, at most `max_depth` surfaces deep and to branches that
+/// without chance down to the first surfaces that scatter (a smooth coat over a diffuse base is one: its mirror image
+/// stays on it), at most `max_depth` surfaces deep and to branches that
 /// carry a thousandth of the light.
 ///
 /// **Apparent distance.** A leaf's point Q is kept fixed while the ray's origin moves by δq across it; its direction
