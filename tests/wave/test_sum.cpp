@@ -231,6 +231,65 @@ TEST(Synthesize, WarnsOfWavesThatMissThePanel) {
   EXPECT_EQ(warning.rfind("1 of 2 waves reach no pixel", 0), 0U) << warning;
 }
 
+// --- amplitudes of their own in each tile of the panel -------------------------------------------
+
+Sources with_tiles(Sources sources, int columns, int rows) {
+  sources.tiles = {columns, rows, {}};
+  for (int t = 0; t < columns * rows; ++t)
+    for (const Source& s : sources.waves) sources.tiles.values.push_back(s.amplitude);
+  return sources;
+}
+
+// 200 × 131 pixels in 3 × 2 tiles: tiles of unequal size, none a multiple of the sum's own tiles.
+TEST(TileAmplitudes, EqualOnesAreThePlainSum) {
+  const Grid grid{200, 131, 8_um};
+  const Sources plain = make_random_sources(40, grid, green, 0.1_m, 0.2_m, 0.3), tiled = with_tiles(plain, 3, 2);
+  // The same terms, added in the same order: not one bit differs.
+  EXPECT_EQ(sum_exact(plain, grid).samples.values, sum_exact(tiled, grid).samples.values);
+  // Single precision and splits of other tiles: each is within its tolerance of the exact sum.
+  EXPECT_LT(relative_error(sum_tiled(tiled, grid, 1e-4), sum_exact(plain, grid)), 1e-4);
+  EXPECT_EQ(waves_pixels(plain, grid), waves_pixels(tiled, grid));
+}
+
+TEST(TileAmplitudes, AreTheAmplitudesOfTheirPixelsByEveryMethod) {
+  const Grid grid{200, 131, 8_um};
+  const Sources plain = make_random_sources(40, grid, green, 0.1_m, 0.2_m, 0.3);
+  Sources tiled = with_tiles(plain, 4, 3);
+  for (size_t i = 0; i < tiled.tiles.values.size(); ++i) tiled.tiles.values[i] *= float(i % 7) / 3;
+  // By hand: in every tile, the plain sum of waves with that tile's amplitudes.
+  FieldDouble expected(grid, green);
+  for (int t = 0; t < 12; ++t) {
+    Sources one = plain;
+    for (size_t j = 0; j < one.waves.size(); ++j) one.waves[j].amplitude = tiled.tiles.values[t * 40 + j];
+    const FieldDouble field = sum_exact(one, grid);
+    for (int j = t / 4 * 131 / 3; j < (t / 4 + 1) * 131 / 3; ++j)
+      for (int i = t % 4 * 50; i < (t % 4 + 1) * 50; ++i) expected.samples(j, i) = field.samples(j, i);
+  }
+  EXPECT_LT(relative_error(sum_exact(tiled, grid), expected), 1e-14);  // the same terms without those of amplitude 0
+  for (const SynthesisMethod method : {SynthesisMethod::automatic, SynthesisMethod::tiled, SynthesisMethod::exact})
+    EXPECT_LT(relative_error(synthesize(tiled, grid, {method, 1e-3}), expected), 1e-3);
+}
+
+TEST(TileAmplitudes, MoreTilesThanPixelsAndDarkTilesAreNoTrouble) {
+  const Grid grid{6, 5, 8_um};
+  const Sources plain = make_random_sources(5, grid, green, 0.1_m, 0.2_m);
+  EXPECT_LT(relative_error(sum_exact(with_tiles(plain, 9, 7), grid), sum_exact(plain, grid)), 1e-14);
+  Sources dark = with_tiles(plain, 2, 2);
+  for (float& a : dark.tiles.values) a = 0;
+  for (const auto& u : synthesize(dark, grid, {}).samples.values) EXPECT_EQ(u, std::complex<float>(0));
+}
+
+TEST(TileAmplitudes, GiveTheSameBytesOnAnyNumberOfThreads) {
+  const Grid grid{333, 217, 8_um};
+  const Sources sources = with_tiles(make_random_sources(100, grid, green, 0.1_m, 0.2_m), 3, 3);
+  std::vector<Field> fields;
+  for (const size_t threads : {1, 5}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    fields.push_back(sum_tiled(sources, grid, 1e-3));
+  }
+  EXPECT_EQ(fields[0].samples.values, fields[1].samples.values);
+}
+
 void expect_error(const Sources& sources, const Grid& grid, const std::string& start, SynthesizeParams params = {}) {
   try {
     synthesize(sources, grid, params);
@@ -250,6 +309,11 @@ TEST(Synthesize, RefusesWhatIsNoScene) {
   expect_error(one_wave({0, 0, -0.1_m}), {0, 8, 8_um}, "expected a grid of at least 1 × 1 pixels, got 0 × 8");
   expect_error(one_wave({0, 0, -0.1_m}), {8, 8, -8_um}, "expected a pixel pitch above 0 m");
   expect_error(one_wave({0, 0, -0.1_m}), grid, "expected a tolerance in (0, 1), got 0", {SynthesisMethod::tiled, 0});
+  Sources tiled = with_tiles(one_wave({0, 0, -0.1_m}), 2, 3);
+  tiled.tiles.values.pop_back();
+  expect_error(tiled, grid, "expected 6 amplitudes for 2 × 3 tiles and 1 waves, got 5");
+  tiled.tiles.values.push_back(NAN);
+  expect_error(tiled, grid, "expected finite amplitudes of tiles, got nan for source 0 in tile 5");
   expect_error(one_wave({0, 0, -0.1_m}), {2000000, 2000000, 8_um},
                "expected a field of 2000000 × 2000000 samples to fit in memory");
 }

@@ -34,4 +34,12 @@ struct Observer {
   }
 };
 
+/// The same listener for part `part` of `parts` equal parts of a work: it hears the progress of the whole.
+inline Observer part_of(const Observer& observer, int part, int parts) {
+  if (parts == 1 || !observer.on_progress) return observer;
+  Observer of_part = observer;
+  of_part.on_progress = [&observer, part, parts](double fraction) { observer.progress((part + fraction) / parts); };
+  return of_part;
+}
+
 }  // namespace holotrace

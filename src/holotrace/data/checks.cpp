@@ -38,6 +38,18 @@ void check_sources(const Sources& sources) {
         "expected source {} behind the panel (z < 0), got z = {}; move the scene to negative z, the viewer's far side",
         j, format_length(s.origin.z));
   }
+  const TileAmplitudes& tiles = sources.tiles;
+  require((tiles.columns == 0 && tiles.rows == 0) || (tiles.columns > 0 && tiles.rows > 0),
+          "expected amplitudes of at least 1 × 1 tiles, or of none, got {} × {}", tiles.columns, tiles.rows);
+  const size_t amplitudes = size_t(tiles.columns) * size_t(tiles.rows) * sources.waves.size();
+  require(tiles.values.size() == amplitudes, "expected {} amplitudes for {} × {} tiles and {} waves, got {}",
+          amplitudes, tiles.columns, tiles.rows, sources.waves.size(), tiles.values.size());
+  for (size_t i = 0; i < amplitudes; ++i)
+    require(std::isfinite(tiles.values[i]), "expected finite amplitudes of tiles, got {} for source {} in tile {}",
+            tiles.values[i], i % sources.waves.size(), i / sources.waves.size());
+  require(sources.phase_keys.empty() || sources.phase_keys.size() == sources.waves.size(),
+          "expected a phase key for each of {} waves, or none, got {}", sources.waves.size(),
+          sources.phase_keys.size());
 }
 
 namespace {

@@ -51,8 +51,8 @@ double random_phase(uint64_t seed, uint32_t frame, uint64_t key);
 /// one hash per wave, so a further frame needs no tracing.
 void set_frame(Sources& sources, uint32_t frame);
 
-/// @throws Error, naming the first wave at fault, unless every number is finite and every wave is
-///         behind the panel (z < 0).
+/// @throws Error, naming the first wave at fault, unless every number is finite, every wave is
+///         behind the panel (z < 0), and tile amplitudes and phase keys are as many as the waves need.
 void check_sources(const Sources& sources);
 
 }  // namespace holotrace

@@ -51,6 +51,19 @@ double raster_tangent(double field_of_view, const Grid& panel, double wavelength
   return tangent;
 }
 
+bool is_accepted(Vec3 direction, const Grid& panel, double wavelength) {
+  const double s = acceptance_sine(wavelength, panel.pitch), x = direction.x, y = direction.y;
+  return x * x < s * s * (1 - y * y) && y * y < s * s * (1 - x * x);
+}
+
+std::optional<Vec3> accepted_direction(double x, double y, const Grid& panel, double wavelength) {
+  const double limit = acceptance_sine(wavelength, panel.pitch);
+  x *= limit;
+  y *= limit;
+  if (!is_accepted({x, y, 0}, panel, wavelength)) return std::nullopt;
+  return Vec3{x, y, -std::sqrt(1 - x * x - y * y)};
+}
+
 FirstHits::FirstHits(const TraceParams& params, const Grid& panel, double wavelength)
     : pattern_(params.pattern),
       panel_(panel),
@@ -82,28 +95,38 @@ std::optional<Ray> FirstHits::raster_ray(int64_t index) const {
 std::optional<Ray> FirstHits::random_ray(int64_t index, CounterRandom& random) const {
   const double u0 = random.uniform(), v0 = random.uniform(), u1 = random.uniform(), v1 = random.uniform();
   const Vec2 sines = stratum(index, count_, u0, v0), place = stratum(pairing_(index), count_, u1, v1);
-  const double limit = acceptance_sine(wavelength_, panel_.pitch);
-  const double x = (2 * sines.x - 1) * limit, y = (2 * sines.y - 1) * limit;
-  // Inside the box of tangents |x/z|, |y/z| ≤ T, which for T = ∞ is the unit disc.
-  if (x * x >= limit * limit * (1 - y * y) || y * y >= limit * limit * (1 - x * x)) return std::nullopt;
-  return Ray{{(place.x - 0.5) * panel_.width(), (0.5 - place.y) * panel_.height(), 0},
-             {x, y, -std::sqrt(1 - x * x - y * y)}};
+  const auto direction = accepted_direction(2 * sines.x - 1, 2 * sines.y - 1, panel_, wavelength_);
+  if (!direction) return std::nullopt;
+  return Ray{{(place.x - 0.5) * panel_.width(), (0.5 - place.y) * panel_.height(), 0}, *direction};
 }
 
-double FirstHits::squared_amplitude(const Ray& ray, Vec3 origin) const {
+double FirstHits::squared_amplitude(const Ray& ray, Vec3 origin, double wavelength) const {
+  const PixelBox whole{0, panel_.nx, 0, panel_.ny};
+  return squared_amplitude(ray, origin, wavelength, {&whole, 1});
+}
+
+double FirstHits::squared_amplitude(const Ray& ray, Vec3 origin, double wavelength,
+                                    std::span<const PixelBox> visible) const {
   if (pattern_ == Pattern::grid) {
     const double cell = 2 * tangent_ / columns_ * (2 * tangent_ / rows_), cosine = -ray.direction.z;
     return cell * cosine * cosine;
   }
+  if (!is_accepted(ray.direction, panel_, wavelength)) return 0;
   const double limit = acceptance_sine(wavelength_, panel_.pitch);
   const double etendue = panel_.width() * panel_.height() * 4 * limit * limit;
-  const double depth = -origin.z, radius = box_radius(depth, wavelength_, panel_.pitch);
-  const double x0 = std::max(-panel_.width() / 2 - origin.x, -radius);
-  const double x1 = std::min(panel_.width() / 2 - origin.x, radius);
-  const double y0 = std::max(-panel_.height() / 2 - origin.y, -radius);
-  const double y1 = std::min(panel_.height() / 2 - origin.y, radius);
-  if (!(x1 > x0 && y1 > y0)) return 0;
-  return etendue / double(count_) / wave_power(depth, x0, x1, y0, y1);
+  double power = 0;
+  for (const PixelBox& part : visible) power += power_on(origin, wavelength, part);
+  return power > 0 ? etendue / double(count_) / power : 0;
+}
+
+/// Power of a wave of unit amplitude on a part of the panel, inside its box [m²].
+double FirstHits::power_on(Vec3 origin, double wavelength, const PixelBox& part) const {
+  const double depth = -origin.z, radius = box_radius(depth, wavelength, panel_.pitch), edge = panel_.pitch / 2;
+  const double x0 = std::max(panel_.x(part.x0) - edge - origin.x, -radius);
+  const double x1 = std::min(panel_.x(part.x1 - 1) + edge - origin.x, radius);
+  const double y0 = std::max(panel_.y(part.y1 - 1) - edge - origin.y, -radius);
+  const double y1 = std::min(panel_.y(part.y0) + edge - origin.y, radius);
+  return x1 > x0 && y1 > y0 ? wave_power(depth, x0, x1, y0, y1) : 0;
 }
 
 }  // namespace holotrace

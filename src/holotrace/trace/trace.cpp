@@ -14,6 +14,10 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/path.h"
+#include "holotrace/trace/ray_waves.h"
+#include "holotrace/trace/source_phase.h"
+#include "holotrace/trace/tiles.h"
+#include "holotrace/trace/wave_sets.h"
 
 namespace holotrace {
 
@@ -21,56 +25,133 @@ namespace {
 
 constexpr int64_t block_size = 64;  // rays that one task follows
 
-void check_params(const TraceParams& params) {
-  require(params.paths >= 1, "expected paths of 1 or more per first hit, got {}", params.paths);
-  require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
-}
+/// What all rays of a tracing share.
+struct Tracing {
+  const PathScene& scene;
+  const TraceParams& params;
+  const FirstHits* pattern;  // none for a scene of points alone
+  const std::vector<PanelTile>& tiles;
+  const std::vector<WaveSet>& sets;
+  double side;  // of the cells of equal surface phase
+};
 
-/// The first number of a sample's sequence makes its phase, so that phases do not depend on the light.
-double draw_phase(SourcePhase phase, CounterRandom& random) {
-  const double u = random.uniform();
-  return phase == SourcePhase::random ? 2 * pi * u : 0;
-}
+/// Waves of one set.
+struct Waves {
+  std::vector<Source> waves;
+  std::vector<uint64_t> keys;
+  std::vector<float> tiles;  // tiles[wave·tiles + tile]
 
-/// The luminous points that no mesh hides from the panel's centre, as they are.
-void append_points(const Accelerator& accelerator, const TraceParams& params, std::vector<Source>& waves) {
-  const std::vector<ScenePoint>& points = accelerator.scene().points;
-  for (size_t i = 0; i < points.size(); ++i) {
-    const ScenePoint& point = points[i];
-    if (accelerator.is_occluded({}, point.position)) continue;
-    CounterRandom random(uint64_t(params.seed), 0, i);
-    waves.push_back({point.position, point.amplitude, float(draw_phase(params.phase, random) + point.phase)});
+  void add(const Tracing& t, Vec3 origin, double amplitude, double phase, uint64_t key) {
+    if (key != Sources::no_phase_key) phase += random_phase(uint64_t(t.params.seed), 0, key);
+    waves.push_back({origin, float(amplitude), float(phase)});
+    if (key != Sources::no_phase_key) keys.push_back(key);  // all waves of a set have one, or none
   }
-}
+};
 
 /// What one task finds.
 struct Block {
-  std::vector<Source> waves;
+  std::vector<Waves> sets;
   PathCounts counts;
-  int64_t first_hits = 0;
+  int64_t first_hits = 0, far_waves = 0;
 };
 
+/// The angle in [0, 2π), where a float keeps it best.
+double wrapped(double phase) { return phase - 2 * pi * std::floor(phase / (2 * pi)); }
+
+/// Adds the waves that a ray has found to the sets, each with one amplitude for the whole panel.
+void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t sample, Block& block) {
+  for (size_t i = 0; i < t.sets.size(); ++i) {
+    const WaveSet& set = t.sets[i];
+    const SetLight light = light_of(set, wave.light, wave.leaf.weight);
+    if (!(light.radiance > 0)) continue;
+    const double squared = squared_amplitude_of(light.radiance, t.params.amplitude) *
+                           t.pattern->squared_amplitude(ray, wave.origin, set.wavelength);
+    const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light.phase);
+    if (const double amplitude = std::sqrt(squared); amplitude > 0)
+      block.sets[i].add(t, wave.origin, amplitude, phase, key_in(set, t.params.phase, wave.key, sample));
+  }
+}
+
+/// The same, each with an amplitude for every tile that sees it.
+void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t sample, Block& block) {
+  std::vector<std::optional<SeenLight>> seen;
+  std::vector<PixelBox> visible;
+  for (const PanelTile& tile : t.tiles) {
+    seen.push_back(light_toward(t.scene, t.params, wave, tile.centre, sample, block.counts));
+    if (seen.back()) visible.push_back(tile.box);
+  }
+  if (visible.empty()) return;
+  for (size_t i = 0; i < t.sets.size(); ++i) {
+    const WaveSet& set = t.sets[i];
+    const SetLight light = light_of(set, wave.light, wave.leaf.weight);
+    const double per_radiance = visible.size() == t.tiles.size()
+                                    ? t.pattern->squared_amplitude(ray, wave.origin, set.wavelength)
+                                    : t.pattern->squared_amplitude(ray, wave.origin, set.wavelength, visible);
+    const auto amplitude_of = [&](const SetLight& l) {
+      return std::sqrt(squared_amplitude_of(l.radiance, t.params.amplitude) * per_radiance);
+    };
+    Waves& waves = block.sets[i];
+    const size_t first = waves.tiles.size();
+    bool is_lit = false;
+    for (const auto& toward : seen) {
+      const double amplitude =
+          toward ? amplitude_of(light_of(set, toward->light ? *toward->light : wave.light, toward->weight)) : 0;
+      waves.tiles.push_back(float(amplitude));
+      is_lit = is_lit || amplitude > 0;
+    }
+    if (!is_lit) {
+      waves.tiles.resize(first);
+      continue;
+    }
+    const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light.phase);
+    waves.add(t, wave.origin, amplitude_of(light), phase, key_in(set, t.params.phase, wave.key, sample));
+  }
+}
+
 /// Follows ray `index` to its first hit and traces light there.
-void trace_sample(const PathScene& scene, const FirstHits& pattern, int64_t index, const TraceParams& params,
-                  Block& block) {
-  const uint64_t sample = scene.scene.points.size() + uint64_t(index);
-  CounterRandom random(uint64_t(params.seed), 0, sample);
-  const double phase = draw_phase(params.phase, random);
-  const auto ray = pattern.ray(index, random);
+void trace_sample(const Tracing& t, int64_t index, Block& block) {
+  const uint64_t sample = t.scene.scene.points.size() + uint64_t(index);
+  CounterRandom random(uint64_t(t.params.seed), 0, sample);
+  random.uniform();  // the sample's random phase
+  const auto ray = t.pattern->ray(index, random);
   if (!ray) return;
-  ++block.counts.rays;
-  const auto hit = scene.accelerator.closest_hit(*ray);
-  if (!hit) return;
-  ++block.first_hits;
-  const Vec3 origin = hit->point.position;
-  std::vector<Vec3> sums(size_t(scene.sums()));
-  mean_radiance(scene, {hit->point, -ray->direction, scene.automaton.start(), 1}, params.paths, sample, sums,
-                block.counts);
-  double radiance = 0;
-  for (const Vec3 sum : sums) radiance += sum.x;
-  const double light = params.amplitude == AmplitudeLaw::sqrt ? radiance : radiance * radiance;
-  const double amplitude = std::sqrt(light * pattern.squared_amplitude(*ray, origin));
-  if (amplitude > 0) block.waves.push_back({origin, float(amplitude), float(phase)});
+  const std::vector<RayWave> waves = find_waves(t.scene, t.params, t.side, *ray, sample, block.counts);
+  block.first_hits += !waves.empty();
+  for (const RayWave& wave : waves) {
+    block.far_waves += wave.leaf.is_far;
+    if (t.tiles.empty())
+      add_shared(t, *ray, wave, sample, block);
+    else
+      add_tiled(t, *ray, wave, sample, block);
+  }
+}
+
+/// Key of the random phase of luminous point i.
+uint64_t point_key(const Tracing& t, const WaveSet& set, size_t i) {
+  if (t.params.phase == SourcePhase::random) return i;
+  if (t.params.phase == SourcePhase::laser) return key_in(set, t.params.phase, Sources::no_phase_key, i);
+  if (t.params.phase == SourcePhase::surface || t.params.phase == SourcePhase::path)
+    return surface_phase_key(t.scene.scene.points[i].position, t.side);
+  return Sources::no_phase_key;
+}
+
+/// The luminous points that the panel's centre or, tiled, any tile sees, as they are.
+void add_points(const Tracing& t, std::vector<Waves>& sets) {
+  const std::vector<ScenePoint>& points = t.scene.scene.points;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const ScenePoint& point = points[i];
+    const auto is_seen = [&](Vec3 place) { return !t.scene.accelerator.is_occluded(place, point.position); };
+    std::vector<float> amplitudes;
+    for (const PanelTile& tile : t.tiles) amplitudes.push_back(is_seen(tile.centre) ? point.amplitude : 0);
+    const bool is_lit =
+        t.tiles.empty() ? is_seen({}) : std::any_of(amplitudes.begin(), amplitudes.end(), [](float a) { return a; });
+    if (!is_lit) continue;
+    for (size_t s = 0; s < sets.size(); ++s) {
+      if (!t.sets[s].has_points) continue;
+      sets[s].add(t, point.position, point.amplitude, point.phase, point_key(t, t.sets[s], i));
+      sets[s].tiles.insert(sets[s].tiles.end(), amplitudes.begin(), amplitudes.end());
+    }
+  }
 }
 
 /// Says how far the rays looked, and what would make them meet a mesh.
@@ -88,63 +169,124 @@ std::string unseen_sentence(const Grid& panel, double wavelength, const TracePar
                                       : "move the scene onto the axis or take a panel of finer pitch");
 }
 
-/// The waves of the meshes, and the facts of their tracing.
-void append_meshes(const PathScene& path_scene, const Grid& panel, double wavelength, const TraceParams& params,
-                   const FirstHits& pattern, const Observer& observer, std::vector<Source>& waves) {
-  const int64_t count = pattern.count();
-  require_memory(double(count) * sizeof(Source), fmt::format("the waves of {} first hits", count));
+/// Facts of all tracings of a call.
+struct Totals {
+  PathCounts counts;
+  int64_t rays = 0, first_hits = 0, far_waves = 0, mesh_waves = 0;
+};
+
+/// The blocks' waves of set `s` after those of the points, which are in `points`; takes the blocks' memory.
+Sources join(const Tracing& t, size_t s, Waves& points, std::vector<Block>& blocks) {
+  Sources sources;
+  sources.wavelength = t.sets[s].wavelength;
+  sources.name = t.sets[s].name;
+  sources.seed = uint64_t(t.params.seed);
+  size_t count = points.waves.size();
+  for (const Block& block : blocks) count += block.sets[s].waves.size();
+  sources.waves.reserve(count);
+  const size_t tiles = t.tiles.size();
+  if (tiles > 0) sources.tiles = {t.params.tile_columns, t.params.tile_rows, std::vector<float>(tiles * count)};
+  const auto take = [&](Waves& from) {
+    for (size_t i = 0; i < from.tiles.size(); ++i)
+      sources.tiles.values[i % tiles * count + sources.waves.size() + i / tiles] = from.tiles[i];
+    sources.waves.insert(sources.waves.end(), from.waves.begin(), from.waves.end());
+    sources.phase_keys.insert(sources.phase_keys.end(), from.keys.begin(), from.keys.end());
+    from = {};
+  };
+  take(points);
+  for (Block& block : blocks) take(block.sets[s]);
+  return sources;
+}
+
+/// Traces one group of wavelengths; sets of lights or layers that have no wave are left out.
+void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std::vector<Sources>& sets) {
+  const int64_t count = t.pattern ? t.pattern->count() : 0;
+  const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(float) * double(t.tiles.size());
+  require_memory(2 * bytes * double(count) * double(t.sets.size()),
+                 fmt::format("{} sets of waves of {} first hits", t.sets.size(), count));
+  std::vector<Waves> points(t.sets.size());
+  add_points(t, points);
   std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
   const auto trace_block = [&](int64_t b) {
+    Block& block = blocks[size_t(b)];
+    block.sets.resize(t.sets.size());
     const int64_t end = std::min(count, (b + 1) * block_size);
-    for (int64_t i = b * block_size; i < end; ++i) trace_sample(path_scene, pattern, i, params, blocks[size_t(b)]);
+    for (int64_t i = b * block_size; i < end; ++i) trace_sample(t, i, block);
   };
   parallel_for(0, int64_t(blocks.size()), trace_block, observer);
 
-  PathCounts counts;
-  int64_t first_hits = 0;
-  const size_t points = waves.size();
+  totals.rays += count;
   for (const Block& block : blocks) {
-    counts += block.counts;
-    first_hits += block.first_hits;
-    waves.insert(waves.end(), block.waves.begin(), block.waves.end());
+    totals.counts += block.counts;
+    totals.first_hits += block.first_hits;
+    totals.far_waves += block.far_waves;
+    for (const Waves& set : block.sets) totals.mesh_waves += int64_t(set.waves.size());
   }
-  report(counts, params.max_depth, observer);
-  observer.fact("first_hits", Fact(first_hits));
-  if (first_hits == 0)
-    observer.warn(unseen_sentence(panel, wavelength, params, count));
-  else if (waves.size() == points)
-    observer.warn("every first hit is dark; add lights, emission or a background to the scene");
+  const bool is_whole = !t.params.separate_layers && !t.params.separate_lights;
+  for (size_t s = 0; s < t.sets.size(); ++s) {
+    Sources sources = join(t, s, points[s], blocks);
+    if (is_whole || !sources.waves.empty()) sets.push_back(std::move(sources));
+  }
+}
+
+void check_params(const TraceParams& params) {
+  require(params.paths >= 1, "expected paths of 1 or more per first hit, got {}", params.paths);
+  require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
+  require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
+  require(params.strategy != Strategy::gather,
+          "expected the strategy shared or tiled, got gather, which makes no waves but fields; call gather");
 }
 
 }  // namespace
 
-Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
-              const Observer& observer) {
-  check_scene(scene);
-  check_grid(panel);
-  check_wavelength(wavelength);
-  check_params(params);
-
-  Sources sources;
-  sources.wavelength = wavelength;
-  PathParams path_params;
-  path_params.max_depth = params.max_depth;
-  path_params.seed = uint64_t(params.seed);
-  const PathScene path_scene(scene, make_lines(wavelength, wavelength, wavelength), params.layers, path_params);
-  append_points(path_scene.accelerator, params, sources.waves);
-  if (!scene.meshes.empty()) {
-    const FirstHits pattern(params, panel, wavelength);
-    append_meshes(path_scene, panel, wavelength, params, pattern, observer, sources.waves);
-  }
-  observer.fact("waves", Fact(int64_t(sources.waves.size())));
-  return sources;
-}
-
 std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
                            const TraceParams& params, const Observer& observer) {
+  check_scene(scene);
+  check_grid(panel);
+  require(!wavelengths.empty(), "expected at least one wavelength, got none");
+  for (const double wavelength : wavelengths) check_wavelength(wavelength);
+  check_params(params);
+  const std::vector<PanelTile> tiles = make_tiles(params, panel);
+  const double side = cell_side(params, panel), longest = *std::max_element(wavelengths.begin(), wavelengths.end());
+  std::optional<FirstHits> pattern;
+
   std::vector<Sources> sets;
-  for (const double wavelength : wavelengths) sets.push_back(trace(scene, panel, wavelength, params, observer));
+  Totals totals;
+  bool has_laser = false;
+  const auto groups = group_wavelengths(scene, wavelengths);
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
+    if (!pattern && !scene.meshes.empty()) pattern.emplace(params, panel, longest);
+    const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g]);
+    for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
+    const Tracing tracing{path_scene, params, pattern ? &*pattern : nullptr, tiles, wave_sets, side};
+    const Observer part = part_of(observer, int(g), int(groups.size()));
+    trace_group(tracing, part, totals, sets);
+  }
+  if (!scene.meshes.empty()) {
+    report(totals.counts, params.max_depth, observer);
+    observer.fact("first_hits", Fact(totals.first_hits));
+    if (follows_mirrors(params.phase)) observer.fact("far_waves", Fact(totals.far_waves));
+    if (totals.first_hits == 0)
+      observer.warn(unseen_sentence(panel, longest, params, totals.rays));
+    else if (totals.mesh_waves == 0)
+      observer.warn("every first hit is dark; add lights, emission or a background to the scene");
+  }
+  if (params.phase == SourcePhase::laser && !has_laser)
+    observer.warn("no light of the scene is a laser: under the phase laser its waves have random phases");
+  int64_t waves = 0;
+  for (const Sources& set : sets) waves += int64_t(set.waves.size());
+  observer.fact("waves", Fact(waves));
   return sets;
+}
+
+Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
+              const Observer& observer) {
+  require(!params.separate_layers && !params.separate_lights,
+          "expected parameters that make one set of waves, got separate_layers = {}, separate_lights = {}; trace a "
+          "list of wavelengths, which returns all sets",
+          params.separate_layers, params.separate_lights);
+  return std::move(trace(scene, panel, std::vector<double>{wavelength}, params, observer).front());
 }
 
 }  // namespace holotrace

@@ -14,8 +14,15 @@ namespace holotrace {
 /// with the light that path tracing finds there (Holographic Monte Carlo Path Tracing, the paper's Fig. 10, with
 /// every wave shared by all pixels).
 ///
+/// **Sets.** For each wavelength in turn one set of waves; with params.separate_layers one per layer, named by its
+/// expression, with params.separate_lights one per light group, "light 0", …, "emission", "background", "points",
+/// and both combined as "EDL, light 0"; separate sets without a wave are left out. Otherwise all layers' light adds
+/// up. Sets do not interfere: each is a hologram of its own. Up to three wavelengths share their light paths; where a
+/// solid dielectric is dispersive, so that colours part, each is traced by itself. They share their first hits
+/// in any case: those of the longest wavelength, whose acceptance is the widest.
+///
 /// **Amplitudes.** |U|² is the irradiance on the panel. L is the radiance of a first hit o toward the ray
-/// (path_radiance, taken at the wavelength by radiance_at), d₀ = −o.z its depth, T = acceptance_tangent.
+/// (mean_radiance at the wavelength's line), d₀ = −o.z its depth, T = acceptance_tangent of the longest wavelength.
 ///
 /// - `grid`: rays from the panel's centre through the centres of columns × rows cells, evenly over the tangents
 ///   |x/d₀|, |y/d₀| ≤ T or tan(field_of_view), row 0 on top. A cell of tangent area dA at the angle θ fills the solid
@@ -32,36 +39,51 @@ namespace holotrace {
 ///
 ///       a² · ∫_{panel ∩ box} (d₀/r)² dA = L·G/N
 ///
-///   so that the mean irradiance over the panel is right for any scene, and every pixel has its share.
+///   so that the mean irradiance over the panel is right for any scene, and every pixel has its share. Shorter
+///   wavelengths take the rays inside their own acceptance, and their own boxes.
 ///
 /// `amplitude = linear` puts L²/(1 W/m²/sr) for L in both: a ∝ L, as the paper's Step 5. With `sqrt`, noise in L makes
-/// the mean of a smaller by Var(L)/8L², relative: `paths` is what makes that small.
+/// the mean of a smaller by Var(L)/8L², relative: `paths` is what makes that small. Luminous points keep their
+/// amplitude.
 ///
-/// **Phases.** random: 2π·u; constant: 0; a luminous point adds its own. Luminous points keep their amplitude; they
-/// hide nothing, and a mesh between one and the panel's centre hides it. A first hit that is dark makes no wave, a ray
-/// that hits nothing neither.
+/// **Phases**: source_phase.h. Under `random`, `constant` and `surface` waves begin at the first hit, even where
+/// that is a mirror; under `path` and `laser` behind mirrors and glass (specular.h), where the optical path puts them,
+/// as many as there are ways. Luminous points add their own phase; under `laser` they have no other. Random parts are
+/// of frame 0; set_frame draws another at the cost of a hash per wave, without tracing.
 ///
-/// Random numbers come from CounterRandom(seed, 0, i), i counting the points and then the rays; the waves are in that
+/// **Occlusion.** `shared` gives a wave to every pixel in its box, whatever stands between; luminous points are
+/// those that the panel's centre sees. `tiled` cuts the panel into tile_columns × tile_rows tiles; each wave has in
+/// each (Sources::tiles) the amplitude by the radiance toward the tile's centre, 0 where that does not see it
+/// (light_toward of ray_waves.h), and waves that no tile sees are dropped; amplitudes of the waves themselves are those
+/// along their rays. In a `random` pattern a wave brings its power L·G/N to the tiles that see it, as its rays come
+/// from there only: parts of the panel that see less see it brighter. A `grid` finds what the panel's centre sees:
+/// parallax then uncovers nothing that was hidden there; take `random` for that. Luminous points have their visibility
+/// per tile.
+///
+/// A first hit that is dark makes no wave, a ray that hits nothing neither; points hide nothing.
+///
+/// Random numbers are counted, i counting the points and then the rays; the waves are in that
 /// order, so the result is the same on any number of threads.
 ///
-/// @param scene       at z < 0 [m]
-/// @param panel       pixels: nx, ny, pitch [m]
-/// @param wavelength  [m]
-/// @param observer    hears the facts of `report` and "first_hits" and "waves"; warnings when the rays miss the scene
-/// or
-///                    find it dark
-/// @throws Error      for parameters out of range, a scene that check_scene or Accelerator refuses, and a raster
-/// without
-///                    `field_of_view` on a panel of pitch λ/2 or less, whose acceptance has no tangent
+/// @param scene        at z < 0 [m]
+/// @param panel        pixels: nx, ny, pitch [m]
+/// @param wavelengths  [m], at least one
+/// @param observer     hears the facts of `report`, "first_hits", "waves" (of all sets) and, where phases follow
+///                     mirrors, "far_waves" (is_far of specular.h); warnings when the rays miss the scene or find it
+///                     dark
+/// @throws Error       for parameters out of range, the strategy gather (gather.h), a scene that check_scene or
+///                     Accelerator refuses, and a raster without `field_of_view` on a panel of pitch λ/2 or less,
+///                     whose acceptance has no tangent
 ///
-/// Cost: one ray per first hit, then mean_path_length·(1 + lights) rays per path.
-Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
-              const Observer& observer = {});
-
-/// The sets of waves of a scene, none coherent with another: for each wavelength in turn, one set; with
-/// params.separate_layers one per layer, with params.separate_lights one per light group (and layer). All of frame 0:
-/// set_frame makes the others.
+/// Cost: one ray per first hit, then mean_path_length·(1 + lights) rays per path; tiled, a shadow ray more per wave and
+/// tile, and paths again for each tile where surfaces are not diffuse alone. Memory: 40 bytes per wave and set, and
+/// 4 per tile; twice that while tracing.
 std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
                            const TraceParams& params, const Observer& observer = {});
+
+/// The same for one wavelength [m] and parameters that make one set.
+/// @throws Error  for separate_layers or separate_lights, and as above
+Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
+              const Observer& observer = {});
 
 }  // namespace holotrace

@@ -3,20 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <vector>
 
+#include "holotrace/base/cycles.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/grid.h"
+#include "holotrace/data/panel_tiles.h"
 #include "holotrace/data/sources.h"
 
 namespace holotrace {
-
-/// Pixels [x0, x1) × [y0, y1) of a grid.
-struct PixelBox {
-  int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
-  bool is_empty() const { return x0 >= x1 || y0 >= y1; }
-  int64_t pixels() const { return is_empty() ? 0 : int64_t(x1 - x0) * (y1 - y0); }
-};
 
 /// The pixels that a source lights: |x − xₒ| ≤ R and |y − yₒ| ≤ R, R = d₀·tan(asin(λ/2p)) (Eq. 14).
 inline PixelBox lit_box(const Source& source, const Grid& grid, double tangent) {
@@ -28,18 +24,6 @@ inline PixelBox lit_box(const Source& source, const Grid& grid, double tangent) 
   const double reach = radius / grid.pitch;
   return {clamp(std::ceil(column - reach), grid.nx), clamp(std::floor(column + reach) + 1, grid.nx),
           clamp(std::ceil(row - reach), grid.ny), clamp(std::floor(row + reach) + 1, grid.ny)};
-}
-
-/// exp(2πi·cycles), reduced before it is scaled.
-inline std::complex<double> cis_cycles(double cycles) {
-  return std::polar(1.0, 2 * pi * (cycles - std::floor(cycles)));
-}
-
-/// The fraction of a cycle in a length of many wavelengths, in [0, 1). Long double keeps 1e-19 of
-/// the cycle count, where a double keeps 1e-10 of a cycle at 0.3 m.
-inline double cycle_fraction(double length, double wavelength) {
-  const long double cycles = (long double)length / wavelength;
-  return double(cycles - std::floor(cycles));
 }
 
 /// r − d for r = √(ρ² + d²) without the cancellation of the difference: ρ²/(r + d).
@@ -64,12 +48,46 @@ inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double 
           lit_box(source, grid, acceptance_tangent(wavelength, grid.pitch))};
 }
 
-/// The sources ready for summation, without those that light no pixel of the grid.
+/// The sources ready for summation, without those that light no pixel of the grid. For tile amplitudes the panel's
+/// amplitudes are overruled one tile at a time: see the other prepare_waves.
 inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Grid& grid) {
   std::vector<PreparedWave> waves;
   waves.reserve(sources.waves.size());
   for (const Source& source : sources.waves) {
     const PreparedWave wave = prepare_wave(source, grid, sources.wavelength);
+    if (!wave.box.is_empty()) waves.push_back(wave);
+  }
+  return waves;
+}
+
+/// How many parts of the panel the waves have amplitudes of their own in: 1 without tile amplitudes.
+inline int panel_parts(const Sources& sources) {
+  return sources.tiles.columns > 0 ? sources.tiles.columns * sources.tiles.rows : 1;
+}
+
+/// The pixels of part `part` of panel_parts: a tile of TileAmplitudes, or the whole panel.
+inline PixelBox panel_part(const Sources& sources, const Grid& grid, int part) {
+  if (sources.tiles.columns == 0) return {0, grid.nx, 0, grid.ny};
+  return tile_box(grid, sources.tiles.columns, sources.tiles.rows, part);
+}
+
+/// The amplitude of a wave in that part [√(W/m²)].
+inline float amplitude_in(const Sources& sources, size_t wave, int part) {
+  if (sources.tiles.columns == 0) return sources.waves[wave].amplitude;
+  return sources.tiles.values[size_t(part) * sources.waves.size() + wave];
+}
+
+/// The waves as one part of the panel sees them: its amplitudes, boxes that end at its edges, and none without either.
+inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Grid& grid, int part) {
+  if (sources.tiles.columns == 0) return prepare_waves(sources, grid);
+  const PixelBox bounds = panel_part(sources, grid, part);
+  std::vector<PreparedWave> waves;
+  for (size_t i = 0; i < sources.waves.size(); ++i) {
+    const float amplitude = amplitude_in(sources, i, part);
+    if (amplitude == 0) continue;
+    PreparedWave wave = prepare_wave(sources.waves[i], grid, sources.wavelength);
+    wave.amplitude = amplitude;
+    wave.box = intersect(wave.box, bounds);
     if (!wave.box.is_empty()) waves.push_back(wave);
   }
   return waves;

@@ -9,18 +9,22 @@ FieldDouble sum_exact(const Sources& sources, const Grid& grid, const Observer& 
   check_grid(grid);
   check_sources(sources);
   check_field_fits(grid, sizeof(std::complex<double>));
-  const std::vector<PreparedWave> waves = prepare_waves(sources, grid);
   FieldDouble field(grid, sources.wavelength);
-  parallel_for(
-      0, grid.ny,
-      [&](int64_t j) {
-        std::complex<double>* row = field.samples.row(int(j));
-        const double y = grid.y(double(j));
-        for (const PreparedWave& wave : waves)
-          if (j >= wave.box.y0 && j < wave.box.y1)
-            for (int i = wave.box.x0; i < wave.box.x1; ++i) row[i] += wave_at(wave, grid.x(i), y, sources.wavelength);
-      },
-      observer);
+  const int parts = panel_parts(sources);
+  for (int part = 0; part < parts; ++part) {
+    const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
+    const PixelBox bounds = panel_part(sources, grid, part);
+    parallel_for(
+        bounds.y0, bounds.y1,
+        [&](int64_t j) {
+          std::complex<double>* row = field.samples.row(int(j));
+          const double y = grid.y(double(j));
+          for (const PreparedWave& wave : waves)
+            if (j >= wave.box.y0 && j < wave.box.y1)
+              for (int i = wave.box.x0; i < wave.box.x1; ++i) row[i] += wave_at(wave, grid.x(i), y, sources.wavelength);
+        },
+        part_of(observer, part, parts));
+  }
   return field;
 }
 

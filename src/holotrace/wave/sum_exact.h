@@ -11,6 +11,8 @@ namespace holotrace {
 ///
 ///     U(p) = Σⱼ aⱼ·d₀ⱼ/rⱼ(p)·exp(i(2π·rⱼ(p)/λ + φⱼ)),   rⱼ = ‖p − oⱼ‖,  p inside the box of j   (Eq. 7, 13)
 ///
+/// With tile amplitudes (TileAmplitudes) aⱼ is that of the tile that p lies in.
+///
 /// @param sources  spherical waves at z < 0 [m]
 /// @param grid     panel pixels: nx, ny, pitch [m]
 /// @return         complex amplitude, shape (ny, nx) [√(W/m²)], within 1e-11 of the sum above

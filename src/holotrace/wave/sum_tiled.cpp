@@ -10,25 +10,55 @@
 namespace holotrace {
 namespace {
 
-Field sum_tiles(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, TileShape tile,
-                const Observer& observer) {
-  Field field(grid, wavelength);
-  const int across = (grid.nx + tile.columns - 1) / tile.columns, down = (grid.ny + tile.rows - 1) / tile.rows;
+// Sums the waves into the pixels of `bounds`, tile by tile from its top left corner on; overwrites them.
+void sum_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, TileShape tile, Field& field,
+               const Observer& observer) {
+  const int across = (bounds.x1 - bounds.x0 + tile.columns - 1) / tile.columns;
+  const int down = (bounds.y1 - bounds.y0 + tile.rows - 1) / tile.rows;
   parallel_for(
       0, int64_t(across) * down,
       [&](int64_t t) {
-        const int x0 = int(t % across) * tile.columns, y0 = int(t / across) * tile.rows;
-        const PixelBox box{x0, std::min(x0 + tile.columns, grid.nx), y0, std::min(y0 + tile.rows, grid.ny)};
-        sum_tile(waves, grid, wavelength, tile, box, field.samples);
+        const int x0 = bounds.x0 + int(t % across) * tile.columns, y0 = bounds.y0 + int(t / across) * tile.rows;
+        const PixelBox box{x0, std::min(x0 + tile.columns, bounds.x1), y0, std::min(y0 + tile.rows, bounds.y1)};
+        sum_tile(waves, field.grid, field.wavelength, tile, box, field.samples);
       },
       observer);
-  return field;
 }
 
-// Energy of the field over the sum of its waves' energies.
-double coherence_of(const Field& field, const SplitEnergies& energies) {
-  const double pixel = field.grid.pitch * field.grid.pitch;
-  return energies.waves > 0 ? power(field) / pixel / energies.waves : 1;
+// Energy of the field in the bounds over the sum of its waves' energies there.
+double coherence_of(const Field& field, const PixelBox& bounds, const SplitEnergies& energies) {
+  double sum = 0;
+  for (int j = bounds.y0; j < bounds.y1; ++j)
+    for (int i = bounds.x0; i < bounds.x1; ++i) sum += std::norm(std::complex<double>(field.samples(j, i)));
+  return energies.waves > 0 ? sum / energies.waves : 1;
+}
+
+// One part of the panel: the tile that was taken and the error expected of it, or no tile that meets the tolerance.
+struct PartSum {
+  bool meets_tolerance = false;
+  TileShape tile{};
+  double reachable = 0;  // a tolerance that is met
+};
+
+PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds, double tolerance, Field& field,
+                 const Observer& observer) {
+  // The second round, where the waves cancel, knows their coherence; a field that is nearly nothing may need a third.
+  PartSum part;
+  double coherence = 1;
+  for (int round = 0; round < 3; ++round) {
+    const TileChoice choice = choose_tile(waves, field.grid, bounds, field.wavelength, tolerance, coherence);
+    part = {false, choice.tile, 1.25 * choice.error};
+    if (!choice.meets_tolerance) return part;
+    sum_tiles(waves, bounds, choice.tile, field, observer);
+    const double met = std::min(1.0, coherence_of(field, bounds, choice.energies));
+    part.reachable = 1.25 * choice.error * std::sqrt(coherence / met);
+    if (part.reachable <= tolerance) {
+      part.meets_tolerance = true;
+      return part;
+    }
+    coherence = met;
+  }
+  return part;
 }
 
 }  // namespace
@@ -38,26 +68,23 @@ std::optional<Field> try_sum_tiled(const Sources& sources, const Grid& grid, dou
   check_grid(grid);
   check_sources(sources);
   check_field_fits(grid, sizeof(std::complex<float>));
-  const std::vector<PreparedWave> waves = prepare_waves(sources, grid);
-  if (waves.empty()) return Field(grid, sources.wavelength);
-
-  // The second round, where the waves cancel, knows their coherence; a field that is nearly nothing may need a third.
-  double coherence = 1;
-  for (int round = 0; round < 3; ++round) {
-    const TileChoice choice = choose_tile(waves, grid, sources.wavelength, tolerance, coherence);
-    reachable = 1.25 * choice.error;
-    if (!choice.meets_tolerance) return std::nullopt;
-    Field field = sum_tiles(waves, grid, sources.wavelength, choice.tile, observer);
-    const double met = std::min(1.0, coherence_of(field, choice.energies));
-    reachable = 1.25 * choice.error * std::sqrt(coherence / met);
-    if (reachable <= tolerance) {
-      observer.fact("tile", fmt::format("{}x{}", choice.tile.columns, choice.tile.rows));
-      observer.fact("expected_error", reachable / 1.25);
-      return field;
-    }
-    coherence = met;
+  Field field(grid, sources.wavelength);
+  // Parts whose error is at most the tolerance times their own energy make a whole of which the same holds.
+  PartSum worst;
+  const int parts = panel_parts(sources);
+  for (int part = 0; part < parts; ++part) {
+    const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
+    if (waves.empty()) continue;
+    const PartSum done =
+        sum_part(waves, panel_part(sources, grid, part), tolerance, field, part_of(observer, part, parts));
+    if (done.reachable >= worst.reachable) worst = done;
+    reachable = worst.reachable;
+    if (!done.meets_tolerance) return std::nullopt;
   }
-  return std::nullopt;
+  if (worst.reachable == 0) return field;
+  observer.fact("tile", fmt::format("{}x{}", worst.tile.columns, worst.tile.rows));
+  observer.fact("expected_error", worst.reachable / 1.25);
+  return field;
 }
 
 Field sum_tiled(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer) {

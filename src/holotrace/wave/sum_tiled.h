@@ -18,6 +18,9 @@ namespace holotrace {
 /// k·x₀·y₀·u·v/r₀³, is kept below `tolerance` by choosing the shape of the tile (tile_error.h). Where the
 /// waves turn out to cancel, so that their errors weigh more, the sum is made again with smaller tiles.
 ///
+/// With tile amplitudes (TileAmplitudes) aⱼ is that of the panel's tile that p lies in: the sum is made one of
+/// those tiles after the other, each of them to the tolerance, and the fact "tile" is that of the worst.
+///
 /// @param sources    spherical waves at z < 0 [m]
 /// @param grid       panel pixels: nx, ny, pitch [m]
 /// @param tolerance  bound on the relative L2 error against sum_exact, 1e-5 or more

@@ -12,12 +12,32 @@
 namespace holotrace {
 namespace {
 
-void report_boxes(const Sources& sources, const Grid& grid, const Observer& observer) {
+// Pixels that each wave lights, its tiles' amplitudes considered.
+template <class Visit>
+void for_each_wave(const Sources& sources, const Grid& grid, const Visit& visit) {
   const double tangent = acceptance_tangent(sources.wavelength, grid.pitch);
-  const auto missed = std::count_if(sources.waves.begin(), sources.waves.end(),
-                                    [&](const Source& source) { return lit_box(source, grid, tangent).is_empty(); });
+  const int parts = panel_parts(sources);
+  for (size_t i = 0; i < sources.waves.size(); ++i) {
+    const PixelBox box = lit_box(sources.waves[i], grid, tangent);
+    if (sources.tiles.columns == 0) {
+      visit(box.pixels());
+      continue;
+    }
+    int64_t pixels = 0;
+    for (int part = 0; part < parts; ++part)
+      if (amplitude_in(sources, i, part) != 0) pixels += intersect(box, panel_part(sources, grid, part)).pixels();
+    visit(pixels);
+  }
+}
+
+void report_boxes(const Sources& sources, const Grid& grid, const Observer& observer) {
+  int64_t missed = 0, sum = 0;
+  for_each_wave(sources, grid, [&](int64_t pixels) {
+    sum += pixels;
+    missed += pixels == 0;
+  });
   observer.fact("waves", sources.waves.size());
-  observer.fact("waves_pixels", waves_pixels(sources, grid));
+  observer.fact("waves_pixels", sum);
   if (missed > 0)
     observer.warn(fmt::format(
         "{} of {} waves reach no pixel at an angle that the panel can hold (half angle {}); move them nearer to the "
@@ -30,8 +50,7 @@ void report_boxes(const Sources& sources, const Grid& grid, const Observer& obse
 
 int64_t waves_pixels(const Sources& sources, const Grid& grid) {
   int64_t sum = 0;
-  const double tangent = acceptance_tangent(sources.wavelength, grid.pitch);
-  for (const Source& source : sources.waves) sum += lit_box(source, grid, tangent).pixels();
+  for_each_wave(sources, grid, [&](int64_t pixels) { sum += pixels; });
   return sum;
 }
 

@@ -33,8 +33,8 @@ double nearness_of(const PreparedWave& w) { return energy_of(w) / (w.depth * w.d
 
 }  // namespace
 
-SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,
-                            TileShape tile) {
+SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
+                            double wavelength, TileShape tile) {
   constexpr int draws = 8192;
   const WaveDraw by_energy(waves, energy_of), by_nearness(waves, nearness_of);
   if (by_energy.total() == 0) return {};
@@ -45,9 +45,9 @@ SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& 
     const PreparedWave& w = waves[draw.wave_at((s / 2 + random.uniform()) / (draws / 2))];
     const int i = w.box.x0 + int(random.uniform() * (w.box.x1 - w.box.x0));
     const int k = w.box.y0 + int(random.uniform() * (w.box.y1 - w.box.y0));
-    // The tile's centre as sum_tiled places it: tiles start at pixel (0, 0).
-    const double x0 = grid.x(i - i % tile.columns + (tile.columns - 1) / 2.0) - w.x;
-    const double y0 = grid.y(k - k % tile.rows + (tile.rows - 1) / 2.0) - w.y;
+    // The tile's centre as sum_tiled places it: tiles start at the first pixel of the bounds.
+    const double x0 = grid.x(i - (i - bounds.x0) % tile.columns + (tile.columns - 1) / 2.0) - w.x;
+    const double y0 = grid.y(k - (k - bounds.y0) % tile.rows + (tile.rows - 1) / 2.0) - w.y;
     const double x = grid.x(i) - w.x, y = grid.y(k) - w.y, d2 = w.depth * w.depth;
     const double r = std::sqrt(x * x + y * y + d2), r0 = std::sqrt(x0 * x0 + y0 * y0 + d2);
     const double along_column = std::sqrt(x * x + y0 * y0 + d2), along_row = std::sqrt(x0 * x0 + y * y + d2);
@@ -63,11 +63,11 @@ SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& 
   return energies;
 }
 
-TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, double tolerance,
-                       double coherence) {
+TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
+                       double wavelength, double tolerance, double coherence) {
   TileChoice choice{};
   for (const TileShape tile : tile_shapes) {
-    const SplitEnergies energies = measure_split(waves, grid, wavelength, tile);
+    const SplitEnergies energies = measure_split(waves, grid, bounds, wavelength, tile);
     const double split = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
     const double error = (split + tiled_rounding_error) / std::sqrt(coherence);
     choice = {tile, error, energies, 1.25 * error <= tolerance};

@@ -33,8 +33,10 @@ struct SplitEnergies {
 /// seed, the split is compared with the wave itself. Half of the draws go to waves by their energy, half by
 /// their energy over depth squared, which near waves with their worse splits have most of: a few near
 /// waves among many far ones are found.
-SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,
-                            TileShape tile);
+///
+/// @param bounds  the pixels that the tiles cover, from its top left corner on
+SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
+                            double wavelength, TileShape tile);
 
 /// A tile and the relative L2 error that is expected of it: √(error/waves) over √coherence, and the rounding.
 struct TileChoice {
@@ -49,7 +51,14 @@ struct TileChoice {
 ///
 /// @param coherence  energy of the field over the sum of its waves' energies: 1 for random phases, less
 ///                   where the waves cancel, so that their errors weigh more
-TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, double tolerance,
-                       double coherence = 1);
+/// @param bounds     as for measure_split
+TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
+                       double wavelength, double tolerance, double coherence = 1);
+
+/// The same for tiles over the whole grid.
+inline TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,
+                              double tolerance, double coherence = 1) {
+  return choose_tile(waves, grid, {0, grid.nx, 0, grid.ny}, wavelength, tolerance, coherence);
+}
 
 }  // namespace holotrace

@@ -1,0 +1,157 @@
+#include "holotrace/trace/gather.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/base/random.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/data/sources.h"
+#include "holotrace/trace/first_hits.h"
+#include "holotrace/trace/ray_waves.h"
+#include "holotrace/trace/source_phase.h"
+#include "holotrace/trace/wave_sets.h"
+
+namespace holotrace {
+
+namespace {
+
+struct Gathering {
+  const PathScene& scene;
+  const TraceParams& params;
+  const Grid& panel;
+  const std::vector<WaveSet>& sets;
+  double longest;  // wavelength
+  double side;     // of the cells of equal surface phase
+};
+
+/// The complex amplitudes of one pixel: sums[set·frames + frame].
+using PixelSums = std::vector<std::complex<double>>;
+
+/// Adds a wave of that amplitude and phase (in cycles, without its random part) to every frame.
+void add_wave(const Gathering& g, size_t set, double amplitude, double cycles, uint64_t key, PixelSums& sums) {
+  const size_t frames = size_t(g.params.frames);
+  for (size_t frame = 0; frame < frames; ++frame) {
+    const double random =
+        key == Sources::no_phase_key ? 0 : random_phase(uint64_t(g.params.seed), uint32_t(frame), key);
+    sums[set * frames + frame] += amplitude * cis_cycles(cycles + random / (2 * pi));
+  }
+}
+
+/// Ray j of S from a pixel.
+void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, PixelSums& sums, PathCounts& counts,
+                int64_t& first_hits) {
+  const int64_t samples = g.params.pixel_samples;
+  CounterRandom random(uint64_t(g.params.seed), 0, sample);
+  const double u = random.uniform(), v = random.uniform();
+  const Vec2 sines = stratum(j, samples, u, v);
+  const auto direction = accepted_direction(2 * sines.x - 1, 2 * sines.y - 1, g.panel, g.longest);
+  if (!direction) return;
+  const std::vector<RayWave> waves = find_waves(g.scene, g.params, g.side, {pixel, *direction}, sample, counts);
+  first_hits += !waves.empty();
+  const double limit = acceptance_sine(g.longest, g.panel.pitch), share = 4 * limit * limit / double(samples);
+  for (const RayWave& wave : waves)
+    for (size_t i = 0; i < g.sets.size(); ++i) {
+      const WaveSet& set = g.sets[i];
+      if (!is_accepted(*direction, g.panel, set.wavelength)) continue;
+      const SetLight light = light_of(set, wave.light, wave.leaf.weight);
+      if (!(light.radiance > 0)) continue;
+      const double amplitude = std::sqrt(squared_amplitude_of(light.radiance, g.params.amplitude) * share);
+      const double phase = phase_beyond(wave, 0, set.wavelength, set.line) + light.phase;
+      add_wave(g, i, amplitude, phase / (2 * pi), key_in(set, g.params.phase, wave.key, sample), sums);
+    }
+}
+
+/// The luminous points: U = a·(d₀/r)·exp(i(kr + φ₀)) inside their boxes.
+void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
+  for (const ScenePoint& point : g.scene.scene.points) {
+    const Vec3 way = point.position - pixel;
+    const double depth = -point.position.z, distance = length(way);
+    if (g.scene.accelerator.is_occluded(pixel, point.position)) continue;
+    const uint64_t key =
+        g.params.phase == SourcePhase::laser ? Sources::no_phase_key : surface_phase_key(point.position, g.side);
+    for (size_t i = 0; i < g.sets.size(); ++i) {
+      const double radius = box_radius(depth, g.sets[i].wavelength, g.panel.pitch);
+      if (!g.sets[i].has_points || std::abs(way.x) > radius || std::abs(way.y) > radius) continue;
+      const double cycles = cycle_fraction(distance, g.sets[i].wavelength) + point.phase / (2 * pi);
+      add_wave(g, i, point.amplitude * depth / distance, cycles, key, sums);
+    }
+  }
+}
+
+void check_params(const TraceParams& params) {
+  require(params.phase != SourcePhase::random && params.phase != SourcePhase::constant,
+          "expected the phase surface, path or laser with the strategy gather, got {}: every pixel finds points of its "
+          "own, so phases that are not the surface's would make noise of the field, not waves",
+          params.phase == SourcePhase::random ? "random" : "constant");
+  require(params.pixel_samples >= 1, "expected pixel_samples of 1 or more, got {}", params.pixel_samples);
+  require(params.paths >= 1, "expected paths of 1 or more per first hit, got {}", params.paths);
+  require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
+}
+
+/// Adds the fields of one group of wavelengths.
+void gather_group(const Gathering& g, const Observer& observer, PathCounts& total, int64_t& first_hits,
+                  std::vector<Field>& fields) {
+  const Grid& panel = g.panel;
+  const size_t frames = size_t(g.params.frames);
+  require_memory(double(g.sets.size() * frames) * sizeof(std::complex<float>) * double(panel.pixels()),
+                 fmt::format("{} fields of {} × {} pixels", g.sets.size() * frames, panel.nx, panel.ny));
+  std::vector<Field> made;
+  for (const WaveSet& set : g.sets)
+    for (size_t frame = 0; frame < frames; ++frame) made.emplace_back(panel, set.wavelength);
+  std::vector<PathCounts> counts(size_t(panel.ny), PathCounts{});
+  std::vector<int64_t> hits(size_t(panel.ny), 0);
+  const auto gather_row = [&](int64_t row) {
+    PixelSums sums(made.size());
+    for (int column = 0; column < panel.nx; ++column) {
+      const Vec3 pixel{panel.x(column), panel.y(double(row)), 0};
+      std::fill(sums.begin(), sums.end(), 0.0);
+      add_points(g, pixel, sums);
+      const uint64_t first = (uint64_t(row) * uint64_t(panel.nx) + uint64_t(column)) * uint64_t(g.params.pixel_samples);
+      for (int64_t j = 0; j < g.params.pixel_samples; ++j)
+        add_sample(g, pixel, j, first + uint64_t(j), sums, counts[size_t(row)], hits[size_t(row)]);
+      for (size_t i = 0; i < made.size(); ++i) made[i].samples(int(row), column) = std::complex<float>(sums[i]);
+    }
+  };
+  parallel_for(0, panel.ny, gather_row, observer);
+  for (size_t row = 0; row < counts.size(); ++row) {
+    total += counts[row];
+    first_hits += hits[row];
+  }
+  const bool is_whole = !g.params.separate_layers && !g.params.separate_lights;
+  for (size_t i = 0; i < made.size(); i += frames)
+    if (is_whole || power(made[i]) > 0)
+      for (size_t frame = 0; frame < frames; ++frame) fields.push_back(std::move(made[i + frame]));
+}
+
+}  // namespace
+
+std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
+                          const TraceParams& params, const Observer& observer) {
+  check_scene(scene);
+  check_grid(panel);
+  require(!wavelengths.empty(), "expected at least one wavelength, got none");
+  for (const double wavelength : wavelengths) check_wavelength(wavelength);
+  check_params(params);
+  const double side = cell_side(params, panel), longest = *std::max_element(wavelengths.begin(), wavelengths.end());
+
+  std::vector<Field> fields;
+  PathCounts counts;
+  int64_t first_hits = 0;
+  const auto groups = group_wavelengths(scene, wavelengths);
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
+    const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g]);
+    gather_group({path_scene, params, panel, sets, longest, side}, part_of(observer, int(g), int(groups.size())),
+                 counts, first_hits, fields);
+  }
+  report(counts, params.max_depth, observer);
+  observer.fact("first_hits", Fact(first_hits));
+  return fields;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/data/panel_tiles.h"
+#include "holotrace/data/params.h"
+
+namespace holotrace {
+
+/// A tile of the panel, and the place that visibility and radiance are asked for [m].
+struct PanelTile {
+  PixelBox box;
+  Vec3 centre;
+};
+
+/// The tiles of the panel that each source is looked at from: params.tile_columns × tile_rows, row by row from the
+/// top, for the strategy tiled, none for the others.
+/// @throws Error for fewer than 1 × 1 tiles, or more than the panel has pixels
+inline std::vector<PanelTile> make_tiles(const TraceParams& params, const Grid& panel) {
+  if (params.strategy != Strategy::tiled) return {};
+  const int columns = params.tile_columns, rows = params.tile_rows;
+  require(columns >= 1 && rows >= 1 && columns <= panel.nx && rows <= panel.ny,
+          "expected 1 to {} tile_columns and 1 to {} tile_rows on a panel of that many pixels, got {} and {}", panel.nx,
+          panel.ny, columns, rows);
+  std::vector<PanelTile> tiles;
+  for (int t = 0; t < columns * rows; ++t) {
+    const PixelBox box = tile_box(panel, columns, rows, t);
+    tiles.push_back({box, centre_of(panel, box)});
+  }
+  return tiles;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,93 @@
+#include "holotrace/trace/wave_sets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "holotrace/base/error.h"
+
+namespace holotrace {
+
+namespace {
+
+bool parts_colours(const Material& material) {
+  const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
+  return glass && !glass->is_thin && is_dispersive(glass->index);
+}
+
+bool is_laser(const Light& light) {
+  const auto* point = std::get_if<PointLight>(&light);
+  const auto* beam = std::get_if<DirectionalLight>(&light);
+  return (point && point->is_laser) || (beam && beam->is_laser);
+}
+
+double at_line(Vec3 v, int line) { return line == 0 ? v.x : line == 1 ? v.y : v.z; }
+
+}  // namespace
+
+std::vector<std::vector<double>> group_wavelengths(const Scene& scene, const std::vector<double>& wavelengths) {
+  const bool is_alone = std::any_of(scene.materials.begin(), scene.materials.end(), parts_colours);
+  std::vector<std::vector<double>> groups;
+  for (const double wavelength : wavelengths) {
+    if (groups.empty() || is_alone || groups.back().size() == 3) groups.emplace_back();
+    groups.back().push_back(wavelength);
+  }
+  return groups;
+}
+
+PathParams path_params(const TraceParams& params) {
+  PathParams path;
+  path.max_depth = params.max_depth;
+  path.clamp = params.clamp;
+  path.separate_lights = params.separate_lights;
+  path.seed = uint64_t(params.seed);
+  return path;
+}
+
+Lines lines_of(const std::vector<double>& group) {
+  const auto at = [&](size_t i) { return group[std::min(i, group.size() - 1)]; };
+  return make_lines(at(0), at(1), at(2));
+}
+
+std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params, const std::vector<double>& group) {
+  const int layers = scene.automaton.layers(), groups = params.separate_lights ? scene.emitters.groups() : 1;
+  const uint32_t point_layers = scene.automaton.accepted(scene.automaton.start());
+  std::vector<WaveSet> sets;
+  for (size_t line = 0; line < group.size(); ++line)
+    for (int l = 0; l < (params.separate_layers ? layers : 1); ++l) {
+      const uint32_t own = params.separate_layers ? 1U << l : ~0U;
+      const std::string layer = params.separate_layers && !scene.automaton.expressions().empty()
+                                    ? scene.automaton.expressions()[size_t(l)]
+                                    : "";
+      for (int g = 0; g < groups; ++g) {
+        WaveSet set{group[line], int(line), {}, false, !params.separate_lights && (point_layers & own) != 0, layer};
+        for (int light = 0; light < int(scene.scene.lights.size()); ++light)
+          set.has_laser |= (!params.separate_lights || light == g) && is_laser(scene.scene.lights[size_t(light)]);
+        for (int i = 0; i < layers; ++i)
+          if (own >> i & 1) set.sums.push_back(g * layers + i);
+        if (params.separate_lights) set.name += (layer.empty() ? "" : ", ") + scene.emitters.group_name(g);
+        sets.push_back(set);
+      }
+      if (params.separate_lights && !scene.scene.points.empty() && (point_layers & own) != 0)
+        sets.push_back({group[line], int(line), {}, true, true, layer + (layer.empty() ? "points" : ", points")});
+    }
+  return sets;
+}
+
+uint64_t key_in(const WaveSet& set, SourcePhase phase, uint64_t key, uint64_t sample) {
+  return phase == SourcePhase::laser && !set.has_laser ? sample : key;
+}
+
+SetLight light_of(const WaveSet& set, const LeafLight& light, Vec3 weight) {
+  const double share = at_line(weight, set.line);
+  if (light.phasors.empty()) {
+    double radiance = 0;
+    for (const int sum : set.sums) radiance += at_line(light.radiance[size_t(sum)], set.line);
+    return {radiance * share, 0};
+  }
+  std::complex<double> amplitude = 0;
+  for (const int sum : set.sums) amplitude += light.phasors[size_t(sum)][size_t(set.line)];
+  return {std::norm(amplitude) * share, set.has_laser ? std::arg(amplitude) : 0};
+}
+
+}  // namespace holotrace

@@ -1,0 +1,354 @@
+// Scene → Sources → Field where phase is the physics: estimators of the mean field, interference of laser light, images
+// in mirrors and behind glass, occlusion and parallax.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/trace/gather.h"
+#include "holotrace/trace/source_phase.h"
+#include "holotrace/trace/trace.h"
+#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/synthesize.h"
+#include "support/fields.h"
+#include "trace/scenes.h"
+
+namespace holotrace {
+namespace {
+
+using Complex = std::complex<double>;
+using testing::relative_error;
+
+constexpr double lambda = green_light;
+
+// --- Monte Carlo with phase: both strategies estimate one mean field -----------------------------
+
+const Grid small{64, 64, 8e-6};
+constexpr double depth = 20e-3, half = 0.15e-3, grain = 0.1e-3;
+
+/// A patch of radiance 1 whose box holds every pixel: 0.15 + 0.256 mm < R = 20 mm·tan(asin(λ/2p)) = 0.67 mm.
+Scene make_patch() {
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  scene.meshes = {make_wall(-depth, half, half)};
+  return scene;
+}
+
+/// M(p) = (√L/2s)·∫ cos²θ/r²·exp(i(kr + φ)) dS, the mean of U/√N of both strategies, by midpoints of 2 µm.
+FieldDouble make_mean_field(double& irradiance) {
+  const double s = acceptance_sine(lambda, small.pitch);
+  constexpr int cells = 150;
+  const double step = 2 * half / cells;
+  FieldDouble field(small, lambda);
+  irradiance = 0;
+  for (int j = 0; j < small.ny; ++j)
+    for (int i = 0; i < small.nx; ++i) {
+      Complex sum = 0;
+      for (int b = 0; b < cells; ++b)
+        for (int a = 0; a < cells; ++a) {
+          const Vec3 o{(a + 0.5) * step - half, (b + 0.5) * step - half, -depth};
+          const double phase = random_phase(1, 0, surface_phase_key(o, grain));
+          const Vec3 way = o - Vec3{small.x(i), small.y(j), 0};
+          const double r2 = dot(way, way), r = std::sqrt(r2), weight = depth * depth / (r2 * r2) * step * step;
+          sum += weight * cis_cycles(r / lambda + phase / (2 * pi));
+          irradiance += weight / double(small.pixels());
+        }
+      field.samples(j, i) = sum / (2 * s);
+    }
+  return field;
+}
+
+struct MeanField {
+  double irradiance = 0;
+  FieldDouble field = make_mean_field(irradiance);
+  double intensity() const { return power(field) / (double(small.pixels()) * small.pitch * small.pitch); }
+};
+
+const MeanField& mean_field() {
+  static const MeanField mean;
+  return mean;
+}
+
+/// U/√N of the shared strategy: rays of that seed, the surface phases of seed 1.
+FieldDouble shared_estimate(int64_t samples, int64_t seed) {
+  const TraceParams params{.pattern = Pattern::random,
+                           .samples = samples,
+                           .paths = 1,
+                           .max_depth = 1,
+                           .phase = SourcePhase::surface,
+                           .grain = grain,
+                           .seed = seed};
+  Sources sources = trace(make_patch(), small, lambda, params);
+  for (size_t i = 0; i < sources.waves.size(); ++i)
+    sources.waves[i].phase = float(random_phase(1, 0, sources.phase_keys[i]));
+  FieldDouble field = convert<double>(synthesize(sources, small, {SynthesisMethod::automatic, 5e-3}));
+  for (Complex& u : field.samples.values) u /= std::sqrt(double(samples));
+  return field;
+}
+
+FieldDouble gathered_estimate(int samples) {
+  const TraceParams params{
+      .pixel_samples = samples, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = grain};
+  FieldDouble field = convert<double>(gather(make_patch(), small, {lambda}, params).at(0));
+  for (Complex& u : field.samples.values) u /= std::sqrt(double(samples));
+  return field;
+}
+
+/// Re Σ U·conj M/Σ|M|²: 1 for an estimate without bias.
+double projection(const FieldDouble& field, const FieldDouble& mean) {
+  double sum = 0, energy = 0;
+  for (size_t i = 0; i < mean.samples.size(); ++i) {
+    sum += (field.samples.values[i] * std::conj(mean.samples.values[i])).real();
+    energy += std::norm(mean.samples.values[i]);
+  }
+  return sum / energy;
+}
+
+// A ray contributes E|a|² = E, so the relative error is √((E − |M|²)/(N·|M|²)) at most; strata make it less.
+// Deterministic differences of the weights are O(θ²) = (0.4/20)² = 4e-4.
+TEST(Coherence, SharedAndGatheredFieldsHaveOneMean) {
+  const MeanField& mean = mean_field();
+  const double variance = mean.irradiance / mean.intensity() - 1;
+  // Speckles of λz/0.3 mm = 35 µm: 200 on the panel, errors of a shared wave are alike within one.
+  const FieldDouble few = shared_estimate(40000, 5), many = shared_estimate(640000, 6);
+  const double expected = std::sqrt(variance / 640000);
+  EXPECT_LT(relative_error(many, mean.field), 1.2 * expected);  // 200 speckles: 1/√400 of it, 4 of those
+  EXPECT_NEAR(relative_error(few, mean.field) / relative_error(many, mean.field), 4, 4 * 0.3);
+  EXPECT_NEAR(projection(many, mean.field), 1, 4 * expected / std::sqrt(2 * 200) + 1e-2);
+
+  // Pixels of gather are independent of each other.
+  const FieldDouble sparse = gathered_estimate(16), dense = gathered_estimate(256);
+  const double of_dense = std::sqrt(variance / 256);
+  EXPECT_LT(relative_error(dense, mean.field), 1.05 * of_dense);
+  // As N^(−1/2), or faster where strata resolve the fringes.
+  EXPECT_GT(relative_error(sparse, mean.field) / relative_error(dense, mean.field), 4 * 0.9);
+  EXPECT_NEAR(projection(dense, mean.field), 1, 4 * of_dense / std::sqrt(2.0 * 4096) + 1e-2);
+}
+
+// physics.md 16: E|Û_N|² = |M|² + Var/N; halves of independent rays have no bias.
+TEST(Coherence, IntensityIsBiasedByOneOverNAndTheCrossEstimatorIsNot) {
+  const MeanField& mean = mean_field();
+  const double pixels = double(small.pixels());
+  const auto bias_of = [&](int64_t samples, Statistics& intensity, Statistics& variance, Statistics& cross) {
+    FieldDouble last;
+    for (int64_t seed = 10; seed < 34; ++seed) {
+      const FieldDouble field = shared_estimate(samples, seed * 1000 + samples);
+      double sum = 0, error = 0, product = 0;
+      for (size_t i = 0; i < field.samples.size(); ++i) {
+        const Complex u = field.samples.values[i], m = mean.field.samples.values[i];
+        sum += std::norm(u) - std::norm(m);
+        error += std::norm(u - m);
+        if (seed % 2) product += (u * std::conj(last.samples.values[i])).real() - std::norm(m);
+      }
+      intensity.add(sum / pixels);
+      variance.add(error / pixels);
+      if (seed % 2) cross.add(product / pixels);
+      last = field;
+    }
+  };
+  Statistics intensity[2], variance[2], cross[2];
+  bias_of(5000, intensity[0], variance[0], cross[0]);
+  bias_of(20000, intensity[1], variance[1], cross[1]);
+  for (const int i : {0, 1}) {
+    // z-tests, 4 standard errors of 24 and 12 independent runs.
+    EXPECT_NEAR(intensity[i].mean(), variance[i].mean(),
+                4 * std::hypot(intensity[i].standard_error(), variance[i].standard_error()));
+    EXPECT_NEAR(cross[i].mean(), 0, 4 * cross[i].standard_error());
+  }
+  EXPECT_GT(intensity[0].mean(), 4 * intensity[0].standard_error()) << "the bias is there to be seen";
+  const double ratio = variance[0].mean() / variance[1].mean();
+  EXPECT_NEAR(ratio, 4,
+              4 * ratio *
+                  std::hypot(variance[0].standard_error() / variance[0].mean(),
+                             variance[1].standard_error() / variance[1].mean()));
+}
+
+// --- interference ----------------------------------------------------------------------------------
+
+struct Fringes {
+  double period = 0, visibility = 0;
+};
+
+/// Period of the strongest fringe near `guess`, by the maximum of the Hann-windowed transform, and its visibility √(B²
+/// + C²)/A of I = A + B·cos + C·sin under that window.
+Fringes measure(const std::vector<double>& intensity, double pitch, double guess) {
+  const auto n = int(intensity.size());
+  const auto transform = [&](double frequency) {
+    Complex sum = 0;
+    for (int i = 0; i < n; ++i)
+      sum += intensity[size_t(i)] * (0.5 - 0.5 * std::cos(2 * pi * (i + 0.5) / n)) * cis_cycles(-frequency * i * pitch);
+    return std::abs(sum);
+  };
+  double best = 1 / guess;
+  for (double width = 0.05 / guess; width > 1e-6 / guess; width /= 4) {
+    const double centre = best;
+    for (int k = -8; k <= 8; ++k)
+      if (transform(centre + k * width / 8) > transform(best)) best = centre + k * width / 8;
+  }
+  return {1 / best, 2 * transform(best) / transform(0)};
+}
+
+TEST(Coherence, YoungsSlitsInLaserLight) {
+  // Two spots at ±s/2, one laser between them; the raster has one ray for each: its cells' centres at ±T/2, T = s/L.
+  const double s = 1_mm, distance = 0.2;
+  const Grid panel{256, 64, 8e-6};
+  Scene scene;
+  scene.materials = {grey(0.8)};
+  for (const double side : {-1.0, 1.0})
+    scene.meshes.push_back(make_test_quad({side * s / 2, 0, -distance}, {20_um, 0, 0}, {0, 20_um, 0}));
+  scene.lights = {PointLight{{0, 0, -0.15}, {1, 1, 1}, true}};
+  const TraceParams params{.columns = 2,
+                           .rows = 1,
+                           .field_of_view = std::atan(s / distance),
+                           .paths = 1,
+                           .max_depth = 1,
+                           .phase = SourcePhase::laser};
+  const Sources sources = trace(scene, panel, lambda, params);
+  ASSERT_EQ(sources.waves.size(), 2u);
+  const Field field = synthesize(sources, panel, {SynthesisMethod::exact});
+  std::vector<double> row;
+  for (int i = 0; i < panel.nx; ++i) row.push_back(std::norm(field.samples(32, i)));
+  const Fringes fringes = measure(row, panel.pitch, lambda * distance / s);
+  EXPECT_NEAR(fringes.period / (lambda * distance / s), 1, 0.005);
+  EXPECT_GT(fringes.visibility, 0.98);
+  // The laser stands on the axis: the ways by both spots are alike, and the middle of the panel is bright.
+  const double middle = std::norm(field.samples(32, 127)), mean = power(field) / (256 * 64 * 64e-12);
+  EXPECT_GT(middle, 1.9 * mean);
+
+  // Any other phase that the surface keeps shows the same fringes, elsewhere; the laser moved by δ across shifts them
+  // by λ/s·(path difference)/λ: at 0.15 m, 50 mm before the spots, δ = 10 µm makes s·δ/50 mm = 200 nm.
+  scene.lights = {PointLight{{10_um, 0, -0.15}, {1, 1, 1}, true}};
+  const Field moved = synthesize(trace(scene, panel, lambda, params), panel, {SynthesisMethod::exact});
+  const auto phase_of = [&](const Field& f) {
+    Complex sum = 0;
+    for (int i = 0; i < panel.nx; ++i)
+      sum += double(std::norm(f.samples(32, i))) * (0.5 - 0.5 * std::cos(2 * pi * (i + 0.5) / 256)) *
+             cis_cycles(panel.x(i) / fringes.period);
+    return std::arg(sum);
+  };
+  const double shift = std::remainder(phase_of(moved) - phase_of(field), 2 * pi);
+  EXPECT_NEAR(std::abs(shift), 2 * pi * (s * 10_um / 50_mm) / lambda, 0.02);
+}
+
+TEST(Coherence, LloydsMirror) {
+  // A spot on the axis, h above a mirror perpendicular to the panel; the raster's rows look at the spot and at its
+  // image 2h below, and one past both.
+  const double h = 0.5_mm, distance = 0.2;
+  const Grid panel{64, 96, 8e-6};  // 0.38 mm to each side: wholly above the mirror's plane
+  Scene scene;
+  scene.materials = {grey(0.8), ConductorMaterial{}};
+  scene.meshes = {make_test_quad({0, 0, -distance}, {20_um, 0, 0}, {0, 20_um, 0}, 0),
+                  make_test_quad({0, -h, -0.1}, {0, 0, 90_mm}, {10_mm, 0, 0}, 1)};
+  scene.lights = {PointLight{{0, 1_mm, -0.15}, {1, 1, 1}, true}};
+  const TraceParams params{.columns = 1,
+                           .rows = 3,
+                           .field_of_view = std::atan(1.5 * 2 * h / distance),
+                           .paths = 1,
+                           .max_depth = 3,
+                           .phase = SourcePhase::laser};
+  const Sources sources = trace(scene, panel, lambda, params);
+  ASSERT_EQ(sources.waves.size(), 2u);
+  EXPECT_NEAR(sources.waves[1].origin.y, -2 * h, 1e-9);
+  const Field field = synthesize(sources, panel, {SynthesisMethod::exact});
+  std::vector<double> column;
+  for (int j = 0; j < panel.ny; ++j) column.push_back(std::norm(field.samples(j, 32)));
+  const Fringes fringes = measure(column, panel.pitch, lambda * distance / (2 * h));
+  EXPECT_NEAR(fringes.period / (lambda * distance / (2 * h)), 1, 0.005);
+  EXPECT_GT(fringes.visibility, 0.98);
+  // The mirror turns the phase by π at grazing incidence: I(y) ∝ 1 − cos(2π·y'/Λ), y' from the mirror's plane.
+  for (int j = 8; j < panel.ny; j += 8) {
+    const double y = panel.y(j) + h, path = std::hypot(y + h, distance) - std::hypot(y - h, distance);
+    const double expected = 2 * std::pow(std::sin(pi * path / lambda), 2);
+    EXPECT_NEAR(column[size_t(j)] / (2 * double(sources.waves[0].amplitude) * sources.waves[0].amplitude), expected,
+                0.05);  // a metal's phase is π − O(cosθ = 0.005) and its amplitude 1 − O(0.005)
+  }
+}
+
+// --- images in mirrors and behind glass -----------------------------------------------------------
+
+/// Brightest |U|² around the axis at a depth.
+double peak_at(const Field& field, double at_depth) {
+  const Field plane = propagate(field, -at_depth);
+  double peak = 0;
+  for (int j = plane.grid.ny / 2 - 4; j < plane.grid.ny / 2 + 4; ++j)
+    for (int i = plane.grid.nx / 2 - 4; i < plane.grid.nx / 2 + 4; ++i)
+      peak = std::max(peak, double(std::norm(plane.samples(j, i))));
+  return peak;
+}
+
+Field field_of(const Scene& scene, SourcePhase phase) {
+  const Grid panel{256, 256, 8e-6};
+  const TraceParams params{.columns = 1, .rows = 1, .paths = 16, .phase = phase};
+  return synthesize(trace(scene, panel, lambda, params), panel, {});
+}
+
+// A spot 50 mm from a mirror that stands 100 mm before the panel; the depth of focus 2λz²/S² is 2.5 mm at 0.1 m and
+// 5.7 mm at 0.15 m: out of focus by 50 mm a spot spreads over some (50/150·256)² pixels.
+TEST(Coherence, ASpotInAMirrorIsInFocusAtItsOpticalDistance) {
+  Scene scene;
+  scene.materials = {grey(0, 1), ConductorMaterial{}};
+  scene.meshes = {make_test_quad({-50_mm, 0, -0.1}, {0, 0, 20_um}, {0, 20_um, 0}, 0),
+                  make_test_quad({0, 0, -0.1}, {15_mm, 0, 15_mm}, {0, 20_mm, 0}, 1)};
+  const Field path = field_of(scene, SourcePhase::path), random = field_of(scene, SourcePhase::random);
+  EXPECT_GT(peak_at(path, 0.15), 100 * peak_at(path, 0.1));
+  // ±10 mm: on the axis of a square aperture ((C² + S²)(w)/w²)², w = S/2·√(2|1/z − 1/z'|/λ) = 1.3: a quarter.
+  EXPECT_GT(peak_at(path, 0.15), 3 * peak_at(path, 0.16));
+  EXPECT_GT(peak_at(path, 0.15), 3 * peak_at(path, 0.14));
+  EXPECT_GT(peak_at(random, 0.1), 100 * peak_at(random, 0.15));
+}
+
+TEST(Coherence, ASpotBehindASlabOfGlassIsInFocusAtItsApparentDepth) {
+  const double n = 1.5, thickness = 30_mm, at = 0.1, apparent = at - thickness * (1 - 1 / n);
+  Scene scene;
+  scene.materials = {grey(0, 1), DielectricMaterial{.index = constant_index(n)}};
+  scene.meshes = {make_wall(-at, 20_um, 20_um, 0)};
+  const Vec3 centre{0, 0, -0.06}, x{15_mm, 0, 0}, y{0, 15_mm, 0}, z{0, 0, thickness / 2};
+  for (const double side : {-1.0, 1.0}) {
+    scene.meshes.push_back(make_test_quad(centre + x * side, y * side, z, 1));
+    scene.meshes.push_back(make_test_quad(centre + y * side, z * side, x, 1));
+    scene.meshes.push_back(make_test_quad(centre + z * side, x * side, y, 1));
+  }
+  const Field field = field_of(scene, SourcePhase::path);
+  // 10 mm beside the focus are 5 depths of it (2λz²/S² = 2.1 mm at 90 mm); 4 mm beside it w = 1.4.
+  EXPECT_GT(peak_at(field, apparent), 10 * peak_at(field, at));
+  EXPECT_GT(peak_at(field, apparent), 3 * peak_at(field, apparent + 4_mm));
+  EXPECT_GT(peak_at(field, apparent), 3 * peak_at(field, apparent - 4_mm));
+  // Under random phases the wave begins on the glass, 45 mm before the panel.
+  const Field random = field_of(scene, SourcePhase::random);
+  EXPECT_GT(peak_at(random, 45_mm), 10 * peak_at(random, apparent));
+}
+
+// --- occlusion -------------------------------------------------------------------------------------
+
+TEST(Coherence, ANearCardHidesAFarPointFromItsHalfOfThePanel) {
+  // The card covers x > 50 µm at 50 mm; the ways to the axis at 0.2 m from pixels with x > 67 µm pass it.
+  const Grid panel{256, 256, 8e-6};
+  Scene scene;
+  scene.materials = {grey(0, 1), grey(0)};
+  scene.meshes = {make_wall(-0.2, 20_um, 20_um, 0),
+                  make_test_quad({10.05_mm, 0, -0.05}, {10_mm, 0, 0}, {0, 10_mm, 0}, 1)};
+  const auto peaks = [&](Strategy strategy) {
+    const TraceParams params{.strategy = strategy, .columns = 1, .rows = 1, .paths = 1};
+    const Field whole = synthesize(trace(scene, panel, lambda, params), panel, {});
+    std::pair<double, double> result;
+    for (const bool is_left : {true, false}) {
+      Field part = whole;
+      for (int j = 0; j < panel.ny; ++j)
+        for (int i = 0; i < panel.nx; ++i)
+          if ((panel.x(i) < 0) != is_left) part.samples(j, i) = 0;
+      (is_left ? result.first : result.second) = peak_at(part, 0.2);
+    }
+    return result;
+  };
+  const auto [shared_left, shared_right] = peaks(Strategy::shared);
+  EXPECT_NEAR(shared_left / shared_right, 1, 0.05);  // mirror images; the pixel of the peak is half a pixel aside
+  const auto [tiled_left, tiled_right] = peaks(Strategy::tiled);
+  EXPECT_NEAR(tiled_left / shared_left, 1, 1e-3);  // the tolerance of both sums
+  EXPECT_LT(tiled_right, 1e-6 * tiled_left);
+}
+
+}  // namespace
+}  // namespace holotrace

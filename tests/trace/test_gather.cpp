@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/trace/gather.h"
+#include "trace/scenes.h"
+
+namespace holotrace {
+namespace {
+
+const Grid panel{64, 48, 8e-6};
+const std::vector<double> green{green_light};
+
+Scene make_bright_wall(double z = -20_mm, double radiance = 1) {
+  Scene scene;
+  scene.materials = {grey(0, radiance)};
+  scene.meshes = {make_wall(z, 50_mm, 50_mm)};
+  return scene;
+}
+
+double mean_intensity(const Field& field) { return power(field) / (double(field.grid.pixels()) * 64e-12); }
+
+TEST(Gather, IndependentPhasesBringTheIrradianceOfTheAcceptance) {
+  // Cells of 1 nm: every ray a phase of its own.
+  const TraceParams params{
+      .pixel_samples = 16, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = 1e-9};
+  const double s = acceptance_sine(green_light, panel.pitch), expected = 4 * s * s * (1 - s * s / 3);
+  // Intensity of 16 unit waves: variance 1 − 1/16 of its square; 3072 pixels, 4 standard errors: 7 %.
+  const double error = 4 / std::sqrt(3072.0);
+  EXPECT_NEAR(mean_intensity(gather(make_bright_wall(), panel, green, params).at(0)) / expected, 1, error);
+}
+
+TEST(Gather, LinearAmplitudeIsProportionalToRadiance) {
+  TraceParams params{.pixel_samples = 4, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface};
+  params.amplitude = AmplitudeLaw::linear;
+  const double once = power(gather(make_bright_wall(-20_mm, 1), panel, green, params).at(0));
+  EXPECT_NEAR(power(gather(make_bright_wall(-20_mm, 3), panel, green, params).at(0)) / once, 9, 1e-5);  // floats
+  params.amplitude = AmplitudeLaw::sqrt;
+  EXPECT_NEAR(power(gather(make_bright_wall(-20_mm, 3), panel, green, params).at(0)) / once, 3, 1e-5);
+}
+
+TEST(Gather, PointsAreExactAndHiddenPixelByPixel) {
+  Scene scene;
+  scene.materials = {grey(0)};
+  scene.meshes = {make_test_quad({5.004_mm, 0, -0.05}, {5_mm, 0, 0}, {0, 5_mm, 0})};  // covers x > 4 µm
+  scene.points = {{{0, 0, -0.1}, 2.0f, 0.5f}};
+  const Field field = gather(scene, panel, green, {.pixel_samples = 1, .paths = 1, .phase = SourcePhase::laser}).at(0);
+  for (int j = 0; j < panel.ny; ++j)
+    for (int i = 0; i < panel.nx; ++i) {
+      const double x = panel.x(i), y = panel.y(j), r = std::sqrt(x * x + y * y + 0.01);
+      // The way passes the card's plane at x/2.
+      const auto expected =
+          x / 2 > 4_um ? 0.0 : cis_cycles(cycle_fraction(r, green_light) + 0.5 / (2 * pi)) * (0.2 / r);
+      EXPECT_LT(std::abs(std::complex<double>(field.samples(j, i)) - expected), 1e-6);  // floats of modulus 2
+    }
+}
+
+TEST(Gather, SetsAndTheirFramesComeInOrder) {
+  Scene scene = make_bright_wall();
+  scene.materials = {grey(0.5, 1)};
+  scene.lights = {PointLight{{0, 0, -10_mm}, {1, 1, 1}}};
+  const TraceParams params{.pixel_samples = 2,
+                           .paths = 2,
+                           .max_depth = 2,
+                           .phase = SourcePhase::surface,
+                           .separate_lights = true,
+                           .frames = 3};
+  const auto fields = gather(scene, {8, 6, 8e-6}, {630_nm, 460_nm}, params);
+  ASSERT_EQ(fields.size(), 2u * 2u * 3u);  // wavelengths, the light and the emission, frames
+  for (size_t i = 0; i < 12; ++i) EXPECT_EQ(fields[i].wavelength, i < 6 ? 630_nm : 460_nm);
+  EXPECT_NE(fields[0].samples.values, fields[1].samples.values);
+  // A frame redraws phases, not amplitudes: one ray of a set per pixel keeps its modulus.
+  const auto single = gather(make_bright_wall(), {8, 6, 8e-6}, green,
+                             {.pixel_samples = 1, .paths = 1, .phase = SourcePhase::surface, .frames = 2});
+  for (size_t i = 0; i < single[0].samples.size(); ++i)
+    EXPECT_NEAR(std::abs(single[0].samples.values[i]), std::abs(single[1].samples.values[i]), 1e-8);
+}
+
+TEST(Gather, GivesTheSameBytesOnAnyNumberOfThreads) {
+  std::vector<Field> results;
+  for (const size_t threads : {1, 3}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    results.push_back(
+        gather(make_bright_wall(), panel, green, {.pixel_samples = 3, .paths = 1, .phase = SourcePhase::path}).at(0));
+  }
+  EXPECT_EQ(results[0].samples.values, results[1].samples.values);
+}
+
+TEST(Gather, PhasesThatAreNotTheSurfacesAreErrors) {
+  const auto sentence = [](TraceParams params) {
+    return error_of([&] { gather(make_bright_wall(), panel, green, params); });
+  };
+  EXPECT_EQ(sentence({}),
+            "expected the phase surface, path or laser with the strategy gather, got random: every pixel finds points "
+            "of its own, so phases that are not the surface's would make noise of the field, not waves");
+  EXPECT_EQ(sentence({.phase = SourcePhase::constant}).substr(0, 80),
+            "expected the phase surface, path or laser with the strategy gather, got constant");
+  EXPECT_EQ(sentence({.pixel_samples = 0, .phase = SourcePhase::surface}),
+            "expected pixel_samples of 1 or more, got 0");
+}
+
+}  // namespace
+}  // namespace holotrace

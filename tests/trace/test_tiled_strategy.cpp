@@ -1,0 +1,229 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "holotrace/data/acceptance.h"
+#include "holotrace/data/panel_tiles.h"
+#include "holotrace/trace/trace.h"
+#include "trace/scenes.h"
+
+namespace holotrace {
+namespace {
+
+const Grid panel{256, 192, 8e-6};
+const std::vector<double> green{green_light};
+
+Vec3 tile_centre(const TraceParams& params, int tile) {
+  return centre_of(panel, tile_box(panel, params.tile_columns, params.tile_rows, tile));
+}
+
+TEST(TiledStrategy, AnOpenDiffuseSceneHasTheAmplitudesOfTheSharedOneInEveryTile) {
+  Scene scene;
+  scene.materials = {grey(0.5, 1)};
+  scene.meshes = {make_wall(-0.3, 50_mm, 50_mm)};
+  scene.points = {{{0, 0, -0.2}, 1.0f, 0.5f}};
+  TraceParams params{.columns = 16, .rows = 16, .tile_columns = 3, .tile_rows = 2, .paths = 2, .max_depth = 1};
+  for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
+    params.pattern = pattern;
+    params.samples = 300;
+    params.strategy = Strategy::shared;
+    const Sources shared = trace(scene, panel, green_light, params);
+    params.strategy = Strategy::tiled;
+    const Sources tiled = trace(scene, panel, green_light, params);
+    ASSERT_EQ(tiled.waves.size(), shared.waves.size());
+    EXPECT_EQ(tiled.tiles.columns, 3);
+    EXPECT_EQ(tiled.tiles.rows, 2);
+    ASSERT_EQ(tiled.tiles.values.size(), 6 * shared.waves.size());
+    for (size_t i = 0; i < shared.waves.size(); ++i) {
+      EXPECT_EQ(tiled.waves[i].origin, shared.waves[i].origin);
+      EXPECT_EQ(tiled.waves[i].phase, shared.waves[i].phase);
+      // The power over the panel is summed tile by tile: 1e-9 of the quadrature, and a float's rounding.
+      for (size_t t = 0; t < 6; ++t)
+        EXPECT_NEAR(tiled.tiles.values[t * shared.waves.size() + i] / shared.waves[i].amplitude, 1, 1e-6);
+    }
+  }
+}
+
+/// A card at z = −50 mm that covers x > 50 µm hides a spot and a point at z = −0.2 m from the right of the panel.
+Scene make_half_hidden_scene() {
+  Scene scene;
+  scene.materials = {grey(0, 1), grey(0)};
+  scene.meshes = {make_test_quad({0, 0, -0.2}, {20_um, 0, 0}, {0, 20_um, 0}, 0),
+                  make_test_quad({5.05_mm, 0, -0.05}, {5_mm, 0, 0}, {0, 5_mm, 0}, 1)};
+  scene.points = {{{0, 10_um, -0.199}, 1.0f, 0}};
+  return scene;
+}
+
+TEST(TiledStrategy, ACardHidesWhatIsBehindItFromTheTilesThatItCovers) {
+  // The way from (x, y) on the panel to the axis at −0.2 m passes z = −0.05 at 3x/4: hidden for x > 67 µm.
+  TraceParams params{.strategy = Strategy::tiled,
+                     .columns = 1,
+                     .rows = 1,
+                     .tile_columns = 8,
+                     .tile_rows = 4,
+                     .paths = 1,
+                     .max_depth = 1};
+  const Sources tiled = trace(make_half_hidden_scene(), panel, green_light, params);
+  ASSERT_EQ(tiled.waves.size(), 2u);  // the point and the spot
+  for (int t = 0; t < 32; ++t) {
+    const bool is_hidden = tile_centre(params, t).x > 67_um;
+    for (size_t i = 0; i < 2; ++i) {
+      const float amplitude = tiled.tiles.values[size_t(t) * 2 + i];
+      EXPECT_EQ(amplitude, is_hidden ? 0 : tiled.waves[i].amplitude) << t;
+    }
+  }
+}
+
+TEST(TiledStrategy, RandomRaysBringHiddenWavesTheirPowerToTheTilesThatSeeThem) {
+  // A black card hides a bright wall behind it from part of the panel: E of a pixel is what it sees of the wall, here
+  // summed by tiles from the waves, and from the solid angle by rays of a raster of its own.
+  Scene scene;
+  scene.materials = {grey(0, 1), grey(0)};
+  scene.meshes = {make_wall(-20_mm, 50_mm, 50_mm),
+                  make_test_quad({0.5_mm, 0, -10_mm}, {0.5_mm, 0, 0}, {0, 0.6_mm, 0}, 1)};
+  const TraceParams params{.strategy = Strategy::tiled,
+                           .pattern = Pattern::random,
+                           .samples = 20000,
+                           .tile_columns = 16,
+                           .tile_rows = 12,
+                           .paths = 1,
+                           .max_depth = 1};
+  const Sources sources = trace(scene, panel, green_light, params);
+  const double tangent = acceptance_tangent(green_light, panel.pitch);
+  double total = 0, total_expected = 0, worst = 0;
+  for (int t = 0; t < 192; ++t) {
+    const Vec3 centre = tile_centre(params, t);
+    double irradiance = 0;
+    for (size_t i = 0; i < sources.waves.size(); ++i) {
+      const Vec3 o = sources.waves[i].origin;
+      const double reach = box_radius(-o.z, green_light, panel.pitch);
+      if (std::abs(o.x - centre.x) > reach || std::abs(o.y - centre.y) > reach) continue;
+      const double a = sources.tiles.values[size_t(t) * sources.waves.size() + i];
+      irradiance += a * a * o.z * o.z / dot(o - centre, o - centre);
+    }
+    // Share of the cone's tangents that the card leaves open.
+    const double x0 = std::max(-tangent, (0 - centre.x) / 10_mm), x1 = std::min(tangent, (1_mm - centre.x) / 10_mm);
+    const double y0 = std::max(-tangent, (-0.6_mm - centre.y) / 10_mm),
+                 y1 = std::min(tangent, (0.6_mm - centre.y) / 10_mm);
+    const double covered = x1 > x0 && y1 > y0 ? (x1 - x0) * (y1 - y0) : 0;
+    const double expected = 4 * tangent * tangent - covered;
+    total += irradiance;
+    total_expected += expected;
+    worst = std::max(worst, std::abs(irradiance - expected) / (4 * tangent * tangent));
+  }
+  // 15000 waves: 1 % for the whole panel, and a tile sees about a third of them: 5 standard errors of √(1/5000), and
+  // what tiles do to the card's edge, 128 µm in 700.
+  EXPECT_NEAR(total / total_expected, 1, 0.01);
+  EXPECT_LT(worst, 5 * std::sqrt(1.0 / 5000) + 0.05);
+}
+
+/// Where reflection off a sphere sends light from `light` to `eye`: the normal bisects the two ways.
+Vec3 highlight(Vec3 centre, double radius, Vec3 light, Vec3 eye) {
+  Vec3 point = centre + Vec3{0, 0, radius};
+  for (int i = 0; i < 100; ++i) point = centre + normalize(normalize(light - point) + normalize(eye - point)) * radius;
+  return point;
+}
+
+TEST(TiledStrategy, AHighlightMovesAcrossTheTiles) {
+  const Vec3 centre{0, 0, -65_mm}, light{0, 30_mm, -30_mm};
+  const double radius = 5_mm;
+  Scene scene;
+  scene.materials = {MetallicRoughnessMaterial{.base_color = {0.9, 0.9, 0.9}, .metallic = 1, .roughness = 0.15}};
+  Mesh sphere = make_round_mesh(centre, radius, 128);
+  for (const Vec3 p : sphere.positions) sphere.normals.push_back(normalize(p - centre));
+  scene.meshes = {sphere};
+  scene.lights = {PointLight{light, {1, 1, 1}}};
+  const TraceParams params{.strategy = Strategy::tiled,
+                           .columns = 160,
+                           .rows = 160,
+                           .tile_columns = 2,
+                           .tile_rows = 1,
+                           .field_of_view = 5_deg,
+                           .paths = 1,
+                           .max_depth = 1};
+  const Sources sources = trace(scene, panel, green_light, params);
+  const auto centroid = [&](int tile) {
+    Vec3 sum;
+    double weight = 0;
+    for (size_t i = 0; i < sources.waves.size(); ++i) {
+      const double a = sources.tiles.values[size_t(tile) * sources.waves.size() + i];
+      sum += sources.waves[i].origin * (a * a);
+      weight += a * a;
+    }
+    return sum / weight;
+  };
+  const double moved = centroid(1).x - centroid(0).x;
+  const double expected = highlight(centre, radius, light, tile_centre(params, 1)).x -
+                          highlight(centre, radius, light, tile_centre(params, 0)).x;
+  EXPECT_GT(expected, 30_um);
+  // The lobe's tails reach farther where the sphere turns away: its centroid leads its peak by some per cent.
+  EXPECT_NEAR(moved / expected, 1, 0.1);
+}
+
+TEST(TiledStrategy, ABallInAMirrorIsSeenByTheTilesWhoseWayOverTheMirrorIsOpen) {
+  // A mirror at 45° shows a spot at x = −50 mm; a card between mirror and spot covers z > −0.2 + 50 µm there. The
+  // image stands at z = −0.25, the card's at z = −0.225, above x = 50 µm … seen from x_t the way passes it at 0.1·x_t.
+  Scene scene;
+  scene.materials = {grey(0, 1), ConductorMaterial{}, grey(0)};
+  scene.meshes = {make_test_quad({-50_mm, 0, -0.2}, {0, 0, 20_um}, {0, 20_um, 0}, 0),
+                  make_test_quad({0, 0, -0.2}, {15_mm, 0, 15_mm}, {0, 20_mm, 0}, 1),
+                  make_test_quad({-25_mm, 0, -0.2 + 5.05_mm}, {0, 0, 5_mm}, {0, 5_mm, 0}, 2)};
+  const TraceParams params{.strategy = Strategy::tiled,
+                           .columns = 1,
+                           .rows = 1,
+                           .tile_columns = 8,
+                           .tile_rows = 1,
+                           .paths = 1,
+                           .phase = SourcePhase::path};
+  const Sources tiled = trace(scene, panel, green_light, params);
+  ASSERT_EQ(tiled.waves.size(), 1u);
+  EXPECT_NEAR(tiled.waves[0].origin.z, -0.25, 1e-9);
+  int seen = 0;
+  for (int t = 0; t < 8; ++t) {
+    // z = x_m mirrors to x: the image of the card covers x_image = z_card + 0.2 > 50 µm at depth 0.225.
+    const bool is_hidden = 0.1 * tile_centre(params, t).x > 50_um;
+    EXPECT_EQ(tiled.tiles.values[size_t(t)] == 0, is_hidden) << t;
+    seen += !is_hidden;
+  }
+  EXPECT_GT(seen, 4);
+  EXPECT_LT(seen, 8);
+}
+
+TEST(TiledStrategy, TheSameSourcesComeFromAnyNumberOfThreads) {
+  const TraceParams params{.strategy = Strategy::tiled,
+                           .pattern = Pattern::random,
+                           .samples = 3000,
+                           .tile_columns = 4,
+                           .tile_rows = 3,
+                           .paths = 2};
+  Scene scene = make_half_hidden_scene();
+  scene.meshes.push_back(make_wall(-0.25, 20_mm, 20_mm, 0));
+  std::vector<Sources> results;
+  for (const size_t threads : {1, 2, 7}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    results.push_back(trace(scene, panel, green_light, params));
+  }
+  EXPECT_GT(results[0].waves.size(), 100u);
+  for (const size_t i : {1, 2}) {
+    EXPECT_EQ(results[0].waves, results[i].waves);
+    EXPECT_EQ(results[0].tiles, results[i].tiles);
+    EXPECT_EQ(results[0].phase_keys, results[i].phase_keys);
+  }
+}
+
+TEST(TiledStrategy, TilesThatThePanelCannotHoldAreErrors) {
+  const auto sentence = [](int columns, int rows) {
+    return error_of([&] {
+      trace(make_half_hidden_scene(), panel, green_light,
+            {.strategy = Strategy::tiled, .tile_columns = columns, .tile_rows = rows});
+    });
+  };
+  EXPECT_EQ(sentence(0, 4),
+            "expected 1 to 256 tile_columns and 1 to 192 tile_rows on a panel of that many pixels, got 0 and 4");
+  EXPECT_EQ(sentence(8, 193),
+            "expected 1 to 256 tile_columns and 1 to 192 tile_rows on a panel of that many pixels, got 8 and 193");
+}
+
+}  // namespace
+}  // namespace holotrace
