@@ -17,6 +17,7 @@
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/trace/trace.h"
+#include "holotrace/trace/wave_sets.h"
 #include "holotrace/wave/propagate.h"
 #include "holotrace/wave/synthesize.h"
 
@@ -27,6 +28,16 @@ double seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The same light as one set of waves: gather's rays are those of the random pattern, pixel_samples for each pixel.
+TraceParams as_one_set(TraceParams params, const Grid& panel) {
+  params.separate_layers = params.separate_lights = false;
+  if (params.strategy != Strategy::gather) return params;
+  params.strategy = Strategy::shared;
+  params.pattern = Pattern::random;
+  params.samples = panel.pixels() * params.pixel_samples;
+  return params;
 }
 
 double first_rays(const TraceParams& params) {
@@ -40,15 +51,16 @@ TraceParams with_at_most(TraceParams params, int side) {
   return params;
 }
 
-// How often the stages run: tracing once per wavelength, the others once per hologram. Each layer or light shown by
-// itself is counted as a hologram of all waves, which is what it costs at most.
+// How often the stages run: tracing once per group of wavelengths that share their paths, the others once per hologram.
+// Each layer or light shown by itself is counted as a hologram of all waves, which is what it costs at most.
 struct Shape {
-  double wavelengths = 1, parts = 1, frames = 1;
+  double wavelengths = 1, parts = 1, frames = 1, tracings = 1;
   double holograms() const { return wavelengths * parts * frames; }
 };
 
 Shape shape_of(const Job& job) {
-  Shape shape{double(job.wavelengths.size()), 1, double(job.trace.frames)};
+  Shape shape{double(job.wavelengths.size()), 1, double(job.trace.frames),
+              double(group_wavelengths(job.scene, job.wavelengths).size())};
   if (job.trace.separate_layers) shape.parts *= double(std::max<size_t>(1, job.trace.layers.size()));
   if (job.trace.separate_lights) shape.parts *= double(std::max<size_t>(1, job.scene.lights.size()));
   return shape;
@@ -72,18 +84,19 @@ TraceProbe probe_trace(const Job& job) {
     if (const auto* count = std::get_if<int64_t>(&value)) facts[name] = double(*count);
     if (const auto* number = std::get_if<double>(&value)) facts[name] = *number;
   };
-  const TraceParams small = with_at_most(job.trace, 64);
+  const TraceParams whole = as_one_set(job.trace, job.slm.grid), small = with_at_most(whole, 64);
   TraceProbe probe;
-  probe.prepare_seconds = seconds_of([&] { trace_with(with_at_most(job.trace, 1), {}); });
+  probe.prepare_seconds = seconds_of([&] { trace_with(with_at_most(whole, 1), {}); });
   const double seconds = seconds_of([&] { probe.sources = trace_with(small, observer); });
 
-  const double scale = first_rays(job.trace) / first_rays(small);
+  const double scale = first_rays(whole) / first_rays(small);
   const double points = double(job.scene.points.size());
   probe.paths = facts["paths"] * scale;
   probe.rays = facts["rays"] * scale;
   probe.shadow_rays = facts["shadow_rays"] * scale;
   probe.mean_path_length = facts["mean_path_length"];
   probe.waves = points + (double(probe.sources.waves.size()) - points) * scale;
+  if (job.trace.strategy == Strategy::gather) probe.waves = 0;  // each ends in its pixel
   probe.ray_seconds = std::max(seconds - probe.prepare_seconds, 0.0) * scale;
   return probe;
 }
@@ -127,16 +140,16 @@ nlohmann::ordered_json estimate(const Job& job) {
   inputs.wave_rate = summed / sum_seconds;
   const Cost cost = estimate_cost(inputs);
   const double all_rays = probe.rays + probe.shadow_rays;
-  const double colours = shape.wavelengths, holograms = shape.holograms();
-  const double trace_seconds = colours * (probe.prepare_seconds + cost.trace_seconds);
+  const double colours = shape.wavelengths, holograms = shape.holograms(), tracings = shape.tracings;
+  const double trace_seconds = tracings * (probe.prepare_seconds + cost.trace_seconds);
   const double synthesis_seconds = holograms * cost.synthesis_seconds;
   nlohmann::ordered_json json{{"wavelengths", shape.wavelengths},
                               {"frames", shape.frames},
                               {"holograms", holograms},
-                              {"paths", colours * probe.paths},
+                              {"paths", tracings * probe.paths},
                               {"mean_path_length", probe.mean_path_length},
-                              {"rays", colours * probe.rays},
-                              {"shadow_rays", colours * probe.shadow_rays},
+                              {"rays", tracings * probe.rays},
+                              {"shadow_rays", tracings * probe.shadow_rays},
                               {"seconds_per_ray", all_rays > 0 ? probe.ray_seconds / all_rays : 0.0},
                               {"trace_seconds", trace_seconds},
                               {"waves", colours * probe.waves},

@@ -99,7 +99,7 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
         const Observer observer = console.watch("look at " + format_length(distance));
         const Image view = look(shown, slm, distance, propagation, camera, observer);
         sums[d].add(shown.wavelength, hologram.name, hologram.illumination, view,
-                    axial_reach(slm, shown.wavelength, distance, hologram.filter));
+                    axial_reach(slm, shown.wavelength, distance, camera, hologram.filter));
       }
     }
     console.finish();

@@ -12,6 +12,7 @@
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
+#include "holotrace/io/mesh_file.h"
 #include "holotrace/io/output.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/scene_file.h"
@@ -28,7 +29,9 @@ namespace holotrace {
 namespace {
 
 void add_scene(CLI::App& command, std::string& path) {
-  command.add_option("scene", path, "scene file (TOML), see docs/scene_format.md")->required()->type_name("SCENE.toml");
+  command.add_option("scene", path, "scene file (TOML, see docs/scene_format.md), or a mesh by itself")
+      ->required()
+      ->type_name("SCENE.toml|MESH");
 }
 
 constexpr const char* trace_group = "Tracing (over the scene's [trace])";
@@ -201,20 +204,22 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
   o->flags.add(*command, SynthesizeParams());
   command->callback([o, &global] {
     if (o->is_double) check_is_for_double(o->flags);
-    const bool is_scene = std::filesystem::path(o->inputs.front()).extension() == ".toml";
+    const std::string extension = std::filesystem::path(o->inputs.front()).extension().string();
+    const bool is_scene = extension == ".toml" || (is_mesh_file(o->inputs.front()) && extension != ".ply");
     if (is_scene && o->inputs.size() > 1) throw CLI::ExtrasError({o->inputs.begin() + 1, o->inputs.end()});
     Job job;
     job.slm = slm_preset("pluto");
     if (is_scene) job = load_job(o->inputs.front());
     if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
+    require(!(o->is_double && job.trace.strategy == Strategy::gather),
+            "expected --double with a scene whose strategy makes waves, got gather; take the strategy shared or tiled");
     o->flags.apply(job.synthesize);
     check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
-    const std::vector<Sources> sets =
-        is_scene ? trace(job.scene, job.slm.grid, job.wavelengths, job.trace, console.watch("trace"))
-                 : read_sources(o->inputs, job.wavelengths);
-    const uint32_t frame = o->frame.value_or(sets.front().frame);
+    const SceneLight light =
+        is_scene ? trace_light(job, console.watch("trace")) : SceneLight{read_sources(o->inputs, job.wavelengths), {}};
+    const uint32_t frame = o->frame.value_or(light.sources.empty() ? 0 : light.sources.front().frame);
     const Observer observer = console.watch("synthesize");
     const auto save = [&](const auto& fields) {
       console.finish();
@@ -222,9 +227,9 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
       for (size_t i = 0; i < stacks.size(); ++i) save_fields(numbered_path(o->output, i), stacks[i]);
     };
     if (o->is_double)
-      save(exact_fields(sets, frame, job.slm.grid, observer));
+      save(exact_fields(light.sources, frame, job.slm.grid, observer));
     else
-      save(fields_of_frame(sets, frame, job.slm.grid, job.synthesize, observer));
+      save(fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer));
   });
 }
 

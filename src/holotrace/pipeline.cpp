@@ -10,6 +10,7 @@
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/trace/first_hits.h"
+#include "holotrace/trace/gather.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
@@ -43,7 +44,8 @@ void check_memory(const Job& job, size_t sets) {
   const double pixels = double(panel.pixels()), n = job.show.subpixels, frames = job.trace.frames;
   const double columns = std::max(job.camera.width, panel.width()) / panel.pitch * n;
   const double rows = std::max(job.camera.height, panel.height()) / panel.pitch * n;
-  const double fields = 8 * pixels * double(sets) * (frames > 1 ? 2 : 1);
+  const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
+  const double fields = 8 * pixels * double(sets) * kept;
   const double holograms = 2 * pixels * double(sets) * frames;
   const double shown = 8 * pixels * n * n, showing = 8 * pixels * n;
   const double looking = 8 * (columns + panel.nx * n) * (rows + (rows + panel.ny * n) / 4) + 8 * columns * rows;
@@ -70,7 +72,7 @@ bool has_random_phase(const std::vector<Sources>& sets) {
   });
 }
 
-// With a lens what is in focus depends on the distance.
+// With a lens, or an eye off the panel's centre, what lies where in the picture depends on the distance.
 void make_renders(const Job& job, Report& report, const StageObserver& watch, std::vector<Image>& renders) {
   const auto render_with = [&](const std::string& name, const RenderParams& params) {
     renders.push_back(run_stage(name, report, watch, [&](const Observer& o) {
@@ -78,7 +80,7 @@ void make_renders(const Job& job, Report& report, const StageObserver& watch, st
       return render(job.scene, job.slm.grid, job.wavelengths.front(), params, o);
     }));
   };
-  if (job.render.lens == Lens::pinhole) {
+  if (job.render.lens == Lens::pinhole && job.render.eye == Vec3{}) {
     render_with("render", job.render);
     return;
   }
@@ -96,7 +98,7 @@ Image reference_of(const Job& job, const Image& render, const ViewSum& sum, cons
   const std::vector<double> lines = sum.wavelengths();
   const std::vector<double>& seen = lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
   const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid, job.wavelengths.front());
-  return project_render(seen_at(render, seen), half_tangent, view, distance, job.render.eye);
+  return project_render(seen_at(render, seen), half_tangent, view, distance);
 }
 
 }  // namespace
@@ -112,8 +114,31 @@ void check_job(const Job& job) {
   check_memory(job, least_sets(job));
 }
 
-std::vector<Field> fields_of_frame(const std::vector<Sources>& sources, uint32_t frame, const Grid& panel,
+SceneLight trace_light(const Job& job, const Observer& observer) {
+  SceneLight light;
+  if (job.trace.strategy != Strategy::gather) {
+    light.sources = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, observer);
+    return light;
+  }
+  const size_t frames = size_t(job.trace.frames);
+  std::vector<Field> fields = gather(job.scene, job.slm.grid, job.wavelengths, job.trace, observer);
+  light.gathered.resize(fields.size() / frames);
+  for (size_t i = 0; i < fields.size(); ++i) light.gathered[i / frames].push_back(std::move(fields[i]));
+  return light;
+}
+
+std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer) {
+  if (!light.gathered.empty()) {
+    std::vector<Field> fields;
+    for (const std::vector<Field>& frames : light.gathered) {
+      require(frame < frames.size(), "expected a frame below {}, as many as were gathered, got {}; ask for more frames",
+              frames.size(), frame);
+      fields.push_back(frames[frame]);
+    }
+    return fields;
+  }
+  const std::vector<Sources>& sources = light.sources;
   const bool has_waves =
       std::any_of(sources.begin(), sources.end(), [](const Sources& set) { return !set.waves.empty(); });
   std::vector<Field> fields;
@@ -165,31 +190,29 @@ Boxes run(const Job& job, const StageObserver& watch) {
       return job.warnings.size();
     });
   make_renders(job, b.report, watch, b.renders);
-  b.sources = stage("trace", [&](const Observer& o) {
+  SceneLight light = stage("trace", [&](const Observer& o) {
     o.fact("seed", job.trace.seed);
-    auto sets = trace(job.scene, panel, job.wavelengths, job.trace, o);
+    SceneLight traced = trace_light(job, o);
     o.fact("wavelengths", job.wavelengths.size());
-    o.fact("sets", sets.size());
+    o.fact("sets", traced.sets());
     o.fact("frames", job.trace.frames);
-    if (job.trace.frames > 1 && !has_random_phase(sets))
+    if (job.trace.frames > 1 && traced.gathered.empty() && !has_random_phase(traced.sources))
       o.warn(fmt::format("no wave has a random phase: all {} frames are alike; ask for one frame, or for random phases",
                          job.trace.frames));
-    return sets;
+    return traced;
   });
-  check_memory(job, b.sources.size());
+  check_memory(job, light.sets());
 
   const std::vector<double>& distances = job.camera.distances;
-  const int64_t holograms = int64_t(b.sources.size()) * job.trace.frames;
-  // The one place where the light of a frame comes from: one field per set.
-  const auto make_fields = [&](int frame, const Observer& o) {
-    return fields_of_frame(b.sources, uint32_t(frame), panel, job.synthesize, o);
-  };
+  const int64_t holograms = int64_t(light.sets()) * job.trace.frames;
   RepeatedStages repeat(holograms, job.trace.frames + holograms * int64_t(2 + distances.size()), b.report, watch);
   std::vector<ViewSum> sums(distances.size());
   for (int frame = 0; frame < job.trace.frames; ++frame) {
-    std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) { return make_fields(frame, o); });
+    std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) {
+      return fields_of_frame(light, uint32_t(frame), panel, job.synthesize, o);
+    });
     for (size_t i = 0; i < fields.size(); ++i) {
-      const bool is_dark = i < b.sources.size() && b.sources[i].waves.empty();  // as tracing has said
+      const bool is_dark = i < light.sources.size() && light.sources[i].waves.empty();  // as tracing has said
       b.holograms.push_back(repeat("encode", [&](const Observer& o) {
         return encode(fields[i], job.slm, job.encode, is_dark ? Observer{} : o);
       }));
@@ -199,7 +222,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
         repeat("look at " + format_length(distances[d]), [&](const Observer& o) {
           const Image view = look(shown, job.slm, distances[d], job.propagate, job.camera, o);
           sums[d].add(shown.wavelength, hologram.name, hologram.illumination, view,
-                      axial_reach(job.slm, shown.wavelength, distances[d], hologram.filter));
+                      axial_reach(job.slm, shown.wavelength, distances[d], job.camera, hologram.filter));
           return true;
         });
     }
@@ -215,6 +238,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
       report_metrics(reference_of(job, render, sums[d], view, distances[d]), view,
                      sums[d].mean_irradiance() * sensor / incident, o);
     });
+  b.sources = std::move(light.sources);
   return b;
 }
 

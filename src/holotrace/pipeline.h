@@ -17,10 +17,10 @@ namespace holotrace {
 /// A **set** is the light of one layer or light at one wavelength; a run shows frames × sets holograms, one after the
 /// other.
 struct Boxes {
-  /// Path-traced references in red, green and blue: one from the panel's centre, or with a lens one per camera
-  /// distance, focused there.
+  /// Path-traced references in red, green and blue: one from the panel's centre, or with a lens or another eye one per
+  /// camera distance, focused there.
   std::vector<Image> renders;
-  std::vector<Sources> sources;            ///< of the first frame, one per set
+  std::vector<Sources> sources;            ///< of the first frame, one per set; none with the strategy gather
   std::vector<std::vector<Field>> fields;  ///< at the panel in the first frame, [layer or light][wavelength]
   std::vector<Hologram> holograms;         ///< in the order shown: for each frame, each set
   std::vector<Image> views;                ///< one per camera distance: one channel, or red, green and blue
@@ -43,9 +43,20 @@ Boxes run(const Job& job, const StageObserver& watch = {});
 ///                fit in the machine's memory
 void check_job(const Job& job);
 
-/// Fields of one frame, each a layer or light at a wavelength, in the order of `sources`; a set without waves is dark.
-/// @throws Error  as synthesize does; also if no set has a wave
-std::vector<Field> fields_of_frame(const std::vector<Sources>& sources, uint32_t frame, const Grid& panel,
+/// A scene's light on its way to the panel: sets of waves, or with the strategy gather the fields themselves.
+struct SceneLight {
+  std::vector<Sources> sources;              ///< one per set
+  std::vector<std::vector<Field>> gathered;  ///< [set][frame]
+
+  size_t sets() const { return gathered.empty() ? sources.size() : gathered.size(); }
+};
+
+/// Traces the job's scene by its strategy.
+SceneLight trace_light(const Job& job, const Observer& observer = {});
+
+/// Fields of one frame, each a layer or light at a wavelength, in the order of the sets; a set without waves is dark.
+/// @throws Error  as synthesize does; if no set has a wave, and for a frame that was not gathered
+std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer = {});
 
 /// Fields in stacks of one name, each in the order given: [name][wavelength].

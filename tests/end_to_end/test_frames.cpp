@@ -69,7 +69,7 @@ TEST(Frames, SpeckleOfAHologramFallsAsOneOverTheRootOfTheFrames) {
   const CameraParams camera{.distances = {depth}, .width = 7e-3, .height = 7e-3};
   ViewSum by_hologram, by_field;
   for (uint32_t frame = 0; frame < 16; ++frame) {
-    const Field field = fields_of_frame({sources}, frame, grid, {}).front();
+    const Field field = fields_of_frame({{sources}, {}}, frame, grid, {}).front();
     EXPECT_EQ(field.frame, frame);
     const Hologram hologram = encode(field, slm, {});
     by_hologram.add(test_wavelength, "", hologram.illumination, look(show(hologram, slm, {}), slm, depth, {}, camera));
@@ -86,7 +86,7 @@ TEST(Frames, SpeckleOfAHologramFallsAsOneOverTheRootOfTheFrames) {
 
 TEST(Frames, AreIndependentOfEachOtherAndReproducible) {
   const Sources sources = patch(1e-3, 60);
-  const auto frame = [&](uint32_t m) { return fields_of_frame({sources}, m, square_panel, {}).front(); };
+  const auto frame = [&](uint32_t m) { return fields_of_frame({{sources}, {}}, m, square_panel, {}).front(); };
   const Field first = frame(0), second = frame(1), third = frame(2);
   // 3600 random phases: the correlation of independent fields has the modulus 1/√3600 = 0.017, a Rayleigh variable;
   // 4 of that is passed with the probability e⁻¹⁶.
@@ -98,7 +98,7 @@ TEST(Frames, AreIndependentOfEachOtherAndReproducible) {
   Sources moved = sources;
   set_frame(moved, 1);
   set_frame(moved, 2);
-  EXPECT_LT(compare(third, fields_of_frame({moved}, 2, square_panel, {}).front()).relative_error, 1e-5);
+  EXPECT_LT(compare(third, fields_of_frame({{moved}, {}}, 2, square_panel, {}).front()).relative_error, 1e-5);
 }
 
 void expect_success(const Workplace& work, const std::vector<std::string>& arguments) {

@@ -81,13 +81,13 @@ TEST(SeenAt, IsTheRadianceOfOneWavelengthAndTheColourOfThree) {
 TEST(AxialReach, IsTheWholePanelFarAwayAndTheAcceptanceNearby) {
   Slm slm = make_panel(256, 192);
   slm.fill_factor = 1e-12;  // no roll-off: areas alone
-  EXPECT_NEAR(axial_reach(slm, 532e-9, 10, {}), 1, 1e-9);
+  EXPECT_NEAR(axial_reach(slm, 532e-9, 10, {}, {}), 1, 1e-9);
   // 10 mm away the box's half side is 10 mm·tan(asin(λ/2p)), within the panel's 1.024 and 0.768 mm.
   const double sine = 532e-9 / 16e-6, box = 0.01 * sine / std::sqrt(1 - sine * sine);
-  EXPECT_NEAR(axial_reach(slm, 532e-9, 0.01, {}), 4 * box * box / (slm.grid.width() * slm.grid.height()), 1e-9);
+  EXPECT_NEAR(axial_reach(slm, 532e-9, 0.01, {}, {}), 4 * box * box / (slm.grid.width() * slm.grid.height()), 1e-9);
   // Pixels that touch send on ∫sinc² of the band |f| ≤ 1/2 per axis: 0.77369 of the light; small angles: 1e-3.
   slm.fill_factor = 1;
-  EXPECT_NEAR(axial_reach(slm, 532e-9, 0.01, {}) / (4 * box * box / (slm.grid.width() * slm.grid.height())),
+  EXPECT_NEAR(axial_reach(slm, 532e-9, 0.01, {}, {}) / (4 * box * box / (slm.grid.width() * slm.grid.height())),
               std::pow(0.7736950, 2), 1e-3);
 }
 

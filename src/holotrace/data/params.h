@@ -227,9 +227,11 @@ void describe(Visitor& v, PropagateParams& p) {
 
 // --- expose: Field → Image ----------------------------------------------------------------------
 
-/// A sensor without a lens, as on the paper's bench, and what of its reading goes into a picture.
+/// A sensor without a lens, as on the paper's bench, or an eye, and what of its reading goes into a picture.
 struct CameraParams {
   std::vector<double> distances{0.3};  ///< from the panel to the planes looked at [m], ≥ 0
+  double pupil = 0;                    ///< diameter of the eye's pupil [m]; 0: all light that leaves the panel
+  Vec3 eye{0, 0, 0};                   ///< place of that pupil [m], on the panel or before it: z ≥ 0
   double width = 0, height = 0;        ///< of the sensor [m]; 0: the panel's
   int binning = 0;                     ///< field samples per sensor pixel and axis; 0: one panel pixel
   double exposure = 0;                 ///< irradiance that is white [W/m²]; 0: the 99.9th percentile
@@ -239,6 +241,8 @@ struct CameraParams {
 template <class Visitor>
 void describe(Visitor& v, CameraParams& p) {
   v.lengths("distances", p.distances, "from the panel to the planes looked at");
+  v.length("pupil", p.pupil, "diameter of the eye's pupil; 0 m: all light that leaves the panel");
+  v.position("eye", p.eye, "place of that pupil, on the panel or before it (z of 0 m or more)");
   v.length("width", p.width, "of the sensor; 0 m: the panel's");
   v.length("height", p.height, "of the sensor; 0 m: the panel's");
   v.count("binning", p.binning, "field samples per sensor pixel and axis; 0: one panel pixel");

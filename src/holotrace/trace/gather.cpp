@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <string>
 
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/error.h"
@@ -93,9 +94,40 @@ void check_params(const TraceParams& params) {
   require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
 }
 
+/// Powers that tell waves from noise: of the whole, and of what two halves of the rays share.
+struct Agreement {
+  double power = 0, shared = 0;
+
+  /// Adds a pixel: U_A and U_B of the halves, whose noise is independent, so that 4·Re(U_A·U_B*) has the mean |E U|².
+  void add(std::complex<double> whole, std::complex<double> half) {
+    power += std::norm(whole);
+    shared += 4 * std::real(half * std::conj(whole - half));
+  }
+};
+
+/// States the part of the light that is waves and not noise, and warns where it is the smaller one.
+void report(const std::vector<Agreement>& rows, int samples, const Observer& observer) {
+  Agreement all;
+  for (const Agreement& row : rows) {
+    all.power += row.power;
+    all.shared += row.shared;
+  }
+  if (!(all.power > 0)) return;
+  const double part = all.shared / all.power;
+  observer.fact("coherent_fraction", Fact(part));
+  if (part >= 0.5) return;
+  // The waves' power grows as S and the noise stays.
+  const std::string need = part > 0.01 ? fmt::format("about {:.0f} or more", samples * (1 - part) / part)
+                                       : fmt::format("a hundred times {} or more", samples);
+  observer.warn(
+      fmt::format("{:.0f} % of the light on the panel is noise of {} rays per pixel that find other points than their "
+                  "neighbours'; take pixel_samples of {}, a wider grain on flat surfaces, or the strategy shared",
+                  100 * std::min(1.0, 1 - part), samples, need));
+}
+
 /// Adds the fields of one group of wavelengths.
 void gather_group(const Gathering& g, const Observer& observer, PathCounts& total, int64_t& first_hits,
-                  std::vector<Field>& fields) {
+                  std::vector<Agreement>& agreement, std::vector<Field>& fields) {
   const Grid& panel = g.panel;
   const size_t frames = size_t(g.params.frames);
   require_memory(double(g.sets.size() * frames) * sizeof(std::complex<float>) * double(panel.pixels()),
@@ -106,14 +138,19 @@ void gather_group(const Gathering& g, const Observer& observer, PathCounts& tota
   std::vector<PathCounts> counts(size_t(panel.ny), PathCounts{});
   std::vector<int64_t> hits(size_t(panel.ny), 0);
   const auto gather_row = [&](int64_t row) {
-    PixelSums sums(made.size());
+    PixelSums sums(made.size()), half(made.size());
     for (int column = 0; column < panel.nx; ++column) {
       const Vec3 pixel{panel.x(column), panel.y(double(row)), 0};
       std::fill(sums.begin(), sums.end(), 0.0);
       add_points(g, pixel, sums);
+      for (size_t i = 0; i < made.size(); ++i) half[i] = 0.5 * sums[i];
       const uint64_t first = (uint64_t(row) * uint64_t(panel.nx) + uint64_t(column)) * uint64_t(g.params.pixel_samples);
-      for (int64_t j = 0; j < g.params.pixel_samples; ++j)
+      for (int64_t j = 1; j < g.params.pixel_samples; j += 2)
+        add_sample(g, pixel, j, first + uint64_t(j), half, counts[size_t(row)], hits[size_t(row)]);
+      for (size_t i = 0; i < made.size(); ++i) sums[i] = 0.5 * sums[i] + half[i];
+      for (int64_t j = 0; j < g.params.pixel_samples; j += 2)
         add_sample(g, pixel, j, first + uint64_t(j), sums, counts[size_t(row)], hits[size_t(row)]);
+      for (size_t i = 0; i < made.size(); i += frames) agreement[size_t(row)].add(sums[i], half[i]);
       for (size_t i = 0; i < made.size(); ++i) made[i].samples(int(row), column) = std::complex<float>(sums[i]);
     }
   };
@@ -142,15 +179,17 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   std::vector<Field> fields;
   PathCounts counts;
   int64_t first_hits = 0;
+  std::vector<Agreement> agreement(size_t(panel.ny), Agreement{});
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g]);
     gather_group({path_scene, params, panel, sets, longest, side}, part_of(observer, int(g), int(groups.size())),
-                 counts, first_hits, fields);
+                 counts, first_hits, agreement, fields);
   }
   report(counts, params.max_depth, observer);
   observer.fact("first_hits", Fact(first_hits));
+  if (params.pixel_samples > 1) report(agreement, params.pixel_samples, observer);
   return fields;
 }
 

@@ -26,6 +26,12 @@ namespace holotrace {
 /// **Phases.** They must be those of the surface, so that rays of different pixels that hit one point agree:
 /// surface, path or laser (source_phase.h).
 ///
+/// **Noise.** Neighbouring pixels hold waves only where their rays meet the same cells of the surface, and those only
+/// where a cell is in phase with itself: flat to λ as the pixel sees it. On tilted or curved surfaces, and with S far
+/// below the number of cells in view, the field is noise of the right irradiance: the fact "coherent_fraction" tells
+/// which part is waves, estimated from two halves of the rays (case 16 of the cross estimator), and a warning how many
+/// rays it takes. The strategies shared and tiled have no such noise, for all pixels share their points.
+///
 /// Luminous points add their wave, exact, to the pixels in their box (box_radius) from which no mesh hides them.
 ///
 /// @param scene        at z < 0 [m]
@@ -33,7 +39,7 @@ namespace holotrace {
 /// @param wavelengths  [m], any number; up to three share their rays, which fill the acceptance of the longest of
 ///                     all: each takes those inside its own
 /// @param params       strategy and pattern are not looked at
-/// @param observer     hears the facts of `report` and "first_hits"
+/// @param observer     hears the facts of `report`, "first_hits" and "coherent_fraction"; a warning of noise
 /// @return             complex amplitudes [√(W/m²)], the sets in the order and number of `trace` (sets of lights and
 ///                     layers without any light left out), for each of them params.frames frames with phases of their
 ///                     own from one tracing; the same bytes on any number of threads

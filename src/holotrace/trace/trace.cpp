@@ -234,7 +234,7 @@ void check_params(const TraceParams& params) {
   require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
   require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
   require(params.strategy != Strategy::gather,
-          "expected the strategy shared or tiled, got gather, which makes no waves but fields; call gather");
+          "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: take the command field or run, or call gather");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
@@ -36,6 +37,21 @@ PropagateParams sensor_window(const PropagateParams& propagation, const CameraPa
   return window;
 }
 
+// The light that a round pupil lets through.
+void cut_by_pupil(Field& field, const CameraParams& camera) {
+  int64_t open = 0;
+  const double radius = camera.pupil / 2;
+  for (int j = 0; j < field.grid.ny; ++j)
+    for (int i = 0; i < field.grid.nx; ++i) {
+      const bool is_open = std::hypot(field.grid.x(i) - camera.eye.x, field.grid.y(j) - camera.eye.y) <= radius;
+      open += is_open;
+      if (!is_open) field.samples(j, i) = 0;
+    }
+  require(open > 0, "expected a pupil within the panel's window of {} × {}, got one of {} at {}, {}; move the eye",
+          format_length(field.grid.width()), format_length(field.grid.height()), format_length(camera.pupil),
+          format_length(camera.eye.x), format_length(camera.eye.y));
+}
+
 // Between the middles of pixels; black past the outer ones. Added to one sum per channel.
 void add_between(const Image& render, double row, double column, double* sums) {
   const int r = int(std::floor(row)), c = int(std::floor(column));
@@ -56,11 +72,24 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   CameraParams sensor = camera;
   if (sensor.binning == 0) sensor.binning = std::max(1, int(std::lround(slm.grid.pitch / shown.grid.pitch)));
   const double z = shown.image == ImageSide::real_image ? distance : -distance;
-  return expose(propagate(stopped, z, window, observer), sensor, observer);
+  if (camera.pupil == 0) return expose(propagate(stopped, z, window, observer), sensor, observer);
+
+  require(std::isfinite(camera.pupil) && camera.pupil > 0, "expected a pupil of 0 m (none) or more, got {} m",
+          camera.pupil);
+  require(is_finite(camera.eye) && camera.eye.z >= 0, "expected an eye on the panel or before it (z ≥ 0), got z = {}",
+          format_length(camera.eye.z));
+  PropagateParams to_pupil;
+  to_pupil.method = propagation.method;
+  Field in_pupil = propagate(stopped, camera.eye.z, to_pupil, observer);
+  cut_by_pupil(in_pupil, camera);
+  return expose(propagate(in_pupil, z - camera.eye.z, window, observer), sensor, observer);
 }
 
-double axial_reach(const Slm& slm, double wavelength, double distance, const std::optional<SpectralFilter>& filter) {
+double axial_reach(const Slm& slm, double wavelength, double distance, const CameraParams& camera,
+                   const std::optional<SpectralFilter>& filter) {
   if (distance <= 0) return 1;
+  const double seen =
+      camera.pupil > 0 ? camera.pupil * distance / (distance + camera.eye.z) : std::numeric_limits<double>::infinity();
   const double pitch = slm.grid.pitch, lit = std::sqrt(slm.fill_factor);
   const auto along = [&](double side, double half_band, double carrier) {
     const double sine = std::min(wavelength * std::min(half_band, 1 / (2 * pitch)), 1.0);
@@ -76,8 +105,8 @@ double axial_reach(const Slm& slm, double wavelength, double distance, const std
     return sum * 2 * half / (3.0 * steps) / side;
   };
   const double open = 1 / pitch;
-  return along(slm.grid.width(), filter ? filter->half_u : open, filter ? filter->u0 : 0) *
-         along(slm.grid.height(), filter ? filter->half_v : open, filter ? filter->v0 : 0);
+  return along(std::min(slm.grid.width(), seen), filter ? filter->half_u : open, filter ? filter->u0 : 0) *
+         along(std::min(slm.grid.height(), seen), filter ? filter->half_v : open, filter ? filter->v0 : 0);
 }
 
 double common_white(const std::vector<Image>& views, double exposure) {
@@ -86,12 +115,12 @@ double common_white(const std::vector<Image>& views, double exposure) {
   return white;
 }
 
-Image project_render(const Image& render, double half_tangent, const Image& sensor, double distance, Vec3 eye) {
+Image project_render(const Image& render, double half_tangent, const Image& sensor, double distance) {
   require(render.channels == 1 || render.channels == 3, "expected a render of 1 or 3 channels, got {}",
           render.channels);
   Image out(sensor.ny, sensor.nx, render.channels);
   out.pitch = sensor.pitch;
-  const double step = 2 * half_tangent / render.ny * (distance + eye.z);  // side of a render pixel on the sensor [m]
+  const double step = 2 * half_tangent / render.ny * distance;  // side of a render pixel on the sensor [m]
   if (step <= 0) return out;
   const double ratio = sensor.pitch / step;
   const int parts = std::clamp(int(std::ceil(ratio)), 1, 32);  // places of the render that a sensor pixel averages
@@ -101,8 +130,8 @@ Image project_render(const Image& render, double half_tangent, const Image& sens
       for (int b = 0; b < parts; ++b)
         for (int a = 0; a < parts; ++a) {
           const double x = i + (a + 0.5) / parts - 0.5, y = double(j) + (b + 0.5) / parts - 0.5;
-          add_between(render, (y - (out.ny - 1) / 2.0) * ratio + eye.y / step + (render.ny - 1) / 2.0,
-                      (x - (out.nx - 1) / 2.0) * ratio - eye.x / step + (render.nx - 1) / 2.0, sums);
+          add_between(render, (y - (out.ny - 1) / 2.0) * ratio + (render.ny - 1) / 2.0,
+                      (x - (out.nx - 1) / 2.0) * ratio + (render.nx - 1) / 2.0, sums);
         }
       for (int channel = 0; channel < out.channels; ++channel)
         out(int(j), i, channel) = float(sums[channel] / (parts * parts));

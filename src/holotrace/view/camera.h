@@ -15,11 +15,16 @@ namespace holotrace {
 /// What a sensor without a lens sees of the light that leaves an SLM, focused at `distance` [m] ≥ 0: behind
 /// the panel for a virtual image, before it for a real one. Applies the stop that the encoder asked for.
 ///
+/// With camera.pupil > 0 an eye takes the light: only what passes a round pupil about camera.eye, parallel to the
+/// panel, goes on. The field is propagated to the plane of the pupil, cut there, and from there (forward or back) to
+/// the plane looked at: an eye that focuses on that plane, its retina in the plane's own scale.
+///
 /// The sensor's window is centred and differs from the panel's by an even number of samples per axis; its
 /// pixels hold camera.binning² samples of the field, 0 for those of one panel pixel.
 ///
 /// @return        irradiance [W/m²]
-/// @throws Error  for a distance or a size below 0, a sensor smaller than a sample, a window given twice (by
+/// @throws Error  for a distance or a size below 0, an eye behind the panel or beside its window, a sensor smaller than
+///                a sample, a window given twice (by
 ///                the camera's width and height and by the propagation's columns and rows), and as propagate does
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
            const CameraParams& camera, const Observer& observer = {});
@@ -30,19 +35,20 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
 ///     r = Π_axes ∫ sinc²(w·p·(u + u₀)) dx / side,   u = x/(λ√(x² + distance²)),  w = √F
 ///
 /// over the part of the panel's side where |u| is below 1/2p, or below the half width of the encoder's stop (centred at
-/// u₀). [0, 1]; 1 at a distance of 0 m, where it has no meaning.
-double axial_reach(const Slm& slm, double wavelength, double distance, const std::optional<SpectralFilter>& filter);
+/// u₀), and that light on its way to the pupil of the camera passes. [0, 1]; 1 at a distance of 0 m, where it has no
+/// meaning.
+double axial_reach(const Slm& slm, double wavelength, double distance, const CameraParams& camera,
+                   const std::optional<SpectralFilter>& filter);
 
 /// The irradiance that is white in all the views: the exposure given, or the brightest view's own.
 double common_white(const std::vector<Image>& views, double exposure);
 
-/// A render as the sensor would see it: what stands at `distance` [m] from the panel falls on the sensor at
-/// x = eye.x + (distance + eye.z)·tan, each sensor pixel taking the mean of the render over its area. Black past the
-/// render's window.
+/// A render as the sensor would see it: its window in the plane at `distance` [m] (render.h: the plane in focus, or any
+/// plane for a pinhole at the panel's centre) falls on the sensor at x = distance·tan, each sensor pixel taking the
+/// mean of the render over its area. Black past the render's window.
 ///
 /// @param half_tangent  of the render's height
-/// @param eye           that the render was taken from [m], RenderParams::eye
 /// @return              radiance, as large as `sensor`, with the channels of the render
-Image project_render(const Image& render, double half_tangent, const Image& sensor, double distance, Vec3 eye = {});
+Image project_render(const Image& render, double half_tangent, const Image& sensor, double distance);
 
 }  // namespace holotrace
