@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Lays out what scripts/figures made of path-traced holograms: four contact sheets, a table and the README's picture.
+"""Lays out what scripts/figures made of path-traced holograms: five contact sheets, a table and the README's picture.
 
 Usage: scripts/hmcpt_sheets.py DIR [--docs]
 
-DIR holds the folders chess_glossy, cornell_box, glass_and_mirror, chess_frames and parallax.
+DIR holds the folders chess_glossy, cornell_box, cornell_layers, glass_and_mirror, chess_frames and parallax.
 """
 import pathlib
 import sys
@@ -62,6 +62,17 @@ def colour_sheet(output):
                    "hologram for each of 638, 532 and 450 nm.", rows)
 
 
+def layers_sheet(output):
+    size, folder = (720, 405), output / "cornell_layers"
+    names = ["EL: the lamp", "E(D|G)L: direct light", "E(D|G).+L: what surfaces send on", "ES.*L: what the glass shows"]
+    layers = [(name, developed(folder / f"view_of_{i}.png", size, percentile=99.5)) for i, name in enumerate(names, 1)]
+    return lay_out("Layers: a hologram for each light path expression", "The Cornell box at 532 nm, each layer with an "
+                   "exposure of its own. Together they are all light.",
+                   [layers[:2], layers[2:],
+                    [("all four, shown in turn", developed(folder / "view.png", size, percentile=99.5)),
+                     ("render of all light", developed(folder / "render.png", size, channel=1, percentile=99.5))]])
+
+
 def focus_sheet(output):
     size, folder = (720, 405), output / "glass_and_mirror"
     sharp = ["the letter", "the chart behind the slab of glass", "the chart beside it", "the letter in the mirror"]
@@ -98,8 +109,8 @@ def frames_table(folder):
     """Contrast of the view over the render in its flat places, and PSNR there and of the whole picture."""
     render = load_linear(folder / "render.png")[:, :, 0]
     flat = flat_places(render)
-    lines = ["| holograms M | speckle contrast | that of one, over √M | PSNR, flat places (dB) | that of one + 10·log₁₀M "
-             "| PSNR, whole picture (dB) |", "|---:|---:|---:|---:|---:|---:|"]
+    lines = ["| holograms M | speckle contrast | that of one, over √M | PSNR, flat places (dB) "
+             "| that of one + 10·log₁₀M | PSNR, whole picture (dB) |", "|---:|---:|---:|---:|---:|---:|"]
     first = None
     for count in FRAMES:
         view = load_linear(folder / f"view_of_{count}.png")[:, :, 0]
@@ -148,8 +159,9 @@ def renew_docs(output, sheets, table):
 
 def main():
     output = pathlib.Path(sys.argv[1])
-    sheets = {"hmcpt_colour": colour_sheet(output), "hmcpt_focus": focus_sheet(output),
-              "hmcpt_parallax": parallax_sheet(output), "hmcpt_frames": frames_sheet(output)}
+    sheets = {"hmcpt_colour": colour_sheet(output), "hmcpt_layers": layers_sheet(output),
+              "hmcpt_focus": focus_sheet(output), "hmcpt_parallax": parallax_sheet(output),
+              "hmcpt_frames": frames_sheet(output)}
     for name, sheet in sheets.items():
         sheet.save(output / f"{name}.png")
         print(f"wrote {output / name}.png", flush=True)
