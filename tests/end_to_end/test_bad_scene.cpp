@@ -57,7 +57,7 @@ TEST(BadScene, MaterialsAndMapsAreNamedAtTheirPlace) {
        "scene.toml:7:7: expected an image at none.exr, but there is no such file; check the path"},
       {"[materials.m]\nemission = 1\n[[object]]\ntype = \"mesh\"\nname = \"lamp\"\nmaterial = \"m\"\nfile = "
        "\"line.obj\"\nposition = \"0 0 -10 mm\"\n",
-       "expected mesh \"lamp\" with some area to shine from, got none"},
+       "scene.toml:1:1: expected mesh \"lamp\" with some area to shine from, got none"},
   });
 }
 

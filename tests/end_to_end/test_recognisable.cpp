@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -49,47 +50,58 @@ void write_textured_box(const Workplace& work) {
 }
 
 Job model_job(const Workplace& work, const std::string& file) {
-  const std::string path =
-      work.write("scene.toml", scene_head(square_panel, "background = 0.25\n") +
-                                   "[trace]\ncolumns = 192\nrows = 192\npaths = 16\nmax_depth = 3\nframes = 8\n"
-                                   "field_of_view = \"0.95 deg\"\n"  // 1 mm at 60 mm
-                                   "[render]\nrows = 256\npaths = 64\nmax_depth = 3\nlens = \"panel\"\n"
-                                   "[camera]\ndistances = \"60 70 mm\"\nbinning = 4\n"
-                                   "[[light]]\ntype = \"point\"\nposition = \"-20 30 -20 mm\"\nintensity = 5e-3\n"
-                                   "[[object]]\ntype = \"mesh\"\nfit = \"1.1 mm\"\ndistance = \"60 mm\"\n"
-                                   "rotation = [\"y 30 deg\", \"x 20 deg\"]\nfile = \"" +
-                                   file + "\"\n");
+  const std::string path = work.write(
+      "scene.toml", scene_head(square_panel, "background = 0.25\n") +
+                        "[trace]\ncolumns = 192\nrows = 192\npaths = 16\nmax_depth = 3\nframes = 8\n"
+                        "field_of_view = \"0.95 deg\"\n"  // 1 mm at 60 mm
+                        "[render]\nrows = 256\npaths = 64\nmax_depth = 3\nlens = \"panel\"\nlayers = \"ED.*L\"\n"
+                        "[camera]\ndistances = \"60 70 mm\"\nbinning = 4\n"
+                        "[[light]]\ntype = \"point\"\nposition = \"-20 30 -20 mm\"\nintensity = 5e-3\n"
+                        "[[object]]\ntype = \"mesh\"\nfit = \"1.1 mm\"\ndistance = \"60 mm\"\n"
+                        "rotation = [\"y 30 deg\", \"x 20 deg\"]\nfile = \"" +
+                        file + "\"\n");
   return load_job(path);
 }
 
 double half_tangent(const Job& job) { return acceptance_tangent(job.wavelengths[0], job.slm.grid.pitch); }
 
-void expect_recognised(const Job& job, double least_psnr, double least_ssim) {
+void expect_recognised(const Job& job) {
   const Boxes boxes = run(job);
   ASSERT_EQ(boxes.views.size(), 2u);
   // The picture in focus, by its tangents on both sensors: out of focus it would be the same but for the blur.
   const Image picture = seen_at(boxes.renders.at(0), job.wavelengths);
-  const Metrics sharp = compare(project_render(picture, half_tangent(job), boxes.views[0], 60e-3), boxes.views[0]);
+  const Image reference = project_render(picture, half_tangent(job), boxes.views[0], 60e-3);
+  const Metrics sharp = compare(reference, boxes.views[0]);
   const Metrics blurred = compare(project_render(picture, half_tangent(job), boxes.views[1], 70e-3), boxes.views[1]);
   testing::Test::RecordProperty("metrics", fmt::format("sharp {:.2f} dB, {:.3f}; blurred {:.2f} dB, {:.3f}", sharp.psnr,
                                                        sharp.ssim, blurred.psnr, blurred.ssim));
-  EXPECT_GT(sharp.psnr, least_psnr);
-  EXPECT_GT(sharp.ssim, least_ssim);
-  EXPECT_GT(sharp.psnr, blurred.psnr + 2);
-  EXPECT_GT(sharp.ssim, blurred.ssim + 0.1);
+  // Speckle is what is left: a bin of 2.05 grains averages 2.6² of them (their autocorrelation is sinc²), and 8 frames
+  // make 53: an error of I/√53 at a pixel of I. 2 dB below that are for the edges and for the kinoform, which loses the
+  // modulus of the field.
+  double squares = 0;
+  float most = 0;
+  for (const float value : reference.values) {
+    squares += double(value) * value / double(reference.values.size());
+    most = std::max(most, value);
+  }
+  EXPECT_GT(sharp.psnr, 10 * std::log10(double(most) * most / (squares / 53)) - 2);
+  // Out of focus rooms of 0.28 mm run into each other: the error is that of their contrast, not of a seventh of it.
+  EXPECT_GT(sharp.psnr, blurred.psnr + 6);
+  EXPECT_GT(sharp.ssim, 0.7);
+  EXPECT_LT(blurred.ssim, 0.35);
 }
 
 TEST(Recognisable, ATexturedBoxAtItsFocus) {
   const Workplace work;
   write_textured_box(work);
-  expect_recognised(model_job(work, "box.obj"), 15, 0.3);
+  expect_recognised(model_job(work, "box.obj"));
 }
 
 TEST(Recognisable, ATexturedModelOfAFile) {
   const std::string file = std::filesystem::path(HOLOTRACE_SHARED_DATA) / "BoxTextured.glb";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no sample models beside the source";
   const Workplace work;
-  expect_recognised(model_job(work, file), 15, 0.3);
+  expect_recognised(model_job(work, file));
 }
 
 TEST(Recognisable, TheMoreTheMoreFramesAreShown) {
@@ -119,12 +131,14 @@ TEST(Recognisable, TheMoreTheMoreFramesAreShown) {
   }
   RecordProperty("psnr",
                  fmt::format("field {:.2f}, hologram {:.2f}", fmt::join(of_field, " "), fmt::join(of_hologram, " ")));
-  // Speckle of M frames has the variance I²/M. With the scale that fits best the error is Var/(1 + 1/M·c) of it: from 1
-  // to 4 frames the gain is 10·log₁₀(5/2) = 3.98 dB, from 4 to 16 10·log₁₀(17/5) = 5.31 dB where all light is speckle.
-  EXPECT_NEAR(of_field[1] - of_field[0], 3.98, 0.4);
+  // Speckle of M frames has the variance I²/M. Under the scale that fits best, 1/(1 + 1/M), it leaves the error
+  // I²/(M + 1): from 1 to 4 frames 10·log₁₀(5/2) = 3.98 dB are won, from 4 to 16 10·log₁₀(17/5) = 5.31 dB. The picture
+  // has some 4000 grains, so the mean of a frame's squares is known to √(20/4000) = 7 %, 0.3 dB.
+  EXPECT_NEAR(of_field[1] - of_field[0], 3.98, 0.5);
   EXPECT_NEAR(of_field[2] - of_field[1], 5.31, 0.5);
-  EXPECT_GT(of_hologram[1], of_hologram[0] + 2);
-  EXPECT_GT(of_hologram[2], of_hologram[1] + 1);
+  // The kinoform's own noise is of random phases, too, and fades likewise but for its mean, which stays.
+  EXPECT_NEAR(of_hologram[1] - of_hologram[0], 3.98, 1);
+  EXPECT_NEAR(of_hologram[2] - of_hologram[1], 5.31, 1);
 }
 
 }  // namespace
