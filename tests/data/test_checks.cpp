@@ -78,6 +78,10 @@ TEST(Checks, BrokenScenesAreNamedByMeshAndElement) {
   scene.meshes[0] = quad;
   scene.meshes[0].material = 1;
   EXPECT_EQ(error_of([&] { check_scene(scene); }), "mesh \"quad\" has no material");
+  scene.meshes[0] = quad;
+  scene.materials[0].emission = {1, 1, 1};
+  for (Vec3& p : scene.meshes[0].positions) p.x = 0;
+  EXPECT_EQ(error_of([&] { check_scene(scene); }), "expected mesh \"quad\" with some area to shine from, got none");
   scene.meshes.clear();
   scene.points = {{{0, 0, 0.1}}};
   EXPECT_EQ(error_of([&] { check_scene(scene); }),

@@ -80,6 +80,16 @@ TEST(Frames, SpeckleOfAHologramFallsAsOneOverTheRootOfTheFrames) {
       const double of_hologram = speckle_contrast(middle(by_hologram.image(), 6e-3, depth, true)) * std::sqrt(frames);
       EXPECT_NEAR(of_field, 1, 0.03) << frames;
       EXPECT_NEAR(of_hologram, 1, 0.03) << frames;
+      // Against the flat patch that it stands for the PSNR is that law in decibels, 10·log₁₀M, and 6.02 dB more for
+      // four times the frames: the 3 % of the contrast are 0.26 dB.
+      for (const Image& view :
+           {middle(by_field.image(), 6e-3, depth, false), middle(by_hologram.image(), 6e-3, depth, true)}) {
+        double mean = 0;
+        for (const float value : view.values) mean += value / double(view.values.size());
+        Image flat = view;
+        std::fill(flat.values.begin(), flat.values.end(), float(mean));
+        EXPECT_NEAR(compare(flat, view).psnr_unscaled, 10 * std::log10(frames), 0.26) << frames;
+      }
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include "end_to_end/scenes.h"
 #include "holotrace/io/field_file.h"
+#include "holotrace/io/image_file.h"
 #include "support/fields.h"
 #include "support/program.h"
 
@@ -89,6 +90,52 @@ TEST(Reproducible, ARunOverAnOlderOneReplacesIt) {
   work.write("old/view.png", "no image at all");
   expect_success(work, {"run", "scene.toml", "-o", "old"});
   for (const std::string& name : outputs) EXPECT_TRUE(work.read("fresh/" + name) == work.read("old/" + name)) << name;
+}
+
+// Every kind of material and light, three wavelengths, two layers, two frames.
+std::string everything() {
+  return "wavelength = [\"638 nm\", \"532 nm\", \"450 nm\"]\n" +
+         scene_head(small_panel).substr(scene_head(small_panel).find('[')) +
+         "[trace]\nstrategy = \"tiled\"\npattern = \"random\"\nphase = \"path\"\nsamples = 1500\npaths = 3\n"
+         "tile_columns = 3\ntile_rows = 2\nmax_depth = 6\nlayers = [\"EL\", \"E(D|G|S).*L\"]\n"
+         "separate_layers = true\nframes = 2\n"
+         "[render]\nrows = 48\npaths = 4\nlens = \"panel\"\n"
+         "[camera]\ndistances = \"30 mm\"\n"
+         "[environment]\nmap = \"sky.exr\"\n"
+         "[materials.glass]\ntype = \"dielectric\"\nglass = \"BK7\"\n"
+         "[materials.mirror]\ntype = \"conductor\"\n"
+         "[materials.paint]\ntype = \"metallic-roughness\"\nbase_color = [0.8, 0.3, 0.2]\nmetallic = 0\n"
+         "roughness = 0.4\n"
+         "[materials.lamp]\nemission = [3, 2, 1]\n"
+         "[[light]]\ntype = \"point\"\nposition = \"1 2 -20 mm\"\nintensity = 1e-3\n"
+         "[[light]]\ntype = \"rectangle\"\ncorner = \"-2 2 -31 mm\"\nedge_u = \"4 0 0 mm\"\nedge_v = \"0 0 4 mm\"\n"
+         "radiance = 2\n"
+         "[[object]]\ntype = \"sphere\"\nsize = \"0.8 mm\"\nmaterial = \"glass\"\nposition = \"0.4 0 -29 mm\"\n"
+         "[[object]]\ntype = \"sphere\"\nsize = \"0.6 mm\"\nmaterial = \"paint\"\nposition = \"-0.5 0.3 -30 mm\"\n"
+         "[[object]]\ntype = \"box\"\nsize = \"0.3 0.3 0.3 mm\"\nmaterial = \"lamp\"\nposition = \"-0.3 -0.4 -30 mm\"\n"
+         "[[object]]\ntype = \"quad\"\nwidth = \"1 mm\"\nheight = \"2 mm\"\nmaterial = \"mirror\"\n"
+         "rotation = \"y 40 deg\"\nposition = \"-0.9 0 -31 mm\"\n"
+         "[[object]]\ntype = \"quad\"\nwidth = \"4 mm\"\nheight = \"4 mm\"\nposition = \"0 0 -33 mm\"\n";
+}
+
+TEST(Reproducible, ASceneWithEverythingGivesTheSameBytesOnAnyNumberOfThreadsAndAgain) {
+  const Workplace work;
+  Image sky(8, 16, 3);  // a bright window in a dim room
+  for (size_t i = 0; i < sky.values.size(); ++i) sky.values[i] = i % 16 < 3 ? 5.0F : 0.1F;
+  save_image(work.path("sky.exr"), sky, 1, 8);
+  work.write("scene.toml", everything());
+  for (const std::string threads : {"1", "2", "7"})
+    expect_success(work, {"run", "scene.toml", "-o", "out" + threads, "--threads", threads});
+  expect_success(work, {"run", "scene.toml", "-o", "again", "--threads", "7"});
+  int files = 0;
+  for (const std::string& name : work.names()) {
+    if (name.rfind("out1/", 0) != 0 || name == "out1/report.json") continue;  // it tells the times
+    const std::string part = name.substr(5);
+    for (const char* other : {"out2/", "out7/", "again/"})
+      EXPECT_TRUE(work.read(name) == work.read(other + part)) << other << part;
+    ++files;
+  }
+  EXPECT_GE(files, 12 + 6) << "2 frames of 3 colours in 2 layers are 12 holograms; sources and fields beside them";
 }
 
 }  // namespace

@@ -54,9 +54,18 @@ void check_sources(const Sources& sources) {
 
 namespace {
 
-void check_mesh(const Mesh& mesh, size_t material_count) {
+double area(const Mesh& mesh) {
+  double sum = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 a = mesh.positions[i];
+    sum += length(cross(mesh.positions[j] - a, mesh.positions[k] - a)) / 2;
+  }
+  return sum;
+}
+
+void check_mesh(const Mesh& mesh, const std::vector<Material>& materials) {
   require(!mesh.triangles.empty(), "expected triangles in mesh \"{}\", got none", mesh.name);
-  require(mesh.material >= 0 && size_t(mesh.material) < material_count, "mesh \"{}\" has no material", mesh.name);
+  require(mesh.material >= 0 && size_t(mesh.material) < materials.size(), "mesh \"{}\" has no material", mesh.name);
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     const Vec3 p = mesh.positions[i];
     require(is_finite(p), "expected finite coordinates in mesh \"{}\", got ({}, {}, {}) at vertex {}", mesh.name, p.x,
@@ -74,13 +83,15 @@ void check_mesh(const Mesh& mesh, size_t material_count) {
     for (uint32_t index : mesh.triangles[t])
       require(index < count, "expected vertex indices below {} in mesh \"{}\", got {} in triangle {}", count, mesh.name,
               index, t);
+  require(max_component(materials[size_t(mesh.material)].emission) <= 0 || area(mesh) > 0,
+          "expected mesh \"{}\" with some area to shine from, got none", mesh.name);
 }
 
 }  // namespace
 
 void check_scene(const Scene& scene) {
   require(!scene.meshes.empty() || !scene.points.empty(), "expected at least one object in the scene, got none");
-  for (const Mesh& mesh : scene.meshes) check_mesh(mesh, scene.materials.size());
+  for (const Mesh& mesh : scene.meshes) check_mesh(mesh, scene.materials);
   for (size_t i = 0; i < scene.points.size(); ++i) {
     const ScenePoint& p = scene.points[i];
     require(is_finite(p.position) && std::isfinite(p.amplitude) && std::isfinite(p.phase),

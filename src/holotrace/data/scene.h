@@ -139,7 +139,7 @@ struct Scene {
 
 /// @throws Error, naming mesh and element, for triangles that index no vertex, numbers that are
 ///         not finite, materials that do not exist, points that are not behind the panel (z ≥ 0), meshes wholly in
-///         front of it, and a scene with nothing in it.
+///         front of it, meshes that shine and have no area, and a scene with nothing in it.
 void check_scene(const Scene& scene);
 
 }  // namespace holotrace

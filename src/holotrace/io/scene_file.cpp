@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
+#include <string>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/path_expression.h"
 #include "holotrace/io/file.h"
 #include "holotrace/io/model_job.h"
 #include "holotrace/io/params_toml.h"
@@ -36,12 +39,21 @@ Slm read_slm(TomlTable table) {
   return slm;
 }
 
+// A value as the file has it.
+std::string in_words(const toml::node& value) {
+  std::ostringstream text;
+  value.visit([&](const auto& v) { text << v; });
+  return text.str();
+}
+
 // What a stage would refuse, with the place in the file.
 void check_params(const Job& job, TomlTable& root) {
   const auto check = [&](const char* section, const char* key, bool holds, const char* expected) {
     if (holds) return;
     const auto table = root.table(section);
-    fail("{}expected {} for \"{}\" in [{}]", table ? table->where(key) : root.where(""), expected, key, section);
+    const toml::node* got = table ? table->toml().get(key) : nullptr;
+    fail("{}expected {} for \"{}\" in [{}]{}", table ? table->where(key) : root.where(""), expected, key, section,
+         got ? ", got " + in_words(*got) : "");
   };
   constexpr const char* one = "1 or more";
   const auto is_half_angle = [](double angle) { return angle >= 0 && angle < pi / 2; };
@@ -69,6 +81,19 @@ void check_params(const Job& job, TomlTable& root) {
         "0 or 2 to 65536");
   check("show", "subpixels", job.show.subpixels >= 1, one);
   check("camera", "bits", job.camera.bits == 8 || job.camera.bits == 16, "8 or 16");
+}
+
+// Path expressions that cannot be read, each at its own place in the list.
+void check_layers(TomlTable& root, const char* section, const std::vector<std::string>& layers) {
+  const auto table = root.table(section);
+  if (!table || layers.empty()) return;
+  const toml::array* list = table->toml().get("layers")->as_array();
+  for (size_t i = 0; i < layers.size(); ++i) try {
+      const PathAutomaton alone({layers[i]});
+    } catch (const Error& e) {
+      throw Error((list ? table->place(list->get(i)->source()) : table->where("layers")) + e.what());
+    }
+  table->locate("layers", [&] { const PathAutomaton together(layers); });
 }
 
 std::vector<double> read_wavelengths(TomlTable& root) {
@@ -116,6 +141,8 @@ Job read_job(TomlTable& root) {
   read_params(root, "propagate", job.propagate);
   read_params(root, "camera", job.camera);
   check_params(job, root);
+  check_layers(root, "trace", job.trace.layers);
+  check_layers(root, "render", job.render.layers);
   root.locate("", [&] { check_scene(job.scene); });
   return job;
 }

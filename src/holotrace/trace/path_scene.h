@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
+#include "holotrace/data/path_expression.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/accelerator.h"
 #include "holotrace/trace/emitters.h"
 #include "holotrace/trace/lines.h"
-#include "holotrace/trace/path_expression.h"
 
 namespace holotrace {
 

@@ -140,15 +140,6 @@ bool has_texture(const Material& material) {
          std::visit([](const auto& surface) { return has_texture(surface); }, material.surface);
 }
 
-double area(const Mesh& mesh) {
-  double sum = 0;
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Vec3 a = mesh.positions[i];
-    sum += length(cross(mesh.positions[j] - a, mesh.positions[k] - a)) / 2;
-  }
-  return sum;
-}
-
 void check_environment(const Environment& environment) {
   require(environment.map != nullptr, "expected a map in the environment, got none");
   const Image& map = *environment.map;
@@ -180,8 +171,6 @@ void check_light_and_materials(const Scene& scene) {
             "expected texture coordinates in mesh \"{}\", whose material has a texture, got none; add them or use a "
             "material without a texture",
             mesh.name);
-    require(max_component(material.emission) <= 0 || area(mesh) > 0,
-            "expected mesh \"{}\" with some area to shine from, got none", mesh.name);
   }
   require(is_light_value(scene.background), "expected a background of 0 W/m²/sr or more, got ({}, {}, {})",
           scene.background.x, scene.background.y, scene.background.z);

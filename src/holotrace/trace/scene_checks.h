@@ -12,7 +12,7 @@ namespace holotrace {
 ///         without size; colours outside [0, 1], reflectance and transmittance above 1 together; roughness or metallic
 ///         outside [0, 1]; indices without samples, n of 0 or less, k below 0, glass that absorbs; textures without
 ///         pixels, with other than 1 or 3 channels or with values that are not finite or below 0; textures on meshes
-///         without texture coordinates; meshes that shine and have no area; and an environment that is no 2:1 map.
+///         without texture coordinates; and an environment that is no 2:1 map.
 void check_light_and_materials(const Scene& scene);
 
 }  // namespace holotrace

@@ -1,4 +1,4 @@
-#include "holotrace/trace/path_expression.h"
+#include "holotrace/data/path_expression.h"
 
 #include <fmt/format.h>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/trace/path_expression.h"
+#include "holotrace/data/path_expression.h"
 
 namespace holotrace {
 namespace {
