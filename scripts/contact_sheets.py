@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Lays out what scripts/figures made: a contact sheet per figure, the README's picture and the table of times.
+"""Lays out what scripts/figures made: a contact sheet per figure and the table of times.
 
 Usage: scripts/contact_sheets.py DIR [--docs]
 
@@ -160,20 +160,6 @@ def make_sheet(figure, output):
     return sheet
 
 
-def make_readme_picture(folder):
-    """Scene, hologram and camera view of the chess game, side by side."""
-    size, label_height = (488, 275), 28
-    titles = ["3D scene", "hologram (detail)", f"what a camera sees of it at {distances(folder)[0]}"]
-    pictures = [picture(folder / "render.png", size), hologram_crop(folder, size), views(folder, size)[0]]
-    strip = Image.new("RGB", (3 * size[0] + 2 * GAP, size[1] + label_height), PAPER)
-    draw = ImageDraw.Draw(strip)
-    for i, (title, image) in enumerate(zip(titles, pictures)):
-        x = i * (size[0] + GAP)
-        draw.text((x, 2), title, INK, font(18))
-        strip.paste(image, (x, label_height))
-    return strip
-
-
 def make_table(output):
     """Waves and milliseconds; simulation is one look: show, and the mean of the looks at the two depths."""
     lines = ["| scene | waves | synthesis (ms) | simulation (ms) |", "|---|---:|---:|---:|"]
@@ -196,7 +182,6 @@ def renew_docs(output, table):
         sheet = Image.open(output / f"{figure.name}.png")
         sheet.resize((1200, sheet.height * 1200 // sheet.width), Image.Resampling.LANCZOS).save(
             images / f"{figure.name}.jpg", quality=75, optimize=True)
-    Image.open(output / "chess.png").save(images / "chess.png", optimize=True)
     page = ROOT / "docs" / "figures.md"
     before, _, rest = page.read_text().partition("<!-- table1 -->\n")
     _, _, after = rest.partition("<!-- /table1 -->\n")
@@ -208,8 +193,6 @@ def main():
     for figure in FIGURES:
         make_sheet(figure, output).save(output / f"{figure.name}.png")
         print(f"wrote {output / figure.name}.png", flush=True)
-    make_readme_picture(output / "fig10_chess_512").save(output / "chess.png", optimize=True)
-    print(f"wrote {output}/chess.png")
     table = make_table(output)
     (output / "table1.md").write_text(table)
     print(f"wrote {output}/table1.md\n\n{table}", end="")

@@ -72,12 +72,16 @@ bool has_random_phase(const std::vector<Sources>& sets) {
   });
 }
 
+// The light that makes waves: where a ray from the panel meets nothing there is none, so the background is left out.
 // With a lens, or an eye off the panel's centre, what lies where in the picture depends on the distance.
 void make_renders(const Job& job, Report& report, const StageObserver& watch, std::vector<Image>& renders) {
   const auto render_with = [&](const std::string& name, const RenderParams& params) {
     renders.push_back(run_stage(name, report, watch, [&](const Observer& o) {
+      RenderParams of_waves = params;
+      of_waves.has_background = false;
+      if (of_waves.layers.empty()) of_waves.layers = job.trace.layers;
       o.fact("seed", params.seed);
-      return render(job.scene, job.slm.grid, job.wavelengths.front(), params, o);
+      return render(job.scene, job.slm.grid, job.wavelengths.front(), of_waves, o);
     }));
   };
   if (job.render.lens == Lens::pinhole && job.render.eye == Vec3{}) {
@@ -201,12 +205,14 @@ Boxes run(const Job& job, const StageObserver& watch) {
                          job.trace.frames));
     return traced;
   });
+  require(light.sets() > 0, "expected at least one source, got none; is the scene lit and in view?");
   check_memory(job, light.sets());
 
   const std::vector<double>& distances = job.camera.distances;
   const int64_t holograms = int64_t(light.sets()) * job.trace.frames;
   RepeatedStages repeat(holograms, job.trace.frames + holograms * int64_t(2 + distances.size()), b.report, watch);
-  std::vector<ViewSum> sums(distances.size());
+  std::vector<ViewSum> sums(distances.size(),
+                            ViewSum(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths));
   for (int frame = 0; frame < job.trace.frames; ++frame) {
     std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) {
       return fields_of_frame(light, uint32_t(frame), panel, job.synthesize, o);

@@ -113,6 +113,7 @@ struct RenderParams {
   int max_depth = 8;                  ///< surfaces on a path
   double clamp = 0;                   ///< most radiance that one path may bring [W/m²/sr]; 0: no clamp
   std::vector<std::string> layers{};  ///< light path expressions, added up; none: all light
+  bool has_background = true;         ///< shown where no surface is; the waves of a hologram have none there
   int64_t seed = 1;                   ///< of every random number
 };
 
@@ -131,6 +132,7 @@ void describe(Visitor& v, RenderParams& p) {
   v.count("max_depth", p.max_depth, "most surfaces on a path");
   v.number("clamp", p.clamp, "most radiance that one path may bring; 0: no clamp");
   v.texts("layers", p.layers, "light path expressions, added up; none: all light");
+  v.flag("background", p.has_background, "shown where no surface is; the pictures that run compares with leave it out");
   v.count("seed", p.seed, "seed of every random number");
 }
 

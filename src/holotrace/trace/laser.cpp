@@ -31,10 +31,11 @@ class PhasorSink {
   PhasorSink(const PathScene& scene, int paths, std::span<Phasors> sums)
       : scene_(scene), paths_(paths), sums_(sums), way_(sums.size()), incoherent_(sums.size()) {}
 
-  void start(const SurfacePoint& point) {
+  void start(const PathStart& start) {
+    const SurfacePoint& point = start.point;
     path_ = phase_ = {};
     branches_ = 1;
-    index_ = {1, 1, 1};
+    index_ = Vec3{1, 1, 1} * start.index;
     const Material& material = scene_.scene.materials[size_t(point.material)];
     if (is_solid_glass(material)) index_ = indices(material, point, false);
   }

@@ -39,6 +39,7 @@ struct PathStart {
   Vec3 outgoing;                   ///< unit, from the surface back along the ray
   PathAutomaton::State state = 0;  ///< after E and an S for each mirror or glass surface on the way
   int depth = 1;                   ///< surfaces so far, this one included
+  double index = 1;                ///< of the medium before the surface
 };
 
 /// Adds the radiance that one light path finds leaving `start.point` along `start.outgoing`, at the lines

@@ -15,7 +15,7 @@
 //   add(layers, group, radiance)               light of a group for the layers whose bits are set
 //   end_way(laser_path)                        all the light of one way has been added; from a laser: its optical path
 //                                              from there to the surface, else none
-//   start(point), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
+//   start(start), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
 
 namespace holotrace {
 
@@ -42,7 +42,7 @@ class PathWalk {
     state_ = start.state;
     point_ = start.point;
     outgoing_ = start.outgoing;
-    if constexpr (Sink::follows_phase) sink_.start(point_);
+    if constexpr (Sink::follows_phase) sink_.start(start);
     for (depth_ = start.depth;; ++depth_) {
       ++counts_.vertices;
       const Material& material = scene_.scene.materials[size_t(point_.material)];
@@ -62,7 +62,8 @@ class PathWalk {
     for (const int i : emitters_.lights_with_area()) {
       const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(i)]);
       const auto met = meet(light, ray);
-      if (!met || met->distance >= distance) continue;
+      // A lamp in the plane of a wall is before it, as it is for those who ask it.
+      if (!met || met->distance >= distance + scene_.accelerator.clearance()) continue;
       add_met(layers, i, throughput * light.radiance * (pdf > 0 ? shared_weight(pdf, met->pdf) : 1));
     }
     if (distance < std::numeric_limits<double>::infinity()) return;
@@ -98,8 +99,12 @@ class PathWalk {
     add_direct_light(bsdf, numbers);
     const Vec2 choices = numbers.two(), u = numbers.two();  // of the lobe, and between going on and not
     auto next = sample(bsdf, outgoing_, choices.x, u);
-    if (next) throughput_ *= next->weight;
-    const double goes_on = next ? std::min(1.0, max_component(throughput_)) : 0;
+    if (next) {
+      throughput_ *= next->weight;
+      scale_ *= next->squared_index_ratio;
+    }
+    // Radiance is n² times as much inside glass, which is no less light: roulette looks past that.
+    const double goes_on = next ? std::min(1.0, max_component(throughput_) / scale_) : 0;
     if (!(choices.y < goes_on)) {
       ++counts_.absorbed;
       return std::nullopt;
@@ -220,15 +225,17 @@ class PathWalk {
       return false;
     }
     const bool is_last = depth_ >= scene_.params.max_depth;
+    const Ray ray{scene_.accelerator.leave(point_, next.direction), next.direction};
     if (is_last && !emitters_.shine_beyond_surfaces()) {
-      ++counts_.cut;
+      ++counts_.rays;
+      const bool has_met = scene_.accelerator.is_occluded(ray, std::numeric_limits<double>::infinity());
+      ++(has_met ? counts_.cut : counts_.escaped);
       return false;
     }
     if constexpr (Sink::follows_phase) sink_.scatter(point_, next);
 
     ++counts_.rays;
     pdf_ = next.lobe == Lobe::specular ? 0 : next.pdf;
-    const Ray ray{scene_.accelerator.leave(point_, next.direction), next.direction};
     const Vec3 here = point_.position;
     const bool has_hit = scene_.accelerator.closest_hit(ray, hit_);
     distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
@@ -255,6 +262,7 @@ class PathWalk {
   SurfacePoint& point_ = hit_.point;
   Vec3 outgoing_, throughput_{1, 1, 1};
   int depth_ = 1;
+  double scale_ = 1;               // of the throughput by the indices of the media
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: by a specular way, or the path begins here
   PathAutomaton::State diffuse_state_ = 0, glossy_state_ = 0;  // after those lobes of this surface; 0: it has none
   uint32_t diffuse_layers_ = 0, glossy_layers_ = 0;            // that take light by those lobes of this surface

@@ -89,7 +89,7 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, int row, int column, c
     ++counts.rays;
     const auto hit = scene.accelerator.closest_hit(*ray);
     if (!hit) {
-      sum += scene.emitters.background(ray->direction) * seen_layers;
+      if (params.has_background) sum += scene.emitters.background(ray->direction) * seen_layers;
       continue;
     }
     const Material& material = scene.scene.materials[size_t(hit->point.material)];

@@ -154,7 +154,7 @@ struct Walk {
     for (const int i : scene.emitters.lights_with_area()) {
       const auto& light = std::get<RectangleLight>(scene.emitters.lights()[size_t(i)]);
       const auto met = meet(light, ray);
-      if (!met || met->distance >= distance) continue;
+      if (!met || met->distance >= distance + scene.accelerator.clearance()) continue;
       SpecularLeaf here = leaf;
       here.kind = LeafKind::light;
       here.light = i;
@@ -172,6 +172,7 @@ struct Walk {
     SpecularLeaf here = leaf;
     here.start.outgoing = -ray.direction;
     here.start.depth = depth;
+    here.start.index = index;
     if (depth > 1) add_lights(ray, hit ? hit->distance : std::numeric_limits<double>::infinity(), here);
     if (!hit) {
       here.kind = LeafKind::beyond;

@@ -35,6 +35,8 @@ struct Tracing {
   const std::vector<PanelTile>& tiles;
   const std::vector<WaveSet>& sets;
   double side;  // of the cells of equal surface phase
+  const Grid& panel;
+  double longest;  // wavelength
 };
 
 /// Waves of one set.
@@ -74,19 +76,30 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t 
   }
 }
 
-/// The same, each with an amplitude for every tile that sees it.
+/// Whether light from a place reaches a tile at an angle that the panel holds, at any of the wavelengths.
+bool is_in_reach(const Tracing& t, const PixelBox& tile, Vec3 origin) {
+  const double radius = box_radius(-origin.z, t.longest, t.panel.pitch);
+  return origin.x >= t.panel.x(tile.x0) - radius && origin.x <= t.panel.x(tile.x1 - 1) + radius &&
+         origin.y <= t.panel.y(tile.y0) + radius && origin.y >= t.panel.y(tile.y1 - 1) - radius;
+}
+
+/// The same, each with an amplitude for every tile in its reach that sees it.
 void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t sample, Block& block) {
   std::vector<std::optional<SeenLight>> seen;
   std::vector<PixelBox> visible;
+  size_t in_reach = 0;
   for (const PanelTile& tile : t.tiles) {
-    seen.push_back(light_toward(t.scene, t.params, wave, tile.centre, sample, block.counts));
+    seen.emplace_back();
+    if (!is_in_reach(t, tile.box, wave.origin)) continue;
+    ++in_reach;
+    seen.back() = light_toward(t.scene, t.params, wave, tile.centre, sample, block.counts);
     if (seen.back()) visible.push_back(tile.box);
   }
   if (visible.empty()) return;
   for (size_t i = 0; i < t.sets.size(); ++i) {
     const WaveSet& set = t.sets[i];
     const SetLight light = light_of(set, wave.light, wave.leaf.weight);
-    const double per_radiance = visible.size() == t.tiles.size()
+    const double per_radiance = visible.size() == in_reach
                                     ? t.pattern->squared_amplitude(ray, wave.origin, set.wavelength)
                                     : t.pattern->squared_amplitude(ray, wave.origin, set.wavelength, visible);
     const auto amplitude_of = [&](const SetLight& l) {
@@ -244,7 +257,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     if (!pattern && !scene.meshes.empty()) pattern.emplace(params, panel, longest);
     const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g]);
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
-    const Tracing tracing{path_scene, params, pattern ? &*pattern : nullptr, tiles, wave_sets, side};
+    const Tracing tracing{path_scene, params, pattern ? &*pattern : nullptr, tiles, wave_sets, side, panel, longest};
     const Observer part = part_of(observer, int(g), int(groups.size()));
     trace_group(tracing, part, totals, sets);
   }

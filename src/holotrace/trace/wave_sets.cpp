@@ -27,7 +27,9 @@ double at_line(Vec3 v, int line) { return line == 0 ? v.x : line == 1 ? v.y : v.
 }  // namespace
 
 std::vector<std::vector<double>> group_wavelengths(const Scene& scene, const std::vector<double>& wavelengths) {
-  const bool is_alone = std::any_of(scene.materials.begin(), scene.materials.end(), parts_colours);
+  const bool is_alone = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
+    return parts_colours(scene.materials[size_t(mesh.material)]);
+  });
   std::vector<std::vector<double>> groups;
   for (const double wavelength : wavelengths) {
     if (groups.empty() || is_alone || groups.back().size() == 3) groups.emplace_back();
@@ -53,6 +55,11 @@ Lines lines_of(const std::vector<double>& group) {
 std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params, const std::vector<double>& group) {
   const int layers = scene.automaton.layers(), groups = params.separate_lights ? scene.emitters.groups() : 1;
   const uint32_t point_layers = scene.automaton.accepted(scene.automaton.start());
+  const std::vector<std::string>& names = scene.automaton.expressions();
+  if (params.separate_layers)
+    for (auto name = names.begin(); name != names.end(); ++name)
+      require(std::find(names.begin(), name, *name) == name, "expected separate layers that differ, got \"{}\" twice",
+              *name);
   std::vector<WaveSet> sets;
   for (size_t line = 0; line < group.size(); ++line)
     for (int l = 0; l < (params.separate_layers ? layers : 1); ++l) {

@@ -35,7 +35,7 @@ void ViewSum::add(double wavelength, const std::string& name, double illuminatio
 }
 
 std::vector<double> ViewSum::wavelengths() const {
-  std::vector<double> found;
+  std::vector<double> found = wavelengths_;
   for (const Group& group : groups_)
     if (std::find(found.begin(), found.end(), group.wavelength) == found.end()) found.push_back(group.wavelength);
   return found;
@@ -54,17 +54,19 @@ Image ViewSum::irradiance(double wavelength) const {
 
 Image ViewSum::image() const {
   const std::vector<double> lines = wavelengths();
-  require(!lines.empty(), "expected a view to make a picture of, got none");
+  require(!groups_.empty(), "expected a view to make a picture of, got none");
   if (lines.size() == 1) return irradiance(lines.front());
   const std::vector<Vec3> matrix = colour_matrix(lines);
-  const auto reach_of = [&](double wavelength) {
-    return std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) { return g.wavelength == wavelength; })
-        ->reach;
+  const auto reach_of = [&](double wavelength) {  // 0 for a wavelength that no hologram has
+    const auto group =
+        std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) { return g.wavelength == wavelength; });
+    return group == groups_.end() ? 0 : group->reach;
   };
   double farthest = 0;
   for (const double wavelength : lines) farthest = std::max(farthest, reach_of(wavelength));
   std::vector<Vec3> sum(size_t(nx_) * size_t(ny_));
   for (size_t n = 0; n < lines.size(); ++n) {
+    if (reach_of(lines[n]) == 0) continue;
     const Image one = irradiance(lines[n]);
     const Vec3 weight = matrix[n] * (farthest / reach_of(lines[n]));
     for (size_t i = 0; i < sum.size(); ++i) sum[i] = sum[i] + weight * double(one.values[i]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/array.h"
@@ -21,6 +22,10 @@ namespace holotrace {
 /// long waves still reach farther than short ones.
 class ViewSum {
  public:
+  /// @param wavelengths  of the light that all holograms together would show [m]; one of which no hologram comes is
+  ///                     dark. None: those that come
+  explicit ViewSum(std::vector<double> wavelengths = {}) : wavelengths_(std::move(wavelengths)) {}
+
   /// Adds the view of a hologram. Holograms of one wavelength [m] and name are frames of each other.
   /// @param illumination  Hologram::illumination [W/m²] ≥ 0
   /// @param view          one channel [W/m²], taken with the light of the brightest
@@ -38,7 +43,7 @@ class ViewSum {
   /// Light on the panel over that of the brightest hologram: Σ mean_frames Eₕ/max E.
   double relative_illumination() const;
 
-  /// Wavelengths [m] in the order in which they came.
+  /// Wavelengths [m], in the order in which they came where none were given.
   std::vector<double> wavelengths() const;
 
  private:
@@ -53,6 +58,7 @@ class ViewSum {
   double brightest() const { return brightest_ > 0 ? brightest_ : 1; }
   Image irradiance(double wavelength) const;
 
+  std::vector<double> wavelengths_;
   std::vector<Group> groups_;
   double brightest_ = 0, pitch_ = 0;
   int nx_ = 0, ny_ = 0;
