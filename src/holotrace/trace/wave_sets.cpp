@@ -4,6 +4,7 @@
 #include <cmath>
 #include <variant>
 
+#include "holotrace/base/error.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/source_phase.h"
 
