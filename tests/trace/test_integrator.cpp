@@ -3,6 +3,7 @@
 #include <complex>
 
 #include "holotrace/base/random.h"
+#include "holotrace/data/shapes.h"
 #include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/environment.h"
 #include "holotrace/trace/fresnel.h"
@@ -365,6 +366,20 @@ TEST(LaserPhasors, OneLaserGivesTheRootOfTheRadianceAndThePhaseOfItsWay) {
   }
 }
 
+TEST(LaserPhasors, AWayThatBeginsInWaterIsLongerByItsIndex) {
+  Scene scene;
+  scene.materials = {grey(0.6)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.lights = {PointLight{{30_mm, 0, -0.26}, {1, 1, 1}, true}};
+  const PathScene path_scene(scene, Lines{}, {}, {});
+  PathStart start = start_of(path_scene, {{0, 0, 0}, {0, 0, -1}});
+  start.index = 1.5;
+  Phasors u{};
+  PathCounts counts;
+  laser_phasors(path_scene, start, 1, 0, {&u, 1}, counts);
+  EXPECT_LT(phase_difference(std::arg(u[1]), 2 * pi * (1.5 * 0.05 / green_line)), 1e-8);
+}
+
 TEST(LaserPhasors, ABeamHasItsPhaseFromThePlaneThroughItsPosition) {
   Scene scene;
   scene.materials = {grey(0.6)};
@@ -437,6 +452,23 @@ TEST(LaserPhasors, SpeckleHasTheMeanRadiance) {
     const double mean = sums_of(scene, ray, {}, {.max_depth = 20}, 100000)[0];
     EXPECT_NEAR(speckle.mean(), mean, 4 * speckle.standard_error() + 0.01 * mean);
   }
+}
+
+// --- roulette ---
+
+TEST(Roulette, TakesNoPathForTheRadianceScaleOfGlass) {
+  // A shining wall through a slab: of normal light (1 − R)² ≈ 0.92 comes through one way, the rest by ways between the
+  // faces or not at all. Chosen by share, paths spread by √(p(1 − p)) ≈ 0.27; roulette of the n² = 2.25 that radiance
+  // gains and loses would take 5 of 9 paths and make them spread by 1.
+  Scene scene;
+  scene.materials = {grey(0, 1), {DielectricMaterial{}}};
+  Mesh slab = make_box({20_mm, 20_mm, 2_mm});
+  for (Vec3& p : slab.positions) p = p + Vec3{0, 0, -0.28};
+  slab.material = 1;
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), slab};
+  const Statistics found = follow(scene, {{0, 0, 0}, {0, 0, -1}}, 4000, 16);
+  EXPECT_NEAR(found.mean(), 0.92, 0.03);  // 4 of 0.27/√4000, and what comes after more than two faces
+  EXPECT_LT(found.standard_error() * std::sqrt(4000.0), 0.4);
 }
 
 }  // namespace

@@ -198,6 +198,25 @@ TEST(Light, AMirrorShowsTheRectangleThatThePanelDoesNotSee) {
   EXPECT_EQ(follow(scene, {{6_mm, 2_mm, 0}, {0, 0, -1}}, 1000, 1).mean(), 0) << "beside its image";
 }
 
+TEST(Light, ALampInThePlaneOfACeilingShinesLikeOneJustBelowIt) {
+  // A rough metal floor finds the lamp mostly by chance, where the ceiling is at the very same distance.
+  const auto radiance = [](double gap, const Frame& turn) {
+    const Vec3 middle{0, 0, -0.3};
+    const auto placed = [&](Vec3 v) { return transform_vector(turn, v) + middle; };
+    Scene scene;
+    scene.materials = {{ConductorMaterial{metal_index("Ag"), 0.2}}, grey(0)};
+    const Vec3 x = transform_vector(turn, {20_mm, 0, 0}), y = transform_vector(turn, {0, 20_mm, 0});
+    scene.meshes = {make_test_quad(placed({0, 0, -2_mm}), x, y, 0), make_test_quad(placed({0, 0, 2_mm}), y, x, 1)};
+    scene.lights = {RectangleLight{placed({-20_mm, -20_mm, 2_mm - gap}), y * 2, x * 2, {1, 1, 1}}};
+    return follow(scene, {placed({0, 0, 0}), transform_vector(turn, normalize({0.3, 0.2, -1}))}, 4000, 1);
+  };
+  for (const Frame& turn : {Frame{}, rotation_x(0.3)}) {
+    const Statistics in_plane = radiance(0, turn), below = radiance(1e-6, turn);
+    EXPECT_GT(below.mean(), 0.9);  // the metal reflects nearly all of a sky that is bright nearly everywhere
+    EXPECT_NEAR(in_plane.mean(), below.mean(), 4 * std::hypot(in_plane.standard_error(), below.standard_error()));
+  }
+}
+
 TEST(Light, RectanglesBlockNoLight) {
   Scene scene = wall_scene();
   scene.lights = {PointLight{{0, 0, -0.26}, {1, 1, 1}}};

@@ -52,6 +52,15 @@ TEST(ViewSum, ColoursKeepTheRatioOfTheirIlluminations) {
   EXPECT_NEAR(image(1, 0, 2), 2 * rgb.z / 0.9, 2e-6);
 }
 
+TEST(ViewSum, AWavelengthThatNoHologramHasIsDark) {
+  ViewSum sum({638e-9, 520e-9, 460e-9});
+  sum.add(460e-9, "", 1, flat(3));
+  const Image image = sum.image();
+  ASSERT_EQ(image.channels, 3);
+  EXPECT_NEAR(image(0, 0, 0), 0, 1e-6);
+  EXPECT_NEAR(image(0, 0, 2), 3, 1e-6);
+}
+
 TEST(ViewSum, TheWhiteIsBalancedByTheReach) {
   ViewSum sum;
   sum.add(638e-9, "", 1, flat(4), 4);
