@@ -6,6 +6,7 @@
 #include "holotrace/base/cycles.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/gather.h"
+#include "holotrace/trace/trace.h"
 #include "trace/scenes.h"
 
 namespace holotrace {
@@ -47,6 +48,7 @@ TEST(Gather, PointsAreExactAndHiddenPixelByPixel) {
   scene.materials = {grey(0)};
   scene.meshes = {make_test_quad({5.004_mm, 0, -0.05}, {5_mm, 0, 0}, {0, 5_mm, 0})};  // covers x > 4 µm
   scene.points = {{{0, 0, -0.1}, 2.0f, 0.5f}};
+  scene.lights = {PointLight{{0, 0, -10_mm}, {1, 1, 1}, true}};  // the card is black; phases are laser's
   const Field field = gather(scene, panel, green, {.pixel_samples = 1, .paths = 1, .phase = SourcePhase::laser}).at(0);
   for (int j = 0; j < panel.ny; ++j)
     for (int i = 0; i < panel.nx; ++i) {
@@ -56,6 +58,43 @@ TEST(Gather, PointsAreExactAndHiddenPixelByPixel) {
           x / 2 > 4_um ? 0.0 : cis_cycles(cycle_fraction(r, green_light) + 0.5 / (2 * pi)) * (0.2 / r);
       EXPECT_LT(std::abs(std::complex<double>(field.samples(j, i)) - expected), 1e-6);  // floats of modulus 2
     }
+}
+
+TEST(Gather, WithoutALaserPointsHaveTheRandomPhasesThatTraceGivesThem) {
+  Scene scene;
+  scene.points = {{{0, 0, -0.1}, 2.0f, 0.5f}, {{0, 10_um, -0.1}, 1.0f, 0}};
+  TraceParams params{.pixel_samples = 1, .paths = 1, .phase = SourcePhase::laser};
+  const Grid small{3, 3, 8e-6};
+  Record record;
+  const Field field = gather(scene, small, green, params, record.observer).at(0);
+  ASSERT_EQ(record.warnings.size(), 1u);
+  EXPECT_EQ(record.warnings[0], "no light of the scene is a laser: under the phase laser its waves have random phases");
+  const Sources sources = trace(scene, small, green_light, params);
+  std::complex<double> centre = 0;
+  for (const Source& wave : sources.waves) {
+    const double r = length(wave.origin);
+    centre += std::polar(wave.amplitude * -wave.origin.z / r, double(wave.phase)) *
+              cis_cycles(cycle_fraction(r, green_light));
+  }
+  EXPECT_LT(std::abs(std::complex<double>(field.samples(1, 1)) - centre), 1e-5);  // phases and fields are floats
+}
+
+TEST(Gather, ScenesUnseenOrDarkAreWarnedOf) {
+  const TraceParams params{.pixel_samples = 1, .paths = 1, .phase = SourcePhase::surface};
+  const auto warning = [&](const Scene& scene) {
+    Record record;
+    gather(scene, {8, 8, 8e-6}, green, params, record.observer);
+    EXPECT_EQ(record.warnings.size(), 1u);
+    return record.warnings.empty() ? "" : record.warnings[0];
+  };
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_test_quad({0.2, 0, -0.3}, {5_mm, 0, 0}, {0, 5_mm, 0})};
+  EXPECT_EQ(warning(scene),
+            "none of 64 rays from the panel met a mesh: its pitch of 8 µm sees 1.905° to each side of the axis at 532 "
+            "nm; move the scene onto the axis or take a panel of finer pitch");
+  scene.meshes = {make_wall(-0.3, 50_mm, 50_mm)};
+  EXPECT_EQ(warning(scene), "every first hit is dark; add lights, emission or a background to the scene");
 }
 
 TEST(Gather, SetsAndTheirFramesComeInOrder) {

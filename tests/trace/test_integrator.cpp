@@ -6,6 +6,7 @@
 #include "holotrace/data/shapes.h"
 #include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/environment.h"
+#include "holotrace/trace/fresnel.h"
 #include "trace/follow.h"
 
 namespace holotrace {
@@ -421,6 +422,22 @@ TEST(LaserPhasors, TheWayThroughGlassCountsItsIndex) {
   const double mean = sums_of(scene, ray, {}, {.max_depth = 2}, 64)[0];
   EXPECT_GT(mean, 0);
   EXPECT_NEAR(std::norm(u[1]) / mean, 1, 1e-9);
+}
+
+TEST(LaserPhasors, APaneAddsNoPathToTheWayThroughIt) {
+  Scene scene;
+  scene.materials = {grey(0.6), DielectricMaterial{.is_thin = true}};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.lights = {PointLight{{30_mm, 0, -0.26}, {1, 1, 1}, true}};
+  const Ray ray{{}, {0, 0, -1}};
+  const Phasors open = phasors_of(scene, ray, 4, 3);
+  scene.meshes.push_back(make_test_quad({15_mm, 0, -0.28}, {5_mm, 0, 0}, {0, 5_mm, 0}, 1));
+  const Phasors through = phasors_of(scene, ray, 4, 3);
+  for (size_t line = 0; line < 3; ++line) {
+    EXPECT_LT(phase_difference(std::arg(open[line]), std::arg(through[line])), 1e-12);
+    const double reflected = reflectance_dielectric(0.8, 1.5);
+    EXPECT_NEAR(std::norm(through[line]) / std::norm(open[line]), 1 - 2 * reflected / (1 + reflected), 1e-9);
+  }
 }
 
 TEST(LaserPhasors, SpeckleHasTheMeanRadiance) {

@@ -6,6 +6,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/environment.h"
+#include "holotrace/trace/fresnel.h"
 #include "holotrace/trace/texture.h"
 #include "support/statistics.h"
 #include "trace/follow.h"
@@ -60,6 +61,66 @@ TEST(Light, ABeamLightsWhatIsWithinItsRadius) {
   EXPECT_GT(follow(scene, onto_the_wall, 1, 1).mean(), 0);
   std::get<DirectionalLight>(scene.lights[0]).radius = 3.999_mm;
   EXPECT_EQ(follow(scene, onto_the_wall, 1, 1).mean(), 0);
+}
+
+/// What a pane of index 1.5 lets straight through at 0.8 of a cosine, the reflections between its faces included.
+double share_through_pane() {
+  const double reflected = reflectance_dielectric(0.8, 1.5);
+  return 1 - 2 * reflected / (1 + reflected);
+}
+
+/// A wall, on which a ray along the axis finds the light of a lamp at (30, 0, −260) mm, 50 mm away, at 0.8 of a
+/// cosine; panes stand in that way and not in the ray's.
+Scene make_wall_behind_panes(const Light& lamp, int panes, const Material& glass) {
+  Scene scene;
+  scene.materials = {grey(0.6), glass};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  for (int i = 0; i < panes; ++i) {
+    const double part = 0.4 + 0.1 * i;
+    scene.meshes.push_back(make_test_quad({part * 30_mm, 0, -0.3 + part * 40_mm}, {2_mm, 0, 0}, {0, 2_mm, 0}, 1));
+  }
+  scene.lights = {lamp};
+  return scene;
+}
+
+TEST(Light, PanesLetLightStraightThrough) {
+  const Ray ray{{}, {0, 0, -1}};
+  const Vec3 lamp{30_mm, 0, -0.26}, down = normalize(Vec3{0, 0, -0.3} - lamp), one{1, 1, 1};
+  const Material pane = DielectricMaterial{.is_thin = true};
+  for (const Light& light :
+       {Light{PointLight{lamp, one}}, Light{PointLight{lamp, one, true}}, Light{SpotLight{lamp, down, one, 0.1, 0.2}},
+        Light{DirectionalLight{down, one}}, Light{DirectionalLight{down, one, lamp, 5_mm, true}}}) {
+    const auto sums = [&](int panes, int max_depth) {
+      return sums_of(make_wall_behind_panes(light, panes, pane), ray, {"EDL", "EDSL", "EDSSL"},
+                     {.max_depth = max_depth}, 1);
+    };
+    const double direct = sums(0, 1)[0], share = share_through_pane();
+    EXPECT_GT(direct, 0);
+    // Nothing is random: rounding.
+    const auto one_pane = sums(1, 2), two_panes = sums(2, 3);
+    EXPECT_EQ(one_pane[0], 0);
+    EXPECT_NEAR(one_pane[1] / direct, share, 1e-9);
+    EXPECT_EQ(two_panes[1], 0);
+    EXPECT_NEAR(two_panes[2] / direct, share * share, 1e-9);
+    EXPECT_EQ(sums(1, 1)[1], 0) << "a pane is a surface of the path";
+    // A wall in the way is one, behind a pane too; so is solid glass.
+    Scene closed = make_wall_behind_panes(light, 2, pane);
+    closed.meshes[2].material = 0;
+    EXPECT_EQ(follow(closed, ray, 1, 1).mean(), 0);
+    EXPECT_EQ(follow(make_wall_behind_panes(light, 1, DielectricMaterial{}), ray, 1, 1).mean(), 0);
+  }
+}
+
+TEST(Light, WhatPathsMeetBehindAPaneIsNotCountedTwice) {
+  const RectangleLight lamp{{40_mm, -10_mm, -0.26}, {-20_mm, 0, 0}, {0, 20_mm, 0}, {1, 1, 1}};
+  const Material pane = DielectricMaterial{.is_thin = true};
+  Scene scene = make_wall_behind_panes(lamp, 0, pane);
+  const Ray ray{{}, {0, 0, -1}};
+  const double direct = follow(scene, ray, 40000, 2).mean();
+  scene.meshes.push_back(make_test_quad({25_mm, 0, -0.27}, {20_mm, 0, 0}, {0, 20_mm, 0}, 1));
+  const Statistics through = follow(scene, ray, 200000, 2);
+  EXPECT_LT(through.standard_error(), 0.02 * direct);
+  EXPECT_NEAR(through.mean() / direct, share_through_pane(), 0.08);
 }
 
 TEST(Light, OneSidedEmissionShinesFromTheFrontOnly) {

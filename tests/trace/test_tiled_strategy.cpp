@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/panel_tiles.h"
@@ -195,6 +197,70 @@ TEST(TiledStrategy, ABallInAMirrorIsSeenByTheTilesWhoseWayOverTheMirrorIsOpen) {
   }
   EXPECT_GT(seen, 4);
   EXPECT_LT(seen, 8);
+}
+
+/// Which tiles see the brightest wave, from the left.
+std::string tiles_that_see(const Sources& sources) {
+  const auto is_darker = [](const Source& a, const Source& b) { return a.amplitude < b.amplitude; };
+  const auto brightest = std::max_element(sources.waves.begin(), sources.waves.end(), is_darker);
+  const size_t wave = size_t(brightest - sources.waves.begin()), count = sources.waves.size();
+  std::string seen;
+  for (size_t t = 0; t * count < sources.tiles.values.size(); ++t)
+    seen += sources.tiles.values[t * count + wave] > 0 ? '+' : '-';
+  return seen;
+}
+
+TEST(TiledStrategy, GlassAndMirrorsHideNothingOfWhatACardCloseToAWallCovers) {
+  // A card 2.5 mm before a spot at z = −0.3 covers x > 4 µm: the way from (x, 0) passes it at x/120, hidden for
+  // x > 0.48 mm, the right two of 8 tiles. Behind 10 mm of glass the spot seems 3.3 mm nearer: x > 0.475 mm.
+  const TraceParams params{.strategy = Strategy::tiled,
+                           .columns = 1,
+                           .rows = 1,
+                           .tile_columns = 8,
+                           .tile_rows = 1,
+                           .paths = 1,
+                           .phase = SourcePhase::path};
+  Scene open;
+  open.materials = {grey(0, 1), grey(0), DielectricMaterial{.is_thin = true}, DielectricMaterial{},
+                    ConductorMaterial{}};
+  open.meshes = {make_test_quad({0, 0, -0.3}, {20_um, 0, 0}, {0, 20_um, 0}, 0),
+                 make_test_quad({5.004_mm, 0, -0.2975}, {5_mm, 0, 0}, {0, 5_mm, 0}, 1)};
+  Scene pane = open;
+  pane.meshes.push_back(make_wall(-0.25, 10_mm, 10_mm, 2));
+  EXPECT_EQ(tiles_that_see(trace(pane, panel, green_light, params)), "++++++--");
+
+  Scene slab = open;
+  slab.meshes.push_back(make_wall(-0.245, 10_mm, 10_mm, 3));
+  slab.meshes.push_back(make_test_quad({0, 0, -0.255}, {0, 10_mm, 0}, {10_mm, 0, 0}, 3));
+  EXPECT_EQ(tiles_that_see(trace(slab, panel, green_light, params)), "++++++--");
+
+  // A mirror at 45° at z = −0.25 shows the spot at x = −50 mm; z = x mirrors the card's edge to z = −0.25 + 4 µm.
+  Scene mirror = open;
+  mirror.meshes = {make_test_quad({-50_mm, 0, -0.25}, {0, 0, 20_um}, {0, 20_um, 0}, 0),
+                   make_test_quad({-47.5_mm, 0, -0.25 + 5.004_mm}, {0, 0, 5_mm}, {0, 5_mm, 0}, 1),
+                   make_test_quad({0, 0, -0.25}, {10_mm, 0, 10_mm}, {0, 10_mm, 0}, 4)};
+  EXPECT_EQ(tiles_that_see(trace(mirror, panel, green_light, params)), "++++++--");
+}
+
+TEST(TiledStrategy, ACurvedMirrorShowsAWallToAllTiles) {
+  // A ball of chrome shows the wall behind the panel; its image stays where it is only nearly.
+  Scene scene;
+  scene.materials = {grey(0, 1), ConductorMaterial{}};
+  Mesh ball = make_round_mesh({0, 0, -0.1}, 5_mm, 128);
+  for (const Vec3 p : ball.positions) ball.normals.push_back(normalize(p - Vec3{0, 0, -0.1}));
+  ball.material = 1;
+  scene.meshes = {make_test_quad({0, 0, 0.2}, {-1, 0, 0}, {0, 1, 0.3}), ball};
+  const TraceParams params{.strategy = Strategy::tiled,
+                           .columns = 12,
+                           .rows = 12,
+                           .tile_columns = 4,
+                           .tile_rows = 3,
+                           .field_of_view = 1_deg,
+                           .paths = 1,
+                           .phase = SourcePhase::path};
+  const Sources tiled = trace(scene, panel, green_light, params);
+  EXPECT_GT(tiled.waves.size(), 100u);
+  for (const float amplitude : tiled.tiles.values) EXPECT_GT(amplitude, 0);
 }
 
 TEST(TiledStrategy, TheSameSourcesComeFromAnyNumberOfThreads) {

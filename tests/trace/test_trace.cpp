@@ -206,6 +206,25 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   EXPECT_TRUE(trace(scene, panel, green_light, params, dark.observer).waves.empty());
   ASSERT_EQ(dark.warnings.size(), 1u);
   EXPECT_EQ(dark.warnings[0], "every first hit is dark; add lights, emission or a background to the scene");
+
+  scene.lights = {PointLight{{0, 0, -0.4}, {1, 1, 1}}};
+  Record behind;
+  trace(scene, panel, green_light, params, behind.observer);
+  ASSERT_EQ(behind.warnings.size(), 1u);
+  EXPECT_EQ(behind.warnings[0],
+            "every first hit is dark: the scene's lights do not reach what the panel sees; move them, or add others, "
+            "emission or a background");
+
+  scene.materials.push_back(DielectricMaterial{});
+  scene.meshes.push_back(make_wall(-0.2, 50_mm, 50_mm, 1));
+  scene.lights = {PointLight{{0, 0, -0.1}, {1, 1, 1}}};
+  Record behind_glass;
+  trace(scene, panel, green_light, params, behind_glass.observer);
+  ASSERT_EQ(behind_glass.warnings.size(), 1u);
+  EXPECT_EQ(behind_glass.warnings[0],
+            "every first hit is dark: the scene's lights do not reach what the panel sees; solid glass casts a shadow "
+            "in the light of points, spots, beams and the sun: light what it covers by rectangles, emission, a "
+            "background or an environment");
 }
 
 TEST(Trace, LuminousPointsBecomeSourcesAsTheyAre) {

@@ -91,6 +91,11 @@ SurfacePoint shading_point(const Material& material, const SurfacePoint& point) 
   return shaded;
 }
 
+bool is_pane(const Material& material) {
+  const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
+  return glass && glass->is_thin;
+}
+
 Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines) {
   if (!material.two_sided && !point.is_front) return {};
   if (!material.emission_texture) return lines.from_rgb(material.emission);

@@ -71,6 +71,9 @@ inline SpecularBranches specular_branches(const Bsdf& bsdf, Vec3 outgoing) {
 /// normal is that of the front, negated (glTF 2.0, 3.7.2.1).
 SurfacePoint shading_point(const Material& material, const SurfacePoint& point);
 
+/// Whether a surface is thin glass, which sends light straight on and back, and nowhere else.
+bool is_pane(const Material& material);
+
 /// Radiance that a material sends out by itself toward where the path came from [W/m²/sr], at the lines.
 Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines);
 

@@ -15,6 +15,7 @@
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/ray_waves.h"
 #include "holotrace/trace/source_phase.h"
+#include "holotrace/trace/trace_report.h"
 #include "holotrace/trace/wave_sets.h"
 
 namespace holotrace {
@@ -43,17 +44,22 @@ void add_wave(const Gathering& g, size_t set, double amplitude, double cycles, u
   }
 }
 
+/// What the rays of a row, or of all, have found.
+struct Found {
+  PathCounts counts;
+  int64_t first_hits = 0, waves = 0;
+};
+
 /// Ray j of S from a pixel.
-void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, PixelSums& sums, PathCounts& counts,
-                int64_t& first_hits) {
+void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, PixelSums& sums, Found& found) {
   const int64_t samples = g.params.pixel_samples;
   CounterRandom random(uint64_t(g.params.seed), 0, sample);
   const double u = random.uniform(), v = random.uniform();
   const Vec2 sines = stratum(j, samples, u, v);
   const auto direction = accepted_direction(2 * sines.x - 1, 2 * sines.y - 1, g.panel, g.longest);
   if (!direction) return;
-  const std::vector<RayWave> waves = find_waves(g.scene, g.params, g.side, {pixel, *direction}, sample, counts);
-  first_hits += !waves.empty();
+  const std::vector<RayWave> waves = find_waves(g.scene, g.params, g.side, {pixel, *direction}, sample, found.counts);
+  found.first_hits += !waves.empty();
   const double limit = acceptance_sine(g.longest, g.panel.pitch), share = 4 * limit * limit / double(samples);
   for (const RayWave& wave : waves)
     for (size_t i = 0; i < g.sets.size(); ++i) {
@@ -64,21 +70,23 @@ void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, Pixe
       const double amplitude = std::sqrt(squared_amplitude_of(light.radiance, g.params.amplitude) * share);
       const double phase = phase_beyond(wave, 0, set.wavelength, set.line) + light.phase;
       add_wave(g, i, amplitude, phase / (2 * pi), key_in(set, g.params.phase, wave.key, sample), sums);
+      ++found.waves;
     }
 }
 
 /// The luminous points: U = a·(d₀/r)·exp(i(kr + φ₀)) inside their boxes.
 void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
-  for (const ScenePoint& point : g.scene.scene.points) {
+  const std::vector<ScenePoint>& points = g.scene.scene.points;
+  for (size_t p = 0; p < points.size(); ++p) {
+    const ScenePoint& point = points[p];
     const Vec3 way = point.position - pixel;
     const double depth = -point.position.z, distance = length(way);
     if (g.scene.accelerator.is_occluded(pixel, point.position)) continue;
-    const uint64_t key =
-        g.params.phase == SourcePhase::laser ? Sources::no_phase_key : surface_phase_key(point.position, g.side);
     for (size_t i = 0; i < g.sets.size(); ++i) {
       const double radius = box_radius(depth, g.sets[i].wavelength, g.panel.pitch);
       if (!g.sets[i].has_points || std::abs(way.x) > radius || std::abs(way.y) > radius) continue;
       const double cycles = cycle_fraction(distance, g.sets[i].wavelength) + point.phase / (2 * pi);
+      const uint64_t key = point_key(g.scene.scene, g.params, g.sets[i], p, g.side);
       add_wave(g, i, point.amplitude * depth / distance, cycles, key, sums);
     }
   }
@@ -126,8 +134,8 @@ void report(const std::vector<Agreement>& rows, int samples, const Observer& obs
 }
 
 /// Adds the fields of one group of wavelengths.
-void gather_group(const Gathering& g, const Observer& observer, PathCounts& total, int64_t& first_hits,
-                  std::vector<Agreement>& agreement, std::vector<Field>& fields) {
+void gather_group(const Gathering& g, const Observer& observer, Found& total, std::vector<Agreement>& agreement,
+                  std::vector<Field>& fields) {
   const Grid& panel = g.panel;
   const size_t frames = size_t(g.params.frames);
   require_memory(double(g.sets.size() * frames) * sizeof(std::complex<float>) * double(panel.pixels()),
@@ -135,8 +143,8 @@ void gather_group(const Gathering& g, const Observer& observer, PathCounts& tota
   std::vector<Field> made;
   for (const WaveSet& set : g.sets)
     for (size_t frame = 0; frame < frames; ++frame) made.emplace_back(panel, set.wavelength);
-  std::vector<PathCounts> counts(size_t(panel.ny), PathCounts{});
-  std::vector<int64_t> hits(size_t(panel.ny), 0);
+  std::vector<Found> found(size_t(panel.ny), Found{});
+  const uint64_t points = g.scene.scene.points.size();  // whose numbers come first
   const auto gather_row = [&](int64_t row) {
     PixelSums sums(made.size()), half(made.size());
     for (int column = 0; column < panel.nx; ++column) {
@@ -144,20 +152,22 @@ void gather_group(const Gathering& g, const Observer& observer, PathCounts& tota
       std::fill(sums.begin(), sums.end(), 0.0);
       add_points(g, pixel, sums);
       for (size_t i = 0; i < made.size(); ++i) half[i] = 0.5 * sums[i];
-      const uint64_t first = (uint64_t(row) * uint64_t(panel.nx) + uint64_t(column)) * uint64_t(g.params.pixel_samples);
+      const uint64_t first =
+          points + (uint64_t(row) * uint64_t(panel.nx) + uint64_t(column)) * uint64_t(g.params.pixel_samples);
       for (int64_t j = 1; j < g.params.pixel_samples; j += 2)
-        add_sample(g, pixel, j, first + uint64_t(j), half, counts[size_t(row)], hits[size_t(row)]);
+        add_sample(g, pixel, j, first + uint64_t(j), half, found[size_t(row)]);
       for (size_t i = 0; i < made.size(); ++i) sums[i] = 0.5 * sums[i] + half[i];
       for (int64_t j = 0; j < g.params.pixel_samples; j += 2)
-        add_sample(g, pixel, j, first + uint64_t(j), sums, counts[size_t(row)], hits[size_t(row)]);
+        add_sample(g, pixel, j, first + uint64_t(j), sums, found[size_t(row)]);
       for (size_t i = 0; i < made.size(); i += frames) agreement[size_t(row)].add(sums[i], half[i]);
       for (size_t i = 0; i < made.size(); ++i) made[i].samples(int(row), column) = std::complex<float>(sums[i]);
     }
   };
   parallel_for(0, panel.ny, gather_row, observer);
-  for (size_t row = 0; row < counts.size(); ++row) {
-    total += counts[row];
-    first_hits += hits[row];
+  for (const Found& row : found) {
+    total.counts += row.counts;
+    total.first_hits += row.first_hits;
+    total.waves += row.waves;
   }
   const bool is_whole = !g.params.separate_layers && !g.params.separate_lights;
   for (size_t i = 0; i < made.size(); i += frames)
@@ -177,18 +187,23 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   const double side = cell_side(params, panel), longest = *std::max_element(wavelengths.begin(), wavelengths.end());
 
   std::vector<Field> fields;
-  PathCounts counts;
-  int64_t first_hits = 0;
+  Found found;
+  bool has_laser = false;
   std::vector<Agreement> agreement(size_t(panel.ny), Agreement{});
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g]);
-    gather_group({path_scene, params, panel, sets, longest, side}, part_of(observer, int(g), int(groups.size())),
-                 counts, first_hits, agreement, fields);
+    for (const WaveSet& set : sets) has_laser |= set.has_laser;
+    gather_group({path_scene, params, panel, sets, longest, side}, part_of(observer, int(g), int(groups.size())), found,
+                 agreement, fields);
   }
-  report(counts, params.max_depth, observer);
-  observer.fact("first_hits", Fact(first_hits));
+  report(found.counts, params.max_depth, observer);
+  observer.fact("first_hits", Fact(found.first_hits));
+  const int64_t rays = panel.pixels() * params.pixel_samples * int64_t(groups.size());
+  TraceParams gathering = params;
+  gathering.strategy = Strategy::gather;
+  warn_of_findings({rays, found.first_hits, found.waves == 0, has_laser}, scene, panel, longest, gathering, observer);
   if (params.pixel_samples > 1) report(agreement, params.pixel_samples, observer);
   return fields;
 }

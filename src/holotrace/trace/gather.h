@@ -39,7 +39,9 @@ namespace holotrace {
 /// @param wavelengths  [m], any number; up to three share their rays, which fill the acceptance of the longest of
 ///                     all: each takes those inside its own
 /// @param params       strategy and pattern are not looked at
-/// @param observer     hears the facts of `report`, "first_hits" and "coherent_fraction"; a warning of noise
+/// @param observer     hears the facts of `report`, "first_hits" and "coherent_fraction"; warnings of noise, and those
+/// of
+///                     `trace` where the rays miss the scene or find it dark
 /// @return             complex amplitudes [√(W/m²)], the sets in the order and number of `trace` (sets of lights and
 ///                     layers without any light left out), for each of them params.frames frames with phases of their
 ///                     own from one tracing; the same bytes on any number of threads

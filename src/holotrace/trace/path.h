@@ -55,6 +55,9 @@ struct PathStart {
 /// Simulation, 1997, section 9.2.4). Point, spot and directional lights are only asked (w = 1); the even background,
 /// and all that comes by a specular way or at first hit, is only met (w = 1).
 ///
+/// Thin panes do not hide those lights: each lets 1 − 2R/(1 + R) of their light straight through, and is a surface and
+/// an S of the path. Solid glass does hide them.
+///
 /// Roulette lets a path go on with probability min(1, max β), so a surface of weight 1 takes none. After the last
 /// surface one more ray looks for what shines beyond surfaces, if anything does.
 ///

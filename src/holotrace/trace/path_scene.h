@@ -27,6 +27,7 @@ struct PathScene {
   PathAutomaton automaton;  ///< of the layers
   Lines lines;
   PathParams params;
+  bool has_panes;  ///< a mesh is of thin glass, which light goes straight through
 
   /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth below 1 or a clamp below 0
   PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& layers, const PathParams& params);

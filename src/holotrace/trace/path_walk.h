@@ -116,9 +116,12 @@ class PathWalk {
   template <class B>
   void add_direct_light(const B& bsdf, LowDiscrepancy& numbers) {
     const LobeSet has = lobes(bsdf);
-    diffuse_layers_ = has.has_diffuse ? automaton_.accepted(automaton_.step(state_, PathEvent::diffuse)) : 0;
-    glossy_layers_ = has.has_glossy ? automaton_.accepted(automaton_.step(state_, PathEvent::glossy)) : 0;
-    if (!(diffuse_layers_ | glossy_layers_)) return;
+    diffuse_state_ = has.has_diffuse ? automaton_.step(state_, PathEvent::diffuse) : PathAutomaton::State{};
+    glossy_state_ = has.has_glossy ? automaton_.step(state_, PathEvent::glossy) : PathAutomaton::State{};
+    diffuse_layers_ = automaton_.accepted(diffuse_state_);
+    glossy_layers_ = automaton_.accepted(glossy_state_);
+    // Layers that take no light here may take it behind a pane.
+    if (!(diffuse_layers_ | glossy_layers_) && !(scene_.has_panes && (diffuse_state_ | glossy_state_))) return;
     const auto& lights = emitters_.lights();
     for (size_t i = 0; i < lights.size(); ++i) {
       const bool is_shared = has_area(lights[i]);
@@ -146,13 +149,22 @@ class PathWalk {
       const double other = is_shared ? pdf(bsdf, outgoing_, way.direction, lobe) : 0;
       return throughput_ * f * way.radiance * (way.pdf / (way.pdf * way.pdf + other * other));
     };
-    const Vec3 diffuse = diffuse_layers_ ? reflected(Lobe::diffuse) : Vec3{};
-    const Vec3 glossy = glossy_layers_ ? reflected(Lobe::glossy) : Vec3{};
+    // Paths go through panes by chance, and meet there all lights that they can meet; the others have to be asked.
+    const bool passes_panes = scene_.has_panes && !is_shared;
+    Vec3 diffuse = diffuse_layers_ || (passes_panes && diffuse_state_) ? reflected(Lobe::diffuse) : Vec3{};
+    Vec3 glossy = glossy_layers_ || (passes_panes && glossy_state_) ? reflected(Lobe::glossy) : Vec3{};
     if (is_black(diffuse) && is_black(glossy)) return;
     ++counts_.shadow_rays;
-    if (is_occluded(way)) return;
-    if (diffuse_layers_) sink_.add(diffuse_layers_, group, diffuse);
-    if (glossy_layers_) sink_.add(glossy_layers_, group, glossy);
+    uint32_t diffuse_layers = diffuse_layers_, glossy_layers = glossy_layers_;
+    if (is_occluded(way)) {
+      const auto panes = passes_panes ? panes_on(way) : std::nullopt;
+      if (!panes) return;
+      diffuse *= panes->share, glossy *= panes->share;
+      diffuse_layers = layers_behind(panes->count, diffuse_state_);
+      glossy_layers = layers_behind(panes->count, glossy_state_);
+    }
+    if (diffuse_layers) sink_.add(diffuse_layers, group, diffuse);
+    if (glossy_layers) sink_.add(glossy_layers, group, glossy);
     if constexpr (Sink::follows_phase) sink_.end_way(light ? laser_path(*light, point_.position) : std::nullopt);
   }
 
@@ -167,6 +179,42 @@ class PathWalk {
     const double distance = length(rest);
     return scene_.accelerator.is_occluded({from, rest * (1 / distance)},
                                           distance - clearance / std::max(way.cosine, 0.01));
+  }
+
+  /// What stands between the point and a light, if all of it is panes and the path may be that long.
+  struct Panes {
+    int count = 0;
+    Vec3 share{1, 1, 1};  // of the light that they let straight through
+  };
+
+  std::optional<Panes> panes_on(const LightSample& way) {
+    const double clearance = scene_.accelerator.clearance();
+    Ray ray{scene_.accelerator.leave(point_, way.direction), way.direction};
+    double left = way.distance - 2 * clearance;  // as is_occluded has it
+    for (Panes panes; depth_ + panes.count <= scene_.params.max_depth; ++panes.count) {
+      ++counts_.rays;
+      const auto hit = scene_.accelerator.closest_hit(ray);
+      if (!hit || hit->distance >= left) return panes;
+      const Material& material = scene_.scene.materials[size_t(hit->point.material)];
+      if (!is_pane(material)) return std::nullopt;
+      const Bsdf pane = make_bsdf(material, shading_point(material, hit->point), scene_.lines);
+      const SpecularBranches branches = specular_branches(pane, -way.direction);
+      const auto last = branches.ways.begin() + branches.count;
+      const auto straight =
+          std::find_if(branches.ways.begin(), last, [](const BsdfSample& branch) { return branch.is_transmission; });
+      if (straight == last) return std::nullopt;
+      panes.share *= straight->weight;
+      const Vec3 next = scene_.accelerator.leave(hit->point, way.direction);
+      left -= dot(next - ray.origin, way.direction);
+      ray.origin = next;
+    }
+    return std::nullopt;
+  }
+
+  /// The layers that take light which has come through panes to a surface that has left the path in `state`.
+  uint32_t layers_behind(int panes, PathAutomaton::State state) const {
+    for (; panes > 0; --panes) state = automaton_.step(state, PathEvent::specular);
+    return automaton_.accepted(state);
   }
 
   /// Goes to the next surface; false where the path ends.
@@ -216,7 +264,8 @@ class PathWalk {
   int depth_ = 1;
   double scale_ = 1;               // of the throughput by the indices of the media
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: by a specular way, or the path begins here
-  uint32_t diffuse_layers_ = 0, glossy_layers_ = 0;  // that take light by those lobes of this surface
+  PathAutomaton::State diffuse_state_ = 0, glossy_state_ = 0;  // after those lobes of this surface; 0: it has none
+  uint32_t diffuse_layers_ = 0, glossy_layers_ = 0;            // that take light by those lobes of this surface
 };
 
 }  // namespace holotrace

@@ -138,10 +138,9 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
     leaf = model;
     leaf.start.outgoing = normalize(way);
   } else {
-    auto found = follow_like(scene, {place, normalize(wave.origin - place)}, model, counts);
-    if (!found) return std::nullopt;
-    const double apart = length(found->start.point.position - model.start.point.position);
-    if (model.kind != LeafKind::beyond && apart > 0.01 * model.optical_path) return std::nullopt;
+    const Ray ray{place, normalize(wave.origin - place)};
+    auto found = follow_like(scene, ray, model, counts);
+    if (!found || !shows_the_same(scene, *found, model, ray)) return std::nullopt;
     if (wave.is_diffuse) return SeenLight{std::nullopt, found->weight};
     leaf = std::move(*found);
   }

@@ -49,8 +49,8 @@ struct SeenLight {
 
 /// - Seen directly: a shadow ray, and the surface must turn the same side to the place. A surface that is diffuse alone
 ///   looks alike from everywhere: its light is used again. Others are asked for theirs, with the same numbers.
-/// - Behind mirrors and glass: a ray from the place toward the wave's origin must take the same turns and end within
-///   a hundredth of its path from the same point. (Images move where mirrors are curved: that is the margin.)
+/// - Behind mirrors and glass: a ray from the place toward the wave's origin must take the same turns and end at the
+///   same surface (shows_the_same of specular.h).
 std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams& params, const RayWave& wave,
                                       Vec3 place, uint64_t sample, PathCounts& counts);
 

@@ -230,7 +230,29 @@ Walk walk(const PathScene& scene, const Ray& ray, const SpecularLeaf* guide, Pat
   return w;
 }
 
+/// Whether mirrors and glass of the chain are flat where the ray meets them, and beside that place.
+bool is_flat(const Scene& scene, const std::vector<SpecularVertex>& chain) {
+  return std::all_of(chain.begin(), chain.end(), [&](const SpecularVertex& vertex) {
+    return scene.meshes[vertex.point.mesh].normals.empty() &&
+           !scene.materials[size_t(vertex.point.material)].normal_map;
+  });
+}
+
 }  // namespace
+
+bool shows_the_same(const PathScene& scene, const SpecularLeaf& found, const SpecularLeaf& model, const Ray& ray) {
+  if (model.kind == LeafKind::beyond) return true;
+  const double reach = model.optical_path;
+  const SurfacePoint& there = model.start.point;
+  const Vec3 place = found.start.point.position;
+  if (length(place - there.position) > 0.01 * reach) return false;
+  if (!is_flat(scene.scene, model.chain))
+    return std::abs(dot(place - there.position, there.geometric_normal)) <= 1e-3 * reach;
+  const auto expected = retrace(scene.scene, model, ray);
+  if (!expected) return false;
+  const double rounding = 4 * scene.accelerator.clearance() + 1e-5 * reach;
+  return length(place - expected->place) <= rounding + 0.1 * length(expected->place - there.position);
+}
 
 std::vector<SpecularLeaf> follow_specular(const PathScene& scene, const Ray& ray, PathCounts& counts) {
   return walk(scene, ray, nullptr, counts).leaves;

@@ -71,4 +71,14 @@ std::vector<SpecularLeaf> follow_specular(const PathScene& scene, const Ray& ray
 std::optional<SpecularLeaf> follow_like(const PathScene& scene, const Ray& ray, const SpecularLeaf& model,
                                         PathCounts& counts);
 
+/// Whether a leaf that follow_like has found from `place` is what the model shows there, not something that stands
+/// before or beyond it:
+///
+/// - behind facets all flat, whose images stand still, where the model's chain, traced again from the place, meets the
+///   plane of the model's leaf, but for rounding and for what a leaf's own curvature adds as the ray wanders over it;
+/// - behind curved ones, where images move, within a thousandth of the optical path from that plane.
+///
+/// In any case within a hundredth of the path from the model's leaf. Leaves infinitely far away are always alike.
+bool shows_the_same(const PathScene& scene, const SpecularLeaf& found, const SpecularLeaf& model, const Ray& ray);
+
 }  // namespace holotrace

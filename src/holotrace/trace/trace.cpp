@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "holotrace/trace/ray_waves.h"
 #include "holotrace/trace/source_phase.h"
 #include "holotrace/trace/tiles.h"
+#include "holotrace/trace/trace_report.h"
 #include "holotrace/trace/wave_sets.h"
 
 namespace holotrace {
@@ -139,15 +141,6 @@ void trace_sample(const Tracing& t, int64_t index, Block& block) {
   }
 }
 
-/// Key of the random phase of luminous point i.
-uint64_t point_key(const Tracing& t, const WaveSet& set, size_t i) {
-  if (t.params.phase == SourcePhase::random) return i;
-  if (t.params.phase == SourcePhase::laser) return key_in(set, t.params.phase, Sources::no_phase_key, i);
-  if (t.params.phase == SourcePhase::surface || t.params.phase == SourcePhase::path)
-    return surface_phase_key(t.scene.scene.points[i].position, t.side);
-  return Sources::no_phase_key;
-}
-
 /// The luminous points that the panel's centre or, tiled, any tile sees, as they are.
 void add_points(const Tracing& t, std::vector<Waves>& sets) {
   const std::vector<ScenePoint>& points = t.scene.scene.points;
@@ -161,25 +154,11 @@ void add_points(const Tracing& t, std::vector<Waves>& sets) {
     if (!is_lit) continue;
     for (size_t s = 0; s < sets.size(); ++s) {
       if (!t.sets[s].has_points) continue;
-      sets[s].add(t, point.position, point.amplitude, point.phase, point_key(t, t.sets[s], i));
+      sets[s].add(t, point.position, point.amplitude, point.phase,
+                  point_key(t.scene.scene, t.params, t.sets[s], i, t.side));
       sets[s].tiles.insert(sets[s].tiles.end(), amplitudes.begin(), amplitudes.end());
     }
   }
-}
-
-/// Says how far the rays looked, and what would make them meet a mesh.
-std::string unseen_sentence(const Grid& panel, double wavelength, const TraceParams& params, int64_t rays) {
-  if (params.pattern == Pattern::grid && params.field_of_view > 0)
-    return fmt::format(
-        "none of {} rays from the panel met a mesh: the raster sees {} to each side of the axis; move the "
-        "scene onto the axis or widen field_of_view",
-        rays, format_angle(params.field_of_view));
-  return fmt::format(
-      "none of {} rays from the panel met a mesh: its pitch of {} sees {} to each side of the axis at {}; {}", rays,
-      format_length(panel.pitch), format_angle(std::asin(acceptance_sine(wavelength, panel.pitch))),
-      format_length(wavelength),
-      params.pattern == Pattern::grid ? "move the scene onto the axis or set field_of_view"
-                                      : "move the scene onto the axis or take a panel of finer pitch");
 }
 
 /// Facts of all tracings of a call.
@@ -217,6 +196,7 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
   const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(float) * double(t.tiles.size());
   require_memory(2 * bytes * double(count) * double(t.sets.size()),
                  fmt::format("{} sets of waves of {} first hits", t.sets.size(), count));
+  std::atomic<int64_t> found{0};  // behind mirrors and glass rays find several waves
   std::vector<Waves> points(t.sets.size());
   add_points(t, points);
   std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
@@ -225,6 +205,10 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
     block.sets.resize(t.sets.size());
     const int64_t end = std::min(count, (b + 1) * block_size);
     for (int64_t i = b * block_size; i < end; ++i) trace_sample(t, i, block);
+    int64_t waves = 0;
+    for (const Waves& set : block.sets) waves += int64_t(set.waves.size());
+    waves += found.fetch_add(waves);
+    require_memory(2 * bytes * double(waves), "the waves that rays find behind mirrors and glass");
   };
   parallel_for(0, int64_t(blocks.size()), trace_block, observer);
 
@@ -281,13 +265,9 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     report(totals.counts, params.max_depth, observer);
     observer.fact("first_hits", Fact(totals.first_hits));
     if (follows_mirrors(params.phase)) observer.fact("far_waves", Fact(totals.far_waves));
-    if (totals.first_hits == 0)
-      observer.warn(unseen_sentence(panel, longest, params, totals.rays));
-    else if (totals.mesh_waves == 0)
-      observer.warn("every first hit is dark; add lights, emission or a background to the scene");
   }
-  if (params.phase == SourcePhase::laser && !has_laser)
-    observer.warn("no light of the scene is a laser: under the phase laser its waves have random phases");
+  warn_of_findings({totals.rays, totals.first_hits, totals.mesh_waves == 0, has_laser}, scene, panel, longest, params,
+                   observer);
   int64_t waves = 0;
   for (const Sources& set : sets) waves += int64_t(set.waves.size());
   observer.fact("waves", Fact(waves));

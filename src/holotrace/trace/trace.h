@@ -77,7 +77,8 @@ namespace holotrace {
 ///
 /// Cost: one ray per first hit, then mean_path_length·(1 + lights) rays per path; tiled, a shadow ray more per wave and
 /// tile, and paths again for each tile where surfaces are not diffuse alone. Memory: 40 bytes per wave and set, and
-/// 4 per tile; twice that while tracing.
+/// 4 per tile; twice that while tracing. One wave per ray and set is checked for before, more behind mirrors and glass
+/// as they come.
 std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
                            const TraceParams& params, const Observer& observer = {});
 

@@ -5,6 +5,8 @@
 #include <variant>
 
 #include "holotrace/base/error.h"
+#include "holotrace/data/sources.h"
+#include "holotrace/trace/source_phase.h"
 
 namespace holotrace {
 
@@ -83,6 +85,21 @@ std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params
 
 uint64_t key_in(const WaveSet& set, SourcePhase phase, uint64_t key, uint64_t sample) {
   return phase == SourcePhase::laser && !set.has_laser ? sample : key;
+}
+
+uint64_t point_key(const Scene& scene, const TraceParams& params, const WaveSet& set, size_t i, double side) {
+  switch (params.phase) {
+    case SourcePhase::random:
+      return i;
+    case SourcePhase::laser:
+      return key_in(set, params.phase, Sources::no_phase_key, i);
+    case SourcePhase::surface:
+    case SourcePhase::path:
+      return surface_phase_key(scene.points[i].position, side);
+    case SourcePhase::constant:
+      break;
+  }
+  return Sources::no_phase_key;
 }
 
 SetLight light_of(const WaveSet& set, const LeafLight& light, Vec3 weight) {

@@ -1,0 +1,66 @@
+#include "holotrace/trace/trace_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <variant>
+
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+
+namespace holotrace {
+
+namespace {
+
+/// Says how far the rays looked, and what would make them meet a mesh.
+std::string unseen_sentence(const Grid& panel, double wavelength, const TraceParams& params, int64_t rays) {
+  const bool is_raster = params.strategy != Strategy::gather && params.pattern == Pattern::grid;
+  if (is_raster && params.field_of_view > 0)
+    return fmt::format(
+        "none of {} rays from the panel met a mesh: the raster sees {} to each side of the axis; move the "
+        "scene onto the axis or widen field_of_view",
+        rays, format_angle(params.field_of_view));
+  return fmt::format(
+      "none of {} rays from the panel met a mesh: its pitch of {} sees {} to each side of the axis at {}; {}", rays,
+      format_length(panel.pitch), format_angle(std::asin(acceptance_sine(wavelength, panel.pitch))),
+      format_length(wavelength),
+      is_raster ? "move the scene onto the axis or set field_of_view"
+                : "move the scene onto the axis or take a panel of finer pitch");
+}
+
+bool is_solid_glass(const Material& material) {
+  const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
+  return glass && !glass->is_thin;
+}
+
+/// Says what would bring light to what the rays have met.
+std::string dark_sentence(const Scene& scene) {
+  if (scene.lights.empty()) return "every first hit is dark; add lights, emission or a background to the scene";
+  const std::string unreached = "every first hit is dark: the scene's lights do not reach what the panel sees; ";
+  const bool has_glass = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
+    return is_solid_glass(scene.materials[size_t(mesh.material)]);
+  });
+  if (has_glass)
+    return unreached +
+           "solid glass casts a shadow in the light of points, spots, beams and the sun: light what it covers by "
+           "rectangles, emission, a background or an environment";
+  return unreached + "move them, or add others, emission or a background";
+}
+
+}  // namespace
+
+void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double longest,
+                      const TraceParams& params, const Observer& observer) {
+  if (!scene.meshes.empty()) {
+    if (findings.first_hits == 0)
+      observer.warn(unseen_sentence(panel, longest, params, findings.rays));
+    else if (findings.is_dark)
+      observer.warn(dark_sentence(scene));
+  }
+  if (params.phase == SourcePhase::laser && !findings.has_laser)
+    observer.warn("no light of the scene is a laser: under the phase laser its waves have random phases");
+}
+
+}  // namespace holotrace

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include "holotrace/base/observer.h"
+#include "holotrace/data/grid.h"
+#include "holotrace/data/params.h"
+#include "holotrace/data/scene.h"
+
+namespace holotrace {
+
+/// What the rays of a whole tracing have found, whatever its strategy.
+struct TraceFindings {
+  int64_t rays = 0;        ///< that the panel has sent out
+  int64_t first_hits = 0;  ///< of them, those that have met a mesh
+  bool is_dark = false;    ///< no mesh has sent light to the panel
+  bool has_laser = false;  ///< a light is a laser
+};
+
+/// Warns where a tracing has not met the meshes, has found no light on them, or has no laser under the phase `laser`,
+/// each with what helps.
+///
+/// @param longest  wavelength [m], whose acceptance the rays fill
+void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double longest,
+                      const TraceParams& params, const Observer& observer);
+
+}  // namespace holotrace
