@@ -115,6 +115,7 @@ void check_job(const Job& job) {
     require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,
             "expected wavelengths that differ, got {} twice; leave one out, or ask for frames",
             format_length(job.wavelengths[i]));
+  if (job.trace.strategy == Strategy::gather) check_gather(job.trace);
   check_memory(job, least_sets(job));
 }
 

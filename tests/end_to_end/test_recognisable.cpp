@@ -117,7 +117,7 @@ TEST(Recognisable, TheMoreTheMoreFramesAreShown) {
   ViewSum by_field, by_hologram;
   std::vector<double> of_field, of_hologram;
   for (uint32_t frame = 0; frame < 16; ++frame) {
-    const Field field = fields_of_frame(sources, frame, job.slm.grid, {}).front();
+    const Field field = fields_of_frame({sources, {}}, frame, job.slm.grid, {}).front();
     by_field.add(test_wavelength, "", 1, look(field, job.slm, depth, {}, camera));
     const Hologram hologram = encode(field, job.slm, {});
     by_hologram.add(test_wavelength, "", hologram.illumination,

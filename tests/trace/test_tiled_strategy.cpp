@@ -54,6 +54,20 @@ TEST(TiledStrategy, AnOpenDiffuseSceneHasTheAmplitudesOfTheSharedOneInEveryTile)
   }
 }
 
+TEST(TiledStrategy, AFloorAtGrazingIncidenceDoesNotHideItself) {
+  // Seen from tiles at most 0.7 mm above it, a floor 1 mm below the axis and some 0.3 m away is at less than 0.3° to
+  // the ray: no tile that stands above it may miss it.
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  scene.meshes = {make_test_quad({0, -1_mm, -0.3}, {5_mm, 0, 0}, {0, 0, -20_mm})};
+  TraceParams params{.strategy = Strategy::tiled, .columns = 16, .rows = 64, .tile_columns = 2, .tile_rows = 2};
+  params.paths = 1;
+  params.field_of_view = 0.3_deg;
+  const Sources sources = trace(scene, panel, green_light, params);
+  ASSERT_GT(sources.waves.size(), 50u);
+  EXPECT_EQ(std::count(sources.tiles.values.begin(), sources.tiles.values.end(), 0.0F), 0);
+}
+
 /// A card at z = −50 mm that covers x > 50 µm hides a spot and a point at z = −0.2 m from the right of the panel.
 Scene make_half_hidden_scene() {
   Scene scene;

@@ -92,16 +92,6 @@ void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
   }
 }
 
-void check_params(const TraceParams& params) {
-  require(params.phase != SourcePhase::random && params.phase != SourcePhase::constant,
-          "expected the phase surface, path or laser with the strategy gather, got {}: every pixel finds points of its "
-          "own, so phases that are not the surface's would make noise of the field, not waves",
-          params.phase == SourcePhase::random ? "random" : "constant");
-  require(params.pixel_samples >= 1, "expected pixel_samples of 1 or more, got {}", params.pixel_samples);
-  require(params.paths >= 1, "expected paths of 1 or more per first hit, got {}", params.paths);
-  require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
-}
-
 /// Powers that tell waves from noise: of the whole, and of what two halves of the rays share.
 struct Agreement {
   double power = 0, shared = 0;
@@ -177,13 +167,23 @@ void gather_group(const Gathering& g, const Observer& observer, Found& total, st
 
 }  // namespace
 
+void check_gather(const TraceParams& params) {
+  require(params.phase != SourcePhase::random && params.phase != SourcePhase::constant,
+          "expected the phase surface, path or laser with the strategy gather, got {}: every pixel finds points of its "
+          "own, so phases that are not the surface's would make noise of the field, not waves",
+          params.phase == SourcePhase::random ? "random" : "constant");
+  require(params.pixel_samples >= 1, "expected pixel_samples of 1 or more, got {}", params.pixel_samples);
+  require(params.paths >= 1, "expected paths of 1 or more per first hit, got {}", params.paths);
+  require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
+}
+
 std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
                           const TraceParams& params, const Observer& observer) {
   check_scene(scene);
   check_grid(panel);
   require(!wavelengths.empty(), "expected at least one wavelength, got none");
   for (const double wavelength : wavelengths) check_wavelength(wavelength);
-  check_params(params);
+  check_gather(params);
   const double side = cell_side(params, panel), longest = *std::max_element(wavelengths.begin(), wavelengths.end());
 
   std::vector<Field> fields;

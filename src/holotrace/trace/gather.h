@@ -51,4 +51,8 @@ namespace holotrace {
 std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
                           const TraceParams& params, const Observer& observer = {});
 
+/// What `gather` refuses of its parameters, without a scene.
+/// @throws Error  as gather does
+void check_gather(const TraceParams& params);
+
 }  // namespace holotrace

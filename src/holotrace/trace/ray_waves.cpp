@@ -133,7 +133,8 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
     const Vec3 way = place - point.position;
     if (dot(way, point.geometric_normal) <= 0) return std::nullopt;
     ++counts.shadow_rays;
-    if (scene.accelerator.is_occluded(place, point.position)) return std::nullopt;
+    // At grazing angles the surface itself would be in the way of a ray to its very place.
+    if (scene.accelerator.is_occluded(place, scene.accelerator.leave(point))) return std::nullopt;
     if (wave.is_diffuse) return SeenLight{std::nullopt, model.weight};
     leaf = model;
     leaf.start.outgoing = normalize(way);
