@@ -357,10 +357,10 @@ TEST(SceneFileErrors, ImpossiblePanelsAndLightAreRefused) {
 }
 
 TEST(SceneFileErrors, ImpossibleParametersAreRefused) {
-  EXPECT_EQ(error_with("[trace]\ncolumns = 0\n" + cube), "3:11: expected 1 or more for \"columns\" in [trace]");
-  EXPECT_EQ(error_with("[camera]\nbits = 12\n" + cube), "3:8: expected 8 or 16 for \"bits\" in [camera]");
+  EXPECT_EQ(error_with("[trace]\ncolumns = 0\n" + cube), "3:11: expected 1 or more for \"columns\" in [trace], got 0");
+  EXPECT_EQ(error_with("[camera]\nbits = 12\n" + cube), "3:8: expected 8 or 16 for \"bits\" in [camera], got 12");
   EXPECT_EQ(error_with("[synthesize]\ntolerance = 0\n" + cube),
-            "3:13: expected a number above 0 for \"tolerance\" in [synthesize]");
+            "3:13: expected a number above 0 for \"tolerance\" in [synthesize], got 0");
 }
 
 TEST(SceneFileErrors, ObjectsInFrontOfThePanelAreNamed) {

@@ -59,12 +59,10 @@ TEST(SourcesFile, WrongKeysAndTilesAreRefused) {
   const std::string path = temporary("s.ply");
   Sources sources = some_sources;
   sources.phase_keys = {1};
-  EXPECT_EQ(error_of([&] { save_sources(path, sources); }),
-            "expected 2 phase keys, one per wave, to save as " + path + ", got 1");
+  EXPECT_EQ(error_of([&] { save_sources(path, sources); }), "expected a phase key for each of 2 waves, or none, got 1");
   sources = some_sources;
   sources.tiles = {2, 2, {1, 2, 3}};
-  EXPECT_EQ(error_of([&] { save_sources(path, sources); }),
-            "expected 8 amplitudes, 4 tiles of 2 waves, to save as " + path + ", got 3");
+  EXPECT_EQ(error_of([&] { save_sources(path, sources); }), "expected 8 amplitudes for 2 × 2 tiles and 2 waves, got 3");
   const auto error = [](const std::string& comment) {
     const std::string file = make_file("t.ply", ascii("0 0 -1 1 0\n", "comment wavelength_m 5.32e-07\n" + comment));
     return error_of([&] { load_sources(file); }).substr(file.size());

@@ -70,14 +70,8 @@ TileAmplitudes tiles_of(const PlyVertices& vertices) {
   return tiles;
 }
 
-// What check_sources does not look at.
-void check_optional(const std::string& path, const Sources& sources) {
-  const size_t waves = sources.waves.size(), tiles = size_t(sources.tiles.columns) * size_t(sources.tiles.rows);
-  require(sources.phase_keys.empty() || sources.phase_keys.size() == waves,
-          "expected {} phase keys, one per wave, to save as {}, got {}", waves, path, sources.phase_keys.size());
-  require(sources.tiles.values.size() == tiles * waves,
-          "expected {} amplitudes, {} tiles of {} waves, to save as {}, got {}", tiles * waves, tiles, waves, path,
-          sources.tiles.values.size());
+// The name is a line of the header.
+void check_name(const std::string& path, const Sources& sources) {
   require(sources.name.find_first_of("\r\n") == std::string::npos,
           "expected a name of one line for the sources to save as {}, got \"{}\"", path, sources.name);
 }
@@ -105,7 +99,7 @@ std::string header_of(const Sources& sources) {
 void save_sources(const std::string& path, const Sources& sources) {
   require(extension_of(path) == ".ply", "expected a file of sources .ply, got {}; change its extension", path);
   check_sources(sources);
-  check_optional(path, sources);
+  check_name(path, sources);
   std::string bytes = header_of(sources);
   const auto put = [&bytes](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
   const size_t count = sources.waves.size(), tiles = size_t(sources.tiles.columns) * size_t(sources.tiles.rows);
