@@ -53,6 +53,8 @@ Job job_for_model(const std::string& path) {
   job.warnings = std::move(model.warnings);
   job.wavelengths = {532_nm};
   job.slm = slm_preset("pluto");
+  job.trace.columns = 1024, job.trace.rows = 768;  // waves 13 × 17 µm apart, about as the panel resolves there
+  job.trace.paths = 16;
   job.camera.distances = {model_depth};
   job.render.focus = model_depth;
   check_scene(job.scene);
