@@ -25,11 +25,11 @@ Box box_of(const Scene& scene) {
   return box;
 }
 
-// 10 mm large, its middle 200 mm behind that of the panel; a few ulps of 0.2.
+// 7 mm large, its middle 200 mm behind that of the panel; a few ulps of 0.2.
 void expect_placed(const Job& job) {
   const Box box = box_of(job.scene);
   const Vec3 size = box.high - box.low, middle = (box.low + box.high) * 0.5;
-  EXPECT_NEAR(max_component(size), 10e-3, 1e-15);
+  EXPECT_NEAR(max_component(size), 7e-3, 1e-15);
   EXPECT_NEAR(length(middle - Vec3{0, 0, -0.2}), 0, 1e-15);
 }
 
@@ -76,7 +76,7 @@ TEST(ModelJob, EveryFileOfOthersLoadsThroughASceneAndAlone) {
     expect_placed(load_job(file));
     const Job job =
         load_job(test::make_file("scene.toml", "wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = '" + file +
-                                                   "'\nfit = \"10 mm\"\ndistance = \"200 mm\"\n"));
+                                                   "'\nfit = \"7 mm\"\ndistance = \"200 mm\"\n"));
     expect_placed(job);
     ++meshes;
     for (const Material& material : job.scene.materials) {

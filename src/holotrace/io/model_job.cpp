@@ -12,7 +12,7 @@ namespace {
 
 using namespace literals;
 
-constexpr double model_size = 10_mm, model_depth = 200_mm;
+constexpr double model_size = 7_mm, model_depth = 200_mm;
 
 // The uniform scale and shift that give the model its size and place.
 Frame placing(const std::vector<Mesh>& meshes, const std::string& path) {
@@ -55,7 +55,11 @@ Job job_for_model(const std::string& path) {
   job.slm = slm_preset("pluto");
   job.trace.columns = 1024, job.trace.rows = 768;  // waves 13 × 17 µm apart, about as the panel resolves there
   job.trace.paths = 16;
+  double front = -model_depth;
+  for (const Mesh& mesh : job.scene.meshes)
+    for (const Vec3 p : mesh.positions) front = std::max(front, p.z);
   job.camera.distances = {model_depth};
+  if (front + model_depth > 0.2_mm) job.camera.distances = {-front, model_depth};  // the panel's depth of focus there
   job.render.focus = model_depth;
   check_scene(job.scene);
   return job;
