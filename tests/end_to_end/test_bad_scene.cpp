@@ -96,6 +96,9 @@ TEST(BadScene, NumbersAndPlacesTellWhatCame) {
                   "expected an eye on the panel or before it (z of 0 m or more), got (0, 0, -0.001) m");
   expect_sentence(work, {"field", "scene.toml", "-o", "f.exr", "--wavelength", "638 nm, 532 nm, 450 nm"},
                   "expected .npy or .h5 for a field of 3 wavelengths, got f.exr; .exr holds one");
+  expect_sentence(work, {"run", "scene.toml", "-o", "out", "--phase", "random", "--strategy", "gather"},
+                  "expected the phase surface, path or laser with the strategy gather, got random: every pixel finds "
+                  "points of its own, so phases that are not the surface's would make noise of the field, not waves");
 }
 
 TEST(BadScene, ALightInsideAWallIsBlackAndNoError) {
