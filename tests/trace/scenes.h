@@ -7,9 +7,11 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/params.h"
 #include "holotrace/data/scene.h"
+#include "holotrace/data/sources.h"
 #include "holotrace/trace/accelerator.h"
 
 // Small scenes with known answers, and what tests measure on them.
@@ -75,6 +77,23 @@ inline Material grey(double reflectance, double emission = 0) {
   return {DiffuseMaterial{.reflectance = Vec3{1, 1, 1} * reflectance}, Vec3{1, 1, 1} * emission};
 }
 
+/// A wall that emits and fills more than the panel accepts.
+inline Scene make_bright_wall(double z = -0.3, double radiance = 1) {
+  Scene scene;
+  scene.materials = {grey(0, radiance)};
+  scene.meshes = {make_wall(z, 50_mm, 50_mm)};
+  return scene;
+}
+
+/// Two walls at an angle, lit by a rectangle, with smooth noise: what a real scene asks of a tracer.
+inline Scene make_corner() {
+  Scene scene;
+  scene.materials = {grey(0.7), DiffuseMaterial{{0.9, 0.5, 0.2}, nullptr, {}}};
+  scene.meshes = {make_wall(-0.3, 12_mm, 12_mm), make_test_quad({0, -6_mm, -0.29}, {12_mm, 0, 0}, {0, 2_mm, 10_mm}, 1)};
+  scene.lights = {RectangleLight{{-5_mm, 15_mm, -0.29}, {10_mm, 0, 0}, {0, 0, 10_mm}, {40, 40, 40}}};
+  return scene;
+}
+
 /// Mean and standard error of independent numbers.
 struct Statistics {
   double sum = 0, sum_of_squares = 0;
@@ -111,6 +130,21 @@ std::string error_of(const Action& action) {
     return error.what();
   }
   return "";
+}
+
+/// Mean over the panel of Σ a²·(d₀/r)² inside boxes, by the pixels.
+inline double mean_intensity(const Sources& sources, const Grid& grid) {
+  double sum = 0;
+  for (const Source& wave : sources.waves) {
+    const double depth = -wave.origin.z, radius = box_radius(depth, sources.wavelength, grid.pitch);
+    for (int j = 0; j < grid.ny; ++j)
+      for (int i = 0; i < grid.nx; ++i) {
+        const double x = grid.x(i) - wave.origin.x, y = grid.y(j) - wave.origin.y;
+        if (std::abs(x) > radius || std::abs(y) > radius) continue;
+        sum += double(wave.amplitude) * wave.amplitude * depth * depth / (depth * depth + x * x + y * y);
+      }
+  }
+  return sum / double(grid.pixels());
 }
 
 }  // namespace holotrace

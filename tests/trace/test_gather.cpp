@@ -15,13 +15,6 @@ namespace {
 const Grid panel{64, 48, 8e-6};
 const std::vector<double> green{green_light};
 
-Scene make_bright_wall(double z = -20_mm, double radiance = 1) {
-  Scene scene;
-  scene.materials = {grey(0, radiance)};
-  scene.meshes = {make_wall(z, 50_mm, 50_mm)};
-  return scene;
-}
-
 double mean_intensity(const Field& field) { return power(field) / (double(field.grid.pixels()) * 64e-12); }
 
 TEST(Gather, IndependentPhasesBringTheIrradianceOfTheAcceptance) {
@@ -31,7 +24,7 @@ TEST(Gather, IndependentPhasesBringTheIrradianceOfTheAcceptance) {
   const double s = acceptance_sine(green_light, panel.pitch), expected = 4 * s * s * (1 - s * s / 3);
   // Intensity of 16 unit waves: variance 1 − 1/16 of its square; 3072 pixels, 4 standard errors: 7 %.
   const double error = 4 / std::sqrt(3072.0);
-  EXPECT_NEAR(mean_intensity(gather(make_bright_wall(), panel, green, params).at(0)) / expected, 1, error);
+  EXPECT_NEAR(mean_intensity(gather(make_bright_wall(-20_mm), panel, green, params).at(0)) / expected, 1, error);
 }
 
 TEST(Gather, LinearAmplitudeIsProportionalToRadiance) {
@@ -98,7 +91,7 @@ TEST(Gather, ScenesUnseenOrDarkAreWarnedOf) {
 }
 
 TEST(Gather, SetsAndTheirFramesComeInOrder) {
-  Scene scene = make_bright_wall();
+  Scene scene = make_bright_wall(-20_mm);
   scene.materials = {grey(0.5, 1)};
   scene.lights = {PointLight{{0, 0, -10_mm}, {1, 1, 1}}};
   const TraceParams params{.pixel_samples = 2,
@@ -112,7 +105,7 @@ TEST(Gather, SetsAndTheirFramesComeInOrder) {
   for (size_t i = 0; i < 12; ++i) EXPECT_EQ(fields[i].wavelength, i < 6 ? 630_nm : 460_nm);
   EXPECT_NE(fields[0].samples.values, fields[1].samples.values);
   // A frame redraws phases, not amplitudes: one ray of a set per pixel keeps its modulus.
-  const auto single = gather(make_bright_wall(), {8, 6, 8e-6}, green,
+  const auto single = gather(make_bright_wall(-20_mm), {8, 6, 8e-6}, green,
                              {.pixel_samples = 1, .paths = 1, .phase = SourcePhase::surface, .frames = 2});
   for (size_t i = 0; i < single[0].samples.size(); ++i)
     EXPECT_NEAR(std::abs(single[0].samples.values[i]), std::abs(single[1].samples.values[i]), 1e-8);
@@ -123,14 +116,15 @@ TEST(Gather, GivesTheSameBytesOnAnyNumberOfThreads) {
   for (const size_t threads : {1, 3}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     results.push_back(
-        gather(make_bright_wall(), panel, green, {.pixel_samples = 3, .paths = 1, .phase = SourcePhase::path}).at(0));
+        gather(make_bright_wall(-20_mm), panel, green, {.pixel_samples = 3, .paths = 1, .phase = SourcePhase::path})
+            .at(0));
   }
   EXPECT_EQ(results[0].samples.values, results[1].samples.values);
 }
 
 TEST(Gather, PhasesThatAreNotTheSurfacesAreErrors) {
   const auto sentence = [](TraceParams params) {
-    return error_of([&] { gather(make_bright_wall(), panel, green, params); });
+    return error_of([&] { gather(make_bright_wall(-20_mm), panel, green, params); });
   };
   EXPECT_EQ(sentence({}),
             "expected the phase surface, path or laser with the strategy gather, got random: every pixel finds points "

@@ -15,23 +15,6 @@ namespace {
 
 const Grid panel{256, 192, 8e-6};
 
-/// A wall that emits radiance 1 and fills more than the panel accepts.
-Scene make_bright_wall(double z = -0.3) {
-  Scene scene;
-  scene.materials = {grey(0, 1)};
-  scene.meshes = {make_wall(z, 50_mm, 50_mm)};
-  return scene;
-}
-
-/// Two walls at an angle, lit by a rectangle, with smooth noise: what a real scene asks of a tracer.
-Scene make_corner() {
-  Scene scene;
-  scene.materials = {grey(0.7), DiffuseMaterial{{0.9, 0.5, 0.2}, nullptr, {}}};
-  scene.meshes = {make_wall(-0.3, 12_mm, 12_mm), make_test_quad({0, -6_mm, -0.29}, {12_mm, 0, 0}, {0, 2_mm, 10_mm}, 1)};
-  scene.lights = {RectangleLight{{-5_mm, 15_mm, -0.29}, {10_mm, 0, 0}, {0, 0, 10_mm}, {40, 40, 40}}};
-  return scene;
-}
-
 TEST(Trace, RasterOfFirstHitsBringsThePanelsCentreItsIrradiance) {
   // ∫∫ cos⁴ dt over the square of tangents: the cosine-weighted solid angle of a parallel square, π times the
   // view factor of four corner rectangles.
@@ -65,21 +48,6 @@ TEST(Trace, RasterStartsAtTheTopLeftAndGoesThroughTheCellCentres) {
   EXPECT_NEAR(second.x, -0.25 * t * 0.3, 1e-15);
   EXPECT_NEAR(last.x, 0.75 * t * 0.3, 1e-15);
   EXPECT_NEAR(last.y, -0.5 * t * 0.3, 1e-15);
-}
-
-/// Mean over the panel of Σ a²·(d₀/r)² inside boxes, by the pixels.
-double mean_intensity(const Sources& sources, const Grid& grid) {
-  double sum = 0;
-  for (const Source& wave : sources.waves) {
-    const double depth = -wave.origin.z, radius = box_radius(depth, sources.wavelength, grid.pitch);
-    for (int j = 0; j < grid.ny; ++j)
-      for (int i = 0; i < grid.nx; ++i) {
-        const double x = grid.x(i) - wave.origin.x, y = grid.y(j) - wave.origin.y;
-        if (std::abs(x) > radius || std::abs(y) > radius) continue;
-        sum += double(wave.amplitude) * wave.amplitude * depth * depth / (depth * depth + x * x + y * y);
-      }
-  }
-  return sum / double(grid.pixels());
 }
 
 TEST(Trace, RandomFirstHitsBringThePanelItsEtendueTimesRadiance) {
@@ -317,144 +285,6 @@ TEST(Trace, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   EXPECT_EQ(sentence({}, -1), "expected a pixel pitch above 0 m, got -1 m");
   EXPECT_EQ(sentence({}, 8e-6, 0), "expected a wavelength above 0 m, got 0 m");
   EXPECT_EQ(error_of([] { trace({}, panel, green_light, {}); }), "expected at least one object in the scene, got none");
-}
-
-double squared_amplitudes(const Sources& sources) {
-  double sum = 0;
-  for (const Source& wave : sources.waves) sum += double(wave.amplitude) * wave.amplitude;
-  return sum;
-}
-
-TEST(Trace, LayersOfAPartitionAddUpToTheWhole) {
-  TraceParams params{.columns = 24, .rows = 24, .paths = 8, .layers = {"EL", "EDL", "EDD.*L"}};
-  const Sources all = trace(make_corner(), panel, green_light, {.columns = 24, .rows = 24, .paths = 8});
-  const Sources summed = trace(make_corner(), panel, green_light, params);
-  params.separate_layers = true;
-  const std::vector<Sources> layers = trace(make_corner(), panel, std::vector<double>{green_light}, params);
-  ASSERT_EQ(layers.size(), 2u) << "nothing that shines is seen directly: EL has no wave and is left out";
-  EXPECT_EQ(layers[0].name, "EDL");
-  EXPECT_EQ(layers[1].name, "EDD.*L");
-  double sum = 0;
-  for (const Sources& layer : layers) sum += squared_amplitudes(layer);
-  // The same paths, split: a² of floats, 1e-7 each.
-  EXPECT_NEAR(sum / squared_amplitudes(all), 1, 1e-6);
-  EXPECT_NEAR(squared_amplitudes(summed) / squared_amplitudes(all), 1, 1e-6);
-}
-
-TEST(Trace, LightsOfTheirOwnAddUpToTheWholeAndEmptyOnesAreLeftOut) {
-  Scene scene = make_corner();
-  scene.lights.push_back(PointLight{{5_mm, 5_mm, -0.25}, {1e-3, 1e-3, 1e-3}});
-  scene.lights.push_back(PointLight{{5_mm, 5_mm, -0.5}, {1, 1, 1}});  // behind the wall
-  scene.points = {{{0, 0, -0.2}, 1.0f, 0}};
-  TraceParams params{.columns = 24, .rows = 24, .paths = 8};
-  const Sources all = trace(scene, panel, green_light, params);
-  params.separate_lights = true;
-  const std::vector<Sources> lights = trace(scene, panel, std::vector<double>{green_light}, params);
-  ASSERT_EQ(lights.size(), 3u);
-  EXPECT_EQ(lights[0].name, "light 0");
-  EXPECT_EQ(lights[1].name, "light 1");
-  EXPECT_EQ(lights[2].name, "points");
-  EXPECT_EQ(lights[2].waves.size(), 1u);
-  double sum = 0;
-  for (const Sources& light : lights) sum += squared_amplitudes(light);
-  EXPECT_NEAR(sum / squared_amplitudes(all), 1, 1e-6);
-  params.layers = {"EDL", "EDD.*L"};
-  params.separate_layers = true;
-  const std::vector<Sources> both = trace(scene, panel, std::vector<double>{green_light}, params);
-  ASSERT_EQ(both.size(), 4u) << "a point is the path EL, which is in neither layer";
-  EXPECT_EQ(both[0].name, "EDL, light 0");
-  EXPECT_EQ(both[3].name, "EDD.*L, light 1");
-}
-
-TEST(Trace, AListOfWavelengthsIsEachByItselfFromTheFirstHitsOfTheLongest) {
-  const std::vector<double> colours{460_nm, 630_nm, 532_nm, 450_nm};  // four: a group of three and one of one
-  for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
-    const TraceParams params{.pattern = pattern, .columns = 16, .rows = 16, .samples = 400, .paths = 2};
-    const std::vector<Sources> sets = trace(make_corner(), panel, colours, params);
-    ASSERT_EQ(sets.size(), 4u);
-    for (size_t i = 0; i < 4; ++i) EXPECT_EQ(sets[i].wavelength, colours[i]);
-    const Sources red = trace(make_corner(), panel, 630_nm, params);
-    EXPECT_EQ(sets[1].waves, red.waves);
-    // All colours of the raster are at the same places; shorter ones of the random pattern leave out what they
-    // cannot hold.
-    if (pattern == Pattern::grid) {
-      ASSERT_EQ(sets[0].waves.size(), red.waves.size());
-      for (size_t i = 0; i < red.waves.size(); ++i) EXPECT_EQ(sets[0].waves[i].origin, red.waves[i].origin);
-    } else {
-      EXPECT_LT(sets[0].waves.size(), sets[2].waves.size());
-      EXPECT_LT(sets[2].waves.size(), red.waves.size());
-    }
-  }
-}
-
-TEST(Trace, ShorterWavelengthsBringTheirEtendueFromSharedRays) {
-  const Grid small{64, 48, 8e-6};
-  const TraceParams params{.pattern = Pattern::random, .samples = 4000, .paths = 1, .max_depth = 1};
-  const auto sets = trace(make_bright_wall(-0.02), small, std::vector<double>{630_nm, 450_nm}, params);
-  const double s = acceptance_sine(450_nm, small.pitch);
-  // As RandomFirstHitsBringThePanelItsEtendueTimesRadiance, but only (450/630)² = 0.51 of 4000 strata count; those on
-  // the edge, 4·√2040 = 180, are in or out by chance: √180/2/2040 = 3.3e-3. 4 of them: 1.3e-2.
-  EXPECT_NEAR(mean_intensity(sets[1], small) / (4 * s * s * (1 - s * s / 3)), 1, 1.3e-2);
-}
-
-TEST(Trace, FramesAreIndependentDrawsOfThePhasesAlone) {
-  TraceParams params{.columns = 32, .rows = 32, .paths = 1, .max_depth = 1};
-  for (const SourcePhase phase : {SourcePhase::random, SourcePhase::surface, SourcePhase::path}) {
-    params.phase = phase;
-    const Sources first = trace(make_bright_wall(), panel, green_light, params);
-    Sources second = first;
-    set_frame(second, 1);
-    ASSERT_EQ(first.phase_keys.size(), first.waves.size());
-    Statistics cosine;
-    for (size_t i = 0; i < first.waves.size(); ++i) {
-      EXPECT_EQ(first.waves[i].origin, second.waves[i].origin);
-      EXPECT_EQ(first.waves[i].amplitude, second.waves[i].amplitude);
-      cosine.add(std::cos(first.waves[i].phase - second.waves[i].phase));
-    }
-    EXPECT_NEAR(cosine.mean(), 0, 4 * std::sqrt(0.5 / 1024));  // differences are even over the circle
-    set_frame(second, 0);
-    for (size_t i = 0; i < first.waves.size(); ++i)  // there and back: float roundings of up to 2·2π
-      EXPECT_NEAR(first.waves[i].phase, second.waves[i].phase, 2e-6);
-  }
-  params.phase = SourcePhase::constant;
-  EXPECT_TRUE(trace(make_bright_wall(), panel, green_light, params).phase_keys.empty());
-}
-
-TEST(Trace, SurfacePhaseIsAFunctionOfThePlaceAlone) {
-  TraceParams params{.pattern = Pattern::random,
-                     .samples = 3000,
-                     .paths = 1,
-                     .max_depth = 1,
-                     .phase = SourcePhase::surface,
-                     .grain = 0.4_mm};
-  const Sources sources = trace(make_bright_wall(-0.05), panel, green_light, params);
-  // Panel and cone see some 5.3 mm × 4.9 mm of the wall: 13 × 12 cells, and no more phases than those and the rims.
-  std::map<uint64_t, float> phases;
-  for (size_t i = 0; i < sources.waves.size(); ++i) {
-    const auto [place, is_new] = phases.emplace(sources.phase_keys[i], sources.waves[i].phase);
-    EXPECT_EQ(place->second, sources.waves[i].phase);
-  }
-  EXPECT_GT(phases.size(), 100u);
-  EXPECT_LE(phases.size(), 15u * 14u);
-  params.seed = 2;  // other rays, the same places: the phase belongs to place and seed
-  const Sources other = trace(make_bright_wall(-0.05), panel, green_light, params);
-  size_t shared_keys = 0;
-  for (const uint64_t key : other.phase_keys) shared_keys += phases.contains(key);
-  EXPECT_GT(double(shared_keys), 0.98 * double(other.phase_keys.size()));
-}
-
-TEST(Trace, SetsThatAreSeveralAreNoAnswerForOneWavelength) {
-  EXPECT_EQ(
-      error_of([] { trace(make_corner(), panel, green_light, {.separate_lights = true}); }),
-      "expected parameters that make one set of waves, got separate_layers = false, separate_lights = true; trace "
-      "a list of wavelengths, which returns all sets");
-  EXPECT_EQ(error_of([] { trace(make_corner(), panel, std::vector<double>{}, {}); }),
-            "expected at least one wavelength, got none");
-  EXPECT_EQ(error_of([] { trace(make_corner(), panel, green_light, {.strategy = Strategy::gather}); }),
-            "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: "
-            "take the command field or run, or call gather");
-  EXPECT_EQ(error_of([] { trace(make_corner(), panel, green_light, {.grain = -1}); }),
-            "expected a grain of 0 m (the pixel pitch) or more, got -1 m");
 }
 
 TEST(Trace, ProgressReachesOne) {

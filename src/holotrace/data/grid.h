@@ -4,17 +4,18 @@
 
 namespace holotrace {
 
-/// A panel or a sensor: nx × ny square pixels of side `pitch` [m], centred on the z axis.
+/// A panel or a sensor: nx × ny square pixels of side `pitch` [m], centred on the z axis unless told otherwise.
 ///
-///     x(i) = (i − (nx−1)/2)·pitch,   y(j) = ((ny−1)/2 − j)·pitch
+///     x(i) = centre_x + (i − (nx−1)/2)·pitch,   y(j) = centre_y + ((ny−1)/2 − j)·pitch
 ///
 /// x points right, y up, row 0 is the top row.
 struct Grid {
   int nx = 0, ny = 0;
   double pitch = 0;
+  double centre_x = 0, centre_y = 0;  ///< [m]
 
-  double x(double column) const { return (column - (nx - 1) / 2.0) * pitch; }
-  double y(double row) const { return ((ny - 1) / 2.0 - row) * pitch; }
+  double x(double column) const { return centre_x + (column - (nx - 1) / 2.0) * pitch; }
+  double y(double row) const { return centre_y + ((ny - 1) / 2.0 - row) * pitch; }
   double width() const { return nx * pitch; }
   double height() const { return ny * pitch; }
   int64_t pixels() const { return int64_t(nx) * ny; }

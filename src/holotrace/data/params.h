@@ -138,21 +138,46 @@ void describe(Visitor& v, RenderParams& p) {
 
 // --- synthesize: Sources → Field ----------------------------------------------------------------
 
-/// How waves are summed: one by one in double, tile by tile, or by the latter where the tolerance allows.
-enum class SynthesisMethod { automatic, exact, tiled };
+/// How light reaches the panel. Of waves: summed one by one in double; tile by tile; by way of planes near each tile;
+/// by slices of depth; or by the cheapest of these that meets the tolerance. Of surfaces: as triangles that shine.
+enum class SynthesisMethod { automatic, exact, tiled, planes, layers, triangles };
 
-/// How the waves of a scene become the field on the panel.
+/// How a triangle shines: evenly, or from corner to corner (Gouraud).
+enum class Shading { flat, smooth };
+
+/// The phase of a triangle's light: one for each, random, or the same for all.
+enum class TrianglePhase { random, constant };
+
+/// How the waves or surfaces of a scene become the field on the panel.
 struct SynthesizeParams {
   SynthesisMethod method = SynthesisMethod::automatic;  ///< how waves are summed
   double tolerance = 1e-3;                              ///< relative L2 error allowed against exact, in (0, 1)
+  int slices = 0;                ///< layers: of depth; 0: as many as keep the phase of a slice within the tolerance
+  bool has_silhouettes = false;  ///< layers: a slice hides what lies behind it
+  Shading shading = Shading::smooth;                     ///< of triangles
+  TrianglePhase triangle_phase = TrianglePhase::random;  ///< of triangles
 };
 
 template <class Visitor>
 void describe(Visitor& v, SynthesizeParams& p) {
-  v.choice("method", p.method,
-           {{"auto", SynthesisMethod::automatic}, {"exact", SynthesisMethod::exact}, {"tiled", SynthesisMethod::tiled}},
-           "how waves are summed: in double one by one, or tile by tile");
+  v.choice(
+      "method", p.method,
+      {{"auto", SynthesisMethod::automatic},
+       {"exact", SynthesisMethod::exact},
+       {"tiled", SynthesisMethod::tiled},
+       {"planes", SynthesisMethod::planes},
+       {"layers", SynthesisMethod::layers},
+       {"triangles", SynthesisMethod::triangles}},
+      "how waves are summed: one by one in double, tile by tile, by planes near each tile, in slices of depth, the "
+      "cheapest that meets the tolerance (auto); or a scene's surfaces as triangles that shine");
   v.number("tolerance", p.tolerance, "relative L2 error allowed against exact");
+  v.count("slices", p.slices, "layers: slices of depth; 0: as many as the tolerance needs");
+  v.flag("silhouettes", p.has_silhouettes, "layers: each slice hides what lies behind it");
+  v.choice("shading", p.shading, {{"flat", Shading::flat}, {"smooth", Shading::smooth}},
+           "triangles: each shines evenly, or from corner to corner");
+  v.choice("triangle_phase", p.triangle_phase,
+           {{"random", TrianglePhase::random}, {"constant", TrianglePhase::constant}},
+           "triangles: one for each, or 0 for all");
 }
 
 // --- encode: Field → Hologram -------------------------------------------------------------------
@@ -211,6 +236,8 @@ enum class PropagationMethod { automatic, angular_spectrum, rayleigh_sommerfeld,
 struct PropagateParams {
   PropagationMethod method = PropagationMethod::automatic;  ///< of the transfer function
   int columns = 0, rows = 0;                                ///< of the output window [samples]; 0: as the input
+  double pitch = 0;                                         ///< of the output's samples [m]; 0: the input's
+  double centre_x = 0, centre_y = 0;                        ///< of the output window [m]
   bool is_periodic = false;  ///< the window repeats for ever: no padding, by the angular spectrum
 };
 
@@ -224,6 +251,9 @@ void describe(Visitor& v, PropagateParams& p) {
            "auto takes the one that the sampling condition allows");
   v.count("columns", p.columns, "of the output window; 0: as the input");
   v.count("rows", p.rows, "of the output window; 0: as the input");
+  v.length("pitch", p.pitch, "of the output's samples; 0 m: the input's");
+  v.length("centre_x", p.centre_x, "of the output window");
+  v.length("centre_y", p.centre_y, "of the output window");
   v.flag("periodic", p.is_periodic, "the window repeats for ever, as for gratings and plane waves: no padding");
 }
 
@@ -235,6 +265,8 @@ struct CameraParams {
   double pupil = 0;                    ///< diameter of the eye's pupil [m]; 0: all light that leaves the panel
   Vec3 eye{0, 0, 0};                   ///< place of that pupil [m], on the panel or before it: z ≥ 0
   double width = 0, height = 0;        ///< of the sensor [m]; 0: the panel's
+  double centre_x = 0, centre_y = 0;   ///< of the sensor [m]
+  double pixel = 0;                    ///< side of a sensor pixel [m]; 0: `binning` field samples
   int binning = 0;                     ///< field samples per sensor pixel and axis; 0: one panel pixel
   double exposure = 0;                 ///< irradiance that is white [W/m²]; 0: the 99.9th percentile
   int bits = 8;                        ///< of a PNG: 8 or 16
@@ -247,6 +279,9 @@ void describe(Visitor& v, CameraParams& p) {
   v.position("eye", p.eye, "place of that pupil, on the panel or before it (z of 0 m or more)");
   v.length("width", p.width, "of the sensor; 0 m: the panel's");
   v.length("height", p.height, "of the sensor; 0 m: the panel's");
+  v.length("centre_x", p.centre_x, "of the sensor");
+  v.length("centre_y", p.centre_y, "of the sensor");
+  v.length("pixel", p.pixel, "side of a sensor pixel; 0 m: as binning says");
   v.count("binning", p.binning, "field samples per sensor pixel and axis; 0: one panel pixel");
   v.number("exposure", p.exposure, "irradiance that is white in W/m2; 0: the 99.9th percentile");
   v.count("bits", p.bits, "of a PNG, 8 or 16");

@@ -63,6 +63,14 @@ RefractiveIndex from_file(TomlTable& table, const char* key, const std::string& 
   return index;
 }
 
+// The samples of a list in the scene, or of a file beside it.
+RefractiveIndex from_table(TomlTable& table, const char* key, const toml::node& node, const char* expected) {
+  if (const toml::array* list = node.as_array()) return from_list(table, key, *list, expected);
+  const auto name = node.value_exact<std::string>();
+  if (!name) table.fail_kind(key, expected, node);
+  return from_file(table, key, *name);
+}
+
 double parse_number(const std::string& word) {
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -93,12 +101,8 @@ void read_metal_index(TomlTable& table, const char* key, RefractiveIndex& index)
     index = constant_index(n);
     index.samples.front().k = k;
     check_sample(index.samples.front(), inner.where("n"));
-  } else if (const toml::array* list = node->as_array()) {
-    index = from_list(table, key, *list, expected);
-  } else if (const auto name = node->value_exact<std::string>()) {
-    index = from_file(table, key, *name);
   } else {
-    table.fail_kind(key, expected, *node);
+    index = from_table(table, key, *node, expected);
   }
 }
 
@@ -109,12 +113,8 @@ void read_glass_index(TomlTable& table, const char* key, RefractiveIndex& index)
   if (const auto number = to_number(*node)) {
     check_sample({0, *number, 0}, table.where(key));
     index = constant_index(*number);
-  } else if (const toml::array* list = node->as_array()) {
-    index = from_list(table, key, *list, expected);
-  } else if (const auto name = node->value_exact<std::string>()) {
-    index = from_file(table, key, *name);
   } else {
-    table.fail_kind(key, expected, *node);
+    index = from_table(table, key, *node, expected);
   }
   check_transparent(index, table.where(key));
 }

@@ -19,8 +19,8 @@ inline PixelBox lit_box(const Source& source, const Grid& grid, double tangent) 
   const double radius = -source.origin.z * tangent;
   if (!std::isfinite(radius)) return {0, grid.nx, 0, grid.ny};
   const auto clamp = [](double value, int limit) { return int(std::clamp(value, 0.0, double(limit))); };
-  const double column = source.origin.x / grid.pitch + (grid.nx - 1) / 2.0;
-  const double row = (grid.ny - 1) / 2.0 - source.origin.y / grid.pitch;
+  const double column = (source.origin.x - grid.centre_x) / grid.pitch + (grid.nx - 1) / 2.0;
+  const double row = (grid.ny - 1) / 2.0 - (source.origin.y - grid.centre_y) / grid.pitch;
   const double reach = radius / grid.pitch;
   return {clamp(std::ceil(column - reach), grid.nx), clamp(std::floor(column + reach) + 1, grid.nx),
           clamp(std::ceil(row - reach), grid.ny), clamp(std::floor(row + reach) + 1, grid.ny)};
