@@ -1,5 +1,7 @@
 #include "holotrace/wave/sum_tiled.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 
 #include "holotrace/base/error.h"
@@ -13,6 +15,7 @@ namespace {
 // Sums the waves into the pixels of `bounds`, tile by tile from its top left corner on; overwrites them.
 void sum_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, TileShape tile, Field& field,
                const Observer& observer) {
+  tbb::enumerable_thread_specific<TileWorkspace> workspaces;
   const int across = (bounds.x1 - bounds.x0 + tile.columns - 1) / tile.columns;
   const int down = (bounds.y1 - bounds.y0 + tile.rows - 1) / tile.rows;
   parallel_for(
@@ -20,7 +23,7 @@ void sum_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, T
       [&](int64_t t) {
         const int x0 = bounds.x0 + int(t % across) * tile.columns, y0 = bounds.y0 + int(t / across) * tile.rows;
         const PixelBox box{x0, std::min(x0 + tile.columns, bounds.x1), y0, std::min(y0 + tile.rows, bounds.y1)};
-        sum_tile(waves, field.grid, field.wavelength, tile, box, field.samples);
+        sum_tile(waves, field.grid, field.wavelength, {tile}, box, workspaces.local(), field.samples);
       },
       observer);
 }

@@ -14,10 +14,20 @@ struct TileShape {
   bool operator==(const TileShape&) const = default;
 };
 
-/// The shapes that sum_tiled knows, from fast to accurate. The neglected phase goes with
-/// columns·rows, and 32 columns suit every vector width.
+/// The precision of the products in a tile: single; bf16 in two parts each, of which three products are taken; bf16.
+enum class TileProducts { single, split_bf16, bf16 };
+
+/// How a tile is summed.
+struct TilePlan {
+  TileShape shape;
+  TileProducts products = TileProducts::single;
+  bool operator==(const TilePlan&) const = default;
+};
+
+/// The shapes that sum_tiled knows, from fast to accurate. The neglected phase goes with columns·rows. 32 columns suit
+/// every vector width, 6 rows the block of the product, and both divide 1080p and 4K panels.
 inline constexpr std::array<TileShape, 8> tile_shapes{
-    {{128, 128}, {128, 64}, {64, 64}, {64, 32}, {32, 32}, {32, 16}, {32, 8}, {32, 4}}};
+    {{128, 120}, {128, 60}, {64, 60}, {64, 30}, {32, 30}, {32, 18}, {32, 12}, {32, 6}}};
 
 /// Single precision in the factors and the sum leaves this relative error however small the tile.
 inline constexpr double tiled_rounding_error = 5e-6;

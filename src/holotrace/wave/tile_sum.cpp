@@ -1,5 +1,9 @@
 // A tile is a complex matrix product: samples[row][column] += Σⱼ row factorⱼ[row] · column factorⱼ[column].
-// Waves are taken in batches; a batch's factors are computed into panels that the inner loop streams.
+//
+// A complex product (a + ib)(c + id) takes three real ones: ac, bd and (a + b)(c + d); its real part is ac − bd, its
+// imaginary part (a + b)(c + d) − ac − bd. As the sum over waves goes through, three real matrix products make the
+// tile, a quarter less work than the four of the schoolbook. Waves are taken in batches, whose factors are computed
+// into panels that the products stream.
 
 #include "holotrace/wave/tile_sum.h"
 
@@ -9,198 +13,298 @@
 #include <hwy/highway.h>
 
 #include "holotrace/wave/sum_tiled.h"
+#include "holotrace/wave/wave_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace holotrace {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::ScalableTag<float>;
 using V = hn::Vec<Floats>;
+using Words = hn::RebindToUnsigned<Floats>;
 
-// A block of the product that stays in registers: rows × (2 vectors), real and imaginary.
-#if HWY_TARGET <= HWY_AVX3
-constexpr int block_rows = 4;  // 16 of 32 registers hold sums
-#else
-constexpr int block_rows = 2;  // 8 of 16
-#endif
-constexpr int block_vectors = 2;
-constexpr int batch = 64;  // waves whose factors are held at once: a column panel then fits the first cache
+constexpr int planes = 3;   // a, b and a + b of a factor a + ib
+constexpr int batch = 128;  // waves whose factors are held at once
+constexpr int block_rows = 6;
 
-// exp(2πi·c) of `cycles` c, |c| < 2^22, within 2e-7: a quarter turn is split off, the rest is in ±1/8 of a
-// cycle, where the polynomials (Cephes sinf, cosf) hold a float's precision.
-HWY_INLINE void cis(V cycles, V& re, V& im) {
-  const Floats d;
-  const hn::RebindToSigned<Floats> di;
-  const V quarters = hn::Round(hn::Mul(cycles, hn::Set(d, 4.0f)));
-  const V angle = hn::Mul(hn::NegMulAdd(quarters, hn::Set(d, 0.25f), cycles), hn::Set(d, 6.283185307179586f));
-  const V a2 = hn::Mul(angle, angle);
-  V s = hn::MulAdd(hn::Set(d, -1.9515295891e-4f), a2, hn::Set(d, 8.3321608736e-3f));
-  s = hn::MulAdd(s, a2, hn::Set(d, -1.6666654611e-1f));
-  s = hn::MulAdd(hn::Mul(s, a2), angle, angle);
-  V c = hn::MulAdd(hn::Set(d, 2.443315711809948e-5f), a2, hn::Set(d, -1.388731625493765e-3f));
-  c = hn::MulAdd(c, a2, hn::Set(d, 4.166664568298827e-2f));
-  c = hn::MulAdd(hn::Mul(c, a2), a2, hn::NegMulAdd(hn::Set(d, 0.5f), a2, hn::Set(d, 1.0f)));
-  // Turn by quarters: q = 0: (c, s), 1: (−s, c), 2: (−c, −s), 3: (s, −c).
-  const auto q = hn::ConvertTo(di, quarters);
-  const auto is_odd = hn::RebindMask(d, hn::TestBit(q, hn::Set(di, 1)));
-  const auto sign = [&](auto bits) { return hn::BitCast(d, hn::ShiftLeft<30>(hn::And(bits, hn::Set(di, 2)))); };
-  re = hn::Xor(hn::IfThenElse(is_odd, s, c), sign(hn::Add(q, hn::Set(di, 1))));
-  im = hn::Xor(hn::IfThenElse(is_odd, c, s), sign(q));
-}
-
-// What the factors of one wave in one tile need: the tile's centre lies at (x, y) from the source,
-// at the distance r0.
-struct WaveInTile {
-  float inverse_r0_squared, r0_over_wavelength;
+// What the factors of a batch's waves in one tile need. The tile's centre lies at (x, y) from a wave's origin, at the
+// distance r₀.
+struct Batch {
+  int count = 0;
+  bool has_row_edges = false;  // a wave ends between two rows of the tile
+  alignas(64) double x[batch], y[batch], depth[batch], start[batch], amplitude[batch];
+  alignas(64) float twice_x[batch], twice_y[batch], inverse_r0_squared[batch],
+      r0_over_wavelength[batch], phase[batch], scale[batch], greatest_t[batch];
+  alignas(64) float first_row[batch], last_row[batch];
+  int first_column[batch], last_column[batch];
 };
 
-// One axis of the split. For an offset u from the tile's centre and the source's distance x along
-// that axis, t = u(2x + u)/r₀² gives r = r₀√(1+t), so
-//     Δr = r − r₀ = r₀·t/(1 + √(1+t))   without cancellation,   and   r₀/r = 1/√(1+t).
-// Factor = scale·(r₀/r)·exp(2πi(start + Δr/λ)), zero outside [first, last).
-HWY_INLINE void factor(V u, V index, float twice_x, const WaveInTile& w, float start, float scale, float first,
-                       float last, V& re, V& im) {
+void add_wave(Batch& b, const PreparedWave& wave, double x_centre, double y_centre, const PixelBox& box, int rows) {
+  const int k = b.count++;
+  b.x[k] = x_centre - wave.x;
+  b.y[k] = y_centre - wave.y;
+  b.depth[k] = wave.depth;
+  b.start[k] = wave.start_cycles;
+  b.amplitude[k] = wave.amplitude;
+  b.first_column[k] = wave.box.x0 - box.x0;
+  b.last_column[k] = wave.box.x1 - box.x0;
+  b.first_row[k] = float(wave.box.y0 - box.y0);
+  b.last_row[k] = float(wave.box.y1 - box.y0);
+  if (wave.box.y0 > box.y0 || wave.box.y1 < box.y0 + rows) b.has_row_edges = true;
+}
+
+// Waves of amplitude 0 up to a whole number of vectors, or of pairs of vectors for packed products.
+void pad(Batch& b) {
+  for (int k = b.count; k % 32 != 0; ++k) {
+    b.x[k] = b.y[k] = b.start[k] = b.amplitude[k] = 0;
+    b.depth[k] = 1;
+    b.first_column[k] = b.last_column[k] = 0;
+    b.first_row[k] = b.last_row[k] = 0;
+  }
+}
+
+int padded(int count) { return (count + 31) / 32 * 32; }
+
+// Distances in double: r₀ is up to 10⁶ waves long. half_x, half_y: from the tile's centre to its edges.
+void prepare(Batch& b, double wavelength, double half_x, double half_y) {
+  const hn::ScalableTag<double> d;
+  const hn::Rebind<float, decltype(d)> df;
+  const auto one = hn::Set(d, 1.0), per_wavelength = hn::Set(d, 1 / wavelength);
+  for (int k = 0; k < padded(b.count); k += int(hn::Lanes(d))) {
+    const auto x = hn::Load(d, b.x + k), y = hn::Load(d, b.y + k), depth = hn::Load(d, b.depth + k);
+    const auto rho2 = hn::MulAdd(x, x, hn::Mul(y, y));
+    const auto r0 = hn::Sqrt(hn::MulAdd(depth, depth, rho2));
+    const auto inverse = hn::Div(one, r0);
+    const auto cycles = hn::MulAdd(hn::Div(rho2, hn::Add(r0, depth)), per_wavelength, hn::Load(d, b.start + k));
+    const auto inverse_squared = hn::Mul(inverse, inverse);
+    // The greatest |t| of either axis, see growth().
+    const auto t_x = hn::Mul(hn::Set(d, half_x), hn::MulAdd(hn::Set(d, 2.0), hn::Abs(x), hn::Set(d, half_x)));
+    const auto t_y = hn::Mul(hn::Set(d, half_y), hn::MulAdd(hn::Set(d, 2.0), hn::Abs(y), hn::Set(d, half_y)));
+    const auto store = [&](auto v, float* to) { hn::Store(hn::DemoteTo(df, v), df, to + k); };
+    store(hn::Add(x, x), b.twice_x);
+    store(hn::Add(y, y), b.twice_y);
+    store(inverse_squared, b.inverse_r0_squared);
+    store(hn::Mul(r0, per_wavelength), b.r0_over_wavelength);
+    store(hn::Sub(cycles, hn::Floor(cycles)), b.phase);
+    store(hn::Mul(hn::Mul(hn::Load(d, b.amplitude + k), depth), inverse), b.scale);
+    store(hn::Mul(hn::Max(t_x, t_y), inverse_squared), b.greatest_t);
+  }
+}
+
+// One axis of the split. For an offset u from the tile's centre and the source's distance x along that axis,
+// t = u(2x + u)/r₀² gives r = r₀√(1+t). Of that: (r − r₀)/r₀ without cancellation, and r₀/r.
+enum class Series { none, long_series, short_series };
+
+template <Series series>
+HWY_INLINE void growth(V t, V& beyond, V& modulus) {
   const Floats d;
-  const V one = hn::Set(d, 1.0f);
-  const V t = hn::Mul(hn::Mul(u, hn::Add(u, hn::Set(d, twice_x))), hn::Set(d, w.inverse_r0_squared));
-  const V root = hn::Sqrt(hn::Add(one, t));
-  const V beyond = hn::Div(t, hn::Add(one, root));
-  cis(hn::MulAdd(beyond, hn::Set(d, w.r0_over_wavelength), hn::Set(d, start)), re, im);
-  const auto is_lit = hn::And(hn::Ge(index, hn::Set(d, first)), hn::Lt(index, hn::Set(d, last)));
-  const V modulus = hn::IfThenElseZero(is_lit, hn::Div(hn::Set(d, scale), root));
+  const auto set = [&](float x) { return hn::Set(d, x); };
+  if (series == Series::short_series) {
+    beyond = hn::Mul(t, hn::MulAdd(t, set(-0.125f), set(0.5f)));
+    modulus = hn::MulAdd(t, set(-0.5f), set(1.0f));
+  } else if (series == Series::long_series) {
+    beyond = hn::Mul(t, hn::MulAdd(t, hn::MulAdd(t, set(0.0625f), set(-0.125f)), set(0.5f)));
+    modulus = hn::MulAdd(t, hn::MulAdd(t, hn::MulAdd(t, set(-0.3125f), set(0.375f)), set(-0.5f)), set(1.0f));
+  } else {
+    const V root = hn::Sqrt(hn::Add(set(1.0f), t));
+    beyond = hn::Div(t, hn::Add(set(1.0f), root));
+    modulus = hn::Div(set(1.0f), root);
+  }
+}
+
+// The terms left out, t³/16 or 5t⁴/128 of r₀/λ cycles and 3t²/8 or 35t⁴/128 of the modulus, stay below 10⁻⁶.
+Series series_for(float t, float r0_over_wavelength) {
+  const float t2 = t * t;
+  if (t2 * t * r0_over_wavelength < 1.6e-5f && t2 < 2.6e-6f) return Series::short_series;
+  if (t2 * t2 * r0_over_wavelength < 2.5e-5f && t2 * t2 < 3.6e-6f) return Series::long_series;
+  return Series::none;
+}
+
+// Pixels of a tile, from its centre.
+struct Offsets {
+  AlignedVector<float> u, v, index;  // [m], [m], pixels from the first; v falls as the row grows
+
+  Offsets(TileShape tile, double pitch) {
+    for (int i = 0; i < std::max(tile.columns, tile.rows); ++i) {
+      index.push_back(float(i));
+      u.push_back(float((i - (tile.columns - 1) / 2.0) * pitch));
+      v.push_back(float(((tile.rows - 1) / 2.0 - i) * pitch));
+    }
+  }
+};
+
+// Factors (r₀/r)·exp(2πi·Δr/λ) of one row, a lane for each wave.
+template <Series series>
+HWY_INLINE void row_factor(const Batch& b, int k, float v, float row, V& re, V& im) {
+  const Floats d;
+  const V vs = hn::Set(d, v);
+  const V t = hn::Mul(hn::Mul(vs, hn::Add(vs, hn::Load(d, b.twice_y + k))), hn::Load(d, b.inverse_r0_squared + k));
+  V beyond, modulus;
+  growth<series>(t, beyond, modulus);
+  cis_lanes(d, hn::Mul(beyond, hn::Load(d, b.r0_over_wavelength + k)), re, im);
+  if (b.has_row_edges) {
+    const V at = hn::Set(d, row);
+    const auto is_lit = hn::And(hn::Ge(at, hn::Load(d, b.first_row + k)), hn::Lt(at, hn::Load(d, b.last_row + k)));
+    modulus = hn::IfThenElseZero(is_lit, modulus);
+  }
   re = hn::Mul(re, modulus);
   im = hn::Mul(im, modulus);
 }
 
-// sums[rows × 2 vectors] += Σ over waves of row factor × column factor.
+// Factors a·(d₀/r)·exp(2πi(r₀ + Δr)/λ + iφ) of one wave, a lane for each column.
+template <Series series>
+HWY_INLINE void column_factor(const Batch& b, int k, V u, V index, bool has_edges, V& re, V& im) {
+  const Floats d;
+  const V t = hn::Mul(hn::Mul(u, hn::Add(u, hn::Set(d, b.twice_x[k]))), hn::Set(d, b.inverse_r0_squared[k]));
+  V beyond, modulus;
+  growth<series>(t, beyond, modulus);
+  cis_lanes(d, hn::MulAdd(beyond, hn::Set(d, b.r0_over_wavelength[k]), hn::Set(d, b.phase[k])), re, im);
+  modulus = hn::Mul(modulus, hn::Set(d, b.scale[k]));
+  if (has_edges) {
+    const auto is_lit = hn::And(hn::Ge(index, hn::Set(d, float(b.first_column[k]))),
+                                hn::Lt(index, hn::Set(d, float(b.last_column[k]))));
+    modulus = hn::IfThenElseZero(is_lit, modulus);
+  }
+  re = hn::Mul(re, modulus);
+  im = hn::Mul(im, modulus);
+}
+
+template <Series series>
+void row_factors(const Batch& b, const Offsets& offsets, TileShape tile, float* rows) {
+  const Floats d;
+  const size_t plane = size_t(tile.rows) * batch;
+  for (int r = 0; r < tile.rows; ++r)
+    for (int k = 0; k < padded(b.count); k += int(hn::Lanes(d))) {
+      V re, im;
+      row_factor<series>(b, k, offsets.v[size_t(r)], float(r), re, im);
+      float* const to = rows + size_t(r) * batch + size_t(k);
+      hn::Store(re, d, to);
+      hn::Store(im, d, to + plane);
+      hn::Store(hn::Add(re, im), d, to + 2 * plane);
+    }
+}
+
+// Column panels of `vectors` each, as the product's block has.
+template <Series series>
+void column_factors(const Batch& b, const Offsets& offsets, TileShape tile, int k, int vectors, float* columns) {
+  const Floats d;
+  const size_t plane = size_t(tile.columns) * batch, n = hn::Lanes(d), panel = size_t(vectors) * n;
+  const bool has_edges = b.first_column[k] > 0 || b.last_column[k] < tile.columns;
+  const float *u = offsets.u.data(), *index = offsets.index.data();
+  for (float* start = columns + size_t(k) * panel; start < columns + plane; start += batch * panel)
+    for (float* to = start; to < start + panel; to += n, u += n, index += n) {
+      V re, im;
+      column_factor<series>(b, k, hn::Load(d, u), hn::Load(d, index), has_edges, re, im);
+      hn::Store(re, d, to);
+      hn::Store(im, d, to + plane);
+      hn::Store(hn::Add(re, im), d, to + 2 * plane);
+    }
+}
+
+// sums[6 rows × vectors] += Σ over waves of row factor × column factor, of one plane.
+template <int vectors>
 HWY_INLINE void multiply_block(const float* HWY_RESTRICT columns, const float* HWY_RESTRICT rows, int waves,
-                               float* HWY_RESTRICT re_out, float* HWY_RESTRICT im_out, int stride) {
+                               float* HWY_RESTRICT sums, int stride) {
   const Floats d;
   const size_t n = hn::Lanes(d);
-  V re[block_rows][block_vectors], im[block_rows][block_vectors];
+  V sum[block_rows][vectors];
 #pragma GCC unroll 8
   for (int r = 0; r < block_rows; ++r)
-#pragma GCC unroll 2
-    for (int v = 0; v < block_vectors; ++v) re[r][v] = im[r][v] = hn::Zero(d);
+#pragma GCC unroll 8
+    for (int v = 0; v < vectors; ++v) sum[r][v] = hn::Zero(d);
   for (int k = 0; k < waves; ++k) {
-    const V c_re[2] = {hn::Load(d, columns), hn::Load(d, columns + n)};
-    const V c_im[2] = {hn::Load(d, columns + 2 * n), hn::Load(d, columns + 3 * n)};
-    columns += 4 * n;
+    V c[vectors];
+#pragma GCC unroll 8
+    for (int v = 0; v < vectors; ++v) c[v] = hn::Load(d, columns + size_t(v) * n);
+    columns += vectors * n;
 #pragma GCC unroll 8
     for (int r = 0; r < block_rows; ++r) {
-      const V r_re = hn::Set(d, rows[r]), r_im = hn::Set(d, rows[block_rows + r]);
-#pragma GCC unroll 2
-      for (int v = 0; v < block_vectors; ++v) {
-        re[r][v] = hn::MulAdd(r_re, c_re[v], re[r][v]);
-        im[r][v] = hn::MulAdd(r_re, c_im[v], im[r][v]);
-        re[r][v] = hn::NegMulAdd(r_im, c_im[v], re[r][v]);
-        im[r][v] = hn::MulAdd(r_im, c_re[v], im[r][v]);
-      }
+      const V a = hn::Set(d, rows[r * batch + k]);
+#pragma GCC unroll 8
+      for (int v = 0; v < vectors; ++v) sum[r][v] = hn::MulAdd(a, c[v], sum[r][v]);
     }
-    rows += 2 * block_rows;
   }
 #pragma GCC unroll 8
   for (int r = 0; r < block_rows; ++r)
-#pragma GCC unroll 2
-    for (int v = 0; v < block_vectors; ++v) {
-      float* const to_re = re_out + size_t(r) * stride + v * n;
-      float* const to_im = im_out + size_t(r) * stride + v * n;
-      hn::Store(hn::Add(hn::Load(d, to_re), re[r][v]), d, to_re);
-      hn::Store(hn::Add(hn::Load(d, to_im), im[r][v]), d, to_im);
+#pragma GCC unroll 8
+    for (int v = 0; v < vectors; ++v) {
+      float* const to = sums + size_t(r) * stride + v * n;
+      hn::Store(hn::Add(hn::Load(d, to), sum[r][v]), d, to);
     }
 }
 
-// Panels of factors of one batch, laid out as multiply_block reads them, and the tile's sums.
-struct Workspace {
-  AlignedVector<float> columns, rows, re, im, u, v, index;
-
-  Workspace(TileShape tile, double pitch) {
-    const size_t width = size_t(tile.columns), height = size_t(tile.rows);
-    columns.resize(2 * width * batch);
-    rows.resize(2 * height * batch);
-    re.resize(width * height);
-    im.resize(width * height);
-    // Offsets from the tile's centre; y falls as the row grows. Padded to whole vectors.
-    const size_t longest = std::max(width, height) + 64;
-    for (size_t i = 0; i < longest; ++i) {
-      index.push_back(float(i));
-      u.push_back(float((double(i) - (tile.columns - 1) / 2.0) * pitch));
-      v.push_back(float(((tile.rows - 1) / 2.0 - double(i)) * pitch));
-    }
-  }
-};
-
-void column_factors(const Workspace& s, TileShape tile, int k, float twice_x, const WaveInTile& w, float start,
-                    float scale, float first, float last, float* columns) {
-  const Floats d;
-  const int n = int(hn::Lanes(d)), panel = block_vectors * n;
-  for (int c = 0; c < tile.columns; c += n) {
-    V re, im;
-    factor(hn::Load(d, &s.u[size_t(c)]), hn::Load(d, &s.index[size_t(c)]), twice_x, w, start, scale, first, last, re,
-           im);
-    float* const to = columns + (size_t(c / panel) * batch + size_t(k)) * 2 * size_t(panel) + size_t(c % panel);
-    hn::Store(re, d, to);
-    hn::Store(im, d, to + panel);
+template <int vectors>
+void multiply_batch(TileWorkspace& s, TileShape tile, int waves) {
+  const int panel = vectors * int(hn::Lanes(Floats()));
+  for (size_t p = 0; p < planes; ++p) {
+    const float* const columns = s.columns.data() + p * size_t(tile.columns) * batch;
+    const float* const rows = s.rows.data() + p * size_t(tile.rows) * batch;
+    float* const sums = s.sums.data() + p * size_t(tile.rows) * size_t(tile.columns);
+    for (int c = 0; c < tile.columns; c += panel)
+      for (int r = 0; r < tile.rows; r += block_rows)
+        multiply_block<vectors>(columns + size_t(c) * batch, rows + size_t(r) * batch, waves,
+                                sums + size_t(r) * tile.columns + c, tile.columns);
   }
 }
 
-void row_factors(const Workspace& s, TileShape tile, int k, float twice_y, const WaveInTile& w, float first, float last,
-                 float* rows) {
-  const Floats d;
-  const int n = int(hn::Lanes(d));
-  HWY_ALIGN float re_lanes[HWY_MAX_BYTES / sizeof(float)], im_lanes[HWY_MAX_BYTES / sizeof(float)];
-  for (int r = 0; r < tile.rows; r += n) {
-    V re, im;
-    factor(hn::Load(d, &s.v[size_t(r)]), hn::Load(d, &s.index[size_t(r)]), twice_y, w, 0, 1, first, last, re, im);
-    hn::Store(re, d, re_lanes);
-    hn::Store(im, d, im_lanes);
-    for (int l = 0; l < n && r + l < tile.rows; ++l) {
-      const int row = r + l;
-      float* const to =
-          rows + (size_t(row / block_rows) * batch + size_t(k)) * 2 * block_rows + size_t(row % block_rows);
-      to[0] = re_lanes[l];
-      to[block_rows] = im_lanes[l];
-    }
+// Vectors of columns in a block of the product: 24 of 32 registers hold sums, or 12 of 16.
+int block_vectors(TileShape tile) {
+  const int n = int(hn::Lanes(Floats()));
+  return HWY_TARGET <= HWY_AVX3 && tile.columns % (4 * n) == 0 ? 4 : 2;
+}
+
+// Calls `work` with the series as a constant.
+template <class Work>
+void call_with(Series series, const Work& work) {
+  if (series == Series::short_series) work(std::integral_constant<Series, Series::short_series>());
+  if (series == Series::long_series) work(std::integral_constant<Series, Series::long_series>());
+  if (series == Series::none) work(std::integral_constant<Series, Series::none>());
+}
+
+void add_batch(Batch& b, const Offsets& offsets, double wavelength, double pitch, TileShape tile, TileWorkspace& s) {
+  if (b.count == 0) return;
+  pad(b);
+  prepare(b, wavelength, tile.columns * pitch / 2, tile.rows * pitch / 2);
+  const int vectors = block_vectors(tile);
+  Series worst = Series::short_series;
+  for (int k = 0; k < b.count; ++k) {
+    const Series series = series_for(b.greatest_t[k], b.r0_over_wavelength[k]);
+    worst = std::min(worst, series);
+    call_with(series, [&](auto fixed) { column_factors<fixed()>(b, offsets, tile, k, vectors, s.columns.data()); });
   }
+  call_with(worst, [&](auto fixed) { row_factors<fixed()>(b, offsets, tile, s.rows.data()); });
+  if (vectors == 4)
+    multiply_batch<4>(s, tile, b.count);
+  else
+    multiply_batch<2>(s, tile, b.count);
+  b.count = 0;
+  b.has_row_edges = false;
 }
 
-void multiply_batch(Workspace& s, TileShape tile, int waves) {
-  const int panel = block_vectors * int(hn::Lanes(Floats()));
-  for (int c = 0; c < tile.columns; c += panel)
-    for (int r = 0; r < tile.rows; r += block_rows)
-      multiply_block(s.columns.data() + size_t(c) * 2 * batch, s.rows.data() + size_t(r) * 2 * batch, waves,
-                     s.re.data() + size_t(r) * tile.columns + c, s.im.data() + size_t(r) * tile.columns + c,
-                     tile.columns);
-}
-
-void SumTile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, TileShape tile,
-             const PixelBox& box, Array2D<std::complex<float>>& samples) {
-  Workspace s(tile, grid.pitch);
+void SumTile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, const TilePlan& plan,
+             const PixelBox& box, TileWorkspace& s, Array2D<std::complex<float>>& samples) {
+  const TileShape tile = plan.shape;
+  const size_t pixels = size_t(tile.columns) * size_t(tile.rows);
+  s.columns.resize(planes * size_t(tile.columns) * batch);
+  s.rows.resize(planes * size_t(tile.rows) * batch);
+  s.sums.assign(planes * pixels, 0.0f);
+  const Offsets offsets(tile, grid.pitch);
   const double x_centre = grid.x(box.x0 + (tile.columns - 1) / 2.0), y_centre = grid.y(box.y0 + (tile.rows - 1) / 2.0);
-  int held = 0;
+  Batch b;
   for (const PreparedWave& wave : waves) {
-    const PixelBox& lit = wave.box;
-    if (lit.x0 >= box.x1 || lit.x1 <= box.x0 || lit.y0 >= box.y1 || lit.y1 <= box.y0) continue;
-    const double x = x_centre - wave.x, y = y_centre - wave.y, rho2 = x * x + y * y;
-    const double r0 = std::sqrt(rho2 + wave.depth * wave.depth);
-    const double cycles = wave.start_cycles + rho2 / (r0 + wave.depth) / wavelength;
-    const WaveInTile w{float(1 / (r0 * r0)), float(r0 / wavelength)};
-    column_factors(s, tile, held, float(2 * x), w, float(cycles - std::floor(cycles)),
-                   float(wave.amplitude * wave.depth / r0), float(lit.x0 - box.x0), float(lit.x1 - box.x0),
-                   s.columns.data());
-    row_factors(s, tile, held, float(2 * y), w, float(lit.y0 - box.y0), float(lit.y1 - box.y0), s.rows.data());
-    if (++held == batch) {
-      multiply_batch(s, tile, held);
-      held = 0;
-    }
+    if (intersect(wave.box, box).is_empty()) continue;
+    add_wave(b, wave, x_centre, y_centre, box, tile.rows);
+    if (b.count == batch) add_batch(b, offsets, wavelength, grid.pitch, tile, s);
   }
-  multiply_batch(s, tile, held);
+  add_batch(b, offsets, wavelength, grid.pitch, tile, s);
+  const float* const ac = s.sums.data();
+  const float* const bd = ac + pixels;
+  const float* const all = bd + pixels;
   for (int j = box.y0; j < box.y1; ++j)
     for (int i = box.x0; i < box.x1; ++i) {
       const size_t at = size_t(j - box.y0) * size_t(tile.columns) + size_t(i - box.x0);
-      samples(j, i) = {s.re[at], s.im[at]};
+      samples(j, i) = {ac[at] - bd[at], all[at] - ac[at] - bd[at]};
     }
 }
 
@@ -217,9 +321,9 @@ namespace holotrace {
 HWY_EXPORT(SumTile);
 HWY_EXPORT(TargetName);
 
-void sum_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, TileShape tile,
-              const PixelBox& box, Array2D<std::complex<float>>& samples) {
-  HWY_DYNAMIC_DISPATCH(SumTile)(waves, grid, wavelength, tile, box, samples);
+void sum_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, const TilePlan& plan,
+              const PixelBox& box, TileWorkspace& workspace, Array2D<std::complex<float>>& samples) {
+  HWY_DYNAMIC_DISPATCH(SumTile)(waves, grid, wavelength, plan, box, workspace, samples);
 }
 
 std::string sum_tiled_instruction_set() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
