@@ -6,6 +6,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/wave/packed_product.h"
 #include "holotrace/wave/tile_error.h"
 #include "holotrace/wave/tile_sum.h"
 
@@ -13,8 +14,9 @@ namespace holotrace {
 namespace {
 
 // Sums the waves into the pixels of `bounds`, tile by tile from its top left corner on; overwrites them.
-void sum_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, TileShape tile, Field& field,
+void sum_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, const TilePlan& plan, Field& field,
                const Observer& observer) {
+  const TileShape tile = plan.shape;
   tbb::enumerable_thread_specific<TileWorkspace> workspaces;
   const int across = (bounds.x1 - bounds.x0 + tile.columns - 1) / tile.columns;
   const int down = (bounds.y1 - bounds.y0 + tile.rows - 1) / tile.rows;
@@ -23,7 +25,7 @@ void sum_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, T
       [&](int64_t t) {
         const int x0 = bounds.x0 + int(t % across) * tile.columns, y0 = bounds.y0 + int(t / across) * tile.rows;
         const PixelBox box{x0, std::min(x0 + tile.columns, bounds.x1), y0, std::min(y0 + tile.rows, bounds.y1)};
-        sum_tile(waves, field.grid, field.wavelength, {tile}, box, workspaces.local(), field.samples);
+        sum_tile(waves, field.grid, field.wavelength, plan, box, workspaces.local(), field.samples);
       },
       observer);
 }
@@ -39,7 +41,7 @@ double coherence_of(const Field& field, const PixelBox& bounds, const SplitEnerg
 // One part of the panel: the tile that was taken and the error expected of it, or no tile that meets the tolerance.
 struct PartSum {
   bool meets_tolerance = false;
-  TileShape tile{};
+  TilePlan plan{};
   double reachable = 0;  // a tolerance that is met
 };
 
@@ -50,9 +52,9 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds,
   double coherence = 1;
   for (int round = 0; round < 3; ++round) {
     const TileChoice choice = choose_tile(waves, field.grid, bounds, field.wavelength, tolerance, coherence);
-    part = {false, choice.tile, 1.25 * choice.error};
+    part = {false, choice.plan, 1.25 * choice.error};
     if (!choice.meets_tolerance) return part;
-    sum_tiles(waves, bounds, choice.tile, field, observer);
+    sum_tiles(waves, bounds, choice.plan, field, observer);
     const double met = std::min(1.0, coherence_of(field, bounds, choice.energies));
     part.reachable = 1.25 * choice.error * std::sqrt(coherence / met);
     if (part.reachable <= tolerance) {
@@ -62,6 +64,11 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds,
     coherence = met;
   }
   return part;
+}
+
+std::string products_name(TileProducts products) {
+  if (products == TileProducts::single) return "single precision on " + sum_tiled_instruction_set();
+  return (products == TileProducts::bf16 ? "bf16 on " : "bf16 in two parts on ") + packed_unit_name();
 }
 
 }  // namespace
@@ -85,7 +92,8 @@ std::optional<Field> try_sum_tiled(const Sources& sources, const Grid& grid, dou
     if (!done.meets_tolerance) return std::nullopt;
   }
   if (worst.reachable == 0) return field;
-  observer.fact("tile", fmt::format("{}x{}", worst.tile.columns, worst.tile.rows));
+  observer.fact("tile", fmt::format("{}x{}", worst.plan.shape.columns, worst.plan.shape.rows));
+  observer.fact("products", products_name(worst.plan.products));
   observer.fact("expected_error", worst.reachable / 1.25);
   return field;
 }

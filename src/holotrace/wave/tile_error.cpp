@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "holotrace/base/random.h"
+#include "holotrace/wave/packed_product.h"
 
 namespace holotrace {
 namespace {
@@ -63,17 +64,59 @@ SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& 
   return energies;
 }
 
+double rounding_error(TileProducts products) {
+  switch (products) {
+    case TileProducts::bf16:
+      return 3.2e-3;  // 2⁻⁹ at most per number, three products of two
+    case TileProducts::split_bf16:
+      return 1.2e-5;
+    case TileProducts::single:
+      break;
+  }
+  return 4e-6;
+}
+
+double work_per_pixel(const TilePlan& plan) {
+  // A factor takes about 28 operations, and 10 to round and pack a part of its three numbers.
+  constexpr double factor = 28, packing = 10;
+  const double factors = double(plan.shape.columns + plan.shape.rows) / (plan.shape.columns * plan.shape.rows);
+  if (plan.products == TileProducts::single) return 3 + factors * factor;
+  const double parts = plan.products == TileProducts::bf16 ? 1 : 2,
+               products = plan.products == TileProducts::bf16 ? 3 : 9;
+  const double product = packed_unit() == PackedUnit::amx ? 0.08 : 0.6;  // against one of single precision
+  return products * product + factors * (factor + parts * packing);
+}
+
+namespace {
+
+// Packed products come in blocks of 32 × 32.
+bool can_run(const TilePlan& plan) {
+  return plan.products == TileProducts::single || (packed_unit() != PackedUnit::none && plan.shape.rows >= 30);
+}
+
+}  // namespace
+
 TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
                        double wavelength, double tolerance, double coherence) {
-  TileChoice choice{};
-  for (const TileShape tile : tile_shapes) {
-    const SplitEnergies energies = measure_split(waves, grid, bounds, wavelength, tile);
+  TileChoice best{};
+  for (const TileShape shape : tile_shapes) {
+    const SplitEnergies energies = measure_split(waves, grid, bounds, wavelength, shape);
     const double split = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
-    const double error = (split + tiled_rounding_error) / std::sqrt(coherence);
-    choice = {tile, error, energies, 1.25 * error <= tolerance};
-    if (choice.meets_tolerance) break;
+    for (const TileProducts products : {TileProducts::bf16, TileProducts::split_bf16, TileProducts::single}) {
+      const TilePlan plan{shape, products};
+      if (!can_run(plan)) continue;
+      const double error = std::hypot(split, rounding_error(products)) / std::sqrt(coherence);
+      const bool meets = 1.25 * error <= tolerance;
+      const bool is_better =
+          meets == best.meets_tolerance ? (meets ? work_per_pixel(plan) < work_per_pixel(best.plan) : true) : meets;
+      if (is_better) best = {plan, error, energies, meets};
+    }
+    // Smaller tiles are dearer: the first that does it in single precision is the last to look at.
+    if (best.meets_tolerance &&
+        1.25 * std::hypot(split, rounding_error(TileProducts::single)) <= tolerance * std::sqrt(coherence))
+      break;
   }
-  return choice;
+  return best;
 }
 
 }  // namespace holotrace

@@ -25,12 +25,12 @@ struct TilePlan {
 };
 
 /// The shapes that sum_tiled knows, from fast to accurate. The neglected phase goes with columns·rows. 32 columns suit
-/// every vector width, 6 rows the block of the product, and both divide 1080p and 4K panels.
-inline constexpr std::array<TileShape, 8> tile_shapes{
-    {{128, 120}, {128, 60}, {64, 60}, {64, 30}, {32, 30}, {32, 18}, {32, 12}, {32, 6}}};
+/// every vector width, 6 rows the block of the product, and most divide 1080p and 4K panels.
+inline constexpr std::array<TileShape, 10> tile_shapes{
+    {{128, 120}, {128, 60}, {64, 60}, {64, 30}, {32, 30}, {32, 18}, {32, 12}, {32, 6}, {32, 4}, {32, 2}}};
 
-/// Single precision in the factors and the sum leaves this relative error however small the tile.
-inline constexpr double tiled_rounding_error = 5e-6;
+/// Relative error that the products leave however small the tile; it is independent of the split's.
+double rounding_error(TileProducts products);
 
 /// What splitting r into r₀ + Δr(column) + Δr(row) inside tiles does to a set of waves: the energies
 /// of the error and of the waves, Σⱼ Σ over the pixels of j of |error|² and |Uⱼ|² [W/m²].
@@ -48,15 +48,16 @@ struct SplitEnergies {
 SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
                             double wavelength, TileShape tile);
 
-/// A tile and the relative L2 error that is expected of it: √(error/waves) over √coherence, and the rounding.
+/// A way to sum tiles, and the relative L2 error that is expected of it: that of the split, √(error/waves), and the
+/// rounding, over √coherence.
 struct TileChoice {
-  TileShape tile;
+  TilePlan plan;
   double error = 0;
   SplitEnergies energies;
   bool meets_tolerance = false;
 };
 
-/// The fastest tile whose expected error, with a margin of a quarter, is below the tolerance; the most
+/// The cheapest plan on this machine whose expected error, with a margin of a quarter, is below the tolerance; the most
 /// accurate one if none is.
 ///
 /// @param coherence  energy of the field over the sum of its waves' energies: 1 for random phases, less
@@ -64,6 +65,10 @@ struct TileChoice {
 /// @param bounds     as for measure_split
 TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
                        double wavelength, double tolerance, double coherence = 1);
+
+/// Work of a plan per wave and pixel, in multiply-adds of single precision: its products and, spread over the tile,
+/// its factors.
+double work_per_pixel(const TilePlan& plan);
 
 /// The same for tiles over the whole grid.
 inline TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,

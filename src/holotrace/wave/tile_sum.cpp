@@ -7,6 +7,10 @@
 
 #include "holotrace/wave/tile_sum.h"
 
+#include <type_traits>
+
+#include "holotrace/wave/packed_product.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "holotrace/wave/tile_sum.cpp"
 #include <hwy/foreach_target.h>
@@ -24,20 +28,22 @@ using Floats = hn::ScalableTag<float>;
 using V = hn::Vec<Floats>;
 using Words = hn::RebindToUnsigned<Floats>;
 
-constexpr int planes = 3;   // a, b and a + b of a factor a + ib
-constexpr int batch = 128;  // waves whose factors are held at once
-constexpr int block_rows = 6;
+constexpr int planes = 3;          // a, b and a + b of a factor a + ib
+constexpr int batch = 128;         // waves whose factors are held at once for products in single precision
+constexpr int packed_batch = 256;  // and for packed ones
+constexpr int pairs = packed_batch / 2;
 
 // What the factors of a batch's waves in one tile need. The tile's centre lies at (x, y) from a wave's origin, at the
 // distance r₀.
 struct Batch {
   int count = 0;
   bool has_row_edges = false;  // a wave ends between two rows of the tile
-  alignas(64) double x[batch], y[batch], depth[batch], start[batch], amplitude[batch];
-  alignas(64) float twice_x[batch], twice_y[batch], inverse_r0_squared[batch],
-      r0_over_wavelength[batch], phase[batch], scale[batch], greatest_t[batch];
-  alignas(64) float first_row[batch], last_row[batch];
-  int first_column[batch], last_column[batch];
+  alignas(64) double x[packed_batch], y[packed_batch], depth[packed_batch], start[packed_batch],
+      amplitude[packed_batch];
+  alignas(64) float twice_x[packed_batch], twice_y[packed_batch], inverse_r0_squared[packed_batch],
+      r0_over_wavelength[packed_batch], phase[packed_batch], scale[packed_batch], greatest_t[packed_batch];
+  alignas(64) float first_row[packed_batch], last_row[packed_batch];
+  int first_column[packed_batch], last_column[packed_batch];
 };
 
 void add_wave(Batch& b, const PreparedWave& wave, double x_centre, double y_centre, const PixelBox& box, int rows) {
@@ -202,8 +208,8 @@ void column_factors(const Batch& b, const Offsets& offsets, TileShape tile, int 
     }
 }
 
-// sums[6 rows × vectors] += Σ over waves of row factor × column factor, of one plane.
-template <int vectors>
+// sums[block_rows × vectors] += Σ over waves of row factor × column factor, of one plane.
+template <int block_rows, int vectors>
 HWY_INLINE void multiply_block(const float* HWY_RESTRICT columns, const float* HWY_RESTRICT rows, int waves,
                                float* HWY_RESTRICT sums, int stride) {
   const Floats d;
@@ -234,7 +240,7 @@ HWY_INLINE void multiply_block(const float* HWY_RESTRICT columns, const float* H
     }
 }
 
-template <int vectors>
+template <int block_rows, int vectors>
 void multiply_batch(TileWorkspace& s, TileShape tile, int waves) {
   const int panel = vectors * int(hn::Lanes(Floats()));
   for (size_t p = 0; p < planes; ++p) {
@@ -243,12 +249,94 @@ void multiply_batch(TileWorkspace& s, TileShape tile, int waves) {
     float* const sums = s.sums.data() + p * size_t(tile.rows) * size_t(tile.columns);
     for (int c = 0; c < tile.columns; c += panel)
       for (int r = 0; r < tile.rows; r += block_rows)
-        multiply_block<vectors>(columns + size_t(c) * batch, rows + size_t(r) * batch, waves,
-                                sums + size_t(r) * tile.columns + c, tile.columns);
+        multiply_block<block_rows, vectors>(columns + size_t(c) * batch, rows + size_t(r) * batch, waves,
+                                            sums + size_t(r) * tile.columns + c, tile.columns);
   }
 }
 
-// Vectors of columns in a block of the product: 24 of 32 registers hold sums, or 12 of 16.
+// bf16 is the upper half of a float. Numbers are rounded to it by adding half a unit of its last place.
+template <class W>
+HWY_INLINE W rounded_bits(W bits) {
+  const Words d;
+  return hn::And(hn::Add(bits, hn::Set(d, 0x8000u)), hn::Set(d, 0xffff0000u));
+}
+
+// A pair of numbers in one word, the first in the low half; then what rounding left of both.
+HWY_INLINE void pack(V first, V second, uint32_t* parts, size_t part_step, int part_count) {
+  const Floats d;
+  const Words dw;
+  for (int part = 0; part < part_count; ++part) {
+    const auto low = rounded_bits(hn::BitCast(dw, first)), high = rounded_bits(hn::BitCast(dw, second));
+    hn::Store(hn::Or(hn::ShiftRight<16>(low), high), dw, parts + size_t(part) * part_step);
+    first = hn::Sub(first, hn::BitCast(d, low));
+    second = hn::Sub(second, hn::BitCast(d, high));
+  }
+}
+
+int packed_rows(TileShape tile) { return (tile.rows + 31) / 32 * 32; }
+
+// Words of one part of one plane.
+size_t packed_row_words(TileShape tile) { return size_t(packed_rows(tile)) * pairs; }
+size_t packed_column_words(TileShape tile) { return size_t(tile.columns) * pairs; }
+
+// The first wave of pair i: pairs are of waves 16 apart, whole vectors of waves or of columns on either side.
+constexpr int first_of_pair(int i) { return i / 16 * 32 + i % 16; }
+
+template <Series series>
+void packed_row_factors(const Batch& b, const Offsets& offsets, TileShape tile, int parts, uint32_t* rows) {
+  const Floats d;
+  const size_t part_step = packed_row_words(tile), plane = part_step * size_t(parts);
+  for (int r = 0; r < tile.rows; ++r)
+    for (int i = 0; i < padded(b.count) / 2; i += int(hn::Lanes(d))) {
+      V re[2], im[2];
+      for (int half = 0; half < 2; ++half)
+        row_factor<series>(b, first_of_pair(i) + 16 * half, offsets.v[size_t(r)], float(r), re[half], im[half]);
+      uint32_t* const to = rows + size_t(r) * pairs + size_t(i);
+      pack(re[0], re[1], to, part_step, parts);
+      pack(im[0], im[1], to + plane, part_step, parts);
+      pack(hn::Add(re[0], im[0]), hn::Add(re[1], im[1]), to + 2 * plane, part_step, parts);
+    }
+}
+
+template <Series series>
+void packed_column_factors(const Batch& b, const Offsets& offsets, TileShape tile, int parts, uint32_t* columns) {
+  const Floats d;
+  const size_t part_step = packed_column_words(tile), plane = part_step * size_t(parts);
+  for (int i = 0; i < padded(b.count) / 2; ++i) {
+    const int k = first_of_pair(i);
+    const bool has_edges = std::max(b.first_column[k], b.first_column[k + 16]) > 0 ||
+                           std::min(b.last_column[k], b.last_column[k + 16]) < tile.columns;
+    for (int c = 0; c < tile.columns; c += int(hn::Lanes(d))) {
+      V re[2], im[2];
+      for (int half = 0; half < 2; ++half)
+        column_factor<series>(b, k + 16 * half, hn::Load(d, &offsets.u[size_t(c)]),
+                              hn::Load(d, &offsets.index[size_t(c)]), has_edges, re[half], im[half]);
+      uint32_t* const to = columns + (size_t(c / 16) * pairs + size_t(i)) * 16 + size_t(c % 16);
+      pack(re[0], re[1], to, part_step, parts);
+      pack(im[0], im[1], to + plane, part_step, parts);
+      pack(hn::Add(re[0], im[0]), hn::Add(re[1], im[1]), to + 2 * plane, part_step, parts);
+    }
+  }
+}
+
+// With two parts each, of the four products all but the smallest: the first alone, and each first with a second.
+void multiply_packed_batch(TileWorkspace& s, TileShape tile, int waves, int parts) {
+  const size_t row_step = packed_row_words(tile), column_step = packed_column_words(tile);
+  for (size_t p = 0; p < planes; ++p) {
+    const uint32_t* const rows = s.packed_rows.data() + p * row_step * size_t(parts);
+    const uint32_t* const columns = s.packed_columns.data() + p * column_step * size_t(parts);
+    const PackedProduct product{{{rows, columns}, {rows, columns + column_step}, {rows + row_step, columns}},
+                                parts == 1 ? 1 : 3,
+                                padded(waves) / 2,
+                                pairs,
+                                packed_rows(tile),
+                                tile.columns,
+                                s.sums.data() + p * size_t(packed_rows(tile)) * size_t(tile.columns)};
+    multiply_packed(product, packed_unit());
+  }
+}
+
+// Vectors of columns in a block of the product: with 6 rows, 24 of 32 registers hold sums, or 12 of 16.
 int block_vectors(TileShape tile) {
   const int n = int(hn::Lanes(Floats()));
   return HWY_TARGET <= HWY_AVX3 && tile.columns % (4 * n) == 0 ? 4 : 2;
@@ -262,10 +350,8 @@ void call_with(Series series, const Work& work) {
   if (series == Series::none) work(std::integral_constant<Series, Series::none>());
 }
 
-void add_batch(Batch& b, const Offsets& offsets, double wavelength, double pitch, TileShape tile, TileWorkspace& s) {
-  if (b.count == 0) return;
-  pad(b);
-  prepare(b, wavelength, tile.columns * pitch / 2, tile.rows * pitch / 2);
+// Factors and products in single precision.
+void add_single(const Batch& b, const Offsets& offsets, TileShape tile, TileWorkspace& s) {
   const int vectors = block_vectors(tile);
   Series worst = Series::short_series;
   for (int k = 0; k < b.count; ++k) {
@@ -274,10 +360,52 @@ void add_batch(Batch& b, const Offsets& offsets, double wavelength, double pitch
     call_with(series, [&](auto fixed) { column_factors<fixed()>(b, offsets, tile, k, vectors, s.columns.data()); });
   }
   call_with(worst, [&](auto fixed) { row_factors<fixed()>(b, offsets, tile, s.rows.data()); });
-  if (vectors == 4)
-    multiply_batch<4>(s, tile, b.count);
+  if (tile.rows % 6 != 0)
+    multiply_batch<2, 2>(s, tile, b.count);
+  else if (vectors == 4)
+    multiply_batch<6, 4>(s, tile, b.count);
   else
-    multiply_batch<2>(s, tile, b.count);
+    multiply_batch<6, 2>(s, tile, b.count);
+}
+
+// Factors in single precision, products packed.
+void add_packed(const Batch& b, const Offsets& offsets, TileShape tile, int parts, TileWorkspace& s) {
+  Series worst = Series::short_series;
+  for (int k = 0; k < b.count; ++k) worst = std::min(worst, series_for(b.greatest_t[k], b.r0_over_wavelength[k]));
+  call_with(worst, [&](auto fixed) {
+    packed_column_factors<fixed()>(b, offsets, tile, parts, s.packed_columns.data());
+    packed_row_factors<fixed()>(b, offsets, tile, parts, s.packed_rows.data());
+  });
+  multiply_packed_batch(s, tile, b.count, parts);
+}
+
+// The tile's rows as its sums are held.
+int held_rows(const TilePlan& plan) {
+  return plan.products == TileProducts::single ? plan.shape.rows : packed_rows(plan.shape);
+}
+
+void prepare_workspace(const TilePlan& plan, TileWorkspace& s) {
+  const TileShape tile = plan.shape;
+  s.sums.assign(planes * size_t(held_rows(plan)) * size_t(tile.columns), 0.0f);
+  if (plan.products == TileProducts::single) {
+    s.columns.resize(planes * size_t(tile.columns) * batch);
+    s.rows.resize(planes * size_t(tile.rows) * batch);
+    return;
+  }
+  const size_t parts = plan.products == TileProducts::bf16 ? 1 : 2;
+  s.packed_columns.resize(planes * parts * packed_column_words(tile));
+  s.packed_rows.assign(planes * parts * packed_row_words(tile), 0);  // rows past the tile's stay dark
+}
+
+void add_batch(Batch& b, const Offsets& offsets, double wavelength, double pitch, const TilePlan& plan,
+               TileWorkspace& s) {
+  if (b.count == 0) return;
+  pad(b);
+  prepare(b, wavelength, plan.shape.columns * pitch / 2, plan.shape.rows * pitch / 2);
+  if (plan.products == TileProducts::single)
+    add_single(b, offsets, plan.shape, s);
+  else
+    add_packed(b, offsets, plan.shape, plan.products == TileProducts::bf16 ? 1 : 2, s);
   b.count = 0;
   b.has_row_edges = false;
 }
@@ -285,22 +413,20 @@ void add_batch(Batch& b, const Offsets& offsets, double wavelength, double pitch
 void SumTile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, const TilePlan& plan,
              const PixelBox& box, TileWorkspace& s, Array2D<std::complex<float>>& samples) {
   const TileShape tile = plan.shape;
-  const size_t pixels = size_t(tile.columns) * size_t(tile.rows);
-  s.columns.resize(planes * size_t(tile.columns) * batch);
-  s.rows.resize(planes * size_t(tile.rows) * batch);
-  s.sums.assign(planes * pixels, 0.0f);
+  prepare_workspace(plan, s);
   const Offsets offsets(tile, grid.pitch);
   const double x_centre = grid.x(box.x0 + (tile.columns - 1) / 2.0), y_centre = grid.y(box.y0 + (tile.rows - 1) / 2.0);
+  const int most = plan.products == TileProducts::single ? batch : packed_batch;
   Batch b;
   for (const PreparedWave& wave : waves) {
     if (intersect(wave.box, box).is_empty()) continue;
     add_wave(b, wave, x_centre, y_centre, box, tile.rows);
-    if (b.count == batch) add_batch(b, offsets, wavelength, grid.pitch, tile, s);
+    if (b.count == most) add_batch(b, offsets, wavelength, grid.pitch, plan, s);
   }
-  add_batch(b, offsets, wavelength, grid.pitch, tile, s);
+  add_batch(b, offsets, wavelength, grid.pitch, plan, s);
   const float* const ac = s.sums.data();
-  const float* const bd = ac + pixels;
-  const float* const all = bd + pixels;
+  const float* const bd = ac + s.sums.size() / planes;
+  const float* const all = bd + s.sums.size() / planes;
   for (int j = box.y0; j < box.y1; ++j)
     for (int i = box.x0; i < box.x1; ++i) {
       const size_t at = size_t(j - box.y0) * size_t(tile.columns) + size_t(i - box.x0);
