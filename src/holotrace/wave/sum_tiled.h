@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "holotrace/base/observer.h"
@@ -30,10 +29,6 @@ namespace holotrace {
 /// Cost: 4 multiply-adds per wave and pixel in its box, and a sine and cosine per wave and per column
 /// and row of the tiles it meets.
 Field sum_tiled(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer = {});
-
-/// The same, or no field where no tile meets the tolerance; `reachable` is then set to a tolerance that one does.
-std::optional<Field> try_sum_tiled(const Sources& sources, const Grid& grid, double tolerance, double& reachable,
-                                   const Observer& observer = {});
 
 /// Name of the instruction set that sum_tiled runs on here: "AVX3", "AVX2", "SSE4", …
 std::string sum_tiled_instruction_set();

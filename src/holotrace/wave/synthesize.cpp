@@ -7,7 +7,9 @@
 #include "holotrace/base/error.h"
 #include "holotrace/wave/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/sum_planes.h"
 #include "holotrace/wave/sum_tiled.h"
+#include "holotrace/wave/summation.h"
 
 namespace holotrace {
 namespace {
@@ -65,18 +67,24 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
     observer.fact("method", std::string("exact"));
     return convert<float>(sum_exact(sources, grid, observer));
   };
-  if (params.method == SynthesisMethod::exact) return exact();
-  double reachable = 0;
-  if (params.method == SynthesisMethod::automatic) {
-    std::optional<Field> field = try_sum_tiled(sources, grid, params.tolerance, reachable, observer);
-    observer.fact(
-        "why", fmt::format("tiles are expected to hold {:.1e}, the tolerance is {:.1e}", reachable, params.tolerance));
-    if (!field) return exact();
-    observer.fact("method", "tiled on " + sum_tiled_instruction_set());
-    return std::move(*field);
+  switch (params.method) {
+    case SynthesisMethod::exact:
+      return exact();
+    case SynthesisMethod::tiled:
+      return sum_tiled(sources, grid, params.tolerance, observer);
+    case SynthesisMethod::planes:
+      return sum_planes(sources, grid, params.tolerance, observer);
+    case SynthesisMethod::layers:
+    case SynthesisMethod::triangles:
+      throw Error("expected a method that sums waves, got triangles, which need surfaces; give a scene or a mesh");
+    case SynthesisMethod::automatic:
+      break;
   }
-  observer.fact("method", "tiled on " + sum_tiled_instruction_set());
-  return sum_tiled(sources, grid, params.tolerance, observer);
+  double reachable = 0;
+  std::optional<Field> field = try_sum(sources, grid, params.tolerance, Approach::cheapest, reachable, observer);
+  observer.fact("why",
+                fmt::format("it is expected to hold {:.1e}, the tolerance is {:.1e}", reachable, params.tolerance));
+  return field ? std::move(*field) : exact();
 }
 
 }  // namespace holotrace

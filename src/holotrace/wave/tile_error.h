@@ -5,6 +5,7 @@
 
 #include "holotrace/data/grid.h"
 #include "holotrace/wave/spherical_wave_kernel.h"
+#include "holotrace/wave/wave_draw.h"
 
 namespace holotrace {
 
@@ -39,13 +40,11 @@ struct SplitEnergies {
 };
 
 /// The split neglects about k·x₀·y₀·u·v/r₀³ for a pixel at (u, v) from the tile's centre, which lies at
-/// (x₀, y₀) from the source. Its error is measured: at 8192 pixels of the waves' boxes, drawn from a fixed
-/// seed, the split is compared with the wave itself. Half of the draws go to waves by their energy, half by
-/// their energy over depth squared, which near waves with their worse splits have most of: a few near
-/// waves among many far ones are found.
+/// (x₀, y₀) from the source. Its error is measured: at pixels that the waves light (draw_pixels), the split is compared
+/// with the wave itself.
 ///
 /// @param bounds  the pixels that the tiles cover, from its top left corner on
-SplitEnergies measure_split(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
+SplitEnergies measure_split(const std::vector<DrawnPixel>& pixels, const Grid& grid, const PixelBox& bounds,
                             double wavelength, TileShape tile);
 
 /// A way to sum tiles, and the relative L2 error that is expected of it: that of the split, √(error/waves), and the
@@ -63,7 +62,7 @@ struct TileChoice {
 /// @param coherence  energy of the field over the sum of its waves' energies: 1 for random phases, less
 ///                   where the waves cancel, so that their errors weigh more
 /// @param bounds     as for measure_split
-TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
+TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const Grid& grid, const PixelBox& bounds,
                        double wavelength, double tolerance, double coherence = 1);
 
 /// Work of a plan per wave and pixel, in multiply-adds of single precision: its products and, spread over the tile,
@@ -73,7 +72,7 @@ double work_per_pixel(const TilePlan& plan);
 /// The same for tiles over the whole grid.
 inline TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,
                               double tolerance, double coherence = 1) {
-  return choose_tile(waves, grid, {0, grid.nx, 0, grid.ny}, wavelength, tolerance, coherence);
+  return choose_tile(draw_pixels(waves), grid, {0, grid.nx, 0, grid.ny}, wavelength, tolerance, coherence);
 }
 
 }  // namespace holotrace

@@ -7,8 +7,6 @@
 
 #include "holotrace/wave/tile_sum.h"
 
-#include <type_traits>
-
 #include "holotrace/wave/packed_product.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -98,35 +96,6 @@ void prepare(Batch& b, double wavelength, double half_x, double half_y) {
   }
 }
 
-// One axis of the split. For an offset u from the tile's centre and the source's distance x along that axis,
-// t = u(2x + u)/r₀² gives r = r₀√(1+t). Of that: (r − r₀)/r₀ without cancellation, and r₀/r.
-enum class Series { none, long_series, short_series };
-
-template <Series series>
-HWY_INLINE void growth(V t, V& beyond, V& modulus) {
-  const Floats d;
-  const auto set = [&](float x) { return hn::Set(d, x); };
-  if (series == Series::short_series) {
-    beyond = hn::Mul(t, hn::MulAdd(t, set(-0.125f), set(0.5f)));
-    modulus = hn::MulAdd(t, set(-0.5f), set(1.0f));
-  } else if (series == Series::long_series) {
-    beyond = hn::Mul(t, hn::MulAdd(t, hn::MulAdd(t, set(0.0625f), set(-0.125f)), set(0.5f)));
-    modulus = hn::MulAdd(t, hn::MulAdd(t, hn::MulAdd(t, set(-0.3125f), set(0.375f)), set(-0.5f)), set(1.0f));
-  } else {
-    const V root = hn::Sqrt(hn::Add(set(1.0f), t));
-    beyond = hn::Div(t, hn::Add(set(1.0f), root));
-    modulus = hn::Div(set(1.0f), root);
-  }
-}
-
-// The terms left out, t³/16 or 5t⁴/128 of r₀/λ cycles and 3t²/8 or 35t⁴/128 of the modulus, stay below 10⁻⁶.
-Series series_for(float t, float r0_over_wavelength) {
-  const float t2 = t * t;
-  if (t2 * t * r0_over_wavelength < 1.6e-5f && t2 < 2.6e-6f) return Series::short_series;
-  if (t2 * t2 * r0_over_wavelength < 2.5e-5f && t2 * t2 < 3.6e-6f) return Series::long_series;
-  return Series::none;
-}
-
 // Pixels of a tile, from its centre.
 struct Offsets {
   AlignedVector<float> u, v, index;  // [m], [m], pixels from the first; v falls as the row grows
@@ -147,7 +116,7 @@ HWY_INLINE void row_factor(const Batch& b, int k, float v, float row, V& re, V& 
   const V vs = hn::Set(d, v);
   const V t = hn::Mul(hn::Mul(vs, hn::Add(vs, hn::Load(d, b.twice_y + k))), hn::Load(d, b.inverse_r0_squared + k));
   V beyond, modulus;
-  growth<series>(t, beyond, modulus);
+  growth<series>(d, t, beyond, modulus);
   cis_lanes(d, hn::Mul(beyond, hn::Load(d, b.r0_over_wavelength + k)), re, im);
   if (b.has_row_edges) {
     const V at = hn::Set(d, row);
@@ -164,7 +133,7 @@ HWY_INLINE void column_factor(const Batch& b, int k, V u, V index, bool has_edge
   const Floats d;
   const V t = hn::Mul(hn::Mul(u, hn::Add(u, hn::Set(d, b.twice_x[k]))), hn::Set(d, b.inverse_r0_squared[k]));
   V beyond, modulus;
-  growth<series>(t, beyond, modulus);
+  growth<series>(d, t, beyond, modulus);
   cis_lanes(d, hn::MulAdd(beyond, hn::Set(d, b.r0_over_wavelength[k]), hn::Set(d, b.phase[k])), re, im);
   modulus = hn::Mul(modulus, hn::Set(d, b.scale[k]));
   if (has_edges) {
@@ -342,14 +311,6 @@ int block_vectors(TileShape tile) {
   return HWY_TARGET <= HWY_AVX3 && tile.columns % (4 * n) == 0 ? 4 : 2;
 }
 
-// Calls `work` with the series as a constant.
-template <class Work>
-void call_with(Series series, const Work& work) {
-  if (series == Series::short_series) work(std::integral_constant<Series, Series::short_series>());
-  if (series == Series::long_series) work(std::integral_constant<Series, Series::long_series>());
-  if (series == Series::none) work(std::integral_constant<Series, Series::none>());
-}
-
 // Factors and products in single precision.
 void add_single(const Batch& b, const Offsets& offsets, TileShape tile, TileWorkspace& s) {
   const int vectors = block_vectors(tile);
@@ -430,7 +391,7 @@ void SumTile(const std::vector<PreparedWave>& waves, const Grid& grid, double wa
   for (int j = box.y0; j < box.y1; ++j)
     for (int i = box.x0; i < box.x1; ++i) {
       const size_t at = size_t(j - box.y0) * size_t(tile.columns) + size_t(i - box.x0);
-      samples(j, i) = {ac[at] - bd[at], all[at] - ac[at] - bd[at]};
+      samples(j, i) += std::complex<float>(ac[at] - bd[at], all[at] - ac[at] - bd[at]);
     }
 }
 

@@ -15,7 +15,7 @@ struct TileWorkspace {
   AlignedVector<uint32_t> packed_columns, packed_rows;
 };
 
-/// Sums the waves whose boxes meet `box`, the part of a tile that lies on the grid, into the samples
+/// Adds the waves whose boxes meet `box`, the part of a tile that lies on the grid, to the samples
 /// there. The tile starts at (box.x0, box.y0) and may reach past the grid. The hot loop of
 /// sum_tiled, compiled once for every instruction set and chosen at run time.
 void sum_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, const TilePlan& plan,

@@ -10,6 +10,8 @@
 
 #include <hwy/highway.h>
 
+#include <type_traits>
+
 HWY_BEFORE_NAMESPACE();
 namespace holotrace {
 namespace HWY_NAMESPACE {
@@ -38,6 +40,42 @@ HWY_INLINE void cis_lanes(D d, V cycles, V& re, V& im) {
   const V sign = hn::BitCast(d, hn::ShiftLeft<31>(hn::BitCast(du, rounded)));
   re = hn::Xor(k, sign);
   im = hn::Xor(s, sign);
+}
+
+/// One axis of a wave. For an offset u from the tile's centre and the source's distance x along that axis,
+/// t = u(2x + u)/r₀² gives r = r₀√(1+t). Of that: (r − r₀)/r₀ without cancellation, and r₀/r.
+enum class Series { none, long_series, short_series };
+
+template <Series series, class D, class V = hn::Vec<D>>
+HWY_INLINE void growth(D d, V t, V& beyond, V& modulus) {
+  const auto set = [&](float x) { return hn::Set(d, x); };
+  if (series == Series::short_series) {
+    beyond = hn::Mul(t, hn::MulAdd(t, set(-0.125f), set(0.5f)));
+    modulus = hn::MulAdd(t, set(-0.5f), set(1.0f));
+  } else if (series == Series::long_series) {
+    beyond = hn::Mul(t, hn::MulAdd(t, hn::MulAdd(t, set(0.0625f), set(-0.125f)), set(0.5f)));
+    modulus = hn::MulAdd(t, hn::MulAdd(t, hn::MulAdd(t, set(-0.3125f), set(0.375f)), set(-0.5f)), set(1.0f));
+  } else {
+    const V root = hn::Sqrt(hn::Add(set(1.0f), t));
+    beyond = hn::Div(t, hn::Add(set(1.0f), root));
+    modulus = hn::Div(set(1.0f), root);
+  }
+}
+
+/// The terms left out, t³/16 or 5t⁴/128 of r₀/λ cycles and 3t²/8 or 35t⁴/128 of the modulus, stay below 10⁻⁶.
+inline Series series_for(float t, float r0_over_wavelength) {
+  const float t2 = t * t;
+  if (t2 * t * r0_over_wavelength < 1.6e-5f && t2 < 2.6e-6f) return Series::short_series;
+  if (t2 * t2 * r0_over_wavelength < 2.5e-5f && t2 * t2 < 3.6e-6f) return Series::long_series;
+  return Series::none;
+}
+
+/// Calls `work` with the series as a constant.
+template <class Work>
+inline void call_with(Series series, const Work& work) {
+  if (series == Series::short_series) work(std::integral_constant<Series, Series::short_series>());
+  if (series == Series::long_series) work(std::integral_constant<Series, Series::long_series>());
+  if (series == Series::none) work(std::integral_constant<Series, Series::none>());
 }
 
 }  // namespace HWY_NAMESPACE

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace holotrace {
+
+/// Spreads a plane wave of any frequency over the `width` nearest frequencies of a grid, so that an FFT of the grid
+/// evaluates it: the kernel of a non-uniform FFT.
+///
+///     φ(x) = exp(β(√(1 − (2x/w)²) − 1)),  |x| < w/2 cells,  β = 2.30·w   (the "exponential of semicircle")
+///
+/// of Barnett, Magland & af Klinteberg, SIAM J. Sci. Comput. 41, C479 (2019), for a grid twice as fine as the FFT's
+/// outputs need. Its error falls about tenfold per cell of width.
+class GriddingKernel {
+ public:
+  static constexpr int greatest_width = 8;
+  static constexpr int degree = 11;
+
+  /// @param width  cells, 2 … 8
+  explicit GriddingKernel(int width);
+
+  int width() const { return width_; }
+
+  /// Polynomial coefficients: the weight of cell l, for a wave at the fraction t ∈ [0, 1) (cell 0 lies t − w/2 from
+  /// it), is Σ c[k][l]·(t − ½)ᵏ. Cells beyond the width have weight 0.
+  const float* coefficients(int power) const { return &coefficients_[std::size_t(power) * greatest_width]; }
+
+  /// Fourier transform φ̂(ξ) = ∫φ(x)·cos(2πξx)dx; ξ in cycles per cell.
+  double transform(double xi) const;
+
+  double value(double x) const;
+
+ private:
+  int width_;
+  std::vector<float> coefficients_;
+};
+
+/// Relative L2 error of a plane wave in one axis, over the outputs that are used: measured.
+double gridding_error(int width);
+
+}  // namespace holotrace

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/wave/plane_tile.h"
+
+namespace holotrace {
+
+/// Depths of a set of waves [m].
+struct DepthRange {
+  double nearest, farthest;
+};
+
+/// The waves sorted for a plan: by curvature into its slabs, and in a slab by place.
+PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch);
+
+/// A plan, the relative L2 error expected of it and the work it makes.
+struct PlanesChoice {
+  PlanesPlan plan;
+  double error = 0;
+  double work = 0;  ///< in multiply-adds of single precision, as work_per_pixel
+  SplitEnergies energies;
+  bool meets_tolerance = false;
+};
+
+/// What replacing waves by planes in the tiles of a plan does, apart from gridding: measured on
+/// pixels that the waves light, as measure_split does.
+SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthRange& depths, const Grid& grid,
+                             const PixelBox& bounds, double wavelength, const PlanesPlan& plan);
+
+/// Whether a wave's box is at least four of the smallest tiles wide: fewer than half of its tiles are lit in part.
+bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
+
+/// The cheapest plan whose expected error, with a margin of a quarter, is below the tolerance; the most accurate one if
+/// none is.
+/// @param waves      all of which suit planes, at least one
+/// @param direct     how waves are summed in the tiles that hold a corner of their box
+/// @param coherence  as for choose_tile
+PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
+                           const PixelBox& bounds, double wavelength, double tolerance, double coherence = 1);
+
+}  // namespace holotrace

@@ -1,0 +1,194 @@
+#include "holotrace/wave/summation.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/wave/packed_product.h"
+#include "holotrace/wave/plane_plan.h"
+#include "holotrace/wave/sum_tiled.h"
+
+namespace holotrace {
+namespace {
+
+// The waves of one part of the panel, those for planes and those for tiles, and how each are summed.
+struct PartPlan {
+  std::vector<PreparedWave> far, near;
+  PlanesChoice planes;
+  TileChoice tiles;
+
+  bool meets_tolerance() const {
+    return (far.empty() || planes.meets_tolerance) && (near.empty() || tiles.meets_tolerance);
+  }
+  double error() const { return std::max(far.empty() ? 0 : planes.error, near.empty() ? 0 : tiles.error); }
+  double energy() const { return planes.energies.waves + (near.empty() ? 0 : tiles.energies.waves); }
+};
+
+double work_of_tiles(const std::vector<PreparedWave>& waves, const TilePlan& plan) {
+  double pixels = 0;
+  for (const PreparedWave& wave : waves) pixels += double(wave.box.pixels());
+  return pixels * work_per_pixel(plan);
+}
+
+PartPlan plan_tiles(std::vector<PreparedWave> waves, const Grid& grid, const PixelBox& bounds, double wavelength,
+                    double tolerance, double coherence) {
+  PartPlan plan;
+  plan.tiles = choose_tile(draw_pixels(waves), grid, bounds, wavelength, tolerance, coherence);
+  plan.near = std::move(waves);
+  return plan;
+}
+
+PartPlan plan_planes(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
+                     double wavelength, double tolerance, double coherence) {
+  PartPlan plan;
+  for (const PreparedWave& wave : waves)
+    (suits_planes(wave, wavelength, grid.pitch) ? plan.far : plan.near).push_back(wave);
+  const std::vector<PreparedWave>& in_tiles = plan.near.empty() ? waves : plan.near;  // or in corners of boxes
+  plan.tiles = choose_tile(draw_pixels(in_tiles), grid, bounds, wavelength, tolerance, coherence);
+  if (!plan.far.empty())
+    plan.planes = choose_planes(plan.far, plan.tiles.plan, grid, bounds, wavelength, tolerance, coherence);
+  return plan;
+}
+
+PartPlan make_plan(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds, double wavelength,
+                   double tolerance, double coherence, Approach approach) {
+  if (approach == Approach::tiled) return plan_tiles(waves, grid, bounds, wavelength, tolerance, coherence);
+  PartPlan planes = plan_planes(waves, grid, bounds, wavelength, tolerance, coherence);
+  if (approach == Approach::planes || planes.far.empty()) return planes;
+  PartPlan tiles = plan_tiles(waves, grid, bounds, wavelength, tolerance, coherence);
+  if (tiles.meets_tolerance() != planes.meets_tolerance()) return tiles.meets_tolerance() ? tiles : planes;
+  const double by_tiles = work_of_tiles(waves, tiles.tiles.plan);
+  const double by_planes = planes.planes.work + work_of_tiles(planes.near, planes.tiles.plan);
+  return by_planes < by_tiles ? planes : tiles;
+}
+
+// Calls work(box, buffers) for the tiles of `bounds`, from its top left corner on.
+template <class Buffers, class Work>
+void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, const Observer& observer) {
+  tbb::enumerable_thread_specific<Buffers> buffers;
+  const int across = (bounds.x1 - bounds.x0 + tile.columns - 1) / tile.columns;
+  const int down = (bounds.y1 - bounds.y0 + tile.rows - 1) / tile.rows;
+  parallel_for(
+      0, int64_t(across) * down,
+      [&](int64_t t) {
+        const int x0 = bounds.x0 + int(t % across) * tile.columns, y0 = bounds.y0 + int(t / across) * tile.rows;
+        work({x0, std::min(x0 + tile.columns, bounds.x1), y0, std::min(y0 + tile.rows, bounds.y1)}, buffers.local());
+      },
+      observer);
+}
+
+// Overwrites the pixels of `bounds`.
+void run_plan(const PartPlan& plan, const PixelBox& bounds, Field& field, const Observer& observer) {
+  for (int j = bounds.y0; j < bounds.y1; ++j)
+    std::fill_n(field.samples.row(j) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
+  const int parts = !plan.far.empty() + !plan.near.empty();
+  if (!plan.far.empty()) {
+    const PlaneWaves waves = sort_waves(plan.far, plan.planes.plan, field.wavelength, field.grid.pitch);
+    const PlaneTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
+    struct Buffers {
+      PlaneWorkspace planes;
+      TileWorkspace tiles;
+    };
+    for_each_tile<Buffers>(
+        bounds, {tables.plan.tile, tables.plan.tile},
+        [&](const PixelBox& box, Buffers& own) {
+          sum_plane_tile(waves, tables, plan.tiles.plan, field.grid, box, own.planes, own.tiles, field.samples);
+        },
+        part_of(observer, 0, parts));
+  }
+  if (!plan.near.empty())
+    for_each_tile<TileWorkspace>(
+        bounds, plan.tiles.plan.shape,
+        [&](const PixelBox& box, TileWorkspace& own) {
+          sum_tile(plan.near, field.grid, field.wavelength, plan.tiles.plan, box, own, field.samples);
+        },
+        part_of(observer, parts - 1, parts));
+}
+
+// Energy of the field in the bounds over the sum of its waves' energies there.
+double coherence_of(const Field& field, const PixelBox& bounds, double energy_of_waves) {
+  double sum = 0;
+  for (int j = bounds.y0; j < bounds.y1; ++j)
+    for (int i = bounds.x0; i < bounds.x1; ++i) sum += std::norm(std::complex<double>(field.samples(j, i)));
+  return energy_of_waves > 0 ? sum / energy_of_waves : 1;
+}
+
+std::string name_of(TileProducts products) {
+  if (products == TileProducts::single) return "single precision on " + sum_tiled_instruction_set();
+  return (products == TileProducts::bf16 ? "bf16 on " : "bf16 in two parts on ") + packed_unit_name();
+}
+
+std::string describe(const PartPlan& plan) {
+  std::string text;
+  if (!plan.far.empty()) {
+    const PlanesPlan& p = plan.planes.plan;
+    text = fmt::format("tiles of {0}x{0}, {1} slab(s) of {2} planes, kernel of {3} cells{4}", p.tile, p.slabs, p.nodes,
+                       p.width, p.is_corrected ? ", corrected" : "");
+  }
+  if (!plan.near.empty()) {
+    const TilePlan& p = plan.tiles.plan;
+    text +=
+        fmt::format("{}tiles of {}x{} in {}", text.empty() ? "" : fmt::format("; {} near waves by ", plan.near.size()),
+                    p.shape.columns, p.shape.rows, name_of(p.products));
+  }
+  return text;
+}
+
+// What was done for one part of the panel, or which tolerance could be met.
+struct PartSum {
+  bool meets_tolerance = false;
+  double reachable = 0;
+  std::string method, how;
+};
+
+PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds, double tolerance, Approach approach,
+                 Field& field, const Observer& observer) {
+  // The second round, where the waves cancel, knows their coherence; a field that is nearly nothing may need a third.
+  PartSum part;
+  double coherence = 1;
+  for (int round = 0; round < 3; ++round) {
+    const PartPlan plan = make_plan(waves, field.grid, bounds, field.wavelength, tolerance, coherence, approach);
+    part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan)};
+    if (!plan.meets_tolerance()) return part;
+    run_plan(plan, bounds, field, observer);
+    const double met = std::min(1.0, coherence_of(field, bounds, plan.energy()));
+    part.reachable = 1.25 * plan.error() * std::sqrt(coherence / met);
+    if (part.reachable <= tolerance) {
+      part.meets_tolerance = true;
+      return part;
+    }
+    coherence = met;
+  }
+  return part;
+}
+
+}  // namespace
+
+std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
+                             double& reachable, const Observer& observer) {
+  check_grid(grid);
+  check_sources(sources);
+  check_field_fits(grid, sizeof(std::complex<float>));
+  Field field(grid, sources.wavelength);
+  // Parts whose error is at most the tolerance times their own energy make a whole of which the same holds.
+  PartSum worst;
+  const int parts = panel_parts(sources);
+  for (int part = 0; part < parts; ++part) {
+    const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
+    if (waves.empty()) continue;
+    const PartSum done =
+        sum_part(waves, panel_part(sources, grid, part), tolerance, approach, field, part_of(observer, part, parts));
+    if (done.reachable >= worst.reachable) worst = done;
+    reachable = worst.reachable;
+    if (!done.meets_tolerance) return std::nullopt;
+  }
+  if (worst.reachable == 0) return field;
+  observer.fact("method", worst.method);
+  observer.fact("how", worst.how);
+  observer.fact("expected_error", worst.reachable / 1.25);
+  return field;
+}
+
+}  // namespace holotrace

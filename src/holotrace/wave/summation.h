@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+#include "holotrace/base/observer.h"
+#include "holotrace/data/field.h"
+#include "holotrace/data/sources.h"
+
+namespace holotrace {
+
+/// Which of the fast summations may take part: tiles alone; planes, with tiles for the waves too near for them; or the
+/// one of the two that is expected to take less work.
+enum class Approach { tiled, planes, cheapest };
+
+/// What sum_tiled.h and sum_planes.h have in common: for the panel, or one part of it after the other where waves have
+/// amplitudes of their own there, a plan whose measured error meets the tolerance, its sum, and a look at the result:
+/// where waves turn out to cancel, so that their errors weigh more, the sum is made again by a finer plan.
+///
+/// Facts: method, how (the plan of the part with the greatest error), expected_error.
+/// @return  no field where no plan meets the tolerance; `reachable` is then set to one that does
+std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
+                             double& reachable, const Observer& observer);
+
+}  // namespace holotrace
