@@ -36,7 +36,9 @@ bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 /// @param waves      all of which suit planes, at least one
 /// @param direct     how waves are summed in the tiles that hold a corner of their box
 /// @param coherence  as for choose_tile
+/// @param most_work   plans that take more are not looked at, and do not count as meeting the tolerance
 PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
-                           const PixelBox& bounds, double wavelength, double tolerance, double coherence = 1);
+                           const PixelBox& bounds, double wavelength, double tolerance, double coherence = 1,
+                           double most_work = 1e300);
 
 }  // namespace holotrace

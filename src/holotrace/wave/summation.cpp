@@ -41,25 +41,25 @@ PartPlan plan_tiles(std::vector<PreparedWave> waves, const Grid& grid, const Pix
 }
 
 PartPlan plan_planes(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
-                     double wavelength, double tolerance, double coherence) {
+                     double wavelength, double tolerance, double coherence, double most_work) {
   PartPlan plan;
   for (const PreparedWave& wave : waves)
     (suits_planes(wave, wavelength, grid.pitch) ? plan.far : plan.near).push_back(wave);
   const std::vector<PreparedWave>& in_tiles = plan.near.empty() ? waves : plan.near;  // or in corners of boxes
   plan.tiles = choose_tile(draw_pixels(in_tiles), grid, bounds, wavelength, tolerance, coherence);
   if (!plan.far.empty())
-    plan.planes = choose_planes(plan.far, plan.tiles.plan, grid, bounds, wavelength, tolerance, coherence);
+    plan.planes = choose_planes(plan.far, plan.tiles.plan, grid, bounds, wavelength, tolerance, coherence, most_work);
   return plan;
 }
 
 PartPlan make_plan(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds, double wavelength,
                    double tolerance, double coherence, Approach approach) {
-  if (approach == Approach::tiled) return plan_tiles(waves, grid, bounds, wavelength, tolerance, coherence);
-  PartPlan planes = plan_planes(waves, grid, bounds, wavelength, tolerance, coherence);
-  if (approach == Approach::planes || planes.far.empty()) return planes;
+  if (approach == Approach::planes) return plan_planes(waves, grid, bounds, wavelength, tolerance, coherence, 1e300);
   PartPlan tiles = plan_tiles(waves, grid, bounds, wavelength, tolerance, coherence);
-  if (tiles.meets_tolerance() != planes.meets_tolerance()) return tiles.meets_tolerance() ? tiles : planes;
-  const double by_tiles = work_of_tiles(waves, tiles.tiles.plan);
+  if (approach == Approach::tiled) return tiles;
+  const double by_tiles = tiles.meets_tolerance() ? work_of_tiles(waves, tiles.tiles.plan) : 1e300;
+  PartPlan planes = plan_planes(waves, grid, bounds, wavelength, tolerance, coherence, by_tiles);
+  if (planes.far.empty() || !planes.meets_tolerance()) return tiles;
   const double by_planes = planes.planes.work + work_of_tiles(planes.near, planes.tiles.plan);
   return by_planes < by_tiles ? planes : tiles;
 }
