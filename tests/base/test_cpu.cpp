@@ -1,0 +1,42 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "holotrace/base/cpu.h"
+
+namespace holotrace {
+namespace {
+
+// What the system itself says of its first processor, by key; empty where it says nothing.
+std::string system_says(const std::string& key) {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind(key, 0) == 0) return line.substr(std::min(line.size(), line.find(':') + 2));
+  return "";
+}
+
+bool system_has(const std::string& flag) {
+  std::istringstream flags(system_says("flags"));
+  for (std::string word; flags >> word;)
+    if (word == flag) return true;
+  return false;
+}
+
+TEST(Cpu, NameIsTheOneThatTheSystemGives) {
+  const std::string said = system_says("model name");
+  if (said.empty()) GTEST_SKIP() << "the system names no processor";
+  EXPECT_EQ(cpu_name(), said);
+}
+
+TEST(Cpu, ReducedPrecisionIsFoundWhereTheSystemListsIt) {
+  if (system_says("flags").empty()) GTEST_SKIP() << "the system lists no features";
+  EXPECT_EQ(has_avx512_bf16(), system_has("avx512_bf16"));
+  // The system may still refuse the state of tiles: only the other direction is sure.
+  if (enable_amx_bf16()) EXPECT_TRUE(system_has("amx_bf16"));
+  EXPECT_EQ(enable_amx_bf16(), enable_amx_bf16()) << "the answer is kept";
+}
+
+}  // namespace
+}  // namespace holotrace
