@@ -1,0 +1,93 @@
+#include "holotrace/estimate/ceilings.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <memory>
+
+#include "holotrace/base/array.h"
+#include "holotrace/base/fft.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/base/thread_count.h"
+#include "holotrace/estimate/peak_rate.h"
+
+namespace holotrace {
+namespace {
+
+// Bytes of one of the triad's arrays: beyond the largest cache, within 1.5 GB and a quarter of the memory in all.
+double triad_array_bytes() {
+  double cache = 0;
+#if defined(_SC_LEVEL3_CACHE_SIZE)
+  cache = double(std::max(0L, sysconf(_SC_LEVEL3_CACHE_SIZE)));
+#endif
+  const double most = std::min(0.5e9, physical_memory() / 12);
+  return std::min(std::max(64e6, 2 * cache), most);
+}
+
+}  // namespace
+
+double fft_operations(double samples) { return 5 * samples * std::log2(samples); }
+
+double measure_memory_bandwidth() {
+  constexpr int64_t block = 1 << 16;
+  const int64_t blocks = int64_t(triad_array_bytes() / sizeof(float)) / block, count = blocks * block;
+  const std::unique_ptr<float[]> u(new float[size_t(count)]), v(new float[size_t(count)]), w(new float[size_t(count)]);
+  const auto for_each_block = [&](const auto& work) {
+    parallel_for(0, blocks, [&](int64_t b) { work(b * block, (b + 1) * block); });
+  };
+  for_each_block([&](int64_t begin, int64_t end) {  // the threads touch the memory that they will use
+    for (int64_t i = begin; i < end; ++i) u[size_t(i)] = 0, v[size_t(i)] = 1, w[size_t(i)] = 2;
+  });
+  double best = 0;
+  for (int round = 0; round < 5; ++round) {
+    const double seconds = seconds_of([&] {
+      for_each_block([to = u.get(), from = v.get(), other = w.get()](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i) to[i] = from[i] + 3.0F * other[i];
+      });
+    });
+    best = std::max(best, 3.0 * sizeof(float) * double(count) / seconds);
+  }
+  return best;
+}
+
+FftRates measure_fft_rates() {
+  constexpr int length = 4096, nx = 3840, ny = 2160;
+  FftRates rates;
+  {
+    const Fft<float> transform(length, FftDirection::forward);
+    const double calls = peak_call_rate([&] {
+      thread_local AlignedVector<std::complex<float>> data(length, 0.0F);
+      transform(data.data());
+    });
+    rates.in_cache = calls * fft_operations(length);
+  }
+  AlignedVector<std::complex<float>> data(size_t(nx) * ny, 0.0F);
+  double best = INFINITY;
+  for (int round = 0; round < 5; ++round)
+    best = std::min(best, seconds_of([&] { fft_2d(data.data(), ny, nx, FftDirection::forward); }));
+  rates.panel = fft_operations(double(nx) * ny) / best;
+  return rates;
+}
+
+double Ceilings::multiply_add_peak(std::string_view instruction_set) const {
+  for (const MultiplyAddPeak& peak : multiply_adds)
+    if (peak.instruction_set == instruction_set) return peak.per_second;
+  return 0;
+}
+
+Ceilings measure_ceilings(const Observer& observer) {
+  Ceilings ceilings;
+  ceilings.threads = thread_count();
+  ceilings.multiply_adds = measure_multiply_add_peaks();
+  observer.progress(0.2);
+  ceilings.bf16 = measure_bf16_peaks();
+  observer.progress(0.3);
+  ceilings.memory_bandwidth = measure_memory_bandwidth();
+  observer.progress(0.7);
+  ceilings.fft = measure_fft_rates();
+  return ceilings;
+}
+
+}  // namespace holotrace

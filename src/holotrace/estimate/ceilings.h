@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/base/observer.h"
+#include "holotrace/estimate/bf16_peak.h"
+#include "holotrace/estimate/multiply_add_peak.h"
+
+namespace holotrace {
+
+/// Bytes per second between memory and processor, on all threads: u = v + s·w over three arrays that no cache holds
+/// (McCalpin's triad), counted as 12 bytes for each element; what the processor reads before it writes is not counted.
+double measure_memory_bandwidth();
+
+/// Operations per second of transforms of complex floats, counted as 5·N·log₂N for one of N samples.
+struct FftRates {
+  double in_cache = 0;  ///< of 4096 samples, one on each thread: the ceiling of all larger ones
+  double panel = 0;     ///< of 3840×2160 samples, a full-HD panel padded ×2, on all threads
+};
+FftRates measure_fft_rates();
+
+/// 5·N·log₂N, the operations by which transforms are counted (those of radix 2, after Frigo and Johnson, 2005).
+double fft_operations(double samples);
+
+/// What this machine reaches at best on the threads that the program uses: what stages are fractions of.
+struct Ceilings {
+  int threads = 0;
+  std::vector<MultiplyAddPeak> multiply_adds;  ///< of each instruction set, best first
+  Bf16Peaks bf16;
+  double memory_bandwidth = 0;  ///< [B/s]
+  FftRates fft;
+
+  /// The multiply-add peak of an instruction set, 0 for one that does not run here.
+  double multiply_add_peak(std::string_view instruction_set) const;
+};
+
+/// Measures all of them, in about two seconds; the plan of the large transform may take some more the first time.
+Ceilings measure_ceilings(const Observer& observer = {});
+
+}  // namespace holotrace
