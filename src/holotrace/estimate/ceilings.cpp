@@ -12,6 +12,7 @@
 #include "holotrace/base/memory.h"
 #include "holotrace/base/thread_count.h"
 #include "holotrace/estimate/peak_rate.h"
+#include "holotrace/wave/cost_model.h"
 
 namespace holotrace {
 namespace {
@@ -27,8 +28,6 @@ double triad_array_bytes() {
 }
 
 }  // namespace
-
-double fft_operations(double samples) { return 5 * samples * std::log2(samples); }
 
 double measure_memory_bandwidth() {
   constexpr int64_t block = 1 << 16;

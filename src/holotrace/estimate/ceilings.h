@@ -19,9 +19,6 @@ struct FftRates {
 };
 FftRates measure_fft_rates();
 
-/// 5·N·log₂N, the operations by which transforms are counted (those of radix 2, after Frigo and Johnson, 2005).
-double fft_operations(double samples);
-
 /// What this machine reaches at best on the threads that the program uses: what stages are fractions of.
 struct Ceilings {
   int threads = 0;
