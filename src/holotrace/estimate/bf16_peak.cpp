@@ -52,20 +52,23 @@ __attribute__((target("amx-tile,amx-bf16"))) void tile_products() {
 
 }  // namespace
 
-Bf16Peaks measure_bf16_peaks() {
-  Bf16Peaks peaks;
-  if (has_avx512_bf16())
-    peaks.vectors = 32.0 * chains * steps * peak_call_rate([] {
-                      thread_local float sums[16 * chains];
-                      vector_products(1e-3F, sums);
-                    });
-  if (enable_amx_bf16()) peaks.tiles = 4.0 * 16 * 16 * 32 * steps * peak_call_rate([] { tile_products(); });
-  return peaks;
+double measure_bf16_vector_peak() {
+  if (!has_avx512_bf16()) return 0;
+  return 32.0 * chains * steps * peak_call_rate([] {
+           thread_local float sums[16 * chains];
+           vector_products(1e-3F, sums);
+         });
+}
+
+double measure_bf16_tile_peak() {
+  if (!enable_amx_bf16()) return 0;
+  return 4.0 * 16 * 16 * 32 * steps * peak_call_rate([] { tile_products(); });
 }
 
 #else
 
-Bf16Peaks measure_bf16_peaks() { return {}; }
+double measure_bf16_vector_peak() { return 0; }
+double measure_bf16_tile_peak() { return 0; }
 
 #endif
 

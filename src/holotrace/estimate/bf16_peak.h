@@ -2,13 +2,9 @@
 
 namespace holotrace {
 
-/// The most multiply-adds per second of bf16 factors into floats, on all threads; 0 where the processor has none.
-struct Bf16Peaks {
-  double vectors = 0;  ///< AVX512_BF16: vdpbf16ps, 32 in an instruction
-  double tiles = 0;    ///< AMX: tdpbf16ps, 8192 in an instruction
-};
-
-/// Loops that stay in the registers, as many sums side by side as hide each other's delay. Takes some 50 ms for each.
-Bf16Peaks measure_bf16_peaks();
+/// The most multiply-adds per second of bf16 factors into floats, on all threads, by loops that stay in the registers;
+/// 0 where the processor has none. Takes some 50 ms for each.
+double measure_bf16_vector_peak();  ///< AVX512_BF16: vdpbf16ps, 32 in an instruction
+double measure_bf16_tile_peak();    ///< AMX: tdpbf16ps, 8192 in an instruction
 
 }  // namespace holotrace

@@ -9,8 +9,11 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/fft.h"
+#include "holotrace/base/instruction_set.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/thread_count.h"
+#include "holotrace/estimate/bf16_peak.h"
+#include "holotrace/estimate/multiply_add_peak.h"
 #include "holotrace/estimate/peak_rate.h"
 #include "holotrace/wave/cost_model.h"
 
@@ -70,18 +73,16 @@ FftRates measure_fft_rates() {
   return rates;
 }
 
-double Ceilings::multiply_add_peak(std::string_view instruction_set) const {
-  for (const MultiplyAddPeak& peak : multiply_adds)
-    if (peak.instruction_set == instruction_set) return peak.per_second;
-  return 0;
-}
-
 Ceilings measure_ceilings(const Observer& observer) {
   Ceilings ceilings;
   ceilings.threads = thread_count();
-  ceilings.multiply_adds = measure_multiply_add_peaks();
+  for (const std::string& name : instruction_sets()) {
+    const OnInstructionSet alone(name);
+    ceilings.multiply_adds.push_back({name, measure_multiply_add_peak()});
+  }
   observer.progress(0.2);
-  ceilings.bf16 = measure_bf16_peaks();
+  ceilings.bf16_vectors = measure_bf16_vector_peak();
+  ceilings.bf16_tiles = measure_bf16_tile_peak();
   observer.progress(0.3);
   ceilings.memory_bandwidth = measure_memory_bandwidth();
   observer.progress(0.7);

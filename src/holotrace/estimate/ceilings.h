@@ -1,10 +1,9 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "holotrace/base/observer.h"
-#include "holotrace/estimate/bf16_peak.h"
-#include "holotrace/estimate/multiply_add_peak.h"
 
 namespace holotrace {
 
@@ -19,16 +18,19 @@ struct FftRates {
 };
 FftRates measure_fft_rates();
 
+/// The multiply-add peak of an instruction set, by its name.
+struct MultiplyAddPeak {
+  std::string instruction_set;
+  double per_second = 0;
+};
+
 /// What this machine reaches at best on the threads that the program uses: what stages are fractions of.
 struct Ceilings {
   int threads = 0;
-  std::vector<MultiplyAddPeak> multiply_adds;  ///< of each instruction set, best first
-  Bf16Peaks bf16;
-  double memory_bandwidth = 0;  ///< [B/s]
+  std::vector<MultiplyAddPeak> multiply_adds;  ///< of each instruction set that runs here, best first
+  double bf16_vectors = 0, bf16_tiles = 0;     ///< multiply-adds per second (bf16_peak.h), 0 where there are none
+  double memory_bandwidth = 0;                 ///< [B/s]
   FftRates fft;
-
-  /// The multiply-add peak of an instruction set, 0 for one that does not run here.
-  double multiply_add_peak(std::string_view instruction_set) const;
 };
 
 /// Measures all of them, in about two seconds; the plan of the large transform may take some more the first time.

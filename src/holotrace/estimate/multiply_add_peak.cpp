@@ -42,28 +42,16 @@ namespace holotrace {
 
 HWY_EXPORT(MultiplyAdds);
 
-std::vector<MultiplyAddPeak> measure_multiply_add_peaks() {
+double measure_multiply_add_peak() {
   constexpr int steps = 20000;
-  std::vector<MultiplyAddPeak> peaks;
-  for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
-    const int64_t target = left & -left;  // the lowest bit is the best of them
-    // The multiply-adds of SSSE3 are those of SSE4, and plain code is worth a line only where there is nothing else.
-    if ((target & (HWY_SSSE3 | HWY_SCALAR)) && !peaks.empty()) continue;
-    hwy::ChosenTarget chosen;
-    chosen.Update(target);
-    const bool has_one = std::size(HWY_DISPATCH_TABLE(MultiplyAdds)) == 1;
-    const auto run = HWY_DISPATCH_TABLE(MultiplyAdds)[has_one ? 0 : chosen.GetIndex()];
-    std::atomic<float> kept;
-    double per_call = 0;
-    const double calls = peak_call_rate([&] {
-      float sum;
-      const double count = run(steps, 1e-3F, sum);
-      kept = sum;
-      if (per_call == 0) per_call = count;  // by the first call, before there are threads
-    });
-    peaks.push_back({hwy::TargetName(target), per_call * calls});
-  }
-  return peaks;
+  float first;
+  const double per_call = HWY_DYNAMIC_DISPATCH(MultiplyAdds)(steps, 1e-3F, first);
+  std::atomic<float> kept;
+  return per_call * peak_call_rate([&] {
+           float sum;
+           HWY_DYNAMIC_DISPATCH(MultiplyAdds)(steps, 1e-3F, sum);
+           kept = sum;
+         });
 }
 
 }  // namespace holotrace
