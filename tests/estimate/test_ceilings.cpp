@@ -28,7 +28,7 @@ TEST(Ceilings, AreMeasuredForAllThatTheMachineHas) {
   EXPECT_EQ(ceilings.bf16_tiles > 0, enable_amx_bf16());
   EXPECT_LT(ceilings.bf16_vectors, 4 * 32 * 1e10 * ceilings.threads) << "4 units, 32 lanes, 10 GHz";
   EXPECT_LT(ceilings.bf16_tiles, 8192 * 1e10 * ceilings.threads) << "an instruction of 8192 in every cycle at 10 GHz";
-  for (const double rate : {ceilings.memory_bandwidth, ceilings.fft.in_cache, ceilings.fft.panel}) {
+  for (const double rate : {ceilings.memory_bandwidth, ceilings.fft_in_cache, ceilings.fft_of_panel}) {
     EXPECT_TRUE(std::isfinite(rate));
     EXPECT_GT(rate, 1e6);
     EXPECT_LT(rate, 1e13 * ceilings.threads);

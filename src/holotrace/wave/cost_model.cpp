@@ -12,7 +12,7 @@ namespace {
 
 // As FFTW's plans, the rates are the machine's and not the caller's: one place for the life of the program.
 struct Machine {
-  std::mutex mutex;
+  std::recursive_mutex mutex;  // a measurement may itself sum waves, and ask
   std::function<SummationRates()> measure;
   std::optional<SummationRates> rates;
 };
@@ -46,7 +46,10 @@ void set_summation_rates(std::function<SummationRates()> measure) {
 
 SummationRates summation_rates() {
   const std::lock_guard lock(machine().mutex);
-  if (!machine().rates) machine().rates = machine().measure ? machine().measure() : SummationRates();
+  if (!machine().rates) {
+    machine().rates = SummationRates();
+    if (machine().measure) machine().rates = machine().measure();
+  }
   return *machine().rates;
 }
 

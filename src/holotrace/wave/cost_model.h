@@ -23,7 +23,7 @@ double fft_operations(double samples);
 
 /// Where the rates of this machine come from: called once, when a method is to be chosen for the first time. It should
 /// give the same rates on every run, or the choice, and with it the last bits of the field, could change from one run
-/// to the next. Without it the default rates are taken.
+/// to the next. Without it, and for what it sums itself, the default rates are taken.
 void set_summation_rates(std::function<SummationRates()> measure);
 
 /// The rates of one thread of this machine, by what set_summation_rates was given; kept for the life of the program.
