@@ -9,9 +9,9 @@ namespace holotrace {
 
 /// How long the benchmark may take.
 struct BenchOptions {
-  bool is_quick = false;       ///< the small jobs alone
-  double seconds_per_row = 2;  ///< runs are repeated for so long, seven times at most
-  double longest_seconds = 8;  ///< a job that should take longer is left out
+  bool is_quick = false;        ///< the small jobs alone
+  double seconds_per_row = 2;   ///< runs are repeated for so long, seven times at most
+  double longest_seconds = 15;  ///< a job that should take longer is left out
 };
 
 /// A stage on a job: what it took, and what part of the ceiling it reached.

@@ -167,7 +167,7 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   command->add_flag("--json", o->is_json, "as JSON");
   command->add_flag("--quick", o->is_quick, "the small jobs alone, once or twice: some ten seconds");
-  command->add_flag("--full", o->is_full, "also the jobs that are left out for taking longer than some seconds")
+  command->add_flag("--full", o->is_full, "also the jobs that are left out because they would take longer than 15 s")
       ->excludes("--quick");
   command->add_option("--only", o->only, fmt::format("these stages alone: {}", fmt::join(group_names(), ", ")))
       ->delimiter(',')

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <memory>
-#include <tuple>
 
 #include "bench.h"
 #include "holotrace/base/instruction_set.h"
@@ -103,26 +101,25 @@ BenchStep tiled_step(const BenchOptions& options, const std::string& instruction
           }};
 }
 
-// Seconds for a wave, by what was summed last of the same kind: of a job ten times as large it is known before it runs
-// whether it takes too long.
-using SecondsPerWave = std::map<std::tuple<int, double, double>, double>;
+// Seconds for a wave and pixel by a method, the least of all jobs so far: whether a larger job takes too long is then
+// known before it runs.
+using Expectation = std::shared_ptr<double>;
 
 BenchStep method_step(const BenchOptions& options, const std::string& stage, SynthesisMethod method, const WaveJob& job,
-                      double tolerance, const std::shared_ptr<SecondsPerWave>& known) {
+                      double tolerance, const Expectation& least) {
   return {stage, [=] {
-            const auto kind = std::make_tuple(job.panel.nx, job.farthest, tolerance);
-            const double expected = known->count(kind) ? (*known)[kind] * job.waves : 0;
-            if (expected > options.longest_seconds) {
+            const double expected = *least * job.waves * double(job.panel.pixels());
+            if (expected > options.longest_seconds)
               return BenchRow{.stage = stage,
                               .job = fmt::format("{}, {:g}", job.name(), tolerance),
                               .left_out = fmt::format("about {:.0f} s; see --full", expected)};
-            }
             const SynthesizeParams params{.method = method, .tolerance = tolerance};
             BenchRow row =
                 bench_sum(options, stage, job, tolerance, [&](const Sources& sources, const Observer& observer) {
                   return synthesize(sources, job.panel, params, observer);
                 });
-            (*known)[kind] = row.seconds / job.waves;
+            const double found = row.seconds / job.waves / double(job.panel.pixels());
+            *least = *least > 0 ? std::min(*least, found) : found;
             if (method == SynthesisMethod::automatic && row.facts.contains("method"))
               row.stage += " (" + row.facts["method"].get<std::string>() + ")";
             return row;
@@ -155,7 +152,7 @@ std::vector<BenchStep> tiled_steps(const BenchOptions& options) {
 
 std::vector<BenchStep> planes_steps(const BenchOptions& options) {
   std::vector<BenchStep> steps;
-  const auto known = std::make_shared<SecondsPerWave>();
+  const auto known = std::make_shared<double>(0);
   const auto add = [&](const WaveJob& job, double tolerance) {
     steps.push_back(method_step(options, "planes", SynthesisMethod::planes, job, tolerance, known));
   };
@@ -170,16 +167,18 @@ std::vector<BenchStep> planes_steps(const BenchOptions& options) {
 
 std::vector<BenchStep> auto_steps(const BenchOptions& options) {
   std::vector<BenchStep> steps;
-  const auto known = std::make_shared<SecondsPerWave>();
+  const auto known = std::make_shared<double>(0);
   const std::vector<int> counts =
       options.is_quick ? std::vector{1000, 10000} : std::vector{1000, 10000, 100000, 500000};
+  const auto add = [&](const WaveJob& job, double tolerance) {
+    steps.push_back(method_step(options, "auto", SynthesisMethod::automatic, job, tolerance, known));
+  };
   for (const Grid& panel : options.is_quick ? std::vector{full_hd} : std::vector{full_hd, ultra_hd})
-    for (const int waves : counts)
-      for (const WaveJob& job : {narrow(panel, waves), wide(panel, waves)})
-        for (const double tolerance : {3e-3, 1e-3}) {
-          if (waves < 100000 && tolerance != 1e-3) continue;
-          steps.push_back(method_step(options, "auto", SynthesisMethod::automatic, job, tolerance, known));
-        }
+    for (const int waves : counts) {
+      add(narrow(panel, waves), 1e-3);
+      add(wide(panel, waves), 1e-3);
+      if (waves >= 100000) add(narrow(panel, waves), 3e-3);
+    }
   return steps;
 }
 

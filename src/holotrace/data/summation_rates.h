@@ -12,7 +12,8 @@ struct SummationWork {
   double bf16_multiply_adds = 0;  ///< the same with bf16 factors
   double factors = 0;             ///< columns and rows of waves in tiles: a root, a sine and a cosine each
   double wave_tiles = 0;          ///< pairs of a wave and a tile: what is done once for each
-  double spreads = 0;             ///< samples of recording planes that waves are added to, one by one
+  double plane_waves = 0;         ///< the same pairs where waves go to recording planes: phases and kernel weights
+  double spreads = 0;             ///< cells of recording planes that waves are added to, complex
   double fft_operations = 0;      ///< Σ 5·N·log₂N of the transforms
   double samples = 0;             ///< complex samples multiplied by a transfer function, added up or copied
 };
@@ -25,7 +26,8 @@ struct SummationRates {
   double bf16_multiply_adds = 0;
   double factors = 6e8;
   double wave_tiles = 3e7;
-  double spreads = 4e8;
+  double plane_waves = 1.5e7;
+  double spreads = 1e9;
   double fft_operations = 6e9;
   double samples = 3e8;
 };
@@ -38,12 +40,13 @@ struct SummationTerm {
 };
 
 /// All of them, once: what predicts, measures, rounds and keeps them goes by this list.
-inline constexpr std::array<SummationTerm, 8> summation_terms{{
+inline constexpr std::array<SummationTerm, 9> summation_terms{{
     {"exact_terms", &SummationWork::exact_terms, &SummationRates::exact_terms},
     {"multiply_adds", &SummationWork::multiply_adds, &SummationRates::multiply_adds},
     {"bf16_multiply_adds", &SummationWork::bf16_multiply_adds, &SummationRates::bf16_multiply_adds},
     {"factors", &SummationWork::factors, &SummationRates::factors},
     {"wave_tiles", &SummationWork::wave_tiles, &SummationRates::wave_tiles},
+    {"plane_waves", &SummationWork::plane_waves, &SummationRates::plane_waves},
     {"spreads", &SummationWork::spreads, &SummationRates::spreads},
     {"fft_operations", &SummationWork::fft_operations, &SummationRates::fft_operations},
     {"samples", &SummationWork::samples, &SummationRates::samples},

@@ -25,11 +25,11 @@ using namespace literals;
 
 constexpr double wavelength = 532_nm, pitch = 8_um;
 
-// The fastest of five runs: whatever else the machine does can only slow one down.
-TimedWork time_work(const SummationWork& work, const std::function<void()>& run) {
+// The fastest of many runs: whatever else the machine does can only slow one down.
+TimedWork fastest(const SummationWork& work, const std::function<void()>& run) {
   run();
   double best = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 5; ++i) best = std::min(best, seconds_of(run));
+  for (int i = 0; i < 9; ++i) best = std::min(best, seconds_of(run));
   return {work, best};
 }
 
@@ -47,7 +47,7 @@ Sources waves_behind(const Grid& panel, int count) {
 TimedWork time_exact() {
   const Grid panel{64, 64, pitch};
   const Sources sources = waves_behind(panel, 32);
-  return time_work({.exact_terms = 32.0 * 64 * 64}, [&] { sum_exact(sources, panel); });
+  return fastest({.exact_terms = 32.0 * 64 * 64}, [&] { sum_exact(sources, panel); });
 }
 
 // One tile alone. Its multiply-adds are counted as 4 for each wave and pixel, however the kernel goes about it.
@@ -58,7 +58,7 @@ TimedWork time_tile(TileShape tile, int count) {
   const SummationWork work{.multiply_adds = 4.0 * count * double(panel.pixels()),
                            .factors = double(count) * (tile.columns + tile.rows),
                            .wave_tiles = double(count)};
-  return time_work(work, [&] { sum_tile(waves, panel, wavelength, tile, {0, panel.nx, 0, panel.ny}, samples); });
+  return fastest(work, [&] { sum_tile(waves, panel, wavelength, tile, {0, panel.nx, 0, panel.ny}, samples); });
 }
 
 // Lines of a tile's transform, in cache.
@@ -66,7 +66,7 @@ TimedWork time_fft() {
   constexpr int length = 256, lines = 256;
   const Fft<float> transform(length, FftDirection::forward);
   AlignedVector<std::complex<float>> data(length * lines, 0.0F);
-  return time_work({.fft_operations = lines * fft_operations(length)}, [&] {
+  return fastest({.fft_operations = lines * fft_operations(length)}, [&] {
     for (int line = 0; line < lines; ++line) transform(data.data() + line * length);
   });
 }
@@ -75,7 +75,7 @@ TimedWork time_samples() {
   constexpr size_t count = 1 << 16;
   AlignedVector<std::complex<float>> a(count, {1.0F, 0.0F});
   const AlignedVector<std::complex<float>> b(count, {0.6F, 0.8F});
-  return time_work({.samples = double(count)}, [&] {
+  return fastest({.samples = double(count)}, [&] {
     for (size_t i = 0; i < count; ++i)
       a[i] = {a[i].real() * b[i].real() - a[i].imag() * b[i].imag(),
               a[i].real() * b[i].imag() + a[i].imag() * b[i].real()};

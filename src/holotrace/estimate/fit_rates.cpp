@@ -11,10 +11,10 @@ namespace {
 
 constexpr size_t terms = summation_terms.size();
 
-// Kinds of work in parts of a run: row i is countᵢₖ·(seconds per unit)/tᵢ for one second per scaleₖ units.
+// Row i, column k: what part of run i its work of kind k would take, were a unit of it to take seconds_if_all.
 struct Parts {
   std::vector<std::array<double, terms>> of_run;
-  std::array<double, terms> seconds_if_all{};  // per unit, were a run all of this kind: the least over the runs
+  std::array<double, terms> seconds_if_all{};  // per unit, were a run of this kind alone: the least over the runs
 };
 
 Parts parts_of(const std::vector<TimedWork>& timed) {
@@ -39,7 +39,7 @@ Parts parts_of(const std::vector<TimedWork>& timed) {
   return parts;
 }
 
-// Coordinate descent: each unknown in turn takes its best value ≥ 0. The problem is convex, and has eight unknowns.
+// Coordinate descent: each unknown in turn takes its best value ≥ 0. The problem is convex, and has a few unknowns.
 std::array<double, terms> least_squares(const Parts& parts) {
   std::array<double, terms> x{};
   for (int sweep = 0; sweep < 20000; ++sweep)
