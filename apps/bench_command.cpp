@@ -1,110 +1,183 @@
-// holotrace bench: what this machine reaches, each figure the median of several runs, ratios in one run.
+// holotrace bench: what this machine reaches at best, and what part of it each stage does, measured in one run.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
-#include "bench_trace.h"
+#include "bench.h"
 #include "commands.h"
 #include "console.h"
-#include "holotrace/base/random.h"
-#include "holotrace/base/units.h"
-#include "holotrace/data/slm.h"
-#include "holotrace/view/compare.h"
-#include "holotrace/wave/propagate.h"
-#include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_tiled.h"
-#include "holotrace/wave/synthesize.h"
-#include "median_seconds.h"
+#include "holotrace/base/cpu.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/suggest.h"
+#include "holotrace/estimate/ceilings.h"
 
 namespace holotrace {
 namespace {
 
-using namespace literals;
+using Json = nlohmann::ordered_json;
 
-// Waves of random place and phase across the panel, `depth` away within a tenth.
-Sources random_sources(int count, const Grid& panel, double depth) {
-  Sources sources;
-  sources.wavelength = 532_nm;
-  CounterRandom random(1, 0, 0);
-  for (int j = 0; j < count; ++j)
-    sources.waves.push_back({{(random.uniform() - 0.5) * panel.width(), (random.uniform() - 0.5) * panel.height(),
-                              -depth * (0.95 + 0.1 * random.uniform())},
-                             1,
-                             float(2 * pi * random.uniform())});
-  return sources;
+struct BenchGroup {
+  const char* name;
+  std::vector<BenchStep> (*steps)(const BenchOptions&);
+};
+
+// In the order of the table. A stage joins the benchmark by a line here and its steps in bench.h.
+const BenchGroup groups[] = {{"trace", trace_steps},   {"exact", exact_steps}, {"tiled", tiled_steps},
+                             {"planes", planes_steps}, {"auto", auto_steps},   {"propagate", propagate_steps},
+                             {"show", show_steps}};
+
+std::vector<std::string> group_names() {
+  std::vector<std::string> names{"ceilings"};
+  for (const BenchGroup& group : groups) names.push_back(group.name);
+  return names;
 }
 
-nlohmann::ordered_json bench_synthesis(const Grid& panel) {
-  // exact would take minutes on the whole job: it runs on some of the waves, and rates are compared.
-  const Sources many = random_sources(4096, panel, 0.2_m), few = random_sources(32, panel, 0.2_m);
-  FieldDouble exact;
-  const double exact_seconds = median_seconds(3, [&] { exact = sum_exact(few, panel); });
-  const double tiled_seconds = median_seconds(7, [&] { sum_tiled(many, panel, 1e-3); });
-  const double exact_rate = double(waves_pixels(few, panel)) / exact_seconds;
-  const double tiled_rate = double(waves_pixels(many, panel)) / tiled_seconds;
-  return {{"waves", many.waves.size()},
-          {"instruction_set", sum_tiled_instruction_set()},
-          {"exact_waves_pixels_per_s", exact_rate},
-          {"tiled_waves_pixels_per_s", tiled_rate},
-          {"tiled_over_exact", tiled_rate / exact_rate},
-          {"tiled_seconds", tiled_seconds},
-          {"tiled_error_against_exact", compare(exact, convert<double>(sum_tiled(few, panel, 1e-3))).relative_error}};
+std::string check_group(const std::string& name) {
+  const std::vector<std::string> known = group_names();
+  if (std::find(known.begin(), known.end(), name) != known.end()) return "";
+  return unknown_name_message("group of stages", name, known);
 }
 
-nlohmann::ordered_json bench_propagation(const Grid& panel) {
-  Field field(panel, 532_nm);
-  CounterRandom random(1, 0, 0);
-  for (auto& u : field.samples.values) u = std::polar(1.0F, float(2 * pi * random.uniform()));
-  const auto propagator = make_propagator<float>(panel, 532_nm, 0.3_m);
-  propagate(field, propagator);  // plans are made here
-  const double planned = median_seconds(9, [&] { propagate(field, propagator); });
-  const double unplanned = median_seconds(5, [&] { propagate(field, 0.3_m); });
-  return {{"padded", fmt::format("{}x{}", propagator.padded_nx, propagator.padded_ny)},
-          {"transfer_cached_seconds", planned},
-          {"transfer_made_seconds", unplanned}};
+// --- the ceilings ---
+
+Json json_of(const Ceilings& c) {
+  Json multiply_adds;
+  for (const MultiplyAddPeak& peak : c.multiply_adds) multiply_adds[peak.instruction_set] = peak.per_second;
+  return {{"multiply_adds_per_s", multiply_adds},
+          {"bf16_vector_multiply_adds_per_s", c.bf16_vectors},
+          {"bf16_tile_multiply_adds_per_s", c.bf16_tiles},
+          {"memory_bytes_per_s", c.memory_bandwidth},
+          {"fft_in_cache_operations_per_s", c.fft_in_cache},
+          {"fft_3840x2160_operations_per_s", c.fft_of_panel}};
+}
+
+// 45.3e9 in place of 4.53e10: rates are read in powers of a thousand.
+std::string format_rate(double rate) {
+  int power = 0;
+  for (; rate >= 1000; rate /= 1000) power += 3;
+  const int decimals = rate < 10 ? 2 : rate < 100 ? 1 : 0;
+  return power > 0 ? fmt::format("{:.{}f}e{}", rate, decimals, power) : fmt::format("{:.{}f}", rate, decimals);
+}
+
+void print_ceilings(const Ceilings& c) {
+  const auto line = [](const std::string& name, double rate, const char* unit) {
+    fmt::print("  {:<44} {:>8} {}/s\n", name, rate > 0 ? format_rate(rate) : "-", unit);
+  };
+  fmt::print("Ceilings of {}, {} thread{}\n", cpu_name(), c.threads, c.threads == 1 ? "" : "s");
+  for (const MultiplyAddPeak& peak : c.multiply_adds) line(peak.instruction_set, peak.per_second, "multiply-adds");
+  line("bf16, AVX-512 vectors", c.bf16_vectors, "multiply-adds");
+  line("bf16, AMX tiles", c.bf16_tiles, "multiply-adds");
+  line("memory, u = v + s·w", c.memory_bandwidth, "bytes");
+  line("FFT of 4096 samples in cache, float", c.fft_in_cache, "operations");
+  line("FFT of 3840x2160 samples, float", c.fft_of_panel, "operations");
+}
+
+// --- the stages ---
+
+Json json_of(const std::string& group, const BenchRow& row) {
+  Json json{{"group", group}, {"stage", row.stage}, {"job", row.job}, {"unit", row.unit}};
+  if (!row.left_out.empty()) {
+    json["left_out"] = row.left_out;
+  } else {
+    json["seconds"] = row.seconds;
+    json["runs"] = row.runs;
+    json["rate_per_s"] = row.rate;
+  }
+  if (row.ceiling_rate > 0) {
+    json["ceiling"] = row.ceiling;
+    json["ceiling_per_s"] = row.ceiling_rate;
+    json["of_ceiling"] = row.of_ceiling;
+  }
+  if (row.error >= 0) json["error"] = row.error;
+  if (!row.facts.empty()) json["facts"] = row.facts;
+  return json;
+}
+
+std::string format_seconds(double seconds) {
+  return seconds < 0.1 ? fmt::format("{:.2f} ms", 1e3 * seconds) : fmt::format("{:.3f} s", seconds);
+}
+
+void print_head() {
+  fmt::print("\n{:<22} {:<52} {:>10} {:>8} {:<15} {:>10} {:>8}\n", "stage", "job", "time", "rate", "per second",
+             "of ceiling", "error");
+}
+
+void print_row(const BenchRow& row) {
+  if (!row.left_out.empty()) {
+    fmt::print("{:<22} {:<52} left out: {}\n", row.stage, row.job, row.left_out);
+    return;
+  }
+  fmt::print("{:<22} {:<52} {:>10} {:>8} {:<15} {:>10} {:>8}\n", row.stage, row.job, format_seconds(row.seconds),
+             format_rate(row.rate), row.unit,
+             row.ceiling_rate > 0 ? fmt::format("{:.0f} %", 100 * row.of_ceiling) : "-",
+             row.error >= 0 ? fmt::format("{:.1e}", row.error) : "-");
+}
+
+// A stage that refuses its job is a line that says so: the others still run.
+BenchRow run_step(const BenchStep& step) {
+  try {
+    return step.run();
+  } catch (const Error& error) {
+    return {.stage = step.name, .left_out = error.what()};
+  }
+}
+
+void run_bench(const BenchOptions& options, const std::vector<std::string>& only, bool is_json, Console& console) {
+  const Ceilings ceilings = measure_ceilings(console.watch("ceilings"));
+  Json json{{"version", HOLOTRACE_VERSION},
+            {"processor", cpu_name()},
+            {"threads", ceilings.threads},
+            {"ceilings", json_of(ceilings)},
+            {"stages", Json::array()}};
+  std::vector<BenchRow> rows;
+  for (const BenchGroup& group : groups) {
+    if (!only.empty() && std::find(only.begin(), only.end(), group.name) == only.end()) continue;
+    const Observer observer = console.watch(group.name);
+    const std::vector<BenchStep> steps = group.steps(options);
+    for (size_t i = 0; i < steps.size(); ++i) {
+      rows.push_back(run_step(steps[i]));
+      json["stages"].push_back(json_of(group.name, rows.back()));
+      observer.progress(double(i + 1) / double(steps.size()));
+    }
+  }
+  console.finish();
+  if (is_json) {
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  print_ceilings(ceilings);
+  if (rows.empty()) return;
+  print_head();
+  for (const BenchRow& row : rows) print_row(row);
 }
 
 }  // namespace
 
 void add_bench_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("bench", "speed of the stages on this machine: medians, ratios in one run");
-  auto is_json = std::make_shared<bool>(false);
-  command->add_flag("--json", *is_json, "as JSON");
-  command->callback([is_json, &global] {
-    const Grid panel = slm_preset("pluto").grid;
+  CLI::App* command = app.add_subcommand(
+      "bench", "what this machine reaches at best, and what part of it each stage does: medians, ratios in one run");
+  struct Options {
+    bool is_json = false, is_quick = false, is_full = false;
+    std::vector<std::string> only;
+  };
+  auto o = std::make_shared<Options>();
+  command->add_flag("--json", o->is_json, "as JSON");
+  command->add_flag("--quick", o->is_quick, "the small jobs alone, once or twice: some ten seconds");
+  command->add_flag("--full", o->is_full, "also the jobs that are left out because they would take longer than 15 s")
+      ->excludes("--quick");
+  command->add_option("--only", o->only, fmt::format("these stages alone: {}", fmt::join(group_names(), ", ")))
+      ->delimiter(',')
+      ->check(check_group, "NAME,NAME...", "NAME,NAME...");
+  command->callback([o, &global] {
+    BenchOptions options;
+    if (o->is_quick) options = {.is_quick = true, .seconds_per_row = 0.2, .longest_seconds = 1};
+    if (o->is_full) options.longest_seconds = 1e9;
     Console console(global.is_quiet);
-    nlohmann::ordered_json json;
-    json["threads"] = global.threads > 0 ? global.threads : int(std::thread::hardware_concurrency());
-    json["panel"] = fmt::format("{}x{} at {}", panel.nx, panel.ny, format_length(panel.pitch));
-    console.watch("trace");
-    json["trace"] = bench_trace();
-    console.watch("synthesis");
-    json["synthesis"] = bench_synthesis(panel);
-    console.watch("propagation");
-    json["propagation"] = bench_propagation(panel);
-    console.finish();
-    if (*is_json) {
-      fmt::print("{}\n", json.dump(2));
-      return;
-    }
-    const auto& s = json["synthesis"];
-    const auto& p = json["propagation"];
-    const auto& t = json["trace"];
-    fmt::print("panel {}, {} threads, {}\n", json["panel"].get<std::string>(), json["threads"].get<int>(),
-               s["instruction_set"].get<std::string>());
-    fmt::print("{:<44} {:>9.3g} rays/s ({:.0f} % of {:.3g} rays/s of Embree alone)\n",
-               fmt::format("trace, {} triangles", t["triangles"].get<int64_t>()), t["rays_per_s"].get<double>(),
-               100 * t["rays_over_embree"].get<double>(), t["embree_rays_per_s"].get<double>());
-    fmt::print("{:<44} {:>9.3g} waves·pixels/s\n", "exact", s["exact_waves_pixels_per_s"].get<double>());
-    fmt::print("{:<44} {:>9.3g} waves·pixels/s ({:.0f}× exact, off by {:.1e})\n",
-               "tiled, 4096 waves at 0.2 m, tolerance 1e-3", s["tiled_waves_pixels_per_s"].get<double>(),
-               s["tiled_over_exact"].get<double>(), s["tiled_error_against_exact"].get<double>());
-    fmt::print("{:<44} {:>9.1f} ms ({:.1f} ms with its transfer function made anew)\n",
-               "propagate 0.3 m, padded " + p["padded"].get<std::string>() + ", float",
-               1e3 * p["transfer_cached_seconds"].get<double>(), 1e3 * p["transfer_made_seconds"].get<double>());
+    run_bench(options, o->only, o->is_json, console);
   });
 }
 

@@ -1,7 +1,10 @@
-#include "bench_trace.h"
+// The step of holotrace bench that traces paths, beside the same rays followed by Embree alone.
+
+#include <fmt/format.h>
 
 #include <atomic>
 
+#include "bench.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
@@ -83,9 +86,7 @@ std::vector<LoggedRay> log_rays(const Scene& scene, const Grid& panel, double wa
   return log;
 }
 
-}  // namespace
-
-nlohmann::ordered_json bench_trace() {
+BenchRow bench_trace() {
   const Grid panel = slm_preset("pluto").grid;
   const double wavelength = 532_nm;
   const Scene scene = make_board_scene();
@@ -115,12 +116,22 @@ nlohmann::ordered_json bench_trace() {
   std::sort(traced.begin(), traced.end());
   std::sort(bare.begin(), bare.end());
   const double rate = double(count) / traced[3], embree = double(count) / bare[3];
-  return {{"triangles", triangles},
-          {"rays", count},
-          {"rays_per_s", rate},
-          {"embree_rays_per_s", embree},
-          {"rays_over_embree", rate / embree},
-          {"build_seconds", build}};
+  return {.stage = "trace",
+          .job = fmt::format("{} triangles, {} rays", triangles, short_count(count)),
+          .seconds = traced[3],
+          .runs = int(traced.size()),
+          .rate = rate,
+          .unit = "rays",
+          .ceiling_rate = embree,
+          .ceiling = "Embree alone",
+          .of_ceiling = rate / embree,
+          .facts = {{"triangles", triangles}, {"rays", count}, {"build_seconds", build}}};
+}
+
+}  // namespace
+
+std::vector<BenchStep> trace_steps(const BenchOptions&) {
+  return {{"trace", [] { return bench_trace(); }}};
 }
 
 }  // namespace holotrace

@@ -9,7 +9,10 @@
 #include "commands.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
+#include "holotrace/estimate/calibrate.h"
+#include "holotrace/io/rates_file.h"
 #include "holotrace/io/wisdom_file.h"
+#include "holotrace/wave/cost_model.h"
 
 namespace {
 
@@ -63,6 +66,7 @@ int main(int argc, char** argv) {
   add_bench_command(app, global);
 
   keep_fft_wisdom();
+  set_summation_rates([] { return keep_summation_rates(calibration_key(), calibrate_summation); });
   try {
     app.parse(argc, argv);
     return 0;

@@ -1,68 +1,72 @@
-// Synthesis and propagation on their own, for profiling and for comparing two builds:
-//   build/release/bench/holotrace_bench --benchmark_repetitions=5 --benchmark_report_aggregates_only
+// Summation of waves on its own, for profiling and for comparing two builds:
+//   build/release/bench/holotrace_bench --benchmark_filter=tiled --benchmark_repetitions=5
 
-#include <benchmark/benchmark.h>
-
-#include "holotrace/base/random.h"
-#include "holotrace/base/units.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/base/instruction_set.h"
+#include "holotrace/estimate/multiply_add_peak.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/synthesize.h"
+#include "jobs.h"
 
 namespace holotrace {
 namespace {
 
-using namespace literals;
-
-const Grid full_hd{1920, 1080, 8_um};
-
-Sources random_sources(int64_t count) {
-  Sources sources;
-  sources.wavelength = 532_nm;
-  CounterRandom random(1, 0, 0);
-  for (int64_t j = 0; j < count; ++j)
-    sources.waves.push_back({{(random.uniform() - 0.5) * full_hd.width(), (random.uniform() - 0.5) * full_hd.height(),
-                              -0.19_m - 0.02_m * random.uniform()},
-                             1,
-                             float(2 * pi * random.uniform())});
-  return sources;
-}
-
-void count_waves_pixels(benchmark::State& state, const Sources& sources) {
-  state.counters["waves_pixels/s"] =
-      benchmark::Counter(double(waves_pixels(sources, full_hd)), benchmark::Counter::kIsIterationInvariantRate);
+void count_waves_pixels(benchmark::State& state, const Sources& sources, const Grid& panel, double ceiling) {
+  count(state, "waves_pixels", double(waves_pixels(sources, panel)), ceiling);
 }
 
 void exact(benchmark::State& state) {
-  const Sources sources = random_sources(state.range(0));
-  for (auto _ : state) benchmark::DoNotOptimize(sum_exact(sources, full_hd));
-  count_waves_pixels(state, sources);
+  const Grid panel = panel_of(state.range(0));
+  const Sources sources = random_sources(panel, state.range(1), 0);
+  for (auto _ : state) benchmark::DoNotOptimize(sum_exact(sources, panel));
+  count_waves_pixels(state, sources, panel, 0);
 }
-BENCHMARK(exact)->Arg(16)->Unit(benchmark::kMillisecond)->UseRealTime();
-
-void tiled(benchmark::State& state) {
-  const Sources sources = random_sources(state.range(0));
-  const double tolerance = 1.0 / double(state.range(1));
-  for (auto _ : state) benchmark::DoNotOptimize(sum_tiled(sources, full_hd, tolerance));
-  count_waves_pixels(state, sources);
-}
-BENCHMARK(tiled)
-    ->ArgNames({"waves", "1/tolerance"})
-    ->Args({1000, 1000})
-    ->Args({4096, 1000})
-    ->Args({10000, 1000})
-    ->Args({4096, 10000})
+BENCHMARK(exact)
+    ->ArgNames({"panel", "waves"})
+    ->Args({0, 16})
+    ->Args({1, 4})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-void propagation(benchmark::State& state) {
-  Field field(full_hd, 532_nm);
-  for (auto& u : field.samples.values) u = 1;
-  const auto propagator = make_propagator<float>(full_hd, 532_nm, 0.3_m);
-  for (auto _ : state) benchmark::DoNotOptimize(propagate(field, propagator));
+void tiled_on(benchmark::State& state, const std::string& instruction_set) {
+  const OnInstructionSet alone(instruction_set);
+  const double ceiling = measure_multiply_add_peak() / 4;  // four multiply-adds for each wave and pixel
+  const Grid panel = panel_of(state.range(0));
+  const Sources sources = random_sources(panel, state.range(1), state.range(2));
+  for (auto _ : state) benchmark::DoNotOptimize(sum_tiled(sources, panel, 1.0 / double(state.range(3))));
+  count_waves_pixels(state, sources, panel, ceiling);
 }
-BENCHMARK(propagation)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void by_method(benchmark::State& state, SynthesisMethod method) {
+  const double ceiling = measure_multiply_add_peak() / 4;
+  const Grid panel = panel_of(state.range(0));
+  const Sources sources = random_sources(panel, state.range(1), state.range(2));
+  const SynthesizeParams params{.method = method, .tolerance = 1.0 / double(state.range(3))};
+  for (auto _ : state) benchmark::DoNotOptimize(synthesize(sources, panel, params));
+  count_waves_pixels(state, sources, panel, ceiling);
+}
+
+// The kernels by instruction set are known only when the program runs.
+const bool is_registered = [] {
+  for (const std::string& name : instruction_sets())
+    benchmark::RegisterBenchmark(("tiled_" + name).c_str(), tiled_on, name)
+        ->ArgNames({"panel", "waves", "depths", "1/tolerance"})
+        ->ArgsProduct({{0}, {1000, 10000}, {0, 1}, {1000}})
+        ->Args({0, 1000, 0, 100})
+        ->Args({0, 1000, 0, 10000})
+        ->Args({1, 1000, 0, 1000})
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+  for (const auto& [name, method] :
+       {std::pair{"planes", SynthesisMethod::planes}, {"auto", SynthesisMethod::automatic}})
+    benchmark::RegisterBenchmark(name, by_method, method)
+        ->ArgNames({"panel", "waves", "depths", "1/tolerance"})
+        ->ArgsProduct({{0, 1}, {1000, 10000, 100000, 500000}, {0, 1}, {1000}})
+        ->ArgsProduct({{0, 1}, {100000, 500000}, {0}, {333}})
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+  return true;
+}();
 
 }  // namespace
 }  // namespace holotrace

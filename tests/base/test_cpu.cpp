@@ -34,7 +34,9 @@ TEST(Cpu, ReducedPrecisionIsFoundWhereTheSystemListsIt) {
   if (system_says("flags").empty()) GTEST_SKIP() << "the system lists no features";
   EXPECT_EQ(has_avx512_bf16(), system_has("avx512_bf16"));
   // The system may still refuse the state of tiles: only the other direction is sure.
-  if (enable_amx_bf16()) EXPECT_TRUE(system_has("amx_bf16"));
+  if (enable_amx_bf16()) {
+    EXPECT_TRUE(system_has("amx_bf16"));
+  }
   EXPECT_EQ(enable_amx_bf16(), enable_amx_bf16()) << "the answer is kept";
 }
 

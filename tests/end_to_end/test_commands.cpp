@@ -292,7 +292,7 @@ TEST(Commands, EstimateScalesItsProbeToTheWholeRaster) {
   }
 }
 
-// `bench` itself takes 7 to 20 s, by the load of the machine: too long for a test.
+// `bench` itself runs in test_bench.cpp, on its small jobs.
 TEST(Commands, EveryHelpTextNamesItsCommand) {
   const Workplace work;
   EXPECT_NE(succeed(work, {"--help"}).find("Usage"), std::string::npos);

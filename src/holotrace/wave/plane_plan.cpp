@@ -7,6 +7,7 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/wave/cost_model.h"
 #include "holotrace/wave/tile_error.h"
 
 namespace holotrace {
@@ -178,25 +179,26 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
 
 namespace {
 
-// The constants are measured: a wave's numbers in a tile, its lines of the kernel in and out of the second cache, an
-// entry of a strip, a transform's operations.
-double work_of(const PlanesPlan& plan, const TileCounts& counts, double tiles_of_panel, const TilePlan& direct) {
-  const double planes = plan.nodes, m = 2 * plan.tile;
-  const double bytes = planes * (m + 16) * (m + 24) * 8, lines = planes * plan.width * (plan.width <= 4 ? 8 : 16);
-  const double spreads = counts.whole * (3000 + lines * (bytes < 2e6 ? 14 : 40));
+SummationWork work_of(const PlanesPlan& plan, const TileCounts& counts, double tiles_of_panel, const TilePlan& direct) {
+  const double planes = plan.nodes, m = 2 * plan.tile, cells = m + 2 * PlaneTables::margin;
+  // Grids that the second cache does not hold take three times as long to add to.
+  const double cache = planes * cells * cells * 8 < 2e6 ? 1 : 3;
+  const double per_wave = cache * planes * plan.width * (plan.width <= 4 ? 4 : GriddingKernel::greatest_width);
   // Half of a tile's strips at most are made up for, a quarter on average, and one more in part.
-  const double strips = counts.partial * (1.5 + plan.tile / (4.0 * strip_width)) * (1000 + 128 * planes * plan.width);
-  const double corners = counts.corners * plan.tile * plan.tile / 2 * work_per_pixel(direct);
-  const double transforms =
-      tiles_of_panel * plan.slabs * planes * (plan.is_corrected ? 5 : 1) * (m * m * 1.5 * 5 * std::log2(m) * 16);
-  return spreads + strips + corners + transforms;
+  const double entries = counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
+  const double transforms = tiles_of_panel * plan.slabs * planes * (plan.is_corrected ? 5 : 1);
+  SummationWork work{.plane_waves = counts.whole + entries,
+                     .spreads = counts.whole * per_wave + entries * planes * plan.width * strip_width,
+                     .fft_operations = transforms * 1.5 * m * fft_operations(m),
+                     .samples = transforms * 2 * m * m};
+  return work + counts.corners * plan.tile * plan.tile / 2 * tile_work(direct);
 }
 
 }  // namespace
 
 PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
                            const PixelBox& bounds, double wavelength, double tolerance, double coherence,
-                           double most_work) {
+                           double most_seconds) {
   PlanesChoice best{};
   // Many plans are looked at: an eighth of the pixels tells their errors to a few percent.
   std::vector<DrawnPixel> pixels;
@@ -205,10 +207,13 @@ PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePla
     if (i % 16 < 2) pixels.push_back(drawn[i]);  // one of each kind of draw
   const DepthRange depths = depths_of(waves);
   const double goal = tolerance * std::sqrt(coherence) / 1.25;
-  const auto offer = [&](const PlanesPlan& plan, double error, double work, const SplitEnergies& energies) {
+  const SummationRates rates = summation_rates();
+  const auto offer = [&](const PlanesPlan& plan, double error, const SummationWork& work,
+                         const SplitEnergies& energies) {
+    const double seconds = predict_seconds(work, rates, 1);
     const bool meets = error <= goal;
-    const bool is_better = meets != best.meets_tolerance ? meets : meets ? work < best.work : error < best.error;
-    if (is_better || best.work == 0) best = {plan, error / std::sqrt(coherence), work, energies, meets};
+    const bool is_better = meets != best.meets_tolerance ? meets : meets ? seconds < best.seconds : error < best.error;
+    if (is_better || best.seconds == 0) best = {plan, error / std::sqrt(coherence), work, seconds, energies, meets};
   };
   for (const int tile : tiles) {
     const TileCounts counts = count_tiles(waves, bounds, tile);
@@ -220,7 +225,9 @@ PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePla
         for (int nodes = 1; nodes <= 8; ++nodes) {
           PlanesPlan plan{tile, 2, nodes, slabs, is_corrected};
           // Nothing dearer than what is known to do.
-          if (work_of(plan, counts, of_panel, direct) >= (best.meets_tolerance ? best.work : most_work)) break;
+          if (predict_seconds(work_of(plan, counts, of_panel, direct), rates, 1) >=
+              (best.meets_tolerance ? best.seconds : most_seconds))
+            break;
           const SplitEnergies energies = measure_planes(pixels, depths, grid, bounds, wavelength, plan);
           const double planes = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
           for (int width = 2; width <= GriddingKernel::greatest_width; ++width) {

@@ -18,7 +18,8 @@ PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, d
 struct PlanesChoice {
   PlanesPlan plan;
   double error = 0;
-  double work = 0;  ///< in multiply-adds of single precision, as work_per_pixel
+  SummationWork work;
+  double seconds = 0;  ///< that one thread should take for it
   SplitEnergies energies;
   bool meets_tolerance = false;
 };
@@ -31,14 +32,14 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
 /// Whether a wave's box is at least four of the smallest tiles wide: fewer than half of its tiles are lit in part.
 bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 
-/// The cheapest plan whose expected error, with a margin of a quarter, is below the tolerance; the most accurate one if
-/// none is.
+/// The fastest plan on this machine (cost_model.h) whose expected error, with a margin of a quarter, is below the
+/// tolerance; the most accurate one if none is.
 /// @param waves      all of which suit planes, at least one
 /// @param direct     how waves are summed in the tiles that hold a corner of their box
 /// @param coherence  as for choose_tile
-/// @param most_work   plans that take more are not looked at, and do not count as meeting the tolerance
+/// @param most_seconds  plans that take one thread longer are not looked at
 PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
                            const PixelBox& bounds, double wavelength, double tolerance, double coherence = 1,
-                           double most_work = 1e300);
+                           double most_seconds = 1e300);
 
 }  // namespace holotrace

@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/thread_count.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/wave/cost_model.h"
 #include "holotrace/wave/packed_product.h"
 #include "holotrace/wave/plane_plan.h"
 #include "holotrace/wave/sum_tiled.h"
@@ -26,10 +28,14 @@ struct PartPlan {
   double energy() const { return planes.energies.waves + (near.empty() ? 0 : tiles.energies.waves); }
 };
 
-double work_of_tiles(const std::vector<PreparedWave>& waves, const TilePlan& plan) {
+SummationWork work_of_tiles(const std::vector<PreparedWave>& waves, const TilePlan& plan) {
   double pixels = 0;
   for (const PreparedWave& wave : waves) pixels += double(wave.box.pixels());
-  return pixels * work_per_pixel(plan);
+  return pixels * tile_work(plan);
+}
+
+SummationWork work_of(const PartPlan& plan) {
+  return (plan.far.empty() ? SummationWork() : plan.planes.work) + work_of_tiles(plan.near, plan.tiles.plan);
 }
 
 PartPlan plan_tiles(std::vector<PreparedWave> waves, const Grid& grid, const PixelBox& bounds, double wavelength,
@@ -41,14 +47,15 @@ PartPlan plan_tiles(std::vector<PreparedWave> waves, const Grid& grid, const Pix
 }
 
 PartPlan plan_planes(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
-                     double wavelength, double tolerance, double coherence, double most_work) {
+                     double wavelength, double tolerance, double coherence, double most_seconds) {
   PartPlan plan;
   for (const PreparedWave& wave : waves)
     (suits_planes(wave, wavelength, grid.pitch) ? plan.far : plan.near).push_back(wave);
   const std::vector<PreparedWave>& in_tiles = plan.near.empty() ? waves : plan.near;  // or in corners of boxes
   plan.tiles = choose_tile(draw_pixels(in_tiles), grid, bounds, wavelength, tolerance, coherence);
   if (!plan.far.empty())
-    plan.planes = choose_planes(plan.far, plan.tiles.plan, grid, bounds, wavelength, tolerance, coherence, most_work);
+    plan.planes =
+        choose_planes(plan.far, plan.tiles.plan, grid, bounds, wavelength, tolerance, coherence, most_seconds);
   return plan;
 }
 
@@ -57,11 +64,11 @@ PartPlan make_plan(const std::vector<PreparedWave>& waves, const Grid& grid, con
   if (approach == Approach::planes) return plan_planes(waves, grid, bounds, wavelength, tolerance, coherence, 1e300);
   PartPlan tiles = plan_tiles(waves, grid, bounds, wavelength, tolerance, coherence);
   if (approach == Approach::tiled) return tiles;
-  const double by_tiles = tiles.meets_tolerance() ? work_of_tiles(waves, tiles.tiles.plan) : 1e300;
+  const auto seconds = [](const PartPlan& plan) { return predict_seconds(work_of(plan), summation_rates(), 1); };
+  const double by_tiles = tiles.meets_tolerance() ? seconds(tiles) : 1e300;
   PartPlan planes = plan_planes(waves, grid, bounds, wavelength, tolerance, coherence, by_tiles);
   if (planes.far.empty() || !planes.meets_tolerance()) return tiles;
-  const double by_planes = planes.planes.work + work_of_tiles(planes.near, planes.tiles.plan);
-  return by_planes < by_tiles ? planes : tiles;
+  return seconds(planes) < by_tiles ? planes : tiles;
 }
 
 // Calls work(box, buffers) for the tiles of `bounds`, from its top left corner on.
@@ -141,6 +148,7 @@ struct PartSum {
   bool meets_tolerance = false;
   double reachable = 0;
   std::string method, how;
+  double predicted_seconds = 0;  // of all rounds
 };
 
 PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds, double tolerance, Approach approach,
@@ -150,8 +158,9 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds,
   double coherence = 1;
   for (int round = 0; round < 3; ++round) {
     const PartPlan plan = make_plan(waves, field.grid, bounds, field.wavelength, tolerance, coherence, approach);
-    part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan)};
+    part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan), part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
+    part.predicted_seconds += predict_seconds(work_of(plan), summation_rates(), thread_count());
     run_plan(plan, bounds, field, observer);
     const double met = std::min(1.0, coherence_of(field, bounds, plan.energy()));
     part.reachable = 1.25 * plan.error() * std::sqrt(coherence / met);
@@ -174,6 +183,7 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   Field field(grid, sources.wavelength);
   // Parts whose error is at most the tolerance times their own energy make a whole of which the same holds.
   PartSum worst;
+  double predicted = 0;
   const int parts = panel_parts(sources);
   for (int part = 0; part < parts; ++part) {
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
@@ -181,12 +191,14 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
     const PartSum done =
         sum_part(waves, panel_part(sources, grid, part), tolerance, approach, field, part_of(observer, part, parts));
     if (done.reachable >= worst.reachable) worst = done;
+    predicted += done.predicted_seconds;
     reachable = worst.reachable;
     if (!done.meets_tolerance) return std::nullopt;
   }
   if (worst.reachable == 0) return field;
   observer.fact("method", worst.method);
   observer.fact("how", worst.how);
+  observer.fact("predicted_seconds", predicted);
   observer.fact("expected_error", worst.reachable / 1.25);
   return field;
 }

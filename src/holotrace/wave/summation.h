@@ -16,7 +16,7 @@ enum class Approach { tiled, planes, cheapest };
 /// amplitudes of their own there, a plan whose measured error meets the tolerance, its sum, and a look at the result:
 /// where waves turn out to cancel, so that their errors weigh more, the sum is made again by a finer plan.
 ///
-/// Facts: method, how (the plan of the part with the greatest error), expected_error.
+/// Facts: method, how (the plan of the part with the greatest error), expected_error, predicted_seconds (cost_model.h).
 /// @return  no field where no plan meets the tolerance; `reachable` is then set to one that does
 std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
                              double& reachable, const Observer& observer);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "holotrace/wave/cost_model.h"
 #include "holotrace/wave/packed_product.h"
 
 namespace holotrace {
@@ -37,15 +38,17 @@ double rounding_error(TileProducts products) {
   return 4e-6;
 }
 
-double work_per_pixel(const TilePlan& plan) {
-  // As measured: a factor takes the time of 56 multiply-adds, and rounding and packing a part of its three numbers 40.
-  constexpr double factor = 56, packing = 40;
-  const double factors = double(plan.shape.columns + plan.shape.rows) / (plan.shape.columns * plan.shape.rows);
-  if (plan.products == TileProducts::single) return 3 + factors * factor;
-  const double parts = plan.products == TileProducts::bf16 ? 1 : 2,
-               products = plan.products == TileProducts::bf16 ? 3 : 9;
-  const double product = packed_unit() == PackedUnit::amx ? 0.08 : 0.6;  // against one of single precision
-  return products * product + factors * (factor + parts * packing);
+SummationWork tile_work(const TilePlan& plan) {
+  const double pixels = double(plan.shape.columns) * plan.shape.rows;
+  SummationWork work{.factors = (plan.shape.columns + plan.shape.rows) / pixels, .wave_tiles = 1 / pixels};
+  if (plan.products == TileProducts::single) {
+    work.multiply_adds = 3;
+    return work;
+  }
+  const bool is_split = plan.products == TileProducts::split_bf16;
+  work.bf16_multiply_adds = is_split ? 9 : 3;
+  work.packings = work.factors * (is_split ? 2 : 1);
+  return work;
 }
 
 namespace {
@@ -60,6 +63,8 @@ bool can_run(const TilePlan& plan) {
 TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const Grid& grid, const PixelBox& bounds,
                        double wavelength, double tolerance, double coherence) {
   TileChoice best{};
+  const SummationRates rates = summation_rates();
+  const auto seconds = [&](const TilePlan& plan) { return predict_seconds(tile_work(plan), rates, 1); };
   for (const TileShape shape : tile_shapes) {
     const SplitEnergies energies = measure_split(pixels, grid, bounds, wavelength, shape);
     const double split = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
@@ -69,7 +74,7 @@ TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const Grid& grid, 
       const double error = std::hypot(split, rounding_error(products)) / std::sqrt(coherence);
       const bool meets = 1.25 * error <= tolerance;
       const bool is_better =
-          meets == best.meets_tolerance ? (meets ? work_per_pixel(plan) < work_per_pixel(best.plan) : true) : meets;
+          meets == best.meets_tolerance ? (meets ? seconds(plan) < seconds(best.plan) : true) : meets;
       if (is_better) best = {plan, error, energies, meets};
     }
     // Smaller tiles are dearer: the first that does it in single precision is the last to look at.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/data/grid.h"
+#include "holotrace/data/summation_rates.h"
 #include "holotrace/wave/spherical_wave_kernel.h"
 #include "holotrace/wave/wave_draw.h"
 
@@ -56,8 +57,8 @@ struct TileChoice {
   bool meets_tolerance = false;
 };
 
-/// The cheapest plan on this machine whose expected error, with a margin of a quarter, is below the tolerance; the most
-/// accurate one if none is.
+/// The fastest plan on this machine (cost_model.h) whose expected error, with a margin of a quarter, is below the
+/// tolerance; the most accurate one if none is.
 ///
 /// @param coherence  energy of the field over the sum of its waves' energies: 1 for random phases, less
 ///                   where the waves cancel, so that their errors weigh more
@@ -65,9 +66,9 @@ struct TileChoice {
 TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const Grid& grid, const PixelBox& bounds,
                        double wavelength, double tolerance, double coherence = 1);
 
-/// Work of a plan per wave and pixel, in multiply-adds of single precision: its products and, spread over the tile,
-/// its factors.
-double work_per_pixel(const TilePlan& plan);
+/// Work of a plan for one wave and pixel: its products and, spread over the tile, what is done once per column and row
+/// and once per tile.
+SummationWork tile_work(const TilePlan& plan);
 
 /// The same for tiles over the whole grid.
 inline TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,

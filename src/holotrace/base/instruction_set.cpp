@@ -1,0 +1,46 @@
+#include "holotrace/base/instruction_set.h"
+
+#include <hwy/highway.h>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/suggest.h"
+
+namespace holotrace {
+namespace {
+
+// The lowest bit is the best of them.
+std::vector<int64_t> targets_here() {
+  std::vector<int64_t> targets;
+  for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
+    const int64_t target = left & -left;
+    const bool is_covered = target & (HWY_SSSE3 | HWY_SCALAR | HWY_EMU128);
+    if (!is_covered || targets.empty()) targets.push_back(target);
+  }
+  return targets;
+}
+
+void pick_among(int64_t targets) {
+  hwy::SetSupportedTargetsForTest(targets);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+}  // namespace
+
+std::vector<std::string> instruction_sets() {
+  std::vector<std::string> names;
+  for (const int64_t target : targets_here()) names.push_back(hwy::TargetName(target));
+  return names;
+}
+
+OnInstructionSet::OnInstructionSet(const std::string& name) {
+  for (const int64_t target : targets_here())
+    if (hwy::TargetName(target) == name) {
+      pick_among(target);
+      return;
+    }
+  throw Error(unknown_name_message("instruction set", name, instruction_sets()));
+}
+
+OnInstructionSet::~OnInstructionSet() { pick_among(0); }
+
+}  // namespace holotrace

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace holotrace {
+
+/// What a way of summing waves has to do, counted before it is done.
+struct SummationWork {
+  double exact_terms = 0;         ///< waves·pixels summed one by one in double
+  double multiply_adds = 0;       ///< of floats, in the products of tiles
+  double bf16_multiply_adds = 0;  ///< the same of bf16 numbers
+  double factors = 0;             ///< columns and rows of waves in tiles: a sine and a cosine each
+  double packings = 0;            ///< of a part of a factor's three numbers in bf16
+  double wave_tiles = 0;          ///< pairs of a wave and a tile: what is done once for each
+  double plane_waves = 0;         ///< the same pairs where waves go to recording planes: phases and kernel weights
+  double spreads = 0;             ///< cells of recording planes that waves are added to, complex
+  double fft_operations = 0;      ///< Σ 5·N·log₂N of the transforms
+  double samples = 0;             ///< complex samples multiplied by a transfer function, added up or copied
+};
+
+/// How many of each one thread of this machine does in a second; 0 where it cannot. The values here are those of an
+/// ordinary processor with AVX2 that nobody has measured.
+struct SummationRates {
+  double exact_terms = 2e7;
+  double multiply_adds = 3e10;
+  double bf16_multiply_adds = 0;
+  double factors = 6e8;
+  double packings = 1e9;
+  double wave_tiles = 3e7;
+  double plane_waves = 1.5e7;
+  double spreads = 1e9;
+  double fft_operations = 6e9;
+  double samples = 3e8;
+};
+
+/// A kind of work: its name in files, its count and its rate.
+struct SummationTerm {
+  const char* name;
+  double SummationWork::*count;
+  double SummationRates::*rate;
+};
+
+/// All of them, once: what predicts, measures, rounds and keeps them goes by this list.
+inline constexpr std::array<SummationTerm, 10> summation_terms{{
+    {"exact_terms", &SummationWork::exact_terms, &SummationRates::exact_terms},
+    {"multiply_adds", &SummationWork::multiply_adds, &SummationRates::multiply_adds},
+    {"bf16_multiply_adds", &SummationWork::bf16_multiply_adds, &SummationRates::bf16_multiply_adds},
+    {"factors", &SummationWork::factors, &SummationRates::factors},
+    {"packings", &SummationWork::packings, &SummationRates::packings},
+    {"wave_tiles", &SummationWork::wave_tiles, &SummationRates::wave_tiles},
+    {"plane_waves", &SummationWork::plane_waves, &SummationRates::plane_waves},
+    {"spreads", &SummationWork::spreads, &SummationRates::spreads},
+    {"fft_operations", &SummationWork::fft_operations, &SummationRates::fft_operations},
+    {"samples", &SummationWork::samples, &SummationRates::samples},
+}};
+
+/// The work of one thing and another.
+inline SummationWork operator+(SummationWork a, const SummationWork& b) {
+  for (const SummationTerm& term : summation_terms) a.*term.count += b.*term.count;
+  return a;
+}
+
+inline SummationWork operator*(double factor, SummationWork work) {
+  for (const SummationTerm& term : summation_terms) work.*term.count *= factor;
+  return work;
+}
+
+/// The nearest power of 2^(1/4): measured rates are kept in steps of a fifth, so that a second measurement of the same
+/// machine gives the same numbers more often than not.
+inline double coarse_rate(double rate) { return rate > 0 ? std::exp2(std::round(4 * std::log2(rate)) / 4) : 0; }
+
+}  // namespace holotrace

@@ -1,0 +1,67 @@
+#include "holotrace/io/rates_file.h"
+
+#include <cmath>
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/cache_folder.h"
+#include "holotrace/io/file.h"
+
+namespace holotrace {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What the file holds, an empty object where it holds nothing that can be read.
+Json read_machines(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) return Json::object();
+  const Json json = Json::parse(read_text(path), nullptr, false);
+  return json.is_object() ? json : Json::object();
+}
+
+std::optional<SummationRates> rates_of(const Json& machines, const std::string& key) {
+  const auto found = machines.find(key);
+  if (found == machines.end() || !found->is_object()) return std::nullopt;
+  SummationRates rates;
+  double sum = 0;
+  for (const SummationTerm& term : summation_terms) {
+    const auto value = found->find(term.name);
+    if (value == found->end() || !value->is_number()) return std::nullopt;
+    const double rate = value->get<double>();
+    if (!std::isfinite(rate) || rate < 0) return std::nullopt;
+    rates.*term.rate = rate;
+    sum += rate;
+  }
+  return sum > 0 ? std::optional(rates) : std::nullopt;
+}
+
+Json json_of(const SummationRates& rates) {
+  Json json;
+  for (const SummationTerm& term : summation_terms) json[term.name] = rates.*term.rate;
+  return json;
+}
+
+}  // namespace
+
+SummationRates keep_summation_rates(const std::string& key, const std::function<SummationRates()>& calibrate) {
+  const std::optional<std::string> folder = writable_cache_folder();
+  if (!folder) return {};
+  const std::string path = *folder + "/summation_rates.json";
+  LockFile file_lock(path + ".lock");
+  const std::lock_guard lock(file_lock);
+  try {
+    Json machines = read_machines(path);
+    if (const std::optional<SummationRates> kept = rates_of(machines, key)) return *kept;
+    const SummationRates rates = calibrate();
+    machines[key] = json_of(rates);
+    write_text(path, machines.dump(2) + "\n");
+    return rates;
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+}  // namespace holotrace

@@ -1,0 +1,66 @@
+// holotrace bench: what it prints and what programs read of it. No timing is asserted.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/program.h"
+
+namespace holotrace {
+namespace {
+
+using test::Workplace;
+
+TEST(Bench, JsonHasTheCeilingsAndEachStageAsAPartOfItsOwn) {
+  const test::Outcome outcome = Workplace().run({"bench", "--quick", "--only", "exact,tiled", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_GE(json["threads"].get<int>(), 1);
+  EXPECT_FALSE(json["processor"].get<std::string>().empty());
+  const auto& ceilings = json["ceilings"];
+  ASSERT_FALSE(ceilings["multiply_adds_per_s"].empty());
+  for (const auto& peak : ceilings["multiply_adds_per_s"]) EXPECT_GT(peak.get<double>(), 0);
+  for (const char* name : {"memory_bytes_per_s", "fft_in_cache_operations_per_s", "fft_3840x2160_operations_per_s"})
+    EXPECT_GT(ceilings[name].get<double>(), 0) << name;
+  for (const char* name : {"bf16_vector_multiply_adds_per_s", "bf16_tile_multiply_adds_per_s"})
+    EXPECT_GE(ceilings[name].get<double>(), 0) << name;
+
+  size_t tiled = 0;
+  for (const auto& stage : json["stages"]) {
+    SCOPED_TRACE(stage.dump());
+    EXPECT_TRUE(stage["group"] == "exact" || stage["group"] == "tiled") << "only these were asked for";
+    EXPECT_EQ(stage["unit"], "waves·pixels");
+    const double rate = stage["rate_per_s"], seconds = stage["seconds"];
+    EXPECT_GT(seconds, 0);
+    if (stage["group"] == "exact") {
+      EXPECT_FALSE(stage.contains("of_ceiling")) << "nothing is known that bounds it";
+      continue;
+    }
+    ++tiled;
+    // Each run is divided by the ceiling beside it; their medians need not be of the same run.
+    EXPECT_GT(stage["of_ceiling"].get<double>(), 0);
+    EXPECT_GT(stage["ceiling_per_s"].get<double>(), 0);
+    EXPECT_LE(stage["error"].get<double>(), 1e-3) << "the tolerance that was asked for";
+    // A kernel cannot light more than all pixels by all waves: the amount over the time is the rate.
+    EXPECT_LE(rate * seconds, 1e3 * 1920 * 1080 * 1.0001);
+    EXPECT_GT(rate * seconds, 0.3 * 1e3 * 1920 * 1080) << "at 0.2 m most waves light most of the panel";
+  }
+  EXPECT_EQ(tiled, ceilings["multiply_adds_per_s"].size()) << "a line for each instruction set";
+}
+
+TEST(Bench, TableNamesTheCeilingsAlone) {
+  const test::Outcome outcome = Workplace().run({"bench", "--only", "ceilings"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("multiply-adds/s"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("memory"), std::string::npos);
+  EXPECT_EQ(outcome.out.find("of ceiling"), std::string::npos) << "no stage was asked for";
+}
+
+TEST(Bench, AnUnknownGroupIsWrongUsageAndSuggestsTheNearest) {
+  const test::Outcome outcome = Workplace().run({"bench", "--only", "tield"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("did you mean \"tiled\"?"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace holotrace

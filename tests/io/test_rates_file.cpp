@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "holotrace/io/file.h"
+#include "holotrace/io/rates_file.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A cache folder of the test's own, and a calibration that counts its calls.
+class RatesFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (const char* now = std::getenv("XDG_CACHE_HOME")) before_ = now;
+    cache_ = test::temporary("cache");
+    setenv("XDG_CACHE_HOME", cache_.c_str(), 1);
+  }
+  void TearDown() override {
+    if (before_.empty())
+      unsetenv("XDG_CACHE_HOME");
+    else
+      setenv("XDG_CACHE_HOME", before_.c_str(), 1);
+  }
+
+  SummationRates keep(const std::string& key) {
+    return keep_summation_rates(key, [this] {
+      ++calibrations_;
+      SummationRates rates;
+      rates.spreads = 1000 + calibrations_;
+      return rates;
+    });
+  }
+  std::string path() const { return cache_ + "/holotrace/summation_rates.json"; }
+
+  std::string before_, cache_;
+  int calibrations_ = 0;
+};
+
+TEST_F(RatesFile, AMachineIsMeasuredOnce) {
+  EXPECT_EQ(keep("this machine").spreads, 1001);
+  EXPECT_EQ(keep("this machine").spreads, 1001);
+  EXPECT_EQ(calibrations_, 1);
+  EXPECT_TRUE(fs::exists(path()));
+}
+
+TEST_F(RatesFile, MachinesThatShareAFolderKeepTheirOwn) {
+  EXPECT_EQ(keep("this machine").spreads, 1001);
+  EXPECT_EQ(keep("another version").spreads, 1002);
+  EXPECT_EQ(keep("this machine").spreads, 1001);
+  EXPECT_EQ(keep("another version").spreads, 1002);
+}
+
+TEST_F(RatesFile, DamageIsMended) {
+  keep("this machine");
+  const std::string whole = read_text(path());
+  const std::string half = whole.substr(0, whole.size() / 2);
+  std::string negative = whole;
+  negative.replace(negative.find("1001"), 4, "-100");
+  std::string text = whole;
+  text.replace(text.find("1001"), 4, "\"1\" ");
+  int expected = 1;
+  for (const std::string& damaged :
+       {std::string(), half, std::string("[1, 2]"), std::string("null"), std::string("\0\xff{", 3),
+        std::string("{\"this machine\": 7}"), std::string("{\"this machine\": {}}"), negative, text}) {
+    write_text(path(), damaged);
+    EXPECT_EQ(keep("this machine").spreads, 1000 + ++expected) << damaged;
+    EXPECT_EQ(keep("this machine").spreads, 1000 + expected) << "kept again after: " << damaged;
+  }
+  EXPECT_EQ(calibrations_, expected);
+}
+
+TEST_F(RatesFile, WhereNothingCanBeKeptTheDefaultsHold) {
+  // A file where the folder should be: neither made nor written to, by root either.
+  fs::create_directories(cache_);
+  std::ofstream(cache_ + "/holotrace") << "in the way";
+  EXPECT_EQ(keep("this machine").spreads, SummationRates().spreads);
+  EXPECT_EQ(calibrations_, 0) << "rates that differ from run to run are worse than none";
+}
+
+TEST_F(RatesFile, AFolderInTheFilesPlaceIsNoError) {
+  fs::create_directories(path());
+  EXPECT_EQ(keep("this machine").spreads, SummationRates().spreads);
+}
+
+}  // namespace
+}  // namespace holotrace
