@@ -44,13 +44,14 @@ double GriddingKernel::value(double x) const {
   return inside <= 0 ? 0 : std::exp(2.30 * width_ * (std::sqrt(inside) - 1));
 }
 
-double GriddingKernel::transform(double xi) const {
+double GriddingKernel::moment(int n, double xi) const {
   // φ is smooth inside and small at the ends, e^−β: with x = (w/2)·sin θ the midpoint rule converges fast.
   constexpr int points = 200;
   double sum = 0;
   for (int i = 0; i < points; ++i) {
     const double theta = pi * ((i + 0.5) / points - 0.5), x = width_ / 2.0 * std::sin(theta);
-    sum += value(x) * std::cos(2 * pi * xi * x) * std::cos(theta);
+    const double wave = n % 2 == 0 ? std::cos(2 * pi * xi * x) : std::sin(2 * pi * xi * x);
+    sum += std::pow(x, n) * value(x) * wave * std::cos(theta);
   }
   return sum * pi / points * width_ / 2;
 }

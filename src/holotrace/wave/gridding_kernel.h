@@ -27,7 +27,10 @@ class GriddingKernel {
   const float* coefficients(int power) const { return &coefficients_[std::size_t(power) * greatest_width]; }
 
   /// Fourier transform φ̂(ξ) = ∫φ(x)·cos(2πξx)dx; ξ in cycles per cell.
-  double transform(double xi) const;
+  double transform(double xi) const { return moment(0, xi); }
+
+  /// ∫xⁿφ(x)·exp(2πiξx)dx, of which the even moments are real and the odd ones i times what is given.
+  double moment(int n, double xi) const;
 
   double value(double x) const;
 

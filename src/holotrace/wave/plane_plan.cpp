@@ -168,8 +168,8 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
     std::complex<double> model = 1;  // of the direct sum
     if (all_x && all_y) model = in_tile(dx - u, dy - v, w.depth, u, v, slab, tables);
     const double across_u = in_own_strip(i) * grid.pitch, across_v = in_own_strip(j) * grid.pitch;
-    if (!all_x && all_y) model = in_strip(dx - across_u, dy - v, w.depth, across_u, v, slab, tables);
-    if (all_x && !all_y) model = in_strip(dy - across_v, dx - u, w.depth, across_v, u, slab, tables);
+    if (plan.has_strips && !all_x && all_y) model = in_strip(dx - across_u, dy - v, w.depth, across_u, v, slab, tables);
+    if (plan.has_strips && all_x && !all_y) model = in_strip(dy - across_v, dx - u, w.depth, across_v, u, slab, tables);
     const double d2 = w.depth * w.depth, energy = w.amplitude * w.amplitude * (d2 / (dx * dx + dy * dy + d2)) / density;
     energies.error += energy * std::norm(model - 1.0);
     energies.waves += energy;
@@ -185,13 +185,16 @@ SummationWork work_of(const PlanesPlan& plan, const TileCounts& counts, double t
   const double cache = planes * cells * cells * 8 < 2e6 ? 1 : 3;
   const double per_wave = cache * planes * plan.width * (plan.width <= 4 ? 4 : GriddingKernel::greatest_width);
   // Half of a tile's strips at most are made up for, a quarter on average, and one more in part.
-  const double entries = counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
+  const double entries = !plan.has_strips ? 0 : counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
   const double transforms = tiles_of_panel * plan.slabs * planes * (plan.is_corrected ? 5 : 1);
+  const double strips = std::min(entries, tiles_of_panel * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
+  const double lines = transforms * 1.5 * m + strips * planes * strip_width;  // that are transformed
   SummationWork work{.plane_waves = counts.whole + entries,
                      .spreads = counts.whole * per_wave + entries * planes * plan.width * strip_width,
-                     .fft_operations = transforms * 1.5 * m * fft_operations(m),
-                     .samples = transforms * 2 * m * m};
-  return work + counts.corners * plan.tile * plan.tile / 2 * tile_work(direct);
+                     .fft_operations = lines * fft_operations(m),
+                     .samples = lines * 2 * m};
+  const double in_tiles = counts.corners + (plan.has_strips ? 0 : counts.partial);
+  return work + in_tiles * plan.tile * plan.tile / 2 * tile_work(direct);
 }
 
 }  // namespace
@@ -219,11 +222,11 @@ PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePla
     const TileCounts counts = count_tiles(waves, bounds, tile);
     const double area = double(bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0),
                  of_panel = area / (double(tile) * tile);
-    for (const bool is_corrected : {false, true})
+    for (const auto& [is_corrected, has_strips] : {std::pair{false, true}, {true, true}, {true, false}})
       for (int slabs = 1; slabs <= 64; slabs *= 2) {
         double before = 1e9;
         for (int nodes = 1; nodes <= 8; ++nodes) {
-          PlanesPlan plan{tile, 2, nodes, slabs, is_corrected};
+          PlanesPlan plan{tile, 2, nodes, slabs, is_corrected, has_strips};
           // Nothing dearer than what is known to do.
           if (predict_seconds(work_of(plan, counts, of_panel, direct), rates, 1) >=
               (best.meets_tolerance ? best.seconds : most_seconds))

@@ -176,9 +176,9 @@ bool sort(const PreparedWave& wave, uint32_t index, double x, double y, const Pl
   const bool all_x = lit.x0 == box.x0 && lit.x1 == box.x1, all_y = lit.y0 == box.y0 && lit.y1 == box.y1;
   const bool x_reaches = std::abs(x) <= t.tangent * wave.depth, y_reaches = std::abs(y) <= t.tangent * wave.depth;
   if (all_x && all_y && x_reaches && y_reaches) return true;
-  if (all_y && y_reaches)
+  if (t.plan.has_strips && all_y && y_reaches)
     return sort_partly_lit(w.entries[0], index, lit.x0 - box.x0, lit.x1 - box.x0, box.x1 - box.x0, x_reaches);
-  if (all_x && x_reaches)
+  if (t.plan.has_strips && all_x && x_reaches)
     return sort_partly_lit(w.entries[1], index, lit.y0 - box.y0, lit.y1 - box.y0, box.y1 - box.y0, y_reaches);
   w.direct.push_back(wave);
   w.direct.back().box = lit;

@@ -16,6 +16,7 @@ struct PlanesPlan {
   int nodes = 3;              ///< planes per slab of depth
   int slabs = 1;              ///< that the waves are sorted into by 1/depth
   bool is_corrected = false;  ///< for what the plane waves neglect: see sum_planes.h
+  bool has_strips = true;     ///< where a box's edge cuts a tile; else the waves there are summed directly
   bool operator==(const PlanesPlan&) const = default;
 };
 
@@ -30,6 +31,8 @@ struct PlaneTables {
   int transform;                      ///< length of the FFTs: twice the tile
   int cells;                          ///< of a grid along one axis: the transform's and a margin on either side
   std::vector<float> inverse_phi;     ///< 1/φ̂ of each of the tile's pixels along an axis
+  /// ∫xⁿφ·exp(2πiξx)dx/φ̂ of each, n = 1, 2 [cyclesⁿ/mⁿ]: how far cells lie from the waves that are spread over them.
+  std::vector<float> first, second;
   std::vector<double> nodes;          ///< Chebyshev points in (−1, 1)
   std::vector<float> denominators;    ///< Π (τ_q − τ_m), m ≠ q
 

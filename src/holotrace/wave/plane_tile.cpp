@@ -110,21 +110,26 @@ void add_plane(const float* grid, double kappa, const PlaneTables& t, PlaneWorks
   const double per_r0 = t.wavelength * kappa, half = tile * t.pitch / 2;
   const float second = float(-2 * pi * t.wavelength * per_r0), first = float(-t.wavelength * per_r0),
               third = float(-pi * per_r0 * per_r0), linear = float((0.6 + 1.0 / 3) * half * half);
+  const auto times_i = [](Complex z) { return Complex(-z.imag(), z.real()); };
   for (int i = 0; i < tile; ++i) {
-    const float u = float((i - tile / 2) * t.pitch);
-    const Complex* const f = w.terms.data() + size_t(i) * size_t(tile);
+    const float u = float((i - tile / 2) * t.pitch), s_u = t.first[size_t(i)], q_u = t.second[size_t(i)];
+    const Complex* const term = w.terms.data() + size_t(i) * size_t(tile);
     Complex* const to = w.tile.data() + size_t(i) * size_t(tile);
     const Complex bend_u = bend[size_t(i)];
     for (int j = 0; j < tile; ++j) {
-      Complex sum = f[j];
+      const size_t at = size_t(j);
+      Complex sum = term[at];
       if (t.plan.is_corrected) {
+        // The terms were weighted by the frequency of the cells: made those of the waves, by the kernel's moments.
+        const float s_v = t.first[at], q_v = t.second[at];
+        const Complex f = term[at + 3 * pixels] - times_i(s_u * sum), g = term[at + 4 * pixels] - times_i(s_v * sum);
+        const Complex cross = term[at + pixels] - times_i(s_u * g + s_v * f) + s_u * s_v * sum;
+        const Complex difference = term[at + 2 * pixels] - 2.0f * times_i(s_u * f - s_v * g) - (q_u - q_v) * sum;
         const float v = float((j - tile / 2) * t.pitch), cubic = third * (u * u + v * v - linear);
-        const Complex phases = second *
-                               (u * v * f[size_t(j) + pixels] + 0.25f * (u * u - v * v) * f[size_t(j) + 2 * pixels]),
-                      gradient = u * f[size_t(j) + 3 * pixels] + v * f[size_t(j) + 4 * pixels];
-        sum += Complex(-phases.imag(), phases.real()) + product(Complex(first, cubic), gradient);
+        sum += times_i(second * (u * v * cross + 0.25f * (u * u - v * v) * difference)) +
+               product(Complex(first, cubic), u * f + v * g);
       }
-      to[j] += product(product(bend_u, bend[size_t(j)]), sum);
+      to[j] += product(product(bend_u, bend[at]), sum);
     }
   }
 }
@@ -188,8 +193,13 @@ PlaneTables::PlaneTables(const PlanesPlan& plan, double wavelength, double pitch
       tangent(1.005 * acceptance_tangent(wavelength, pitch)),
       transform(2 * plan.tile),
       cells(transform + 2 * margin) {
-  for (int i = 0; i < plan.tile; ++i)
-    inverse_phi.push_back(float(1 / kernel.transform(double(i - plan.tile / 2) / transform)));
+  const double cell = 1 / (transform * pitch);
+  for (int i = 0; i < plan.tile; ++i) {
+    const double xi = double(i - plan.tile / 2) / transform, phi = kernel.transform(xi);
+    inverse_phi.push_back(float(1 / phi));
+    first.push_back(float(kernel.moment(1, xi) / phi * cell));
+    second.push_back(float(kernel.moment(2, xi) / phi * cell * cell));
+  }
   for (int q = 0; q < plan.nodes; ++q) nodes.push_back(std::cos(pi * (q + 0.5) / plan.nodes));
   for (int q = 0; q < plan.nodes; ++q) {
     double denominator = 1;

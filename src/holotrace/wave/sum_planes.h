@@ -23,7 +23,7 @@ namespace holotrace {
 ///
 /// @param sources    spherical waves at z < 0 [m]
 /// @param grid       panel pixels: nx, ny, pitch [m]
-/// @param tolerance  bound on the relative L2 error against sum_exact, 2e-5 or more
+/// @param tolerance  bound on the relative L2 error against sum_exact, 1e-5 or more
 /// @return           complex amplitude, shape (ny, nx) [√(W/m²)]; the same bytes on any number of threads
 /// @throws Error     for a source not behind the panel, naming it, and a tolerance that no plan meets
 ///

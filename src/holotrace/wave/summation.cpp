@@ -22,7 +22,7 @@ struct PartPlan {
   TileChoice tiles;
 
   bool meets_tolerance() const {
-    return (far.empty() || planes.meets_tolerance) && (near.empty() || tiles.meets_tolerance);
+    return (far.empty() || planes.meets_tolerance) && tiles.meets_tolerance;  // planes leave some waves to tiles
   }
   double error() const { return std::max(far.empty() ? 0 : planes.error, near.empty() ? 0 : tiles.error); }
   double energy() const { return planes.energies.waves + (near.empty() ? 0 : tiles.energies.waves); }
