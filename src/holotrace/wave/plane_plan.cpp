@@ -1,5 +1,7 @@
 #include "holotrace/wave/plane_plan.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -89,7 +91,7 @@ PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, d
   std::vector<Key> keys;
   for (size_t i = 0; i < waves.size(); ++i)
     keys.push_back({slabs.of(waves[i].depth), int(std::floor(waves[i].y / (8 * cell))), waves[i].x, uint32_t(i)});
-  std::sort(keys.begin(), keys.end());
+  tbb::parallel_sort(keys.begin(), keys.end());
   PlaneWaves sorted;
   sorted.waves.reserve(waves.size());
   for (size_t i = 0; i < keys.size(); ++i) {
@@ -199,52 +201,106 @@ SummationWork work_of(const PlanesPlan& plan, const TileCounts& counts, double t
 
 }  // namespace
 
+namespace {
+
+constexpr int most_slabs = 64, most_nodes = 8;
+
+// Of the gridding of a plane wave in both axes.
+double both_axes(int width) {
+  static const auto errors = [] {
+    std::array<double, GriddingKernel::greatest_width + 1> of_width{};
+    for (int w = 2; w <= GriddingKernel::greatest_width; ++w) of_width[size_t(w)] = std::sqrt(2) * gridding_error(w);
+    return of_width;
+  }();
+  return errors[size_t(width)];
+}
+
+// Looks at plans, and keeps the fastest that meets the goal, or the most accurate.
+class PlanSearch {
+ public:
+  PlanSearch(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid, const PixelBox& bounds,
+             double wavelength, double goal, double most_seconds)
+      : waves_(waves),
+        direct_(direct),
+        grid_(grid),
+        bounds_(bounds),
+        wavelength_(wavelength),
+        goal_(goal),
+        most_seconds_(most_seconds),
+        rates_(summation_rates()),
+        depths_(depths_of(waves)) {
+    // Many plans are looked at: an eighth of the pixels tells their errors to a few percent.
+    const std::vector<DrawnPixel> drawn = draw_pixels(waves);
+    for (size_t i = 0; i < drawn.size(); ++i)
+      if (i % 16 < 2) pixels_.push_back(drawn[i]);  // one of each kind of draw
+  }
+
+  const PlanesChoice& best() const { return best_; }
+
+  void look_at_tiles(int tile) {
+    counts_ = count_tiles(waves_, bounds_, tile);
+    tiles_of_panel_ = double(bounds_.x1 - bounds_.x0) * (bounds_.y1 - bounds_.y0) / (double(tile) * tile);
+    for (const auto& [is_corrected, has_strips] : {std::pair{false, true}, {true, true}, {true, false}}) {
+      PlanesPlan plan{tile, 2, 1, 1, is_corrected, has_strips};
+      if (!is_worth(plan)) continue;
+      // What many planes leave is what they cannot mend: more of them would be looked at in vain.
+      plan = {tile, 8, most_nodes, most_slabs, is_corrected, has_strips};
+      if (offer(plan) > goal_) continue;
+      for (plan.slabs = 1; plan.slabs <= most_slabs; plan.slabs *= 2) look_at_nodes(plan);
+    }
+  }
+
+ private:
+  bool is_worth(const PlanesPlan& plan) const {
+    return seconds(plan) < (best_.meets_tolerance ? best_.seconds : most_seconds_);
+  }
+
+  SummationWork work(const PlanesPlan& plan) const { return work_of(plan, counts_, tiles_of_panel_, direct_); }
+  double seconds(const PlanesPlan& plan) const { return predict_seconds(work(plan), rates_, 1); }
+
+  void look_at_nodes(PlanesPlan plan) {
+    for (plan.nodes = 1; plan.nodes <= most_nodes; ++plan.nodes) {
+      plan.width = 2;
+      if (!is_worth(plan) || offer(plan) <= goal_ / 2) return;
+    }
+  }
+
+  // Offers the plan with the narrowest kernel that does. Returns the error of its planes alone.
+  double offer(PlanesPlan plan) {
+    const SplitEnergies energies = measure_planes(pixels_, depths_, grid_, bounds_, wavelength_, plan);
+    const double planes = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
+    const auto error = [&] { return std::hypot(planes, both_axes(plan.width), rounding_error(TileProducts::single)); };
+    while (plan.width < GriddingKernel::greatest_width && error() > goal_) ++plan.width;
+    const PlanesChoice choice{plan, error(), work(plan), seconds(plan), energies, error() <= goal_};
+    const bool is_better = choice.meets_tolerance != best_.meets_tolerance
+                               ? choice.meets_tolerance
+                               : (choice.meets_tolerance ? choice.seconds < best_.seconds : choice.error < best_.error);
+    if (is_better || best_.seconds == 0) best_ = choice;
+    return planes;
+  }
+
+  const std::vector<PreparedWave>& waves_;
+  const TilePlan direct_;
+  const Grid grid_;
+  const PixelBox bounds_;
+  const double wavelength_, goal_, most_seconds_;
+  const SummationRates rates_;
+  const DepthRange depths_;
+  std::vector<DrawnPixel> pixels_;
+  TileCounts counts_;
+  double tiles_of_panel_ = 0;
+  PlanesChoice best_;
+};
+
+}  // namespace
+
 PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
                            const PixelBox& bounds, double wavelength, double tolerance, double coherence,
                            double most_seconds) {
-  PlanesChoice best{};
-  // Many plans are looked at: an eighth of the pixels tells their errors to a few percent.
-  std::vector<DrawnPixel> pixels;
-  const std::vector<DrawnPixel> drawn = draw_pixels(waves);
-  for (size_t i = 0; i < drawn.size(); ++i)
-    if (i % 16 < 2) pixels.push_back(drawn[i]);  // one of each kind of draw
-  const DepthRange depths = depths_of(waves);
-  const double goal = tolerance * std::sqrt(coherence) / 1.25;
-  const SummationRates rates = summation_rates();
-  const auto offer = [&](const PlanesPlan& plan, double error, const SummationWork& work,
-                         const SplitEnergies& energies) {
-    const double seconds = predict_seconds(work, rates, 1);
-    const bool meets = error <= goal;
-    const bool is_better = meets != best.meets_tolerance ? meets : meets ? seconds < best.seconds : error < best.error;
-    if (is_better || best.seconds == 0) best = {plan, error / std::sqrt(coherence), work, seconds, energies, meets};
-  };
-  for (const int tile : tiles) {
-    const TileCounts counts = count_tiles(waves, bounds, tile);
-    const double area = double(bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0),
-                 of_panel = area / (double(tile) * tile);
-    for (const auto& [is_corrected, has_strips] : {std::pair{false, true}, {true, true}, {true, false}})
-      for (int slabs = 1; slabs <= 64; slabs *= 2) {
-        double before = 1e9;
-        for (int nodes = 1; nodes <= 8; ++nodes) {
-          PlanesPlan plan{tile, 2, nodes, slabs, is_corrected, has_strips};
-          // Nothing dearer than what is known to do.
-          if (predict_seconds(work_of(plan, counts, of_panel, direct), rates, 1) >=
-              (best.meets_tolerance ? best.seconds : most_seconds))
-            break;
-          const SplitEnergies energies = measure_planes(pixels, depths, grid, bounds, wavelength, plan);
-          const double planes = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
-          for (int width = 2; width <= GriddingKernel::greatest_width; ++width) {
-            plan.width = width;
-            const double error = std::sqrt(planes * planes + 2 * std::pow(gridding_error(width), 2) +
-                                           std::pow(rounding_error(TileProducts::single), 2));
-            offer(plan, error, work_of(plan, counts, of_panel, direct), energies);
-            if (error <= goal) break;
-          }
-          if (planes <= goal / 2 || planes > 0.98 * before) break;  // more planes bring nothing
-          before = planes;
-        }
-      }
-  }
+  PlanSearch search(waves, direct, grid, bounds, wavelength, tolerance * std::sqrt(coherence) / 1.25, most_seconds);
+  for (const int tile : tiles) search.look_at_tiles(tile);
+  PlanesChoice best = search.best();
+  best.error /= std::sqrt(coherence);
   return best;
 }
 
