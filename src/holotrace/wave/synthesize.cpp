@@ -7,6 +7,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/wave/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/sum_layers.h"
 #include "holotrace/wave/sum_tiled.h"
 
 namespace holotrace {
@@ -66,6 +67,10 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
     return convert<float>(sum_exact(sources, grid, observer));
   };
   if (params.method == SynthesisMethod::exact) return exact();
+  if (params.method == SynthesisMethod::layers) {
+    observer.fact("method", std::string("layers"));
+    return sum_layers(sources, grid, params, observer);
+  }
   double reachable = 0;
   if (params.method == SynthesisMethod::automatic) {
     std::optional<Field> field = try_sum_tiled(sources, grid, params.tolerance, reachable, observer);
