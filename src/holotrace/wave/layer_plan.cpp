@@ -15,6 +15,7 @@ namespace {
 constexpr double extension = 1.25;       // of the Nyquist angle's sine
 constexpr double edge_deviation = 0.56;  // of a taper's Gaussian over √(λd)
 constexpr double ringing_margin = 2;     // over √(λd): what a sharp band edge lights beyond its box, mostly
+constexpr double box_edge = 0.5;         // of a taper that ends at the box, over √(λd)
 constexpr double most_sine = 0.99;
 
 double taper_width(double depth, double wavelength, double steepness) {
@@ -55,7 +56,7 @@ Taper taper_of_points(double span, double depth, double wavelength, double pitch
     if (!is_carried || end - span >= width) return {span, end};
   }
   const double end = std::min(radius, limit);
-  return {std::max(0.0, end - width), end};
+  return {std::max(0.0, end - box_edge * std::sqrt(wavelength * depth)), end};
 }
 
 Taper taper_of_raster(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried) {

@@ -20,10 +20,10 @@ double taper_steepness(double tolerance);
 /// The taper of a slice of points at `depth`, whose largest offset to a pixel of the panel is `span`.
 ///
 /// A sharp cut of the spectrum rings over √(λd) on the panel and further; a Gaussian edge of standard deviation
-/// 0.56·√(λd) does not, as its width is √2 of what diffraction gives it. So angles are kept up to the span and fall
-/// beyond it, past the panel's Nyquist angle where need be and room is (by up to a quarter; none of that light meets
-/// the panel). Where the span itself is beyond the Nyquist angle, waves end at their box (Eq. 14) on the panel: the
-/// fall then ends at that angle, for light beyond it would show as replicas.
+/// 0.56·√(λd) does not, as it is √2 wider than diffraction's own. So angles are kept up to the span and fall beyond it,
+/// past the panel's Nyquist angle where need be (by up to a quarter; none of that light meets the panel). Where the
+/// span itself is beyond the Nyquist angle, waves end at their box (Eq. 14) on the panel: the fall, 0.5·√(λd) wide,
+/// then ends at that angle, as light beyond it would show as replicas.
 Taper taper_of_points(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried);
 
 /// The taper of a slice that is a raster: its whole band, or where the window would have to be large for that, the

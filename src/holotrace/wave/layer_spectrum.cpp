@@ -37,12 +37,11 @@ Complex product(Complex a, Complex b) {
 
 // One column of a spectrum, l = −L … L, gains a transformed column of ny samples times factors of |l|. Where the
 // raster's Nyquist frequency is at both ends of the band, it is taken once.
-void gain(Complex* column, int reach, const Complex* transformed, int ny, const AlignedVector<Complex>& factors) {
-  const int count = int(factors.size());
+void gain(Complex* column, int reach, const Complex* transformed, int ny, const Complex* factors, int count) {
   column[reach] += product(transformed[0], factors[0]);
-  for (int l = 1; l < count; ++l) column[reach + l] += product(transformed[l], factors[size_t(l)]);
+  for (int l = 1; l < count; ++l) column[reach + l] += product(transformed[l], factors[l]);
   const int negative = 2 * (count - 1) == ny ? count - 1 : count;
-  for (int l = 1; l < negative; ++l) column[reach - l] += product(transformed[ny - l], factors[size_t(l)]);
+  for (int l = 1; l < negative; ++l) column[reach - l] += product(transformed[ny - l], factors[l]);
 }
 
 }  // namespace
@@ -79,8 +78,16 @@ void add_light(LayerSpectrum& spectrum, SliceSamples&& samples, const AxisWeight
 
   parallel_for(0, (band_x + block - 1) / block, [&](int64_t b) {
     const int first = int(b) * block, count = std::min(block, band_x - first);
-    AlignedVector<Complex> columns(size_t(ny) * block);
-    AlignedVector<Complex> factors(static_cast<size_t>(band_y));
+    AlignedVector<Complex> columns(size_t(ny) * block), factors(size_t(band_y) * block);
+    for (int c = 0; c < count; ++c) {
+      const int k = first + c;
+      Complex* f = factors.data() + size_t(c) * size_t(band_y);
+      free_space_factors(spectrum.lag.row(k), distance, band_y, f);
+      const float* inverse_cosine = spectrum.inverse_cosine.row(k);
+      const float scale_x = float(scale) * along_x[size_t(k)];
+      for (int l = 0; l < band_y; ++l)
+        f[l] *= scale_x * along_y[size_t(l)] * (is_of_points ? inverse_cosine[l] : float(inverse_cosine[l] > 0));
+    }
     for (const int sign : {1, -1}) {
       std::fill(columns.begin(), columns.end(), Complex());
       for (int j = 0; j < rows; ++j) {
@@ -94,14 +101,8 @@ void add_light(LayerSpectrum& spectrum, SliceSamples&& samples, const AxisWeight
         if (sign < 0 && (k == 0 || 2 * k == nx)) continue;
         Complex* column = columns.data() + size_t(c) * size_t(ny);
         transform_y(column);
-        free_space_factors(spectrum.lag.row(k), distance, band_y, factors.data());
-        const float* inverse_cosine = spectrum.inverse_cosine.row(k);
-        const float scale_x = float(scale) * along_x[size_t(k)];
-        for (int l = 0; l < band_y; ++l) {
-          const float weight = is_of_points ? inverse_cosine[l] : float(inverse_cosine[l] > 0);
-          factors[size_t(l)] *= scale_x * along_y[size_t(l)] * weight;
-        }
-        gain(spectrum.values.row(spectrum.reach_x + sign * k), spectrum.reach_y, column, ny, factors);
+        gain(spectrum.values.row(spectrum.reach_x + sign * k), spectrum.reach_y, column, ny,
+             factors.data() + size_t(c) * size_t(band_y), band_y);
       }
     }
   });

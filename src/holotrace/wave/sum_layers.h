@@ -56,10 +56,10 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
 ///
 /// - depth: the fact "expected_depth_error", the moved depths' share of the relative L2 error,
 /// - spreading: a tenth of the tolerance,
-/// - the band's edge: sum_exact ends a wave sharply at its box (Eq. 14), a spectrum ends smoothly within some √(λd)
-/// inside
-///   it. Waves whose box holds the panel do not show it; the fact "waves_cut" counts the others, of which about
-///   √(2·1.1√(λd)/R) of the amplitude differs, R the box's half side.
+/// - the band's edge: sum_exact ends a wave sharply at its box (Eq. 14), a band of frequencies ends it over some
+///   √(λd), ringing. Waves whose box holds the panel do not show it. Of the others, counted by the fact "waves_cut",
+///   the relative error is √(0.45·√(λd)/R) where the whole box is on the panel, R its half side: 26 % at 20 mm, 17 %
+///   at 0.1 m (532 nm, 8 µm); most of it lies within √(λd) of the box's edge.
 ///
 /// With params.has_silhouettes a slice hides what lies behind the discs around its waves (silhouette.h).
 ///
