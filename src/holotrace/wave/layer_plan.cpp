@@ -44,30 +44,26 @@ int window_length(double samples, int least) {
 
 }  // namespace
 
-double taper_steepness(double tolerance) { return std::sqrt(std::log(1 / std::clamp(tolerance, 1e-8, 0.1))); }
+double taper_steepness(double tolerance) { return std::sqrt(1.25 * std::log(2 / std::clamp(tolerance, 1e-8, 0.1))); }
 
 Taper taper_of_points(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried) {
   const double radius = box_radius(depth, wavelength, pitch);
   const double width = taper_width(depth, wavelength, steepness);
   const double sine = std::min(extension * wavelength / (2 * pitch), most_sine);
   const double limit = is_carried ? radius : depth * sine / std::sqrt(1 - sine * sine);
-  if (span < std::min(radius, limit)) {
-    const double end = std::min(span + width, limit);
-    if (!is_carried || end - span >= width) return {span, end};
-  }
+  if (span + width <= limit) return is_carried ? Taper{limit - width, limit} : Taper{span, span + width};
+  if (!is_carried && span < std::min(radius, limit)) return {span, limit};
   const double end = std::min(radius, limit);
   return {std::max(0.0, end - box_edge * std::sqrt(wavelength * depth)), end};
 }
 
 Taper taper_of_raster(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried) {
-  const double width = taper_width(depth, wavelength, steepness);
-  if (is_carried || box_radius(depth, wavelength, pitch) <= span + width)
-    return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  return {span, span + width};
+  const double radius = box_radius(depth, wavelength, pitch), width = taper_width(depth, wavelength, steepness);
+  if (span + width < radius) return is_carried ? Taper{radius - width, radius} : Taper{span, span + width};
+  return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 }
 
-LayerWindow plan_window(const std::vector<PlannedSlice>& slices, const Grid& panel, double wavelength,
-                        bool is_carried) {
+LayerWindow plan_window(const std::vector<PlannedSlice>& slices, const Grid& panel, double wavelength) {
   double width = 0, height = 0, highest_u = 0, highest_v = 0;
   const double nyquist = 1 / (2 * panel.pitch);
   const auto highest = [&](const Taper& taper, double depth) {
@@ -79,7 +75,6 @@ LayerWindow plan_window(const std::vector<PlannedSlice>& slices, const Grid& pan
     highest_u = std::max(highest_u, highest(s.x, s.depth));
     highest_v = std::max(highest_v, highest(s.y, s.depth));
   }
-  if (is_carried) highest_u = highest_v = nyquist;
   LayerWindow w;
   w.nx = window_length(width / panel.pitch, panel.nx);
   w.ny = window_length(height / panel.pitch, panel.ny);

@@ -13,8 +13,8 @@ struct Taper {
   double pass = 0, end = 0;
 };
 
-/// How steep tapers are at a tolerance: they fall as ½·erfc(α·(2t − 1)), t from 0 at `pass` to 1 at `end`, α =
-/// √ln(1/tolerance).
+/// How steep tapers are at a tolerance: they fall as ½·erfc(α·(2t − 1)), t from 0 at `pass` to 1 at `end`. Diffraction
+/// makes exp(−0.8α²) of their exp(−α²) (below), so that α = √(1.25·ln(2/tolerance)).
 double taper_steepness(double tolerance);
 
 /// The taper of a slice of points at `depth`, whose largest offset to a pixel of the panel is `span`.
@@ -24,16 +24,20 @@ double taper_steepness(double tolerance);
 /// past the panel's Nyquist angle where need be (by up to a quarter; none of that light meets the panel). Where the
 /// span itself is beyond the Nyquist angle, waves end at their box (Eq. 14) on the panel: the fall, 0.5·√(λd) wide,
 /// then ends at that angle, as light beyond it would show as replicas.
+///
+/// Light that is carried from slice to slice (`is_carried`) keeps all angles up to a fall that ends at the Nyquist
+/// angle: what a slice lets through depends on more of the light than what reaches the panel undisturbed.
 Taper taper_of_points(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried);
 
 /// The taper of a slice that is a raster: its whole band, or where the window would have to be large for that, the
-/// angles that reach the panel. Light that is carried from slice to slice (`is_carried`) keeps its band.
+/// angles that reach the panel. Light that is carried keeps its band, but for a fall that ends at the Nyquist angle.
 Taper taper_of_raster(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried);
 
 /// A slice as the window sees it.
 struct PlannedSlice {
   double depth = 0;
-  double span_x = 0, span_y = 0;  ///< largest offset between its light and a pixel [m]
+  /// Largest offset between its light and a pixel, or where slices hide also what lies on its way [m].
+  double span_x = 0, span_y = 0;
   Taper x, y;
 };
 
@@ -44,7 +48,7 @@ struct LayerWindow {
 
 /// The smallest window whose repetitions light no pixel: span + reach of the light of each slice, no smaller than the
 /// panel.
-LayerWindow plan_window(const std::vector<PlannedSlice>& slices, const Grid& panel, double wavelength, bool is_carried);
+LayerWindow plan_window(const std::vector<PlannedSlice>& slices, const Grid& panel, double wavelength);
 
 /// The taper at frequencies 0, 1/side, … [1/m], `side` the window's [m]; `most` frequencies at most.
 AxisWeights taper_weights(const Taper& taper, double depth, double wavelength, double side, double steepness, int most);

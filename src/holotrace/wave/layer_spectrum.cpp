@@ -31,6 +31,8 @@ void free_space_factors(const double* lag, double distance, int count, Complex* 
   }
 }
 
+int folded(int index, int size) { return ((index % size) + size) % size; }
+
 Complex product(Complex a, Complex b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
@@ -121,7 +123,6 @@ void carry(LayerSpectrum& spectrum, double distance) {
 Array2D<Complex> samples_of(const LayerSpectrum& spectrum, int columns, int rows) {
   const int nx = spectrum.nx, ny = spectrum.ny, width = 2 * spectrum.reach_x + 1;
   const Fft<float> transform_x(nx, FftDirection::backward), transform_y(ny, FftDirection::backward);
-  const auto folded = [](int index, int size) { return ((index % size) + size) % size; };
 
   // Along y: every frequency k by itself; only the rows wanted are kept.
   Array2D<Complex> half(rows, width);
@@ -150,6 +151,19 @@ Array2D<Complex> samples_of(const LayerSpectrum& spectrum, int columns, int rows
     }
   });
   return samples;
+}
+
+void hide(LayerSpectrum& spectrum, const Array2D<float>& mask, int column, int row, const AxisWeights& along_x,
+          const AxisWeights& along_y) {
+  const int nx = spectrum.nx, ny = spectrum.ny;
+  SliceSamples light{nx, ny, {}, samples_of(spectrum, nx, ny)};
+  for (int j = 0; j < mask.ny; ++j) {
+    Complex* samples = light.values.row(folded(row + j, ny));
+    for (int i = 0; i < mask.nx; ++i) samples[folded(column + i, nx)] *= 1 - mask(j, i);
+  }
+  for (int j = 0; j < ny; ++j) light.rows.push_back(j);
+  std::fill(spectrum.values.values.begin(), spectrum.values.values.end(), Complex());
+  add_light(spectrum, std::move(light), along_x, along_y, 0, 1.0 / (double(nx) * ny), false);
 }
 
 }  // namespace holotrace

@@ -56,6 +56,12 @@ void add_light(LayerSpectrum& spectrum, SliceSamples&& samples, const AxisWeight
 /// The light `distance` [m] further on.
 void carry(LayerSpectrum& spectrum, double distance);
 
+/// Multiplies the light by 1 − mask, sample (0, 0) of the mask being sample (column, row) from pixel (0, 0); outside
+/// the mask it is let through. What the mask's edges scatter is kept with the weights at |k|, |l|: those that reach the
+/// panel.
+void hide(LayerSpectrum& spectrum, const Array2D<float>& mask, int column, int row, const AxisWeights& along_x,
+          const AxisWeights& along_y);
+
 /// The samples [0, columns) × [0, rows) of the light, pixel (0, 0) of the panel first: the panel's, or nx × ny.
 Array2D<std::complex<float>> samples_of(const LayerSpectrum& spectrum, int columns, int rows);
 

@@ -38,7 +38,7 @@ void kernel_values(const SpreadKernel& kernel, double offset, float* values) {
 
 SpreadKernel make_spread_kernel(double tolerance) {
   const double digits = std::log(1 / std::max(tolerance, 1e-7)) / (pi * std::sqrt(1 - 1 / oversampling));
-  const int width = std::clamp(int(std::ceil(digits)), 3, most_width);
+  const int width = std::clamp(int(std::ceil(digits + 0.4)), 3, most_width);
   return {width, 0.97 * pi * width * (1 - 1 / (2 * oversampling))};
 }
 

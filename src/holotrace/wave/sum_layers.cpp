@@ -16,6 +16,8 @@ namespace {
 
 using Complex = std::complex<float>;
 
+constexpr double raster_tolerance = 1e-6;  // of the angles that are left out: what floats hold
+
 int wrapped(int index, int size) { return ((index % size) + size) % size; }
 
 // Where sample (0, 0) of a slice lies on the panel's raster.
@@ -31,20 +33,6 @@ Corner corner_on(const Grid& panel, const Grid& slice, size_t index) {
           "{:.3f} × {:.3f} samples",
           index, format_length(panel.pitch), format_length(slice.pitch), column, row);
   return {int(std::lround(column)), int(std::lround(row))};
-}
-
-// Light from behind, less what the mask hides.
-void hide(LayerSpectrum& spectrum, const Array2D<float>& mask, Corner corner) {
-  const int nx = spectrum.nx, ny = spectrum.ny;
-  SliceSamples light{nx, ny, {}, samples_of(spectrum, nx, ny)};
-  for (int j = 0; j < mask.ny; ++j) {
-    Complex* row = light.values.row(wrapped(corner.row + j, ny));
-    for (int i = 0; i < mask.nx; ++i) row[wrapped(corner.column + i, nx)] *= 1 - mask(j, i);
-  }
-  for (int j = 0; j < ny; ++j) light.rows.push_back(j);
-  std::fill(spectrum.values.values.begin(), spectrum.values.values.end(), Complex());
-  add_light(spectrum, std::move(light), AxisWeights(size_t(spectrum.reach_x) + 1, 1.f),
-            AxisWeights(size_t(spectrum.reach_y) + 1, 1.f), 0, 1.0 / (double(nx) * ny), false);
 }
 
 // The samples of a slice on the window, its light with the axial phase of the way to the panel.
@@ -79,7 +67,7 @@ std::vector<PlannedSlice> plan_rasters(const SliceStack& stack, const Grid& pane
       most_y = std::max(most_y, farthest(panel, grid, true));
     }
   std::vector<PlannedSlice> planned;
-  const double steepness = taper_steepness(1e-3);
+  const double steepness = taper_steepness(raster_tolerance);
   for (size_t m = 0; m < stack.depths.size(); ++m) {
     PlannedSlice s{stack.depths[m],
                    farthest(panel, stack.grids[m], false) + most_x,
@@ -113,7 +101,7 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
           "expected a pitch above half a wavelength for slices that hide, got {} at {}", format_length(grid.pitch),
           format_length(stack.wavelength));
   const std::vector<PlannedSlice> planned = plan_rasters(stack, grid);
-  const LayerWindow window = plan_window(planned, grid, stack.wavelength, stack.has_masks);
+  const LayerWindow window = plan_window(planned, grid, stack.wavelength);
   double samples = 0;
   for (const Grid& g : stack.grids) samples = std::max(samples, double(g.pixels()) + double(g.ny) * window.nx);
   check_memory(window, grid, samples, stack.has_masks);
@@ -122,7 +110,7 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
 
   LayerSpectrum spectrum =
       make_layer_spectrum(grid, stack.wavelength, window.nx, window.ny, window.reach_x, window.reach_y);
-  const double steepness = taper_steepness(1e-3), scale = 1.0 / (double(window.nx) * window.ny);
+  const double steepness = taper_steepness(raster_tolerance), scale = 1.0 / (double(window.nx) * window.ny);
   const auto weights = [&](const Taper& taper, double depth, int n, int reach) {
     return taper_weights(taper, depth, stack.wavelength, n * grid.pitch, steepness, std::min(n / 2, reach) + 1);
   };
@@ -130,14 +118,15 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
     const Slice slice = stack.make(m);
     const Corner corner = corner_on(grid, slice.light.grid, m);
     const PlannedSlice& p = planned[m];
+    const AxisWeights x = weights(p.x, p.depth, window.nx, window.reach_x);
+    const AxisWeights y = weights(p.y, p.depth, window.ny, window.reach_y);
     if (stack.has_masks && m > 0) {
       carry(spectrum, stack.depths[m - 1] - stack.depths[m]);
       if (std::any_of(slice.mask.values.begin(), slice.mask.values.end(), [](float v) { return v > 0; }))
-        hide(spectrum, slice.mask, corner);
+        hide(spectrum, slice.mask, corner.column, corner.row, x, y);
     }
-    add_light(spectrum, on_window(slice.light, corner, window.nx, window.ny),
-              weights(p.x, p.depth, window.nx, window.reach_x), weights(p.y, p.depth, window.ny, window.reach_y),
-              stack.has_masks ? 0 : p.depth, scale, false);
+    add_light(spectrum, on_window(slice.light, corner, window.nx, window.ny), x, y, stack.has_masks ? 0 : p.depth,
+              scale, false);
     observer.progress(double(m + 1) / double(stack.depths.size() + 1));
   }
   if (stack.has_masks) carry(spectrum, stack.depths.back());

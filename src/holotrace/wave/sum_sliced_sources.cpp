@@ -91,7 +91,7 @@ Plan make_plan(const Sources& sources, const Grid& grid, const SynthesizeParams&
   plan.steepness = taper_steepness(params.tolerance);
   plan.kernel = make_spread_kernel(spread_share * params.tolerance);
   plan.slices = plan_slices(plan.sliced.depth, sources, grid, plan.steepness, keeps_band);
-  plan.window = plan_window(plan.slices, grid, sources.wavelength, keeps_band);
+  plan.window = plan_window(plan.slices, grid, sources.wavelength);
   observer.fact("window", fmt::format("{}x{}", plan.window.nx, plan.window.ny));
   check_memory(plan, grid, sources.waves.size(), keeps_band);
   if (params.slices == 0 && slices.size() > many_slices)
@@ -142,16 +142,6 @@ void add_points(LayerSpectrum& spectrum, const std::vector<PointOnSlice>& points
             distance, spectrum.wavelength * slice.depth / (width * height), true);
 }
 
-void hide(LayerSpectrum& spectrum, const Array2D<float>& mask) {
-  const int nx = spectrum.nx, ny = spectrum.ny;
-  SliceSamples light{nx, ny, {}, samples_of(spectrum, nx, ny)};
-  for (size_t i = 0; i < mask.size(); ++i) light.values.values[i] *= 1 - mask.values[i];
-  for (int j = 0; j < ny; ++j) light.rows.push_back(j);
-  std::fill(spectrum.values.values.begin(), spectrum.values.values.end(), Complex());
-  add_light(spectrum, std::move(light), AxisWeights(size_t(spectrum.reach_x) + 1, 1.f),
-            AxisWeights(size_t(spectrum.reach_y) + 1, 1.f), 0, 1.0 / (double(nx) * ny), false);
-}
-
 }  // namespace
 
 Field sum_layers(const Sources& sources, const Grid& grid, const SynthesizeParams& params, const Observer& observer) {
@@ -167,7 +157,11 @@ Field sum_layers(const Sources& sources, const Grid& grid, const SynthesizeParam
     const std::vector<PointOnSlice> points = points_of(plan.sliced.depth.slices[m], sources, grid);
     if (is_carried && m > 0) {
       carry(spectrum, plan.slices[m - 1].depth - slice.depth);
-      hide(spectrum, silhouette_of(points, w.nx, w.ny));
+      const auto weights = [&](const Taper& taper, int n, int reach) {
+        return taper_weights(taper, slice.depth, sources.wavelength, n * grid.pitch, plan.steepness, reach + 1);
+      };
+      hide(spectrum, silhouette_of(points, w.nx, w.ny), 0, 0, weights(slice.x, w.nx, w.reach_x),
+           weights(slice.y, w.ny, w.reach_y));
     }
     add_points(spectrum, points, slice, plan, is_carried ? 0 : slice.depth);
     observer.progress(double(m + 1) / double(plan.slices.size() + 1));
