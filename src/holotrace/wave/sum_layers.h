@@ -26,8 +26,9 @@ namespace holotrace {
 /// @throws Error  as check_layers does; for slices off the panel's raster; where memory is short
 ///
 /// Cost: per slice, transforms of the rows that hold light and of the columns in the band, and with masks two
-/// transforms of the window. Memory: 44 bytes per sample of a quarter of the window, 8 of the panel's rows and of the
-/// slice; with masks 16 more of the window.
+/// transforms of the window. Memory: 44 bytes per sample of a quarter of
+/// the window, 8 per sample of the panel's rows of the window, of the slice and of the panel; with masks 16 (of waves
+/// 20) per sample of the window in place of the rows'. Checked before the first slice.
 Field sum_layers(const Layers& layers, const Grid& grid, const Observer& observer = {});
 
 /// Slices that are made one at a time, when their turn comes, so that memory holds one.
