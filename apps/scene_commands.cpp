@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "depth_image_flags.h"
 #include "flags.h"
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/hologram_file.h"
@@ -183,18 +184,20 @@ std::vector<FieldDouble> exact_fields(std::vector<Sources> sets, uint32_t frame,
 }
 
 void add_field(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("field", "scene or sources to the field on the panel");
+  CLI::App* command = app.add_subcommand("field", "scene, sources or a picture with depths to the field on the panel");
   struct Options {
     std::vector<std::string> inputs;
     std::string output, slm, wavelengths;
     std::optional<uint32_t> frame;
     bool is_double = false;
     Flags flags;
+    DepthImageFlags depth_image;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("input", o->inputs, "scene (.toml) or sources (.ply, one file per set)")
+  command
+      ->add_option("input", o->inputs, "scene (.toml), sources (.ply, one file per set), or a picture (with --depth)")
       ->required()
-      ->type_name("SCENE.toml|SOURCES.ply");
+      ->type_name("SCENE.toml|SOURCES.ply|IMAGE");
   add_output(*command, o->output,
              "field: .npy (with a sidecar .json), .h5 or .exr; one per layer and light: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel by name [the scene's, or pluto]")->type_name("NAME|SCENE.toml");
@@ -202,7 +205,20 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
   command->add_option("--frame", o->frame, "whose random phases the waves take, from 0 [the input's]")->type_name("N");
   command->add_flag("--double", o->is_double, "sum by the method exact and keep complex128");
   o->flags.add(*command, SynthesizeParams());
+  o->depth_image.add(*command);
   command->callback([o, &global] {
+    if (o->depth_image.check(o->inputs, o->is_double)) {
+      const std::vector<double> wavelengths =
+          o->wavelengths.empty() ? std::vector<double>{} : parse_lengths_flag("--wavelength", o->wavelengths);
+      check_output(o->output, field_extensions(false));
+      Console console(global.is_quiet);
+      const Grid panel = slm_by_name(o->slm.empty() ? "pluto" : o->slm).grid;
+      const auto fields = o->depth_image.fields(o->inputs.front(), panel, wavelengths, o->frame.value_or(0), o->flags,
+                                                console.watch("synthesize"));
+      console.finish();
+      save_fields(o->output, fields);
+      return;
+    }
     if (o->is_double) check_is_for_double(o->flags);
     const std::string extension = std::filesystem::path(o->inputs.front()).extension().string();
     const bool is_scene = extension == ".toml" || (is_mesh_file(o->inputs.front()) && extension != ".ply");

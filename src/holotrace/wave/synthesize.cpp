@@ -7,6 +7,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/wave/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/sum_layers.h"
 #include "holotrace/wave/sum_planes.h"
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/summation.h"
@@ -75,6 +76,8 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
     case SynthesisMethod::planes:
       return sum_planes(sources, grid, params.tolerance, observer);
     case SynthesisMethod::layers:
+      observer.fact("method", std::string("layers"));
+      return sum_layers(sources, grid, params, observer);
     case SynthesisMethod::triangles:
       throw Error("expected a method that sums waves, got triangles, which need surfaces; give a scene or a mesh");
     case SynthesisMethod::automatic:

@@ -8,7 +8,7 @@
 namespace holotrace {
 
 /// Field on the panel of a set of sources, by the method that the parameters name: `exact`
-/// (sum_exact.h), `tiled` (sum_tiled.h), or `auto`: tiled where the tolerance allows.
+/// (sum_exact.h), `tiled` (sum_tiled.h), `layers` (sum_layers.h), or `auto`: tiled where the tolerance allows.
 ///
 /// Waves with an amplitude in each tile of the panel (TileAmplitudes) are summed tile by tile by every method, at the
 /// cost of the waves·pixels that they light.

@@ -1,0 +1,72 @@
+#include "depth_image_flags.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "holotrace/base/units.h"
+#include "holotrace/io/depth_image_file.h"
+#include "holotrace/wave/depth_layers.h"
+
+namespace holotrace {
+namespace {
+
+using namespace literals;
+
+constexpr const char* group =
+    "A picture with depths, as: field picture.png --depth depth.png --near \"195 mm\" --far \"205 mm\" "
+    "--width \"8 mm\" --slices 100 -o f.npy";
+
+bool is_picture(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".exr" ||
+         extension == ".tif" || extension == ".tiff";
+}
+
+}  // namespace
+
+void DepthImageFlags::add(CLI::App& command) {
+  command
+      .add_option("--depth", depth_,
+                  "depth of each pixel of the picture: grey of 8 or 16 bits, brighter is nearer; or EXR in metres")
+      ->type_name("IMAGE")
+      ->group(group);
+  flags_.add(command, DepthImageParams(), {}, group);
+}
+
+bool DepthImageFlags::check(const std::vector<std::string>& inputs, bool is_double) const {
+  if (depth_.empty()) {
+    for (const char* name : {"near", "far", "width", "projection", "field_of_view", "phase", "seed"})
+      require(!flags_.has(name), "expected --depth with {}, which is about a picture with depths; give both or neither",
+              dashed(name));
+    require(!is_picture(inputs.front()), "{}: expected --depth with a picture, its depths; got none", inputs.front());
+    return false;
+  }
+  require(inputs.size() == 1, "expected one picture with --depth, got {} inputs", inputs.size());
+  require(is_picture(inputs.front()), "{}: expected a picture (.png, .jpg, .tif, .exr) with --depth; leave out --depth",
+          inputs.front());
+  require(!is_double,
+          "expected --double with a scene or sources, which it sums wave by wave; got a picture with depths");
+  return true;
+}
+
+std::vector<Field> DepthImageFlags::fields(const std::string& picture, const Grid& panel,
+                                           std::vector<double> wavelengths, uint32_t frame, const Flags& synthesis,
+                                           const Observer& observer) const {
+  DepthImageParams params;
+  flags_.apply(params);
+  SynthesizeParams synthesize;
+  synthesis.apply(synthesize);
+  require(synthesize.method == SynthesisMethod::automatic || synthesize.method == SynthesisMethod::layers,
+          "--method: expected layers for a picture with depths, got another; leave it out");
+  const DepthImage image = load_depth_image(picture, depth_, params.near, params.far);
+  if (wavelengths.empty()) wavelengths = {532_nm};
+  std::vector<Field> fields;
+  for (size_t i = 0; i < wavelengths.size(); ++i)
+    fields.push_back(sum_depth_image(image, panel, wavelengths[i], params, synthesize, frame,
+                                     part_of(observer, int(i), int(wavelengths.size()))));
+  return fields;
+}
+
+}  // namespace holotrace

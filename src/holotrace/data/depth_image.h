@@ -1,0 +1,48 @@
+#pragma once
+
+#include "holotrace/base/array.h"
+#include "holotrace/data/image.h"
+#include "holotrace/data/params.h"
+
+namespace holotrace {
+
+/// A picture and the depth of each of its pixels (RGB-D), both of one size.
+struct DepthImage {
+  Image picture;         ///< linear light, 1 or 3 channels; 1 is white
+  Array2D<float> depth;  ///< behind the panel [m]; 0: nothing there
+};
+
+/// How the pixels of a picture stand in space: side by side as on a slide, each slice of the same width; or on the rays
+/// that leave the panel's centre through them.
+enum class Projection { orthographic, perspective };
+
+/// How a picture with depth becomes light.
+struct DepthImageParams {
+  double near = 0, far = 0;                          ///< depths of white and black [m]; both 0: the file has metres
+  double width = 0;                                  ///< of the picture [m]; 0: the panel's (orthographic)
+  Projection projection = Projection::orthographic;  ///< of the pixels into space
+  double field_of_view = 0;                          ///< half angle over the width [rad]; 0: the panel's acceptance
+  SourcePhase phase = SourcePhase::random;           ///< of the light, random or constant
+  int64_t seed = 1;                                  ///< of random phases
+};
+
+template <class Visitor>
+void describe(Visitor& v, DepthImageParams& p) {
+  v.length("near", p.near,
+           "depth of the depth picture's white (brighter is nearer); of none for EXR, which has metres");
+  v.length("far", p.far, "depth of its black");
+  v.length("width", p.width, "of the picture, orthographic; 0 m: the panel's");
+  v.choice("projection", p.projection,
+           {{"orthographic", Projection::orthographic}, {"perspective", Projection::perspective}},
+           "equally wide at every depth, or seen from the panel's centre");
+  v.angle("field_of_view", p.field_of_view,
+          "perspective: half angle over the width; 0 deg: the panel's acceptance asin(lambda/2p)");
+  v.choice("phase", p.phase, {{"random", SourcePhase::random}, {"constant", SourcePhase::constant}},
+           "of the light: random (scatters everywhere, with speckle) or 0 (smooth, sent straight ahead)");
+  v.count("seed", p.seed, "of random phases");
+}
+
+/// @throws Error  for sizes that differ or are none, and depths or light that are negative or not finite
+void check_depth_image(const DepthImage& image);
+
+}  // namespace holotrace

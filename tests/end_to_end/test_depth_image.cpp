@@ -1,0 +1,134 @@
+// A picture with depths, from its files to what a viewer sees at either depth.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "end_to_end/scenes.h"
+#include "holotrace/io/field_file.h"
+#include "holotrace/io/image_file.h"
+#include "holotrace/io/sources_file.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+// Upright bars on the left, near; level bars on the right, far; black between, all on the small panel's pixels.
+constexpr int nx = small_panel.nx, ny = small_panel.ny, bar = 6;
+
+bool is_left(int i, int j) { return i >= 30 && i < 108 && j >= 60 && j < 132; }
+bool is_right(int i, int j) { return i >= 148 && i < 226 && j >= 60 && j < 132; }
+
+void write_pictures(const Workplace& work, Vec3 left = {1, 1, 1}, Vec3 right = {1, 1, 1}) {
+  Image picture(ny, nx, 3), depth(ny, nx, 1);
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      const Vec3 colour = is_left(i, j) && i / bar % 2 ? left : is_right(i, j) && j / bar % 2 ? right : Vec3{};
+      picture(j, i, 0) = float(colour.x), picture(j, i, 1) = float(colour.y), picture(j, i, 2) = float(colour.z);
+      depth(j, i) = float(is_left(i, j));
+    }
+  save_image(work.path("picture.png"), picture, 1, 8);
+  save_image(work.path("depth.png"), depth, 1, 8);
+}
+
+std::vector<std::string> field_command(const std::vector<std::string>& more = {}) {
+  std::vector<std::string> command{"field", "picture.png", "--depth", "depth.png",  "--near", "30 mm",
+                                   "--far", "45 mm",       "--slm",   "scene.toml", "-o",     "f.npy"};
+  command.insert(command.end(), more.begin(), more.end());
+  return command;
+}
+
+void expect_success(const Workplace& work, const std::vector<std::string>& arguments) {
+  const Outcome outcome = work.run(arguments);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+}
+
+// Light of the bars over light between them.
+double contrast(const Image& view, bool left) {
+  double bright = 0, dark = 0;
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      if (!(left ? is_left(i, j) : is_right(i, j))) continue;
+      ((left ? i : j) / bar % 2 ? bright : dark) += view(j, i);
+    }
+  return bright / dark;
+}
+
+// Bars of 48 µm; the panel resolves λd/S = 8 … 16 µm. 15 mm out of focus, light is spread over 15/30 of 2 mm: bars are
+// gone. A kinoform loses the modulus: noise of a fifth of the light or so (4/π of the power of speckle) lies
+// everywhere.
+TEST(DepthImage, IsSharpAtEachOfItsDepths) {
+  const Workplace work;
+  work.write("scene.toml", scene_head() + points_object());
+  work.write("points.ply", point_file({{{0, 0, -0.02}}}));
+  write_pictures(work);
+  expect_success(work, field_command());
+  expect_success(work, {"encode", "f.npy", "-o", "h.png"});
+  expect_success(work, {"show", "h.png", "-o", "v.exr", "--distance", "30 45 mm"});
+  const Image near = load_image(work.path("v.exr")), far = load_image(work.path("v_2.exr"));
+  EXPECT_GT(contrast(near, true), 2.5);
+  EXPECT_GT(contrast(far, false), 2.5);
+  EXPECT_LT(contrast(near, false), 1.3);
+  EXPECT_LT(contrast(far, true), 1.3);
+}
+
+TEST(DepthImage, OfColoursIsAFieldForEachWavelength) {
+  const Workplace work;
+  work.write("scene.toml", scene_head() + points_object());
+  work.write("points.ply", point_file({{{0, 0, -0.02}}}));
+  write_pictures(work, {1, 0, 0}, {0, 0, 1});
+  expect_success(work, field_command({"--wavelength", "630 nm, 460 nm", "--frame", "3", "--silhouettes", "true"}));
+  const std::vector<Field> fields = load_fields(work.path("f.npy"));
+  ASSERT_EQ(fields.size(), 2U);
+  EXPECT_EQ(fields[0].wavelength, 630e-9);
+  EXPECT_EQ(fields[1].frame, 3U);
+  // Each holds a shape of the same light, the panel takes some of it: neither is dark.
+  EXPECT_GT(power(fields[0]), 0.2 * power(fields[1]));
+  EXPECT_GT(power(fields[1]), 0.2 * power(fields[0]));
+}
+
+TEST(DepthImage, MistakesAreToldInASentence) {
+  const Workplace work;
+  work.write("scene.toml", scene_head() + points_object());
+  work.write("points.ply", point_file({{{0, 0, -0.02}}}));
+  write_pictures(work);
+  const auto error = [&](const std::vector<std::string>& arguments) {
+    const Outcome outcome = work.run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_FALSE(work.has("f.npy"));
+    return outcome.err;
+  };
+  EXPECT_EQ(error({"field", "picture.png", "-o", "f.npy"}),
+            "holotrace: picture.png: expected --depth with a picture, its depths; got none\n");
+  EXPECT_EQ(error({"field", "scene.toml", "--near", "3 mm", "-o", "f.npy"}),
+            "holotrace: expected --depth with --near, which is about a picture with depths; give both or neither\n");
+  EXPECT_EQ(error({"field", "picture.png", "--depth", "depth.png", "-o", "f.npy"}),
+            "holotrace: depth.png: expected 0 m < near < far, the depths of its white and black, got near 0 m and far "
+            "0 m; give --near and --far\n");
+  EXPECT_EQ(error(field_command({"--method", "tiled"})),
+            "holotrace: --method: expected layers for a picture with depths, got another; leave it out\n");
+  EXPECT_EQ(
+      error(field_command({"--double"})),
+      "holotrace: expected --double with a scene or sources, which it sums wave by wave; got a picture with depths\n");
+  EXPECT_EQ(error({"field", "scene.toml", "--depth", "depth.png", "-o", "f.npy"}),
+            "holotrace: scene.toml: expected a picture (.png, .jpg, .tif, .exr) with --depth; leave out --depth\n");
+}
+
+// The method layers of a scene's waves, by the command line, against the exact one.
+TEST(DepthImage, AndScenesTakeTheMethodLayers) {
+  const Workplace work;
+  std::vector<Luminous> points;
+  for (int i = 0; i < 12; ++i)
+    points.push_back({{0.2e-3 * (i % 4) - 0.3e-3, 0.2e-3 * (i / 4) - 0.2e-3, i % 2 ? -0.1 : -0.11}});
+  work.write("points.ply", point_file(points));
+  work.write("scene.toml", scene_head() + points_object());
+  expect_success(work, {"field", "scene.toml", "-o", "exact.npy", "--method", "exact"});
+  expect_success(work, {"field", "scene.toml", "-o", "layers.npy", "--method", "layers", "--tolerance", "1e-3"});
+  const Outcome outcome = work.run({"compare", "exact.npy", "layers.npy", "--json"});
+  EXPECT_LT(nlohmann::json::parse(outcome.out).at("relative_l2_error").get<double>(), 1e-3);
+}
+
+}  // namespace
+}  // namespace holotrace::test
