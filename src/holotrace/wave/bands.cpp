@@ -13,7 +13,7 @@
 namespace holotrace {
 namespace {
 
-constexpr int unit_rows = 128, least_bands = 16, exact_rows = 32;
+constexpr int unit_rows = 128, least_bands = 64, exact_rows = 32;
 
 // The program with its libraries and the tiles of its threads: 140 MB are measured, 150 MB with MPI.
 constexpr double program_bytes = 170e6;

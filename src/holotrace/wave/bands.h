@@ -19,7 +19,7 @@ struct Band {
 /// The pixels of a band, as a panel of their own that lies where they lie.
 Grid band_of(const Grid& panel, int first_row, int end_row);
 
-/// Cuts the fields of sets of waves into bands: 16 or more per panel where its rows allow, of a height that is a
+/// Cuts the fields of sets of waves into bands: 64 or more per panel where its rows allow, of a height that is a
 /// multiple of 128 rows, the tallest tile of the tile-separable sum, except where a row of panel tiles
 /// (TileAmplitudes) or the panel ends. They depend on nothing but these arguments: not on threads or on how many
 /// processes share them.
