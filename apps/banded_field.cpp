@@ -42,8 +42,8 @@ class Fingerprint {
 };
 
 const char* name_of(SynthesisMethod method) {
-  if (method == SynthesisMethod::exact) return "exact";
-  return method == SynthesisMethod::tiled ? "tiled" : "auto";
+  using enum SynthesisMethod;
+  return method == exact ? "exact" : method == tiled ? "tiled" : method == planes ? "planes" : "auto";
 }
 
 // One file of the job: the sets of a name, as its planes, and their bands, in the order of the job's.
@@ -301,7 +301,7 @@ void make_field_in_bands(const BandedField& field, Ranks& ranks, const Observer&
   const auto work = std::make_shared<Work>();
   work->job = field;
   work->observer = observer;
-  work->bands = plan_bands(field.sets, field.panel, field.memory);
+  work->bands = plan_bands(field.sets, field.panel, field.params, field.memory);
   warn_of_missed_waves(field, observer);
   sort_into_files(*work);
   open_files(*work);

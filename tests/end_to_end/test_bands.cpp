@@ -192,8 +192,8 @@ TEST(Bands, SayWhatTheyCannotDo) {
   EXPECT_EQ(error_with({"--memory", "1 GB", "--double", "-o", "f.h5"}),
             "holotrace: expected waves and single precision for a field made in bands, got --double; make it whole, "
             "without --memory and without mpirun\n");
-  EXPECT_NE(error_with({"--memory", "1 GB", "--method", "planes", "-o", "f.h5"})
-                .find("expected the method auto, tiled or exact for a field made in bands"),
+  EXPECT_NE(error_with({"--memory", "1 GB", "--method", "layers", "-o", "f.h5"})
+                .find("expected the method auto, exact, tiled or planes for a field made in bands"),
             std::string::npos);
   EXPECT_NE(error_with({"--memory", "10 MB", "-o", "f.h5"}).find("expected --memory of "), std::string::npos);
   const std::string whole = error_with({"--columns", "2000000", "--rows", "2000000", "-o", "f.h5"});

@@ -107,7 +107,7 @@ TEST_F(Ranks, SayWhatIsWrongOnce) {
   hard.insert(hard.end(), {"--tolerance", "1e-6"});
   const Outcome within = work.run_under(mpirun(3), hard);
   EXPECT_NE(within.exit_code, 0);
-  EXPECT_EQ(count(within.err, "holotrace: expected a tolerance that tiles can meet"), 1u) << within.err;
+  EXPECT_EQ(count(within.err, "holotrace: expected a tolerance that"), 1u) << within.err;
 
   const Outcome usage = work.run_under(mpirun(2), {"feild"});
   EXPECT_NE(usage.exit_code, 0);

@@ -61,7 +61,7 @@ SynthesizeParams params_of(SynthesisMethod method, double tolerance = 1e-3) {
 TEST(Bands, CoverEveryRowOfEverySetOnceInMultiplesOf128) {
   const std::vector<Sources> sets{make_waves(3), make_waves(5)};
   for (const int rows : {1, 127, 128, 129, 1080, 20000}) {
-    const std::vector<Band> bands = plan_bands(sets, {50, rows, 8e-6}, 1e9);
+    const std::vector<Band> bands = plan_bands(sets, {50, rows, 8e-6}, {}, 1e9);
     int set = 0, row = 0;
     for (const Band& band : bands) {
       if (row == rows) {
@@ -76,16 +76,21 @@ TEST(Bands, CoverEveryRowOfEverySetOnceInMultiplesOf128) {
     EXPECT_EQ(set, 1);
     EXPECT_EQ(row, rows);
   }
-  EXPECT_EQ(plan_bands(sets, {50, 32768, 1e-6}, 1e9).size(), 2u * 64);
+  EXPECT_EQ(plan_bands(sets, {50, 32768, 1e-6}, {}, 1e9).size(), 2u * 64);
 }
 
 TEST(Bands, FitTheMemoryOrSayWhatIsNeeded) {
   const std::vector<Sources> sets{make_waves(100)};
   const Grid large{100000, 100000, 1e-6};  // 128 rows are 102 MB
-  for (const double memory : {4e8, 8e8, 2e9, 1e10})
-    for (const Band& band : plan_bands(sets, large, memory)) EXPECT_LE(band_memory(sets, large, band.rows()), memory);
-  EXPECT_GT(plan_bands(sets, large, 2e9).front().rows(), plan_bands(sets, large, 4e8).front().rows());
-  const std::string error = error_of([&] { plan_bands(sets, large, 2e8); });
+  using enum SynthesisMethod;
+  for (const SynthesisMethod method : {automatic, tiled, planes, exact}) {
+    const SynthesizeParams params = params_of(method);
+    for (const double memory : {7e8, 2e9, 1e10})
+      for (const Band& band : plan_bands(sets, large, params, memory))
+        EXPECT_LE(band_memory(sets, large, params, band.rows()), memory);
+    EXPECT_GT(plan_bands(sets, large, params, 4e9).front().rows(), plan_bands(sets, large, params, 7e8).front().rows());
+  }
+  const std::string error = error_of([&] { plan_bands(sets, large, params_of(tiled), 2e8); });
   EXPECT_EQ(error.find("expected --memory of "), 0u) << error;
   EXPECT_NE(error.find("for 128 rows of 100000 pixels and the waves, got 191 MiB"), std::string::npos) << error;
 }
@@ -99,7 +104,7 @@ TEST(Bands, LieWhereTheirRowsLie) {
 
 TEST(Bands, OfExactAreTheRowsOfTheWholeToRounding) {
   const Sources sources = make_waves(40);
-  const std::vector<Band> bands = plan_bands({sources}, panel, 1e9);
+  const std::vector<Band> bands = plan_bands({sources}, panel, {}, 1e9);
   ASSERT_EQ(bands.size(), 4u);
   // Samples are rounded to float once: 6e-8 of each.
   EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::exact), bands, sum_exact(sources, panel)), 6e-8);
@@ -108,7 +113,7 @@ TEST(Bands, OfExactAreTheRowsOfTheWholeToRounding) {
 TEST(Bands, OfTiledAndAutoHoldTheTolerance) {
   const Sources sources = make_waves(200);
   const FieldDouble whole = sum_exact(sources, panel);
-  const std::vector<Band> bands = plan_bands({sources}, panel, 1e9);
+  const std::vector<Band> bands = plan_bands({sources}, panel, {}, 1e9);
   for (const double tolerance : {1e-2, 1e-3})  // tiles that small as 1e-4 needs here there are none
     EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::tiled, tolerance), bands, whole), tolerance);
   // 1e-6 is below what single precision leaves: auto sums those bands one wave at a time.
@@ -120,7 +125,7 @@ TEST(Bands, OfTiledAndAutoHoldTheTolerance) {
 TEST(Bands, KeepTheAmplitudesOfThePanelsTiles) {
   Sources sources = make_waves(60);
   give_tiles(sources, 3, 7);  // 400 rows of pixels in 7 rows of tiles: none ends at a multiple of 128
-  const std::vector<Band> bands = plan_bands({sources}, panel, 1e9);
+  const std::vector<Band> bands = plan_bands({sources}, panel, {}, 1e9);
   for (const Band& band : bands)
     for (int tile = 1; tile < 7; ++tile) {
       const int start = tile_start(tile, 7, panel.ny);
@@ -146,8 +151,8 @@ TEST(Bands, AreOfMethodsThatSumWaves) {
   EXPECT_EQ(error_of([&] {
               synthesize_band(sources, panel, {0, 0, 128}, params_of(SynthesisMethod::layers));
             }),
-            "expected the method auto, tiled or exact for a field made in bands, got another; choose one of them, or "
-            "make the field whole, without --memory and without mpirun");
+            "expected the method auto, exact, tiled or planes for a field made in bands, got another; choose one of "
+            "them, or make the field whole, without --memory and without mpirun");
 }
 
 }  // namespace

@@ -1,13 +1,11 @@
 #include "holotrace/wave/bands.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/wave/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -15,11 +13,8 @@ namespace {
 
 constexpr int unit_rows = 128, least_bands = 64, exact_rows = 32;
 
-// The program with its libraries and the tiles of its threads: 140 MB are measured, 150 MB with MPI.
-constexpr double program_bytes = 170e6;
-
-// Of one wave: kept, chosen for a band and made ready for its sum, or while it is read from a file.
-constexpr double wave_bytes = 176;
+// As band_memory says: 140 MB of program and libraries are measured, 150 MB with MPI.
+constexpr double program_bytes = 170e6, wave_bytes = 340, wave_tile_bytes = 16, plane_bytes = 16 * 10e6;
 
 // The row of panel tiles that a row of pixels lies in.
 int tile_row_of(const TileAmplitudes& tiles, const Grid& panel, int row) {
@@ -77,31 +72,32 @@ Grid band_of(const Grid& panel, int first_row, int end_row) {
 void check_band_method(const SynthesizeParams& params) {
   using enum SynthesisMethod;
   require(
-      params.method == automatic || params.method == tiled || params.method == exact,
-      "expected the method auto, tiled or exact for a field made in bands, got another; choose one of them, or make "
-      "the field whole, without --memory and without mpirun");
+      params.method != layers && params.method != triangles,
+      "expected the method auto, exact, tiled or planes for a field made in bands, got another; choose one of them, "
+      "or make the field whole, without --memory and without mpirun");
 }
 
-double band_memory(const std::vector<Sources>& sets, const Grid& panel, int rows) {
-  double kept = 0, largest = 0;
-  for (const Sources& set : sets) {
-    const double tile_bytes = 4.0 * set.tiles.columns * set.tiles.rows;
-    kept += double(set.waves.size()) * (sizeof(Source) + tile_bytes);
-    largest = std::max(largest, double(set.waves.size()) * (wave_bytes - sizeof(Source) + 3 * tile_bytes));
-  }
-  const double strip = double(panel.nx) * exact_rows * sizeof(std::complex<double>);
-  return program_bytes + kept + largest + strip + double(panel.nx) * rows * sizeof(std::complex<float>);
+double band_memory(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params, int rows) {
+  using enum SynthesisMethod;
+  double waves = 0;
+  for (const Sources& set : sets)
+    waves += double(set.waves.size()) * (wave_bytes + wave_tile_bytes * set.tiles.columns * set.tiles.rows);
+  const double samples = double(panel.nx) * rows * (params.method == automatic ? 24 : 8);
+  const double strip = params.method == exact ? double(panel.nx) * exact_rows * sizeof(std::complex<double>) : 0;
+  const double planes_too = params.method == automatic || params.method == planes ? plane_bytes : 0;
+  return program_bytes + waves + samples + strip + planes_too;
 }
 
-std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel, double memory) {
+std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params,
+                             double memory) {
   check_grid(panel);
-  const double needed = band_memory(sets, panel, std::min(unit_rows, panel.ny));
+  const double needed = band_memory(sets, panel, params, std::min(unit_rows, panel.ny));
   require(memory >= needed,
           "expected --memory of {} or more, for {} rows of {} pixels and the waves, got {}; give more, or fewer waves",
           format_bytes(needed), std::min(unit_rows, panel.ny), panel.nx, format_bytes(memory));
   const int wanted = (panel.ny + least_bands * unit_rows - 1) / (least_bands * unit_rows) * unit_rows;
   int height = wanted;
-  while (height > unit_rows && band_memory(sets, panel, height) > memory) height -= unit_rows;
+  while (height > unit_rows && band_memory(sets, panel, params, height) > memory) height -= unit_rows;
   std::vector<Band> bands;
   for (size_t set = 0; set < sets.size(); ++set) {
     const TileAmplitudes& tiles = sets[set].tiles;
@@ -128,10 +124,7 @@ Field synthesize_band(const Sources& sources, const Grid& panel, const Band& ban
   const Sources waves = sources_of_band(sources, panel, grid, band.first_row);
   if (waves.waves.empty()) return Field(grid, sources.wavelength);
   if (params.method == SynthesisMethod::exact) return exact_band(waves, grid, observer);
-  if (params.method == SynthesisMethod::tiled) return synthesize(waves, grid, params, observer);
-  double reachable = 0;
-  std::optional<Field> field = try_sum_tiled(waves, grid, params.tolerance, reachable, observer);
-  return field ? std::move(*field) : exact_band(waves, grid, observer);
+  return synthesize(waves, grid, params, observer);
 }
 
 }  // namespace holotrace

@@ -26,22 +26,23 @@ Grid band_of(const Grid& panel, int first_row, int end_row);
 ///
 /// @param memory  that a process may use [bytes], see band_memory
 /// @throws Error  where the memory does not hold the waves and 128 rows, telling how much does
-std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel, double memory);
+std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params,
+                             double memory);
 
-/// Most memory that a process needs for one band of that many rows [bytes]: the program with its libraries, the waves
-/// as they are read or kept, those of the band made ready for the sum, the band's samples of 8 bytes, and what a sum
-/// needs beside them.
-double band_memory(const std::vector<Sources>& sets, const Grid& panel, int rows);
+/// Most memory that a process needs for one band of that many rows [bytes]: 170 MB for the program with its libraries;
+/// 340 bytes per wave, kept, read from a file, chosen for a band and made ready for the sum, and 16 bytes per wave and
+/// panel tile; 8 bytes per sample of the band, 24 by `auto`, which may turn to `exact`; for `exact` 512 bytes per
+/// column; for `auto` and `planes` 10 MB for each of 16 threads: where there are more, add theirs.
+double band_memory(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params, int rows);
 
-/// @throws Error unless the method sums waves band by band: auto, tiled or exact.
+/// @throws Error unless the method sums waves band by band: auto, tiled, planes or exact.
 void check_band_method(const SynthesizeParams& params);
 
 /// How many waves light no pixel of the panel.
 int64_t missed_waves(const Sources& sources, const Grid& panel);
 
-/// The field of a set of waves on a band of the panel, by `tiled` or `exact`. `auto` takes tiled, and exact for a band
-/// that no tile holds to the tolerance. The error is within the tolerance in each band, and so on the panel. Waves
-/// without light there are left out; a band without light is 0.
+/// The field of a set of waves on a band of the panel, by synthesize on its rows. The error is within the tolerance in
+/// each band, and so on the panel. Waves without light there are left out; a band without light is 0.
 ///
 /// @return        complex amplitude, shape (band.rows(), nx) [√(W/m²)]: the panel's rows to rounding (exact) or within
 ///                the tolerance, the same bytes for the same band on any number of threads
