@@ -12,6 +12,7 @@
 #include <new>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "band_messages.h"
 #include "holotrace/base/error.h"
@@ -64,15 +65,13 @@ struct Work {
   std::vector<BandFile> files;
   std::vector<Place> places;  // of the bands
   std::deque<size_t> waiting;
-  std::mutex mutex;  // of `waiting` and the journals
-  int64_t rows = 0;
-  std::atomic<int64_t> rows_done{0};
+  std::mutex mutex;            // of `waiting`, `done` and the journals
+  std::vector<double> shares;  // of the bands in the work
+  std::atomic<double> done{0};
   std::exception_ptr failure;
   std::atomic<bool> is_alone_done{false};
 
-  void tell_progress(int64_t rows_of_band = 0, double fraction = 0) {
-    observer.progress((double(rows_done) + fraction * double(rows_of_band)) / double(rows));
-  }
+  void tell_progress(double begun = 0) { observer.progress(done + begun); }
 
   std::optional<size_t> take() {
     const std::lock_guard lock(mutex);
@@ -90,7 +89,7 @@ struct Work {
   void finish(size_t band) {
     const std::lock_guard lock(mutex);
     files[places[band].file].file->finish_band(places[band].index);
-    rows_done += bands[band].rows();
+    done = done + shares[band];
     tell_progress();
   }
 
@@ -98,7 +97,7 @@ struct Work {
     while (const std::optional<size_t> band = take()) {
       const Band& b = bands[*band];
       Observer o;
-      o.on_progress = [&](double fraction) { tell_progress(b.rows(), fraction); };
+      o.on_progress = [&](double fraction) { tell_progress(fraction * shares[*band]); };
       const Field field = synthesize_band(job.sets[size_t(b.set)], job.panel, b, job.params, o);
       write(*band, b.first_row, b.rows(), field.samples.values.data());
       finish(*band);
@@ -192,9 +191,8 @@ void open_files(Work& work) {
                  path);
   }
   for (size_t band = 0; band < work.bands.size(); ++band) {
-    work.rows += work.bands[band].rows();
     if (work.files[work.places[band].file].file->is_finished(work.places[band].index))
-      work.rows_done += work.bands[band].rows();
+      work.done = work.done + work.shares[band];
     else
       work.waiting.push_back(band);
   }
@@ -296,13 +294,14 @@ void serve_job(const Ranks& ranks, const Ranks::Message& job) {
 
 }  // namespace
 
-void make_field_in_bands(const BandedField& field, Ranks& ranks, const Observer& observer) {
+void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observer) {
   check_sets(field);
   const auto work = std::make_shared<Work>();
-  work->job = field;
-  work->observer = observer;
   work->bands = plan_bands(field.sets, field.panel, field.params, field.memory);
-  warn_of_missed_waves(field, observer);
+  work->job = std::move(field);
+  work->observer = observer;
+  work->shares = band_shares(work->job.sets, work->job.panel, work->bands);
+  warn_of_missed_waves(work->job, observer);
   sort_into_files(*work);
   open_files(*work);
   work->tell_progress();

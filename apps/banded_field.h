@@ -25,7 +25,7 @@ struct BandedField {
 /// Makes the files, or finishes what an earlier run left unfinished. With several ranks each takes the next band that
 /// no other has, and rank 0, which calls this, writes them all: the bytes are the same for any number of ranks.
 /// @throws Error  as plan_bands, synthesize_band and FieldBands do, on whichever rank; finished bands stay
-void make_field_in_bands(const BandedField& field, Ranks& ranks, const Observer& observer);
+void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observer);
 
 /// What every other rank does: makes the bands that rank 0 asks for until it says that all is done.
 void serve_bands(Ranks& ranks);

@@ -6,6 +6,7 @@
 #include "holotrace/data/panel_tiles.h"
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/synthesize.h"
 #include "support/fields.h"
 #include "support/panels.h"
 
@@ -144,6 +145,21 @@ TEST(Bands, WithoutLightAreDark) {
   EXPECT_EQ(missed_waves(sources, panel), 0);
   sources.waves[0].origin.y = 1;
   EXPECT_EQ(missed_waves(sources, panel), 1);
+}
+
+TEST(Bands, ShareTheWorkAsTheirWavesDo) {
+  const std::vector<Sources> sets{make_waves(4000), make_waves(1)};
+  const std::vector<Band> bands = plan_bands(sets, panel, {}, 1e9);
+  const std::vector<double> shares = band_shares(sets, panel, bands);
+  double sum = 0, work_of_all = 0;
+  for (const Sources& set : sets) work_of_all += double(waves_pixels(set, panel)) + 300.0 * double(panel.pixels());
+  for (size_t i = 0; i < bands.size(); ++i) {
+    const Grid grid = band_of(panel, bands[i].first_row, bands[i].end_row);
+    const double work = double(waves_pixels(sets[size_t(bands[i].set)], grid)) + 300.0 * double(grid.pixels());
+    EXPECT_NEAR(shares[i], work / work_of_all, 1e-12) << "rounding of sums below 1e10";
+    sum += shares[i];
+  }
+  EXPECT_NEAR(sum, 1, 1e-12);
 }
 
 TEST(Bands, AreOfMethodsThatSumWaves) {

@@ -117,6 +117,35 @@ int64_t missed_waves(const Sources& sources, const Grid& panel) {
                        [&](const Source& s) { return lit_box(s, panel, tangent).is_empty(); });
 }
 
+std::vector<double> band_shares(const std::vector<Sources>& sets, const Grid& panel, const std::vector<Band>& bands) {
+  std::vector<std::vector<double>> work;  // [set][row]: of the rows above
+  for (const Sources& set : sets) {
+    std::vector<double> change(size_t(panel.ny) + 1, 0.0);
+    const double tangent = acceptance_tangent(set.wavelength, panel.pitch);
+    for (const Source& source : set.waves) {
+      const PixelBox box = lit_box(source, panel, tangent);
+      if (box.is_empty()) continue;
+      change[size_t(box.y0)] += box.x1 - box.x0;
+      change[size_t(box.y1)] -= box.x1 - box.x0;
+    }
+    std::vector<double>& sums = work.emplace_back(1, 0.0);
+    double lit = 0;
+    for (int row = 0; row < panel.ny; ++row) {
+      lit += change[size_t(row)];
+      sums.push_back(sums.back() + lit + 300.0 * panel.nx);
+    }
+  }
+  std::vector<double> shares;
+  double sum = 0;
+  for (const Band& band : bands) {
+    const std::vector<double>& sums = work[size_t(band.set)];
+    shares.push_back(sums[size_t(band.end_row)] - sums[size_t(band.first_row)]);
+    sum += shares.back();
+  }
+  for (double& share : shares) share /= sum;
+  return shares;
+}
+
 Field synthesize_band(const Sources& sources, const Grid& panel, const Band& band, const SynthesizeParams& params,
                       const Observer& observer) {
   check_band_method(params);
