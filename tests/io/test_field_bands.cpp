@@ -36,7 +36,7 @@ std::vector<Field> headers_of(std::vector<Field> fields) {
 constexpr int band_rows = 100;  // ends within chunks
 
 BandedJob job_of(const std::vector<Field>& fields, uint64_t fingerprint = 5) {
-  return {"a test", fingerprint, fields.size() * 3};
+  return {.description = "a test", .fingerprint = fingerprint, .bands = fields.size() * 3};
 }
 
 void write_band(FieldBands& file, const std::vector<Field>& fields, size_t band) {
@@ -130,6 +130,17 @@ TEST(FieldBands, LeftoversOfEveryStepOfARunAreNoObstacle) {
   write_missing(file, fields, 3);
   file.finish();
   EXPECT_EQ(bytes_of(path), bytes_of(whole));
+}
+
+TEST(FieldBands, TakenUpAgainKeepTheSettingsOfTheRunThatBegan) {
+  const std::vector<Field> fields = make_fields(1);
+  const std::string path = temporary("f.h5");
+  BandedJob job = job_of(fields);
+  job.settings = {{"rate", 0.1}};
+  { FieldBands file(path, headers_of(fields), job); }
+  job.settings = {{"rate", 7}};
+  const FieldBands file(path, headers_of(fields), job);
+  EXPECT_EQ(file.settings(), (std::map<std::string, double>{{"rate", 0.1}})) << "to the last bit";
 }
 
 TEST(FieldBands, OfAnotherJobAreRefused) {

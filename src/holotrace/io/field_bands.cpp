@@ -189,6 +189,7 @@ void FieldBands::write_journal() const {
   const nlohmann::ordered_json json{{"job", job_.description},
                                     {"fingerprint", fmt::format("{:016x}", job_.fingerprint)},
                                     {"bands", job_.bands},
+                                    {"settings", job_.settings},
                                     {"finished", ranges_of(finished_)}};
   const std::string text = json.dump() + "\n";
   write_atomically(journal_, [&](const std::string& temporary) {
@@ -205,6 +206,11 @@ void FieldBands::read_journal() {
           "expected {} to be an unfinished run of this job ({}), got one of another ({}); finish that one by its own "
           "command, or delete {}",
           partial_, job_.description, metadata_text(json, journal_, "job", "unknown"), partial_);
+  if (const auto settings = json.find("settings"); settings != json.end() && settings->is_object()) {
+    job_.settings.clear();
+    for (const auto& item : settings->items())
+      job_.settings[item.key()] = metadata_number(*settings, journal_, item.key().c_str());
+  }
   const auto ranges = json.find("finished");
   const auto is_band = [&](const nlohmann::json& n) { return n.is_number_unsigned() && n.get<size_t>() < job_.bands; };
   const auto is_range = [&](const nlohmann::json& r) {

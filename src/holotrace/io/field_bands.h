@@ -3,6 +3,7 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct BandedJob {
   std::string description;   ///< for people: panel, waves, method
   uint64_t fingerprint = 0;  ///< of all that the bytes depend on
   size_t bands = 0;
+  std::map<std::string, double> settings{};  ///< what the machine of the first run chose by: kept for those that go on
 };
 
 /// An HDF5 field file, as save_fields makes, that is written band by band, in bounded memory, and survives a kill.
@@ -36,6 +38,9 @@ class FieldBands {
   FieldBands(const std::string& path, const std::vector<Field>& headers, const BandedJob& job);
   ~FieldBands();
   FieldBands(const FieldBands&) = delete;
+
+  /// The job's, or of a file taken up again those of the run that began it.
+  const std::map<std::string, double>& settings() const { return job_.settings; }
 
   bool is_finished(size_t band) const { return finished_[band]; }
   size_t finished_bands() const;
