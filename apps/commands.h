@@ -8,10 +8,13 @@
 
 namespace holotrace {
 
+class Ranks;
+
 /// Flags that every subcommand takes.
 struct GlobalFlags {
   int threads = 0;
   bool is_quiet = false;
+  Ranks* ranks = nullptr;  ///< the processes of this run
 };
 
 // Each adds its subcommands with their flags and what they do.

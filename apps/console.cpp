@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <mutex>
 
+#include "holotrace/base/time_left.h"
+
 namespace holotrace {
 
 struct Console::Bar {
@@ -16,16 +18,16 @@ struct Console::Bar {
   std::mutex mutex;
   Clock::time_point start = Clock::now(), drawn{};
   double fraction = 0;
+  TimeLeft time_left;
 
   void draw() {
     constexpr int width = 30;
     const int full = int(fraction * width);
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     const std::string bar = std::string(size_t(full), '#') + std::string(size_t(width - full), '.');
-    const std::string left = fraction > 0.02 && fraction < 1
-                                 ? fmt::format(", {:.0f} s left", seconds * (1 - fraction) / fraction)
-                                 : std::string();
-    fmt::print(stderr, "\r\033[K{:<16} [{}] {:3.0f} %  {:.1f} s{}", stage, bar, 100 * fraction, seconds, left);
+    const std::optional<double> left = time_left.estimate(seconds, fraction);
+    fmt::print(stderr, "\r\033[K{:<16} [{}] {:3.0f} %  {}{}", stage, bar, 100 * fraction, format_duration(seconds),
+               left ? ", " + format_duration(*left) + " left" : std::string());
     std::fflush(stderr);
     drawn = Clock::now();
   }

@@ -52,6 +52,15 @@ inline double parse_angle_flag(const char* flag, const std::string& text) {
   }
 }
 
+/// A size in bytes given by a flag. @throws Error, naming the flag
+inline double parse_size_flag(const char* flag, const std::string& text) {
+  try {
+    return parse_size(text);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", flag, error.what()));
+  }
+}
+
 /// Flags made from the list of fields of a parameter struct (data/params.h). They keep the text that
 /// was given, so that a flag can overrule a scene file that is read later.
 class Flags {

@@ -2,10 +2,12 @@
 
 #include <tbb/global_control.h>
 
+#include <csignal>
 #include <exception>
 #include <memory>
 #include <new>
 
+#include "banded_field.h"
 #include "commands.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
@@ -13,6 +15,7 @@
 #include "holotrace/io/rates_file.h"
 #include "holotrace/io/wisdom_file.h"
 #include "holotrace/wave/cost_model.h"
+#include "ranks.h"
 
 namespace {
 
@@ -38,9 +41,7 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, ch
   return 2;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   using namespace holotrace;
   CLI::App app{"Holotrace turns 3D scenes into holograms and shows what a viewer would see of them."};
   app.set_version_flag("--version", std::string("holotrace ") + HOLOTRACE_VERSION);
@@ -48,16 +49,16 @@ int main(int argc, char** argv) {
   app.fallthrough();
   app.get_formatter()->column_width(36);
 
-  GlobalFlags global;
+  GlobalFlags global{.ranks = &ranks};
   app.add_option("--threads", global.threads, "threads to use; 0: all. The result does not depend on it")
       ->check(check_threads, "N", "N");
   app.add_flag("-q,--quiet", global.is_quiet, "no progress bars");
 
   std::unique_ptr<tbb::global_control> limit;
   app.parse_complete_callback([&] {
-    if (global.threads > 0)
-      limit =
-          std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, size_t(global.threads));
+    const int threads = global.threads > 0 ? global.threads : ranks.threads();
+    if (threads > 0)
+      limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, size_t(threads));
   });
   add_scene_commands(app, global);
   add_hologram_commands(app, global);
@@ -76,6 +77,25 @@ int main(int argc, char** argv) {
     return report_error(
         "expected enough memory for this job, ran out; use a smaller panel, fewer subpixels or fewer samples");
   } catch (const std::exception& error) {
+    return report_error(error.what());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace holotrace;
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its write, with a sentence
+  try {
+    Ranks ranks(argc, argv);
+    if (ranks.rank() > 0) {
+      serve_bands(ranks);
+      return 0;
+    }
+    const int exit_code = run_command(argc, argv, ranks);
+    dismiss_ranks(ranks, exit_code);
+    return exit_code;
+  } catch (const Error& error) {
     return report_error(error.what());
   }
 }

@@ -6,10 +6,12 @@
 #include <optional>
 #include <vector>
 
+#include "banded_field.h"
 #include "commands.h"
 #include "console.h"
 #include "depth_image_flags.h"
 #include "flags.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
@@ -23,8 +25,10 @@
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
+#include "holotrace/wave/bands.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/synthesize.h"
+#include "ranks.h"
 
 namespace holotrace {
 namespace {
@@ -183,13 +187,65 @@ std::vector<FieldDouble> exact_fields(std::vector<Sources> sets, uint32_t frame,
   return fields;
 }
 
+// A panel that is not a preset: the one named, with these rows, columns and pitch.
+struct PanelFlags {
+  std::optional<int> columns, rows;
+  std::string pitch;
+
+  void add(CLI::App& command) {
+    command.add_option("--columns", columns, "pixels of the panel from left to right [the panel's]")->type_name("N");
+    command.add_option("--rows", rows, "and from top to bottom [the panel's]")->type_name("N");
+    command.add_option("--pitch", pitch, "of its pixels [the panel's]")->type_name("LENGTH");
+  }
+  void apply(Grid& panel) const {
+    panel.nx = columns.value_or(panel.nx);
+    panel.ny = rows.value_or(panel.ny);
+    if (!pitch.empty()) panel.pitch = parse_length_flag("--pitch", pitch);
+    check_grid(panel);
+  }
+};
+
+// Under mpirun bands are the work that ranks share; without --memory each may use this.
+constexpr double memory_of_a_rank = 2e9;
+
+void check_is_for_bands(const Job& job, bool is_double) {
+  check_band_method(job.synthesize);
+  require(!is_double && job.trace.strategy != Strategy::gather,
+          "expected waves and single precision for a field made in bands, got {}; make it whole, without --memory and "
+          "without mpirun",
+          is_double ? "--double" : "the strategy gather");
+}
+
+void make_in_bands(const std::string& output, SceneLight light, uint32_t frame, const Job& job,
+                   const std::string& memory, const GlobalFlags& global, const Observer& observer) {
+  for (Sources& set : light.sources) {
+    set_frame(set, frame);
+    std::vector<uint64_t>().swap(set.phase_keys);  // needed for other frames only
+  }
+  const double bytes = memory.empty() ? memory_of_a_rank : parse_size_flag("--memory", memory);
+  make_field_in_bands(
+      {output, std::move(light.sources), job.slm.grid, job.synthesize, bytes, global.threads, global.is_quiet},
+      *global.ranks, observer);
+}
+
+// Told before the waves are traced.
+void check_whole_fits(const Grid& panel, bool is_double) {
+  const double bytes = double(panel.pixels()) * (is_double ? 16 : 8);
+  require(
+      bytes <= physical_memory(),
+      "expected a field of {} × {} samples to fit in memory, got a need of {} on a machine with {}; make it band by "
+      "band: --memory \"2 GB\" -o NAME.h5",
+      panel.nx, panel.ny, format_bytes(bytes), format_bytes(physical_memory()));
+}
+
 void add_field(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("field", "scene, sources or a picture with depths to the field on the panel");
   struct Options {
     std::vector<std::string> inputs;
-    std::string output, slm, wavelengths;
+    std::string output, slm, wavelengths, memory;
     std::optional<uint32_t> frame;
     bool is_double = false;
+    PanelFlags panel;
     Flags flags;
     DepthImageFlags depth_image;
   };
@@ -201,7 +257,14 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
   add_output(*command, o->output,
              "field: .npy (with a sidecar .json), .h5 or .exr; one per layer and light: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel by name [the scene's, or pluto]")->type_name("NAME|SCENE.toml");
+  o->panel.add(*command);
   add_wavelength(*command, o->wavelengths);
+  command
+      ->add_option(
+          "--memory", o->memory,
+          "most that a process may use, as \"2 GB\": the field is made band by band into an .h5 file, and a run "
+          "that was ended is taken up again by the same command [the field at once; under mpirun 2 GB]")
+      ->type_name("SIZE");
   command->add_option("--frame", o->frame, "whose random phases the waves take, from 0 [the input's]")->type_name("N");
   command->add_flag("--double", o->is_double, "sum by the method exact and keep complex128");
   o->flags.add(*command, SynthesizeParams());
@@ -227,16 +290,27 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
     job.slm = slm_preset("pluto");
     if (is_scene) job = load_job(o->inputs.front());
     if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
+    o->panel.apply(job.slm.grid);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
     require(!(o->is_double && job.trace.strategy == Strategy::gather),
             "expected --double with a scene whose strategy makes waves, got gather; take the strategy shared or tiled");
     o->flags.apply(job.synthesize);
-    check_output(o->output, field_extensions(o->is_double));
+    const bool is_banded = !o->memory.empty() || global.ranks->has_launcher();
+    check_output(o->output, is_banded ? std::vector<std::string>{".h5"} : field_extensions(o->is_double));
+    if (is_banded)
+      check_is_for_bands(job, o->is_double);
+    else
+      check_whole_fits(job.slm.grid, o->is_double);
     Console console(global.is_quiet);
-    const SceneLight light =
+    SceneLight light =
         is_scene ? trace_light(job, console.watch("trace")) : SceneLight{read_sources(o->inputs, job.wavelengths), {}};
     const uint32_t frame = o->frame.value_or(light.sources.empty() ? 0 : light.sources.front().frame);
     const Observer observer = console.watch("synthesize");
+    if (is_banded) {
+      make_in_bands(o->output, std::move(light), frame, job, o->memory, global, observer);
+      console.finish();
+      return;
+    }
     const auto save = [&](const auto& fields) {
       console.finish();
       const auto stacks = group_by_name(fields);

@@ -57,6 +57,20 @@ TEST(Units, ErrorsSayWhatWasExpected) {
             "expected an angle in one of the units deg, mrad, rad, got \"15 turns\"");
 }
 
+TEST(Units, SizesHaveUnitsOfAThousandOr1024) {
+  EXPECT_EQ(parse_size("2 GB"), 2e9);
+  EXPECT_EQ(parse_size("1.5kB"), 1500);
+  EXPECT_EQ(parse_size("256 MiB"), 256.0 * 1024 * 1024);
+  EXPECT_EQ(parse_size("1 TiB"), 0x1p40);
+  EXPECT_EQ(parse_size("7 B"), 7);
+  EXPECT_EQ(error_of([] { parse_size("2"); }),
+            "expected a size with its unit, such as \"2 GB\", got \"2\" without a unit");
+  EXPECT_EQ(error_of([] { parse_size("2 GHz"); }),
+            "expected a size in one of the units B, kB, MB, GB, TB, KiB, MiB, GiB, TiB, got \"2 GHz\"");
+  EXPECT_EQ(error_of([] { parse_size("0 GB"); }), "expected a size above 0 B, got \"0 GB\"");
+  EXPECT_EQ(error_of([] { parse_size("1 GB 2 GB"); }), "expected one size, got 2 in \"1 GB 2 GB\"");
+}
+
 TEST(Units, PeopleReadLengthsInTheUnitThatSuits) {
   EXPECT_EQ(format_length(532e-9), "532 nm");
   EXPECT_EQ(format_length(8e-6), "8 µm");

@@ -24,16 +24,18 @@ fs::path make_folder(const char* name) {
   return pattern;
 }
 
-// In the child: the program in `folder`, writing to these descriptors. Never returns.
-[[noreturn]] void become_program(const std::vector<std::string>& arguments, const fs::path& folder,
-                                 const fs::path& cache, int out, int err) {
-  std::vector<char*> argv{const_cast<char*>(HOLOTRACE_PROGRAM)};
+// In the child: the program in `folder`, after the words of a launcher, writing to these descriptors. Never returns.
+[[noreturn]] void become_program(const std::vector<std::string>& launcher, const std::vector<std::string>& arguments,
+                                 const fs::path& folder, const fs::path& cache, int out, int err) {
+  std::vector<char*> argv;
+  for (const std::string& word : launcher) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(const_cast<char*>(HOLOTRACE_PROGRAM));
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   const int in = open("/dev/null", O_RDONLY);
   if (chdir(folder.c_str()) == 0 && setenv("XDG_CACHE_HOME", cache.c_str(), 1) == 0 && dup2(in, STDIN_FILENO) >= 0 &&
       dup2(out, STDOUT_FILENO) >= 0 && dup2(err, STDERR_FILENO) >= 0)
-    execv(HOLOTRACE_PROGRAM, argv.data());
+    execvp(argv.front(), argv.data());
   _exit(127);
 }
 
@@ -88,11 +90,14 @@ void Workplace::clear_cache() const {
   fs::create_directories(cache_);
 }
 
-Outcome Workplace::run(const std::vector<std::string>& arguments) const {
+Outcome Workplace::run(const std::vector<std::string>& arguments) const { return run_under({}, arguments); }
+
+Outcome Workplace::run_under(const std::vector<std::string>& launcher,
+                             const std::vector<std::string>& arguments) const {
   int out[2], err[2];
   if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) throw std::runtime_error("no pipe can be made");
   const pid_t child = fork();
-  if (child == 0) become_program(arguments, folder_, cache_, out[1], err[1]);
+  if (child == 0) become_program(launcher, arguments, folder_, cache_, out[1], err[1]);
   close(out[1]);
   close(err[1]);
   Outcome outcome;
@@ -103,11 +108,14 @@ Outcome Workplace::run(const std::vector<std::string>& arguments) const {
   return outcome;
 }
 
-pid_t Workplace::start(const std::vector<std::string>& arguments) const {
+pid_t Workplace::start(const std::vector<std::string>& arguments) const { return start_under({}, arguments); }
+
+pid_t Workplace::start_under(const std::vector<std::string>& launcher,
+                             const std::vector<std::string>& arguments) const {
   const pid_t child = fork();
   if (child == 0) {
     const int nowhere = open("/dev/null", O_WRONLY);
-    become_program(arguments, folder_, cache_, nowhere, nowhere);
+    become_program(launcher, arguments, folder_, cache_, nowhere, nowhere);
   }
   return child;
 }

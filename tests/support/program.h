@@ -37,6 +37,10 @@ class Workplace {
   /// Runs `holotrace arguments…` in this folder, its output in pipes, and waits for its end.
   Outcome run(const std::vector<std::string>& arguments) const;
 
+  /// The same under a launcher: `launcher… holotrace arguments…`, found on the PATH.
+  Outcome run_under(const std::vector<std::string>& launcher, const std::vector<std::string>& arguments) const;
+  pid_t start_under(const std::vector<std::string>& launcher, const std::vector<std::string>& arguments) const;
+
   /// Starts it and does not wait: for a test that kills it. Its output is dropped.
   pid_t start(const std::vector<std::string>& arguments) const;
 

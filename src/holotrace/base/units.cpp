@@ -19,6 +19,15 @@ struct Unit {
 constexpr std::array<Unit, 7> length_units{
     {{"nm", 1e9, -9}, {"um", 1e6, -6}, {"µm", 1e6, -6}, {"μm", 1e6, -6}, {"mm", 1e3, -3}, {"cm", 1e2, -2}, {"m", 1}}};
 constexpr std::array<Unit, 4> angle_units{{{"deg", 180 / pi}, {"°", 180 / pi}, {"mrad", 1e3}, {"rad", 1}}};
+constexpr std::array<Unit, 9> size_units{{{"B", 1},
+                                          {"kB", 1e-3, 3},
+                                          {"MB", 1e-6, 6},
+                                          {"GB", 1e-9, 9},
+                                          {"TB", 1e-12, 12},
+                                          {"KiB", 0x1p-10},
+                                          {"MiB", 0x1p-20},
+                                          {"GiB", 0x1p-30},
+                                          {"TiB", 0x1p-40}}};
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == ',' || c == '\n'; }
 
@@ -121,6 +130,12 @@ double parse_angle(std::string_view text) {
 
 std::vector<double> parse_lengths(std::string_view text) {
   return parse(text, length_units, "a length", "0 0 -300 mm");
+}
+
+double parse_size(std::string_view text) {
+  const double bytes = only(parse(text, size_units, "a size", "2 GB"), text, "size");
+  require(bytes > 0, "expected a size above 0 B, got \"{}\"", text);
+  return bytes;
 }
 
 std::string format_length(double metres) {

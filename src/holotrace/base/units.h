@@ -38,6 +38,10 @@ double parse_angle(std::string_view text);
 /// @throws Error as parse_length does.
 std::vector<double> parse_lengths(std::string_view text);
 
+/// Bytes from a number with its unit: "2 GB", "512MiB". Units: B, kB, MB, GB, TB (powers of 1000), KiB, MiB, GiB, TiB.
+/// @throws Error as parse_length does, and for a size that is not above 0.
+double parse_size(std::string_view text);
+
 /// A length for people, in the unit that suits it: "532 nm", "8 µm", "300 mm".
 std::string format_length(double metres);
 

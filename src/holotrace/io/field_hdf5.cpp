@@ -1,6 +1,7 @@
 #include <hdf5.h>
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/error.h"
@@ -20,6 +21,7 @@ class Handle {
   Handle(const Handle&) = delete;
   operator hid_t() const { return id_; }
   bool valid() const { return id_ >= 0; }
+  herr_t close() { return close_(std::exchange(id_, -1)); }
 
  private:
   hid_t id_;
@@ -117,51 +119,102 @@ hid_t native_real() {
   return sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
 }
 
+// The file layout since HDF5 1.8 has checksums: damage is found instead of followed.
+hid_t create_file(const std::string& path) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  H5Pset_obj_track_times(creation, false);  // the same field gives the same bytes
+  return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access);
+}
+
+// The dataset "field" with its metadata, of the fields' grid and wavelengths, without samples.
+template <class Real>
+hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid_t properties,
+                     const std::string& path) {
+  const BasicField<Real>& field = stack.front();
+  const Handle stored(complex_type(sizeof(Real), sizeof(Real) == 4 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE), H5Tclose);
+  const std::array<hsize_t, 3> shape{stack.size(), hsize_t(field.grid.ny), hsize_t(field.grid.nx)};
+  const bool is_one = stack.size() == 1;
+  const Handle space(H5Screate_simple(is_one ? 2 : 3, shape.data() + (is_one ? 1 : 0), nullptr), H5Sclose);
+  H5Pset_obj_track_times(properties, false);
+  const hid_t data = H5Dcreate2(file, "field", stored, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+  require_written(data >= 0, path);
+  std::vector<double> wavelengths;
+  for (const auto& one : stack) wavelengths.push_back(one.wavelength);
+  const hsize_t count = wavelengths.size();
+  write_number(data, "pitch_m", field.grid.pitch, path);
+  write_numbers(data, "wavelengths_m", wavelengths.data(), H5Screate_simple(1, &count, nullptr), path);
+  write_number(data, "z_m", field.z, path);
+  if (field.grid.centre_x != 0) write_number(data, "centre_x_m", field.grid.centre_x, path);
+  if (field.grid.centre_y != 0) write_number(data, "centre_y_m", field.grid.centre_y, path);
+  write_word(data, "image", image_side_name(field.image), path);
+  if (!field.name.empty()) write_word(data, "name", field.name, path);
+  if (field.frame > 0) write_number(data, "frame", field.frame, path);
+  if (field.filter) {
+    const SpectralFilter& f = *field.filter;
+    const double values[] = {f.u0, f.v0, f.half_u, f.half_v};
+    for (int i = 0; i < 4; ++i) write_number(data, filter_names[i], values[i], path);
+  }
+  return data;
+}
+
 }  // namespace
 
 template <class Real>
 void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Real>>& stack) {
   const Silence silence;
-  const BasicField<Real>& field = stack.front();
-  // The file layout since HDF5 1.8 has checksums: damage is found instead of followed.
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
-  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  const Grid& grid = stack.front().grid;
+  const Handle file(create_file(path), H5Fclose);
   require_written(file.valid(), path);
   {
-    const Handle stored(complex_type(sizeof(Real), sizeof(Real) == 4 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE), H5Tclose);
-    const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
-    const std::array<hsize_t, 3> shape{stack.size(), hsize_t(field.grid.ny), hsize_t(field.grid.nx)};
-    const bool is_one = stack.size() == 1;
-    const Handle space(H5Screate_simple(is_one ? 2 : 3, shape.data() + (is_one ? 1 : 0), nullptr), H5Sclose);
-    // No time stamp: the same field gives the same bytes.
     const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    H5Pset_obj_track_times(properties, false);
-    const Handle data(H5Dcreate2(file, "field", stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
-    require_written(data.valid(), path);
-    std::vector<double> wavelengths;
-    for (const auto& one : stack) wavelengths.push_back(one.wavelength);
-    const hsize_t count = wavelengths.size();
-    write_number(data, "pitch_m", field.grid.pitch, path);
-    write_numbers(data, "wavelengths_m", wavelengths.data(), H5Screate_simple(1, &count, nullptr), path);
-    write_number(data, "z_m", field.z, path);
-    write_word(data, "image", image_side_name(field.image), path);
-    if (!field.name.empty()) write_word(data, "name", field.name, path);
-    if (field.frame > 0) write_number(data, "frame", field.frame, path);
-    if (field.filter) {
-      const SpectralFilter& f = *field.filter;
-      const double values[] = {f.u0, f.v0, f.half_u, f.half_v};
-      for (int i = 0; i < 4; ++i) write_number(data, filter_names[i], values[i], path);
-    }
-    for (hsize_t n = 0; n < count; ++n) {
-      const std::array<hsize_t, 3> start{n, 0, 0}, block{1, shape[1], shape[2]};
-      const Handle plane(H5Screate_simple(2, shape.data() + 1, nullptr), H5Sclose);
+    const Handle data(create_dataset(file, stack, properties, path), H5Dclose);
+    const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
+    const std::array<hsize_t, 3> block{1, hsize_t(grid.ny), hsize_t(grid.nx)};
+    for (hsize_t n = 0; n < stack.size(); ++n) {
+      const std::array<hsize_t, 3> start{n, 0, 0};
+      const Handle plane(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
       const Handle place(H5Dget_space(data), H5Sclose);
-      if (!is_one) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+      if (stack.size() > 1) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
       require_written(H5Dwrite(data, memory, plane, place, H5P_DEFAULT, stack[n].samples.values.data()) >= 0, path);
     }
   }
   require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
+}
+
+void create_fields_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows) {
+  const Silence silence;
+  Handle file(create_file(path), H5Fclose);
+  require_written(file.valid(), path);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const std::array<hsize_t, 3> chunk{1, hsize_t(chunk_rows), hsize_t(headers.front().grid.nx)};
+  const bool is_one = headers.size() == 1;
+  H5Pset_chunk(properties, is_one ? 2 : 3, chunk.data() + (is_one ? 1 : 0));
+  H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY);  // every chunk has its place from the start
+  H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);
+  { const Handle data(create_dataset(file, headers, properties, path), H5Dclose); }
+  require_written(file.close() >= 0, path);
+}
+
+std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows) {
+  const Silence silence;
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  const Handle data(file.valid() ? H5Dopen2(file, "field", H5P_DEFAULT) : -1, H5Dclose);
+  require(data.valid(), "{}: expected an unfinished HDF5 field, got other bytes; delete it", path);
+  const size_t first = headers.size() == 1 ? 1 : 0;  // a field alone has no axis of wavelengths
+  std::vector<uint64_t> offsets;
+  for (hsize_t n = 0; n < headers.size(); ++n)
+    for (hsize_t row = 0; row < hsize_t(headers.front().grid.ny); row += hsize_t(chunk_rows)) {
+      const std::array<hsize_t, 3> at{n, row, 0};
+      haddr_t address = HADDR_UNDEF;
+      hsize_t size = 0;
+      require(
+          H5Dget_chunk_info_by_coord(data, at.data() + first, nullptr, &address, &size) >= 0 && address != HADDR_UNDEF,
+          "{}: expected a place for row {}, got none; delete the file", path, row);
+      offsets.push_back(address);
+    }
+  return offsets;
 }
 
 template <class Real>
@@ -197,6 +250,8 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
   BasicField<Real> field;
   field.grid = {int(nx), int(ny), read_number(data, "pitch_m", path)};
   if (H5Aexists(data, "z_m") > 0) field.z = read_number(data, "z_m", path);
+  if (H5Aexists(data, "centre_x_m") > 0) field.grid.centre_x = read_number(data, "centre_x_m", path);
+  if (H5Aexists(data, "centre_y_m") > 0) field.grid.centre_y = read_number(data, "centre_y_m", path);
   if (H5Aexists(data, "image") > 0) field.image = image_side_from(read_word(data, "image", path), path);
   if (H5Aexists(data, "name") > 0) field.name = read_word(data, "name", path);
   if (H5Aexists(data, "frame") > 0) field.frame = frame_from(read_number(data, "frame", path), path);

@@ -1,0 +1,335 @@
+#include "banded_field.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "band_messages.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/field_bands.h"
+#include "holotrace/io/output.h"
+#include "holotrace/wave/bands.h"
+
+namespace holotrace {
+namespace {
+
+// FNV-1a: tells jobs apart, and is no protection against intent.
+class Fingerprint {
+ public:
+  void add(const void* bytes, size_t size) {
+    for (size_t i = 0; i < size; ++i) value_ = (value_ ^ static_cast<const unsigned char*>(bytes)[i]) * 1099511628211u;
+  }
+  template <class Value>
+  void add(const Value& value) {
+    static_assert(std::has_unique_object_representations_v<Value> || std::is_floating_point_v<Value>);
+    add(&value, sizeof value);
+  }
+  void add_text(const std::string& text) { add(text.data(), text.size() + 1); }
+  uint64_t value() const { return value_; }
+
+ private:
+  uint64_t value_ = 14695981039346656037u;
+};
+
+const char* name_of(SynthesisMethod method) {
+  using enum SynthesisMethod;
+  return method == exact ? "exact" : method == tiled ? "tiled" : method == planes ? "planes" : "auto";
+}
+
+// One file of the job: the sets of a name, as its planes, and their bands, in the order of the job's.
+struct BandFile {
+  std::vector<size_t> sets, bands;
+  std::unique_ptr<FieldBands> file;
+};
+
+struct Place {
+  size_t file = 0, plane = 0, index = 0;  // index: of the band among the file's
+};
+
+// The work of rank 0, held by its two threads.
+struct Work {
+  BandedField job;
+  Observer observer;
+  std::vector<Band> bands;
+  std::vector<BandFile> files;
+  std::vector<Place> places;  // of the bands
+  std::deque<size_t> waiting;
+  std::mutex mutex;            // of `waiting`, `done` and the journals
+  std::vector<double> shares;  // of the bands in the work
+  std::atomic<double> done{0};
+  std::exception_ptr failure;
+  std::atomic<bool> is_alone_done{false};
+
+  void tell_progress(double begun = 0) { observer.progress(done + begun); }
+
+  std::optional<size_t> take() {
+    const std::lock_guard lock(mutex);
+    if (waiting.empty()) return std::nullopt;
+    const size_t band = waiting.front();
+    waiting.pop_front();
+    return band;
+  }
+
+  void write(size_t band, int first_row, int rows_to_write, const std::complex<float>* samples) {
+    const Place& place = places[band];
+    files[place.file].file->write_rows(place.plane, first_row, rows_to_write, samples);
+  }
+
+  void finish(size_t band) {
+    const std::lock_guard lock(mutex);
+    files[places[band].file].file->finish_band(places[band].index);
+    done = done + shares[band];
+    tell_progress();
+  }
+
+  void make_bands() {
+    while (const std::optional<size_t> band = take()) {
+      const Band& b = bands[*band];
+      Observer o;
+      o.on_progress = [&](double fraction) { tell_progress(fraction * shares[*band]); };
+      const Field field = synthesize_band(job.sets[size_t(b.set)], job.panel, b, job.params, o);
+      write(*band, b.first_row, b.rows(), field.samples.values.data());
+      finish(*band);
+    }
+  }
+};
+
+void warn_of_missed_waves(const BandedField& job, const Observer& observer) {
+  for (const Sources& set : job.sets)
+    if (const int64_t missed = missed_waves(set, job.panel); missed > 0)
+      observer.warn(
+          fmt::format("{} of {} waves reach no pixel at an angle that the panel can hold; move them nearer "
+                      "to the axis or farther from the panel",
+                      missed, set.waves.size()));
+}
+
+void check_sets(const BandedField& job) {
+  check_band_method(job.params);
+  require(job.params.tolerance > 0 && job.params.tolerance < 1, "expected a tolerance in (0, 1), got {}",
+          job.params.tolerance);
+  bool has_waves = false;
+  for (const Sources& set : job.sets) {
+    check_sources(set);
+    has_waves = has_waves || !set.waves.empty();
+  }
+  require(has_waves, "expected at least one source, got none; is the scene lit and in view?");
+}
+
+// Sets of one name are the planes of one file.
+void sort_into_files(Work& work) {
+  const std::vector<Sources>& sets = work.job.sets;
+  for (size_t set = 0; set < sets.size(); ++set) {
+    size_t file = 0;
+    while (file < work.files.size() && sets[work.files[file].sets.front()].name != sets[set].name) ++file;
+    if (file == work.files.size()) work.files.emplace_back();
+    work.files[file].sets.push_back(set);
+  }
+  for (size_t band = 0; band < work.bands.size(); ++band)
+    for (size_t file = 0; file < work.files.size(); ++file)
+      for (size_t plane = 0; plane < work.files[file].sets.size(); ++plane)
+        if (work.files[file].sets[plane] == size_t(work.bands[band].set)) {
+          work.places.push_back({file, plane, work.files[file].bands.size()});
+          work.files[file].bands.push_back(band);
+        }
+}
+
+BandedJob describe_job(const Work& work, const BandFile& file) {
+  const BandedField& job = work.job;
+  Fingerprint f;
+  f.add_text(HOLOTRACE_VERSION);
+  f.add(job.panel.nx);
+  f.add(job.panel.ny);
+  f.add(job.panel.pitch);
+  f.add(int(job.params.method));
+  f.add(job.params.tolerance);
+  for (const size_t band : file.bands) f.add(work.bands[band].first_row);
+  std::string waves;
+  for (const size_t i : file.sets) {
+    const Sources& set = job.sets[i];
+    f.add_text(set.name);
+    f.add(set.frame);
+    f.add(set.wavelength);
+    f.add(set.waves.data(), set.waves.size() * sizeof(Source));
+    f.add(set.tiles.columns);
+    f.add(set.tiles.values.data(), set.tiles.values.size() * sizeof(float));
+    waves += fmt::format("{} waves at {}, ", set.waves.size(), format_length(set.wavelength));
+  }
+  return {fmt::format("{}x{} pixels of {}, {}method {}, tolerance {}, {} bands", job.panel.nx, job.panel.ny,
+                      format_length(job.panel.pitch), waves, name_of(job.params.method), job.params.tolerance,
+                      file.bands.size()),
+          f.value(), file.bands.size()};
+}
+
+void open_files(Work& work) {
+  for (size_t i = 0; i < work.files.size(); ++i) {
+    BandFile& file = work.files[i];
+    std::vector<Field> headers;
+    for (const size_t set : file.sets) {
+      Field header;
+      header.grid = work.job.panel;
+      header.wavelength = work.job.sets[set].wavelength;
+      header.name = work.job.sets[set].name;
+      header.frame = work.job.sets[set].frame;
+      headers.push_back(header);
+    }
+    const std::string path = numbered_path(work.job.output, i);
+    file.file = std::make_unique<FieldBands>(path, headers, describe_job(work, file));
+    const size_t there = file.file->finished_bands();
+    if (there > 0 && !work.job.is_quiet)
+      fmt::print(stderr, "holotrace: {} of {} bands of {} are there; making the others\n", there, file.bands.size(),
+                 path);
+  }
+  for (size_t band = 0; band < work.bands.size(); ++band) {
+    if (work.files[work.places[band].file].file->is_finished(work.places[band].index))
+      work.done = work.done + work.shares[band];
+    else
+      work.waiting.push_back(band);
+  }
+}
+
+void send_job(const Work& work, const Ranks& ranks) {
+  const BandedField& job = work.job;
+  std::string head;
+  pack(head, JobHead{job.panel, job.params.method, job.params.tolerance, job.threads, int32_t(job.sets.size())});
+  for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_job, head);
+  for (const Sources& set : job.sets) {
+    const std::string bytes = pack_set(set);
+    for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_set, bytes);
+  }
+}
+
+void hear(Work& work, const Ranks& ranks, const Ranks::Message& message, int& working) {
+  Unpacker unpacker(message.bytes);
+  if (message.tag == tag_failed) throw Error(message.bytes);
+  if (message.tag == tag_rows) {
+    RowsHead head;
+    unpacker.get(head);
+    std::vector<std::complex<float>> samples;
+    unpacker.get(samples);
+    work.write(head.band, head.first_row, head.rows, samples.data());
+    return;
+  }
+  if (message.tag == tag_finished) {
+    uint64_t band = 0;
+    unpacker.get(band);
+    work.finish(band);
+  }
+  std::string order;
+  if (const std::optional<size_t> band = work.take()) {
+    pack(order, BandOrder{*band, work.bands[*band]});
+    ranks.send(message.from, tag_band, order);
+  } else {
+    --working;
+  }
+}
+
+// This thread hears the others, for MPI is its own; another one makes bands here. It holds the work too: where this
+// one fails, it is not waited for.
+void share_bands(const std::shared_ptr<Work>& work, Ranks& ranks) {
+  ranks.others_work = true;
+  send_job(*work, ranks);
+  std::thread([work] {
+    try {
+      work->make_bands();
+    } catch (...) {
+      work->failure = std::current_exception();
+    }
+    work->is_alone_done = true;
+  }).detach();
+  for (int working = ranks.size() - 1; working > 0 || !work->is_alone_done;) {
+    if (work->is_alone_done && work->failure) std::rethrow_exception(work->failure);
+    if (const std::optional<Ranks::Message> message = ranks.try_receive())
+      hear(*work, ranks, *message, working);
+    else
+      std::this_thread::sleep_for(std::chrono::microseconds(500));
+  }
+  if (work->failure) std::rethrow_exception(work->failure);
+  ranks.others_work = false;
+}
+
+// Pieces that need little memory on the other side.
+void send_rows(const Ranks& ranks, const BandOrder& order, const Field& field) {
+  const int piece = std::max(1, int((4 << 20) / (sizeof(std::complex<float>) * size_t(field.grid.nx))));
+  for (int row = 0; row < field.grid.ny; row += piece) {
+    const int rows = std::min(piece, field.grid.ny - row);
+    std::string bytes;
+    pack(bytes, RowsHead{order.index, order.band.first_row + row, rows});
+    const std::complex<float>* from = field.samples.row(row);
+    pack(bytes, std::vector<std::complex<float>>(from, from + size_t(rows) * size_t(field.grid.nx)));
+    ranks.send(0, tag_rows, bytes);
+  }
+}
+
+void serve_job(const Ranks& ranks, const Ranks::Message& job) {
+  JobHead head;
+  Unpacker(job.bytes).get(head);
+  std::vector<Sources> sets;
+  while (int(sets.size()) < head.sets) sets.push_back(unpack_set(ranks.receive().bytes));
+  const int threads = head.threads > 0 ? head.threads : ranks.threads();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
+  SynthesizeParams params;
+  params.method = head.method;
+  params.tolerance = head.tolerance;
+  ranks.send(0, tag_ready);
+  for (Ranks::Message message = ranks.receive(); message.tag == tag_band; message = ranks.receive()) {
+    BandOrder order;
+    Unpacker(message.bytes).get(order);
+    send_rows(ranks, order, synthesize_band(sets[size_t(order.band.set)], head.panel, order.band, params));
+    std::string done;
+    pack(done, order.index);
+    ranks.send(0, tag_finished, done);
+  }
+}
+
+}  // namespace
+
+void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observer) {
+  check_sets(field);
+  const auto work = std::make_shared<Work>();
+  work->bands = plan_bands(field.sets, field.panel, field.params, field.memory);
+  work->job = std::move(field);
+  work->observer = observer;
+  work->shares = band_shares(work->job.sets, work->job.panel, work->bands);
+  warn_of_missed_waves(work->job, observer);
+  sort_into_files(*work);
+  open_files(*work);
+  work->tell_progress();
+  if (ranks.size() > 1)
+    share_bands(work, ranks);
+  else
+    work->make_bands();
+  for (BandFile& file : work->files) file.file->finish();
+}
+
+void serve_bands(Ranks& ranks) {
+  try {
+    const Ranks::Message message = ranks.receive();
+    if (message.tag == tag_job) serve_job(ranks, message);
+  } catch (const std::bad_alloc&) {
+    ranks.send(0, tag_failed, "expected enough memory for a band, ran out; give a smaller --memory or fewer ranks");
+    ranks.receive();
+  } catch (const std::exception& error) {
+    ranks.send(0, tag_failed, error.what());
+    ranks.receive();
+  }
+  ranks.leave();
+}
+
+void dismiss_ranks(Ranks& ranks, int exit_code) {
+  if (ranks.others_work) ranks.end_all(exit_code);
+  for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_end);
+  ranks.leave();
+}
+
+}  // namespace holotrace

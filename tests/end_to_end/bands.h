@@ -1,0 +1,58 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "end_to_end/scenes.h"
+#include "holotrace/base/random.h"
+#include "holotrace/io/sources_file.h"
+#include "support/program.h"
+
+// Fields made band by band, by the program: a panel of 16 bands and some waves near it.
+
+namespace holotrace::test {
+
+constexpr int band_count = 16;
+
+inline Sources waves_of_bands(int count) {
+  CounterRandom random(1, 0, 0);
+  Sources sources{.wavelength = test_wavelength};
+  for (int i = 0; i < count; ++i)
+    sources.waves.push_back({{(random.uniform() - 0.5) * 1e-3, (random.uniform() - 0.5) * 16e-3, -0.1},
+                             float(random.uniform()),
+                             float(6 * random.uniform())});
+  return sources;
+}
+
+/// The flags of `field` for 96 × 2048 pixels, slow enough that a run can be met in its midst.
+inline std::vector<std::string> field_in_bands(const std::string& output) {
+  return {"field", "waves.ply", "--columns", "96",      "--rows", "2048", "--method",
+          "exact", "--memory",  "400 MB",    "--quiet", "-o",     output};
+}
+
+/// How many bands the journal of an unfinished file says are finished; −1 where there is none.
+inline int journal_of(const Workplace& work, const std::string& output) {
+  if (!work.has(output + ".partial.json")) return -1;
+  const auto json = nlohmann::json::parse(work.read(output + ".partial.json"), nullptr, false);
+  if (!json.is_object()) return -1;
+  int count = 0;
+  for (const auto& range : json.at("finished")) count += range[1].get<int>() - range[0].get<int>() + 1;
+  return count;
+}
+
+/// Waits until `holds` or the child's end; whether it holds.
+inline bool wait_until(pid_t child, const std::function<bool()>& holds) {
+  while (!holds()) {
+    if (waitpid(child, nullptr, WNOHANG) != 0) return false;
+    std::this_thread::sleep_for(std::chrono::microseconds(300));
+  }
+  return true;
+}
+
+}  // namespace holotrace::test

@@ -1,0 +1,125 @@
+// Many processes: the ranks of mpirun share the bands of a field.
+
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "end_to_end/bands.h"
+
+namespace holotrace::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool has_mpirun() {
+  std::stringstream folders(std::getenv("PATH") ? std::getenv("PATH") : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (fs::exists(fs::path(folder) / "mpirun")) return true;
+  return false;
+}
+
+// Allowed as root, as in containers, and on fewer cores than ranks. Leaks of the MPI library are not ours.
+std::vector<std::string> mpirun(int ranks) {
+  return {"env", "ASAN_OPTIONS=detect_leaks=0", "mpirun", "--allow-run-as-root", "--oversubscribe",
+          "-n",  std::to_string(ranks)};
+}
+
+std::vector<pid_t> children_of(pid_t parent) {
+  std::vector<pid_t> children;
+  const std::string tasks = "/proc/" + std::to_string(parent) + "/task";
+  std::error_code gone;
+  for (const auto& task : fs::directory_iterator(tasks, gone)) {
+    std::ifstream list(task.path() / "children");
+    for (pid_t child; list >> child;) children.push_back(child);
+  }
+  return children;
+}
+
+// The process of that rank, by what its launcher told it; 0 where there is none yet.
+pid_t process_of_rank(pid_t launcher, int rank) {
+  for (const pid_t child : children_of(launcher)) {
+    const std::string told = bytes_of("/proc/" + std::to_string(child) + "/environ");
+    if (told.find("OMPI_COMM_WORLD_RANK=" + std::to_string(rank) + '\0') != std::string::npos) return child;
+  }
+  return 0;
+}
+
+class Ranks : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!HOLOTRACE_HAS_MPI) GTEST_SKIP() << "this build is without MPI";
+    if (!has_mpirun()) GTEST_SKIP() << "there is no mpirun to start ranks with";
+    save_sources(work.path("waves.ply"), waves_of_bands(100));
+  }
+  Workplace work;
+};
+
+TEST_F(Ranks, OneTwoAndThreeMakeTheSameBytesAsNoLauncher) {
+  ASSERT_EQ(work.run(field_in_bands("alone.h5")).exit_code, 0);
+  for (const int ranks : {1, 2, 3}) {
+    const Outcome outcome = work.run_under(mpirun(ranks), field_in_bands("f.h5"));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(work.read("f.h5") == work.read("alone.h5")) << ranks << " ranks";
+    fs::remove(work.path("f.h5"));
+  }
+}
+
+TEST_F(Ranks, OneThatDiesEndsTheJobAndItsBandsAreTakenUpAgain) {
+  save_sources(work.path("waves.ply"), waves_of_bands(400));  // slower than a look at /proc
+  ASSERT_EQ(work.run(field_in_bands("whole.h5")).exit_code, 0);
+  for (const int victim : {1, 0}) {
+    const int before = std::max(0, journal_of(work, "f.h5"));
+    const pid_t job = work.start_under(mpirun(2), field_in_bands("f.h5"));
+    ASSERT_TRUE(wait_until(job, [&] { return journal_of(work, "f.h5") >= before + 2; })) << "over too soon";
+    const pid_t process = process_of_rank(job, victim);
+    ASSERT_GT(process, 0);
+    kill(process, SIGKILL);
+    int status = 0;
+    waitpid(job, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) != 0);
+    EXPECT_FALSE(work.has("f.h5"));
+    EXPECT_GE(journal_of(work, "f.h5"), before + 2);
+  }
+  // Another number of ranks may finish what was begun.
+  const Outcome again = work.run_under(mpirun(3), field_in_bands("f.h5"));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_TRUE(work.read("f.h5") == work.read("whole.h5"));
+}
+
+size_t count(const std::string& text, const std::string& part) {
+  size_t found = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+TEST_F(Ranks, SayWhatIsWrongOnce) {
+  std::vector<std::string> missing = field_in_bands("f.h5");
+  missing[1] = "nowhere.ply";
+  const Outcome before = work.run_under(mpirun(3), missing);
+  EXPECT_NE(before.exit_code, 0);
+  EXPECT_EQ(count(before.err, "holotrace: expected a PLY file at nowhere.ply"), 1u) << before.err;
+
+  // In the midst of the work, on whichever rank: no tile holds 1e-6.
+  std::vector<std::string> hard = field_in_bands("f.h5");
+  hard[7] = "tiled";
+  hard.insert(hard.end(), {"--tolerance", "1e-6"});
+  const Outcome within = work.run_under(mpirun(3), hard);
+  EXPECT_NE(within.exit_code, 0);
+  EXPECT_EQ(count(within.err, "holotrace: expected a tolerance that"), 1u) << within.err;
+
+  const Outcome usage = work.run_under(mpirun(2), {"feild"});
+  EXPECT_NE(usage.exit_code, 0);
+  EXPECT_EQ(count(usage.err, "did you mean"), 1u) << usage.err;
+}
+
+TEST_F(Ranks, ShareNoOtherCommandWhichRunsOnce) {
+  ASSERT_EQ(work.run_under(mpirun(2), field_in_bands("f.h5")).exit_code, 0);
+  const Outcome info = work.run_under(mpirun(2), {"info", "f.h5"});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_EQ(count(info.out, "96x2048"), 1u) << info.out;
+}
+
+}  // namespace
+}  // namespace holotrace::test
