@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/wave/spherical_wave_kernel.h"
 
 namespace holotrace {
@@ -97,19 +98,21 @@ class Cutter {
 
 std::vector<TrianglePart> cut_triangles(const Triangles& triangles, const Grid& grid, const PartLimits& limits) {
   const Cutter cutter(triangles, grid, limits);
-  constexpr int64_t most = int64_t(1) << 26;
+  constexpr int64_t most = int64_t(1) << 20;
   std::vector<TrianglePart> parts;
-  int64_t count = 0;
-  for (const Triangle& triangle : triangles.triangles)
-    cutter.cut(triangle, [&](const Triangle& t, const Corners& c, const PixelBox& box) {
+  for (size_t i = 0; i < triangles.triangles.size(); ++i) {
+    int64_t count = 0;
+    cutter.cut(triangles.triangles[i], [&](const Triangle& t, const Corners& c, const PixelBox& box) {
       require(++count <= most,
-              "expected triangles that come to {} parts or fewer, got one of depth {} to {} that is cut finer; move it "
-              "away from the panel",
-              most, format_length(-std::max({t.corners[0].z, t.corners[1].z, t.corners[2].z})),
+              "expected triangles that come to {} parts or fewer each, got triangle {} of depth {} to {}, which is cut "
+              "finer; move it away from the panel or take smaller ones",
+              most, i, format_length(-std::max({t.corners[0].z, t.corners[1].z, t.corners[2].z})),
               format_length(-std::min({t.corners[0].z, t.corners[1].z, t.corners[2].z})));
       const bool is_dark = c.amplitudes == std::array<float, 3>{};
       if (!box.is_empty() && !is_dark) parts.push_back(cutter.prepare(t, c, box));
     });
+    require_memory(double(parts.size() * sizeof(TrianglePart)), "the parts of the triangles");
+  }
   return parts;
 }
 
