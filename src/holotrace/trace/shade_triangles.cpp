@@ -32,45 +32,61 @@ struct Piece {
   uint32_t mesh, triangle;
 };
 
-void cut(const Corners& c, uint32_t mesh, uint32_t triangle, double most, std::vector<Piece>& pieces) {
-  int longest = 0;
-  double size = 0;
-  for (int side = 0; side < 3; ++side)
-    if (const double l = length(c[size_t(side)] - c[size_t((side + 1) % 3)]); l > size) longest = side, size = l;
-  const double depth = -(c[0].z + c[1].z + c[2].z) / 3;
-  if (size <= most * depth) {
-    pieces.push_back({c, mesh, triangle});
-    return;
+// Cuts the triangles of meshes into pieces as small as the view asks for, without those that lie outside it.
+class Cutter {
+ public:
+  Cutter(const Grid& panel, double tangent)
+      : panel_(panel), tangent_(tangent), most_((std::isfinite(tangent) ? 2 * tangent : 2) * view_part) {}
+
+  void cut(const Corners& c, uint32_t mesh, uint32_t triangle, std::vector<Piece>& pieces) const {
+    if (is_outside(c)) return;
+    size_t longest = 0;
+    double size = 0;
+    for (size_t side = 0; side < 3; ++side)
+      if (const double l = length(c[side] - c[(side + 1) % 3]); l > size) longest = side, size = l;
+    const double depth = -(c[0].z + c[1].z + c[2].z) / 3;
+    if (size <= most_ * depth) {
+      pieces.push_back({c, mesh, triangle});
+      return;
+    }
+    const size_t i = longest, j = (longest + 1) % 3;
+    Corners first = c, second = c;
+    first[j] = second[i] = (c[i] + c[j]) / 2;
+    cut(first, mesh, triangle, pieces);
+    cut(second, mesh, triangle, pieces);
   }
-  const size_t i = size_t(longest), j = size_t((longest + 1) % 3);
-  Corners first = c, second = c;
-  first[j] = second[i] = (c[i] + c[j]) / 2;
-  cut(first, mesh, triangle, most, pieces);
-  cut(second, mesh, triangle, most, pieces);
-}
+
+ private:
+  // Whether all of it is beyond one edge of what the panel sees.
+  bool is_outside(const Corners& c) const {
+    bool is_left = true, is_right = true, is_low = true, is_high = true;
+    for (const Vec3 p : c) {
+      const double reach = -p.z * tangent_;
+      is_left = is_left && p.x < panel_.centre_x - panel_.width() / 2 - reach;
+      is_right = is_right && p.x > panel_.centre_x + panel_.width() / 2 + reach;
+      is_low = is_low && p.y < panel_.centre_y - panel_.height() / 2 - reach;
+      is_high = is_high && p.y > panel_.centre_y + panel_.height() / 2 + reach;
+    }
+    return is_left || is_right || is_low || is_high;
+  }
+
+  const Grid& panel_;
+  double tangent_, most_;
+};
 
 // The pieces of all triangles that have an area and lie behind the panel, as far as the panel may see them.
 std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tangent, int64_t& of_meshes) {
-  const double most = std::isfinite(tangent) ? 2 * tangent * view_part : 2 * view_part;
+  const Cutter cutter(panel, tangent);
   std::vector<Piece> pieces;
   for (size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     of_meshes += int64_t(mesh.triangles.size());
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
       Corners c;
-      bool is_left = true, is_right = true, is_low = true, is_high = true, is_behind = true;
-      for (size_t j = 0; j < 3; ++j) {
-        c[j] = mesh.positions[mesh.triangles[t][j]];
-        const double reach = -c[j].z * tangent;
-        is_behind = is_behind && c[j].z < 0;
-        is_left = is_left && c[j].x < panel.centre_x - panel.width() / 2 - reach;
-        is_right = is_right && c[j].x > panel.centre_x + panel.width() / 2 + reach;
-        is_low = is_low && c[j].y < panel.centre_y - panel.height() / 2 - reach;
-        is_high = is_high && c[j].y > panel.centre_y + panel.height() / 2 + reach;
-      }
+      for (size_t j = 0; j < 3; ++j) c[j] = mesh.positions[mesh.triangles[t][j]];
       const bool has_area = length(cross(c[1] - c[0], c[2] - c[0])) > 0;
-      if (has_area && is_behind && !is_left && !is_right && !is_low && !is_high)
-        cut(c, uint32_t(m), uint32_t(t), most, pieces);
+      const bool is_behind = c[0].z < 0 && c[1].z < 0 && c[2].z < 0;
+      if (has_area && is_behind) cutter.cut(c, uint32_t(m), uint32_t(t), pieces);
     }
   }
   return pieces;

@@ -20,7 +20,7 @@ namespace holotrace {
 /// where it is hidden; between them the amplitude is linear (Gouraud). A triangle is dropped where all of these are
 /// dark. What covers only a part of a triangle is not cut out of it. Triangles with a side above 1/64 of the view's
 /// height at their depth, 2·depth·T, are halved until none is, each with light and phase of its own, so that shadows
-/// and textures on large faces show.
+/// and textures on large faces show. Triangles that reach in front of the panel (z ≥ 0) are left out.
 ///
 /// **Amplitudes.** a = √(L·Ω), L the radiance toward the panel's centre (`linear`: L²/(1 W/m²/sr) for L),
 ///
