@@ -27,6 +27,7 @@
 #include "holotrace/view/expose.h"
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/sum_triangles_exact.h"
 #include "holotrace/wave/synthesize.h"
 #include "ranks.h"
 
@@ -59,7 +60,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   struct Options {
     std::string scene, folder, wavelengths;
     std::optional<int64_t> seed;
-    Flags flags, trace_flags;  // both have samples, rows, …
+    Flags flags, trace_flags, synthesize_flags;  // two have samples, rows, …
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
@@ -73,10 +74,12 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   command->add_option("--seed", o->seed, "of every random number [the scene's]")->type_name("N");
   o->flags.add(*command, CameraParams(), {"width", "height", "binning"});
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
+  o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (over the scene's [synthesize])");
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.camera);
     o->trace_flags.apply(job.trace);
+    o->synthesize_flags.apply(job.synthesize);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
     if (o->seed) job.trace.seed = job.render.seed = *o->seed;
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
@@ -238,6 +241,18 @@ void check_whole_fits(const Grid& panel, bool is_double) {
       panel.nx, panel.ny, format_bytes(bytes), format_bytes(physical_memory()));
 }
 
+std::vector<FieldDouble> exact_fields(std::vector<Triangles> sets, uint32_t frame, const Grid& panel,
+                                      const Observer& observer) {
+  std::vector<FieldDouble> fields;
+  for (Triangles& set : sets) {
+    set_frame(set, frame);
+    fields.push_back(sum_triangles_exact(set, panel, 0.01, observer));
+    fields.back().name = set.name;
+    fields.back().frame = frame;
+  }
+  return fields;
+}
+
 void add_field(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("field", "scene, sources or a picture with depths to the field on the panel");
   struct Options {
@@ -302,8 +317,12 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
     else
       check_whole_fits(job.slm.grid, o->is_double);
     Console console(global.is_quiet);
-    SceneLight light =
-        is_scene ? trace_light(job, console.watch("trace")) : SceneLight{read_sources(o->inputs, job.wavelengths), {}};
+    require(is_scene || job.synthesize.method != SynthesisMethod::triangles,
+            "expected a scene or a mesh for --method triangles, which has surfaces shine, got the waves of {}; take "
+            "another method, or the scene that they were traced from",
+            o->inputs.front());
+    SceneLight light = is_scene ? trace_light(job, console.watch("trace"))
+                                : SceneLight{read_sources(o->inputs, job.wavelengths), {}, {}};
     const uint32_t frame = o->frame.value_or(light.sources.empty() ? 0 : light.sources.front().frame);
     const Observer observer = console.watch("synthesize");
     if (is_banded) {
@@ -316,7 +335,9 @@ void add_field(CLI::App& app, const GlobalFlags& global) {
       const auto stacks = group_by_name(fields);
       for (size_t i = 0; i < stacks.size(); ++i) save_fields(numbered_path(o->output, i), stacks[i]);
     };
-    if (o->is_double)
+    if (o->is_double && !light.triangles.empty())
+      save(exact_fields(light.triangles, frame, job.slm.grid, observer));
+    else if (o->is_double)
       save(exact_fields(light.sources, frame, job.slm.grid, observer));
     else
       save(fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer));

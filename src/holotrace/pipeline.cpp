@@ -12,10 +12,12 @@
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/gather.h"
 #include "holotrace/trace/render.h"
+#include "holotrace/trace/shade_triangles.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/view_sum.h"
+#include "holotrace/wave/sum_triangles.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -65,11 +67,35 @@ size_t least_sets(const Job& job) {
   return job.wavelengths.size() * (job.trace.separate_layers ? std::max<size_t>(1, job.trace.layers.size()) : 1);
 }
 
-bool has_random_phase(const std::vector<Sources>& sets) {
-  return std::any_of(sets.begin(), sets.end(), [](const Sources& set) {
+bool has_random_phase(const SceneLight& light) {
+  const auto is_random = [](const auto& set) {
     return std::any_of(set.phase_keys.begin(), set.phase_keys.end(),
                        [](uint64_t key) { return key != Sources::no_phase_key; });
-  });
+  };
+  return std::any_of(light.sources.begin(), light.sources.end(), is_random) ||
+         std::any_of(light.triangles.begin(), light.triangles.end(), is_random);
+}
+
+bool is_dark(const SceneLight& light, size_t set) {
+  return (set < light.sources.size() && light.sources[set].waves.empty()) ||
+         (set < light.triangles.size() && light.triangles[set].triangles.empty());
+}
+
+std::vector<Field> fields_of_triangles(const std::vector<Triangles>& sets, uint32_t frame, const Grid& panel,
+                                       const SynthesizeParams& params, const Observer& observer) {
+  require(std::any_of(sets.begin(), sets.end(), [](const Triangles& set) { return !set.triangles.empty(); }),
+          "expected at least one triangle that shines, got none; is the scene lit and in view?");
+  std::vector<Field> fields;
+  for (size_t i = 0; i < sets.size(); ++i) {
+    Triangles set = sets[i];
+    set_frame(set, frame);
+    fields.push_back(set.triangles.empty()
+                         ? Field(panel, set.wavelength)
+                         : sum_triangles(set, panel, params.tolerance, part_of(observer, int(i), int(sets.size()))));
+    fields.back().name = set.name;
+    fields.back().frame = frame;
+  }
+  return fields;
 }
 
 // The light that makes waves: where a ray from the panel meets nothing there is none, so the background is left out.
@@ -115,12 +141,20 @@ void check_job(const Job& job) {
     require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,
             "expected wavelengths that differ, got {} twice; leave one out, or ask for frames",
             format_length(job.wavelengths[i]));
-  if (job.trace.strategy == Strategy::gather) check_gather(job.trace);
+  if (job.synthesize.method == SynthesisMethod::triangles)
+    check_shading(job.scene, job.trace);
+  else if (job.trace.strategy == Strategy::gather)
+    check_gather(job.trace);
   check_memory(job, least_sets(job));
 }
 
 SceneLight trace_light(const Job& job, const Observer& observer) {
   SceneLight light;
+  if (job.synthesize.method == SynthesisMethod::triangles) {
+    light.triangles = shade_triangles(job.scene, job.slm.grid, job.wavelengths, job.trace, job.synthesize.shading,
+                                      job.synthesize.triangle_phase, observer);
+    return light;
+  }
   if (job.trace.strategy != Strategy::gather) {
     light.sources = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, observer);
     return light;
@@ -143,7 +177,12 @@ std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, cons
     }
     return fields;
   }
+  if (!light.triangles.empty()) return fields_of_triangles(light.triangles, frame, panel, params, observer);
   const std::vector<Sources>& sources = light.sources;
+  require(
+      params.method != SynthesisMethod::triangles,
+      "expected a scene or a mesh for the method triangles, which has surfaces shine, got waves; take another method, "
+      "or the scene that they were traced from");
   const bool has_waves =
       std::any_of(sources.begin(), sources.end(), [](const Sources& set) { return !set.waves.empty(); });
   std::vector<Field> fields;
@@ -201,8 +240,8 @@ Boxes run(const Job& job, const StageObserver& watch) {
     o.fact("wavelengths", job.wavelengths.size());
     o.fact("sets", traced.sets());
     o.fact("frames", job.trace.frames);
-    if (job.trace.frames > 1 && traced.gathered.empty() && !has_random_phase(traced.sources))
-      o.warn(fmt::format("no wave has a random phase: all {} frames are alike; ask for one frame, or for random phases",
+    if (job.trace.frames > 1 && traced.gathered.empty() && !has_random_phase(traced))
+      o.warn(fmt::format("nothing has a random phase: all {} frames are alike; ask for one frame, or for random phases",
                          job.trace.frames));
     return traced;
   });
@@ -219,9 +258,8 @@ Boxes run(const Job& job, const StageObserver& watch) {
       return fields_of_frame(light, uint32_t(frame), panel, job.synthesize, o);
     });
     for (size_t i = 0; i < fields.size(); ++i) {
-      const bool is_dark = i < light.sources.size() && light.sources[i].waves.empty();  // as tracing has said
       b.holograms.push_back(repeat("encode", [&](const Observer& o) {
-        return encode(fields[i], job.slm, job.encode, is_dark ? Observer{} : o);
+        return encode(fields[i], job.slm, job.encode, is_dark(light, i) ? Observer{} : o);  // as tracing has said
       }));
       const Hologram& hologram = b.holograms.back();
       const Field shown = repeat("show", [&](const Observer& o) { return show(hologram, job.slm, job.show, o); });

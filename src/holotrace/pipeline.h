@@ -8,6 +8,7 @@
 #include "holotrace/data/job.h"
 #include "holotrace/data/report.h"
 #include "holotrace/data/sources.h"
+#include "holotrace/data/triangles.h"
 #include "holotrace/stage.h"
 
 namespace holotrace {
@@ -20,7 +21,7 @@ struct Boxes {
   /// Path-traced references in red, green and blue: one from the panel's centre, or with a lens or another eye one per
   /// camera distance, focused there.
   std::vector<Image> renders;
-  std::vector<Sources> sources;            ///< of the first frame, one per set; none with the strategy gather
+  std::vector<Sources> sources;            ///< of the first frame, one per set; none with gather and triangles
   std::vector<std::vector<Field>> fields;  ///< at the panel in the first frame, [layer or light][wavelength]
   std::vector<Hologram> holograms;         ///< in the order shown: for each frame, each set
   std::vector<Image> views;                ///< one per camera distance: one channel, or red, green and blue
@@ -43,15 +44,17 @@ Boxes run(const Job& job, const StageObserver& watch = {});
 ///                fit in the machine's memory
 void check_job(const Job& job);
 
-/// A scene's light on its way to the panel: sets of waves, or with the strategy gather the fields themselves.
+/// A scene's light on its way to the panel: sets of waves, with the strategy gather the fields themselves, or with the
+/// method of synthesis triangles the surfaces that shine. One of the three is there.
 struct SceneLight {
   std::vector<Sources> sources;              ///< one per set
   std::vector<std::vector<Field>> gathered;  ///< [set][frame]
+  std::vector<Triangles> triangles{};        ///< one per set
 
-  size_t sets() const { return gathered.empty() ? sources.size() : gathered.size(); }
+  size_t sets() const { return sources.size() + gathered.size() + triangles.size(); }
 };
 
-/// Traces the job's scene by its strategy.
+/// Traces the job's scene by its strategy, or shades its triangles where the method of synthesis is theirs.
 SceneLight trace_light(const Job& job, const Observer& observer = {});
 
 /// Fields of one frame, each a layer or light at a wavelength, in the order of the sets; a set without waves is dark.

@@ -1,0 +1,47 @@
+#include "holotrace/data/triangles.h"
+
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/grid.h"
+#include "holotrace/data/sources.h"
+
+namespace holotrace {
+
+void set_frame(Triangles& triangles, uint32_t frame) {
+  for (size_t i = 0; i < triangles.phase_keys.size(); ++i) {
+    const uint64_t key = triangles.phase_keys[i];
+    const double change = random_phase(triangles.seed, frame, key) - random_phase(triangles.seed, triangles.frame, key);
+    triangles.triangles[i].phase = float(triangles.triangles[i].phase + change);
+  }
+  triangles.frame = frame;
+}
+
+void check_triangles(const Triangles& triangles) {
+  check_wavelength(triangles.wavelength);
+  for (size_t i = 0; i < triangles.triangles.size(); ++i) {
+    const Triangle& t = triangles.triangles[i];
+    for (int c = 0; c < 3; ++c) {
+      const Vec3 p = t.corners[size_t(c)];
+      require(is_finite(p) && std::isfinite(t.amplitudes[size_t(c)]) && std::isfinite(t.phase),
+              "expected finite numbers in triangle {}, got corner ({}, {}, {}) m, amplitude {}, phase {}", i, p.x, p.y,
+              p.z, t.amplitudes[size_t(c)], t.phase);
+      require(
+          p.z < 0,
+          "expected triangle {} behind the panel (z < 0), got a corner at z = {}; move the scene to negative z, the "
+          "viewer's far side",
+          i, format_length(p.z));
+    }
+    require(length(cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0])) > 0,
+            "expected triangle {} to have an area, got corners in one line; leave it out", i);
+    require(is_finite(t.direction) && std::abs(length(t.direction) - 1) < 1e-6 && t.direction.z > 0,
+            "expected a direction of length 1 toward the panel (z > 0) for triangle {}, got ({}, {}, {})", i,
+            t.direction.x, t.direction.y, t.direction.z);
+  }
+  require(triangles.phase_keys.empty() || triangles.phase_keys.size() == triangles.triangles.size(),
+          "expected a phase key for each of {} triangles, or none, got {}", triangles.triangles.size(),
+          triangles.phase_keys.size());
+}
+
+}  // namespace holotrace

@@ -1,0 +1,255 @@
+#include "holotrace/trace/shade_triangles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/data/sources.h"
+#include "holotrace/trace/bsdf.h"
+#include "holotrace/trace/first_hits.h"
+#include "holotrace/trace/path.h"
+#include "holotrace/trace/wave_sets.h"
+
+namespace holotrace {
+namespace {
+
+constexpr double view_part = 1.0 / 64;  // of the view's height: the largest side of a triangle
+constexpr double inset = 0.01;          // of the way from a corner to the centroid, where its light is looked for
+constexpr int64_t block_size = 64;      // triangles that one task shades
+
+using Corners = std::array<Vec3, 3>;
+
+// A piece of a triangle of a mesh.
+struct Piece {
+  Corners corners;
+  uint32_t mesh, triangle;
+};
+
+// Cuts the triangles of meshes into pieces as small as the view asks for, without those that lie outside it.
+class Cutter {
+ public:
+  Cutter(const Grid& panel, double tangent)
+      : panel_(panel), tangent_(tangent), most_((std::isfinite(tangent) ? 2 * tangent : 2) * view_part) {}
+
+  void cut(const Corners& c, uint32_t mesh, uint32_t triangle, std::vector<Piece>& pieces) const {
+    if (is_outside(c)) return;
+    size_t longest = 0;
+    double size = 0;
+    for (size_t side = 0; side < 3; ++side)
+      if (const double l = length(c[side] - c[(side + 1) % 3]); l > size) longest = side, size = l;
+    const double depth = -(c[0].z + c[1].z + c[2].z) / 3;
+    if (size <= most_ * depth) {
+      pieces.push_back({c, mesh, triangle});
+      return;
+    }
+    const size_t i = longest, j = (longest + 1) % 3;
+    Corners first = c, second = c;
+    first[j] = second[i] = (c[i] + c[j]) / 2;
+    cut(first, mesh, triangle, pieces);
+    cut(second, mesh, triangle, pieces);
+  }
+
+ private:
+  // Whether all of it is beyond one edge of what the panel sees.
+  bool is_outside(const Corners& c) const {
+    bool is_left = true, is_right = true, is_low = true, is_high = true;
+    for (const Vec3 p : c) {
+      const double reach = -p.z * tangent_;
+      is_left = is_left && p.x < panel_.centre_x - panel_.width() / 2 - reach;
+      is_right = is_right && p.x > panel_.centre_x + panel_.width() / 2 + reach;
+      is_low = is_low && p.y < panel_.centre_y - panel_.height() / 2 - reach;
+      is_high = is_high && p.y > panel_.centre_y + panel_.height() / 2 + reach;
+    }
+    return is_left || is_right || is_low || is_high;
+  }
+
+  const Grid& panel_;
+  double tangent_, most_;
+};
+
+// The pieces of all triangles that have an area and lie behind the panel, as far as the panel may see them.
+std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tangent, int64_t& of_meshes) {
+  const Cutter cutter(panel, tangent);
+  std::vector<Piece> pieces;
+  for (size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    of_meshes += int64_t(mesh.triangles.size());
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      Corners c;
+      for (size_t j = 0; j < 3; ++j) c[j] = mesh.positions[mesh.triangles[t][j]];
+      const bool has_area = length(cross(c[1] - c[0], c[2] - c[0])) > 0;
+      const bool is_behind = c[0].z < 0 && c[1].z < 0 && c[2].z < 0;
+      if (has_area && is_behind) cutter.cut(c, uint32_t(m), uint32_t(t), pieces);
+    }
+  }
+  return pieces;
+}
+
+/// What all pieces of a shading share.
+struct Shade {
+  const PathScene& scene;
+  const TraceParams& params;
+  const Grid& panel;
+  const std::vector<WaveSet>& sets;
+  Shading shading;
+};
+
+// Light of a place on a piece toward the panel's centre; none where something hides it.
+std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place, uint64_t sample, PathCounts& counts) {
+  const Vec3 eye{s.panel.centre_x, s.panel.centre_y, 0};
+  const double distance = length(place - eye);
+  const Ray ray{eye, (place - eye) / distance};
+  ++counts.rays;
+  const auto hit = s.scene.accelerator.closest_hit(ray);
+  if (!hit) return std::nullopt;
+  const bool is_own = hit->point.mesh == piece.mesh && hit->point.triangle == piece.triangle;
+  // The surface itself, though rounding has found the triangle beside: a few times the clearance along the ray.
+  const double slope = std::max(1e-3, std::abs(dot(hit->point.geometric_normal, ray.direction)));
+  if (!is_own && hit->distance < distance - 4 * s.scene.accelerator.clearance() / slope) return std::nullopt;
+  const Material& material = s.scene.scene.materials[size_t(hit->point.material)];
+  const PathStart start{shading_point(material, hit->point), -ray.direction, s.scene.automaton.start(), 1};
+  LeafLight light;
+  light.radiance.resize(size_t(s.scene.sums()));
+  mean_radiance(s.scene, start, s.params.paths, sample, light.radiance, counts);
+  return light;
+}
+
+// Solid angle of the part of the panel that light from a place reaches at angles that the panel holds [sr].
+double solid_angle(Vec3 place, const Grid& panel, double wavelength) {
+  const double depth = -place.z, radius = box_radius(depth, wavelength, panel.pitch);
+  const double x = panel.centre_x - place.x, y = panel.centre_y - place.y;
+  const double x0 = std::max(x - panel.width() / 2, -radius), x1 = std::min(x + panel.width() / 2, radius);
+  const double y0 = std::max(y - panel.height() / 2, -radius), y1 = std::min(y + panel.height() / 2, radius);
+  return x1 > x0 && y1 > y0 ? wave_power(depth, x0, x1, y0, y1) / (depth * depth) : 0;
+}
+
+// Where the light of a place is sent.
+Vec3 direction_from(Vec3 place, const Grid& panel, double wavelength) {
+  const double half_box = box_radius(-place.z, wavelength, panel.pitch) / 2;
+  const auto aim = [&](double from, double centre, double side) {
+    const double nearest = std::clamp(from, centre - side * 3 / 8, centre + side * 3 / 8);
+    return std::clamp(nearest - from, -half_box, half_box);
+  };
+  return normalize(
+      {aim(place.x, panel.centre_x, panel.width()), aim(place.y, panel.centre_y, panel.height()), -place.z});
+}
+
+/// What one task finds: triangles and keys of each set.
+struct Block {
+  std::vector<std::vector<Triangle>> triangles;
+  std::vector<std::vector<uint64_t>> keys;
+  PathCounts counts;
+};
+
+void shade_piece(const Shade& s, const Piece& piece, uint64_t index, Block& block) {
+  const Vec3 centre = (piece.corners[0] + piece.corners[1] + piece.corners[2]) / 3;
+  std::array<std::optional<LeafLight>, 3> lights;
+  if (s.shading == Shading::flat)
+    lights[0] = light_at(s, piece, centre, 3 * index, block.counts);
+  else
+    for (size_t j = 0; j < 3; ++j)
+      lights[j] =
+          light_at(s, piece, piece.corners[j] + (centre - piece.corners[j]) * inset, 3 * index + j, block.counts);
+  for (size_t i = 0; i < s.sets.size(); ++i) {
+    const WaveSet& set = s.sets[i];
+    const double angle = solid_angle(centre, s.panel, set.wavelength);
+    Triangle t{piece.corners, {}, 0, direction_from(centre, s.panel, set.wavelength)};
+    bool is_lit = false;
+    for (size_t j = 0; j < 3; ++j) {
+      const auto& light = lights[s.shading == Shading::flat ? 0 : j];
+      const double radiance = light && !set.sums.empty() ? light_of(set, *light, {1, 1, 1}).radiance : 0;
+      t.amplitudes[j] = float(std::sqrt(squared_amplitude_of(radiance, s.params.amplitude) * angle));
+      is_lit = is_lit || t.amplitudes[j] > 0;
+    }
+    if (!is_lit) continue;
+    block.triangles[i].push_back(t);
+    block.keys[i].push_back(index);
+  }
+}
+
+void warn_of_left_out(const Scene& scene, const std::vector<WaveSet>& sets, const Observer& observer) {
+  if (!scene.points.empty())
+    observer.warn(
+        fmt::format("{} luminous points are left out: the method triangles shows surfaces alone", scene.points.size()));
+  if (std::any_of(sets.begin(), sets.end(), [](const WaveSet& set) { return set.has_laser; }))
+    observer.warn("the method triangles does not follow the phase of lasers: their light is shown as any other");
+}
+
+}  // namespace
+
+void check_shading(const Scene& scene, const TraceParams& params) {
+  require(params.paths >= 1, "expected paths of 1 or more per triangle, got {}", params.paths);
+  require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
+  require(params.strategy == Strategy::shared,
+          "expected the strategy shared with the method triangles, got {}; triangles have one brightness for the whole "
+          "panel",
+          params.strategy == Strategy::tiled ? "tiled" : "gather");
+  require(!scene.meshes.empty(),
+          "expected a scene with meshes for the method triangles, got luminous points alone; add an object that is a "
+          "surface, or take another method");
+}
+
+std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
+                                       const TraceParams& params, Shading shading, TrianglePhase phase,
+                                       const Observer& observer) {
+  check_scene(scene);
+  check_grid(panel);
+  require(!wavelengths.empty(), "expected at least one wavelength, got none");
+  for (const double wavelength : wavelengths) check_wavelength(wavelength);
+  check_shading(scene, params);
+  const double longest = *std::max_element(wavelengths.begin(), wavelengths.end());
+  int64_t of_meshes = 0, shining = 0;
+  const std::vector<Piece> pieces = list_pieces(scene, panel, acceptance_tangent(longest, panel.pitch), of_meshes);
+  observer.fact("mesh_triangles", Fact(of_meshes));
+  observer.fact("triangles", Fact(int64_t(pieces.size())));
+  std::vector<Triangles> all;
+  PathCounts counts;
+  const auto groups = group_wavelengths(scene, wavelengths);
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
+    const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g]);
+    if (g == 0) warn_of_left_out(scene, sets, observer);
+    require_memory(2 * double(sizeof(Triangle) + 8) * double(pieces.size()) * double(sets.size()),
+                   fmt::format("{} sets of {} triangles", sets.size(), pieces.size()));
+    const Shade shade{path_scene, params, panel, sets, shading};
+    std::vector<Block> blocks((pieces.size() + block_size - 1) / block_size);
+    parallel_for(
+        0, int64_t(blocks.size()),
+        [&](int64_t b) {
+          Block& block = blocks[size_t(b)];
+          block.triangles.resize(sets.size());
+          block.keys.resize(sets.size());
+          const int64_t end = std::min(int64_t(pieces.size()), (b + 1) * block_size);
+          for (int64_t i = b * block_size; i < end; ++i) shade_piece(shade, pieces[size_t(i)], uint64_t(i), block);
+        },
+        part_of(observer, int(g), int(groups.size())));
+    for (const Block& block : blocks) counts += block.counts;
+    for (size_t i = 0; i < sets.size(); ++i) {
+      Triangles set{sets[i].wavelength, {}, sets[i].name, {}, uint64_t(params.seed), 0};
+      for (const Block& block : blocks) {
+        set.triangles.insert(set.triangles.end(), block.triangles[i].begin(), block.triangles[i].end());
+        if (phase == TrianglePhase::random)
+          set.phase_keys.insert(set.phase_keys.end(), block.keys[i].begin(), block.keys[i].end());
+      }
+      for (size_t k = 0; k < set.phase_keys.size(); ++k)
+        set.triangles[k].phase = float(random_phase(set.seed, 0, set.phase_keys[k]));
+      shining += int64_t(set.triangles.size());
+      const bool is_whole = !params.separate_layers && !params.separate_lights;
+      if (is_whole || !set.triangles.empty()) all.push_back(std::move(set));
+    }
+  }
+  report(counts, params.max_depth, observer);
+  observer.fact("shining", Fact(shining));
+  if (shining == 0)
+    observer.warn("no triangle shines toward the panel's centre; move the scene onto the axis, or light it");
+  return all;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,161 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+
+#include "holotrace/trace/shade_triangles.h"
+#include "trace/scenes.h"
+
+namespace holotrace {
+namespace {
+
+const Grid panel{64, 48, 8e-6};
+const TraceParams direct{.paths = 1, .max_depth = 1};
+
+Triangles shade(const Scene& scene, Shading shading = Shading::flat, TrianglePhase phase = TrianglePhase::random,
+                const TraceParams& params = direct) {
+  return shade_triangles(scene, panel, {green_light}, params, shading, phase).front();
+}
+
+// A wall of radiance 1 that fills the panel's view sends it the panel's étendue, area·(λ/p)². Triangles send a² times
+// their area. They take the solid angle at their centroid: their sides are 1/64 of the view, so where the box
+// crosses the panel's edges the midpoint rule is off by some 1e-3; sines for tangents are 1e-3 more.
+TEST(ShadeTriangles, ABrightWallSendsThePanelItsEtendue) {
+  for (const Shading shading : {Shading::flat, Shading::smooth}) {
+    const Triangles triangles = shade(make_bright_wall(-0.05), shading);
+    double power = 0;
+    for (const Triangle& t : triangles.triangles) {
+      EXPECT_EQ(t.amplitudes[0], t.amplitudes[1]);  // alike everywhere on an even wall
+      power += double(t.amplitudes[0]) * t.amplitudes[0] * area_along_direction(t);
+    }
+    const double etendue = panel.width() * panel.height() * std::pow(green_light / panel.pitch, 2);
+    EXPECT_NEAR(power / etendue, 1, 5e-3);
+  }
+}
+
+// The longest side that is left is at most 1/64 of the view's height, and more than half of that for the mean triangle.
+TEST(ShadeTriangles, LargeFacesAreCut) {
+  const Triangles triangles = shade(make_bright_wall(-0.05));
+  const double most = 2 * acceptance_tangent(green_light, panel.pitch) * 0.05 / 64;
+  double area = 0;
+  for (const Triangle& t : triangles.triangles) {
+    for (size_t j = 0; j < 3; ++j) EXPECT_LE(length(t.corners[j] - t.corners[(j + 1) % 3]), most * 1.0000001);
+    area += length(cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0])) / 2;
+  }
+  EXPECT_GT(area / double(triangles.triangles.size()), most * most / 16);
+}
+
+Scene sphere_before_wall() {
+  Scene scene;
+  scene.materials = {grey(0, 1), grey(0, 4)};
+  scene.meshes = {make_round_mesh({0, 0, -0.05}, 0.0004, 12), make_wall(-0.06, 0.002, 0.002, 1)};
+  return scene;
+}
+
+// Of the sphere the side that faces the panel, z above its centre; of the wall what lies outside the sphere's shadow,
+// whose radius is 0.48 mm there. Triangles beside the shadow's edge may have a corner in it, not their centroid.
+TEST(ShadeTriangles, HiddenOnesDoNotShine) {
+  const Triangles triangles = shade(sphere_before_wall());
+  int of_sphere = 0, of_wall = 0;
+  for (const Triangle& t : triangles.triangles) {
+    const Vec3 c = centroid(t);
+    if (c.z > -0.055) {
+      EXPECT_GT(c.z, -0.05);
+      ++of_sphere;
+    } else {
+      EXPECT_GT(std::hypot(c.x, c.y), 0.0004 * 0.95 * 0.06 / 0.05);  // a sphere of 24 flat sides is 1 % smaller
+      ++of_wall;
+    }
+  }
+  EXPECT_GT(of_sphere, 100);
+  EXPECT_GT(of_wall, 1000);
+}
+
+// Where a corner is hidden its amplitude is 0, so that the light of smooth triangles ends at the shadow's edge.
+TEST(ShadeTriangles, SmoothOnesAreDarkAtHiddenCorners) {
+  const Triangles triangles = shade(sphere_before_wall(), Shading::smooth);
+  const auto is_mixed = [](const Triangle& t) {
+    return t.corners[0].z < -0.055 && *std::min_element(t.amplitudes.begin(), t.amplitudes.end()) == 0;
+  };
+  const auto mixed = std::count_if(triangles.triangles.begin(), triangles.triangles.end(), is_mixed);
+  EXPECT_GT(mixed, 10);
+  EXPECT_LT(mixed, int64_t(triangles.triangles.size()) / 10);
+}
+
+TEST(ShadeTriangles, OneSidedFacesAreDarkFromBehind) {
+  Scene scene = make_bright_wall(-0.05);
+  for (auto& triangle : scene.meshes[0].triangles) std::swap(triangle[1], triangle[2]);
+  EXPECT_FALSE(shade(scene).triangles.empty());
+  scene.materials[0].two_sided = false;
+  EXPECT_TRUE(shade(scene).triangles.empty());
+}
+
+// Light goes straight ahead from what stands before the panel, and from elsewhere toward it, within half the box.
+TEST(ShadeTriangles, LightGoesToThePanel) {
+  const double tangent = acceptance_tangent(green_light, panel.pitch);
+  for (const Triangle& t : shade(make_bright_wall(-0.05)).triangles) {
+    const Vec3 c = centroid(t), e = t.direction;
+    if (std::abs(c.x) < panel.width() * 3 / 8) {
+      EXPECT_EQ(e.x, 0);
+    }
+    EXPECT_LE(std::abs(e.x / e.z), tangent / 2 * 1.0000001);
+    EXPECT_LE(e.x * c.x, 0);
+    EXPECT_NEAR(length(e), 1, 1e-12);
+  }
+}
+
+TEST(ShadeTriangles, PhasesAreThoseOfTheirKeysOrConstant) {
+  const Triangles random = shade(make_bright_wall(-0.05)),
+                  constant = shade(make_bright_wall(-0.05), Shading::flat, TrianglePhase::constant);
+  ASSERT_EQ(random.phase_keys.size(), random.triangles.size());
+  for (size_t i = 0; i < random.triangles.size(); ++i)
+    EXPECT_EQ(random.triangles[i].phase, float(random_phase(random.seed, 0, random.phase_keys[i])));
+  EXPECT_TRUE(constant.phase_keys.empty());
+  for (const Triangle& t : constant.triangles) EXPECT_EQ(t.phase, 0);
+}
+
+// A set for each wavelength, each with its own colour's light: red light of a red wall, no blue.
+TEST(ShadeTriangles, EachWavelengthHasItsColour) {
+  Scene scene = make_bright_wall(-0.05);
+  scene.materials[0].emission = {1, 0, 0};
+  const auto sets = shade_triangles(scene, panel, {638e-9, 450e-9}, direct, Shading::flat, TrianglePhase::random);
+  ASSERT_EQ(sets.size(), 2U);
+  EXPECT_EQ(sets[0].wavelength, 638e-9);
+  EXPECT_FALSE(sets[0].triangles.empty());
+  EXPECT_TRUE(sets[1].triangles.empty());
+}
+
+TEST(ShadeTriangles, TheSameOnAnyNumberOfThreads) {
+  const auto on = [&](size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    TraceParams params = direct;
+    params.paths = 3;
+    std::vector<float> values;
+    for (const Triangle& t : shade(sphere_before_wall(), Shading::smooth, TrianglePhase::random, params).triangles)
+      values.insert(values.end(), {t.amplitudes[0], t.amplitudes[1], t.amplitudes[2], t.phase});
+    return values;
+  };
+  const auto one = on(1);
+  EXPECT_FALSE(one.empty());
+  EXPECT_EQ(one, on(5));
+}
+
+TEST(ShadeTriangles, WhatHasNoTrianglesIsRefusedOrWarnedOf) {
+  Scene points;
+  points.points = {{{0, 0, -0.05}}};
+  EXPECT_EQ(error_of([&] { shade(points); }).substr(0, 57),
+            "expected a scene with meshes for the method triangles, go");
+  TraceParams tiled = direct;
+  tiled.strategy = Strategy::tiled;
+  EXPECT_EQ(error_of([&] { shade(make_bright_wall(), Shading::flat, TrianglePhase::random, tiled); }).substr(0, 69),
+            "expected the strategy shared with the method triangles, got tiled; tr");
+  Scene both = make_bright_wall(-0.05);
+  both.points = points.points;
+  Record heard;
+  shade_triangles(both, panel, {green_light}, direct, Shading::flat, TrianglePhase::random, heard.observer);
+  ASSERT_FALSE(heard.warnings.empty());
+  EXPECT_EQ(heard.warnings[0].substr(0, 33), "1 luminous points are left out: t");
+}
+
+}  // namespace
+}  // namespace holotrace
