@@ -7,6 +7,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/data/sources.h"
+#include "holotrace/data/summation_rates.h"
 #include "holotrace/wave/bands.h"
 
 // What ranks tell each other of a field made in bands.
@@ -28,6 +29,7 @@ struct JobHead {
   SynthesisMethod method{};
   double tolerance = 0;
   int32_t threads = 0, sets = 0;
+  SummationRates rates;  ///< by which plans are chosen: the same on every rank
 };
 
 struct BandOrder {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <deque>
 #include <exception>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -20,6 +21,7 @@
 #include "holotrace/io/field_bands.h"
 #include "holotrace/io/output.h"
 #include "holotrace/wave/bands.h"
+#include "holotrace/wave/cost_model.h"
 
 namespace holotrace {
 namespace {
@@ -126,6 +128,22 @@ void check_sets(const BandedField& job) {
   require(has_waves, "expected at least one source, got none; is the scene lit and in view?");
 }
 
+// Plans are chosen by the machine's rates, and with them the last bits: a run that goes on, and every rank, goes by the
+// rates of the run that began.
+std::map<std::string, double> named_rates() {
+  std::map<std::string, double> named;
+  const SummationRates rates = summation_rates();
+  for (const SummationTerm& term : summation_terms) named[term.name] = rates.*term.rate;
+  return named;
+}
+
+void go_by(const std::map<std::string, double>& named) {
+  SummationRates rates;
+  for (const SummationTerm& term : summation_terms)
+    if (const auto found = named.find(term.name); found != named.end()) rates.*term.rate = found->second;
+  set_summation_rates([rates] { return rates; });
+}
+
 // Sets of one name are the planes of one file.
 void sort_into_files(Work& work) {
   const std::vector<Sources>& sets = work.job.sets;
@@ -168,7 +186,7 @@ BandedJob describe_job(const Work& work, const BandFile& file) {
   return {fmt::format("{}x{} pixels of {}, {}method {}, tolerance {}, {} bands", job.panel.nx, job.panel.ny,
                       format_length(job.panel.pitch), waves, name_of(job.params.method), job.params.tolerance,
                       file.bands.size()),
-          f.value(), file.bands.size()};
+          f.value(), file.bands.size(), named_rates()};
 }
 
 void open_files(Work& work) {
@@ -186,6 +204,7 @@ void open_files(Work& work) {
     const std::string path = numbered_path(work.job.output, i);
     file.file = std::make_unique<FieldBands>(path, headers, describe_job(work, file));
     const size_t there = file.file->finished_bands();
+    if (there > 0) go_by(file.file->settings());
     if (there > 0 && !work.job.is_quiet)
       fmt::print(stderr, "holotrace: {} of {} bands of {} are there; making the others\n", there, file.bands.size(),
                  path);
@@ -201,7 +220,8 @@ void open_files(Work& work) {
 void send_job(const Work& work, const Ranks& ranks) {
   const BandedField& job = work.job;
   std::string head;
-  pack(head, JobHead{job.panel, job.params.method, job.params.tolerance, job.threads, int32_t(job.sets.size())});
+  pack(head, JobHead{job.panel, job.params.method, job.params.tolerance, job.threads, int32_t(job.sets.size()),
+                     summation_rates()});
   for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_job, head);
   for (const Sources& set : job.sets) {
     const std::string bytes = pack_set(set);
@@ -278,6 +298,7 @@ void serve_job(const Ranks& ranks, const Ranks::Message& job) {
   while (int(sets.size()) < head.sets) sets.push_back(unpack_set(ranks.receive().bytes));
   const int threads = head.threads > 0 ? head.threads : ranks.threads();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
+  set_summation_rates([rates = head.rates] { return rates; });
   SynthesizeParams params;
   params.method = head.method;
   params.tolerance = head.tolerance;

@@ -1,19 +1,27 @@
-// The steps of holotrace bench that sum waves: exact, tiled on each instruction set, planes, auto.
+// The steps of holotrace bench that sum waves: exact, each kernel of tiled, planes, auto.
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "bench.h"
+#include "holotrace/base/error.h"
 #include "holotrace/base/instruction_set.h"
 #include "holotrace/base/random.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/estimate/bf16_peak.h"
 #include "holotrace/estimate/multiply_add_peak.h"
+#include "holotrace/wave/packed_product.h"
 #include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/synthesize.h"
+#include "holotrace/wave/tile_error.h"
+#include "holotrace/wave/tile_sum.h"
 
 namespace holotrace {
 namespace {
@@ -90,15 +98,69 @@ BenchRow bench_exact(const BenchOptions& options, const WaveJob& job) {
   return make_row("exact", job.name(), timing, amount, "waves·pixels");
 }
 
-BenchStep tiled_step(const BenchOptions& options, const std::string& instruction_set, const WaveJob& job,
-                     double tolerance) {
-  return {"tiled " + instruction_set, [=] {
-            const OnInstructionSet alone(instruction_set);
-            return bench_sum(options, "tiled " + instruction_set, job, tolerance,
-                             [&](const Sources& sources, const Observer& observer) {
-                               return sum_tiled(sources, job.panel, tolerance, observer);
-                             });
-          }};
+// A way to multiply in tiles: an instruction set, and the products on it.
+struct TiledKernel {
+  std::string instruction_set;
+  TileProducts products;
+
+  std::string name() const {
+    if (products == TileProducts::single) return "tiled " + instruction_set;
+    return (products == TileProducts::bf16 ? "tiled bf16 " : "tiled 2 bf16 ") + packed_unit_name();
+  }
+  std::string ceiling_name() const {
+    return products == TileProducts::single ? "multiply-adds " + instruction_set + " / 4"
+                                            : "multiply-adds " + packed_unit_name() + " / 4";
+  }
+  double ceiling() const {
+    if (products == TileProducts::single) return tile_ceiling();
+    return (packed_unit() == PackedUnit::amx ? measure_bf16_tile_peak() : measure_bf16_vector_peak()) / 4;
+  }
+};
+
+// The fastest shape that keeps the tolerance with these products, as choose_tile finds it with all.
+TilePlan plan_for(const TiledKernel& kernel, const std::vector<PreparedWave>& waves, const Grid& panel,
+                  double wavelength, double tolerance) {
+  const std::vector<DrawnPixel> pixels = draw_pixels(waves);
+  for (const TileShape& shape : tile_shapes) {
+    const SplitEnergies split = measure_split(pixels, panel, {0, panel.nx, 0, panel.ny}, wavelength, shape);
+    const double error = std::hypot(std::sqrt(split.error / split.waves), rounding_error(kernel.products));
+    if (1.25 * error <= tolerance) return {shape, kernel.products};
+  }
+  fail("expected a tolerance that {} meets, got {:g}", kernel.name(), tolerance);
+}
+
+Field sum_by(const TilePlan& plan, const std::vector<PreparedWave>& waves, const Grid& panel, double wavelength) {
+  Field field(panel, wavelength);
+  const TileShape tile = plan.shape;
+  const int across = (panel.nx + tile.columns - 1) / tile.columns, down = (panel.ny + tile.rows - 1) / tile.rows;
+  tbb::enumerable_thread_specific<TileWorkspace> workspaces;
+  parallel_for(0, int64_t(across) * down, [&](int64_t t) {
+    const int x0 = int(t % across) * tile.columns, y0 = int(t / across) * tile.rows;
+    const PixelBox box{x0, std::min(x0 + tile.columns, panel.nx), y0, std::min(y0 + tile.rows, panel.ny)};
+    sum_tile(waves, panel, wavelength, plan, box, workspaces.local(), field.samples);
+  });
+  return field;
+}
+
+BenchRow bench_kernel(const BenchOptions& options, const TiledKernel& kernel, const WaveJob& job, double tolerance) {
+  const OnInstructionSet alone(kernel.instruction_set);
+  const Sources sources = make_sources(job);
+  const std::vector<PreparedWave> waves = prepare_waves(sources, job.panel);
+  const TilePlan plan = plan_for(kernel, waves, job.panel, sources.wavelength, tolerance);
+  const double amount = double(waves_pixels(sources, job.panel));
+  Field field;
+  const Timing timing = time_work(
+      options, [&] { field = sum_by(plan, waves, job.panel, sources.wavelength); }, amount,
+      [&] { return kernel.ceiling(); });
+  BenchRow row = make_row(kernel.name(), fmt::format("{}, {:g}", job.name(), tolerance), timing, amount, "waves·pixels",
+                          kernel.ceiling_name());
+  row.error = sampled_error(field, sources, compared_pixels(job));
+  row.facts["tile"] = fmt::format("{}x{}", plan.shape.columns, plan.shape.rows);
+  return row;
+}
+
+BenchStep tiled_step(const BenchOptions& options, const TiledKernel& kernel, const WaveJob& job, double tolerance) {
+  return {kernel.name(), [=] { return bench_kernel(options, kernel, job, tolerance); }};
 }
 
 // Seconds for a wave and pixel by a method, the least of all jobs so far: whether a larger job takes too long is then
@@ -137,16 +199,23 @@ std::vector<BenchStep> exact_steps(const BenchOptions& options) {
 
 std::vector<BenchStep> tiled_steps(const BenchOptions& options) {
   std::vector<BenchStep> steps;
-  const int many = options.is_quick ? 1000 : 10000;
-  for (const std::string& name : instruction_sets())
-    steps.push_back(tiled_step(options, name, narrow(full_hd, many), 1e-3));
-  if (options.is_quick) return steps;
   const std::string best = instruction_sets().front();
+  const auto add = [&](const TiledKernel& kernel, const WaveJob& job, double tolerance) {
+    steps.push_back(tiled_step(options, kernel, job, tolerance));
+  };
+  const WaveJob usual = narrow(full_hd, options.is_quick ? 1000 : 10000);
+  for (const std::string& name : instruction_sets()) add({name, TileProducts::single}, usual, 1e-3);
+  const bool is_packed = packed_unit() != PackedUnit::none;
+  if (is_packed) {
+    add({best, TileProducts::split_bf16}, usual, 1e-3);
+    add({best, TileProducts::bf16}, usual, 5e-3);
+  }
+  if (options.is_quick) return steps;
+  const TiledKernel kernel{best, is_packed ? TileProducts::split_bf16 : TileProducts::single};
   for (const WaveJob& job : {narrow(full_hd, 1000), narrow(full_hd, 100000), wide(full_hd, 10000),
                              narrow(ultra_hd, 1000), narrow(ultra_hd, 10000), wide(ultra_hd, 10000)})
-    steps.push_back(tiled_step(options, best, job, 1e-3));
-  for (const double tolerance : {1e-2, 1e-4})
-    steps.push_back(tiled_step(options, best, narrow(full_hd, 1000), tolerance));
+    add(kernel, job, 1e-3);
+  add({best, TileProducts::single}, narrow(full_hd, 1000), 1e-4);
   return steps;
 }
 
