@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
@@ -45,21 +46,43 @@ int least_period(const PropagationAxis& a) {
   return int(samples);
 }
 
-// Frequencies whose light goes from some input to some output sample of the period, in steps of 1/period.
+// The frequency [1/m] whose light is displaced by x over |z|.
+double frequency_at(const PropagationAxis& a, double x, bool is_paraxial) {
+  const double z = std::abs(a.z);
+  return is_paraxial ? x / (a.wavelength * z) : x / (a.wavelength * std::hypot(x, z));
+}
+
 struct Band {
   double first, last;
 };
 
+// Of the light that goes from some input to some output sample: between hard edges, those of the period.
 Band band_of(const PropagationAxis& a, int padded, bool is_paraxial) {
-  const double period = padded * a.input_pitch, half = period / 2, z = std::abs(a.z);
-  const auto frequency = [&](double x) {  // of the light that is displaced by x
-    const double u = is_paraxial ? x / (a.wavelength * z) : x / (a.wavelength * std::hypot(x, z));
-    return (a.z < 0 ? -u : u) * period;
+  const double half = padded * a.input_pitch / 2, nyquist = 1 / a.input_pitch;
+  if (a.z == 0) return std::abs(a.middle()) > half ? Band{1, -1} : Band{-nyquist, nyquist};
+  const double low = frequency_at(a, a.middle() - half, is_paraxial);
+  const double high = frequency_at(a, a.middle() + half, is_paraxial);
+  return a.z < 0 ? Band{-high, -low} : Band{low, high};
+}
+
+struct Taper {
+  double width = 0;  // [m]
+  BandEdge edge;
+};
+
+// A smooth edge on one side of the offsets that count, x: over the width W the frequency must pass `widths` deviations
+// s on either side of the edge, and the edge's own light, which is spread by 1/2πs, must stay as many away from x.
+Taper taper_beyond(const PropagationAxis& a, double x, double sign, bool is_paraxial, double widths) {
+  const auto frequency = [&](double beyond) { return sign * frequency_at(a, x + sign * beyond, is_paraxial); };
+  if (a.z == 0 || frequency(0) >= 1 / (2 * a.input_pitch)) return {};  // the samples' own band ends before
+  const double most = 2 * (a.farthest() - a.nearest() + a.input_pitch);
+  const auto has_room = [&](double width) {
+    const double rise = std::min(frequency(width) - frequency(width / 2), frequency(width / 2) - frequency(0));
+    return rise * width * pi >= widths * widths;
   };
-  if (z == 0 && std::abs(a.middle()) > half) return {1, -1};
-  const double one = z == 0 ? -padded : frequency(a.middle() - half);
-  const double other = z == 0 ? padded : frequency(a.middle() + half);
-  return {std::min(one, other), std::max(one, other)};
+  double width = widths * std::sqrt(2 * a.wavelength * std::abs(a.z) / pi);
+  while (!has_room(width) && width < most) width *= 1.1;
+  return {width, {sign * frequency(width / 2), widths / (pi * width)}};
 }
 
 // With fewer samples than this the band's edge, which rings, is all there is.
@@ -67,7 +90,7 @@ bool holds_angular_spectrum(const PropagationAxis& a) {
   if (std::abs(a.z) <= critical(a)) return true;
   const int padded = least_period(a);
   const Band band = band_of(a, padded, false);
-  return std::min(band.last - band.first, double(padded)) >= 16;
+  return std::min((band.last - band.first) * padded * a.input_pitch, double(padded)) >= 16;
 }
 
 // Mean side of the input and output windows that makes it sixteen: (window/λz)·window/2 samples, times 2.
@@ -128,23 +151,52 @@ int common_period(const PropagationAxis& a, int samples) {
   return fft_good_length(samples);
 }
 
-void hold(PropagationAxis& a, double first, double last) {
-  a.first = int(std::ceil(std::max(first, -double(a.padded / 2))));
-  a.last = int(std::floor(std::min(last, double((a.padded - 1) / 2))));
+// The frequencies of a band, as far as the samples hold them.
+void hold(PropagationAxis& a, Band band) {
+  a.first = int(std::ceil(std::max(band.first * a.period(), -double(a.padded / 2))));
+  a.last = int(std::floor(std::min(band.last * a.period(), double((a.padded - 1) / 2))));
 }
 
-void sample_lattice(PropagationAxis& a) {
-  a.parts = 2;
-  a.padded = 2 * fft_good_length((a.inputs + a.outputs + 1) / 2);
+void hold_all(PropagationAxis& a) { hold(a, {-1 / a.input_pitch, 1 / a.input_pitch}); }
+
+void pad(PropagationAxis& a, int samples) {
+  if (a.is_on_lattice()) a.parts = 2;
+  a.padded = a.is_on_lattice() ? 2 * fft_good_length((samples + 1) / 2) : common_period(a, samples);
+}
+
+void sample_spectrum(PropagationAxis& a, bool is_paraxial, double widths) {
+  const bool is_on_axis = a.is_on_lattice() && a.rest == 0 && std::abs(a.middle()) < same_place * a.input_pitch;
+  if (is_on_axis) {
+    pad(a, least_period(a));
+    hold(a, band_of(a, a.padded, is_paraxial));
+    a.is_even = -a.first >= a.last && -a.first - a.last <= 1;
+    return;
+  }
+  Taper low = taper_beyond(a, a.nearest(), -1, is_paraxial, widths);
+  Taper high = taper_beyond(a, a.farthest(), 1, is_paraxial, widths);
+  pad(a, least_period(a) + int(std::ceil((low.width + high.width) / a.input_pitch)));
+  Band band = band_of(a, a.padded, is_paraxial);
+  if (a.z != 0) {
+    const double nyquist = 1 / a.input_pitch;
+    band.first = low.width > 0 ? frequency_at(a, a.nearest() - low.width, is_paraxial) : -nyquist;
+    band.last = high.width > 0 ? frequency_at(a, a.farthest() + high.width, is_paraxial) : nyquist;
+  }
+  if (a.z < 0) {
+    band = {-band.last, -band.first};
+    std::swap(low, high);
+    low.edge.at *= -1;
+    high.edge.at *= -1;
+  }
+  a.low = low.edge;
+  a.high = high.edge;
+  hold(a, band);
 }
 
 // The kernel's own frequencies over the offsets that count and the taper beyond them. A Gaussian edge of standard
 // deviation s falls off over `widths`·s in space and widths/2πs in frequency: the taper that makes period × band least.
 void sample_kernel(PropagationAxis& a, bool is_paraxial, double widths) {
-  const double z = std::abs(a.z), span = a.farthest() - a.nearest();
-  const auto frequency = [&](double x) {
-    return is_paraxial ? x / (a.wavelength * z) : x / (a.wavelength * std::hypot(x, z));
-  };
+  const double span = a.farthest() - a.nearest();
+  const auto frequency = [&](double x) { return frequency_at(a, x, is_paraxial); };
   const double product = widths * widths / pi;  // of the taper's width and its frequencies
   const double band = std::max(frequency(a.farthest()) - frequency(a.nearest()), product / (span + a.input_pitch));
   a.taper = std::sqrt(product * (span + a.input_pitch) / band);
@@ -214,30 +266,26 @@ bool takes_fresnel_kernel(const PropagationAxis& a) {
 
 void set_sampling(PropagationAxis& a, PropagationMethod method, bool is_kernel, double edge_widths) {
   const bool is_paraxial = method == PropagationMethod::fresnel;
-  if (is_kernel && !a.is_on_lattice()) return sample_kernel(a, is_paraxial, edge_widths);
-  if (a.is_on_lattice())
-    sample_lattice(a);
-  else
-    a.padded = common_period(a, least_period(a));
-  if (is_kernel) {
-    hold(a, -a.padded, a.padded);
-    a.is_even =
-        a.rest == 0 && std::max(std::abs(a.shift - (a.inputs - 1)), std::abs(a.shift + a.outputs - 1)) <= a.padded / 2;
-    return;
+  if (is_kernel && !a.is_on_lattice()) {
+    sample_kernel(a, is_paraxial, edge_widths);
+  } else if (is_kernel) {
+    pad(a, least_period(a));
+    hold_all(a);
+    const int most = std::max(std::abs(a.shift - (a.inputs - 1)), std::abs(a.shift + a.outputs - 1));
+    a.is_even = a.rest == 0 && most <= a.padded / 2;
+  } else {
+    sample_spectrum(a, is_paraxial, edge_widths);
+    require(a.first <= a.last,
+            "expected an output window that light from the input reaches over {}, got one whose middle lies {} off the "
+            "input's in {}, where samples of {} send none; move it nearer, or sample the input more finely",
+            format_length(std::abs(a.z)), format_length(a.middle()), a.name, format_length(a.input_pitch));
   }
-  const Band band = band_of(a, a.padded, is_paraxial);
-  hold(a, band.first, band.last);
-  require(a.first <= a.last,
-          "expected an output window that light from the input reaches over {}, got one whose middle lies {} off the "
-          "input's in {}, where samples of {} send none; move it nearer, or sample the input more finely",
-          format_length(std::abs(a.z)), format_length(a.middle()), a.name, format_length(a.input_pitch));
-  a.is_even = a.is_on_lattice() && a.rest == 0 && -a.first >= a.last && -a.first - a.last <= 1;
 }
 
 void set_periodic_sampling(PropagationAxis& a) {
   a.parts = 1;
   a.padded = a.inputs;
-  hold(a, -a.padded, a.padded);
+  hold_all(a);
   a.is_even = a.is_on_lattice() && a.rest == 0;
 }
 

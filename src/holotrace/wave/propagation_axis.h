@@ -8,6 +8,11 @@
 
 namespace holotrace {
 
+/// A smooth end of a band: half at the frequency `at`, its fall that of a Gaussian's integral.
+struct BandEdge {
+  double at = 0, deviation = 0;  ///< [1/m]; no edge where the deviation is 0
+};
+
 /// One axis of a propagation, along the index: columns to the right, rows downward. Sample i of the input lies at
 /// i·input_pitch, sample o of the output at offset + o·output_pitch; the spectrum is sampled at the frequencies
 /// k/period, k = first … last, which makes the field repeat with the period.
@@ -20,6 +25,8 @@ struct PropagationAxis {
   int padded = 0;           ///< input samples in a period
   int first = 0, last = 0;  ///< frequencies held
   bool is_even = false;     ///< the transfer function at −k is that at k
+
+  BandEdge low, high;  ///< of an angular spectrum to a window off the axis or of another pitch
 
   // On a lattice, where the outputs lie between the inputs all alike: offset = shift·pitch + rest.
   int shift = 0;
@@ -65,7 +72,7 @@ bool takes_fresnel_kernel(const PropagationAxis& axis);
 /// elsewhere those of the kernel, tapered beyond the offsets that count by a smoothed edge.
 ///
 /// @param is_kernel    the transfer function is that of a sampled kernel
-/// @param edge_widths  standard deviations of the smoothed edge on either side: its error is erfc(edge_widths/√2)
+/// @param edge_widths  standard deviations of a smooth edge on either side: its error is erfc(edge_widths/√2)
 /// @throws Error       where no light of the input's band reaches the window
 void set_sampling(PropagationAxis& axis, PropagationMethod method, bool is_kernel, double edge_widths);
 

@@ -43,10 +43,20 @@ Complex part_of_pitch(const PropagationAxis& axis, int k) {
   return 2 * std::abs(k) == axis.padded ? Complex(turn.real()) : turn;
 }
 
-std::vector<Complex> parts_of_pitch(const PropagationAxis& axis) {
-  std::vector<Complex> turns;
-  for (int k = axis.first; k <= axis.last; ++k) turns.push_back(part_of_pitch(axis, k));
-  return turns;
+// What passes the smooth edges of the band.
+double passing(const PropagationAxis& axis, int k) {
+  const double u = k / axis.period();
+  const auto passing_edge = [](const BandEdge& edge, double beyond) {
+    return edge.deviation > 0 ? std::erfc(beyond / (std::sqrt(2.0) * edge.deviation)) / 2 : 1.0;
+  };
+  return passing_edge(axis.low, axis.low.at - u) * passing_edge(axis.high, u - axis.high.at);
+}
+
+// The factors of an axis that go beside the transfer function, at the frequencies held.
+std::vector<Complex> beside_transfer(const PropagationAxis& axis) {
+  std::vector<Complex> factors;
+  for (int k = axis.first; k <= axis.last; ++k) factors.push_back(passing(axis, k) * part_of_pitch(axis, k));
+  return factors;
 }
 
 // One factor of the paraxial kernel, at the frequencies held.
@@ -54,8 +64,9 @@ std::vector<Complex> fresnel_axis(const PropagationAxis& axis) {
   const double lambda = axis.wavelength, z = axis.z, du = 1 / axis.period();
   std::vector<Complex> factor;
   if (!takes_fresnel_kernel(axis)) {
+    factor = beside_transfer(axis);
     for (int k = axis.first; k <= axis.last; ++k)
-      factor.push_back(cis_cycles(-lambda * z / 2 * (k * du) * (k * du)) * part_of_pitch(axis, k));
+      factor[size_t(k - axis.first)] *= cis_cycles(-lambda * z / 2 * (k * du) * (k * du));
     return factor;
   }
   const KernelSamples samples = kernel_samples(axis);
@@ -99,20 +110,20 @@ template <class Real>
 void fill_angular_spectrum(Propagator<Real>& p) {
   const double z = p.distance, du = 1 / p.x.period(), dv = 1 / p.y.period();
   const double start = cycle_fraction(z, p.wavelength);
-  const std::vector<Complex> turns = parts_of_pitch(p.y);
+  const std::vector<Complex> beside = beside_transfer(p.y);
   // Even in v: each |v| once.
   const int least = p.y.first <= 0 && p.y.last >= 0 ? 0 : std::min(std::abs(p.y.first), std::abs(p.y.last));
   const int most = std::max(std::abs(p.y.first), std::abs(p.y.last));
   make_table(p);
   parallel_for(0, p.x.slots(), [&](int64_t slot) {
     const int i = frequency_of_slot(p, int(slot));
-    const Complex turn = part_of_pitch(p.x, i);
+    const Complex turn = passing(p.x, i) * part_of_pitch(p.x, i);
     std::vector<Complex> column;
     for (int j = least; j <= most; ++j)
       column.push_back(turn * angular_spectrum_transfer(i * du, j * dv, p.wavelength, z, start));
     std::complex<Real>* row = p.transfer.row(int(slot));
     for (int k = p.y.first; k <= p.y.last; ++k)
-      row[place(p, k)] = std::complex<Real>(turns[size_t(k - p.y.first)] * column[size_t(std::abs(k) - least)]);
+      row[place(p, k)] = std::complex<Real>(beside[size_t(k - p.y.first)] * column[size_t(std::abs(k) - least)]);
   });
 }
 
