@@ -77,7 +77,7 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
       ->type_name("NAME|SCENE.toml");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
-  o->flags.add(*command, PropagateParams(), {"columns", "rows"});
+  o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y"});
   command->callback([o, &global] {
     ShowParams params;
     CameraParams camera;

@@ -145,6 +145,8 @@ void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Rea
     write_number(data, "pitch_m", field.grid.pitch, path);
     write_numbers(data, "wavelengths_m", wavelengths.data(), H5Screate_simple(1, &count, nullptr), path);
     write_number(data, "z_m", field.z, path);
+    if (field.grid.centre_x != 0) write_number(data, "centre_x_m", field.grid.centre_x, path);
+    if (field.grid.centre_y != 0) write_number(data, "centre_y_m", field.grid.centre_y, path);
     write_word(data, "image", image_side_name(field.image), path);
     if (!field.name.empty()) write_word(data, "name", field.name, path);
     if (field.frame > 0) write_number(data, "frame", field.frame, path);
@@ -197,6 +199,8 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
   BasicField<Real> field;
   field.grid = {int(nx), int(ny), read_number(data, "pitch_m", path)};
   if (H5Aexists(data, "z_m") > 0) field.z = read_number(data, "z_m", path);
+  if (H5Aexists(data, "centre_x_m") > 0) field.grid.centre_x = read_number(data, "centre_x_m", path);
+  if (H5Aexists(data, "centre_y_m") > 0) field.grid.centre_y = read_number(data, "centre_y_m", path);
   if (H5Aexists(data, "image") > 0) field.image = image_side_from(read_word(data, "image", path), path);
   if (H5Aexists(data, "name") > 0) field.name = read_word(data, "name", path);
   if (H5Aexists(data, "frame") > 0) field.frame = frame_from(read_number(data, "frame", path), path);

@@ -3,6 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include "holotrace/base/complex_arrays.h"
@@ -17,6 +18,29 @@ namespace {
 constexpr int block = 16;  // columns that lie side by side: whole cache lines of either precision
 
 int wrapped(int index, int size) { return (index % size + size) % size; }
+
+// A call of known size, that is in registers.
+template <class Real>
+void copy_block(const std::complex<Real>* from, std::complex<Real>* to) {
+  std::memcpy(static_cast<void*>(to), from, block * sizeof(*from));
+}
+
+// The columns of a block, one after the other, to rows of it.
+template <class Real>
+void turn_to_rows(const std::complex<Real>* columns, int length, std::complex<Real>* rows) {
+  constexpr int step = 8;  // a cache line of each column at a time
+  for (int first = 0; first < length; first += step) {
+    const int count = std::min(step, length - first);
+    for (int c = 0; c < block; ++c) {
+      const std::complex<Real>* from = columns + size_t(c) * size_t(length) + first;
+      std::complex<Real>* to = rows + size_t(first) * block + c;
+      if (count == step)
+        for (int j = 0; j < step; ++j) to[j * block] = from[j];
+      else
+        for (int j = 0; j < count; ++j) to[j * block] = from[j];
+    }
+  }
+}
 
 // One part of one axis: the frequencies k ≡ part modulo axis.parts.
 template <class Real>
@@ -83,7 +107,7 @@ class Convolution {
         forward_x_(p.x.part_length(), {}, FftDirection::forward),
         backward_x_(p.x.part_length(), {}, FftDirection::backward),
         to_columns_(p.y.part_length(), {block, block, 1, 1, p.y.part_length()}, FftDirection::forward),
-        to_rows_(p.y.part_length(), {block, 1, p.y.part_length(), block, 1}, FftDirection::backward) {
+        backward_y_(p.y.part_length(), FftDirection::backward) {
     for (int part = 0; part < p.y.parts; ++part) parts_y_.emplace_back(p.y, part, 1);
   }
 
@@ -130,7 +154,7 @@ class Convolution {
       for (; column < end; ++column, ++from) {
         Complex* to = blocks.at(column / block, j) + column % block;
         if (column % block == 0 && column + block <= end) {
-          std::copy_n(from, block, to);
+          copy_block(from, to);
           column += block - 1;
           from += block - 1;
         } else {
@@ -173,8 +197,9 @@ class Convolution {
         dropped += dropped_energy(part, column);
         const Complex* h = p_.transfer.row(p_.x.slot(x.frequency(b * block + c))) + part * length;
         multiply(column, column, h, size_t(length));
+        backward_y_(column);
       }
-      to_rows_(columns, leaves_whole ? blocks.at(b, 0) : rows);
+      turn_to_rows(columns, length, leaves_whole ? blocks.at(b, 0) : rows);
       if (part == 0 && !leaves_whole) leave_part(parts_y_[0], b, blocks, rows);
     }
     for (int part = 1; part < parts; ++part)
@@ -226,7 +251,7 @@ class Convolution {
       for (; column < end; ++column, ++to) {
         const Complex* from = blocks.at(column / block, o) + column % block;
         if (column % block == 0 && column + block <= end) {
-          std::copy_n(from, block, to);
+          copy_block(from, to);
           column += block - 1;
           to += block - 1;
         } else {
@@ -252,7 +277,8 @@ class Convolution {
   BasicField<Real>& out_;
   const bool is_band_limited_;
   double dropped_ = 0;
-  const FftBatch<Real> forward_x_, backward_x_, to_columns_, to_rows_;
+  const FftBatch<Real> forward_x_, backward_x_, to_columns_;
+  const Fft<Real> backward_y_;
   std::vector<Part<Real>> parts_y_;
   tbb::enumerable_thread_specific<AlignedVector<Complex>> work_;  // of the block that a thread is at
 };
