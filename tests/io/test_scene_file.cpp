@@ -340,7 +340,7 @@ TEST(SceneFile, CentresMayBeOfEitherSign) {
   EXPECT_DOUBLE_EQ(job.camera.centre_y, -30e-6);
   EXPECT_DOUBLE_EQ(job.camera.centre_x, 1e-3);
   EXPECT_EQ(error_with("[camera]\ncentre_x = 3\n" + cube),
-            "3:12: expected a length with its unit, such as \"300 mm\", for \"centre_x\", got 3");
+            "3:12: expected a length with its unit, such as \"300 mm\", for \"centre_x\", got the bare number 3");
   EXPECT_EQ(error_with("[camera]\npixel = \"-3 um\"\n" + cube),
             "3:9: expected a length of 0 m or more for \"pixel\", got -3 µm");
 }

@@ -37,11 +37,11 @@ int sensor_pixels(double size, double pixel) {
   return int(wanted);
 }
 
-// Of an aperture of that side, samples of `pitch`, over `distance`: light of a point of the sensor comes from no
-// farther apart than the aperture, so its field has the band side/λz, and no more than 1/pitch.
+// Light of a point of the sensor comes from no farther apart than the aperture's side, so its field has a band of
+// side/λz, and no more than the 1/pitch of what is shown; the irradiance has twice that, which its samples hold.
 int samples_per_pixel(double pixel, double aperture, double pitch, double wavelength, double distance) {
   const double enough = std::max(pitch, wavelength * std::abs(distance) / aperture);
-  return std::max(1, int(std::ceil(pixel / enough * (1 - 1e-9))));
+  return std::max(1, int(std::ceil(2 * pixel / enough * (1 - 1e-9))));
 }
 
 // What the sensor asks of the propagation to it, and of the exposure.

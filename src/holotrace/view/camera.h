@@ -20,10 +20,11 @@ namespace holotrace {
 /// the plane looked at: an eye that focuses on that plane, its retina in the plane's own scale.
 ///
 /// With camera.pixel > 0 the sensor has pixels of that side, as many as its width and height hold, and the field is
-/// taken at camera.binning² places of each; 0 for as many as hold the light's band there, which is at most the panel's
-/// and at most aperture/λz, the aperture being the panel or the pupil: far away one place is enough for pixels as small
-/// as a speckle. Else the sensor's pixels hold camera.binning² samples of the shown field's pitch, 0 for those of one
-/// panel pixel, and its window differs from the panel's by an even number of samples per axis. Its centre is free.
+/// taken at camera.binning² places of each; 0 for as many as hold the irradiance, whose band is twice the field's: at
+/// most 2/pitch of the panel, and at most 2·aperture/λz, the aperture being the panel or the pupil, so that pixels half
+/// as large as a speckle take one place. Else the sensor's pixels hold camera.binning² samples of the shown field's
+/// pitch, 0 for those of one panel pixel, and its window differs from the panel's by an even number of samples per
+/// axis. Its centre is free.
 ///
 /// @return        irradiance [W/m²]
 /// @throws Error  for a distance or a size below 0, an eye behind the panel or beside its window, a sensor smaller than
