@@ -80,9 +80,9 @@ TEST(Camera, ASensorWithThePanelsPixelsSeesTheSame) {
   EXPECT_EQ(look(point_field(slm, 0.02), slm, 0.02, {}, camera).values, as_panel.values);
 }
 
-// Against 16 × 16 places. The irradiance's band ends at S/λz = 1/104 µm. Of a frequency f, places q apart make
-// sin(πfnq)/(n·sin(πfq)) where the pixel's mean is sin(πfnq)/(πfnq): too much by (πfq)²/6, 0.4 at the band's end, where
-// there is little light, and 0.1 at its middle, of what is left of the contrast, itself below 1.
+// Against 16 × 16 places. Of a frequency f of the irradiance, places q apart keep sin(πfnq)/(n·sin(πfq)) where the
+// pixel's mean keeps sin(πfnq)/(πfnq): too much by (πfq)²/6, with f up to the band's end B = S/λz = 1/104 µm and q up
+// to 1/2B. A band that falls off as 1 − f/B leaves √(3·0.41²/105) = 0.07 of the light along an axis, 0.1 along both.
 TEST(Camera, APixelTakesAsManyPlacesAsTheLightNeeds) {
   const Slm slm = make_panel(128, 96);
   const Field shown = convert<float>(
@@ -106,7 +106,7 @@ TEST(Camera, APixelTakesAsManyPlacesAsTheLightNeeds) {
       error += std::pow(view.values[i] - fine.values[i], 2);
       all += std::pow(fine.values[i], 2);
     }
-    EXPECT_LT(std::sqrt(error / all), 0.05) << pixel;
+    EXPECT_LT(std::sqrt(error / all), 0.1) << pixel;
   }
 }
 
