@@ -62,7 +62,7 @@ nlohmann::ordered_json bench_propagation(const Grid& panel) {
   propagate(field, propagator);  // plans are made here
   const double planned = median_seconds(9, [&] { propagate(field, propagator); });
   const double unplanned = median_seconds(5, [&] { propagate(field, 0.3_m); });
-  return {{"padded", fmt::format("{}x{}", propagator.x.padded, propagator.y.padded)},
+  return {{"padded", fmt::format("{}x{}", propagator.padded_nx, propagator.padded_ny)},
           {"transfer_cached_seconds", planned},
           {"transfer_made_seconds", unplanned}};
 }

@@ -132,15 +132,12 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
 double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance,
                      const PropagateParams& propagation, const CameraParams& camera) {
   const Sensor sensor = sensor_of(shown, slm, wavelength, distance, propagation, camera);
-  const Grid window = propagation_output(shown, sensor.window);
-  const double field = 8.0 * double(window.pixels()) + 4.0 * double(window.pixels()) / sensor.exposure.binning;
   // A distance that cannot be sampled is refused, with its reason, where it is propagated over.
   try {
-    return propagation_bytes(shown, wavelength, camera.pupil > 0 ? distance + camera.eye.z : distance, sensor.window,
-                             sizeof(float)) +
-           field;
+    const double travelled = camera.pupil > 0 ? distance + camera.eye.z : distance;
+    return propagation_bytes(shown, wavelength, travelled, sensor.window, sizeof(float));
   } catch (const Error&) {
-    return field;
+    return sizeof(std::complex<float>) * double(propagation_output(shown, sensor.window).pixels());
   }
 }
 

@@ -41,6 +41,8 @@ Propagator<Real> plan(const Grid& grid, double wavelength, double distance, cons
     observer.fact("method", std::string("angular-spectrum, periodic"));
     set_periodic_sampling(p.x);
     set_periodic_sampling(p.y);
+    p.padded_nx = p.x.padded;
+    p.padded_ny = p.y.padded;
     return p;
   }
   p.method = choose_method(p.x, p.y, params.method, observer);
@@ -50,6 +52,8 @@ Propagator<Real> plan(const Grid& grid, double wavelength, double distance, cons
                            (p.method == PropagationMethod::fresnel && takes_fresnel_kernel(*axis));
     set_sampling(*axis, p.method, is_kernel, edge_widths<Real>);
   }
+  p.padded_nx = p.x.padded;
+  p.padded_ny = p.y.padded;
   return p;
 }
 

@@ -19,6 +19,7 @@ struct Propagator {
   double wavelength = 0, distance = 0;
   PropagationMethod method = PropagationMethod::automatic;  ///< the one in use, never automatic
   PropagationAxis x, y;
+  int padded_nx = 0, padded_ny = 0;  ///< input samples in a period
 
   /// Transfer function, a row per slot of x. Its columns are the frequencies of y: on a lattice all of the period,
   /// part by part, else first … last.
