@@ -18,7 +18,7 @@
 #include "holotrace/slm/show.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/trace/wave_sets.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/view/camera.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -116,7 +116,8 @@ double simulation_seconds(const Job& job, const Field& field) {
   double seconds = seconds_of([&] { shown = show(encode(field, job.slm, job.encode), job.slm, job.show); });
   const auto& distances = job.camera.distances;
   if (!distances.empty())
-    seconds += double(distances.size()) * seconds_of([&] { propagate(shown, -distances.back(), job.propagate); });
+    seconds += double(distances.size()) *
+               seconds_of([&] { look(shown, job.slm, distances.back(), job.propagate, job.camera); });
   return seconds;
 }
 

@@ -106,6 +106,7 @@ class Flags {
     void number(const char* name, double& v, const char* help) { add(name, help, fmt::format("{:g}", v), "NUMBER"); }
     void flag(const char* name, bool& v, const char* help) { add(name, help, v ? "true" : "false", "BOOL"); }
     void length(const char* name, double& v, const char* help) { add(name, help, format_length(v), "LENGTH"); }
+    void coordinate(const char* name, double& v, const char* help) { length(name, v, help); }
     void angle(const char* name, double& v, const char* help) { add(name, help, format_angle(v), "ANGLE"); }
     void lengths(const char* name, std::vector<double>& v, const char* help) {
       std::string shown;
@@ -167,6 +168,7 @@ class Flags {
       });
     }
     void length(const char* name, double& v, const char*) { set(name, v, parse_length); }
+    void coordinate(const char* name, double& v, const char* help) { length(name, v, help); }
     void angle(const char* name, double& v, const char*) { set(name, v, parse_angle); }
     void lengths(const char* name, std::vector<double>& v, const char*) { set(name, v, parse_lengths); }
     void position(const char* name, Vec3& v, const char*) {

@@ -77,7 +77,7 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
       ->type_name("NAME|SCENE.toml");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
-  o->flags.add(*command, PropagateParams(), {"columns", "rows", "centre_x", "centre_y"});
+  o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y"});
   command->callback([o, &global] {
     ShowParams params;
     CameraParams camera;
@@ -85,6 +85,7 @@ void add_show(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(params);
     o->flags.apply(camera);
     o->flags.apply(propagation);
+    propagation.centre_x = propagation.centre_y = 0;  // those flags are the sensor's
     check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
     std::vector<ViewSum> sums(camera.distances.size());

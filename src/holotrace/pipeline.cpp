@@ -44,20 +44,25 @@ void report_metrics(const Image& reference, const Image& view, double efficiency
 void check_memory(const Job& job, size_t sets) {
   const Grid& panel = job.slm.grid;
   const double pixels = double(panel.pixels()), n = job.show.subpixels, frames = job.trace.frames;
-  const double columns = std::max(job.camera.width, panel.width()) / panel.pitch * n;
-  const double rows = std::max(job.camera.height, panel.height()) / panel.pitch * n;
+  const Grid sampled{panel.nx * job.show.subpixels, panel.ny * job.show.subpixels, panel.pitch / n};
+  const double pixel = job.camera.pixel > 0     ? job.camera.pixel
+                       : job.camera.binning > 0 ? job.camera.binning * sampled.pitch
+                                                : panel.pitch;
+  const double columns = (job.camera.width > 0 ? job.camera.width : panel.width()) / pixel;
+  const double rows = (job.camera.height > 0 ? job.camera.height : panel.height()) / pixel;
   const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
   const double fields = 8 * pixels * double(sets) * kept;
   const double holograms = 2 * pixels * double(sets) * frames;
   const double shown = 8 * pixels * n * n, showing = 8 * pixels * n;
-  const double looking = 8 * (columns + panel.nx * n) * (rows + (rows + panel.ny * n) / 4) + 8 * columns * rows;
-  const double bin = job.camera.binning > 0 ? job.camera.binning : n;
-  const double views = sets > 1 || frames > 1
-                           ? 8 * columns * rows / (bin * bin) * double(sets) * double(job.camera.distances.size())
-                           : 0;
+  double looking = 0;
+  for (const double wavelength : job.wavelengths)
+    for (const double distance : job.camera.distances)
+      looking = std::max(looking, looking_bytes(sampled, job.slm, wavelength, distance, job.propagate, job.camera));
+  const double views =
+      sets > 1 || frames > 1 ? 8 * columns * rows * double(sets) * double(job.camera.distances.size()) : 0;
   require_memory(fields + holograms + shown + std::max(showing, looking) + views,
                  fmt::format("a run of {} hologram(s) on {} × {} pixels at {} samples per pixel and axis, seen by a "
-                             "sensor of {} × {},",
+                             "sensor of {} × {} pixels,",
                              double(sets) * frames, panel.nx, panel.ny, job.show.subpixels, std::llround(columns),
                              std::llround(rows)));
 }

@@ -51,6 +51,25 @@ TEST(Fft, TransformsDataOffTheSimdBoundaryAlike) {
   for (int k = 0; k < n; ++k) EXPECT_LT(std::abs(data[size_t(k) + 1] - aligned[size_t(k)]), 1e-5F);  // 60·2⁻²⁴
 }
 
+// Columns of a row-major block become contiguous spectra, and go back.
+TEST(FftBatch, TransformsColumnsAsOneByOne) {
+  for (const int n : {1, 12, 35, 90}) {
+    constexpr int columns = 4;
+    const auto block = noise<double>(n * columns);
+    AlignedVector<std::complex<double>> spectra(block.size()), back(block.size());
+    FftBatch<double>(n, {columns, columns, 1, 1, n}, FftDirection::forward)(block.data(), spectra.data());
+    FftBatch<double>(n, {columns, 1, n, columns, 1}, FftDirection::backward)(spectra.data(), back.data());
+    for (int c = 0; c < columns; ++c) {
+      std::vector<std::complex<double>> column;
+      for (int i = 0; i < n; ++i) column.push_back(block[size_t(i * columns + c)]);
+      const auto expected = slow_transform(column.data(), n, -1);
+      for (int k = 0; k < n; ++k)
+        EXPECT_LT(std::abs(spectra[size_t(c * n + k)] - expected[size_t(k)]), 1e-13) << n;  // as above
+    }
+    for (size_t i = 0; i < block.size(); ++i) EXPECT_LT(std::abs(back[i] / double(n) - block[i]), 1e-15) << n;
+  }
+}
+
 TEST(Fft, TransformsRowsAndColumns) {
   const int ny = 9, nx = 20;
   auto data = noise<double>(ny * nx);
@@ -95,6 +114,10 @@ TEST(Fft, AsksItsStoreAroundEachNewPlanAndKeepsWhatItLearns) {
 }
 
 TEST(Fft, RefusesATransformOfNothing) { EXPECT_THROW(Fft<float>(0, FftDirection::forward), Error); }
+
+TEST(FftBatch, RefusesATransformOfNothing) {
+  EXPECT_THROW(FftBatch<float>(8, {.count = 0}, FftDirection::forward), Error);
+}
 
 }  // namespace
 }  // namespace holotrace

@@ -2,18 +2,23 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "end_to_end/scenes.h"
+#include "holotrace/base/units.h"
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/sources_file.h"
+#include "holotrace/wave/direct_sum.h"
 #include "support/program.h"
 
 namespace holotrace::test {
 namespace {
+
+using namespace literals;
 
 // Runs a command that must succeed and say nothing on stderr, and returns what it printed.
 std::string succeed(const Workplace& work, const std::vector<std::string>& arguments) {
@@ -162,6 +167,37 @@ TEST(Commands, PropagateThereAndBackIsTheField) {
   EXPECT_NEAR(load_field(work.path("back.npy")).z, 0, 1e-15);
   const auto json = nlohmann::json::parse(succeed(work, {"compare", "f.npy", "back.npy", "--json"}));
   EXPECT_LT(json.at("relative_l2_error").get<double>(), 1e-6);  // the design's bound for single precision
+}
+
+// The window that flags ask for holds what a sum over the samples of the file gives at its places.
+TEST(Commands, PropagateGoesToAWindowOfAnyPitchAndPlace) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"field", "scene.toml", "-o", "f.npy", "--double"});
+  succeed(work, {"propagate", "f.npy", "--distance", "150 mm", "-o", "g.npy", "--double", "--pitch", "21 um",
+                 "--columns", "33", "--rows", "20", "--centre-x", "-0.4 mm", "--centre-y", "0.1 mm"});
+  const FieldDouble from = load_field_double(work.path("f.npy")), to = load_field_double(work.path("g.npy"));
+  EXPECT_EQ(to.grid, (Grid{33, 20, 21_um, -0.4_mm, 0.1_mm}));
+  const auto expected =
+      sum_rayleigh_sommerfeld(from, {{to.grid.x(0), to.grid.y(0), 0.15}, {to.grid.x(20), to.grid.y(11), 0.15}});
+  const double most = std::max(std::abs(expected[0]), std::abs(expected[1]));
+  EXPECT_LT(std::abs(to.samples(0, 0) - expected[0]), 1e-9 * most);
+  EXPECT_LT(std::abs(to.samples(11, 20) - expected[1]), 1e-9 * most);
+}
+
+TEST(Commands, ShowHasASensorOfItsOwn) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"field", "scene.toml", "-o", "f.npy"});
+  succeed(work, {"encode", "f.npy", "-o", "h.png"});
+  succeed(work, {"show", "h.png", "-o", "v.exr", "--distance", "30 mm", "--pixel", "11 um", "--width", "0.66 mm",
+                 "--height", "0.33 mm", "--centre-x", "-50 um"});
+  const Image view = load_image(work.path("v.exr"));
+  EXPECT_EQ(view.nx, 60);
+  EXPECT_EQ(view.ny, 30);
+  EXPECT_GT(*std::max_element(view.values.begin(), view.values.end()), 0);
+  EXPECT_NE(work.run({"show", "h.png", "-o", "v.exr", "--pixel", "1 m"}).err.find("a sensor of a pixel of 1 m"),
+            std::string::npos);
 }
 
 TEST(Commands, PropagateInDoubleKeepsComplex128) {

@@ -74,6 +74,19 @@ TEST_P(FieldFile, ADoubleFieldComesBackAsSaved) {
   expect_equal(load_field(path), convert<float>(field));
 }
 
+TEST_P(FieldFile, AFieldOffTheAxisKeepsItsCentre) {
+  const std::string path = temporary(std::string("shifted") + GetParam());
+  Field field = some_field<float>();
+  field.grid.centre_x = -1.25e-3;
+  field.grid.centre_y = 3e-5;
+  save_field(path, field);
+  expect_equal(load_field(path), field);
+  field.grid.centre_x = 0;
+  field.grid.centre_y = 0;
+  save_field(path, field);  // says nothing of a centre, as files of earlier versions
+  expect_equal(load_field(path), field);
+}
+
 TEST_P(FieldFile, TheSameFieldGivesTheSameBytes) {
   const std::string a = temporary(std::string("a") + GetParam()), b = temporary(std::string("b") + GetParam());
   save_field(a, some_field<float>());

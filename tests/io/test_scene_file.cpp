@@ -332,6 +332,19 @@ TEST(SceneFileErrors, ABareNumberIsNoLength) {
             "5:12: expected three lengths for \"position\", such as \"0 0 -300 mm\", got 2");
 }
 
+TEST(SceneFile, CentresMayBeOfEitherSign) {
+  const Job job = load("wavelength = \"532 nm\"\n" + cube +
+                       "[propagate]\ncentre_x = \"-2 mm\"\npitch = \"4 um\"\n"
+                       "[camera]\ncentre_y = \"-30 um\"\ncentre_x = \"1 mm\"\n");
+  EXPECT_DOUBLE_EQ(job.propagate.centre_x, -2e-3);
+  EXPECT_DOUBLE_EQ(job.camera.centre_y, -30e-6);
+  EXPECT_DOUBLE_EQ(job.camera.centre_x, 1e-3);
+  EXPECT_EQ(error_with("[camera]\ncentre_x = 3\n" + cube),
+            "3:12: expected a length with its unit, such as \"300 mm\", for \"centre_x\", got the bare number 3");
+  EXPECT_EQ(error_with("[camera]\npixel = \"-3 um\"\n" + cube),
+            "3:9: expected a length of 0 m or more for \"pixel\", got -3 µm");
+}
+
 TEST(SceneFileErrors, NumbersThatAreNotFiniteAreRefused) {
   EXPECT_EQ(scene_error("wavelength = \"nan nm\"\n"),
             "1:14: expected a length that is finite, got \"nan nm\" for \"wavelength\"");

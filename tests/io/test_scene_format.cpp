@@ -43,6 +43,7 @@ struct KeysInText {
   void number(const char* key, double&, const char*) { look(key); }
   void flag(const char* key, bool&, const char*) { look(key); }
   void length(const char* key, double&, const char*) { look(key); }
+  void coordinate(const char* key, double&, const char*) { look(key); }
   void lengths(const char* key, std::vector<double>&, const char*) { look(key); }
   void angle(const char* key, double&, const char*) { look(key); }
   void position(const char* key, Vec3&, const char*) { look(key); }

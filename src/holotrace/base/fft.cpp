@@ -38,7 +38,14 @@ struct Fftw<float> {
   static Plan make(int n, std::complex<float>* data, FftDirection direction, bool aligned) {
     return fftwf_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned));
   }
-  static void execute(Plan plan, std::complex<float>* data) { fftwf_execute_dft(plan, raw(data), raw(data)); }
+  static Plan make(int n, const FftLayout& l, std::complex<float>* in, std::complex<float>* out,
+                   FftDirection direction) {
+    return fftwf_plan_many_dft(1, &n, l.count, raw(in), nullptr, l.input_stride, l.input_distance, raw(out), nullptr,
+                               l.output_stride, l.output_distance, sign(direction), flags(true));
+  }
+  static void execute(Plan plan, std::complex<float>* in, std::complex<float>* out) {
+    fftwf_execute_dft(plan, raw(in), raw(out));
+  }
   static bool is_aligned(std::complex<float>* data) { return fftwf_alignment_of(reinterpret_cast<float*>(data)) == 0; }
 };
 
@@ -49,7 +56,14 @@ struct Fftw<double> {
   static Plan make(int n, std::complex<double>* data, FftDirection direction, bool aligned) {
     return fftw_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned));
   }
-  static void execute(Plan plan, std::complex<double>* data) { fftw_execute_dft(plan, raw(data), raw(data)); }
+  static Plan make(int n, const FftLayout& l, std::complex<double>* in, std::complex<double>* out,
+                   FftDirection direction) {
+    return fftw_plan_many_dft(1, &n, l.count, raw(in), nullptr, l.input_stride, l.input_distance, raw(out), nullptr,
+                              l.output_stride, l.output_distance, sign(direction), flags(true));
+  }
+  static void execute(Plan plan, std::complex<double>* in, std::complex<double>* out) {
+    fftw_execute_dft(plan, raw(in), raw(out));
+  }
   static bool is_aligned(std::complex<double>* data) { return fftw_alignment_of(reinterpret_cast<double*>(data)) == 0; }
 };
 
@@ -72,6 +86,15 @@ void import_wisdom(const std::string& wisdom) {
   fftw_import_wisdom_from_string(wisdom.c_str() + end + 1);
 }
 
+// A new plan, made with what the store knows and telling it what was learnt.
+template <class Make>
+auto with_store(const Make& make) {
+  if (store) import_wisdom(store->open());
+  const auto plan = make();
+  if (store) store->close(export_wisdom());
+  return plan;
+}
+
 template <class Real>
 using PlanOf = typename Fftw<Real>::Plan;
 
@@ -83,9 +106,23 @@ const void* shared_plan(int length, FftDirection direction, bool aligned) {
   PlanOf<Real>& plan = plans[{length, direction, aligned}];
   if (!plan) {
     AlignedVector<std::complex<Real>> scratch(static_cast<size_t>(length));  // measuring overwrites it
-    if (store) import_wisdom(store->open());
-    plan = Fftw<Real>::make(length, scratch.data(), direction, aligned);
-    if (store) store->close(export_wisdom());
+    plan = with_store([&] { return Fftw<Real>::make(length, scratch.data(), direction, aligned); });
+  }
+  return plan;
+}
+
+template <class Real>
+const void* shared_batch(int length, const FftLayout& layout, FftDirection direction) {
+  static auto& plans = *new std::map<std::tuple<int, FftLayout, FftDirection>, PlanOf<Real>>;  // as above
+  const std::lock_guard lock(planner);
+  PlanOf<Real>& plan = plans[{length, layout, direction}];
+  if (!plan) {
+    const auto extent = [&](int stride, int distance) {
+      return 1 + size_t(length - 1) * size_t(stride) + size_t(layout.count - 1) * size_t(distance);
+    };
+    AlignedVector<std::complex<Real>> in(extent(layout.input_stride, layout.input_distance)),
+        out(extent(layout.output_stride, layout.output_distance));
+    plan = with_store([&] { return Fftw<Real>::make(length, layout, in.data(), out.data(), direction); });
   }
   return plan;
 }
@@ -110,7 +147,20 @@ Fft<Real>::Fft(int length, FftDirection direction) : length_(length), direction_
 template <class Real>
 void Fft<Real>::operator()(std::complex<Real>* data) const {
   const void* plan = Fftw<Real>::is_aligned(data) ? plan_ : shared_plan<Real>(length_, direction_, false);
-  Fftw<Real>::execute(static_cast<PlanOf<Real>>(const_cast<void*>(plan)), data);
+  Fftw<Real>::execute(static_cast<PlanOf<Real>>(const_cast<void*>(plan)), data, data);
+}
+
+template <class Real>
+FftBatch<Real>::FftBatch(int length, const FftLayout& layout, FftDirection direction) {
+  require(length >= 1 && layout.count >= 1, "expected 1 or more transforms of at least 1 sample, got {} of {}",
+          layout.count, length);
+  plan_ = shared_batch<Real>(length, layout, direction);
+}
+
+template <class Real>
+void FftBatch<Real>::operator()(const std::complex<Real>* input, std::complex<Real>* output) const {
+  Fftw<Real>::execute(static_cast<PlanOf<Real>>(const_cast<void*>(plan_)), const_cast<std::complex<Real>*>(input),
+                      output);
 }
 
 template <class Real>
@@ -140,6 +190,8 @@ std::string fft_library_version() { return fftw_version; }
 
 template class Fft<float>;
 template class Fft<double>;
+template class FftBatch<float>;
+template class FftBatch<double>;
 template void fft_2d(std::complex<float>*, int, int, FftDirection);
 template void fft_2d(std::complex<double>*, int, int, FftDirection);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <complex>
 #include <functional>
 #include <string>
@@ -29,6 +30,29 @@ class Fft {
   int length_;
   FftDirection direction_;
   const void* plan_;  // for data on a SIMD boundary, where FFTW is faster
+};
+
+/// Where the samples of `count` transforms lie, which are done together: sample i of transform c at
+/// c·distance + i·stride, of the input and of the output.
+struct FftLayout {
+  int count = 1;
+  int input_stride = 1, input_distance = 0, output_stride = 1, output_distance = 0;
+  auto operator<=>(const FftLayout&) const = default;
+};
+
+/// Several transforms of `length` samples at once, out of place: columns of an array become contiguous, or the
+/// other way, without a pass of their own. Plans are kept as those of Fft are.
+template <class Real>
+class FftBatch {
+ public:
+  /// @throws Error unless length and count ≥ 1.
+  FftBatch(int length, const FftLayout& layout, FftDirection direction);
+
+  /// Both arrays start on a boundary of 64 bytes, and do not overlap. The input stays as it is.
+  void operator()(const std::complex<Real>* input, std::complex<Real>* output) const;
+
+ private:
+  const void* plan_;
 };
 
 /// Transforms a row-major array of ny × nx samples in place, rows then columns, on all threads.

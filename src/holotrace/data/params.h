@@ -13,6 +13,7 @@
 //   length, lengths, angle   (name, value, help)     text with a unit
 //   choice                   (name, value, names, help)   one of a few names
 //   texts                    (name, value, help)     a list of texts
+//   coordinate               (name, value, help)     a length of any sign
 //   position                 (name, value, help)     three lengths of any sign
 
 namespace holotrace {
@@ -252,8 +253,8 @@ void describe(Visitor& v, PropagateParams& p) {
   v.count("columns", p.columns, "of the output window; 0: as the input");
   v.count("rows", p.rows, "of the output window; 0: as the input");
   v.length("pitch", p.pitch, "of the output's samples; 0 m: the input's");
-  v.length("centre_x", p.centre_x, "of the output window");
-  v.length("centre_y", p.centre_y, "of the output window");
+  v.coordinate("centre_x", p.centre_x, "of the output window");
+  v.coordinate("centre_y", p.centre_y, "of the output window");
   v.flag("periodic", p.is_periodic, "the window repeats for ever, as for gratings and plane waves: no padding");
 }
 
@@ -267,9 +268,9 @@ struct CameraParams {
   double width = 0, height = 0;        ///< of the sensor [m]; 0: the panel's
   double centre_x = 0, centre_y = 0;   ///< of the sensor [m]
   double pixel = 0;                    ///< side of a sensor pixel [m]; 0: `binning` field samples
-  int binning = 0;                     ///< field samples per sensor pixel and axis; 0: one panel pixel
-  double exposure = 0;                 ///< irradiance that is white [W/m²]; 0: the 99.9th percentile
-  int bits = 8;                        ///< of a PNG: 8 or 16
+  int binning = 0;      ///< field samples per sensor pixel and axis; 0: one panel pixel, or as `pixel` needs
+  double exposure = 0;  ///< irradiance that is white [W/m²]; 0: the 99.9th percentile
+  int bits = 8;         ///< of a PNG: 8 or 16
 };
 
 template <class Visitor>
@@ -279,10 +280,11 @@ void describe(Visitor& v, CameraParams& p) {
   v.position("eye", p.eye, "place of that pupil, on the panel or before it (z of 0 m or more)");
   v.length("width", p.width, "of the sensor; 0 m: the panel's");
   v.length("height", p.height, "of the sensor; 0 m: the panel's");
-  v.length("centre_x", p.centre_x, "of the sensor");
-  v.length("centre_y", p.centre_y, "of the sensor");
+  v.coordinate("centre_x", p.centre_x, "of the sensor");
+  v.coordinate("centre_y", p.centre_y, "of the sensor");
   v.length("pixel", p.pixel, "side of a sensor pixel; 0 m: as binning says");
-  v.count("binning", p.binning, "field samples per sensor pixel and axis; 0: one panel pixel");
+  v.count("binning", p.binning,
+          "field samples per sensor pixel and axis; 0: one panel pixel, or with pixel as many as hold the light");
   v.number("exposure", p.exposure, "irradiance that is white in W/m2; 0: the 99.9th percentile");
   v.count("bits", p.bits, "of a PNG, 8 or 16");
 }

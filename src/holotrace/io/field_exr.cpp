@@ -33,6 +33,8 @@ void write_field_exr(const std::string& path, const Field& field) {
   put("pitch_m", field.grid.pitch);
   put("wavelengths_m", field.wavelength);
   put("z_m", field.z);
+  if (field.grid.centre_x != 0) put("centre_x_m", field.grid.centre_x);
+  if (field.grid.centre_y != 0) put("centre_y_m", field.grid.centre_y);
   spec.attribute("image", image_side_name(field.image));
   if (!field.name.empty()) spec.attribute("name", field.name);
   if (field.frame > 0) put("frame", field.frame);
@@ -79,6 +81,8 @@ Field read_field_exr(const std::string& path) {
   field.grid.pitch = read_number(spec, "pitch_m", path);
   field.wavelength = read_number(spec, "wavelengths_m", path);
   if (spec.find_attribute("z_m")) field.z = read_number(spec, "z_m", path);
+  if (spec.find_attribute("centre_x_m")) field.grid.centre_x = read_number(spec, "centre_x_m", path);
+  if (spec.find_attribute("centre_y_m")) field.grid.centre_y = read_number(spec, "centre_y_m", path);
   if (spec.find_attribute("image"))
     field.image = image_side_from(std::string(spec.get_string_attribute("image")), path);
   field.name = spec.get_string_attribute("name");

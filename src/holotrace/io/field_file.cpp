@@ -27,6 +27,8 @@ std::string field_metadata(const std::vector<BasicField<Real>>& stack) {
                               {"wavelengths_m", wavelengths},
                               {"z_m", field.z},
                               {"image", image_side_name(field.image)}};
+  if (field.grid.centre_x != 0) json["centre_x_m"] = field.grid.centre_x;
+  if (field.grid.centre_y != 0) json["centre_y_m"] = field.grid.centre_y;
   if (!field.name.empty()) json["name"] = field.name;
   if (field.frame > 0) json["frame"] = field.frame;
   if (field.filter) json["filter"] = filter_to_json(*field.filter);
@@ -52,6 +54,8 @@ std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
   const nlohmann::json json = read_metadata(sidecar);
   BasicField<Real> field;
   field.grid = {planes.front().nx, planes.front().ny, metadata_number(json, sidecar, "pitch_m")};
+  field.grid.centre_x = metadata_number(json, sidecar, "centre_x_m", 0.0);
+  field.grid.centre_y = metadata_number(json, sidecar, "centre_y_m", 0.0);
   const std::vector<double> wavelengths = wavelengths_of(json, planes.size(), sidecar);
   field.z = metadata_number(json, sidecar, "z_m", 0.0);
   field.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
@@ -76,6 +80,9 @@ void check_loaded(const std::string& path, const BasicField<Real>& field) {
     fail("{}: {}; correct its metadata", path, e.what());
   }
   require(std::isfinite(field.z), "{}: expected a finite z, got {} m", path, field.z);
+  require(std::isfinite(field.grid.centre_x) && std::isfinite(field.grid.centre_y),
+          "{}: expected a finite centre, got ({}, {}) m; correct its metadata", path, field.grid.centre_x,
+          field.grid.centre_y);
   for (int j = 0; j < field.grid.ny; ++j)
     for (int i = 0; i < field.grid.nx; ++i) {
       const std::complex<Real> u = field.samples(j, i);

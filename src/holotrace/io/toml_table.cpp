@@ -132,16 +132,20 @@ std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& n
   return values;
 }
 
-void TomlTable::length(const char* key, double& value, const char*) {
+void TomlTable::coordinate(const char* key, double& value, const char*) {
   const toml::node* node = find(key);
   if (!node) return;
   const std::string text = length_text(key, *node);
-  double metres = 0;
   try {
-    metres = parse_length(text);
+    value = parse_length(text);
   } catch (const Error& e) {
     fail("{}{} for \"{}\"", where(key), e.what(), key);
   }
+}
+
+void TomlTable::length(const char* key, double& value, const char* help) {
+  double metres = value;
+  coordinate(key, metres, help);
   require(metres >= 0, "{}expected a length of 0 m or more for \"{}\", got {}", where(key), key, format_length(metres));
   value = metres;
 }

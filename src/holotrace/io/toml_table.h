@@ -61,6 +61,7 @@ class TomlTable {
   void flag(const char* key, bool& value, const char* help = "");                    ///< true or false
   void text(const char* key, std::string& value);                                    ///< a text that is not empty
   void length(const char* key, double& value, const char* help = "");                ///< "8 um", ≥ 0 m
+  void coordinate(const char* key, double& value, const char* help = "");            ///< "-8 um", of either sign
   void lengths(const char* key, std::vector<double>& value, const char* help = "");  ///< "1 2 mm" or a list, each ≥ 0
   void angle(const char* key, double& value, const char* help = "");                 ///< "15 deg"
   void position(const char* key, Vec3& value, const char* = "") { length_vector(key, value); }

@@ -26,15 +26,61 @@ int window_samples(double size, double pitch, int present) {
   return int(wanted);
 }
 
-PropagateParams sensor_window(const PropagateParams& propagation, const CameraParams& camera, const Grid& grid) {
-  PropagateParams window = propagation;
-  if (camera.width == 0 && camera.height == 0) return window;
-  require(propagation.columns == 0 && propagation.rows == 0,
-          "expected the sensor's window once, got it by the camera's width and height and by the propagation's columns "
-          "and rows; leave one of them out");
-  window.columns = window_samples(camera.width, grid.pitch, grid.nx);
-  window.rows = window_samples(camera.height, grid.pitch, grid.ny);
-  return window;
+// Pixels of a sensor along one axis, whole ones.
+int sensor_pixels(double size, double pixel) {
+  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {} m", size);
+  const double wanted = std::round(size / pixel);
+  require(wanted >= 1, "expected a sensor of a pixel of {} or more, got a side of {}", format_length(pixel),
+          format_length(size));
+  require(wanted < 1e9, "expected a sensor of less than 1e9 pixels a side, got a side of {} in pixels of {}",
+          format_length(size), format_length(pixel));
+  return int(wanted);
+}
+
+// Light of a point of the sensor comes from no farther apart than the aperture's side, so its field has a band of
+// side/λz, and no more than the 1/pitch of what is shown; the irradiance has twice that, which its samples hold.
+int samples_per_pixel(double pixel, double aperture, double pitch, double wavelength, double distance) {
+  const double enough = std::max(pitch, wavelength * std::abs(distance) / aperture);
+  return std::max(1, int(std::ceil(2 * pixel / enough * (1 - 1e-9))));
+}
+
+// What the sensor asks of the propagation to it, and of the exposure.
+struct Sensor {
+  PropagateParams window;
+  CameraParams exposure;
+};
+
+Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double distance,
+                 const PropagateParams& propagation, const CameraParams& camera) {
+  Sensor sensor{propagation, camera};
+  const bool has_window =
+      camera.width != 0 || camera.height != 0 || camera.pixel != 0 || camera.centre_x != 0 || camera.centre_y != 0;
+  if (camera.pixel == 0 && camera.binning == 0)
+    sensor.exposure.binning = std::max(1, int(std::lround(slm.grid.pitch / shown.pitch)));
+  if (!has_window) return sensor;
+  require(propagation.columns == 0 && propagation.rows == 0 && propagation.pitch == 0 && propagation.centre_x == 0 &&
+              propagation.centre_y == 0,
+          "expected the sensor's window once, got it by the camera's width, height, centre and pixel and by the "
+          "propagation's columns, rows, centre and pitch; leave one of them out");
+  sensor.window.centre_x = camera.centre_x;
+  sensor.window.centre_y = camera.centre_y;
+  if (camera.pixel == 0) {
+    sensor.window.columns = window_samples(camera.width, shown.pitch, shown.nx);
+    sensor.window.rows = window_samples(camera.height, shown.pitch, shown.ny);
+    return sensor;
+  }
+  require(std::isfinite(camera.pixel) && camera.pixel > 0,
+          "expected a sensor pixel of 0 m (as binning) or more, got {} m", camera.pixel);
+  require(camera.binning >= 0, "expected a binning of 0 (as many as hold the light) or more, got {}", camera.binning);
+  const double aperture = camera.pupil > 0 ? camera.pupil : std::max(shown.width(), shown.height());
+  const double travelled = camera.pupil > 0 ? distance + camera.eye.z : distance;
+  const int n = camera.binning > 0 ? camera.binning
+                                   : samples_per_pixel(camera.pixel, aperture, shown.pitch, wavelength, travelled);
+  sensor.exposure.binning = n;
+  sensor.window.pitch = camera.pixel / n;
+  sensor.window.columns = n * sensor_pixels(camera.width > 0 ? camera.width : slm.grid.width(), camera.pixel);
+  sensor.window.rows = n * sensor_pixels(camera.height > 0 ? camera.height : slm.grid.height(), camera.pixel);
+  return sensor;
 }
 
 // The light that a round pupil lets through.
@@ -67,12 +113,10 @@ void add_between(const Image& render, double row, double column, double* sums) {
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
            const CameraParams& camera, const Observer& observer) {
   require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {} m", distance);
-  const PropagateParams window = sensor_window(propagation, camera, shown.grid);
+  const Sensor sensor = sensor_of(shown.grid, slm, shown.wavelength, distance, propagation, camera);
   const Field stopped = shown.filter ? select_order(shown, *shown.filter, observer) : shown;
-  CameraParams sensor = camera;
-  if (sensor.binning == 0) sensor.binning = std::max(1, int(std::lround(slm.grid.pitch / shown.grid.pitch)));
   const double z = shown.image == ImageSide::real_image ? distance : -distance;
-  if (camera.pupil == 0) return expose(propagate(stopped, z, window, observer), sensor, observer);
+  if (camera.pupil == 0) return expose(propagate(stopped, z, sensor.window, observer), sensor.exposure, observer);
 
   require(std::isfinite(camera.pupil) && camera.pupil > 0, "expected a pupil of 0 m (none) or more, got {} m",
           camera.pupil);
@@ -82,7 +126,19 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   to_pupil.method = propagation.method;
   Field in_pupil = propagate(stopped, camera.eye.z, to_pupil, observer);
   cut_by_pupil(in_pupil, camera);
-  return expose(propagate(in_pupil, z - camera.eye.z, window, observer), sensor, observer);
+  return expose(propagate(in_pupil, z - camera.eye.z, sensor.window, observer), sensor.exposure, observer);
+}
+
+double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance,
+                     const PropagateParams& propagation, const CameraParams& camera) {
+  const Sensor sensor = sensor_of(shown, slm, wavelength, distance, propagation, camera);
+  // A distance that cannot be sampled is refused, with its reason, where it is propagated over.
+  try {
+    const double travelled = camera.pupil > 0 ? distance + camera.eye.z : distance;
+    return propagation_bytes(shown, wavelength, travelled, sensor.window, sizeof(float));
+  } catch (const Error&) {
+    return sizeof(std::complex<float>) * double(propagation_output(shown, sensor.window).pixels());
+  }
 }
 
 double axial_reach(const Slm& slm, double wavelength, double distance, const CameraParams& camera,
@@ -120,6 +176,8 @@ Image project_render(const Image& render, double half_tangent, const Image& sens
           render.channels);
   Image out(sensor.ny, sensor.nx, render.channels);
   out.pitch = sensor.pitch;
+  out.centre_x = sensor.centre_x;
+  out.centre_y = sensor.centre_y;
   const double step = 2 * half_tangent / render.ny * distance;  // side of a render pixel on the sensor [m]
   if (step <= 0) return out;
   const double ratio = sensor.pitch / step;
@@ -130,8 +188,8 @@ Image project_render(const Image& render, double half_tangent, const Image& sens
       for (int b = 0; b < parts; ++b)
         for (int a = 0; a < parts; ++a) {
           const double x = i + (a + 0.5) / parts - 0.5, y = double(j) + (b + 0.5) / parts - 0.5;
-          add_between(render, (y - (out.ny - 1) / 2.0) * ratio + (render.ny - 1) / 2.0,
-                      (x - (out.nx - 1) / 2.0) * ratio + (render.nx - 1) / 2.0, sums);
+          add_between(render, (y - (out.ny - 1) / 2.0) * ratio - sensor.centre_y / step + (render.ny - 1) / 2.0,
+                      (x - (out.nx - 1) / 2.0) * ratio + sensor.centre_x / step + (render.nx - 1) / 2.0, sums);
         }
       for (int channel = 0; channel < out.channels; ++channel)
         out(int(j), i, channel) = float(sums[channel] / (parts * parts));

@@ -19,15 +19,23 @@ namespace holotrace {
 /// panel, goes on. The field is propagated to the plane of the pupil, cut there, and from there (forward or back) to
 /// the plane looked at: an eye that focuses on that plane, its retina in the plane's own scale.
 ///
-/// The sensor's window is centred and differs from the panel's by an even number of samples per axis; its
-/// pixels hold camera.binning² samples of the field, 0 for those of one panel pixel.
+/// With camera.pixel > 0 the sensor has pixels of that side, as many as its width and height hold, and the field is
+/// taken at camera.binning² places of each; 0 for as many as hold the irradiance, whose band is twice the field's: at
+/// most 2/pitch of the panel, and at most 2·aperture/λz, the aperture being the panel or the pupil, so that pixels half
+/// as large as a speckle take one place. Else the sensor's pixels hold camera.binning² samples of the shown field's
+/// pitch, 0 for those of one panel pixel, and its window differs from the panel's by an even number of samples per
+/// axis. Its centre is free.
 ///
 /// @return        irradiance [W/m²]
 /// @throws Error  for a distance or a size below 0, an eye behind the panel or beside its window, a sensor smaller than
-///                a sample, a window given twice (by
-///                the camera's width and height and by the propagation's columns and rows), and as propagate does
+///                a sample or a pixel, a window given twice (by the camera's and by the propagation's), and as
+///                propagate does
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
            const CameraParams& camera, const Observer& observer = {});
+
+/// Bytes that look takes beside the field that is shown, its propagation above all. For checks before a job begins.
+double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance,
+                     const PropagateParams& propagation, const CameraParams& camera);
 
 /// Part of the light of a point on the axis at `distance` that a panel takes in and sends on in order 0: what a white
 /// surface there is the brighter for.

@@ -18,6 +18,8 @@ Image expose(const Field& field, const CameraParams& params, const Observer& obs
   Image image(grid.ny / n, grid.nx / n, 1);
   image.pitch = n * grid.pitch;
   const int spare_x = grid.nx % n, spare_y = grid.ny % n;
+  image.centre_x = grid.centre_x - (spare_x % 2) * grid.pitch / 2;
+  image.centre_y = grid.centre_y + (spare_y % 2) * grid.pitch / 2;
   if (spare_x || spare_y)
     observer.warn(
         fmt::format("the field of {} × {} samples does not divide into bins of {}: {} columns and {} rows at "

@@ -18,8 +18,11 @@ void ViewSum::add(double wavelength, const std::string& name, double illuminatio
     nx_ = view.nx;
     ny_ = view.ny;
     pitch_ = view.pitch;
+    centre_x_ = view.centre_x;
+    centre_y_ = view.centre_y;
   }
-  require(view.nx == nx_ && view.ny == ny_ && view.pitch == pitch_,
+  require(view.nx == nx_ && view.ny == ny_ && view.pitch == pitch_ && view.centre_x == centre_x_ &&
+              view.centre_y == centre_y_,
           "expected views of one size to add up, {} × {} pixels, got {} × {}; show holograms of one panel", nx_, ny_,
           view.nx, view.ny);
   auto group = std::find_if(groups_.begin(), groups_.end(),
@@ -48,6 +51,8 @@ Image ViewSum::irradiance(double wavelength) const {
       for (size_t i = 0; i < sum.size(); ++i) sum[i] += group.light[i] / group.frames;
   Image image(ny_, nx_, 1);
   image.pitch = pitch_;
+  image.centre_x = centre_x_;
+  image.centre_y = centre_y_;
   for (size_t i = 0; i < sum.size(); ++i) image.values[i] = float(sum[i] / brightest());
   return image;
 }
@@ -73,6 +78,8 @@ Image ViewSum::image() const {
   }
   Image image(ny_, nx_, 3);
   image.pitch = pitch_;
+  image.centre_x = centre_x_;
+  image.centre_y = centre_y_;
   for (size_t i = 0; i < sum.size(); ++i) {
     image.values[3 * i] = float(sum[i].x);
     image.values[3 * i + 1] = float(sum[i].y);

@@ -60,7 +60,7 @@ class ViewSum {
 
   std::vector<double> wavelengths_;
   std::vector<Group> groups_;
-  double brightest_ = 0, pitch_ = 0;
+  double brightest_ = 0, pitch_ = 0, centre_x_ = 0, centre_y_ = 0;
   int nx_ = 0, ny_ = 0;
 };
 

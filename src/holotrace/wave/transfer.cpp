@@ -1,9 +1,13 @@
 #include "holotrace/wave/transfer.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
 
-#include "holotrace/base/fft.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/wave/kernel_transform.h"
 #include "holotrace/wave/propagation_kernel.h"
 
 namespace holotrace {
@@ -11,87 +15,152 @@ namespace {
 
 using Complex = std::complex<double>;
 
-double frequency_step(int padded, double pitch) { return 1 / (padded * pitch); }
+int wrapped(int index, int size) { return (index % size + size) % size; }
 
-// One factor of the paraxial kernel, at the frequencies 0 … padded/2.
-std::vector<Complex> fresnel_axis(int padded, double pitch, double wavelength, double z, double largest_offset) {
-  const double du = frequency_step(padded, pitch);
-  if (std::abs(z) <= 2 * pitch * largest_offset / wavelength) {
-    std::vector<Complex> transfer(size_t(padded / 2) + 1);
-    for (size_t k = 0; k < transfer.size(); ++k)
-      transfer[k] = cis_cycles(-wavelength * z / 2 * (double(k) * du) * (double(k) * du));
-    return transfer;
+template <class Real>
+void make_table(Propagator<Real>& p) {
+  p.transfer = Array2D<std::complex<Real>>(p.x.slots(), p.is_on_lattice() ? p.y.padded : p.y.frequencies());
+}
+
+// Where the frequency k of y stands in a row of the table.
+template <class Real>
+int place(const Propagator<Real>& p, int k) {
+  if (!p.is_on_lattice()) return k - p.y.first;
+  const int bin = wrapped(k, p.y.padded);
+  return bin % p.y.parts * p.y.part_length() + bin / p.y.parts;
+}
+
+template <class Real>
+int frequency_of_slot(const Propagator<Real>& p, int slot) {
+  return p.x.is_even ? slot : p.x.first + slot;
+}
+
+// What moves an output by a part of a pitch, on a lattice: exp(i2πu·rest). At the middle of an even spectrum both
+// frequencies ±1/2p have one sample: their mean.
+Complex part_of_pitch(const PropagationAxis& axis, int k) {
+  if (axis.rest == 0 || !axis.is_on_lattice()) return 1;
+  const Complex turn = cis_cycles(k * axis.rest / axis.period());
+  return 2 * std::abs(k) == axis.padded ? Complex(turn.real()) : turn;
+}
+
+// What passes the smooth edges of the band.
+double passing(const PropagationAxis& axis, int k) {
+  const double u = k / axis.period();
+  const auto passing_edge = [](const BandEdge& edge, double beyond) {
+    return edge.deviation > 0 ? std::erfc(beyond / (std::sqrt(2.0) * edge.deviation)) / 2 : 1.0;
+  };
+  return passing_edge(axis.low, axis.low.at - u) * passing_edge(axis.high, u - axis.high.at);
+}
+
+// The factors of an axis that go beside the transfer function, at the frequencies held.
+std::vector<Complex> beside_transfer(const PropagationAxis& axis) {
+  std::vector<Complex> factors;
+  for (int k = axis.first; k <= axis.last; ++k) factors.push_back(passing(axis, k) * part_of_pitch(axis, k));
+  return factors;
+}
+
+// One factor of the paraxial kernel, at the frequencies held.
+std::vector<Complex> fresnel_axis(const PropagationAxis& axis) {
+  const double lambda = axis.wavelength, z = axis.z, du = 1 / axis.period();
+  std::vector<Complex> factor;
+  if (!takes_fresnel_kernel(axis)) {
+    factor = beside_transfer(axis);
+    for (int k = axis.first; k <= axis.last; ++k)
+      factor[size_t(k - axis.first)] *= cis_cycles(-lambda * z / 2 * (k * du) * (k * du));
+    return factor;
   }
-  const double inverse = 1 / (wavelength * z);
-  const Complex scale = std::polar(pitch * std::sqrt(std::abs(inverse)), -std::copysign(pi / 4, z));
-  AlignedVector<Complex> kernel(static_cast<size_t>(padded));
-  for (int i = 0; i < padded; ++i) {
-    const double x = std::min(i, padded - i) * pitch;
-    kernel[size_t(i)] = scale * cis_cycles(x * x * inverse / 2);
-  }
-  Fft<double>(padded, FftDirection::forward)(kernel.data());
-  return {kernel.begin(), kernel.begin() + padded / 2 + 1};
+  const KernelSamples samples = kernel_samples(axis);
+  const int n = samples.size();
+  const double inverse = 1 / (lambda * z), ratio = double(axis.padded) / n;
+  const Complex scale = std::polar(ratio * axis.input_pitch * std::sqrt(std::abs(inverse)), -std::copysign(pi / 4, z));
+  AlignedVector<Complex> kernel;
+  for (size_t i = 0; i < size_t(n); ++i)
+    kernel.push_back(scale * samples.weight[i] * cis_cycles(samples.place[i] * samples.place[i] * inverse / 2));
+  Fft<double>(n, FftDirection::forward)(kernel.data());
+  for (int k = axis.first; k <= axis.last; ++k) factor.push_back(kernel[size_t(wrapped(k, n))]);
+  return factor;
 }
 
 }  // namespace
 
+KernelSamples kernel_samples(const PropagationAxis& axis) {
+  KernelSamples samples;
+  if (axis.is_on_lattice()) {
+    const int least = axis.shift - (axis.inputs - 1);
+    for (int n = 0; n < axis.padded; ++n) {
+      const int step = axis.is_even ? std::min(n, axis.padded - n) : least + wrapped(n - least, axis.padded);
+      samples.place.push_back(step * axis.input_pitch + axis.rest);
+    }
+    samples.weight.assign(samples.place.size(), 1);
+    return samples;
+  }
+  const int size = axis.kernel_samples;
+  const double pitch = axis.period() / size;
+  const int least = int(std::ceil((axis.middle() - axis.period() / 2) / pitch));
+  for (int n = 0; n < size; ++n) {
+    const double x = (least + wrapped(n - least, size)) * pitch, unit = std::sqrt(2.0) * axis.edge;
+    samples.place.push_back(x);
+    samples.weight.push_back(std::erfc((x - axis.farthest() - axis.taper / 2) / unit) / 2 *
+                             std::erfc((axis.nearest() - axis.taper / 2 - x) / unit) / 2);
+  }
+  return samples;
+}
+
 template <class Real>
-void fill_angular_spectrum(Propagator<Real>& p, int band_nx, int band_ny) {
-  const double pitch = p.input.pitch, z = p.distance;
-  const double du = frequency_step(p.padded_nx, pitch), dv = frequency_step(p.padded_ny, pitch);
+void fill_angular_spectrum(Propagator<Real>& p) {
+  const double z = p.distance, du = 1 / p.x.period(), dv = 1 / p.y.period();
   const double start = cycle_fraction(z, p.wavelength);
-  p.band_nx = band_nx;
-  p.band_ny = band_ny;
-  p.transfer = Array2D<std::complex<Real>>(p.padded_ny / 2 + 1, p.padded_nx / 2 + 1);
-  parallel_for(0, p.band_ny, [&](int64_t j) {
-    for (int i = 0; i < p.band_nx; ++i)
-      p.transfer(int(j), i) =
-          std::complex<Real>(angular_spectrum_transfer(i * du, double(j) * dv, p.wavelength, z, start));
+  const std::vector<Complex> beside = beside_transfer(p.y);
+  // Even in v: each |v| once.
+  const int least = p.y.first <= 0 && p.y.last >= 0 ? 0 : std::min(std::abs(p.y.first), std::abs(p.y.last));
+  const int most = std::max(std::abs(p.y.first), std::abs(p.y.last));
+  make_table(p);
+  parallel_for(0, p.x.slots(), [&](int64_t slot) {
+    const int i = frequency_of_slot(p, int(slot));
+    const Complex turn = passing(p.x, i) * part_of_pitch(p.x, i);
+    std::vector<Complex> column;
+    for (int j = least; j <= most; ++j)
+      column.push_back(turn * angular_spectrum_transfer(i * du, j * dv, p.wavelength, z, start));
+    std::complex<Real>* row = p.transfer.row(int(slot));
+    for (int k = p.y.first; k <= p.y.last; ++k)
+      row[place(p, k)] = std::complex<Real>(beside[size_t(k - p.y.first)] * column[size_t(std::abs(k) - least)]);
   });
 }
 
 template <class Real>
 void fill_rayleigh_sommerfeld(Propagator<Real>& p) {
-  const double pitch = p.input.pitch, area = pitch * pitch;
   const double start = cycle_fraction(std::abs(p.distance), p.wavelength);
-  const int nx = p.padded_nx, ny = p.padded_ny;
-  Array2D<Complex> kernel(ny, nx);
-  parallel_for(0, ny / 2 + 1, [&](int64_t j) {
-    Complex* row = kernel.row(int(j));
-    for (int i = 0; i <= nx / 2; ++i) {
-      const double x = i * pitch, y = double(j) * pitch;
-      row[i] = area * rayleigh_sommerfeld_kernel(x * x + y * y, p.wavelength, p.distance, start);
-      row[(nx - i) % nx] = row[i];
-    }
-    std::copy(row, row + nx, kernel.row((ny - int(j)) % ny));
-  });
-  fft_2d(kernel.values.data(), ny, nx, FftDirection::forward);
-  p.transfer = Array2D<std::complex<Real>>(ny / 2 + 1, nx / 2 + 1);
-  for (int j = 0; j <= ny / 2; ++j)
-    for (int i = 0; i <= nx / 2; ++i) p.transfer(j, i) = std::complex<Real>(kernel(j, i));
-  p.band_nx = nx / 2 + 1;
-  p.band_ny = ny / 2 + 1;
+  const int nx = p.is_on_lattice() ? p.x.padded : p.x.kernel_samples;
+  const int ny = p.is_on_lattice() ? p.y.padded : p.y.kernel_samples;
+  const double scale = p.input.pitch * p.input.pitch * (double(p.x.padded) / nx) * (double(p.y.padded) / ny);
+  make_table(p);
+  transform_kernel(
+      p.x, p.y,
+      [&](double x, double y) {
+        return scale * rayleigh_sommerfeld_kernel(x * x + y * y, p.wavelength, p.distance, start);
+      },
+      [&](int slot, const Complex* column) {
+        std::complex<Real>* row = p.transfer.row(slot);
+        for (int k = p.y.first; k <= p.y.last; ++k) row[place(p, k)] = std::complex<Real>(column[wrapped(k, ny)]);
+      });
 }
 
 template <class Real>
 void fill_fresnel(Propagator<Real>& p) {
-  const double pitch = p.input.pitch;
-  const auto axis = [&](int padded, int pixels) {
-    return fresnel_axis(padded, pitch, p.wavelength, p.distance, pixels * pitch / 2);
-  };
-  const std::vector<Complex> along_x = axis(p.padded_nx, p.input.nx + p.output.nx);
-  const std::vector<Complex> along_y = axis(p.padded_ny, p.input.ny + p.output.ny);
+  const std::vector<Complex> along_x = fresnel_axis(p.x), along_y = fresnel_axis(p.y);
   const Complex axial = cis_cycles(cycle_fraction(p.distance, p.wavelength));
-  p.transfer = Array2D<std::complex<Real>>(p.padded_ny / 2 + 1, p.padded_nx / 2 + 1);
-  for (int j = 0; j <= p.padded_ny / 2; ++j)
-    for (int i = 0; i <= p.padded_nx / 2; ++i)
-      p.transfer(j, i) = std::complex<Real>(axial * along_x[size_t(i)] * along_y[size_t(j)]);
-  p.band_nx = p.padded_nx / 2 + 1;
-  p.band_ny = p.padded_ny / 2 + 1;
+  make_table(p);
+  for (int slot = 0; slot < p.x.slots(); ++slot) {
+    // Of an even axis the frequency −slot is held, also where +slot, the middle of the spectrum, is not.
+    const int i = p.x.is_even ? -slot : p.x.first + slot;
+    for (int k = p.y.first; k <= p.y.last; ++k)
+      p.transfer(slot, place(p, k)) =
+          std::complex<Real>(axial * along_x[size_t(i - p.x.first)] * along_y[size_t(k - p.y.first)]);
+  }
 }
 
-template void fill_angular_spectrum(Propagator<float>&, int, int);
-template void fill_angular_spectrum(Propagator<double>&, int, int);
+template void fill_angular_spectrum(Propagator<float>&);
+template void fill_angular_spectrum(Propagator<double>&);
 template void fill_rayleigh_sommerfeld(Propagator<float>&);
 template void fill_rayleigh_sommerfeld(Propagator<double>&);
 template void fill_fresnel(Propagator<float>&);

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+
+// Loops over arrays of complex numbers, on every instruction set. Arrays may be the same, but not partly overlap.
+
+namespace holotrace {
+
+/// to[i] = a[i]·b[i]
+template <class Real>
+void multiply(std::complex<Real>* to, const std::complex<Real>* a, const std::complex<Real>* b, size_t count);
+
+/// to[i] += a[i]·b[i]
+template <class Real>
+void multiply_add(std::complex<Real>* to, const std::complex<Real>* a, const std::complex<Real>* b, size_t count);
+
+/// to[row][i] = a[row][i]·factor[row], i < width
+template <class Real>
+void multiply_rows(std::complex<Real>* to, const std::complex<Real>* a, const std::complex<Real>* factor, size_t rows,
+                   size_t width);
+
+/// to[row][i] += a[row][i]·factor[row], i < width
+template <class Real>
+void multiply_add_rows(std::complex<Real>* to, const std::complex<Real>* a, const std::complex<Real>* factor,
+                       size_t rows, size_t width);
+
+/// Σ|a[i]|², in double.
+template <class Real>
+double energy(const std::complex<Real>* a, size_t count);
+
+}  // namespace holotrace
