@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<TileShape, 6> shapes{{{64, 64}, {64, 32}, {32, 32}, {32, 16}, {32, 8}, {32, 4}}};
 
 // Single precision in the factors, the moments and the sum.
-constexpr double rounding_error = 1e-5;
+constexpr double float_rounding = 1e-5;
 
 // A place where a part's light is compared; `weight` turns a value there into its share of a sum over all pixels.
 struct Draw {
@@ -146,7 +146,7 @@ TriangleChoice choose_triangle_tile(const std::vector<TrianglePart>& parts, cons
     }
     choice.tile = tile;
     choice.faint = std::sqrt(faint);
-    choice.error = (std::sqrt((error + dropped) / choice.energy) + rounding_error) / std::sqrt(coherence);
+    choice.error = (std::sqrt((error + dropped) / choice.energy) + float_rounding) / std::sqrt(coherence);
     choice.meets_tolerance = 1.25 * choice.error <= tolerance;
     if (choice.meets_tolerance) return choice;
   }
