@@ -2,17 +2,10 @@
 
 #include <vector>
 
-#include "holotrace/wave/plane_tile.h"
+#include "holotrace/wave/plane_slabs.h"
+#include "holotrace/wave/tile_error.h"
 
 namespace holotrace {
-
-/// Depths of a set of waves [m].
-struct DepthRange {
-  double nearest, farthest;
-};
-
-/// The waves sorted for a plan: by curvature into its slabs, and in a slab by place.
-PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch);
 
 /// A plan, the relative L2 error expected of it and the work it makes.
 struct PlanesChoice {
@@ -24,12 +17,8 @@ struct PlanesChoice {
   bool meets_tolerance = false;
 };
 
-/// What replacing waves by planes in the tiles of a plan does, apart from gridding: measured on
-/// pixels that the waves light, as measure_split does.
-SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthRange& depths, const Grid& grid,
-                             const PixelBox& bounds, double wavelength, const PlanesPlan& plan);
-
 /// Whether a wave's box is at least four of the smallest tiles wide: fewer than half of its tiles are lit in part.
+/// The panel's acceptance must be below 45 degrees.
 bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 
 /// The fastest plan on this machine (cost_model.h) whose expected error, with a margin of a quarter, is below the

@@ -33,8 +33,8 @@ struct PlaneTables {
   std::vector<float> inverse_phi;     ///< 1/φ̂ of each of the tile's pixels along an axis
   /// ∫xⁿφ·exp(2πiξx)dx/φ̂ of each, n = 1, 2 [cyclesⁿ/mⁿ]: how far cells lie from the waves that are spread over them.
   std::vector<float> first, second;
-  std::vector<double> nodes;          ///< Chebyshev points in (−1, 1)
-  std::vector<float> denominators;    ///< Π (τ_q − τ_m), m ≠ q
+  std::vector<double> nodes;        ///< Chebyshev points in (−1, 1)
+  std::vector<float> denominators;  ///< Π (τ_q − τ_m), m ≠ q
 
   PlaneTables(const PlanesPlan& plan, double wavelength, double pitch);
   static constexpr int margin = 8;          ///< cells

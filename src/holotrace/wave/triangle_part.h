@@ -50,7 +50,8 @@ inline double length_across(Vec3 side, double tangent) {
 ///
 /// @param limits parts above are halved further, in the box that they have
 /// @return       parts that light a pixel of the grid and have an amplitude, in the triangles' order
-/// @throws Error for a triangle of more than 2^20 parts, as one that nearly touches the panel, and parts that do not fit
+/// @throws Error for a triangle of more than 2^20 parts, as one that nearly touches the panel, and parts that do not
+/// fit
 ///               in the machine's memory
 std::vector<TrianglePart> cut_triangles(const Triangles& triangles, const Grid& grid, const PartLimits& limits);
 

@@ -10,12 +10,13 @@
 
 #include <algorithm>
 
+#include "holotrace/wave/wave_lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace holotrace {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::ScalableTag<float>;
 using V = hn::Vec<Floats>;
 
@@ -28,26 +29,6 @@ constexpr int block_vectors = 2;
 constexpr int batch = 64;  // terms whose factors are held at once
 constexpr int nodes = envelope_nodes;
 
-// exp(2πi·c) of `cycles` c, |c| < 2^22, within 2e-7 (Cephes sinf, cosf about the nearest quarter).
-HWY_INLINE void cis(V cycles, V& re, V& im) {
-  const Floats d;
-  const hn::RebindToSigned<Floats> di;
-  const V quarters = hn::Round(hn::Mul(cycles, hn::Set(d, 4.0f)));
-  const V angle = hn::Mul(hn::NegMulAdd(quarters, hn::Set(d, 0.25f), cycles), hn::Set(d, 6.283185307179586f));
-  const V a2 = hn::Mul(angle, angle);
-  V s = hn::MulAdd(hn::Set(d, -1.9515295891e-4f), a2, hn::Set(d, 8.3321608736e-3f));
-  s = hn::MulAdd(s, a2, hn::Set(d, -1.6666654611e-1f));
-  s = hn::MulAdd(hn::Mul(s, a2), angle, angle);
-  V c = hn::MulAdd(hn::Set(d, 2.443315711809948e-5f), a2, hn::Set(d, -1.388731625493765e-3f));
-  c = hn::MulAdd(c, a2, hn::Set(d, 4.166664568298827e-2f));
-  c = hn::MulAdd(hn::Mul(c, a2), a2, hn::NegMulAdd(hn::Set(d, 0.5f), a2, hn::Set(d, 1.0f)));
-  const auto q = hn::ConvertTo(di, quarters);
-  const auto is_odd = hn::RebindMask(d, hn::TestBit(q, hn::Set(di, 1)));
-  const auto sign = [&](auto bits) { return hn::BitCast(d, hn::ShiftLeft<30>(hn::And(bits, hn::Set(di, 2)))); };
-  re = hn::Xor(hn::IfThenElse(is_odd, s, c), sign(hn::Add(q, hn::Set(di, 1))));
-  im = hn::Xor(hn::IfThenElse(is_odd, c, s), sign(q));
-}
-
 // A vector of floats as the formulas of triangle_moments.h want their numbers.
 struct Lanes {
   V v;
@@ -59,7 +40,7 @@ struct Lanes {
 };
 HWY_INLINE Lanes real(Lanes, double value) { return {hn::Set(Floats(), float(value))}; }
 HWY_INLINE void cis_of(Lanes angle, Lanes& re, Lanes& im) {
-  cis(hn::Mul(angle.v, hn::Set(Floats(), 0.15915494309189535f)), re.v, im.v);
+  cis_lanes(Floats(), hn::Mul(angle.v, hn::Set(Floats(), 0.15915494309189535f)), re.v, im.v);
 }
 HWY_INLINE Lanes small_or(Lanes h2, Lanes small, Lanes large) {
   return {hn::IfThenElse(hn::Lt(h2.v, hn::Set(Floats(), 0.5f)), small.v, large.v)};
@@ -158,7 +139,7 @@ HWY_INLINE void factor(V u, V index, float twice_x, const WaveInTile& w, float s
   const V t = hn::Mul(hn::Mul(u, hn::Add(u, hn::Set(d, twice_x))), hn::Set(d, w.inverse_r0_squared));
   const V root = hn::Sqrt(hn::Add(one, t));
   const V beyond = hn::Div(t, hn::Add(one, root));
-  cis(hn::MulAdd(beyond, hn::Set(d, w.r0_over_wavelength), hn::Set(d, start)), re, im);
+  cis_lanes(d, hn::MulAdd(beyond, hn::Set(d, w.r0_over_wavelength), hn::Set(d, start)), re, im);
   const auto is_lit = hn::And(hn::Ge(index, hn::Set(d, first)), hn::Lt(index, hn::Set(d, last)));
   const V modulus = hn::IfThenElseZero(is_lit, hn::Div(hn::Set(d, scale), root));
   re = hn::Mul(re, modulus);
