@@ -32,7 +32,7 @@ std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel
 /// Most memory that a process needs for one band of that many rows [bytes]: 170 MB for the program with its libraries;
 /// 340 bytes per wave, kept, read from a file, chosen for a band and made ready for the sum, and 16 bytes per wave and
 /// panel tile; 8 bytes per sample of the band, 24 by `auto`, which may turn to `exact`; for `exact` 512 bytes per
-/// column; for `auto` and `planes` 10 MB for each of 16 threads: where there are more, add theirs.
+/// column; for `auto` and `planes` 15 MB for each of 16 threads: where there are more, add theirs.
 double band_memory(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params, int rows);
 
 /// @throws Error unless the method sums waves band by band: auto, tiled, planes or exact.

@@ -21,6 +21,11 @@ std::complex<double> interpolate(const Slab& slab, const PlaneTables& t, double 
   return sum;
 }
 
+// r at (x, y) to r at (x2, y2), without the cancellation of distances that are long.
+double path_between(double x, double y, double x2, double y2, double depth) {
+  return path_beyond_depth(x2 * x2 + y2 * y2, depth) - path_beyond_depth(x * x + y * y, depth);
+}
+
 // What a plan makes of a wave (x, y) from the tile's reference, at (u, v) from there, over what the wave is.
 std::complex<double> in_tile(double x, double y, double depth, double u, double v, const Slab& slab,
                              const PlaneTables& t) {
@@ -29,7 +34,8 @@ std::complex<double> in_tile(double x, double y, double depth, double u, double 
   const double r = std::sqrt((x + u) * (x + u) + (y + v) * (y + v) + depth * depth);
   const double kappa = (1 - rho2 / (2 * r0 * r0)) / (t.wavelength * r0), square = u * u + v * v;
   // Cycles beyond those of the plane wave.
-  const double exact = (r - r0) / t.wavelength - (x * u + y * v) / (t.wavelength * r0) * (1 - linear / (2 * r0 * r0));
+  const double exact = path_between(x, y, x + u, y + v, depth) / t.wavelength -
+                       (x * u + y * v) / (t.wavelength * r0) * (1 - linear / (2 * r0 * r0));
   std::complex<double> model = interpolate(slab, t, kappa, square) * (r / r0) * std::polar(1.0, -2 * pi * exact);
   if (t.plan.is_corrected)
     model *= std::complex<double>(
@@ -46,7 +52,8 @@ std::complex<double> in_strip(double x, double y, double depth, double u, double
   const double rest = y * y + depth * depth, r0 = std::sqrt(x * x + rest), across = std::sqrt((x + u) * (x + u) + rest);
   const double r = std::sqrt((x + u) * (x + u) + (y + v) * (y + v) + depth * depth);
   const double kappa = (1 - y * y / (r0 * r0)) / (t.wavelength * r0);
-  const double exact = (r - across) / t.wavelength - y * v / (t.wavelength * r0) * (1 - linear / (2 * r0 * r0));
+  const double exact = path_between(x + u, y, x + u, y + v, depth) / t.wavelength -
+                       y * v / (t.wavelength * r0) * (1 - linear / (2 * r0 * r0));
   return interpolate(slab, t, kappa, v * v) * (r / across) * std::polar(1.0, -2 * pi * exact);
 }
 

@@ -49,7 +49,7 @@ SummationWork work_of(const PlanesPlan& plan, const TileCounts& counts, double t
   return work + in_tiles * plan.tile * plan.tile / 2 * tile_work(direct);
 }
 
-constexpr int most_slabs = 64, most_nodes = 8;
+constexpr int most_slabs = 64, most_nodes = 8, most_nodes_of_large_tiles = 4;  // whose grids fill the caches
 
 // Of the gridding of a plane wave in both axes.
 double both_axes(int width) {
@@ -77,8 +77,12 @@ class PlanSearch {
         depths_(depths_of(waves)) {
     // Many plans are looked at: an eighth of the pixels tells their errors to a few percent.
     const std::vector<DrawnPixel> drawn = draw_pixels(waves);
+    constexpr size_t pair = 2, share = 8;  // a pair has one of each kind of draw
     for (size_t i = 0; i < drawn.size(); ++i)
-      if (i % 16 < 2) pixels_.push_back(drawn[i]);  // one of each kind of draw
+      if (i % (pair * share) < pair) {
+        pixels_.push_back(drawn[i]);
+        pixels_.back().density /= share;
+      }
   }
 
   const PlanesChoice& best() const { return best_; }
@@ -90,8 +94,9 @@ class PlanSearch {
       PlanesPlan plan{tile, 2, 1, 1, is_corrected, has_strips};
       if (!is_worth(plan)) continue;
       // What many planes leave is what they cannot mend: more of them would be looked at in vain.
-      plan = {tile, 8, most_nodes, most_slabs, is_corrected, has_strips};
-      if (offer(plan) > goal_) continue;
+      most_nodes_ = tile > 120 ? most_nodes_of_large_tiles : most_nodes;
+      plan = {tile, 8, most_nodes_, most_slabs, is_corrected, has_strips};
+      if (!(offer(plan) <= goal_)) continue;
       for (plan.slabs = 1; plan.slabs <= most_slabs; plan.slabs *= 2) look_at_nodes(plan);
     }
   }
@@ -105,7 +110,7 @@ class PlanSearch {
   double seconds(const PlanesPlan& plan) const { return predict_seconds(work(plan), rates_, 1); }
 
   void look_at_nodes(PlanesPlan plan) {
-    for (plan.nodes = 1; plan.nodes <= most_nodes; ++plan.nodes) {
+    for (plan.nodes = 1; plan.nodes <= most_nodes_; ++plan.nodes) {
       plan.width = 2;
       if (!is_worth(plan) || offer(plan) <= goal_ / 2) return;
     }
@@ -135,6 +140,7 @@ class PlanSearch {
   std::vector<DrawnPixel> pixels_;
   TileCounts counts_;
   double tiles_of_panel_ = 0;
+  int most_nodes_ = most_nodes;
   PlanesChoice best_;
 };
 
@@ -142,7 +148,7 @@ class PlanSearch {
 
 bool suits_planes(const PreparedWave& wave, double wavelength, double pitch) {
   const double tangent = acceptance_tangent(wavelength, pitch);
-  return tangent < 1 && 2 * wave.depth * tangent >= 4 * tiles.back() * pitch;
+  return tangent < 0.25 && 2 * wave.depth * tangent >= 4 * tiles.back() * pitch;
 }
 
 PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,

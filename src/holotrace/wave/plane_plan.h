@@ -18,7 +18,8 @@ struct PlanesChoice {
 };
 
 /// Whether a wave's box is at least four of the smallest tiles wide: fewer than half of its tiles are lit in part.
-/// The panel's acceptance must be below 45 degrees.
+/// And whether the panel's acceptance is below 14 degrees, as for pixels of two wavelengths: at wider angles waves are
+/// no planes in tiles of that size.
 bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 
 /// The fastest plan on this machine (cost_model.h) whose expected error, with a margin of a quarter, is below the

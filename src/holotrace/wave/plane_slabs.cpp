@@ -15,9 +15,10 @@ struct Range {
 };
 
 // Curvatures of a wave's light where its box lies: (1 − ρ²/2r²)/λr falls from the axis to the box's corner.
-Range curvatures(double depth, double wavelength, double tangent) {
-  const double rho2 = 2 * tangent * tangent * depth * depth, r = std::sqrt(rho2 + depth * depth);
-  return {(1 - rho2 / (2 * r * r)) / (wavelength * r), 1 / (wavelength * depth)};
+// With t the tangent there is r = d√(1 + 2t²).
+Range curvatures(double per_depth, double wavelength, double tangent) {
+  const double t2 = tangent * tangent, s = 1 + 2 * t2;
+  return {per_depth * (1 + t2) / (wavelength * s * std::sqrt(s)), per_depth / wavelength};
 }
 
 // Boxes end at the tangent of the panel's acceptance; half a tile beyond a tile's centre may lie within.
@@ -37,8 +38,8 @@ int Slabs::of(double depth) const {
 
 Slab Slabs::slab(int index, double wavelength, double pitch) const {
   const double tangent = reach_tangent(wavelength, pitch), most = 1 / depths.nearest;
-  const double greatest = curvatures(1 / (most - index * step()), wavelength, tangent).greatest;
-  const double least = curvatures(1 / (most - (index + 1) * step()), wavelength, tangent).least;
+  const double greatest = curvatures(most - index * step(), wavelength, tangent).greatest;
+  const double least = curvatures(std::max(0.0, most - (index + 1) * step()), wavelength, tangent).least;
   return {0, 0, (greatest + least) / 2, (greatest - least) / 2};
 }
 

@@ -97,8 +97,8 @@ HWY_INLINE void first_cell(float cell, const PlaneTables& t, int& first, float& 
   first = int(up) + t.transform / 2 + PlaneTables::margin;
 }
 
-// Kernel weights of the cells of one axis, each twice for a complex grid if `copies` is 2.
-template <int floats, int copies>
+// Kernel weights of the cells of one axis, as the table has them: once, or twice for a complex grid.
+template <int floats>
 HWY_INLINE void kernel_weights(const float* table, float fraction, float* weights) {
   const hn::CappedTag<float, floats> d;
   const auto t = hn::Set(d, fraction);
@@ -126,8 +126,8 @@ HWY_INLINE void spread(const Batch& b, int k, const PlaneTables& t, const float*
   const hn::CappedTag<float, floats> d;
   constexpr size_t lanes = hn::MaxLanes(d), vectors = floats / lanes;
   HWY_ALIGN float x_weights[floats], y_weights[floats] = {}, amplitude[floats];
-  kernel_weights<floats, 2>(x_table, x_fraction, x_weights);
-  kernel_weights<floats / 2, 1>(y_table, y_fraction, y_weights);
+  kernel_weights<floats>(x_table, x_fraction, x_weights);
+  kernel_weights<floats / 2>(y_table, y_fraction, y_weights);
   for (int i = 0; i < floats; i += 2) amplitude[i] = b.re[k], amplitude[i + 1] = b.im[k];
   hn::Vec<decltype(d)> line[vectors];
   for (size_t v = 0; v < vectors; ++v)
@@ -149,6 +149,7 @@ HWY_INLINE void spread(const Batch& b, int k, const PlaneTables& t, const float*
 
 // Lines [first, last) of a tile's axis, strip by strip.
 void add_entries(std::vector<StripEntry>* strips, uint32_t wave, int first, int last, int sign) {
+  if (first >= last) return;
   for (int s = first / strip_width; s * strip_width < last; ++s) {
     const int start = s * strip_width;
     strips[s].push_back(
@@ -260,7 +261,7 @@ void SpreadStrip(const std::vector<PreparedWave>& waves, const std::vector<Strip
       int first;
       float fraction;
       first_cell(b.cell[1][k], t, first, fraction);
-      kernel_weights<8, 1>(table, fraction, weights);
+      kernel_weights<8>(table, fraction, weights);
       hn::Vec<decltype(d)> re[vectors], im[vectors];
       for (size_t v = 0; v < vectors; ++v) {
         const auto u = hn::Load(d, offsets + v * lanes), line = hn::Load(d, lines + v * lanes);

@@ -26,7 +26,7 @@ namespace holotrace {
 /// @return           complex amplitude, shape (ny, nx) [√(W/m²)]; the same bytes on any number of threads
 /// @throws Error     for a source not behind the panel, naming it, and a tolerance that no tile meets
 ///
-/// Cost: 4 multiply-adds per wave and pixel in its box, and a sine and cosine per wave and per column
+/// Cost: 3 multiply-adds per wave and pixel in its box, and a sine and cosine per wave and per column
 /// and row of the tiles it meets.
 Field sum_tiled(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer = {});
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/base/thread_count.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/cost_model.h"
@@ -14,6 +15,9 @@
 
 namespace holotrace {
 namespace {
+
+constexpr double bytes_per_wave = 340;     // made ready, split into far and near, sorted
+constexpr double bytes_per_thread = 15e6;  // grids of a tile of 240 pixels on 4 planes, and its transforms
 
 // The waves of one part of the panel, those for planes and those for tiles, and how each are summed.
 struct PartPlan {
@@ -152,7 +156,7 @@ struct PartSum {
 };
 
 PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds, double tolerance, Approach approach,
-                 Field& field, const Observer& observer) {
+                 bool is_whole, Field& field, const Observer& observer) {
   // The second round, where the waves cancel, knows their coherence; a field that is nearly nothing may need a third.
   PartSum part;
   double coherence = 1;
@@ -162,7 +166,9 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds,
     if (!plan.meets_tolerance()) return part;
     part.predicted_seconds += predict_seconds(work_of(plan), summation_rates(), thread_count());
     run_plan(plan, bounds, field, observer);
-    const double met = std::min(1.0, coherence_of(field, bounds, plan.energy()));
+    // A part of a few pixels may be dark by chance. It weighs little in the whole, which is what the tolerance is of.
+    const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
+    const double met = std::clamp(coherence_of(field, bounds, plan.energy()), least, 1.0);
     part.reachable = 1.25 * plan.error() * std::sqrt(coherence / met);
     if (part.reachable <= tolerance) {
       part.meets_tolerance = true;
@@ -179,7 +185,9 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
                              double& reachable, const Observer& observer) {
   check_grid(grid);
   check_sources(sources);
-  check_field_fits(grid, sizeof(std::complex<float>));
+  require_memory(sizeof(std::complex<float>) * double(grid.pixels()) + bytes_per_wave * double(sources.waves.size()) +
+                     bytes_per_thread * thread_count(),
+                 fmt::format("a field of {} × {} samples of {} waves", grid.nx, grid.ny, sources.waves.size()));
   Field field(grid, sources.wavelength);
   // Parts whose error is at most the tolerance times their own energy make a whole of which the same holds.
   PartSum worst;
@@ -188,9 +196,9 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   for (int part = 0; part < parts; ++part) {
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
     if (waves.empty()) continue;
-    const PartSum done =
-        sum_part(waves, panel_part(sources, grid, part), tolerance, approach, field, part_of(observer, part, parts));
-    if (done.reachable >= worst.reachable) worst = done;
+    const PartSum done = sum_part(waves, panel_part(sources, grid, part), tolerance, approach, parts == 1, field,
+                                  part_of(observer, part, parts));
+    if (!(done.reachable < worst.reachable)) worst = done;
     predicted += done.predicted_seconds;
     reachable = worst.reachable;
     if (!done.meets_tolerance) return std::nullopt;

@@ -85,9 +85,13 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   }
   double reachable = 0;
   std::optional<Field> field = try_sum(sources, grid, params.tolerance, Approach::cheapest, reachable, observer);
-  observer.fact("why",
-                fmt::format("it is expected to hold {:.1e}, the tolerance is {:.1e}", reachable, params.tolerance));
-  return field ? std::move(*field) : exact();
+  if (!field) {
+    observer.fact("why", fmt::format("the other methods hold {:.1e} at best, the tolerance is {:.1e}", reachable,
+                                     params.tolerance));
+    return exact();
+  }
+  observer.fact("why", fmt::format("the fastest that is expected to hold the tolerance of {:.1e}", params.tolerance));
+  return std::move(*field);
 }
 
 }  // namespace holotrace

@@ -17,7 +17,8 @@ SplitEnergies measure_split(const std::vector<DrawnPixel>& pixels, const Grid& g
     const double x = grid.x(i) - w.x, y = grid.y(k) - w.y, d2 = w.depth * w.depth;
     const double r = std::sqrt(x * x + y * y + d2), r0 = std::sqrt(x0 * x0 + y0 * y0 + d2);
     const double along_column = std::sqrt(x * x + y0 * y0 + d2), along_row = std::sqrt(x0 * x0 + y * y + d2);
-    const double phase = 2 * pi / wavelength * ((r - along_column) - (along_row - r0));
+    const auto beyond = [&](double a, double b) { return path_beyond_depth(a * a + b * b, w.depth); };
+    const double phase = 2 * pi / wavelength * ((beyond(x, y) - beyond(x, y0)) - (beyond(x0, y) - beyond(x0, y0)));
     const double modulus = r * r0 / (along_column * along_row);
     const double energy = w.amplitude * w.amplitude * (d2 / (r * r)) / density;
     energies.error += energy * std::norm(std::polar(modulus, -phase) - 1.0);

@@ -73,7 +73,8 @@ class Cutter {
       for (const Corners& half : bisect(c, side)) whole(t, half, visit);
       return;
     }
-    fine(t, c, lit_box({centre, 0, 0}, grid_, tangent_), visit);
+    const PixelBox box = lit_box({centre, 0, 0}, grid_, tangent_);
+    if (!box.is_empty()) fine(t, c, box, visit);
   }
 
   template <class Visit>
