@@ -350,5 +350,24 @@ TEST(LayersOfSamples, AreCheckedBeforeTheyAreSummed) {
             0U);
 }
 
+// The front half of a sphere hides nothing of itself, however finely it is sliced: discs are of the points' own
+// spacing.
+TEST(LayersSilhouettes, OfAConvexSurfaceLetItsLightThrough) {
+  const Grid grid{200, 160, 8_um};
+  Sources sources{green, {}};
+  const double radius = 0.4_mm, step = 20_um;
+  for (double x = -radius; x <= radius; x += step)
+    for (double y = -radius; y <= radius; y += step)
+      if (const double rest = radius * radius - x * x - y * y; rest > 0.2 * radius * radius)
+        sources.waves.push_back({{x, y, -50_mm + std::sqrt(rest)}, 1, float(1e6 * x + 3e6 * y * y)});
+  const double power_of_all = power(sum_layers(sources, grid, layers_params(1e-2, 20)));
+  for (const int slices : {2, 10, 80}) {
+    const double let_through = power(sum_layers(sources, grid, layers_params(1e-2, slices, true))) / power_of_all;
+    EXPECT_GT(let_through, 0.8)
+        << slices;  // edges of discs, 14 µm from the points, scatter some of their neighbours' light
+    EXPECT_LT(let_through, 1.2) << slices;
+  }
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -160,11 +160,16 @@ TEST(SpreadPoints, HaveTheTransformOfThePointsWithinTheTolerance) {
   }
 }
 
+// Points that lie on one slice.
+Array2D<float> mask_of(const std::vector<PointOnSlice>& points, int nx, int ny) {
+  return silhouette_of(points, silhouette_radii(points, std::vector<double>(points.size(), 0.0)), nx, ny);
+}
+
 TEST(Silhouette, OfALatticeCoversItWithoutHolesAndHardlyMore) {
   std::vector<PointOnSlice> points;
   for (int j = 0; j < 8; ++j)
     for (int i = 0; i < 10; ++i) points.push_back({20 + 3.3 * i, 15 + 3.3 * j, {1, 0}});
-  const Array2D<float> mask = silhouette_of(points, 80, 70);
+  const Array2D<float> mask = mask_of(points, 80, 70);
   for (int j = 0; j < 70; ++j)
     for (int i = 0; i < 80; ++i) {
       const double out_x = std::max({20.0 - i, i - (20 + 9 * 3.3), 0.0}),
@@ -180,7 +185,7 @@ TEST(Silhouette, OfALatticeCoversItWithoutHolesAndHardlyMore) {
 }
 
 TEST(Silhouette, OfALonePointIsItsSampleAndALostOneIsBounded) {
-  Array2D<float> mask = silhouette_of({{12.3, 7.6, {}}}, 30, 20);
+  Array2D<float> mask = mask_of({{12.3, 7.6, {}}}, 30, 20);
   EXPECT_EQ(mask(8, 12), 1);
   double sum = 0;
   for (const float m : mask.values) sum += m;
@@ -188,7 +193,7 @@ TEST(Silhouette, OfALonePointIsItsSampleAndALostOneIsBounded) {
   // A point 100 samples off a lattice of step 2: at most three times the lattice's radius 2/√2 … 2·2/√2 at corners.
   std::vector<PointOnSlice> points{{150, 10, {}}};
   for (int i = 0; i < 25; ++i) points.push_back({10.0 + 2 * (i % 5), 10.0 + 2 * (i / 5), {}});
-  mask = silhouette_of(points, 200, 60);
+  mask = mask_of(points, 200, 60);
   EXPECT_EQ(mask(10, 150), 1);
   EXPECT_EQ(mask(10, 162), 0);
   EXPECT_EQ(mask(10, 80), 0);
@@ -213,7 +218,7 @@ TEST(Silhouette, FindsTheFourthNeighbourWhereverPointsLie) {
   std::vector<double> sorted = radii;
   std::sort(sorted.begin(), sorted.end());
   const double most = 3 * sorted[sorted.size() / 2];
-  const Array2D<float> mask = silhouette_of(points, 260, 160);
+  const Array2D<float> mask = mask_of(points, 260, 160);
   for (int j = 0; j < 130; ++j)
     for (int i = 0; i < 230; ++i) {
       bool is_covered = false;

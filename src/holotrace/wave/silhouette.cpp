@@ -48,47 +48,71 @@ Cells make_cells(const std::vector<PointOnSlice>& points) {
   return cells;
 }
 
-// Distance to the fourth-nearest other point, or to the farthest of fewer; 0 for a lone one.
-double neighbour_distance(const std::vector<PointOnSlice>& points, const Cells& cells, size_t index) {
+// Of the four points that are nearest in space (or of fewer), the distance in the plane to the farthest; 0 for a lone
+// point, and where four are so near that the disc is the least.
+double neighbour_distance(const std::vector<PointOnSlice>& points, const std::vector<double>& depths,
+                          const Cells& cells, size_t index) {
+  struct Neighbour {
+    double space, plane;  // squared
+    bool operator<(const Neighbour& other) const { return space < other.space; }
+  };
   const PointOnSlice& p = points[index];
   const size_t wanted = std::min<size_t>(neighbours, points.size() - 1);
   if (wanted == 0) return 0;
-  std::vector<double> squared;
+  std::vector<Neighbour> found;
+  size_t close = 0;
   const int column = cells.column(p), row = cells.row(p), most = std::max(cells.columns, cells.rows);
   for (int ring = 0; ring <= most; ++ring) {
     for (int j = std::max(0, row - ring); j <= std::min(cells.rows - 1, row + ring); ++j)
       for (int i = std::max(0, column - ring); i <= std::min(cells.columns - 1, column + ring); ++i) {
         if (std::max(std::abs(j - row), std::abs(i - column)) != ring) continue;
         const size_t cell = size_t(j) * size_t(cells.columns) + size_t(i);
-        for (uint32_t n = cells.start[cell]; n < cells.start[cell + 1]; ++n)
-          if (const PointOnSlice& q = points[cells.order[n]]; cells.order[n] != index)
-            squared.push_back((q.column - p.column) * (q.column - p.column) + (q.row - p.row) * (q.row - p.row));
+        for (uint32_t n = cells.start[cell]; n < cells.start[cell + 1]; ++n) {
+          const uint32_t other = cells.order[n];
+          if (other == index) continue;
+          const PointOnSlice& q = points[other];
+          const double dz = depths[other] - depths[index];
+          const double plane = (q.column - p.column) * (q.column - p.column) + (q.row - p.row) * (q.row - p.row);
+          found.push_back({plane + dz * dz, plane});
+          close += found.back().space <= 2 * least_radius * least_radius;
+          if (close >= wanted) return 0;
+        }
       }
-    if (squared.size() < wanted) continue;
-    std::nth_element(squared.begin(), squared.begin() + int64_t(wanted - 1), squared.end());
+    if (found.size() < wanted) continue;
+    std::nth_element(found.begin(), found.begin() + int64_t(wanted - 1), found.end());
     const double reached = ring * cells.side;  // all points nearer than this have been seen
-    if (squared[wanted - 1] <= reached * reached || ring == most) break;
+    if (found[wanted - 1].space <= reached * reached) break;
   }
-  return std::sqrt(squared[wanted - 1]);
+  std::nth_element(found.begin(), found.begin() + int64_t(wanted - 1), found.end());
+  double farthest = 0;
+  for (size_t n = 0; n < wanted; ++n) farthest = std::max(farthest, found[n].plane);
+  return std::sqrt(farthest);
 }
 
 }  // namespace
 
-Array2D<float> silhouette_of(const std::vector<PointOnSlice>& points, int nx, int ny) {
-  Array2D<float> mask(ny, nx);
-  if (points.empty()) return mask;
-  const Cells cells = make_cells(points);
+std::vector<double> silhouette_radii(const std::vector<PointOnSlice>& points, const std::vector<double>& depths) {
   std::vector<double> radii(points.size());
+  if (points.empty()) return radii;
+  const Cells cells = make_cells(points);
   parallel_for(
       0, int64_t(points.size()),
-      [&](int64_t i) { radii[size_t(i)] = neighbour_distance(points, cells, size_t(i)) / std::sqrt(2.0); }, {}, 64);
+      [&](int64_t i) { radii[size_t(i)] = neighbour_distance(points, depths, cells, size_t(i)) / std::sqrt(2.0); }, {},
+      64);
   std::vector<double> sorted = radii;
   std::nth_element(sorted.begin(), sorted.begin() + int64_t(sorted.size() / 2), sorted.end());
   const double most = std::max(most_over_median * sorted[sorted.size() / 2], least_radius);
+  for (double& radius : radii) radius = std::clamp(radius, least_radius, most);
+  return radii;
+}
+
+Array2D<float> silhouette_of(const std::vector<PointOnSlice>& points, const std::vector<double>& radii, int nx,
+                             int ny) {
+  Array2D<float> mask(ny, nx);
   const auto wrapped = [](int index, int size) { return ((index % size) + size) % size; };
   for (size_t n = 0; n < points.size(); ++n) {
     const PointOnSlice& p = points[n];
-    const double radius = std::clamp(radii[n], least_radius, most) * (1 + 1e-9);
+    const double radius = radii[n] * (1 + 1e-9);
     mask(wrapped(int(std::lround(p.row)), ny), wrapped(int(std::lround(p.column)), nx)) = 1;
     for (int j = int(std::ceil(p.row - radius)); j <= int(std::floor(p.row + radius)); ++j) {
       const double half = std::sqrt(std::max(0.0, radius * radius - (j - p.row) * (j - p.row)));

@@ -120,6 +120,25 @@ std::vector<PointOnSlice> points_of(const DepthSlice& slice, const Sources& sour
   return points;
 }
 
+// Radii of the discs that hide, of all waves in the order of the slices' members.
+std::vector<std::vector<double>> radii_of(const DepthSlices& depth, const Sources& sources, const Grid& grid) {
+  std::vector<PointOnSlice> points;
+  std::vector<double> depths;
+  for (const DepthSlice& slice : depth.slices) {
+    const std::vector<PointOnSlice> of_slice = points_of(slice, sources, grid);
+    points.insert(points.end(), of_slice.begin(), of_slice.end());
+    for (const uint32_t i : slice.members) depths.push_back(-sources.waves[i].origin.z / grid.pitch);
+  }
+  const std::vector<double> all = silhouette_radii(points, depths);
+  std::vector<std::vector<double>> radii;
+  auto next = all.begin();
+  for (const DepthSlice& slice : depth.slices) {
+    radii.emplace_back(next, next + int64_t(slice.members.size()));
+    next += int64_t(slice.members.size());
+  }
+  return radii;
+}
+
 AxisWeights weights_of(const Taper& taper, double depth, double wavelength, double side, const Plan& plan, int reach,
                        int& samples) {
   AxisWeights weights = taper_weights(taper, depth, wavelength, side, plan.steepness, reach + 1);
@@ -152,6 +171,8 @@ Field sum_layers(const Sources& sources, const Grid& grid, const SynthesizeParam
   if (plan.slices.empty()) return field;
   const LayerWindow& w = plan.window;
   LayerSpectrum spectrum = make_layer_spectrum(grid, sources.wavelength, w.nx, w.ny, w.reach_x, w.reach_y);
+  std::vector<std::vector<double>> radii;
+  if (is_carried) radii = radii_of(plan.sliced.depth, sources, grid);
   for (size_t m = 0; m < plan.slices.size(); ++m) {
     const PlannedSlice& slice = plan.slices[m];
     const std::vector<PointOnSlice> points = points_of(plan.sliced.depth.slices[m], sources, grid);
@@ -160,7 +181,7 @@ Field sum_layers(const Sources& sources, const Grid& grid, const SynthesizeParam
       const auto weights = [&](const Taper& taper, int n, int reach) {
         return taper_weights(taper, slice.depth, sources.wavelength, n * grid.pitch, plan.steepness, reach + 1);
       };
-      hide(spectrum, silhouette_of(points, w.nx, w.ny), 0, 0, weights(slice.x, w.nx, w.reach_x),
+      hide(spectrum, silhouette_of(points, radii[m], w.nx, w.ny), 0, 0, weights(slice.x, w.nx, w.reach_x),
            weights(slice.y, w.ny, w.reach_y));
     }
     add_points(spectrum, points, slice, plan, is_carried ? 0 : slice.depth);
@@ -191,6 +212,8 @@ Layers make_layers(const Sources& sources, const Grid& grid, const SynthesizePar
     return out;
   };
   Layers layers{sources.wavelength, {}};
+  std::vector<std::vector<double>> radii;
+  if (params.has_silhouettes) radii = radii_of(plan.sliced.depth, sources, grid);
   for (size_t m = 0; m < plan.slices.size(); ++m) {
     LayerSpectrum spectrum = make_layer_spectrum(grid, sources.wavelength, w.nx, w.ny, w.reach_x, w.reach_y);
     const std::vector<PointOnSlice> points = points_of(plan.sliced.depth.slices[m], sources, grid);
@@ -200,7 +223,7 @@ Layers make_layers(const Sources& sources, const Grid& grid, const SynthesizePar
     slice.light.samples = turned(samples_of(spectrum, w.nx, w.ny));
     const Complex axial(cis_cycles(-cycle_fraction(depth, sources.wavelength)));
     for (Complex& u : slice.light.samples.values) u *= axial;
-    if (params.has_silhouettes) slice.mask = turned(silhouette_of(points, w.nx, w.ny));
+    if (params.has_silhouettes) slice.mask = turned(silhouette_of(points, radii[m], w.nx, w.ny));
     layers.slices.push_back(std::move(slice));
     observer.progress(double(m + 1) / double(plan.slices.size()));
   }
