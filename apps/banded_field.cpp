@@ -22,6 +22,7 @@
 #include "holotrace/io/output.h"
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/cost_model.h"
+#include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
 namespace {
@@ -43,11 +44,6 @@ class Fingerprint {
  private:
   uint64_t value_ = 14695981039346656037u;
 };
-
-const char* name_of(SynthesisMethod method) {
-  using enum SynthesisMethod;
-  return method == exact ? "exact" : method == tiled ? "tiled" : method == planes ? "planes" : "auto";
-}
 
 // One file of the job: the sets of a name, as its planes, and their bands, in the order of the job's.
 struct BandFile {
@@ -184,7 +180,7 @@ BandedJob describe_job(const Work& work, const BandFile& file) {
     waves += fmt::format("{} waves at {}, ", set.waves.size(), format_length(set.wavelength));
   }
   return {fmt::format("{}x{} pixels of {}, {}method {}, tolerance {}, {} bands", job.panel.nx, job.panel.ny,
-                      format_length(job.panel.pitch), waves, name_of(job.params.method), job.params.tolerance,
+                      format_length(job.panel.pitch), waves, method_name(job.params.method), job.params.tolerance,
                       file.bands.size()),
           f.value(), file.bands.size(), named_rates()};
 }

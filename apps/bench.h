@@ -58,6 +58,8 @@ std::string short_count(int64_t count);
 std::vector<BenchStep> exact_steps(const BenchOptions& options);
 std::vector<BenchStep> tiled_steps(const BenchOptions& options);
 std::vector<BenchStep> planes_steps(const BenchOptions& options);
+std::vector<BenchStep> layers_steps(const BenchOptions& options);
+std::vector<BenchStep> triangles_steps(const BenchOptions& options);
 std::vector<BenchStep> auto_steps(const BenchOptions& options);
 std::vector<BenchStep> trace_steps(const BenchOptions& options);
 std::vector<BenchStep> propagate_steps(const BenchOptions& options);

@@ -26,9 +26,9 @@ struct BenchGroup {
 };
 
 // In the order of the table. A stage joins the benchmark by a line here and its steps in bench.h.
-const BenchGroup groups[] = {{"trace", trace_steps},   {"exact", exact_steps}, {"tiled", tiled_steps},
-                             {"planes", planes_steps}, {"auto", auto_steps},   {"propagate", propagate_steps},
-                             {"show", show_steps}};
+const BenchGroup groups[] = {{"trace", trace_steps},   {"exact", exact_steps},         {"tiled", tiled_steps},
+                             {"planes", planes_steps}, {"layers", layers_steps},       {"triangles", triangles_steps},
+                             {"auto", auto_steps},     {"propagate", propagate_steps}, {"show", show_steps}};
 
 std::vector<std::string> group_names() {
   std::vector<std::string> names{"ceilings"};
@@ -171,7 +171,8 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
       ->excludes("--quick");
   command->add_option("--only", o->only, fmt::format("these stages alone: {}", fmt::join(group_names(), ", ")))
       ->delimiter(',')
-      ->check(check_group, "NAME,NAME...", "NAME,NAME...");
+      ->type_name("NAME,NAME")
+      ->check(check_group, "", "");
   command->callback([o, &global] {
     BenchOptions options;
     if (o->is_quick) options = {.is_quick = true, .seconds_per_row = 0.2, .longest_seconds = 1};

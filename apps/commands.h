@@ -18,7 +18,8 @@ struct GlobalFlags {
 };
 
 // Each adds its subcommands with their flags and what they do.
-void add_scene_commands(CLI::App& app, const GlobalFlags& global);     // run, render, trace, field
+void add_scene_commands(CLI::App& app, const GlobalFlags& global);     // run, render, trace
+void add_field_command(CLI::App& app, const GlobalFlags& global);      // field
 void add_hologram_commands(CLI::App& app, const GlobalFlags& global);  // encode, show, propagate
 void add_inspect_commands(CLI::App& app, const GlobalFlags& global);   // compare, limits, info
 void add_bench_command(CLI::App& app, const GlobalFlags& global);      // bench
@@ -27,6 +28,12 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global);   // estima
 /// Adds `-o`, required.
 inline void add_output(CLI::App& command, std::string& path, const std::string& help) {
   command.add_option("-o,--output", path, help)->required()->type_name("FILE");
+}
+
+/// Adds `--wavelength`.
+inline void add_wavelength(CLI::App& command, std::string& text) {
+  command.add_option("--wavelength", text, "one, or several for colour, as \"638 nm, 520 nm, 450 nm\" [the input's]")
+      ->type_name("LENGTHS");
 }
 
 /// A panel by the name of a preset, or the [slm] of a scene file. @throws Error as slm_preset and load_job do

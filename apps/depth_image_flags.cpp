@@ -6,6 +6,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/io/depth_image_file.h"
 #include "holotrace/wave/depth_layers.h"
+#include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
 namespace {
@@ -59,7 +60,7 @@ std::vector<Field> DepthImageFlags::fields(const std::string& picture, const Gri
   SynthesizeParams synthesize;
   synthesis.apply(synthesize);
   require(synthesize.method == SynthesisMethod::automatic || synthesize.method == SynthesisMethod::layers,
-          "--method: expected layers for a picture with depths, got another; leave it out");
+          "--method: expected layers for a picture with depths, got {}; leave it out", method_name(synthesize.method));
   const DepthImage image = load_depth_image(picture, depth_, params.near, params.far);
   if (wavelengths.empty()) wavelengths = {532_nm};
   std::vector<Field> fields;

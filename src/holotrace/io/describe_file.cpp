@@ -83,6 +83,8 @@ Json describe(const std::vector<FieldDouble>& stack) {
             {"image", field.image == ImageSide::real_image ? "real" : "virtual"},
             {"power_w", watts},
             {"largest_amplitude", largest}};
+  if (field.grid.centre_x != 0 || field.grid.centre_y != 0)
+    json["centre"] = format_length(field.grid.centre_x) + ", " + format_length(field.grid.centre_y);
   add_part(field.name, field.frame, json);
   return json;
 }

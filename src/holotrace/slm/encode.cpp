@@ -118,6 +118,9 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
   if (field.z != 0)
     observer.warn(fmt::format("the field is at z = {} and is shown at the panel, z = 0; propagate it there first",
                               format_length(field.z)));
+  if (field.grid.centre_x != 0 || field.grid.centre_y != 0)
+    observer.warn(fmt::format("the field is centred on ({}, {}) and is shown on the axis",
+                              format_length(field.grid.centre_x), format_length(field.grid.centre_y)));
   const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
   if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark))
     observer.warn("the field is dark everywhere and the hologram holds nothing; is a source inside the panel's view?");

@@ -73,8 +73,9 @@ void check_band_method(const SynthesizeParams& params) {
   using enum SynthesisMethod;
   require(
       params.method != layers && params.method != triangles,
-      "expected the method auto, exact, tiled or planes for a field made in bands, got another; choose one of them, "
-      "or make the field whole, without --memory and without mpirun");
+      "expected the method auto, exact, tiled or planes for a field made in bands, got {}; choose one of them, or make "
+      "the field whole, without --memory and without mpirun",
+      method_name(params.method));
 }
 
 double band_memory(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params, int rows) {

@@ -51,6 +51,24 @@ void report_boxes(const Sources& sources, const Grid& grid, const Observer& obse
 
 }  // namespace
 
+std::string method_name(SynthesisMethod method) {
+  switch (method) {
+    case SynthesisMethod::exact:
+      return "exact";
+    case SynthesisMethod::tiled:
+      return "tiled";
+    case SynthesisMethod::planes:
+      return "planes";
+    case SynthesisMethod::layers:
+      return "layers";
+    case SynthesisMethod::triangles:
+      return "triangles";
+    case SynthesisMethod::automatic:
+      break;
+  }
+  return "auto";
+}
+
 int64_t waves_pixels(const Sources& sources, const Grid& grid) {
   int64_t sum = 0;
   for_each_wave(sources, grid, [&](int64_t pixels) { sum += pixels; });

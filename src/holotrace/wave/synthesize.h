@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/params.h"
@@ -22,6 +24,9 @@ namespace holotrace {
 /// misses the panel.
 Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
                  const Observer& observer = {});
+
+/// The name of a method as flags and scenes have it.
+std::string method_name(SynthesisMethod method);
 
 /// The waves·pixels that the boxes of the sources hold: the work of a summation.
 int64_t waves_pixels(const Sources& sources, const Grid& grid);

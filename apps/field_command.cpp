@@ -1,0 +1,250 @@
+// The subcommand field: from a scene, sources or a picture with depths to the field on the panel.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "banded_field.h"
+#include "commands.h"
+#include "console.h"
+#include "depth_image_flags.h"
+#include "flags.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/io/field_file.h"
+#include "holotrace/io/mesh_file.h"
+#include "holotrace/io/output.h"
+#include "holotrace/io/scene_file.h"
+#include "holotrace/io/sources_file.h"
+#include "holotrace/pipeline.h"
+#include "holotrace/wave/bands.h"
+#include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/sum_triangles_exact.h"
+#include "holotrace/wave/synthesize.h"
+#include "ranks.h"
+
+namespace holotrace {
+namespace {
+
+// --double overrules a scene file's method, but not flags beside it.
+void check_is_for_double(const Flags& flags) {
+  SynthesizeParams given;
+  flags.apply(given);
+  using enum SynthesisMethod;
+  const bool is_fast = given.method == tiled || given.method == planes || given.method == layers;
+  require(!is_fast && !flags.has("tolerance"),
+          "expected --double alone, or with the methods exact or triangles, for it sums wave by wave; got {0} too: "
+          "leave out {0}, or --double",
+          is_fast ? "--method " + method_name(given.method) : "--tolerance");
+}
+
+// A flag of a method that is not in use would be passed over without a word.
+void check_flags_of_method(const Flags& flags, const SynthesizeParams& params) {
+  require(params.slices >= 0, "--slices: expected 0 (as many as the tolerance needs) or more, got {}", params.slices);
+  const auto check = [&](const char* flag, SynthesisMethod method) {
+    require(!flags.has(flag) || params.method == method,
+            "expected {0} with --method {1}, got the method {2}; add --method {1}, or leave out {0}", dashed(flag),
+            method_name(method), method_name(params.method));
+  };
+  check("slices", SynthesisMethod::layers);
+  check("silhouettes", SynthesisMethod::layers);
+  check("shading", SynthesisMethod::triangles);
+  check("triangle_phase", SynthesisMethod::triangles);
+}
+
+// The waves of a scene, or of files of one set each.
+std::vector<Sources> read_sources(const std::vector<std::string>& paths, const std::vector<double>& wavelengths) {
+  require(wavelengths.size() <= 1 || wavelengths.size() == paths.size(),
+          "--wavelength: expected one length, or one for each of {} files of sources, got {}", paths.size(),
+          wavelengths.size());
+  std::vector<Sources> sets;
+  for (size_t i = 0; i < paths.size(); ++i) {
+    const double given = wavelengths.empty() ? 0 : wavelengths[std::min(i, wavelengths.size() - 1)];
+    sets.push_back(load_sources(paths[i], given));
+    if (given > 0) sets.back().wavelength = given;
+    for (size_t j = 0; j < i; ++j)
+      require(sets[j].wavelength != sets[i].wavelength || sets[j].name != sets[i].name,
+              "expected sources of different wavelengths or names, got {} and {} at {}; make one file of them if they "
+              "are coherent, or holograms of each",
+              paths[j], paths[i], format_length(sets[i].wavelength));
+  }
+  return sets;
+}
+
+std::vector<FieldDouble> exact_fields(std::vector<Sources> sets, uint32_t frame, const Grid& panel,
+                                      const Observer& observer) {
+  std::vector<FieldDouble> fields;
+  for (Sources& set : sets) {
+    set_frame(set, frame);
+    fields.push_back(set.waves.empty() && sets.size() > 1 ? FieldDouble(panel, set.wavelength)
+                                                          : sum_exact(set, panel, observer));
+    fields.back().name = set.name;
+    fields.back().frame = frame;
+  }
+  return fields;
+}
+
+// A panel that is not a preset: the one named, with these rows, columns and pitch.
+struct PanelFlags {
+  std::optional<int> columns, rows;
+  std::string pitch;
+
+  void add(CLI::App& command) {
+    command.add_option("--columns", columns, "pixels of the panel from left to right [the panel's]")->type_name("N");
+    command.add_option("--rows", rows, "and from top to bottom [the panel's]")->type_name("N");
+    command.add_option("--pitch", pitch, "of its pixels [the panel's]")->type_name("LENGTH");
+  }
+  void apply(Grid& panel) const {
+    panel.nx = columns.value_or(panel.nx);
+    panel.ny = rows.value_or(panel.ny);
+    if (!pitch.empty()) panel.pitch = parse_length_flag("--pitch", pitch);
+    check_grid(panel);
+  }
+};
+
+// Under mpirun bands are the work that ranks share; without --memory each may use this.
+constexpr double memory_of_a_rank = 2e9;
+
+void check_is_for_bands(const Job& job, bool is_double) {
+  check_band_method(job.synthesize);
+  require(!is_double && job.trace.strategy != Strategy::gather,
+          "expected waves and single precision for a field made in bands, got {}; make it whole, without --memory and "
+          "without mpirun",
+          is_double ? "--double" : "the strategy gather");
+}
+
+void make_in_bands(const std::string& output, SceneLight light, uint32_t frame, const Job& job,
+                   const std::string& memory, const GlobalFlags& global, const Observer& observer) {
+  for (Sources& set : light.sources) {
+    set_frame(set, frame);
+    std::vector<uint64_t>().swap(set.phase_keys);  // needed for other frames only
+  }
+  const double bytes = memory.empty() ? memory_of_a_rank : parse_size_flag("--memory", memory);
+  make_field_in_bands(
+      {output, std::move(light.sources), job.slm.grid, job.synthesize, bytes, global.threads, global.is_quiet},
+      *global.ranks, observer);
+}
+
+// Told before the waves are traced.
+void check_whole_fits(const Grid& panel, bool is_double) {
+  const double bytes = double(panel.pixels()) * (is_double ? 16 : 8);
+  require(
+      bytes <= physical_memory(),
+      "expected a field of {} × {} samples to fit in memory, got a need of {} on a machine with {}; make it band by "
+      "band: --memory \"2 GB\" -o NAME.h5",
+      panel.nx, panel.ny, format_bytes(bytes), format_bytes(physical_memory()));
+}
+
+std::vector<FieldDouble> exact_fields(std::vector<Triangles> sets, uint32_t frame, const Grid& panel,
+                                      const Observer& observer) {
+  std::vector<FieldDouble> fields;
+  for (Triangles& set : sets) {
+    set_frame(set, frame);
+    fields.push_back(sum_triangles_exact(set, panel, 0.01, observer));
+    fields.back().name = set.name;
+    fields.back().frame = frame;
+  }
+  return fields;
+}
+
+}  // namespace
+
+void add_field_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("field", "scene, sources or a picture with depths to the field on the panel");
+  struct Options {
+    std::vector<std::string> inputs;
+    std::string output, slm, wavelengths, memory;
+    std::optional<uint32_t> frame;
+    bool is_double = false;
+    PanelFlags panel;
+    Flags flags;
+    DepthImageFlags depth_image;
+  };
+  auto o = std::make_shared<Options>();
+  command
+      ->add_option("input", o->inputs, "scene (.toml), sources (.ply, one file per set), or a picture (with --depth)")
+      ->required()
+      ->type_name("SCENE.toml|SOURCES.ply|IMAGE");
+  add_output(*command, o->output,
+             "field: .npy (with a sidecar .json), .h5 or .exr; one per layer and light: NAME, NAME_2, …");
+  command->add_option("--slm", o->slm, "panel by name [the scene's, or pluto]")->type_name("NAME|SCENE.toml");
+  o->panel.add(*command);
+  add_wavelength(*command, o->wavelengths);
+  command
+      ->add_option(
+          "--memory", o->memory,
+          "most that a process may use, as \"2 GB\": the field is made band by band into an .h5 file, and a run "
+          "that was ended is taken up again by the same command [the field at once; under mpirun 2 GB]")
+      ->type_name("SIZE");
+  command->add_option("--frame", o->frame, "whose random phases the waves take, from 0 [the input's]")->type_name("N");
+  command->add_flag("--double", o->is_double,
+                    "sum by the method exact (triangles: as dense points, slow) and keep complex128");
+  o->flags.add(*command, SynthesizeParams());
+  o->depth_image.add(*command);
+  command->callback([o, &global] {
+    if (o->depth_image.check(o->inputs, o->is_double)) {
+      const std::vector<double> wavelengths =
+          o->wavelengths.empty() ? std::vector<double>{} : parse_lengths_flag("--wavelength", o->wavelengths);
+      check_output(o->output, field_extensions(false));
+      Console console(global.is_quiet);
+      Grid panel = slm_by_name(o->slm.empty() ? "pluto" : o->slm).grid;
+      o->panel.apply(panel);
+      check_whole_fits(panel, false);
+      require(o->memory.empty() && !global.ranks->has_launcher(),
+              "expected --memory or mpirun with a scene or sources, got a picture with depths, which is made whole; "
+              "leave them out");
+      const auto fields = o->depth_image.fields(o->inputs.front(), panel, wavelengths, o->frame.value_or(0), o->flags,
+                                                console.watch("synthesize"));
+      console.finish();
+      save_fields(o->output, fields);
+      return;
+    }
+    if (o->is_double) check_is_for_double(o->flags);
+    const std::string extension = std::filesystem::path(o->inputs.front()).extension().string();
+    const bool is_scene = extension == ".toml" || (is_mesh_file(o->inputs.front()) && extension != ".ply");
+    if (is_scene && o->inputs.size() > 1) throw CLI::ExtrasError({o->inputs.begin() + 1, o->inputs.end()});
+    Job job;
+    job.slm = slm_preset("pluto");
+    if (is_scene) job = load_job(o->inputs.front());
+    if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
+    o->panel.apply(job.slm.grid);
+    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
+    require(!(o->is_double && job.trace.strategy == Strategy::gather),
+            "expected --double with a scene whose strategy makes waves, got gather; take the strategy shared or tiled");
+    o->flags.apply(job.synthesize);
+    check_flags_of_method(o->flags, job.synthesize);
+    const bool is_banded = !o->memory.empty() || global.ranks->has_launcher();
+    check_output(o->output, is_banded ? std::vector<std::string>{".h5"} : field_extensions(o->is_double));
+    if (is_banded)
+      check_is_for_bands(job, o->is_double);
+    else
+      check_whole_fits(job.slm.grid, o->is_double);
+    Console console(global.is_quiet);
+    require(is_scene || job.synthesize.method != SynthesisMethod::triangles,
+            "expected a scene or a mesh for --method triangles, which has surfaces shine, got the waves of {}; take "
+            "another method, or the scene that they were traced from",
+            o->inputs.front());
+    SceneLight light = is_scene ? trace_light(job, console.watch("trace"))
+                                : SceneLight{read_sources(o->inputs, job.wavelengths), {}, {}};
+    const uint32_t frame = o->frame.value_or(light.sources.empty() ? 0 : light.sources.front().frame);
+    const Observer observer = console.watch("synthesize");
+    if (is_banded) {
+      make_in_bands(o->output, std::move(light), frame, job, o->memory, global, observer);
+      console.finish();
+      return;
+    }
+    const auto save = [&](const auto& fields) {
+      console.finish();
+      const auto stacks = group_by_name(fields);
+      for (size_t i = 0; i < stacks.size(); ++i) save_fields(numbered_path(o->output, i), stacks[i]);
+    };
+    if (o->is_double && !light.triangles.empty())
+      save(exact_fields(light.triangles, frame, job.slm.grid, observer));
+    else if (o->is_double)
+      save(exact_fields(light.sources, frame, job.slm.grid, observer));
+    else
+      save(fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer));
+  });
+}
+
+}  // namespace holotrace
