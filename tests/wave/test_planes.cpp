@@ -136,13 +136,35 @@ TEST(SumPlanesBox, KeepsItsToleranceForWavesThatCancel) {
                          {{1_mm, 0.5_mm, -0.2_m - 1_um}, 1, float(pi - 2 * pi * std::fmod(1_um / green, 1.0))}}};
   const FieldDouble exact = sum_exact(sources, grid);
   ASSERT_LT(power(exact), 0.01 * double(grid.pixels()) * 64e-12);
-  EXPECT_LT(relative_error(sum_planes(sources, grid, 1e-2), exact), 1e-2);
+  EXPECT_LT(relative_error(sum_planes(sources, grid, 2e-2), exact), 2e-2);
+}
+
+// Pairs in antiphase, half a cell apart: the field has a sixth of its waves' energy, which the plan has to find out.
+TEST(SumPlanesBox, KnowHowMuchTheirWavesCancel) {
+  const Grid grid{60, 60, 8_um};
+  Sources sources{green, {}};
+  const Sources random = make_random_sources(200, grid, green, 0.2_m, 0.2_m);
+  for (const Source& s : random.waves) {
+    Source other = s;
+    other.origin.x += green * 0.2_m / (4 * grid.width());
+    other.phase += float(pi);
+    sources.waves.push_back(s);
+    sources.waves.push_back(other);
+  }
+  const auto waves = prepare_waves(sources, grid);
+  const PixelBox all{0, grid.nx, 0, grid.ny};
+  const TileChoice tiles = choose_tile(waves, grid, green, 1e-3);
+  const PlanesChoice planes = choose_planes(waves, tiles.plan, grid, all, green, 1e-3);
+  EXPECT_NEAR(planes.energies.waves / tiles.energies.waves, 1, 0.1);  // an eighth of the draws, 1,024 of them
+  const FieldDouble exact = sum_exact(sources, grid);
+  for (const double tolerance : {1.5e-4, 1.2e-4})
+    EXPECT_LT(relative_error(sum_planes(sources, grid, tolerance), exact), tolerance);
 }
 
 // Many waves: auto takes planes, and their error is that of some of the pixels.
 TEST(SumPlanesBox, AutoTakesThemForManyWaves) {
   const Grid grid{600, 400, 8_um};
-  const Sources sources = make_random_sources(30000, grid, green, 0.19_m, 0.21_m);
+  const Sources sources = make_random_sources(100000, grid, green, 0.19_m, 0.21_m);
   std::string method;
   const Observer observer{nullptr,
                           [&](const std::string& name, const Fact& fact) {
@@ -151,7 +173,7 @@ TEST(SumPlanesBox, AutoTakesThemForManyWaves) {
                           nullptr};
   const Field field = synthesize(sources, grid, {SynthesisMethod::automatic, 3e-3}, observer);
   EXPECT_EQ(method, "planes");
-  EXPECT_LT(sampled_error(field, sources, 100), 3.9e-3);  // 100 pixels tell the error to about 1/√(2·100), 4 σ: 30 %
+  EXPECT_LT(sampled_error(field, sources, 50), 4.2e-3);  // 50 pixels tell the error to about 1/√(2·50), 4 σ: 40 %
 }
 
 TEST(SumPlanesBox, RefusesAToleranceThatFloatsCannotHold) {

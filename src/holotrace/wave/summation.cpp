@@ -16,6 +16,8 @@
 namespace holotrace {
 namespace {
 
+constexpr double from_memory = 1.6;        // rates are of a tile in the caches, and planes read all waves for each
+constexpr double seconds_to_plan = 0.2;    // of planes: what many waves win back
 constexpr double bytes_per_wave = 340;     // made ready, split into far and near, sorted
 constexpr double bytes_per_thread = 15e6;  // grids of a tile of 240 pixels on 4 planes, and its transforms
 
@@ -70,9 +72,10 @@ PartPlan make_plan(const std::vector<PreparedWave>& waves, const Grid& grid, con
   if (approach == Approach::tiled) return tiles;
   const auto seconds = [](const PartPlan& plan) { return predict_seconds(work_of(plan), summation_rates(), 1); };
   const double by_tiles = tiles.meets_tolerance() ? seconds(tiles) : 1e300;
+  if (by_tiles < seconds_to_plan) return tiles;
   PartPlan planes = plan_planes(waves, grid, bounds, wavelength, tolerance, coherence, by_tiles);
   if (planes.far.empty() || !planes.meets_tolerance()) return tiles;
-  return seconds(planes) < by_tiles ? planes : tiles;
+  return from_memory * seconds(planes) + seconds_to_plan < by_tiles ? planes : tiles;
 }
 
 // Calls work(box, buffers) for the tiles of `bounds`, from its top left corner on.
@@ -164,7 +167,8 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds,
     const PartPlan plan = make_plan(waves, field.grid, bounds, field.wavelength, tolerance, coherence, approach);
     part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan), part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
-    part.predicted_seconds += predict_seconds(work_of(plan), summation_rates(), thread_count());
+    part.predicted_seconds +=
+        (plan.far.empty() ? 1 : from_memory) * predict_seconds(work_of(plan), summation_rates(), thread_count());
     run_plan(plan, bounds, field, observer);
     // A part of a few pixels may be dark by chance. It weighs little in the whole, which is what the tolerance is of.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
@@ -187,7 +191,7 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   check_sources(sources);
   require_memory(sizeof(std::complex<float>) * double(grid.pixels()) + bytes_per_wave * double(sources.waves.size()) +
                      bytes_per_thread * thread_count(),
-                 fmt::format("a field of {} × {} samples of {} waves", grid.nx, grid.ny, sources.waves.size()));
+                 fmt::format("a field of {} × {} samples", grid.nx, grid.ny));
   Field field(grid, sources.wavelength);
   // Parts whose error is at most the tolerance times their own energy make a whole of which the same holds.
   PartSum worst;
