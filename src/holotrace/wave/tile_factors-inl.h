@@ -21,20 +21,19 @@ using Floats = hn::ScalableTag<float>;
 using V = hn::Vec<Floats>;
 using Words = hn::RebindToUnsigned<Floats>;
 
-constexpr int planes = 3;          // a, b and a + b of a factor a + ib
-constexpr int packed_batch = 256;  // waves that a batch holds
+constexpr int planes = 3;   // a, b and a + b of a factor a + ib
+constexpr int batch = 128;  // waves whose factors are held at once: they stay in the caches between products
 
 // What the factors of a batch's waves in one tile need. The tile's centre lies at (x, y) from a wave's origin, at the
 // distance r₀.
 struct TileBatch {
   int count = 0;
   bool has_row_edges = false;  // a wave ends between two rows of the tile
-  alignas(64) double x[packed_batch], y[packed_batch], depth[packed_batch], start[packed_batch],
-      amplitude[packed_batch];
-  alignas(64) float twice_x[packed_batch], twice_y[packed_batch], inverse_r0_squared[packed_batch],
-      r0_over_wavelength[packed_batch], phase[packed_batch], scale[packed_batch], greatest_t[packed_batch];
-  alignas(64) float first_row[packed_batch], last_row[packed_batch];
-  int first_column[packed_batch], last_column[packed_batch];
+  alignas(64) double x[batch], y[batch], depth[batch], start[batch], amplitude[batch];
+  alignas(64) float twice_x[batch], twice_y[batch], inverse_r0_squared[batch],
+      r0_over_wavelength[batch], phase[batch], scale[batch], greatest_t[batch];
+  alignas(64) float first_row[batch], last_row[batch];
+  int first_column[batch], last_column[batch];
 };
 
 inline void add_wave(TileBatch& b, const PreparedWave& wave, double x_centre, double y_centre, const PixelBox& box,

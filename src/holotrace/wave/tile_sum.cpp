@@ -22,8 +22,7 @@ namespace holotrace {
 namespace HWY_NAMESPACE {
 namespace {
 
-constexpr int batch = 128;  // waves whose factors are held at once for products in single precision
-constexpr int pairs = packed_batch / 2;
+constexpr int pairs = batch / 2;
 
 template <Series series>
 void row_factors(const TileBatch& b, const Offsets& offsets, TileShape tile, float* rows) {
@@ -169,7 +168,7 @@ void packed_column_factors(const TileBatch& b, const Offsets& offsets, TileShape
 }
 
 // With two parts each, of the four products all but the smallest: the first alone, and each first with a second.
-void multiply_packed_batch(TileWorkspace& s, TileShape tile, int waves, int parts) {
+void multiply_pairs(TileWorkspace& s, TileShape tile, int waves, int parts) {
   const size_t row_step = packed_row_words(tile), column_step = packed_column_words(tile);
   for (size_t p = 0; p < planes; ++p) {
     const uint32_t* const rows = s.packed_rows.data() + p * row_step * size_t(parts);
@@ -217,7 +216,7 @@ void add_packed(const TileBatch& b, const Offsets& offsets, TileShape tile, int 
     packed_column_factors<fixed()>(b, offsets, tile, parts, s.packed_columns.data());
     packed_row_factors<fixed()>(b, offsets, tile, parts, s.packed_rows.data());
   });
-  multiply_packed_batch(s, tile, b.count, parts);
+  multiply_pairs(s, tile, b.count, parts);
 }
 
 // The tile's rows as its sums are held.
@@ -257,12 +256,11 @@ void SumTile(const std::vector<PreparedWave>& waves, const Grid& grid, double wa
   prepare_workspace(plan, s);
   const Offsets offsets(tile, grid.pitch);
   const double x_centre = grid.x(box.x0 + (tile.columns - 1) / 2.0), y_centre = grid.y(box.y0 + (tile.rows - 1) / 2.0);
-  const int most = plan.products == TileProducts::single ? batch : packed_batch;
   TileBatch b;
   for (const PreparedWave& wave : waves) {
     if (intersect(wave.box, box).is_empty()) continue;
     add_wave(b, wave, x_centre, y_centre, box, tile.rows);
-    if (b.count == most) add_batch(b, offsets, wavelength, grid.pitch, plan, s);
+    if (b.count == batch) add_batch(b, offsets, wavelength, grid.pitch, plan, s);
   }
   add_batch(b, offsets, wavelength, grid.pitch, plan, s);
   const float* const ac = s.sums.data();
