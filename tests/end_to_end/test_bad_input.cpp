@@ -390,8 +390,13 @@ TEST(BadInput, FlagsThatWouldBeIgnoredAreRefused) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   };
-  expect_error(work, with(field, {"--method", "tiled"}), {"--double", "--method exact", "leave out --method tiled"});
+  expect_error(work, with(field, {"--method", "tiled"}), {"--double", "methods exact", "leave out --method tiled"});
   expect_error(work, with(field, {"--tolerance", "1e-2"}), {"--double", "leave out --tolerance"});
+  expect_error(work, with(field, {"--method", "planes"}), {"--double", "leave out --method planes"});
+  const std::vector<std::string> single{"field", "scene.toml", "-o", "f.npy"};
+  expect_error(work, with(single, {"--silhouettes", "true"}), {"--silhouettes", "--method layers", "auto"});
+  expect_error(work, with(single, {"--shading", "flat", "--method", "tiled"}), {"--shading", "--method triangles"});
+  expect_error(work, with(single, {"--slices", "-1"}), {"--slices", "0", "-1"});
   const std::vector<std::string> angle{"limits", "--angle", "15 deg"};
   expect_error(work, with(angle, {"--period", "16 um"}), {"--angle", "--period"});
   expect_error(work, with(angle, {"--order", "2"}), {"--angle", "--order"});
