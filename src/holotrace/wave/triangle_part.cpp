@@ -64,17 +64,28 @@ class Cutter {
   }
 
  private:
+  // Whether no part of it, at whatever depth it has, reaches a pixel: large surfaces are not cut where they are out of
+  // view.
+  bool misses_panel(const Corners& c) const {
+    const auto [left, right] = std::minmax({c[0].x, c[1].x, c[2].x});
+    const auto [low, high] = std::minmax({c[0].y, c[1].y, c[2].y});
+    const double reach = -std::min({c[0].z, c[1].z, c[2].z}) * tangent_;
+    const double half_x = grid_.width() / 2 + reach, half_y = grid_.height() / 2 + reach;
+    return right < grid_.centre_x - half_x || left > grid_.centre_x + half_x || high < grid_.centre_y - half_y ||
+           low > grid_.centre_y + half_y;
+  }
+
   // Cuts until each part has a box that suits all of it.
   template <class Visit>
   void whole(const Triangle& t, const Corners& c, const Visit& visit) const {
+    if (misses_panel(c)) return;
     const Vec3 centre = (c.at[0] + c.at[1] + c.at[2]) / 3;
     const auto [side, size] = longest_side(c, [](Vec3 v) { return length(v); });
     if (size > -centre.z * tangent_ / 2) {
       for (const Corners& half : bisect(c, side)) whole(t, half, visit);
       return;
     }
-    const PixelBox box = lit_box({centre, 0, 0}, grid_, tangent_);
-    if (!box.is_empty()) fine(t, c, box, visit);
+    fine(t, c, lit_box({centre, 0, 0}, grid_, tangent_), visit);
   }
 
   template <class Visit>
