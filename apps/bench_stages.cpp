@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "bench.h"
-#include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/estimate/ceilings.h"
+#include "holotrace/estimate/timed_jobs.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/wave/cost_model.h"
@@ -19,14 +19,7 @@ namespace {
 
 using namespace literals;
 
-const Grid full_hd{1920, 1080, 8_um}, ultra_hd{3840, 2160, 3.74_um};
-
-Field random_phases(const Grid& panel) {
-  Field field(panel, 532_nm);
-  CounterRandom random(1, 0, 0);
-  for (auto& u : field.samples.values) u = std::polar(1.0F, float(2 * pi * random.uniform()));
-  return field;
-}
+const Grid full_hd = timed_full_hd, ultra_hd = timed_ultra_hd;
 
 std::string size_of(const Grid& grid) { return fmt::format("{}x{}", grid.nx, grid.ny); }
 
@@ -34,7 +27,7 @@ std::string size_of(const Grid& grid) { return fmt::format("{}x{}", grid.nx, gri
 // larger part of the ceiling.
 template <class Real>
 BenchRow bench_propagation(const BenchOptions& options, const Grid& panel, const char* precision, bool is_cached) {
-  const auto field = convert<Real>(random_phases(panel));
+  const auto field = convert<Real>(timed_field(panel));
   const auto propagator = make_propagator<Real>(panel, 532_nm, 0.3_m);
   propagate(field, propagator);  // plans are made here
   const double amount = 2 * fft_operations(double(propagator.padded_nx) * propagator.padded_ny);
@@ -52,7 +45,7 @@ BenchRow bench_propagation(const BenchOptions& options, const Grid& panel, const
 
 BenchRow bench_encode(const BenchOptions& options) {
   const Slm slm = slm_preset("pluto");
-  const Field field = random_phases(slm.grid);
+  const Field field = timed_field(slm.grid);
   // A complex sample in, a level out.
   const double bytes = double(slm.grid.pixels()) * (sizeof(std::complex<float>) + sizeof(uint16_t));
   const double bandwidth = measure_memory_bandwidth();  // takes longer than encoding does: once
@@ -63,7 +56,7 @@ BenchRow bench_encode(const BenchOptions& options) {
 
 BenchRow bench_show(const BenchOptions& options, int subpixels) {
   const Slm slm = slm_preset("pluto");
-  const Hologram hologram = encode(random_phases(slm.grid), slm, {});
+  const Hologram hologram = encode(timed_field(slm.grid), slm, {});
   const ShowParams params{.subpixels = subpixels};
   show(hologram, slm, params);  // plans are made here
   const double amount = fft_operations(double(slm.grid.pixels()) * subpixels * subpixels);

@@ -10,11 +10,11 @@
 #include "bench.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/instruction_set.h"
-#include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/bf16_peak.h"
 #include "holotrace/estimate/multiply_add_peak.h"
+#include "holotrace/estimate/timed_jobs.h"
 #include "holotrace/wave/packed_product.h"
 #include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/sum_exact.h"
@@ -28,7 +28,7 @@ namespace {
 
 using namespace literals;
 
-const Grid full_hd{1920, 1080, 8_um}, ultra_hd{3840, 2160, 3.74_um};
+const Grid full_hd = timed_full_hd, ultra_hd = timed_ultra_hd;
 
 /// Waves of random phase, spread over the panel and over a range of depths.
 struct WaveJob {
@@ -43,19 +43,6 @@ struct WaveJob {
 
 WaveJob narrow(const Grid& panel, int waves) { return {panel, waves, 0.19_m, 0.21_m}; }
 WaveJob wide(const Grid& panel, int waves) { return {panel, waves, 0.15_m, 0.25_m}; }
-
-Sources make_sources(const WaveJob& job) {
-  Sources sources;
-  sources.wavelength = 532_nm;
-  CounterRandom random(1, 0, 0);
-  for (int j = 0; j < job.waves; ++j)
-    sources.waves.push_back(
-        {{(random.uniform() - 0.5) * job.panel.width(), (random.uniform() - 0.5) * job.panel.height(),
-          -job.nearest - (job.farthest - job.nearest) * random.uniform()},
-         1,
-         float(2 * pi * random.uniform())});
-  return sources;
-}
 
 // As many pixels as the exact sum does in about a second.
 int compared_pixels(const WaveJob& job) { return std::clamp(int(3e7 / job.waves), 100, 2000); }
@@ -76,7 +63,7 @@ Observer keep_facts(Facts& facts) {
 
 BenchRow bench_sum(const BenchOptions& options, const std::string& stage, const WaveJob& job, double tolerance,
                    const std::function<Field(const Sources&, const Observer&)>& sum) {
-  const Sources sources = make_sources(job);
+  const Sources sources = timed_waves(job.panel, job.waves, job.nearest, job.farthest);
   const double amount = double(waves_pixels(sources, job.panel));
   Field field;
   Facts facts;
@@ -91,7 +78,7 @@ BenchRow bench_sum(const BenchOptions& options, const std::string& stage, const 
 }
 
 BenchRow bench_exact(const BenchOptions& options, const WaveJob& job) {
-  const Sources sources = make_sources(job);
+  const Sources sources = timed_waves(job.panel, job.waves, job.nearest, job.farthest);
   const double amount = double(waves_pixels(sources, job.panel));
   const Timing timing = time_work(
       options, [&] { sum_exact(sources, job.panel); }, amount);
@@ -144,7 +131,7 @@ Field sum_by(const TilePlan& plan, const std::vector<PreparedWave>& waves, const
 
 BenchRow bench_kernel(const BenchOptions& options, const TiledKernel& kernel, const WaveJob& job, double tolerance) {
   const OnInstructionSet alone(kernel.instruction_set);
-  const Sources sources = make_sources(job);
+  const Sources sources = timed_waves(job.panel, job.waves, job.nearest, job.farthest);
   const std::vector<PreparedWave> waves = prepare_waves(sources, job.panel);
   const TilePlan plan = plan_for(kernel, waves, job.panel, sources.wavelength, tolerance);
   const double amount = double(waves_pixels(sources, job.panel));

@@ -13,7 +13,7 @@ namespace {
 
 template <class Real>
 void propagation(benchmark::State& state) {
-  const auto field = convert<Real>(random_phases(panel_of(state.range(0))));
+  const auto field = convert<Real>(timed_field(panel_of(state.range(0))));
   const auto propagator = make_propagator<Real>(field.grid, 532_nm, 0.3_m);
   const double ceiling = measure_fft_in_cache();
   for (auto _ : state) benchmark::DoNotOptimize(propagate(field, propagator));
@@ -31,7 +31,7 @@ BENCHMARK(transfer_function)->ArgName("panel")->DenseRange(0, 1)->Unit(benchmark
 
 void encoding(benchmark::State& state) {
   const Slm slm = slm_preset("pluto");
-  const Field field = random_phases(slm.grid);
+  const Field field = timed_field(slm.grid);
   const double ceiling = measure_memory_bandwidth();
   for (auto _ : state) benchmark::DoNotOptimize(encode(field, slm, {}));
   count(state, "bytes", double(slm.grid.pixels()) * (sizeof(std::complex<float>) + sizeof(uint16_t)), ceiling);
@@ -40,7 +40,7 @@ BENCHMARK(encoding)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void showing(benchmark::State& state) {
   const Slm slm = slm_preset("pluto");
-  const Hologram hologram = encode(random_phases(slm.grid), slm, {});
+  const Hologram hologram = encode(timed_field(slm.grid), slm, {});
   const ShowParams params{.subpixels = int(state.range(0))};
   const double ceiling = measure_fft_in_cache();
   for (auto _ : state) benchmark::DoNotOptimize(show(hologram, slm, params));

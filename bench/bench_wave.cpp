@@ -17,7 +17,7 @@ void count_waves_pixels(benchmark::State& state, const Sources& sources, const G
 
 void exact(benchmark::State& state) {
   const Grid panel = panel_of(state.range(0));
-  const Sources sources = random_sources(panel, state.range(1), 0);
+  const Sources sources = waves_of(panel, state.range(1), 0);
   for (auto _ : state) benchmark::DoNotOptimize(sum_exact(sources, panel));
   count_waves_pixels(state, sources, panel, 0);
 }
@@ -32,7 +32,7 @@ void tiled_on(benchmark::State& state, const std::string& instruction_set) {
   const OnInstructionSet alone(instruction_set);
   const double ceiling = measure_multiply_add_peak() / 4;  // four multiply-adds for each wave and pixel
   const Grid panel = panel_of(state.range(0));
-  const Sources sources = random_sources(panel, state.range(1), state.range(2));
+  const Sources sources = waves_of(panel, state.range(1), state.range(2));
   for (auto _ : state) benchmark::DoNotOptimize(sum_tiled(sources, panel, 1.0 / double(state.range(3))));
   count_waves_pixels(state, sources, panel, ceiling);
 }
@@ -40,7 +40,7 @@ void tiled_on(benchmark::State& state, const std::string& instruction_set) {
 void by_method(benchmark::State& state, SynthesisMethod method) {
   const double ceiling = measure_multiply_add_peak() / 4;
   const Grid panel = panel_of(state.range(0));
-  const Sources sources = random_sources(panel, state.range(1), state.range(2));
+  const Sources sources = waves_of(panel, state.range(1), state.range(2));
   const SynthesizeParams params{.method = method, .tolerance = 1.0 / double(state.range(3))};
   for (auto _ : state) benchmark::DoNotOptimize(synthesize(sources, panel, params));
   count_waves_pixels(state, sources, panel, ceiling);

@@ -4,10 +4,8 @@
 
 #include <string>
 
-#include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
-#include "holotrace/data/field.h"
-#include "holotrace/data/sources.h"
+#include "holotrace/estimate/timed_jobs.h"
 
 // The jobs of the benchmarks, and how their counters are made. Ceilings are those of holotrace bench
 // (docs/performance.md).
@@ -17,27 +15,11 @@ namespace holotrace {
 using namespace literals;
 
 /// By the argument "panel": 0: 1920×1080 at 8 µm, 1: 3840×2160 at 3.74 µm.
-inline Grid panel_of(int64_t index) { return index == 0 ? Grid{1920, 1080, 8_um} : Grid{3840, 2160, 3.74_um}; }
+inline Grid panel_of(int64_t index) { return index == 0 ? timed_full_hd : timed_ultra_hd; }
 
-/// By the argument "depths": 0: 0.19–0.21 m, 1: 0.15–0.25 m. Waves of random place over the panel and random phase.
-inline Sources random_sources(const Grid& panel, int64_t count, int64_t depths) {
-  const double nearest = depths == 0 ? 0.19_m : 0.15_m, farthest = depths == 0 ? 0.21_m : 0.25_m;
-  Sources sources;
-  sources.wavelength = 532_nm;
-  CounterRandom random(1, 0, 0);
-  for (int64_t j = 0; j < count; ++j)
-    sources.waves.push_back({{(random.uniform() - 0.5) * panel.width(), (random.uniform() - 0.5) * panel.height(),
-                              -nearest - (farthest - nearest) * random.uniform()},
-                             1,
-                             float(2 * pi * random.uniform())});
-  return sources;
-}
-
-inline Field random_phases(const Grid& panel) {
-  Field field(panel, 532_nm);
-  CounterRandom random(1, 0, 0);
-  for (auto& u : field.samples.values) u = std::polar(1.0F, float(2 * pi * random.uniform()));
-  return field;
+/// By the argument "depths": 0: 0.19–0.21 m, 1: 0.15–0.25 m.
+inline Sources waves_of(const Grid& panel, int64_t count, int64_t depths) {
+  return depths == 0 ? timed_waves(panel, count, 0.19_m, 0.21_m) : timed_waves(panel, count, 0.15_m, 0.25_m);
 }
 
 /// Counters "UNIT/s" and, where the ceiling is known, "of_ceiling": `amount` units are done in each iteration.

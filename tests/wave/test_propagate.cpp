@@ -11,35 +11,16 @@
 #include "holotrace/wave/propagate.h"
 #include "holotrace/wave/propagation_kernel.h"
 #include "support/fields.h"
+#include "wave/direct_sums.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
+using testing::error_against_direct_sum;
 using testing::make_band_limited_noise;
 using testing::make_field;
 using testing::relative_error;
-
-// Error at pixels drawn over the output, against the direct Rayleigh–Sommerfeld sum.
-template <class Real>
-double error_against_direct_sum(const FieldDouble& input, double z, const PropagateParams& params) {
-  const BasicField<Real> output = propagate(convert<Real>(input), z, params);
-  CounterRandom random(5, 0, 0);
-  std::vector<Vec3> points;
-  std::vector<std::complex<double>> found;
-  for (int n = 0; n < 40; ++n) {
-    const int i = int(random.uniform() * output.grid.nx), j = int(random.uniform() * output.grid.ny);
-    points.push_back({output.grid.x(i), output.grid.y(j), z});
-    found.push_back(std::complex<double>(output.samples(j, i)));
-  }
-  const auto expected = sum_rayleigh_sommerfeld(input, points);
-  double error = 0, energy = 0;
-  for (size_t n = 0; n < points.size(); ++n) {
-    error += std::norm(found[n] - expected[n]);
-    energy += std::norm(expected[n]);
-  }
-  return std::sqrt(error / energy);
-}
 
 struct Window {
   int nx, ny;

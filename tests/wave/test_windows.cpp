@@ -14,11 +14,13 @@
 #include "holotrace/wave/propagation_kernel.h"
 #include "holotrace/wave/propagator_cache.h"
 #include "support/fields.h"
+#include "wave/direct_sums.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
+using testing::error_against_direct_sum;
 using testing::make_band_limited_noise;
 using testing::make_field;
 using testing::relative_error;
@@ -28,28 +30,6 @@ FieldDouble make_white_noise(const Grid& grid, uint32_t seed) {
   CounterRandom random(seed, 0, 0);
   for (auto& u : field.samples.values) u = {random.uniform() - 0.5, random.uniform() - 0.5};
   return field;
-}
-
-// Relative error over 60 pixels drawn from the output.
-template <class Real>
-double error_against_direct_sum(const FieldDouble& input, double z, const PropagateParams& params) {
-  const BasicField<Real> output = propagate(convert<Real>(input), z, params);
-  EXPECT_EQ(output.grid, propagation_output(input.grid, params));
-  CounterRandom random(5, 0, 0);
-  std::vector<Vec3> points;
-  std::vector<std::complex<double>> found;
-  for (int n = 0; n < 60; ++n) {
-    const int i = int(random.uniform() * output.grid.nx), j = int(random.uniform() * output.grid.ny);
-    points.push_back({output.grid.x(i), output.grid.y(j), z});
-    found.push_back(std::complex<double>(output.samples(j, i)));
-  }
-  const auto expected = sum_rayleigh_sommerfeld(input, points);
-  double error = 0, energy = 0;
-  for (size_t n = 0; n < points.size(); ++n) {
-    error += std::norm(found[n] - expected[n]);
-    energy += std::norm(expected[n]);
-  }
-  return std::sqrt(error / energy);
 }
 
 struct Window {

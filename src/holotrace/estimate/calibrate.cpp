@@ -10,9 +10,8 @@
 
 #include "holotrace/base/cpu.h"
 #include "holotrace/base/fft.h"
-#include "holotrace/base/random.h"
-#include "holotrace/base/units.h"
 #include "holotrace/estimate/peak_rate.h"
+#include "holotrace/estimate/timed_jobs.h"
 #include "holotrace/wave/cost_model.h"
 #include "holotrace/wave/packed_product.h"
 #include "holotrace/wave/plane_plan.h"
@@ -23,9 +22,7 @@
 namespace holotrace {
 namespace {
 
-using namespace literals;
-
-constexpr double wavelength = 532_nm, pitch = 8_um;
+constexpr double wavelength = timed_wavelength, pitch = timed_full_hd.pitch;
 
 // The fastest of many runs: whatever else the machine does can only slow one down.
 TimedWork fastest(const SummationWork& work, const std::function<void()>& run) {
@@ -35,27 +32,16 @@ TimedWork fastest(const SummationWork& work, const std::function<void()>& run) {
   return {work, best};
 }
 
-Sources waves_behind(const Grid& panel, int count) {
-  Sources sources{.wavelength = wavelength};
-  CounterRandom random(1, 0, 0);
-  for (int j = 0; j < count; ++j)
-    sources.waves.push_back({{(random.uniform() - 0.5) * panel.width(), (random.uniform() - 0.5) * panel.height(),
-                              -0.19_m - 0.02_m * random.uniform()},
-                             1,
-                             float(2 * pi * random.uniform())});
-  return sources;
-}
-
 TimedWork time_exact() {
   const Grid panel{64, 64, pitch};
-  const Sources sources = waves_behind(panel, 32);
+  const Sources sources = timed_waves(panel, 32, 0.19, 0.21);
   return fastest({.exact_terms = 32.0 * 64 * 64}, [&] { sum_exact(sources, panel); });
 }
 
 // One tile alone.
 TimedWork time_tile(const TilePlan& plan, int count) {
   const Grid panel{plan.shape.columns, plan.shape.rows, pitch};
-  const std::vector<PreparedWave> waves = prepare_waves(waves_behind(panel, count), panel);
+  const std::vector<PreparedWave> waves = prepare_waves(timed_waves(panel, count, 0.19, 0.21), panel);
   Array2D<std::complex<float>> samples(panel.ny, panel.nx);
   TileWorkspace workspace;
   return fastest(count * double(panel.pixels()) * tile_work(plan), [&] {
@@ -68,7 +54,8 @@ TimedWork time_spreading(int nodes, int width) {
   const PlanesPlan plan{.tile = 120, .width = width, .nodes = nodes};
   const Grid panel{plan.tile, plan.tile, pitch};
   constexpr int count = 2048;
-  const PlaneWaves waves = sort_waves(prepare_waves(waves_behind(panel, count), panel), plan, wavelength, pitch);
+  const PlaneWaves waves =
+      sort_waves(prepare_waves(timed_waves(panel, count, 0.19, 0.21), panel), plan, wavelength, pitch);
   const PlaneTables tables(plan, wavelength, pitch);
   PlaneWorkspace workspace;
   workspace.grids.assign(size_t(nodes) * size_t(tables.cells) * 2 * size_t(tables.stride()), 0.0F);

@@ -31,7 +31,8 @@ std::vector<double> interpolate(const Function& f, int degree) {
 
 }  // namespace
 
-GriddingKernel::GriddingKernel(int width) : width_(width), coefficients_((degree + 1) * greatest_width, 0.0f) {
+GriddingKernel::GriddingKernel(int width)
+    : kernel_{width, 2.30 * width}, coefficients_((degree + 1) * greatest_width, 0.0f) {
   require(width >= 2 && width <= greatest_width, "expected a kernel 2 to {} cells wide, got {}", greatest_width, width);
   for (int l = 0; l < width; ++l) {
     const auto powers = interpolate([&](double s) { return value(s + 0.5 - width / 2.0 + l); }, degree);
@@ -39,21 +40,21 @@ GriddingKernel::GriddingKernel(int width) : width_(width), coefficients_((degree
   }
 }
 
-double GriddingKernel::value(double x) const {
-  const double z = 2 * x / width_, inside = 1 - z * z;
-  return inside <= 0 ? 0 : std::exp(2.30 * width_ * (std::sqrt(inside) - 1));
+double SemicircleKernel::value(double x) const {
+  const double z = 2 * x / width, inside = 1 - z * z;
+  return inside <= 0 ? 0 : std::exp(beta * (std::sqrt(inside) - 1));
 }
 
-double GriddingKernel::moment(int n, double xi) const {
-  // φ is smooth inside and small at the ends, e^−β: with x = (w/2)·sin θ the midpoint rule converges fast.
+double SemicircleKernel::moment(int n, double xi) const {
+  // With x = (w/2)·sin θ the integrand is smooth, and small at the ends: the midpoint rule converges fast.
   constexpr int points = 200;
   double sum = 0;
   for (int i = 0; i < points; ++i) {
-    const double theta = pi * ((i + 0.5) / points - 0.5), x = width_ / 2.0 * std::sin(theta);
+    const double theta = pi * ((i + 0.5) / points - 0.5), x = width / 2.0 * std::sin(theta);
     const double wave = n % 2 == 0 ? std::cos(2 * pi * xi * x) : std::sin(2 * pi * xi * x);
-    sum += std::pow(x, n) * value(x) * wave * std::cos(theta);
+    sum += (n == 0 ? 1 : std::pow(x, n)) * std::exp(beta * (std::cos(theta) - 1)) * wave * std::cos(theta);
   }
-  return sum * pi / points * width_ / 2;
+  return sum * pi / points * width / 2;
 }
 
 double gridding_error(int width) {

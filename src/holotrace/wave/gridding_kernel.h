@@ -5,13 +5,25 @@
 
 namespace holotrace {
 
+/// The kernel of non-uniform FFTs, "exponential of semicircle", of Barnett, Magland & af Klinteberg, SIAM J. Sci.
+/// Comput. 41, C479 (2019):
+///
+///     φ(x) = exp(β(√(1 − (2x/w)²) − 1)),  |x| < w/2 cells
+///
+struct SemicircleKernel {
+  int width = 0;    ///< w [cells]
+  double beta = 0;  ///< for a grid σ times as fine as needed, some 0.97π·w(1 − 1/2σ)
+
+  double value(double x) const;
+
+  /// ∫xⁿφ(x)·exp(2πiξx)dx, of which the even moments are real and the odd ones i times what is given; ξ in cycles per
+  /// cell.
+  double moment(int n, double xi) const;
+};
+
 /// Spreads a plane wave of any frequency over the `width` nearest frequencies of a grid, so that an FFT of the grid
-/// evaluates it: the kernel of a non-uniform FFT.
-///
-///     φ(x) = exp(β(√(1 − (2x/w)²) − 1)),  |x| < w/2 cells,  β = 2.30·w   (the "exponential of semicircle")
-///
-/// of Barnett, Magland & af Klinteberg, SIAM J. Sci. Comput. 41, C479 (2019), for a grid twice as fine as the FFT's
-/// outputs need. Its error falls about tenfold per cell of width.
+/// evaluates it: that kernel with β = 2.30·w, for a grid twice as fine as the FFT's outputs need. Its error falls about
+/// tenfold per cell of width.
 class GriddingKernel {
  public:
   static constexpr int greatest_width = 8;
@@ -20,7 +32,7 @@ class GriddingKernel {
   /// @param width  cells, 2 … 8
   explicit GriddingKernel(int width);
 
-  int width() const { return width_; }
+  int width() const { return kernel_.width; }
 
   /// Polynomial coefficients: the weight of cell l, for a wave at the fraction t ∈ [0, 1) (cell 0 lies t − w/2 from
   /// it), is Σ c[k][l]·(t − ½)ᵏ. Cells beyond the width have weight 0.
@@ -28,14 +40,11 @@ class GriddingKernel {
 
   /// Fourier transform φ̂(ξ) = ∫φ(x)·cos(2πξx)dx; ξ in cycles per cell.
   double transform(double xi) const { return moment(0, xi); }
-
-  /// ∫xⁿφ(x)·exp(2πiξx)dx, of which the even moments are real and the odd ones i times what is given.
-  double moment(int n, double xi) const;
-
-  double value(double x) const;
+  double moment(int n, double xi) const { return kernel_.moment(n, xi); }
+  double value(double x) const { return kernel_.value(x); }
 
  private:
-  int width_;
+  SemicircleKernel kernel_;
   std::vector<float> coefficients_;
 };
 

@@ -28,10 +28,7 @@ Placed place(double position, int width) {
 }
 
 void kernel_values(const SpreadKernel& kernel, double offset, float* values) {
-  for (int m = 0; m < kernel.width; ++m) {
-    const double x = 2 * (offset + m) / kernel.width, inside = 1 - x * x;
-    values[m] = inside > 0 ? float(std::exp(kernel.beta * (std::sqrt(inside) - 1))) : 0.f;
-  }
+  for (int m = 0; m < kernel.width; ++m) values[m] = float(kernel.value(offset + m));
 }
 
 }  // namespace
@@ -47,18 +44,8 @@ int spread_length(int band, const SpreadKernel& kernel) {
 }
 
 std::vector<double> spread_correction(const SpreadKernel& kernel, int samples, int band) {
-  // φ̂(k) with t = (w/2)·sin a: the integrand is smooth, and the midpoint rule converges faster than any power.
-  constexpr int nodes = 128;
   std::vector<double> correction(size_t(band) + 1);
-  parallel_for(0, band + 1, [&](int64_t k) {
-    double sum = 0;
-    for (int n = 0; n < nodes; ++n) {
-      const double a = pi * ((n + 0.5) / nodes - 0.5);
-      const double t = kernel.width / 2.0 * std::sin(a);
-      sum += std::exp(kernel.beta * (std::cos(a) - 1)) * std::cos(2 * pi * double(k) * t / samples) * std::cos(a);
-    }
-    correction[size_t(k)] = 1 / (sum * kernel.width / 2.0 * pi / nodes);
-  });
+  parallel_for(0, band + 1, [&](int64_t k) { correction[size_t(k)] = 1 / kernel.moment(0, double(k) / samples); });
   return correction;
 }
 

@@ -3,6 +3,7 @@
 #include <complex>
 #include <vector>
 
+#include "holotrace/wave/gridding_kernel.h"
 #include "holotrace/wave/layer_spectrum.h"
 
 namespace holotrace {
@@ -14,15 +15,9 @@ struct PointOnSlice {
 };
 
 /// How points are spread over samples so that their transform is, within the band |k| ≤ K, that of the points times
-/// a known factor (non-uniform FFT of type 1, Barnett, Magland & af Klinteberg, SIAM J. Sci. Comput. 41, C479, 2019):
-///
-///     φ(t) = exp(β(√(1 − (2t/w)²) − 1)),  |t| ≤ w/2 samples,   β = 0.97π·w(1 − 1/2σ)
-///
-/// σ, the samples per period over 2K + 1, is 1.25 or more; the transform of φ is divided out.
-struct SpreadKernel {
-  int width = 0;  ///< w [samples]
-  double beta = 0;
-};
+/// a known factor (non-uniform FFT of type 1): by the kernel of gridding_kernel.h, for σ = 1.25 samples or more per
+/// period over 2K + 1. The transform of the kernel is divided out.
+using SpreadKernel = SemicircleKernel;
 
 /// A kernel that leaves a relative error of about `tolerance`, from 1e-7 on.
 SpreadKernel make_spread_kernel(double tolerance);
