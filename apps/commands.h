@@ -18,12 +18,16 @@ struct GlobalFlags {
 };
 
 // Each adds its subcommands with their flags and what they do.
-void add_scene_commands(CLI::App& app, const GlobalFlags& global);     // run, render, trace
-void add_field_command(CLI::App& app, const GlobalFlags& global);      // field
-void add_hologram_commands(CLI::App& app, const GlobalFlags& global);  // encode, show, propagate
-void add_inspect_commands(CLI::App& app, const GlobalFlags& global);   // compare, limits, info
-void add_bench_command(CLI::App& app, const GlobalFlags& global);      // bench
-void add_estimate_command(CLI::App& app, const GlobalFlags& global);   // estimate
+void add_scene_commands(CLI::App& app, const GlobalFlags& global);  // run, render, trace
+void add_field_command(CLI::App& app, const GlobalFlags& global);
+void add_encode_command(CLI::App& app, const GlobalFlags& global);
+void add_show_command(CLI::App& app, const GlobalFlags& global);
+void add_propagate_command(CLI::App& app, const GlobalFlags& global);
+void add_compare_command(CLI::App& app, const GlobalFlags& global);
+void add_limits_command(CLI::App& app, const GlobalFlags& global);
+void add_info_command(CLI::App& app, const GlobalFlags& global);
+void add_estimate_command(CLI::App& app, const GlobalFlags& global);
+void add_bench_command(CLI::App& app, const GlobalFlags& global);
 
 /// Adds `-o`, required.
 inline void add_output(CLI::App& command, std::string& path, const std::string& help) {

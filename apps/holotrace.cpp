@@ -62,8 +62,12 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   });
   add_scene_commands(app, global);
   add_field_command(app, global);
-  add_hologram_commands(app, global);
-  add_inspect_commands(app, global);
+  add_encode_command(app, global);
+  add_show_command(app, global);
+  add_propagate_command(app, global);
+  add_compare_command(app, global);
+  add_limits_command(app, global);
+  add_info_command(app, global);
   add_estimate_command(app, global);
   add_bench_command(app, global);
 

@@ -26,7 +26,7 @@ void RepeatedStages::merge(StageReport&& once) {
   auto& stages = report_.stages;
   const auto entry = std::find_if(stages.begin(), stages.end(), [&](const auto& s) { return s.stage == once.stage; });
   if (entry == stages.end()) {
-    StageReport first{once.stage, 0, {}, {}};
+    StageReport first{once.stage, 0, {}, {}, once.curves};
     if (holograms_ > 1) first.facts.emplace_back("holograms", Fact(holograms_));
     stages.push_back(std::move(first));
     add(once, stages.back());

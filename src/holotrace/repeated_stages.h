@@ -12,7 +12,8 @@ namespace holotrace {
 
 /// The stages that every hologram of a run passes. With one hologram they are stages like any other. With more, a
 /// caller watches one stage "N holograms", whose progress is that of them all, and the report gets one entry per name:
-/// the seconds of all, the facts of the first, the counts "waves" and "waves_pixels" summed, each warning once.
+/// the seconds of all, the facts and curves of the first, the counts "waves" and "waves_pixels" summed, each warning
+/// once.
 class RepeatedStages {
  public:
   /// @param holograms  that pass

@@ -12,11 +12,11 @@ namespace holotrace {
 /// Makes the observer of a stage that is about to run, given its name: where a caller shows progress.
 using StageObserver = std::function<Observer(const std::string& stage)>;
 
-/// Runs `stage(observer)`, adds its time, facts and warnings to the report, and returns its result.
+/// Runs `stage(observer)`, adds its time, facts, curves and warnings to the report, and returns its result.
 template <class Stage>
 auto run_stage(const std::string& name, Report& report, const StageObserver& watch, const Stage& stage) {
   const Observer caller = watch ? watch(name) : Observer{};
-  StageReport entry{name, 0, {}, {}};
+  StageReport entry{name, 0, {}, {}, {}};
   const Observer recorder{caller.on_progress,
                           [&](const std::string& key, const Fact& value) {
                             entry.facts.emplace_back(key, value);
@@ -25,6 +25,10 @@ auto run_stage(const std::string& name, Report& report, const StageObserver& wat
                           [&](const std::string& sentence) {
                             entry.warnings.push_back(sentence);
                             caller.warn(sentence);
+                          },
+                          [&](const std::string& key, const std::vector<double>& values) {
+                            entry.curves.emplace_back(key, values);
+                            caller.curve(key, values);
                           }};
   const auto start = std::chrono::steady_clock::now();
   auto result = stage(recorder);

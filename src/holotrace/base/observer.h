@@ -5,6 +5,7 @@
 #include <string>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 namespace holotrace {
 
@@ -17,6 +18,8 @@ struct Observer {
   std::function<void(double fraction)> on_progress;                         ///< called from any thread
   std::function<void(const std::string& name, const Fact& value)> on_fact;  ///< "method", "waves", …
   std::function<void(const std::string& sentence)> on_warning;              ///< a doubt about the result
+  std::function<void(const std::string& name, const std::vector<double>& values)>
+      on_curve{};  ///< of iterations, from 0
 
   void progress(double fraction) const {
     if (on_progress) on_progress(fraction);
@@ -28,6 +31,9 @@ struct Observer {
       on_fact(name, int64_t(value));
     else
       on_fact(name, value);
+  }
+  void curve(const std::string& name, const std::vector<double>& values) const {
+    if (on_curve) on_curve(name, values);
   }
   void warn(const std::string& sentence) const {
     if (on_warning) on_warning(sentence);

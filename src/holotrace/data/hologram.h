@@ -14,7 +14,7 @@ namespace holotrace {
 /// must know to show it.
 struct Hologram {
   Grid grid;
-  Array2D<uint16_t> level;
+  Array2D<uint16_t> level;  ///< of phase, or of amplitude
   int levels = 256;
   Modulation modulation = Modulation::phase;
   double wavelength = 0;  ///< it was computed for [m]
@@ -25,8 +25,9 @@ struct Hologram {
   /// Irradiance of the light on the panel that shows the field at its own brightness [W/m²]: what one hologram of
   /// several (colours, layers, lights, frames) is lit with in proportion. See encode.h.
   double illumination = 1;
-  std::string name{};  ///< of the layer or light that it shows, "" for all light
-  uint32_t frame = 0;  ///< of a time-multiplexed hologram
+  std::string name{};                 ///< of the layer or light that it shows, "" for all light
+  uint32_t frame = 0;                 ///< of a time-multiplexed hologram
+  Array2D<uint16_t> modulus_level{};  ///< of amplitude, beside those of phase, where the modulation is complex
 };
 
 }  // namespace holotrace

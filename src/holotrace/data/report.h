@@ -15,6 +15,7 @@ struct StageReport {
   double seconds = 0;
   std::vector<std::pair<std::string, Fact>> facts;
   std::vector<std::string> warnings;
+  std::vector<std::pair<std::string, std::vector<double>>> curves;  ///< of iterations
 };
 
 /// What a run did, stage by stage.

@@ -15,6 +15,7 @@ nlohmann::ordered_json report_json(const Report& report) {
   for (const StageReport& stage : report.stages) {
     nlohmann::ordered_json entry{{"stage", stage.stage}, {"seconds", stage.seconds}};
     for (const auto& [name, fact] : stage.facts) std::visit([&, &key = name](const auto& v) { entry[key] = v; }, fact);
+    for (const auto& [name, values] : stage.curves) entry[name] = values;
     entry["warnings"] = stage.warnings;
     json["stages"].push_back(entry);
     total += stage.seconds;

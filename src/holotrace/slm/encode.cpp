@@ -21,6 +21,20 @@ const char* name_of(Encoding method) {
       return "amplitude";
     case Encoding::off_axis:
       return "off-axis";
+    case Encoding::complex:
+      return "complex";
+    case Encoding::double_phase:
+      return "double-phase";
+    case Encoding::error_diffusion:
+      return "error-diffusion";
+    case Encoding::gerchberg_saxton:
+      return "gerchberg-saxton";
+    case Encoding::weighted_gerchberg_saxton:
+      return "weighted-gerchberg-saxton";
+    case Encoding::sgd:
+      return "sgd";
+    case Encoding::binary:
+      return "binary";
   }
   fail("expected an encoding that this version knows, got number {}", int(method));
 }

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace holotrace {
+
+using Json = nlohmann::ordered_json;
+
+/// Figures for people, a line each: name and value; or as JSON.
+inline void print_facts(const Json& facts, bool is_json) {
+  if (is_json) {
+    fmt::print("{}\n", facts.dump(2));
+    return;
+  }
+  for (const auto& [name, value] : facts.items())
+    fmt::print("{:<28} {}\n", name,
+               value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
+               : value.is_null()       ? std::string("infinite")
+               : value.is_string()     ? value.get<std::string>()
+                                       : value.dump());
+}
+
+/// JSON has no infinity: PSNR of equal images is null.
+inline Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+}  // namespace holotrace

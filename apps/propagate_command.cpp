@@ -1,0 +1,58 @@
+// holotrace propagate: a field to the field at another distance.
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "commands.h"
+#include "console.h"
+#include "flags.h"
+#include "holotrace/io/field_file.h"
+#include "holotrace/io/output.h"
+#include "holotrace/wave/propagate.h"
+
+namespace holotrace {
+namespace {
+
+template <class Real>
+void propagate_file(std::vector<BasicField<Real>> fields, const std::string& output, double distance,
+                    const PropagateParams& params, Console& console) {
+  for (BasicField<Real>& field : fields) {
+    auto moved = propagate(field, distance, params, console.watch("propagate"));
+    moved.name = field.name;
+    moved.frame = field.frame;
+    field = std::move(moved);
+  }
+  console.finish();
+  save_fields(output, fields);
+}
+
+}  // namespace
+
+void add_propagate_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("propagate", "field to the field at another distance");
+  struct Options {
+    std::string input, output, distance;
+    bool is_double = false;
+    Flags flags;
+  };
+  auto o = std::make_shared<Options>();
+  command->add_option("field", o->input, "field file")->required()->type_name("FIELD");
+  add_output(*command, o->output, "field: .npy, .h5 or .exr");
+  command->add_option("--distance", o->distance, "along z, either sign")->required()->type_name("LENGTH");
+  command->add_flag("--double", o->is_double, "compute in double and keep complex128");
+  o->flags.add(*command, PropagateParams());
+  command->callback([o, &global] {
+    PropagateParams params;
+    o->flags.apply(params);
+    const double distance = parse_length_flag("--distance", o->distance);
+    check_output(o->output, field_extensions(o->is_double));
+    Console console(global.is_quiet);
+    if (o->is_double)
+      propagate_file(load_fields_double(o->input), o->output, distance, params, console);
+    else
+      propagate_file(load_fields(o->input), o->output, distance, params, console);
+  });
+}
+
+}  // namespace holotrace

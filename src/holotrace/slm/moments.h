@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/data/params.h"
+#include "holotrace/data/slm.h"
+
+namespace holotrace {
+
+/// The light and the panel at one instant, in which all light interferes. Light of different moments does not: what a
+/// camera sees is the sum of the moments' irradiances, each times its weight.
+struct Moment {
+  double wavelength = 0;          ///< [m]
+  double tilt_x = 0, tilt_y = 0;  ///< of the light from the panel's axis [rad]
+  double flicker = 0;             ///< where the ripple of the phase stands, in [−1, 1]
+  double weight = 1;              ///< of its irradiance; the weights of all moments sum to 1
+};
+
+/// The moments that a partly coherent source, or a panel that flickers, is averaged over: `params.moments` points of a
+/// low-discrepancy sequence over the spectrum (a Gaussian), the source (a disc) and the period of the ripple (a
+/// sinusoid), of equal weight. One moment where light is coherent and flicker off.
+///
+/// @param slm         the panel with the effects that are on (with_effects)
+/// @param params      bandwidth, source angle, tilt, moments
+/// @param wavelength  at the middle of the spectrum [m]
+/// @throws Error      for widths or counts below 0, and a spectrum that reaches 0 m
+std::vector<Moment> moments(const Slm& slm, const ShowParams& params, double wavelength);
+
+}  // namespace holotrace
