@@ -1,15 +1,26 @@
 // holotrace compare: how far two images, or two fields, differ.
 
+#include <algorithm>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
+#include "console.h"
 #include "facts.h"
+#include "flags.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/chart_file.h"
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/file.h"
 #include "holotrace/io/image_file.h"
+#include "holotrace/io/output.h"
+#include "holotrace/view/align_image.h"
 #include "holotrace/view/compare.h"
+#include "holotrace/view/difference.h"
+#include "holotrace/view/plane.h"
+#include "holotrace/view/register.h"
 
 namespace holotrace {
 namespace {
@@ -35,42 +46,165 @@ Json field_facts(const std::vector<FieldDouble>& reference, const std::vector<Fi
   return facts;
 }
 
+struct CompareOptions {
+  std::string a, b, output, difference, profile;
+  double difference_range = 0;
+  bool is_json = false, is_registered = false;
+  Flags flags;
+};
+
+// What is compared, on the same pixels, and what is said of how it came there.
+struct ImagePair {
+  Image reference, image;
+  Json facts = Json::object();
+};
+
+// A colour photograph of a monochrome simulation, or the other way: the mean of its channels.
+Image in_one_channel(const Image& image) {
+  Image grey(image.ny, image.nx, 1);
+  grey.pitch = image.pitch;
+  grey.values = mean_of_channels(image).values;
+  return grey;
+}
+
+// The value that a picture file shows as white: 1, unless it holds light as it is.
+double white_of(const std::string& path, const Image& image) {
+  return extension_of(path) == ".exr" ? *std::max_element(image.values.begin(), image.values.end()) : 1;
+}
+
+ImagePair registered_pair(const CompareOptions& o, Console& console) {
+  RegisterParams params;
+  o.flags.apply(params);
+  Image photograph = load_image(o.a), simulation = load_image(o.b);
+  if (photograph.channels != simulation.channels) {
+    photograph = in_one_channel(photograph);
+    simulation = in_one_channel(simulation);
+  }
+  const Registration r = register_image(photograph, simulation, params, console.watch("register"));
+  console.finish();
+  AlignedImage aligned = align_image(photograph, r, simulation.ny, simulation.nx);
+  aligned.image.pitch = simulation.pitch;
+  if (!o.output.empty()) save_image(o.output, aligned.image, white_of(o.b, simulation), 8);
+  const PixelRectangle& covered = aligned.covered;
+  return {cropped(simulation, covered),
+          cropped(aligned.image, covered),
+          {{"magnification", r.scale},
+           {"rotation_deg", r.rotation * 180 / pi},
+           {"shift_x_pixels", r.shift_x},
+           {"shift_y_pixels", r.shift_y},
+           {"gain", r.gain},
+           {"offset", r.offset},
+           {"place_error_pixels", r.uncertainty},
+           {"correlation", r.correlation},
+           {"confidence", r.confidence},
+           {"overlap", r.overlap},
+           {"residual", r.residual},
+           {"compared_columns", covered.columns},
+           {"compared_rows", covered.rows},
+           {"compared_first_column", covered.first_column},
+           {"compared_first_row", covered.first_row}}};
+}
+
+// Both along the row in the middle.
+Chart profile_of(const ImagePair& pair, double scale) {
+  const int row = pair.reference.ny / 2;
+  const double pitch = pair.reference.pitch;
+  Chart chart;
+  chart.title = fmt::format("Row {} of {}", row + 1, pair.reference.ny);
+  chart.x_label = pitch > 0 ? "x [mm]" : "x [pixels]";
+  chart.y_label = "brightness, linear [unit of the reference]";
+  const Plane reference = mean_of_channels(pair.reference), image = mean_of_channels(pair.image);
+  Series shown{"reference", {}, {}}, compared{fmt::format("{:.4g} × image", scale), {}, {}};
+  for (int column = 0; column < reference.nx; ++column) {
+    const double x = (column - reference.u_centre()) * (pitch > 0 ? pitch * 1e3 : 1);
+    shown.x.push_back(x);
+    shown.y.push_back(reference(row, column));
+    compared.x.push_back(x);
+    compared.y.push_back(scale * image(row, column));
+  }
+  chart.series = {std::move(shown), std::move(compared)};
+  return chart;
+}
+
+void compare_images(const CompareOptions& o, Console& console) {
+  ImagePair pair = o.is_registered ? registered_pair(o, console) : ImagePair{load_image(o.a), load_image(o.b)};
+  const Metrics m = compare(pair.reference, pair.image);
+  Json& facts = pair.facts;
+  facts.update(Json{{"psnr_db", number(m.psnr)},
+                    {"psnr_unscaled_db", number(m.psnr_unscaled)},
+                    {"ssim", number(m.ssim)},
+                    {"ssim_unscaled", number(m.ssim_unscaled)},
+                    {"scale", number(m.scale)},
+                    {"rms_error", number(m.rms_error)},
+                    {"speckle_contrast", number(m.speckle_contrast)},
+                    {"diffraction_efficiency", number(m.bright_fraction)},
+                    {"power_ratio", number(m.power_ratio)}});
+  if (!o.difference.empty()) {
+    const DifferenceImage difference = difference_image(pair.reference, pair.image, m.scale, o.difference_range);
+    save_image(o.difference, difference.image, 1, 8);
+    facts["difference_at_full_colour"] = difference.range;
+  }
+  if (!o.profile.empty()) save_chart(o.profile, profile_of(pair, m.scale));
+  print_facts(facts, o.is_json);
+}
+
+// Flags that have no bearing on what is asked are mistakes.
+void check_flags(const CompareOptions& o, bool is_field) {
+  for (const auto& [flag, is_given] : {std::pair{"--register", o.is_registered},
+                                       {"--difference", !o.difference.empty()},
+                                       {"--profile", !o.profile.empty()}})
+    require(!is_given || !is_field, "{0} is for images, but {1} is a field: leave out {0}", flag, o.a);
+  for (const auto& [flag, is_given] : {std::pair{"-o", !o.output.empty()},
+                                       {"--smallest-scale", o.flags.has("smallest_scale")},
+                                       {"--largest-scale", o.flags.has("largest_scale")},
+                                       {"--offset", o.flags.has("offset")}})
+    require(!is_given || o.is_registered,
+            "{0} is for a photograph that is laid upon a simulation: add --register, or "
+            "leave out {0}",
+            flag);
+  require(o.difference_range == 0 || !o.difference.empty(),
+          "--difference-range is for the picture of the difference: add --difference FILE.png");
+  if (!o.output.empty()) check_output(o.output, {".png", ".exr"});
+  if (!o.difference.empty()) check_output(o.difference, {".png"});
+  if (!o.profile.empty()) check_output(o.profile, {".png", ".svg"});
+}
+
 }  // namespace
 
-void add_compare_command(CLI::App& app, const GlobalFlags&) {
+void add_compare_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("compare", "two images, or two fields (.npy, .h5, .exr): how far they differ");
-  struct Options {
-    std::string reference, other;
-    bool is_json = false;
-  };
-  auto o = std::make_shared<Options>();
-  command->add_option("a", o->reference, "the reference")->required()->type_name("A");
-  command->add_option("b", o->other, "what is compared with it")->required()->type_name("B");
+  auto o = std::make_shared<CompareOptions>();
+  command->add_option("a", o->a, "the reference; with --register, the photograph")->required()->type_name("A");
+  command->add_option("b", o->b, "what is compared with it; with --register, the simulation, which is the reference")
+      ->required()
+      ->type_name("B");
   command->add_flag("--json", o->is_json, "as JSON");
-  command->callback([o] {
-    check_file_exists(o->reference, "an image or a field");
-    check_file_exists(o->other, "an image or a field");
-    const bool is_field = is_field_file(o->reference);
+  command
+      ->add_option("--difference", o->difference, "picture of b − a, red where b is brighter, blue where it is darker")
+      ->type_name("FILE");
+  command->add_option("--difference-range", o->difference_range, "difference at full colour [the largest]")
+      ->check(CLI::PositiveNumber)
+      ->type_name("NUMBER");
+  command->add_option("--profile", o->profile, "chart of both along the middle row: .png or .svg")->type_name("FILE");
+  command->add_flag("--register", o->is_registered, "lay the photograph a upon the simulation b first");
+  command->add_option("-o,--output", o->output, "with --register: the photograph on the simulation's pixels")
+      ->type_name("FILE");
+  o->flags.add(*command, RegisterParams(), {}, "with --register");
+  command->callback([o, &global] {
+    check_file_exists(o->a, "an image or a field");
+    check_file_exists(o->b, "an image or a field");
+    const bool is_field = is_field_file(o->a);
     require(
-        is_field == is_field_file(o->other),
+        is_field == is_field_file(o->b),
         "expected two images or two fields to compare, got the {} {} and the {} {}; `holotrace show` makes images of "
         "fields by way of their hologram",
-        is_field ? "field" : "image", o->reference, is_field ? "image" : "field", o->other);
-    if (is_field) {
-      print_facts(field_facts(load_fields_double(o->reference), load_fields_double(o->other)), o->is_json);
-      return;
-    }
-    const Metrics m = compare(load_image(o->reference), load_image(o->other));
-    print_facts({{"psnr_db", number(m.psnr)},
-                 {"psnr_unscaled_db", number(m.psnr_unscaled)},
-                 {"ssim", number(m.ssim)},
-                 {"ssim_unscaled", number(m.ssim_unscaled)},
-                 {"scale", number(m.scale)},
-                 {"rms_error", number(m.rms_error)},
-                 {"speckle_contrast", number(m.speckle_contrast)},
-                 {"diffraction_efficiency", number(m.bright_fraction)},
-                 {"power_ratio", number(m.power_ratio)}},
-                o->is_json);
+        is_field ? "field" : "image", o->a, is_field ? "image" : "field", o->b);
+    check_flags(*o, is_field);
+    Console console(global.is_quiet);
+    if (is_field)
+      print_facts(field_facts(load_fields_double(o->a), load_fields_double(o->b)), o->is_json);
+    else
+      compare_images(*o, console);
   });
 }
 

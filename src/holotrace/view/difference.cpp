@@ -1,0 +1,42 @@
+#include "holotrace/view/difference.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "holotrace/base/error.h"
+
+namespace holotrace {
+namespace {
+
+using Colour = std::array<double, 3>;  // linear light of the sRGB codes in the header
+
+constexpr Colour equal{0.2159, 0.2159, 0.2159}, brighter{0.6654, 0.1119, 0}, darker{0, 0.1683, 0.4452};
+
+}  // namespace
+
+DifferenceImage difference_image(const Image& reference, const Image& image, double scale, double range) {
+  require(reference.nx == image.nx && reference.ny == image.ny && reference.channels == image.channels,
+          "expected an image of {} × {} pixels and {} channel(s), as its reference, got {} × {} and {}", reference.nx,
+          reference.ny, reference.channels, image.nx, image.ny, image.channels);
+  require(std::isfinite(range) && range >= 0, "expected a difference at full colour above 0, got {}", range);
+  const size_t channels = size_t(image.channels);
+  std::vector<double> difference(size_t(image.nx) * size_t(image.ny));
+  double largest = 0;
+  for (size_t i = 0; i < difference.size(); ++i) {
+    for (size_t c = 0; c < channels; ++c)
+      difference[i] += (scale * double(image.values[i * channels + c]) - double(reference.values[i * channels + c])) /
+                       double(channels);
+    largest = std::max(largest, std::abs(difference[i]));
+  }
+  DifferenceImage out{Image(image.ny, image.nx, 3), range > 0 ? range : largest};
+  for (size_t i = 0; i < difference.size(); ++i) {
+    const double part = out.range > 0 ? std::clamp(difference[i] / out.range, -1.0, 1.0) : 0;
+    const Colour& full = part > 0 ? brighter : darker;
+    for (size_t c = 0; c < 3; ++c)
+      out.image.values[3 * i + c] = float(equal[c] + std::abs(part) * (full[c] - equal[c]));
+  }
+  return out;
+}
+
+}  // namespace holotrace
