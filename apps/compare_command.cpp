@@ -69,7 +69,8 @@ void add_compare_command(CLI::App& app, const GlobalFlags&) {
                  {"rms_error", number(m.rms_error)},
                  {"speckle_contrast", number(m.speckle_contrast)},
                  {"diffraction_efficiency", number(m.bright_fraction)},
-                 {"power_ratio", number(m.power_ratio)}},
+                 {"power_ratio", number(m.power_ratio)},
+                 {"uniformity", number(m.uniformity)}},
                 o->is_json);
   });
 }
