@@ -6,13 +6,15 @@
 
 namespace holotrace {
 
-/// Writes the pictures of a sweep beside the view they belong to, view.png: view_sweep_01.png, …, and view_sweep.gif,
-/// the animation of them all; or, for a view of the name NAME.gif, that animation alone. Pictures of an earlier sweep
-/// under these names are removed. No sweep: nothing is written.
-/// @param view  path of the view: .png, .exr or .gif
-void save_sweep(const std::string& view, const ViewSeries& sweep, const CameraParams& camera);
+/// Writes the pictures of a sweep beside the view they belong to, view.png: view_sweep_01.png, …; view_sweep.gif, the
+/// animation of them all; and view_sweep.png, the chart of the sweep (viewing.h). For a view of the name NAME.gif: the
+/// animation alone. Pictures of an earlier sweep under these names are removed. No sweep: nothing is written.
+/// @param view      path of the view: .png, .exr or .gif
+/// @param observer  is warned where the chart cannot be drawn, as where gnuplot is not installed
+void save_sweep(const std::string& view, const std::vector<Viewpoint>& from, const ViewSeries& sweep,
+                const CameraParams& camera, const Observer& observer);
 
-/// Removes the pictures and the animation of an earlier sweep.
+/// Removes the pictures, the animation and the chart of an earlier sweep.
 void remove_sweep(const std::string& view);
 
 /// Writes a stereo pair and its anaglyph: NAME_left, NAME_right and NAME_anaglyph, with the extension of `path`, or

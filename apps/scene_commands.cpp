@@ -54,11 +54,11 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
   command
-      ->add_option(
-          "-o,--output", o->folder,
-          "folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json; of several: "
-          "NAME, NAME_2, …; of a sweep view_sweep_01.png, … and view_sweep.gif; of two eyes stereo_left.png, … "
-          "(the render) and holo_left.png, …")
+      ->add_option("-o,--output", o->folder,
+                   "folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json; of several: "
+                   "NAME, NAME_2, …; of a sweep view_sweep_01.png, …, view_sweep.gif and view_sweep.png (chart); of "
+                   "two eyes stereo_left.png, … "
+                   "(the render) and holo_left.png, …")
       ->required()
       ->type_name("DIR");
   add_wavelength(*command, o->wavelengths);
@@ -90,7 +90,9 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
       save_image(path, image, boxes.white, job.camera.bits);
     });
     remove_sweep(in("view.png"));
-    save_sweep(in("view.png"), boxes.sweep, job.camera);
+    if (!boxes.sweep.images.empty())
+      save_sweep(in("view.png"), boxes.viewpoints, boxes.sweep, job.camera, console.watch("save the sweep"));
+    console.finish();
     for (const char* name : {"stereo.png", "holo.png"}) remove_stereo(in(name));
     if (!boxes.stereo_renders.empty()) {
       save_stereo(in("stereo.png"), boxes.stereo_renders, common_white(boxes.stereo_renders, 0), 8);

@@ -42,8 +42,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
       ->required()
       ->type_name("HOLOGRAM.png");
   add_output(*command, o->output,
-             "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; of a sweep also NAME_sweep_01, … "
-             "and NAME_sweep.gif; .gif: the animation of a sweep alone");
+             "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; of a sweep also NAME_sweep_01, …, "
+             "NAME_sweep.gif and its chart NAME_sweep.png; .gif: the animation of a sweep alone");
   command->add_option("--slm", o->slm, "panel by name [the one the hologram was made for, or pluto]")
       ->type_name("NAME|SCENE.toml");
   command->add_option("--report", o->report, "what each stage did, as in run's report.json")->type_name("FILE.json");
@@ -89,7 +89,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     console.finish();
     for (size_t i = 0; i < views.images.size(); ++i)
       save_image(numbered_path(o->output, i), views.images[i], views.white, camera.bits);
-    save_sweep(o->output, sweep, camera);
+    if (!sweep.images.empty()) save_sweep(o->output, from, sweep, camera, console.watch("save the sweep"));
+    console.finish();
     if (!o->report.empty()) save_report(o->report, report);
   });
 }
