@@ -321,6 +321,12 @@ TEST(Camera, AnEyeBesideTheEyeboxIsToldAndSeesWhatOrdersGoThere) {
             (subpixels == 1 ? "; higher orders need subpixels of 3 or more; move it toward the axis"
                             : ", and light of higher orders; move it toward the axis"));
   }
+  // Behind a plane before the panel, the same eye sees none of it: light of a real image goes past its pupil.
+  Heard of_real_image;
+  Field real = show(flat, slm, params);
+  real.image = ImageSide::real_image;
+  for (const float v : look(real, slm, 99_mm, {}, camera, of_real_image.observer()).values) ASSERT_EQ(v, 0);
+  EXPECT_EQ(of_real_image.warnings.size(), 1u);
   camera.eye.x = 3.3_mm;  // within the middle's cone of 3.33 mm
   Heard heard;
   look(show(flat, slm, params), slm, 0, {}, camera, heard.observer());

@@ -132,6 +132,13 @@ PropagateParams to_window(const Grid& window, PropagationMethod method) {
   return params;
 }
 
+// Whether light of a window, at the angles that its samples hold, gets to another.
+bool reaches(const Grid& from, const Grid& to, double wavelength, double distance) {
+  const double spread = box_radius(std::abs(distance), wavelength, from.pitch);
+  return std::abs(to.centre_x - from.centre_x) < (from.width() + to.width()) / 2 + spread &&
+         std::abs(to.centre_y - from.centre_y) < (from.height() + to.height()) / 2 + spread;
+}
+
 // The light that a round pupil lets through.
 void cut_by_pupil(Field& field, const CameraParams& camera) {
   int64_t open = 0;
@@ -227,7 +234,9 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
 
   warn_beside_eyebox(shown, slm, camera, observer);
   const std::optional<Grid> window = pupil_window(shown.grid, shown.wavelength, camera);
-  if (!window) return sensed(Field(propagation_output(shown.grid, sensor.window), shown.wavelength));  // dark
+  const Grid plane = propagation_output(shown.grid, sensor.window);
+  if (!window || !reaches(*window, plane, shown.wavelength, z - camera.eye.z))
+    return sensed(Field(plane, shown.wavelength));  // dark
   Field in_pupil = propagate(stopped(), camera.eye.z, to_window(*window, propagation.method), observer);
   cut_by_pupil(in_pupil, camera);
   return sensed(propagate(in_pupil, z - camera.eye.z, from_pupil(sensor.window, shown.grid), observer));
