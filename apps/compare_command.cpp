@@ -138,7 +138,9 @@ void compare_images(const CompareOptions& o, Console& console) {
                     {"rms_error", number(m.rms_error)},
                     {"speckle_contrast", number(m.speckle_contrast)},
                     {"diffraction_efficiency", number(m.bright_fraction)},
-                    {"power_ratio", number(m.power_ratio)}});
+                    {"power_ratio", number(m.power_ratio)},
+                    {"uniformity", number(m.uniformity)},
+                    {"psnr_amplitude_db", number(m.psnr_amplitude)}});
   if (!o.difference.empty()) {
     const DifferenceImage difference = difference_image(pair.reference, pair.image, m.scale, o.difference_range);
     save_image(o.difference, difference.image, 1, 8);

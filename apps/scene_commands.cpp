@@ -22,6 +22,8 @@
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
+#include "holotrace/view/stereo.h"
+#include "save_views.h"
 
 namespace holotrace {
 namespace {
@@ -54,7 +56,9 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   command
       ->add_option("-o,--output", o->folder,
                    "folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json; of several: "
-                   "NAME, NAME_2, …")
+                   "NAME, NAME_2, …; of a sweep view_sweep_01.png, …, view_sweep.gif and view_sweep.png (chart); of "
+                   "two eyes stereo_left.png, … "
+                   "(the render) and holo_left.png, …")
       ->required()
       ->type_name("DIR");
   add_wavelength(*command, o->wavelengths);
@@ -76,16 +80,24 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     const Boxes boxes = run(job, console.stages());
     console.finish();
     const auto in = [&](const std::string& name) { return (std::filesystem::path(o->folder) / name).string(); };
-    const double render_white = common_white(boxes.renders, 0),
-                 view_white = common_white(boxes.views, job.camera.exposure);
+    const double render_white = common_white(boxes.renders, 0);
     save_numbered(in("render.png"), boxes.renders,
                   [&](const std::string& path, const Image& image) { save_image(path, image, render_white, 8); });
     save_numbered(in("sources.ply"), boxes.sources, save_sources);
     save_numbered(in("field.npy"), boxes.fields, save_fields<float>);
     save_numbered(in("hologram.png"), boxes.holograms, save_hologram);
     save_numbered(in("view.png"), boxes.views, [&](const std::string& path, const Image& image) {
-      save_image(path, image, view_white, job.camera.bits);
+      save_image(path, image, boxes.white, job.camera.bits);
     });
+    remove_sweep(in("view.png"));
+    if (!boxes.sweep.images.empty())
+      save_sweep(in("view.png"), boxes.viewpoints, boxes.sweep, job.camera, console.watch("save the sweep"));
+    console.finish();
+    for (const char* name : {"stereo.png", "holo.png"}) remove_stereo(in(name));
+    if (!boxes.stereo_renders.empty()) {
+      save_stereo(in("stereo.png"), boxes.stereo_renders, common_white(boxes.stereo_renders, 0), 8);
+      save_stereo(in("holo.png"), boxes.stereo_views.images, boxes.stereo_views.white, job.camera.bits);
+    }
     save_report(in("report.json"), boxes.report);
   });
 }
@@ -98,16 +110,27 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
-  add_output(*command, o->output, "image: .png or .exr (radiance)");
+  add_output(*command, o->output,
+             "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph");
   o->flags.add(*command, RenderParams());
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.render);
     check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
-    const Image image = render(job.scene, job.slm.grid, job.wavelengths.front(), job.render, console.watch("render"));
+    const auto render_with = [&](const RenderParams& params, const std::string& stage) {
+      return render(job.scene, job.slm.grid, job.wavelengths.front(), params, console.watch(stage));
+    };
+    if (job.render.eye_separation == 0) {
+      const Image image = render_with(job.render, "render");
+      console.finish();
+      save_image(o->output, image, exposure_white(image, 0), 8);
+      return;
+    }
+    const auto eyes = stereo_pair(job.render);
+    const std::vector<Image> pair{render_with(eyes[0], "left eye"), render_with(eyes[1], "right eye")};
     console.finish();
-    save_image(o->output, image, exposure_white(image, 0), 8);
+    save_stereo(o->output, pair, common_white(pair, 0), 8, true);
   });
 }
 

@@ -1,17 +1,19 @@
 // holotrace show: holograms to the image that a virtual SLM and camera show.
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
+#include "holotrace/io/file.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/output.h"
-#include "holotrace/slm/show.h"
-#include "holotrace/view/camera.h"
-#include "holotrace/view/view_sum.h"
+#include "holotrace/io/report_file.h"
+#include "holotrace/viewing.h"
+#include "save_views.h"
 
 namespace holotrace {
 namespace {
@@ -29,7 +31,7 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("show", "holograms to the image that a virtual SLM and camera show");
   struct Options {
     std::vector<std::string> inputs;
-    std::string output, slm;
+    std::string output, slm, report;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
@@ -39,9 +41,12 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
                    "and wavelengths make colours")
       ->required()
       ->type_name("HOLOGRAM.png");
-  add_output(*command, o->output, "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …");
+  add_output(*command, o->output,
+             "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; of a sweep also NAME_sweep_01, …, "
+             "NAME_sweep.gif and its chart NAME_sweep.png; .gif: the animation of a sweep alone");
   command->add_option("--slm", o->slm, "panel by name [the one the hologram was made for, or pluto]")
       ->type_name("NAME|SCENE.toml");
+  command->add_option("--report", o->report, "what each stage did, as in run's report.json")->type_name("FILE.json");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
   o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y"});
@@ -53,28 +58,40 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(camera);
     o->flags.apply(propagation);
     propagation.centre_x = propagation.centre_y = 0;  // those flags are the sensor's
-    check_output(o->output, {".png", ".exr"});
+    check_output(o->output, {".png", ".exr", ".gif"});
+    if (!o->report.empty()) check_output(o->report, {".json"});
+    const bool is_animation = extension_of(o->output) == ".gif";
+    require(!is_animation || camera.sweep != Sweep::none,
+            "expected a sweep for the animated file {}, got none; give --sweep focus or parallax, or name a .png",
+            o->output);
+    std::vector<Viewpoint> from = viewpoints(camera);
+    if (is_animation) std::erase_if(from, [](const Viewpoint& view) { return view.kind != ViewKind::sweep; });
+
     Console console(global.is_quiet);
-    std::vector<ViewSum> sums(camera.distances.size());
+    Report report;
+    const StageObserver watch = console.stages();
+    std::vector<ViewSum> sums(from.size());
+    std::optional<RepeatedStages> repeat;
     for (const std::string& path : o->inputs) {
       Hologram hologram = load_hologram(path);
       Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
       complete(path, slm, params.wavelength, hologram);
       if (o->slm.empty()) slm.grid = hologram.grid;
-      const Field shown = show(hologram, slm, params, console.watch("show"));
-      for (size_t d = 0; d < sums.size(); ++d) {
-        const double distance = camera.distances[d];
-        const Observer observer = console.watch("look at " + format_length(distance));
-        const Image view = look(shown, slm, distance, propagation, camera, observer);
-        sums[d].add(shown.wavelength, hologram.name, hologram.illumination, view,
-                    axial_reach(slm, shown.wavelength, distance, camera, hologram.filter));
+      if (!repeat) {
+        const int64_t holograms = int64_t(o->inputs.size()), moments = moments_of(slm, params, hologram.wavelength);
+        repeat.emplace(holograms, moments, holograms * viewing_calls(moments, from), report, watch);
       }
+      view_hologram(hologram, slm, params, propagation, from, *repeat, sums);
     }
+    const ViewSeries views = expose_series(from, sums, ViewKind::distance, camera);
+    const ViewSeries sweep = expose_series(from, sums, ViewKind::sweep, camera);
+    report_sweep(from, sweep, *repeat);
     console.finish();
-    std::vector<Image> views;
-    for (const ViewSum& sum : sums) views.push_back(sum.image());
-    const double white = common_white(views, camera.exposure);
-    for (size_t i = 0; i < views.size(); ++i) save_image(numbered_path(o->output, i), views[i], white, camera.bits);
+    for (size_t i = 0; i < views.images.size(); ++i)
+      save_image(numbered_path(o->output, i), views.images[i], views.white, camera.bits);
+    if (!sweep.images.empty()) save_sweep(o->output, from, sweep, camera, console.watch("save the sweep"));
+    console.finish();
+    if (!o->report.empty()) save_report(o->report, report);
   });
 }
 

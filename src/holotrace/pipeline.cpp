@@ -8,7 +8,6 @@
 #include "holotrace/base/units.h"
 #include "holotrace/repeated_stages.h"
 #include "holotrace/slm/encode.h"
-#include "holotrace/slm/show.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/gather.h"
 #include "holotrace/trace/render.h"
@@ -16,6 +15,7 @@
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
+#include "holotrace/view/stereo.h"
 #include "holotrace/view/view_sum.h"
 #include "holotrace/wave/sum_triangles.h"
 #include "holotrace/wave/synthesize.h"
@@ -35,8 +35,17 @@ void report_metrics(const Image& reference, const Image& view, double efficiency
   observer.fact("psnr_db", metrics.psnr);
   observer.fact("ssim", metrics.ssim);
   observer.fact("speckle_contrast", metrics.speckle_contrast);
+  observer.fact("uniformity", metrics.uniformity);
   observer.fact("bright_fraction", metrics.bright_fraction);
   observer.fact("diffraction_efficiency", metrics.bright_fraction * efficiency);
+}
+
+// What the brightest hologram is lit with [W], as "show" states it.
+double power_on_panel(const Report& report) {
+  for (const StageReport& stage : report.stages)
+    for (const auto& [name, fact] : stage.facts)
+      if (stage.stage == "show" && name == "power_in") return std::get<double>(fact);
+  throw Error("expected a shown hologram, got none");
 }
 
 // Refused before the first stage, not in the last: the fields of two frames, all holograms, the light that leaves the
@@ -45,21 +54,25 @@ void check_memory(const Job& job, size_t sets) {
   const Grid& panel = job.slm.grid;
   const double pixels = double(panel.pixels()), n = job.show.subpixels, frames = job.trace.frames;
   const Grid sampled{panel.nx * job.show.subpixels, panel.ny * job.show.subpixels, panel.pitch / n};
+  const std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
+  const double m = magnification(job.camera, from.front().distance, job.encode.image);
   const double pixel = job.camera.pixel > 0     ? job.camera.pixel
-                       : job.camera.binning > 0 ? job.camera.binning * sampled.pitch
-                                                : panel.pitch;
-  const double columns = (job.camera.width > 0 ? job.camera.width : panel.width()) / pixel;
-  const double rows = (job.camera.height > 0 ? job.camera.height : panel.height()) / pixel;
+                       : job.camera.binning > 0 ? job.camera.binning * sampled.pitch * m
+                                                : panel.pitch * m;
+  const double columns = (job.camera.width > 0 ? job.camera.width : panel.width() * m) / pixel;
+  const double rows = (job.camera.height > 0 ? job.camera.height : panel.height() * m) / pixel;
   const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
   const double fields = 8 * pixels * double(sets) * kept;
   const double holograms = 2 * pixels * double(sets) * frames;
   const double shown = 8 * pixels * n * n, showing = 8 * pixels * n;
   double looking = 0;
   for (const double wavelength : job.wavelengths)
-    for (const double distance : job.camera.distances)
-      looking = std::max(looking, looking_bytes(sampled, job.slm, wavelength, distance, job.propagate, job.camera));
-  const double views =
-      sets > 1 || frames > 1 ? 8 * columns * rows * double(sets) * double(job.camera.distances.size()) : 0;
+    for (const Viewpoint& view : from)
+      looking = std::max(looking, looking_bytes(sampled, job.slm, wavelength, view.distance, job.encode.image,
+                                                job.propagate, view.camera));
+  const int64_t moments = moments_of(job.slm, job.show, job.wavelengths.front());
+  const bool is_one = sets == 1 && frames == 1 && moments == 1 && from.size() == job.camera.distances.size();
+  const double views = is_one ? 0 : viewing_bytes(columns * rows, from.size(), double(sets), moments);
   require_memory(fields + holograms + shown + std::max(showing, looking) + views,
                  fmt::format("a run of {} hologram(s) on {} × {} pixels at {} samples per pixel and axis, seen by a "
                              "sensor of {} × {} pixels,",
@@ -104,28 +117,51 @@ std::vector<Field> fields_of_triangles(const std::vector<Triangles>& sets, uint3
 }
 
 // The light that makes waves: where a ray from the panel meets nothing there is none, so the background is left out.
+Image render_waves(const Job& job, const std::string& name, const RenderParams& params, Report& report,
+                   const StageObserver& watch) {
+  return run_stage(name, report, watch, [&](const Observer& o) {
+    RenderParams of_waves = params;
+    of_waves.has_background = false;
+    if (of_waves.layers.empty()) of_waves.layers = job.trace.layers;
+    o.fact("seed", params.seed);
+    return render(job.scene, job.slm.grid, job.wavelengths.front(), of_waves, o);
+  });
+}
+
 // With a lens, or an eye off the panel's centre, what lies where in the picture depends on the distance.
-void make_renders(const Job& job, Report& report, const StageObserver& watch, std::vector<Image>& renders) {
-  const auto render_with = [&](const std::string& name, const RenderParams& params) {
-    renders.push_back(run_stage(name, report, watch, [&](const Observer& o) {
-      RenderParams of_waves = params;
-      of_waves.has_background = false;
-      if (of_waves.layers.empty()) of_waves.layers = job.trace.layers;
-      o.fact("seed", params.seed);
-      return render(job.scene, job.slm.grid, job.wavelengths.front(), of_waves, o);
-    }));
-  };
-  if (job.render.lens == Lens::pinhole && job.render.eye == Vec3{}) {
-    render_with("render", job.render);
-    return;
-  }
+std::vector<Image> make_renders(const Job& job, Report& report, const StageObserver& watch) {
+  if (job.render.lens == Lens::pinhole && job.render.eye == Vec3{})
+    return {render_waves(job, "render", job.render, report, watch)};
+  std::vector<Image> renders;
   for (const double distance : job.camera.distances) {
     RenderParams params = job.render;
     params.focus = distance;
     const bool is_one = job.camera.distances.size() == 1;
-    render_with(is_one ? "render" : "render focused at " + format_length(distance), params);
+    renders.push_back(
+        render_waves(job, is_one ? "render" : "render focused at " + format_length(distance), params, report, watch));
   }
-  if (renders.empty()) render_with("render", job.render);
+  return renders;
+}
+
+// What each eye of a viewer would see of the scene itself, in focus where the holographic pair is.
+std::vector<Image> make_stereo_renders(const Job& job, Report& report, const StageObserver& watch) {
+  if (job.render.eye_separation == 0) return {};
+  std::vector<Image> renders;
+  for (RenderParams params : stereo_pair(job.render)) {
+    params.focus = job.camera.distances.front();
+    renders.push_back(render_waves(job, renders.empty() ? "render for the left eye" : "render for the right eye",
+                                   params, report, watch));
+  }
+  return renders;
+}
+
+// Iterations look at what the camera looks at, where nothing else is said.
+EncodeParams encoding_of(const Job& job) {
+  EncodeParams params = job.encode;
+  const bool is_iterated = params.method == Encoding::gerchberg_saxton ||
+                           params.method == Encoding::weighted_gerchberg_saxton || params.method == Encoding::sgd;
+  if (is_iterated && params.target_distances.empty()) params.target_distances = job.camera.distances;
+  return params;
 }
 
 // The only light of a job of one wavelength may be another than it was computed for (ShowParams::wavelength).
@@ -133,7 +169,12 @@ Image reference_of(const Job& job, const Image& render, const ViewSum& sum, cons
   const std::vector<double> lines = sum.wavelengths();
   const std::vector<double>& seen = lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
   const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid, job.wavelengths.front());
-  return project_render(seen_at(render, seen), half_tangent, view, distance);
+  Image in_plane(view.ny, view.nx, 1);  // the sensor's pixels in the plane looked at
+  const double m = magnification(job.camera, distance, job.encode.image);
+  in_plane.pitch = view.pitch / m;
+  in_plane.centre_x = view.centre_x / m;
+  in_plane.centre_y = view.centre_y / m;
+  return project_render(seen_at(render, seen), half_tangent, in_plane, distance);
 }
 
 }  // namespace
@@ -238,7 +279,8 @@ Boxes run(const Job& job, const StageObserver& watch) {
       for (const std::string& warning : job.warnings) o.warn(warning);
       return job.warnings.size();
     });
-  make_renders(job, b.report, watch, b.renders);
+  b.renders = make_renders(job, b.report, watch);
+  b.stereo_renders = make_stereo_renders(job, b.report, watch);
   SceneLight light = stage("trace", [&](const Observer& o) {
     o.fact("seed", job.trace.seed);
     SceneLight traced = trace_light(job, o);
@@ -253,10 +295,13 @@ Boxes run(const Job& job, const StageObserver& watch) {
   require(light.sets() > 0, "expected at least one source, got none; is the scene lit and in view?");
   check_memory(job, light.sets());
 
-  const std::vector<double>& distances = job.camera.distances;
+  const EncodeParams encoding = encoding_of(job);
+  b.viewpoints = viewpoints(job.camera, job.render);
   const int64_t holograms = int64_t(light.sets()) * job.trace.frames;
-  RepeatedStages repeat(holograms, job.trace.frames + holograms * int64_t(2 + distances.size()), b.report, watch);
-  std::vector<ViewSum> sums(distances.size(),
+  const int64_t moments = moments_of(job.slm, job.show, job.wavelengths.front());
+  RepeatedStages repeat(holograms, moments, job.trace.frames + holograms * (1 + viewing_calls(moments, b.viewpoints)),
+                        b.report, watch);
+  std::vector<ViewSum> sums(b.viewpoints.size(),
                             ViewSum(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths));
   for (int frame = 0; frame < job.trace.frames; ++frame) {
     std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) {
@@ -264,30 +309,27 @@ Boxes run(const Job& job, const StageObserver& watch) {
     });
     for (size_t i = 0; i < fields.size(); ++i) {
       b.holograms.push_back(repeat("encode", [&](const Observer& o) {
-        return encode(fields[i], job.slm, job.encode, is_dark(light, i) ? Observer{} : o);  // as tracing has said
+        return encode(fields[i], job.slm, encoding, is_dark(light, i) ? Observer{} : o);  // as tracing has said
       }));
-      const Hologram& hologram = b.holograms.back();
-      const Field shown = repeat("show", [&](const Observer& o) { return show(hologram, job.slm, job.show, o); });
-      for (size_t d = 0; d < distances.size(); ++d)
-        repeat("look at " + format_length(distances[d]), [&](const Observer& o) {
-          const Image view = look(shown, job.slm, distances[d], job.propagate, job.camera, o);
-          sums[d].add(shown.wavelength, hologram.name, hologram.illumination, view,
-                      axial_reach(job.slm, shown.wavelength, distances[d], job.camera, hologram.filter));
-          return true;
-        });
+      view_hologram(b.holograms.back(), job.slm, job.show, job.propagate, b.viewpoints, repeat, sums);
     }
     if (frame == 0) b.fields = group_by_name(std::move(fields));
   }
-  for (size_t d = 0; d < distances.size(); ++d)
-    repeat.finish("look at " + format_length(distances[d]), [&](const Observer& o) {
-      b.views.push_back(sums[d].image());
-      const Image& view = b.views.back();
+  ViewSeries views = expose_series(b.viewpoints, sums, ViewKind::distance, job.camera);
+  b.views = std::move(views.images);
+  b.white = views.white;
+  for (size_t d = 0; d < b.views.size(); ++d)
+    repeat.finish(b.viewpoints[d].stage, [&](const Observer& o) {
+      const Image& view = b.views[d];
       const Image& render = b.renders[std::min(d, b.renders.size() - 1)];
       const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
-      const double incident = sums[d].relative_illumination() * job.show.irradiance * panel.width() * panel.height();
-      report_metrics(reference_of(job, render, sums[d], view, distances[d]), view,
+      const double incident = sums[d].relative_illumination() * power_on_panel(b.report);
+      report_metrics(reference_of(job, render, sums[d], view, b.viewpoints[d].distance), view,
                      sums[d].mean_irradiance() * sensor / incident, o);
     });
+  b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
+  b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
+  report_sweep(b.viewpoints, b.sweep, repeat);
   b.sources = std::move(light.sources);
   return b;
 }

@@ -10,6 +10,7 @@
 #include "holotrace/data/sources.h"
 #include "holotrace/data/triangles.h"
 #include "holotrace/stage.h"
+#include "holotrace/viewing.h"
 
 namespace holotrace {
 
@@ -25,23 +26,30 @@ struct Boxes {
   std::vector<std::vector<Field>> fields;  ///< at the panel in the first frame, [layer or light][wavelength]
   std::vector<Hologram> holograms;         ///< in the order shown: for each frame, each set
   std::vector<Image> views;                ///< one per camera distance: one channel, or red, green and blue
+  double white = 1;                        ///< of those views [W/m²]
+  ViewSeries sweep;                        ///< where job.camera asks for one
+  /// With job.render.eye_separation: the render for the left and the right eye, and what they see of the holograms.
+  std::vector<Image> stereo_renders;
+  ViewSeries stereo_views;
+  std::vector<Viewpoint> viewpoints;  ///< of all views
   Report report;
 };
 
 /// The whole pipeline, one verb after the other. Each frame m of job.trace.frames gives the waves of every set
 /// independent phases (set_frame: no tracing anew), and its holograms are shown with irradiances in proportion to
-/// their illumination, the brightest with job.show.irradiance; the camera averages frames and adds sets (ViewSum). A
-/// set without waves, as green light of a red scene, is dark.
+/// their illumination, the brightest with job.show.irradiance; the camera averages frames and moments and adds sets
+/// (viewing.h). A set without waves, as green light of a red scene, is dark. Encoders that iterate look at the camera's
+/// distances where the job names none for them.
 ///
-/// With more than one hologram the report has one entry per kind of stage: the seconds of all, the facts of the first
-/// (waves and waves_pixels summed), each warning once.
+/// With more than one hologram, or light of several moments, the report has one entry per kind of stage: the seconds of
+/// all, the facts of the first (waves and waves_pixels summed), each warning once.
 /// @throws Error  as the stages do, and before the first where the job does not fit in the machine's memory
 Boxes run(const Job& job, const StageObserver& watch = {});
 
 /// What `run` refuses before its first stage.
-/// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, and a job that does
-/// not
-///                fit in the machine's memory
+/// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, a camera without
+///                distances or with a sweep or noise that cannot be, and a job that does not fit in the machine's
+///                memory
 void check_job(const Job& job);
 
 /// A scene's light on its way to the panel: sets of waves, with the strategy gather the fields themselves, or with the

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/base/error.h"
+#include "holotrace/slm/show.h"
 #include "holotrace/view/camera.h"
+#include "holotrace/wave/propagate.h"
 #include "holotrace/wave/sum_exact.h"
 #include "support/panels.h"
 
@@ -153,6 +155,182 @@ TEST(Camera, ASensorThatCannotBeIsRefused) {
   PropagateParams window;
   window.pitch = 4_um;
   EXPECT_THROW(look(shown, slm, 0.02, window, camera), Error);
+}
+
+// What a thin lens does, step by step: to its plane, through its pupil and phase, to the plane of its sensor. The
+// picture stands on its head there, about the lens's own axis.
+Image true_lens(const Field& shown, const CameraParams& camera, double distance, int pixels, double pixel) {
+  const double s = camera.eye.z + distance, f = camera.focal_length, to_sensor = s * f / (s - f);
+  FieldDouble in_lens = propagate(convert<double>(shown), camera.eye.z);
+  for (int j = 0; j < in_lens.grid.ny; ++j)
+    for (int i = 0; i < in_lens.grid.nx; ++i) {
+      const double r = std::hypot(in_lens.grid.x(i) - camera.eye.x, in_lens.grid.y(j) - camera.eye.y);
+      const double phase = -pi * r * r / (shown.wavelength * f);
+      in_lens.samples(j, i) *= r <= camera.pupil / 2 ? std::polar(1.0, phase) : 0.0;
+    }
+  PropagateParams sensor;
+  sensor.columns = sensor.rows = pixels;
+  sensor.pitch = pixel;
+  sensor.centre_x = camera.eye.x * (1 + to_sensor / s);
+  sensor.centre_y = camera.eye.y * (1 + to_sensor / s);
+  const FieldDouble at_sensor = propagate(in_lens, to_sensor, sensor);
+  Image upright(pixels, pixels, 1);
+  for (int j = 0; j < pixels; ++j)
+    for (int i = 0; i < pixels; ++i)
+      upright(pixels - 1 - j, pixels - 1 - i) = float(std::norm(at_sensor.samples(j, i)));
+  return upright;
+}
+
+double relative_difference(const Image& a, const Image& b) {
+  double error = 0, all = 0;
+  for (size_t i = 0; i < b.values.size(); ++i) {
+    error += std::pow(double(a.values[i]) - double(b.values[i]), 2);
+    all += std::pow(double(b.values[i]), 2);
+  }
+  return std::sqrt(error / all);
+}
+
+// A lens of 20 mm, 20 mm before the panel. Its sphere is off a parabola by k·r⁴/8·(1/s³ + 1/s'³) = 5e-4 rad at the
+// pupil's rim, and its cosines by (0.3/20)²/2 = 1e-4.
+TEST(Camera, AThinLensMakesTheImageThatItsPhaseAndItsPupilMake) {
+  const Slm slm = make_panel(192, 192);
+  const Field shown = convert<float>(sum_exact(
+      {test_wavelength,
+       {{{0.1_mm, 0.05_mm, -0.04}, 1, 0}, {{-0.15_mm, 0.2_mm, -0.05}, 1, 1}, {{0.02_mm, -0.1_mm, -0.03}, 1, 2}}},
+      slm.grid));
+  CameraParams camera;
+  camera.pupil = 0.6_mm;
+  camera.focal_length = 20_mm;
+  camera.pixel = 4_um;
+  camera.binning = 1;
+  camera.width = camera.height = 128 * 4_um;
+  for (const double distance : {0.03, 0.04, 0.05})
+    for (const Vec3 eye : {Vec3{0, 0, 0.02}, Vec3{0.1_mm, -0.15_mm, 0.02}}) {
+      camera.eye = eye;
+      const Image view = look(shown, slm, distance, {}, camera);
+      ASSERT_EQ(view.nx, 128);
+      EXPECT_NEAR(view.pitch, 4_um, 1e-18);
+      const Image expected = true_lens(shown, camera, distance, 128, 4_um);
+      EXPECT_LT(relative_difference(view, expected), 5e-3) << distance << " " << eye.x;
+    }
+}
+
+TEST(Camera, ALensMagnifiesByItsFormulaAndKeepsTheLight) {
+  const Slm slm = make_panel(192, 192);
+  const Field shown = convert<float>(sum_exact({test_wavelength, {{{0.2_mm, 0, -0.04}, 1, 0}}}, slm.grid));
+  CameraParams camera;
+  camera.pupil = 0.6_mm;
+  camera.eye.z = 20_mm;
+  const Image plane = look(shown, slm, 0.04, {}, camera);
+  double light = 0, with_lens = 0;
+  for (const float v : plane.values) light += double(v) * plane.pitch * plane.pitch;
+  for (const double f : {5_mm, 10_mm, 14_mm}) {
+    camera.focal_length = f;
+    const double m = f / (0.06 - f);
+    EXPECT_DOUBLE_EQ(magnification(camera, 0.04, ImageSide::virtual_image), m);
+    EXPECT_DOUBLE_EQ(magnification(camera, 0.005, ImageSide::real_image), f / (0.015 - f)) << "s = 20 − 5 mm";
+    const Image view = look(shown, slm, 0.04, {}, camera);
+    EXPECT_NEAR(centroid(view), m * 0.2_mm, 0.01 * m * 0.2_mm);  // Airy's tails reach past one side of the window
+    with_lens = 0;
+    for (const float v : view.values) with_lens += double(v) * view.pitch * view.pitch;
+    EXPECT_NEAR(with_lens / light, 1, 1e-5);  // floats
+  }
+}
+
+// First zero of Airy's pattern, 1.2197·λ·s'/D, s' the distance of the sensor (physics.md: test value 8).
+TEST(Camera, APointInFocusIsAirysDisc) {
+  const Slm slm = make_panel(256, 256);
+  CameraParams camera;
+  camera.pupil = 0.6_mm;
+  camera.eye.z = 20_mm;
+  camera.focal_length = 20_mm;
+  camera.pixel = 1_um;
+  camera.binning = 1;
+  camera.width = camera.height = 129_um;
+  const Image view = look(point_field(slm, 0.04), slm, 0.04, {}, camera);
+  int first = 64;
+  while (first + 1 < 129 && view(64, first + 1) < view(64, first)) ++first;
+  const double radius = 1.2196699 * test_wavelength * 30_mm / camera.pupil;  // 32.4 µm
+  EXPECT_NEAR((first - 64) * 1_um, radius, 1_um);                            // a pixel
+  EXPECT_LT(view(64, first), 2e-3 * view(64, 64));                           // within half a pixel of the zero
+}
+
+// A point at d blurs to a disc of diameter D·|d − distance|/(d + z) in the plane in focus, m times that on the sensor.
+// Half of an even disc's light is within its radius over √2. The shadow of N = (D/2)²·(1/30 mm − 1/60 mm)/λ = 18 zones
+// has N/2 rings, so the light within a circle swings by about 1/2N.
+TEST(Camera, APointOutOfFocusBlursToThePupilsShadow) {
+  const Slm slm = make_panel(256, 256);
+  CameraParams camera;
+  camera.pupil = 1.5_mm;
+  camera.eye.z = 20_mm;
+  camera.focal_length = 20_mm;
+  camera.pixel = 8_um;
+  camera.width = camera.height = 3.2_mm;
+  const Image view = look(point_field(slm, 0.04), slm, 0.01, {}, camera);
+  const double radius = 2 * camera.pupil / 2 * (0.04 - 0.01) / 0.06;
+  double inside = 0, all = 0;
+  for (int j = 0; j < view.ny; ++j)
+    for (int i = 0; i < view.nx; ++i) {
+      const double r = std::hypot(i - (view.nx - 1) / 2.0, j - (view.ny - 1) / 2.0) * view.pitch;
+      all += view(j, i);
+      inside += r <= radius / std::sqrt(2) ? view(j, i) : 0;
+    }
+  EXPECT_NEAR(inside / all, 0.5, 0.03);
+}
+
+TEST(Camera, LensesThatCannotImageAreRefused) {
+  const Slm slm = make_panel(64, 64);
+  const Field shown = point_field(slm, 0.02);
+  CameraParams camera;
+  camera.focal_length = 50_mm;
+  EXPECT_EQ(error_of([&] { look(shown, slm, 0.02, {}, camera); }),
+            "expected a pupil above 0 m for a lens of 50 mm, got 0 m; give its diameter");
+  camera.pupil = 0.2_mm;
+  camera.eye.z = 30_mm;
+  EXPECT_EQ(error_of([&] { look(shown, slm, 0.02, {}, camera); }),
+            "expected a plane farther from the lens than its focal length of 50 mm, got one at 50 mm; move the eye "
+            "back, or take a shorter focal length");
+  camera.focal_length = -1_mm;
+  EXPECT_EQ(error_of([&] { look(shown, slm, 0.02, {}, camera); }),
+            "expected a focal length of 0 m (no lens) or more, got -0.001 m");
+}
+
+// A flat panel sends order (1, 0) to z·λ/p = 6.65 mm, with F²·sinc²(√F) of its light. A pupil of 3 mm takes all of a
+// beam of 2 mm but for what its edges spread, λz/(π²·2 mm)·2/0.5 mm = 1 % along each axis, and of order 0, 0.757 of the
+// light, what its edges spread from 5.15 to 8.15 mm: 1.9e-4 of it, or 3.7 % of what is expected.
+TEST(Camera, AnEyeBesideTheEyeboxIsToldAndSeesWhatOrdersGoThere) {
+  Slm slm = make_panel(252, 252, 256, 0.87);
+  const Hologram flat = make_hologram(slm, Modulation::phase, [](int) { return 0; });
+  CameraParams camera;
+  camera.pupil = 3_mm;
+  camera.eye = {100_mm * test_wavelength / test_pitch, 0, 100_mm};
+  ShowParams params;
+  for (const int subpixels : {1, 3}) {
+    params.subpixels = subpixels;
+    Heard heard;
+    const Image view = look(show(flat, slm, params), slm, 0, {}, camera, heard.observer());
+    double light = 0;
+    for (const float v : view.values) light += double(v) * view.pitch * view.pitch;
+    const double expected = subpixels == 1 ? 0 : 0.00388;
+    EXPECT_NEAR(light / (slm.grid.width() * slm.grid.height()), expected, 0.04 * expected);
+    ASSERT_EQ(heard.warnings.size(), 1u);
+    EXPECT_EQ(
+        heard.warnings[0],
+        std::string("the eye at 6.65 mm, 0 m is beside the eyebox, which is 6.65368 mm × 6.65368 mm at 100 mm from "
+                    "the panel: it sees less than half of order 0, or nothing of it") +
+            (subpixels == 1 ? "; higher orders need subpixels of 3 or more; move it toward the axis"
+                            : ", and light of higher orders; move it toward the axis"));
+  }
+  // Behind a plane before the panel, the same eye sees none of it: light of a real image goes past its pupil.
+  Heard of_real_image;
+  Field real = show(flat, slm, params);
+  real.image = ImageSide::real_image;
+  for (const float v : look(real, slm, 99_mm, {}, camera, of_real_image.observer()).values) ASSERT_EQ(v, 0);
+  EXPECT_EQ(of_real_image.warnings.size(), 1u);
+  camera.eye.x = 3.3_mm;  // within the middle's cone of 3.33 mm
+  Heard heard;
+  look(show(flat, slm, params), slm, 0, {}, camera, heard.observer());
+  EXPECT_TRUE(heard.warnings.empty());
 }
 
 }  // namespace

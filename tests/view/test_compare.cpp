@@ -136,6 +136,25 @@ TEST(Compare, SaysWhatIsWrong) {
             "expected a field of 4 × 4 samples, as its reference, got 4 × 5");
 }
 
+// 1000 ratios from 0.5 to 1.499 in even steps: the 10th is 0.509, the 990th 1.489. One dark pixel and one too bright
+// take the place of the outermost: they change nothing.
+TEST(Compare, UniformityIsThatOfPercentiles) {
+  Image reference(25, 40, 1), image(25, 40, 1);
+  for (size_t i = 0; i < 1000; ++i) {
+    reference.values[i] = 1 + float(i % 7) / 7;
+    image.values[i] = (0.5F + float(i * 389 % 1000) / 1000) * reference.values[i];
+  }
+  const double expected = 1 - (1.489 - 0.509) / (1.489 + 0.509);
+  EXPECT_NEAR(compare(reference, image).uniformity, expected, 1e-6);
+  for (size_t i = 0; i < 1000; ++i)
+    if (i * 389 % 1000 == 0)
+      image.values[i] = 0;
+    else if (i * 389 % 1000 == 999)
+      image.values[i] = 100;
+  EXPECT_NEAR(compare(reference, image).uniformity, expected, 1e-6);
+  EXPECT_EQ(compare(reference, reference).uniformity, 1);
+}
+
 TEST(CompareFields, ErrorCorrelationAndScaleOfAKnownDifference) {
   // Two orthogonal plane waves r and e: f = c·(r + ε·e) has correlation c/(|c|·√(1+ε²)), scale 1/(c(1+ε²)).
   const Grid grid{32, 16, test_pitch};

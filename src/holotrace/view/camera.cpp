@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/select_order.h"
 #include "holotrace/wave/propagate.h"
@@ -50,8 +52,8 @@ struct Sensor {
   CameraParams exposure;
 };
 
-Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double distance,
-                 const PropagateParams& propagation, const CameraParams& camera) {
+Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z, const PropagateParams& propagation,
+                 const CameraParams& camera) {
   Sensor sensor{propagation, camera};
   const bool has_window =
       camera.width != 0 || camera.height != 0 || camera.pixel != 0 || camera.centre_x != 0 || camera.centre_y != 0;
@@ -73,7 +75,7 @@ Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double di
           "expected a sensor pixel of 0 m (as binning) or more, got {} m", camera.pixel);
   require(camera.binning >= 0, "expected a binning of 0 (as many as hold the light) or more, got {}", camera.binning);
   const double aperture = camera.pupil > 0 ? camera.pupil : std::max(shown.width(), shown.height());
-  const double travelled = camera.pupil > 0 ? distance + camera.eye.z : distance;
+  const double travelled = camera.pupil > 0 ? z - camera.eye.z : z;
   const int n = camera.binning > 0 ? camera.binning
                                    : samples_per_pixel(camera.pixel, aperture, shown.pitch, wavelength, travelled);
   sensor.exposure.binning = n;
@@ -81,6 +83,60 @@ Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double di
   sensor.window.columns = n * sensor_pixels(camera.width > 0 ? camera.width : slm.grid.width(), camera.pixel);
   sensor.window.rows = n * sensor_pixels(camera.height > 0 ? camera.height : slm.grid.height(), camera.pixel);
   return sensor;
+}
+
+// The camera as it would be without its lens, its sensor in the plane looked at.
+CameraParams in_object_plane(const CameraParams& camera, double magnification) {
+  CameraParams out = camera;
+  for (double* size : {&out.width, &out.height, &out.centre_x, &out.centre_y, &out.pixel}) *size /= magnification;
+  return out;
+}
+
+double plane_of(double distance, ImageSide image) { return image == ImageSide::real_image ? distance : -distance; }
+
+// Samples from low to high along one axis, at the places of those that are there.
+struct Samples {
+  int count = 0;
+  double centre = 0;
+};
+
+Samples samples_between(double low, double high, double pitch, int present) {
+  const double first = -(present - 1) / 2.0 * pitch;
+  const double begin = std::floor((low - first) / pitch), end = std::ceil((high - first) / pitch);
+  return {int(end - begin) + 1, first + (begin + end) / 2 * pitch};
+}
+
+// The part of the pupil's plane that light of the panel passes on its way through it. Light leaves the panel up to the
+// angle that its samples hold; half a panel more takes in what diffraction spreads.
+std::optional<Grid> pupil_window(const Grid& shown, double wavelength, const CameraParams& camera) {
+  if (camera.eye.z == 0) return shown;
+  const double radius = camera.pupil / 2, spread = box_radius(camera.eye.z, wavelength, shown.pitch);
+  const double right = shown.width() / 2 + spread, up = shown.height() / 2 + spread;
+  if (std::abs(camera.eye.x) - radius >= right || std::abs(camera.eye.y) - radius >= up) return std::nullopt;
+  const auto along = [&](double place, double reach, double side, int present) {
+    const double most = reach + side / 2;
+    return samples_between(std::max(place - radius, -most), std::min(place + radius, most), shown.pitch, present);
+  };
+  const Samples x = along(camera.eye.x, right, shown.width(), shown.nx);
+  const Samples y = along(camera.eye.y, up, shown.height(), shown.ny);
+  return Grid{x.count, y.count, shown.pitch, x.centre, y.centre};
+}
+
+PropagateParams to_window(const Grid& window, PropagationMethod method) {
+  PropagateParams params;
+  params.method = method;
+  params.columns = window.nx;
+  params.rows = window.ny;
+  params.centre_x = window.centre_x;
+  params.centre_y = window.centre_y;
+  return params;
+}
+
+// Whether light of a window, at the angles that its samples hold, gets to another.
+bool reaches(const Grid& from, const Grid& to, double wavelength, double distance) {
+  const double spread = box_radius(std::abs(distance), wavelength, from.pitch);
+  return std::abs(to.centre_x - from.centre_x) < (from.width() + to.width()) / 2 + spread &&
+         std::abs(to.centre_y - from.centre_y) < (from.height() + to.height()) / 2 + spread;
 }
 
 // The light that a round pupil lets through.
@@ -93,9 +149,42 @@ void cut_by_pupil(Field& field, const CameraParams& camera) {
       open += is_open;
       if (!is_open) field.samples(j, i) = 0;
     }
-  require(open > 0, "expected a pupil within the panel's window of {} × {}, got one of {} at {}, {}; move the eye",
+  require(open > 0 || camera.eye.z > 0,
+          "expected a pupil within the panel's window of {} × {}, got one of {} at {}, {}; move the eye",
           format_length(field.grid.width()), format_length(field.grid.height()), format_length(camera.pupil),
           format_length(camera.eye.x), format_length(camera.eye.y));
+  require(open > 0, "expected a pupil that is wider than a sample of {}, got one of {}; take a wider one",
+          format_length(field.grid.pitch), format_length(camera.pupil));
+}
+
+// Where at least half of what order 0 could show is seen: the panel's own width near it, the middle's cone farther off.
+void warn_beside_eyebox(const Field& shown, const Slm& slm, const CameraParams& camera, const Observer& observer) {
+  const double z = camera.eye.z, cone = box_radius(z, shown.wavelength, slm.grid.pitch);
+  const double right = std::max(slm.grid.width() / 2, cone), up = std::max(slm.grid.height() / 2, cone);
+  if (z == 0 || (std::abs(camera.eye.x) <= right && std::abs(camera.eye.y) <= up)) return;
+  const bool has_higher_orders = shown.grid.pitch < slm.grid.pitch && !shown.filter;
+  observer.warn(
+      fmt::format("the eye at {}, {} is beside the eyebox, which is {} × {} at {} from the panel: it sees less than "
+                  "half of order 0, or nothing of it{}; move it toward the axis",
+                  format_length(camera.eye.x), format_length(camera.eye.y), format_length(2 * right),
+                  format_length(2 * up), format_length(z),
+                  has_higher_orders ? ", and light of higher orders" : "; higher orders need subpixels of 3 or more"));
+}
+
+// The sensor's window as a field in the pupil's smaller one must ask for it.
+PropagateParams from_pupil(PropagateParams sensor, const Grid& shown) {
+  const Grid window = propagation_output(shown, sensor);
+  sensor.columns = window.nx;
+  sensor.rows = window.ny;
+  sensor.pitch = window.pitch;
+  return sensor;
+}
+
+void check_eye(const CameraParams& camera) {
+  require(std::isfinite(camera.pupil) && camera.pupil >= 0, "expected a pupil of 0 m (none) or more, got {} m",
+          camera.pupil);
+  require(camera.pupil == 0 || (is_finite(camera.eye) && camera.eye.z >= 0),
+          "expected an eye on the panel or before it (z ≥ 0), got z = {}", format_length(camera.eye.z));
 }
 
 // Between the middles of pixels; black past the outer ones. Added to one sum per channel.
@@ -110,35 +199,69 @@ void add_between(const Image& render, double row, double column, double* sums) {
 
 }  // namespace
 
-Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
-           const CameraParams& camera, const Observer& observer) {
-  require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {} m", distance);
-  const Sensor sensor = sensor_of(shown.grid, slm, shown.wavelength, distance, propagation, camera);
-  const Field stopped = shown.filter ? select_order(shown, *shown.filter, observer) : shown;
-  const double z = shown.image == ImageSide::real_image ? distance : -distance;
-  if (camera.pupil == 0) return expose(propagate(stopped, z, sensor.window, observer), sensor.exposure, observer);
-
-  require(std::isfinite(camera.pupil) && camera.pupil > 0, "expected a pupil of 0 m (none) or more, got {} m",
-          camera.pupil);
-  require(is_finite(camera.eye) && camera.eye.z >= 0, "expected an eye on the panel or before it (z ≥ 0), got z = {}",
-          format_length(camera.eye.z));
-  PropagateParams to_pupil;
-  to_pupil.method = propagation.method;
-  Field in_pupil = propagate(stopped, camera.eye.z, to_pupil, observer);
-  cut_by_pupil(in_pupil, camera);
-  return expose(propagate(in_pupil, z - camera.eye.z, sensor.window, observer), sensor.exposure, observer);
+double magnification(const CameraParams& camera, double distance, ImageSide image) {
+  if (camera.focal_length == 0) return 1;
+  const double f = camera.focal_length;
+  require(std::isfinite(f) && f > 0, "expected a focal length of 0 m (no lens) or more, got {} m", f);
+  require(camera.pupil > 0, "expected a pupil above 0 m for a lens of {}, got 0 m; give its diameter",
+          format_length(f));
+  const double s = camera.eye.z - plane_of(distance, image);
+  require(s > f,
+          "expected a plane farther from the lens than its focal length of {}, got one at {}; move the eye back, or "
+          "take a shorter focal length",
+          format_length(f), format_length(s));
+  return f / (s - f);
 }
 
-double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance,
-                     const PropagateParams& propagation, const CameraParams& camera) {
-  const Sensor sensor = sensor_of(shown, slm, wavelength, distance, propagation, camera);
+Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
+           const CameraParams& with_lens, const Observer& observer) {
+  require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {} m", distance);
+  check_eye(with_lens);
+  const double m = magnification(with_lens, distance, shown.image), z = plane_of(distance, shown.image);
+  const CameraParams camera = in_object_plane(with_lens, m);
+  const Sensor sensor = sensor_of(shown.grid, slm, shown.wavelength, z, propagation, camera);
+  const auto sensed = [&](const Field& field) {
+    Image image = expose(field, sensor.exposure, observer);
+    if (m == 1) return image;
+    image.pitch *= m;
+    image.centre_x *= m;
+    image.centre_y *= m;
+    for (float& value : image.values) value = float(double(value) / (m * m));
+    return image;
+  };
+  const auto stopped = [&] { return shown.filter ? select_order(shown, *shown.filter, observer) : shown; };
+  if (camera.pupil == 0) return sensed(propagate(stopped(), z, sensor.window, observer));
+
+  warn_beside_eyebox(shown, slm, camera, observer);
+  const std::optional<Grid> window = pupil_window(shown.grid, shown.wavelength, camera);
+  const Grid plane = propagation_output(shown.grid, sensor.window);
+  if (!window || !reaches(*window, plane, shown.wavelength, z - camera.eye.z))
+    return sensed(Field(plane, shown.wavelength));  // dark
+  Field in_pupil = propagate(stopped(), camera.eye.z, to_window(*window, propagation.method), observer);
+  cut_by_pupil(in_pupil, camera);
+  return sensed(propagate(in_pupil, z - camera.eye.z, from_pupil(sensor.window, shown.grid), observer));
+}
+
+double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance, ImageSide image,
+                     const PropagateParams& propagation, const CameraParams& with_lens) {
+  const double z = plane_of(distance, image);
+  const CameraParams camera = in_object_plane(with_lens, magnification(with_lens, distance, image));
+  PropagateParams window = sensor_of(shown, slm, wavelength, z, propagation, camera).window;
+  const Grid sensor = propagation_output(shown, window);
   // A distance that cannot be sampled is refused, with its reason, where it is propagated over.
-  try {
-    const double travelled = camera.pupil > 0 ? distance + camera.eye.z : distance;
-    return propagation_bytes(shown, wavelength, travelled, sensor.window, sizeof(float));
-  } catch (const Error&) {
-    return sizeof(std::complex<float>) * double(propagation_output(shown, sensor.window).pixels());
-  }
+  const auto bytes_over = [&](const Grid& from, double over, const PropagateParams& params) {
+    try {
+      return propagation_bytes(from, wavelength, over, params, sizeof(float));
+    } catch (const Error&) {
+      return sizeof(std::complex<float>) * double(sensor.pixels());
+    }
+  };
+  if (camera.pupil == 0) return bytes_over(shown, z, window);
+  const std::optional<Grid> pupil = pupil_window(shown, wavelength, camera);
+  if (!pupil) return sizeof(std::complex<float>) * double(sensor.pixels());
+  return std::max(bytes_over(shown, camera.eye.z, to_window(*pupil, propagation.method)),
+                  sizeof(std::complex<float>) * double(pupil->pixels()) +
+                      bytes_over(*pupil, z - camera.eye.z, from_pupil(window, shown)));
 }
 
 double axial_reach(const Slm& slm, double wavelength, double distance, const CameraParams& camera,

@@ -16,8 +16,21 @@ namespace holotrace {
 /// the panel for a virtual image, before it for a real one. Applies the stop that the encoder asked for.
 ///
 /// With camera.pupil > 0 an eye takes the light: only what passes a round pupil about camera.eye, parallel to the
-/// panel, goes on. The field is propagated to the plane of the pupil, cut there, and from there (forward or back) to
-/// the plane looked at: an eye that focuses on that plane, its retina in the plane's own scale.
+/// panel, goes on. The field is propagated to a window about the pupil in its plane, cut there, and from there (forward
+/// or back) to the plane looked at: an eye that focuses on that plane, its retina in the plane's own scale. An eye
+/// beside the eyebox is a warning: order 0 of the panel's middle goes to |x| ≤ z·tan(asin(λ/2p)) about the axis, at
+/// z·λ/p from those of its neighbours, and beyond it (and beyond the panel's own width) there is less than half of
+/// order 0, or none, and only what other orders the samples hold.
+///
+/// With camera.focal_length f > 0 a thin lens fills that pupil, and the sensor stands where it images the plane looked
+/// at, at s from the lens. Sizes are then the sensor's:
+///
+///     m = f/(s − f),   s = eye.z + distance (virtual image) or eye.z − distance (real),   I_sensor(m·x) = I(x)/m²
+///
+/// with x upright, as a camera turns its picture, and the axis on x = 0 wherever the lens is (a lens that is shifted
+/// along the sensor): pictures from several places lie on each other in the plane in focus. A width or height of 0 is
+/// the image of the panel's window, a pixel of 0 that of a panel pixel. What the lens does to light is exact for the
+/// plane in focus but for the aberrations of a real one.
 ///
 /// With camera.pixel > 0 the sensor has pixels of that side, as many as its width and height hold, and the field is
 /// taken at camera.binning² places of each; 0 for as many as hold the irradiance, whose band is twice the field's: at
@@ -27,14 +40,18 @@ namespace holotrace {
 /// axis. Its centre is free.
 ///
 /// @return        irradiance [W/m²]
-/// @throws Error  for a distance or a size below 0, an eye behind the panel or beside its window, a sensor smaller than
-///                a sample or a pixel, a window given twice (by the camera's and by the propagation's), and as
-///                propagate does
+/// @throws Error  for a distance or a size below 0, an eye behind the panel or, on it, beside it, a lens without a
+///                pupil or nearer than f to the plane, a sensor smaller than a sample or a pixel, a window given twice
+///                (by the camera's and by the propagation's), and as propagate does
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
            const CameraParams& camera, const Observer& observer = {});
 
+/// How much larger than the plane at `distance` its image on the sensor is: m, 1 without a lens.
+/// @throws Error  for a lens without a pupil, or nearer than its focal length to the plane
+double magnification(const CameraParams& camera, double distance, ImageSide image);
+
 /// Bytes that look takes beside the field that is shown, its propagation above all. For checks before a job begins.
-double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance,
+double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance, ImageSide image,
                      const PropagateParams& propagation, const CameraParams& camera);
 
 /// Part of the light of a point on the axis at `distance` that a panel takes in and sends on in order 0: what a white

@@ -34,6 +34,17 @@ double contrast(double sum, double sum_of_squares, double n) {
   return std::sqrt(std::max(0.0, sum_of_squares / n - mean * mean)) / mean;
 }
 
+// 1 − (b − a)/(b + a) = 2a/(a + b), a and b the 1st and 99th percentiles (nearest rank).
+double uniformity_of(std::vector<double> ratios) {
+  const auto percentile = [&](double part) {
+    const auto rank = ratios.begin() + std::ptrdiff_t(std::ceil(part * double(ratios.size()))) - 1;
+    std::nth_element(ratios.begin(), rank, ratios.end());
+    return std::max(0.0, *rank);
+  };
+  const double least = percentile(0.01), most = percentile(0.99);
+  return most > 0 ? 2 * least / (least + most) : 0;
+}
+
 }  // namespace
 
 Metrics compare(const Image& reference, const Image& image, const CompareParams& params) {
@@ -52,6 +63,7 @@ Metrics compare(const Image& reference, const Image& image, const CompareParams&
 
   double image_image = 0, image_reference = 0, image_sum = 0, reference_sum = 0;
   double bright_sum = 0, ratio_sum = 0, ratio_squares = 0, bright_count = 0;
+  std::vector<double> ratios;
   for (size_t i = 0; i < image.values.size(); ++i) {
     const double r = reference.values[i], v = image.values[i];
     image_image += v * v;
@@ -63,6 +75,7 @@ Metrics compare(const Image& reference, const Image& image, const CompareParams&
     bright_count += 1;
     ratio_sum += v / r;
     ratio_squares += v / r * (v / r);
+    ratios.push_back(v / r);
   }
 
   Metrics m;
@@ -75,6 +88,7 @@ Metrics compare(const Image& reference, const Image& image, const CompareParams&
   m.speckle_contrast = contrast(ratio_sum, ratio_squares, bright_count);
   m.bright_fraction = image_sum > 0 ? bright_sum / image_sum : 0;
   m.power_ratio = image_sum / reference_sum;
+  m.uniformity = uniformity_of(std::move(ratios));
   return m;
 }
 

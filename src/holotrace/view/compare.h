@@ -24,6 +24,9 @@ struct Metrics {
   double speckle_contrast = 0;  ///< σ/μ of image/reference over the bright region: shading divides out
   double bright_fraction = 0;   ///< diffraction efficiency: part of the image's light in the bright region
   double power_ratio = 0;       ///< all light of the image over all light of the reference
+  /// 1 − (b − a)/(b + a) of image/reference over the bright region, a and b its 1st and 99th percentiles: the least and
+  /// the greatest of all would tell of two pixels alone, and of their noise. In [0, 1], 1 where all are alike.
+  double uniformity = 0;
 };
 
 /// Compares an image with its reference, L being the reference's maximum, over all channels together.

@@ -1,0 +1,70 @@
+#include "save_views.h"
+
+#include <filesystem>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/animation.h"
+#include "holotrace/io/chart_file.h"
+#include "holotrace/io/file.h"
+#include "holotrace/io/image_file.h"
+#include "holotrace/view/stereo.h"
+
+namespace holotrace {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string beside(const std::string& view, const std::string& extension) {
+  return fs::path(path_with_suffix(view, "_sweep")).replace_extension(extension).string();
+}
+
+std::string animation_path(const std::string& view) {
+  return extension_of(view) == ".gif" ? view : beside(view, ".gif");
+}
+
+std::string picture_path(const std::string& view, size_t i) {
+  return path_with_suffix(view, fmt::format("_sweep_{:02}", i + 1));
+}
+
+}  // namespace
+
+std::string path_with_suffix(const std::string& path, const std::string& suffix) {
+  const fs::path p(path);
+  return (p.parent_path() / (p.stem().string() + suffix + p.extension().string())).string();
+}
+
+void remove_sweep(const std::string& view) {
+  fs::remove(animation_path(view));
+  if (extension_of(view) == ".gif") return;
+  fs::remove(beside(view, ".png"));
+  for (size_t i = 0; fs::remove(picture_path(view, i)); ++i) continue;
+}
+
+void save_sweep(const std::string& view, const std::vector<Viewpoint>& from, const ViewSeries& sweep,
+                const CameraParams& camera, const Observer& observer) {
+  if (sweep.images.empty()) return;
+  remove_sweep(view);
+  save_animation(animation_path(view), sweep.images, sweep.white, camera.sweep_seconds);
+  if (extension_of(view) == ".gif") return;
+  for (size_t i = 0; i < sweep.images.size(); ++i)
+    save_image(picture_path(view, i), sweep.images[i], sweep.white, camera.bits);
+  try {
+    save_chart(beside(view, ".png"), sweep_chart(from, sweep));
+  } catch (const Error& error) {
+    observer.warn(error.what());
+  }
+}
+
+void save_stereo(const std::string& path, const std::vector<Image>& pair, double white, int bits,
+                 bool is_anaglyph_plain) {
+  require(pair.size() == 2, "expected a picture for each of two eyes, got {}", pair.size());
+  save_image(path_with_suffix(path, "_left"), pair[0], white, bits);
+  save_image(path_with_suffix(path, "_right"), pair[1], white, bits);
+  save_image(is_anaglyph_plain ? path : path_with_suffix(path, "_anaglyph"), anaglyph(pair[0], pair[1]), white, bits);
+}
+
+void remove_stereo(const std::string& path) {
+  for (const char* suffix : {"_left", "_right", "_anaglyph"}) fs::remove(path_with_suffix(path, suffix));
+}
+
+}  // namespace holotrace

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "holotrace/viewing.h"
+
+namespace holotrace {
+
+/// Writes the pictures of a sweep beside the view they belong to, view.png: view_sweep_01.png, …; view_sweep.gif, the
+/// animation of them all; and view_sweep.png, the chart of the sweep (viewing.h). For a view of the name NAME.gif: the
+/// animation alone. Pictures of an earlier sweep under these names are removed. No sweep: nothing is written.
+/// @param view      path of the view: .png, .exr or .gif
+/// @param observer  is warned where the chart cannot be drawn, as where gnuplot is not installed
+void save_sweep(const std::string& view, const std::vector<Viewpoint>& from, const ViewSeries& sweep,
+                const CameraParams& camera, const Observer& observer);
+
+/// Removes the pictures, the animation and the chart of an earlier sweep.
+void remove_sweep(const std::string& view);
+
+/// Writes a stereo pair and its anaglyph: NAME_left, NAME_right and NAME_anaglyph, with the extension of `path`, or
+/// where `is_anaglyph_plain` the anaglyph as `path` itself.
+/// @param bits  of a PNG
+void save_stereo(const std::string& path, const std::vector<Image>& pair, double white, int bits,
+                 bool is_anaglyph_plain = false);
+
+/// Removes an earlier stereo pair and its anaglyph.
+void remove_stereo(const std::string& path);
+
+/// The path with words after its name: ("out/view.png", "_left") → "out/view_left.png".
+std::string path_with_suffix(const std::string& path, const std::string& suffix);
+
+}  // namespace holotrace

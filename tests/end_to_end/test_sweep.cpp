@@ -1,0 +1,195 @@
+// Series of views through distances and places of the eye, and their animations, by the command line.
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "end_to_end/scenes.h"
+#include "holotrace/io/image_file.h"
+#include "holotrace/viewing.h"
+#include "support/program.h"
+#include "support/temporary.h"
+
+namespace holotrace::test {
+namespace {
+
+// Points 26 mm and 34 mm behind the small panel, on the axis and beside it.
+void make_hologram(const Workplace& work) {
+  work.write("points.ply", point_file({{{-0.0003, 0, -0.026}}, {{0.0003, 0, -0.034}}}));
+  work.write("scene.toml", scene_head() + points_object() + "[camera]\ndistances = \"30 mm\"\n[render]\nrows = 32\n");
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
+}
+
+int frames_of(const std::string& path) {
+  const auto input = OIIO::ImageInput::open(path);
+  int frames = 0;
+  while (input && input->seek_subimage(frames, 0)) ++frames;
+  OIIO::geterror();
+  return frames;
+}
+
+nlohmann::json stage_of(const Workplace& work, const std::string& report, const std::string& name) {
+  const nlohmann::json json = nlohmann::json::parse(work.read(report));
+  for (const auto& stage : json.at("stages"))
+    if (stage.at("stage") == name) return stage;
+  ADD_FAILURE() << "no stage " << name;
+  return {};
+}
+
+// Where the light of a small disc near the axis stands between two columns: the middle of the brightest ten.
+double place_between(const Image& image, int first, int last) {
+  constexpr int width = 10;
+  double most = -1;
+  int at = first;
+  for (int i = first; i + width <= last; ++i) {
+    double sum = 0;
+    for (int j = image.ny / 2 - 8; j < image.ny / 2 + 8; ++j)
+      for (int k = i; k < i + width; ++k) sum += double(image(j, k));
+    if (sum > most) at = i;
+    most = std::max(most, sum);
+  }
+  return small_panel.x(at + (width - 1) / 2.0);
+}
+
+// Each of the two points is sharpest where the camera's focus is on it.
+TEST(Sweep, AFocusSweepIsSharpestWhereThePointsAre) {
+  const Workplace work;
+  make_hologram(work);
+  const Outcome outcome =
+      work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm", "--sweep", "focus", "--sweep-from",
+                "22 mm", "--sweep-to", "38 mm", "--sweep-views", "9", "--report", "show.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto sweep = stage_of(work, "show.json", "sweep");
+  const auto sharpness = sweep.at("sharpness").get<std::vector<double>>();
+  const auto position = sweep.at("position_m").get<std::vector<double>>();
+  ASSERT_EQ(sharpness.size(), 9u);
+  for (size_t i = 0; i < 9; ++i) EXPECT_NEAR(position[i], 0.022 + 0.002 * double(i), 1e-12);
+  for (const size_t focused : {size_t(2), size_t(6)}) {  // 26 and 34 mm
+    EXPECT_GT(sharpness[focused], 2 * sharpness[focused - 1]);
+    EXPECT_GT(sharpness[focused], 2 * sharpness[focused + 1]);
+  }
+  EXPECT_TRUE(work.has("view.png"));
+  EXPECT_TRUE(work.has("view_sweep_01.png"));
+  EXPECT_TRUE(work.has("view_sweep_09.png"));
+  EXPECT_FALSE(work.has("view_sweep_10.png"));
+  EXPECT_EQ(frames_of(work.path("view_sweep.gif")), 16);  // there and back
+}
+
+TEST(Sweep, ASweepIsInOneExposureAndDoesNotChangeTheView) {
+  const Workplace work;
+  make_hologram(work);
+  const std::vector<std::string> show{
+      "show",  "out/hologram.png", "--distance", "30 mm",         "--sweep", "focus", "--sweep-from",
+      "26 mm", "--sweep-to",       "30 mm",      "--sweep-views", "2"};
+  auto with = [&](const std::string& output) {
+    std::vector<std::string> arguments = show;
+    arguments.insert(arguments.end(), {"-o", output});
+    EXPECT_EQ(work.run(arguments).exit_code, 0);
+  };
+  with("view.png");
+  with("view.exr");
+  EXPECT_TRUE(work.read("view.png") == work.read("out/view.png"));
+  // A PNG shows value/white; whatever the pixel, white is the same in both pictures, to a code of 255 near the middle.
+  double white[2] = {0, 0};
+  for (const int i : {0, 1}) {
+    const std::string name = "view_sweep_0" + std::to_string(i + 1);
+    const Image linear = load_image(work.path(name + ".exr")), shown = load_image(work.path(name + ".png"));
+    size_t middle = 0;
+    for (size_t k = 0; k < shown.values.size(); ++k)
+      if (std::abs(shown.values[k] - 0.5F) < std::abs(shown.values[middle] - 0.5F)) middle = k;
+    ASSERT_NEAR(shown.values[middle], 0.5, 0.3);
+    white[i] = double(linear.values[middle]) / double(shown.values[middle]);
+  }
+  EXPECT_NEAR(white[0] / white[1], 1, 0.02);  // a code is 1/255 of sRGB, so below 2 · 0.5 % of light in either
+}
+
+TEST(Sweep, AnAnimatedFileIsTheSweepAlone) {
+  const Workplace work;
+  make_hologram(work);
+  const Outcome outcome =
+      work.run({"show", "out/hologram.png", "-o", "view.gif", "--distance", "30 mm", "--pupil", "0.6 mm", "--sweep",
+                "parallax", "--sweep-from", "-0.5 mm", "--sweep-to", "0.5 mm", "--sweep-views", "3"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(frames_of(work.path("view.gif")), 4);
+  EXPECT_FALSE(work.has("view.png"));
+  EXPECT_FALSE(work.has("view_sweep_01.png"));
+}
+
+// In focus at 30 mm, a point of depth d is seen at x + (e − x)·(d − 30 mm)/d, e the eye's place on the panel: each of
+// its own half of the picture, so the point at 26 mm moves against the eye and that at 34 mm with it.
+TEST(Sweep, PointsBeforeAndBehindTheFocusMoveAgainstEachOther) {
+  const Workplace work;
+  make_hologram(work);
+  const Outcome outcome =
+      work.run({"show", "out/hologram.png", "-o", "view.exr", "--distance", "30 mm", "--pupil", "0.5 mm", "--sweep",
+                "parallax", "--sweep-from", "-0.4 mm", "--sweep-to", "0.4 mm", "--sweep-views", "2"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  double x[2][2];
+  for (const int view : {0, 1}) {
+    const Image image = load_image(work.path("view_sweep_0" + std::to_string(view + 1) + ".exr"));
+    for (const int half : {0, 1}) x[half][view] = place_between(image, half * image.nx / 2, (half + 1) * image.nx / 2);
+  }
+  const double near = 0.8e-3 * (0.026 - 0.03) / 0.026, far = 0.8e-3 * (0.034 - 0.03) / 0.034;
+  // Discs of 0.5 mm·4/26 = 10 pixels and of 7, with rings that make either side the brighter: a pixel and a half at
+  // either end.
+  EXPECT_NEAR(x[0][1] - x[0][0], near, 3 * small_panel.pitch);
+  EXPECT_NEAR(x[1][1] - x[1][0], far, 3 * small_panel.pitch);
+}
+
+TEST(Sweep, RunWritesItBesideItsViewsAndClearsAnEarlierOne) {
+  const Workplace work;
+  make_hologram(work);
+  const auto run = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments{"run", "scene.toml", "-o", "out"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const Outcome outcome = work.run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  run({"--sweep", "focus", "--sweep-from", "26 mm", "--sweep-to", "34 mm", "--sweep-views", "3"});
+  EXPECT_TRUE(work.has("out/view_sweep_03.png"));
+  EXPECT_TRUE(work.has("out/view_sweep.gif"));
+  EXPECT_EQ(stage_of(work, "out/report.json", "sweep").at("sharpness").size(), 3u);
+  run({"--sweep", "focus", "--sweep-from", "26 mm", "--sweep-to", "34 mm", "--sweep-views", "2"});
+  EXPECT_TRUE(work.has("out/view_sweep_02.png"));
+  EXPECT_FALSE(work.has("out/view_sweep_03.png"));
+  run({});
+  for (const char* name : {"out/view_sweep_01.png", "out/view_sweep.gif", "out/view_sweep.png"})
+    EXPECT_FALSE(work.has(name)) << name;
+}
+
+TEST(Sweep, SweepsThatCannotBeAreRefused) {
+  CameraParams camera;
+  const auto sentence = [&] { return error_of([&] { viewpoints(camera); }); };
+  camera.sweep = Sweep::focus;
+  EXPECT_EQ(sentence(),
+            "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to");
+  camera.sweep_from = -1e-3;
+  camera.sweep_to = 30e-3;
+  EXPECT_EQ(sentence(), "expected a sweep of the focus through distances of 0 m or more, got -1 mm to 30 mm");
+  camera.sweep = Sweep::parallax;
+  EXPECT_EQ(sentence(),
+            "expected a pupil above 0 m for a sweep of parallax, got 0 m, which takes all light wherever the eye is; "
+            "give a pupil");
+  camera.sweep_views = 1;
+  EXPECT_EQ(sentence(), "expected 2 views or more in a sweep, got 1; give sweep_views");
+  camera.sweep_views = 2;
+  camera.sweep_seconds = 0;
+  EXPECT_EQ(sentence(), "expected a sweep of more than 0 s, there and back, got 0 s; give sweep_seconds");
+  camera = {};
+  camera.distances = {};
+  EXPECT_EQ(sentence(), "expected at least one camera distance, got none");
+}
+
+TEST(Sweep, AnAnimatedFileNeedsASweep) {
+  const Workplace work;  // refused before the hologram is read
+  const Outcome outcome = work.run({"show", "hologram.png", "-o", "view.gif"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err,
+            "holotrace: expected a sweep for the animated file view.gif, got none; give --sweep focus or parallax, or "
+            "name a .png\n");
+}
+
+}  // namespace
+}  // namespace holotrace::test

@@ -1,0 +1,219 @@
+// What the camera sees of holograms: the loop that `run` and `holotrace show` share.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "end_to_end/scenes.h"
+#include "holotrace/io/hologram_file.h"
+#include "holotrace/io/image_file.h"
+#include "holotrace/io/scene_file.h"
+#include "holotrace/pipeline.h"
+#include "holotrace/slm/moments.h"
+#include "holotrace/slm/show.h"
+#include "holotrace/view/camera.h"
+#include "holotrace/view/expose.h"
+#include "holotrace/viewing.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+std::string scene(const std::string& more = "") {
+  return scene_head() + points_object() + "[camera]\ndistances = \"30 mm\"\n[render]\nrows = 32\n" + more;
+}
+
+Workplace& with_points(Workplace& work) {
+  work.write("points.ply", point_file({{{-0.0003, 0, -0.026}}, {{0.0003, 0.0002, -0.034}}}));
+  return work;
+}
+
+nlohmann::json stages_of(const std::string& report) {
+  nlohmann::json stages;
+  const nlohmann::json json = nlohmann::json::parse(report);
+  for (const auto& stage : json.at("stages")) stages[stage.at("stage").get<std::string>()] = stage;
+  return stages;
+}
+
+TEST(Viewing, IsTheWeightedSumOverMoments) {
+  Workplace work;
+  with_points(work).write("scene.toml", scene());
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
+  const Hologram hologram = load_hologram(work.path("out/hologram.png"));
+  const Slm slm = *hologram.slm;
+  ShowParams params;
+  params.bandwidth = 5e-9;
+  params.source_angle = 1e-3;
+  params.moments = 5;
+  CameraParams camera;
+  camera.distances = {0.026, 0.034};
+  const auto from = viewpoints(camera);
+  Report report;
+  const StageObserver watch;
+  RepeatedStages repeat(1, 5, viewing_calls(5, from), report, watch);
+  std::vector<ViewSum> sums(from.size());
+  view_hologram(hologram, slm, params, {}, from, repeat, sums);
+
+  for (size_t d = 0; d < 2; ++d) {
+    std::vector<double> expected;
+    double weights = 0;
+    for (const Moment& moment : moments(slm, params, hologram.wavelength)) {
+      const Image view = look(show(hologram, slm, params, moment), slm, camera.distances[d], {}, camera);
+      expected.resize(view.values.size());
+      for (size_t i = 0; i < expected.size(); ++i) expected[i] += moment.weight * double(view.values[i]);
+      weights += moment.weight;
+    }
+    EXPECT_NEAR(weights, 1, 1e-12);
+    const Image seen = sums[d].image();
+    const double most = *std::max_element(expected.begin(), expected.end());
+    for (size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(seen.values[i], expected[i], 1e-6 * most);  // floats
+  }
+  ASSERT_EQ(report.stages.size(), 3u);
+  EXPECT_EQ(report.stages[0].stage, "show");
+  EXPECT_EQ(report.stages[1].stage, "look at 26 mm");
+}
+
+// A source seen under the angle α blurs an image at d over a disc of diameter α·d: 10 mrad · 30 mm = 300 µm.
+TEST(Viewing, LightOfAWideSourceBlursByItsAngle) {
+  Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.03}}}));
+  work.write("scene.toml", scene());
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
+  const auto show_as = [&](const std::string& name, std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"show", "out/hologram.png", "-o", name, "--distance", "30 mm"});
+    EXPECT_EQ(work.run(flags).exit_code, 0);
+    return load_image(work.path(name));
+  };
+  const Image sharp = show_as("sharp.exr", {});
+  const Image wide = show_as("wide.exr", {"--source-angle", "0.57296 deg", "--moments", "64"});
+  const auto within = [](const Image& image, double radius) {
+    double inside = 0;
+    for (int j = 0; j < image.ny; ++j)
+      for (int i = 0; i < image.nx; ++i)
+        if (std::hypot(small_panel.x(i), small_panel.y(j)) <= radius) inside += double(image(j, i));
+    return inside;
+  };
+  // The disc of 150 µm holds what the sharp point's few pixels held, but for what crosses its rim (a speckle of 8 µm
+  // about it): within 10 %. Half of it is within 150 µm/√2.
+  EXPECT_NEAR(within(wide, 160e-6) / within(sharp, 160e-6), 1, 0.1);
+  EXPECT_NEAR(within(wide, 150e-6 / std::sqrt(2.0)) / within(wide, 160e-6), 0.5, 0.1);
+  EXPECT_GT(within(sharp, 20e-6) / within(sharp, 160e-6), 0.5);
+}
+
+TEST(Viewing, ShowSeesWhatRunSaw) {
+  Workplace work;
+  with_points(work).write("scene.toml", scene("[show]\nbandwidth = \"4 nm\"\nmoments = 3\nsubpixels = 3\n") + "");
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out", "--electrons", "200", "--read-noise", "3"}).exit_code, 0);
+  const Outcome outcome =
+      work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm", "--bandwidth", "4 nm", "--moments",
+                "3", "--subpixels", "3", "--electrons", "200", "--read-noise", "3", "--report", "show.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(work.read("view.png") == work.read("out/view.png"));
+  const auto of_run = stages_of(work.read("out/report.json")), of_show = stages_of(work.read("show.json"));
+  EXPECT_EQ(of_run.at("show").at("power_out"), of_show.at("show").at("power_out"));
+  EXPECT_EQ(of_show.at("show").at("moments"), 3);
+  EXPECT_TRUE(of_show.contains("look at 30 mm"));
+}
+
+// Orders of a hologram at one moment: they are all of the light that its samples hold.
+TEST(Viewing, OrdersAddUpToTheEfficiency) {
+  Workplace work;
+  with_points(work).write("scene.toml", scene("[show]\nsubpixels = 3\n"));
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
+  const auto stages = stages_of(work.read("out/report.json"));
+  const auto& shown = stages.at("show");
+  double sum = 0;
+  int orders = 0;
+  for (const auto& [name, value] : shown.items())
+    if (name.starts_with("order_efficiency ")) {
+      sum += value.get<double>();
+      ++orders;
+    }
+  EXPECT_EQ(orders, 9);
+  EXPECT_NEAR(sum, shown.at("efficiency").get<double>(), 1e-5);  // floats
+  EXPECT_GT(shown.at("order_efficiency 0,0").get<double>(), 5 * shown.at("order_efficiency 1,0").get<double>());
+  EXPECT_TRUE(stages.at("look at 30 mm").contains("uniformity"));
+}
+
+TEST(Viewing, ProgressOfManyMomentsAndViewsGoesOnceFromStartToEnd) {
+  Workplace work;
+  with_points(work).write("scene.toml",
+                          scene("eye_separation = \"0.4 mm\"\n[show]\nsource_angle = \"0.1 deg\"\nmoments = 4\n") +
+                              "[trace]\nframes = 2\n[synthesize]\n");
+  std::string text = work.read("scene.toml");
+  text.replace(text.find("[trace]\nphase = \"constant\"\n"), 27, "");
+  work.write("scene.toml", text);
+  Job job = load_job(work.path("scene.toml"));
+  job.camera.pupil = 0.6e-3;
+  job.camera.sweep = Sweep::parallax;
+  job.camera.sweep_from = -0.2e-3;
+  job.camera.sweep_to = 0.2e-3;
+  job.camera.sweep_views = 3;
+  std::map<std::string, std::vector<double>> heard;
+  std::mutex mutex;
+  const Boxes boxes = run(job, [&](const std::string& stage) {
+    Observer observer;
+    observer.on_progress = [&, stage](double fraction) {
+      const std::lock_guard lock(mutex);
+      heard[stage].push_back(fraction);
+    };
+    return observer;
+  });
+  ASSERT_TRUE(heard.contains("2 holograms"));
+  const auto& fractions = heard.at("2 holograms");
+  EXPECT_NEAR(*std::max_element(fractions.begin(), fractions.end()), 1, 1e-12);
+  EXPECT_LT(*std::min_element(fractions.begin(), fractions.end()), 0.05);
+  EXPECT_FALSE(heard.contains("show"));
+  EXPECT_EQ(boxes.sweep.images.size(), 3u);
+  EXPECT_EQ(boxes.stereo_views.images.size(), 2u);
+  EXPECT_EQ(boxes.stereo_renders.size(), 2u);
+}
+
+TEST(Viewing, NoiseComesAfterTheSumOfFramesAndCountsElectrons) {
+  Workplace work;
+  with_points(work).write("scene.toml", scene());
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
+  const auto show_as = [&](const std::string& name, std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"show", "-o", name, "--distance", "30 mm", "--exposure", "1"});
+    EXPECT_EQ(work.run(flags).exit_code, 0);
+    return load_image(work.path(name));
+  };
+  const Image still = show_as("still.exr", {"out/hologram.png"});
+  const Image once = show_as("once.exr", {"out/hologram.png", "--electrons", "50"});
+  // A hologram shown twice is a mean of two frames: the same light, and the noise of one reading.
+  const Image twice = show_as("twice.exr", {"out/hologram.png", "out/hologram.png", "--electrons", "50"});
+  EXPECT_EQ(once.values, twice.values);
+  for (size_t i = 0; i < once.values.size(); ++i) {
+    ASSERT_NEAR(std::round(once.values[i] * 50), once.values[i] * 50, 1e-4);  // whole electrons
+    ASSERT_LE(once.values[i], 1);
+    ASSERT_TRUE(still.values[i] > 0 || once.values[i] == 0);
+  }
+  EXPECT_NE(once.values, show_as("other.exr", {"out/hologram.png", "--electrons", "50", "--noise-seed", "2"}).values);
+}
+
+TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
+  Workplace work;
+  with_points(work).write("scene.toml", scene());
+  const auto refused = [&](const std::string& keys) {
+    std::string text = scene();
+    work.write("scene.toml", text.replace(text.find("[camera]\n"), 9, "[camera]\n" + keys));
+    const Outcome outcome = work.run({"run", "scene.toml", "-o", "out"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_FALSE(work.has("out"));
+    return outcome.err;
+  };
+  EXPECT_EQ(refused("read_noise = 2\n"),
+            "holotrace: expected the electrons of a white pixel beside a read noise of 2 electrons, got 0; give "
+            "electrons\n");
+  EXPECT_EQ(refused("focal_length = \"20 mm\"\n"),
+            "holotrace: expected a pupil above 0 m for a lens of 20 mm, got 0 m; give its diameter\n");
+  EXPECT_EQ(refused("focal_length = \"50 mm\"\npupil = \"1 mm\"\n"),
+            "holotrace: expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move "
+            "the eye back, or take a shorter focal length\n");
+}
+
+}  // namespace
+}  // namespace holotrace::test
