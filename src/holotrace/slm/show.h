@@ -4,6 +4,7 @@
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/slm/moments.h"
 
 namespace holotrace {
 
@@ -29,5 +30,11 @@ namespace holotrace {
 /// Cost: FFTs of every row of the panel and every column of the result; 8·n(n+1) bytes per pixel.
 /// Reference: J. W. Goodman, Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer = {});
+
+/// The same at one moment of partly coherent light or of a panel that flickers (moments.h); wavelength and tilts are
+/// the moment's. The function above is that of the mean moment: the middle of the spectrum and of the source, no
+/// ripple.
+Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Moment& moment,
+           const Observer& observer = {});
 
 }  // namespace holotrace

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <complex>
+
+#include "holotrace/base/array.h"
+#include "holotrace/data/slm.h"
+
+namespace holotrace {
+
+/// Zernike polynomial Z_n^m at (ρ, θ) in the OSA/ANSI norm: its mean square over the unit disc is 1.
+///
+///     Z = √(2(n+1)/(1 + δ_m0))·R_n^|m|(ρ)·{cos mθ for m ≥ 0, sin |m|θ for m < 0}
+///     R_n^m(ρ) = Σ_s (−1)^s (n−s)! / (s! ((n+m)/2−s)! ((n−m)/2−s)!)·ρ^(n−2s)
+///
+/// Reference: ANSI Z80.28; L. N. Thibos et al., Standards for reporting the optical aberrations of eyes, J. Refract.
+/// Surg. 18, S652 (2002).
+double zernike(int n, int m, double rho, double theta);
+
+/// exp(i·(λ₀/λ)·ψ) of every pixel, ψ the static error of the panel's phase: Zernike terms over the circle through the
+/// panel's corners, at the pixels' centres, and its phase map. Empty where the panel has neither.
+Array2D<std::complex<float>> static_phasors(const Slm& slm, double stretch);
+
+}  // namespace holotrace
