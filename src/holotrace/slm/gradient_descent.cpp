@@ -21,7 +21,9 @@ struct Colour {
   std::vector<const TargetPlane*> targets;
   std::vector<PlaneOptics> optics;
   Field u;
-  double scale = 1, error = 0, power = 0;
+  double scale = 1, error = 0;  // of the pattern looked at last
+  double light = 0;             // of it, where the weight is not 0
+  double power = 0;             // of the targets
 
   Colour(const Slm& slm, const Hologram& hologram, double wavelength)
       : panel(slm, hologram, wavelength), u(slm.grid, wavelength) {}
@@ -55,6 +57,7 @@ Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
     sums.square += part.square;
   }
   colour.scale = sums.square > 0 && sums.cross > 0 ? sums.cross / sums.square : 1;
+  colour.light = sums.square;
   colour.error = colour.power - colour.scale * sums.cross;
   Field gradient;
   if (!has_gradient) return gradient;
@@ -75,43 +78,56 @@ double psnr(const std::vector<std::unique_ptr<Colour>>& colours) {
     error += colour->error;
     for (const TargetPlane* target : colour->targets) {
       peak = std::max(peak, target_peak(*target));
-      for (const float w : target->weight.values) weight += w;
+      for (const float w : target->weight.values) weight += double(w);
       if (target->weight.size() == 0) weight += double(target->amplitude.size());
     }
   }
-  return error > 0 ? 10 * std::log10(peak * peak * weight / error) : 200;
+  return 10 * std::log10(peak * peak * weight / std::max(error, 1e-30));
+}
+
+void tell_quality(const std::vector<std::unique_ptr<Colour>>& colours, const Observer& observer, Hologram& hologram) {
+  double light = 0;
+  for (const auto& colour : colours) {
+    if (colour->u.wavelength == hologram.wavelength) hologram.illumination = colour->scale * colour->scale;
+    light += colour->light / double(colour->targets.size() * colour->u.samples.size());
+  }
+  observer.fact("psnr_db", Fact(psnr(colours)));
+  observer.fact("target_efficiency", Fact(light / double(colours.size())));
 }
 
 }  // namespace
 
-void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params, Array2D<float> drive,
+void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Observer& observer, Hologram& hologram) {
+  const std::vector<std::unique_ptr<Colour>> colours = colours_of(targets, slm, hologram);
+  Array2D<float> levels(hologram.level.ny, hologram.level.nx);
+  std::copy(hologram.level.values.begin(), hologram.level.values.end(), levels.values.begin());
+  for (const auto& colour : colours) look_at(*colour, levels, false);
+  tell_quality(colours, observer, hologram);
+}
+
+void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
              const Observer& observer, Hologram& hologram) {
   require(std::isfinite(params.step) && params.step >= 0, "expected a step of 0 (as found best) or more, got {}",
           params.step);
   const int iterations = params.iterations > 0 ? params.iterations : 200;
   const std::vector<std::unique_ptr<Colour>> colours = colours_of(targets, slm, hologram);
-  const DrivenPanel& first = colours.front()->panel;
-  const bool is_circle = colours.size() == 1 && first.turn() > 0 && first.turn() <= hologram.levels * (1 + 1e-9);
-  const float turn = is_circle ? float(first.turn()) : 0;
-  const double step =
-      (params.step > 0 ? params.step : 0.2) / (2 * pi) * (first.turn() > 0 ? first.turn() : hologram.levels);
   double power = 0;
   for (const auto& colour : colours) power += colour->power;
-
-  const int nx = drive.nx, ny = drive.ny;
-  Array2D<float> levels(ny, nx), slope(ny, nx), mean(ny, nx), square(ny, nx);
-  const auto each_row = [&](const auto& work) { parallel_for(0, ny, work, {}, 16); };
-  const auto settle = [&](int64_t j) {
-    settle_drive(turn, float(hologram.levels), drive.row(int(j)), levels.row(int(j)), size_t(nx));
-  };
-  each_row(settle);
-  std::vector<double> convergence;
   const auto loss = [&] {
     double sum = 0;
     for (const auto& colour : colours) sum += colour->error;
     return sum / power;
   };
-  const double beta1 = 0.9, beta2 = 0.99;
+
+  const DrivenPanel& first = colours.front()->panel;
+  const float turn = colours.size() == 1 ? float(first.turn()) : 0;  // the levels of a circle
+  const double step = (params.step > 0 ? params.step : 0.2) * first.levels_per_radian();
+  constexpr double beta1 = 0.9, beta2 = 0.99;
+  const int nx = hologram.level.nx, ny = hologram.level.ny;
+  Array2D<float> drive(ny, nx), levels(ny, nx), slope(ny, nx), mean(ny, nx), square(ny, nx);
+  std::copy(hologram.level.values.begin(), hologram.level.values.end(), drive.values.begin());
+  levels.values = drive.values;
+  std::vector<double> convergence;
   for (int iteration = 0; iteration < iterations; ++iteration) {
     std::fill(slope.values.begin(), slope.values.end(), 0.0F);
     for (const auto& colour : colours) {
@@ -120,26 +136,26 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
     }
     convergence.push_back(loss());
     const double fall = (1 + std::cos(pi * iteration / iterations)) / 2, t = iteration + 1;
-    const double root = std::sqrt(1 - std::pow(beta2, t));
-    const AdamStep adam{float(beta1), float(beta2), float(step * fall * root / (1 - std::pow(beta1, t))), 1e-20F};
-    each_row([&](int64_t row) {
-      const int j = int(row);
-      adam_step(adam, slope.row(j), mean.row(j), square.row(j), drive.row(j), size_t(nx));
-      settle(row);
-    });
+    const double correction = std::sqrt(1 - std::pow(beta2, t)) / (1 - std::pow(beta1, t));
+    const AdamStep adam{float(beta1), float(beta2), float(step * fall * correction), 1e-20F};
+    parallel_for(
+        0, ny,
+        [&](int64_t row) {
+          const int j = int(row);
+          adam_step(adam, slope.row(j), mean.row(j), square.row(j), drive.row(j), size_t(nx));
+          settle_drive(turn, float(hologram.levels), drive.row(j), levels.row(j), size_t(nx));
+        },
+        {}, 16);
     observer.progress((iteration + 1.0) / iterations);
   }
   for (const auto& colour : colours) look_at(*colour, levels, false);
   convergence.push_back(loss());
-  each_row([&](int64_t j) {
-    for (int i = 0; i < nx; ++i) hologram.level(int(j), i) = uint16_t(levels(int(j), i));
-  });
-  hologram.illumination = std::pow(colours.front()->scale, 2);
+  std::copy(levels.values.begin(), levels.values.end(), hologram.level.values.begin());
   observer.fact("iterations", iterations);
   observer.fact("loss_first", Fact(convergence.front()));
   observer.fact("loss_last", Fact(convergence.back()));
-  observer.fact("psnr_db", Fact(psnr(colours)));
   observer.curve("convergence", convergence);
+  tell_quality(colours, observer, hologram);
 }
 
 }  // namespace holotrace

@@ -24,13 +24,16 @@ namespace holotrace {
 ///
 /// @param targets   of one wavelength or, for one hologram in several colours, of several
 /// @param slm       with the effects that are on
-/// @param start     drive in levels, shape (ny, nx)
-/// @param hologram  its levels M, modulation and wavelength; its `level` is written
+/// @param hologram  its levels M, modulation and wavelength; its `level` is where descent begins, and what it ends with
 /// @throws Error    for iterations or steps below 0
-/// Facts: `iterations`, `loss_first`, `loss_last` (of Σw·a²), `psnr_db` of the levels. Curve `convergence`: the loss
+/// Facts: `iterations`, `loss_first`, `loss_last` (parts of Σw·a²), and those of judge. Curve `convergence`: the loss
 /// before each iteration, and of the levels at the end. Cost: two propagations per plane and iteration and, with
 /// effects, the panel's model there and back.
-void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params, Array2D<float> start,
+void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
              const Observer& observer, Hologram& hologram);
+
+/// What the levels of a hologram bring about, as far as its panel is known: sets the illumination that shows the
+/// targets at their own brightness, at the hologram's wavelength. Facts: `psnr_db`, `target_efficiency` (encode.h).
+void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Observer& observer, Hologram& hologram);
 
 }  // namespace holotrace

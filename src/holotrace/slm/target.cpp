@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include "holotrace/base/cycles.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/fft.h"
+#include "holotrace/base/frequency.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/slm/pixel_kernel.h"
 #include "holotrace/wave/propagate.h"
-#include "holotrace/wave/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {
@@ -29,6 +32,21 @@ Array2D<float> weight_of(const Grid& panel, TargetSize size) {
   for (int j = 0; j < size.rows; ++j)
     for (int i = 0; i < size.columns; ++i) weight(top + j, left + i) = 1;
   return weight;
+}
+
+// Divides the spectrum by that of a pixel's lit area, 1 on the axis.
+void undo_roll_off(const Slm& slm, Field& field) {
+  const int nx = field.grid.nx, ny = field.grid.ny;
+  const auto inverse = [](int k, int n, double lit) {
+    return lit / aperture_spectrum(double(signed_frequency(k, n)) / n, lit);
+  };
+  fft_2d(field.samples.values.data(), ny, nx, FftDirection::forward);
+  parallel_for(0, ny, [&](int64_t j) {
+    const double along_y = inverse(int(j), ny, slm.lit_y()) / double(field.grid.pixels());
+    std::complex<float>* u = field.samples.row(int(j));
+    for (int i = 0; i < nx; ++i) u[i] *= float(along_y * inverse(i, nx, slm.lit_x()));
+  });
+  fft_2d(field.samples.values.data(), ny, nx, FftDirection::backward);
 }
 
 }  // namespace
@@ -79,7 +97,8 @@ std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& pane
   return targets;
 }
 
-Field field_of_target(const TargetPlane& target, const Grid& panel, const EncodeParams& params) {
+Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params) {
+  const Grid& panel = slm.grid;
   Field field(panel, target.wavelength, target.z);
   parallel_for(0, panel.ny, [&](int64_t j) {
     for (int i = 0; i < panel.nx; ++i) {
@@ -91,6 +110,7 @@ Field field_of_target(const TargetPlane& target, const Grid& panel, const Encode
   });
   Field at_panel = propagate(field, -target.z);
   at_panel.z = 0;
+  undo_roll_off(slm, at_panel);
   if (params.image == ImageSide::real_image)
     for (std::complex<float>& u : at_panel.samples.values) u = std::conj(u);
   return at_panel;

@@ -29,14 +29,18 @@ std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& pane
 /// The field at the panel that has the target's modulus in its plane: with phase 0, or a random one
 /// (params.start, params.seed), propagated back. What direct encoders make levels of, and where iterations begin.
 ///
+/// The panel's pixels will dim its higher frequencies, by sinc(w_x·p·u)·sinc(w_y·p·v), to 0.41 in the corner of the
+/// band where they are lit all over: the spectrum is divided by that.
+///
 /// @return  of the target's wavelength, at z = 0 [√(W/m²)]; for a real image the conjugate, which encode turns back
-Field field_of_target(const TargetPlane& target, const Grid& panel, const EncodeParams& params);
+Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params);
 
-/// The size of the part that counts, about the axis [pixels].
-/// @throws Error  for one below 0 or larger than the panel
+/// The size of the part of a plane that counts, about the axis [pixels].
 struct TargetSize {
   int columns, rows;
 };
+
+/// @throws Error  for a size below 0 or larger than the panel
 TargetSize target_size(const Grid& panel, const EncodeParams& params);
 
 /// @throws Error  unless there are targets, of the panel's size, finite, with light where it counts, and weights in
