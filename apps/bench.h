@@ -64,5 +64,6 @@ std::vector<BenchStep> auto_steps(const BenchOptions& options);
 std::vector<BenchStep> trace_steps(const BenchOptions& options);
 std::vector<BenchStep> propagate_steps(const BenchOptions& options);
 std::vector<BenchStep> show_steps(const BenchOptions& options);
+std::vector<BenchStep> quality_steps(const BenchOptions& options);
 
 }  // namespace holotrace

@@ -26,9 +26,10 @@ struct BenchGroup {
 };
 
 // In the order of the table. A stage joins the benchmark by a line here and its steps in bench.h.
-const BenchGroup groups[] = {{"trace", trace_steps},   {"exact", exact_steps},         {"tiled", tiled_steps},
-                             {"planes", planes_steps}, {"layers", layers_steps},       {"triangles", triangles_steps},
-                             {"auto", auto_steps},     {"propagate", propagate_steps}, {"show", show_steps}};
+const BenchGroup groups[] = {{"trace", trace_steps},    {"exact", exact_steps},         {"tiled", tiled_steps},
+                             {"planes", planes_steps},  {"layers", layers_steps},       {"triangles", triangles_steps},
+                             {"auto", auto_steps},      {"propagate", propagate_steps}, {"show", show_steps},
+                             {"quality", quality_steps}};
 
 std::vector<std::string> group_names() {
   std::vector<std::string> names{"ceilings"};

@@ -3,13 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "holotrace/base/cycles.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/slm/binary.h"
 #include "holotrace/slm/checks.h"
-#include "holotrace/slm/level_table.h"
+#include "holotrace/slm/double_phase.h"
+#include "holotrace/slm/error_diffusion.h"
+#include "holotrace/slm/gerchberg_saxton.h"
+#include "holotrace/slm/gradient_descent.h"
+#include "holotrace/slm/iteration_arrays.h"
+#include "holotrace/slm/kinoform.h"
 #include "holotrace/slm/off_axis.h"
-#include "holotrace/slm/pixel_kernel.h"
+#include "holotrace/slm/phase_levels.h"
+#include "holotrace/slm/target.h"
 
 namespace holotrace {
 namespace {
@@ -52,98 +61,58 @@ void check_samples(const Field& field) {
     }
 }
 
-void check_panel(const Slm& slm, Encoding method, const Observer& observer) {
-  const bool encodes_phase = method == Encoding::phase;
-  require(
-      !encodes_phase || slm.modulation == Modulation::phase,
-      "expected an encoding for an amplitude panel, which \"{}\" is, got \"phase\"; use \"amplitude\" or \"off-axis\"",
-      slm.name);
-  if (!encodes_phase && slm.modulation == Modulation::phase)
+bool is_iteration(Encoding method) {
+  return method == Encoding::gerchberg_saxton || method == Encoding::weighted_gerchberg_saxton ||
+         method == Encoding::sgd;
+}
+
+// What the pixels of a hologram differ in.
+Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
+  switch (params.method) {
+    case Encoding::amplitude:
+    case Encoding::off_axis:
+      return Modulation::amplitude;
+    case Encoding::complex:
+      return Modulation::complex;
+    case Encoding::binary:
+      if (params.binary_levels == BinaryLevels::phase) return Modulation::phase;
+      if (params.binary_levels == BinaryLevels::amplitude) return Modulation::amplitude;
+      return slm.modulation == Modulation::amplitude ? Modulation::amplitude : Modulation::phase;
+    default:
+      return Modulation::phase;
+  }
+}
+
+void check_panel(const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  const Modulation modulation = modulation_of(params, slm);
+  const char* name = name_of(params.method);
+  require(modulation != Modulation::phase || slm.modulation != Modulation::amplitude,
+          "expected an encoding for an amplitude panel, which \"{}\" is, got \"{}\"; use \"amplitude\" or \"off-axis\"",
+          slm.name, name);
+  require(modulation != Modulation::complex || slm.modulation == Modulation::complex,
+          "expected an encoding for a panel of phase or amplitude alone, as \"{}\" is, got \"{}\"; use "
+          "\"double-phase\" or \"off-axis\", or a panel whose modulation is complex",
+          slm.name, name);
+  if (modulation == Modulation::amplitude && slm.modulation == Modulation::phase)
     observer.warn(
-        fmt::format("the SLM \"{}\" modulates phase and the encoding \"{}\" amplitude: it is shown as if behind a "
-                    "crossed polariser that turns phase into amplitude",
-                    slm.name, name_of(method)));
+        fmt::format("the SLM \"{}\" modulates phase and the encoding \"{}\" amplitude: it is shown as if "
+                    "behind a crossed polariser that turns phase into amplitude",
+                    slm.name, name));
 }
 
-// What level M would show at this wavelength, in turns.
-double phase_range(const Slm& slm, double wavelength, const Observer& observer) {
-  const double stretch = slm.design_wavelength > 0 ? slm.design_wavelength / wavelength : 1;
-  const double range = stretch * slm.phase_range / (2 * pi);
-  observer.fact("phase_range", Fact(2 * pi * range));
-  if (range < 1 - 1e-6)
-    observer.warn(fmt::format(
-        "the SLM \"{}\" reaches a phase of {:.4g}π at {}, short of 2π: phases in the gap take its nearer end, which "
-        "leaves {:.3g} % of the light in the image; give the panel a design wavelength of {} or more, now it is {}",
-        slm.name, 2 * range, format_length(wavelength), 100 * short_range_efficiency(range), format_length(wavelength),
-        format_length(slm.design_wavelength)));
-  return range;
-}
-
-// The level for each phase of the field by the panel's calibration.
-void encode_calibrated(const Field& field, ImageSide image, const LevelTable& table, Hologram& hologram) {
-  const double sign = image == ImageSide::real_image ? -1 : 1;
-  parallel_for(0, field.grid.ny, [&](int64_t j) {
-    const std::complex<float>* u = field.samples.row(int(j));
-    uint16_t* level = hologram.level.row(int(j));
-    for (int i = 0; i < field.grid.nx; ++i)
-      level[i] = u[i] == std::complex<float>()
-                     ? 0
-                     : uint16_t(table.level_of(std::atan2(sign * double(u[i].imag()), double(u[i].real())) / (2 * pi)));
-  });
-}
-
-void encode_phase(const Field& field, ImageSide image, double range, Hologram& hologram) {
-  double modulus = 0, square = 0;
-  for (const auto& u : field.samples.values) {
-    modulus += std::abs(std::complex<double>(u));
-    square += std::norm(std::complex<double>(u));
-  }
-  hologram.illumination = modulus > 0 ? std::pow(square / modulus, 2) : 0;
-  const float sign = image == ImageSide::real_image ? -1.0F : 1.0F;
-  parallel_for(0, field.grid.ny, [&](int64_t j) {
-    const std::complex<float>* u = field.samples.row(int(j));
-    uint16_t* level = hologram.level.row(int(j));
-    for (int i = 0; i < field.grid.nx; ++i)
-      level[i] = uint16_t(phase_level(u[i].real(), sign * u[i].imag(), hologram.levels, range));
-  });
-}
-
-// The conjugate has the same modulus, so both image sides have the same levels.
-void encode_amplitude(const Field& field, const Observer& observer, Hologram& hologram) {
-  double largest = 0, sum = 0;
-  for (const auto& u : field.samples.values) {
-    const double modulus = std::abs(std::complex<double>(u));
-    largest = std::max(largest, modulus);
-    sum += modulus;
-  }
-  const double scale = largest > 0 ? 1 / largest : 0;
-  parallel_for(0, field.grid.ny, [&](int64_t j) {
-    const std::complex<float>* u = field.samples.row(int(j));
-    uint16_t* level = hologram.level.row(int(j));
-    for (int i = 0; i < field.grid.nx; ++i)
-      level[i] = uint16_t(amplitude_level(std::abs(std::complex<double>(u[i])) * scale, hologram.levels));
-  });
-  hologram.illumination = largest * largest;
-  observer.fact("modulus_max", Fact(largest));
-  observer.fact("mean_transmittance", Fact(sum * scale / double(field.grid.pixels())));
-}
-
-}  // namespace
-
-double short_range_efficiency(double range) {
-  const double amplitude = range < 1 ? range + std::sin(pi * range) / pi : 1;
-  return amplitude * amplitude;
-}
-
-Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+void check_params(const Slm& slm, const EncodeParams& params) {
   check_slm(slm);
-  check_wavelength(field.wavelength);
-  require_grid_of(slm, field.grid, "field");
-  check_samples(field);
-  check_panel(slm, params.method, observer);
   require(params.levels == 0 || (params.levels >= 2 && params.levels <= slm.levels),
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
+  require(params.iterations >= 0, "expected 0 iterations (as many as the method needs) or more, got {}",
+          params.iterations);
+}
+
+void check_field(const Field& field, const Slm& slm, const Observer& observer) {
+  check_wavelength(field.wavelength);
+  require_grid_of(slm, field.grid, "field");
+  check_samples(field);
   if (field.z != 0)
     observer.warn(fmt::format("the field is at z = {} and is shown at the panel, z = 0; propagate it there first",
                               format_length(field.z)));
@@ -153,7 +122,17 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
   const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
   if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark))
     observer.warn("the field is dark everywhere and the hologram holds nothing; is a source inside the panel's view?");
+}
 
+// What the panel is to show: the field, or its conjugate for the real image.
+Field shown_side(const Field& field, ImageSide image) {
+  Field shown = field;
+  if (image == ImageSide::real_image)
+    for (std::complex<float>& u : shown.samples.values) u = std::conj(u);
+  return shown;
+}
+
+Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   Hologram hologram;
   hologram.slm = slm;
   hologram.grid = slm.grid;
@@ -164,21 +143,92 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
   hologram.name = field.name;
   hologram.frame = field.frame;
   hologram.encoder = name_of(params.method);
-  hologram.modulation = params.method == Encoding::phase ? Modulation::phase : Modulation::amplitude;
+  hologram.modulation = modulation_of(params, slm);
   observer.fact("encoder", hologram.encoder);
   observer.fact("levels", hologram.levels);
-  if (params.method == Encoding::phase) {
-    const Slm known = with_effects(slm, params.effects);
-    encode_phase(field, params.image, phase_range(slm, field.wavelength, observer), hologram);
-    if (!known.effects.calibration.empty()) {
-      const double stretch = slm.design_wavelength > 0 ? slm.design_wavelength / field.wavelength : 1;
-      encode_calibrated(field, params.image, LevelTable(known, hologram.levels, stretch), hologram);
-      observer.fact("calibrated", Fact(std::string("yes")));
-    }
-  } else if (params.method == Encoding::amplitude) {
-    encode_amplitude(field, observer, hologram);
+  return hologram;
+}
+
+// The encoders that look at the panel alone.
+void encode_directly(const Field& shown, const EncodeParams& params, const PhaseLevels& levels,
+                     const Observer& observer, Hologram& hologram) {
+  switch (params.method) {
+    case Encoding::phase:
+      return encode_phase(shown, levels, hologram);
+    case Encoding::amplitude:
+      return encode_amplitude(shown, observer, hologram);
+    case Encoding::off_axis:
+      return encode_off_axis(shown, params, observer, hologram);
+    case Encoding::complex:
+      return encode_complex(shown, levels, observer, hologram);
+    case Encoding::double_phase:
+      return encode_double_phase(shown, levels, params, observer, hologram);
+    case Encoding::error_diffusion:
+      return encode_error_diffusion(shown, levels, params, observer, hologram);
+    case Encoding::binary:
+      return encode_binary(shown, levels, params, observer, hologram);
+    default:
+      fail("expected an encoding without iterations, got \"{}\"", name_of(params.method));
+  }
+}
+
+// What iterations begin with: the phase of the field, or a random one.
+Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params) {
+  Array2D<std::complex<float>> pattern = shown_side(field, params.image).samples;
+  parallel_for(0, pattern.ny, [&](int64_t j) {
+    std::complex<float>* u = pattern.row(int(j));
+    if (params.start == StartPhase::random)
+      for (int i = 0; i < pattern.nx; ++i)
+        u[i] = std::complex<float>(
+            cis_cycles(CounterRandom(uint64_t(params.seed), field.frame, uint64_t(j * pattern.nx + i)).uniform()));
+    else
+      make_unit_modulus(u, size_t(pattern.nx));
+  });
+  return pattern;
+}
+
+}  // namespace
+
+double short_range_efficiency(double range) {
+  const double amplitude = range < 1 ? range + std::sin(pi * range) / pi : 1;
+  return amplitude * amplitude;
+}
+
+Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  check_params(slm, params);
+  check_field(field, slm, observer);
+  if (is_iteration(params.method)) return encode_targets(targets_of(field, params), field, slm, params, observer);
+  check_panel(slm, params, observer);
+  Hologram hologram = blank_hologram(field, slm, params, observer);
+  const PhaseLevels levels(with_effects(slm, params.effects), hologram.levels, field.wavelength);
+  if (hologram.modulation != Modulation::amplitude) tell_phase_range(slm, levels.range(), field.wavelength, observer);
+  encode_directly(shown_side(field, params.image), params, levels, observer, hologram);
+  observer.fact("illumination", Fact(hologram.illumination));
+  observer.progress(1);
+  return hologram;
+}
+
+Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
+                        const EncodeParams& params, const Observer& observer) {
+  check_params(slm, params);
+  check_field(start, slm, observer);
+  require(is_iteration(params.method),
+          "expected a method that aims at targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
+          name_of(params.method));
+  check_panel(slm, params, observer);
+  check_targets(targets, slm.grid);
+  Hologram hologram = blank_hologram(start, slm, params, observer);
+  const Slm known = with_effects(slm, params.effects);
+  const PhaseLevels levels(known, hologram.levels, start.wavelength);
+  tell_phase_range(slm, levels.range(), start.wavelength, observer);
+  Array2D<std::complex<float>> pattern = start_pattern(start, params);
+  if (params.method == Encoding::sgd) {
+    write_phase_levels(pattern, false, levels, hologram.level);
+    descend(targets, known, params, observer, hologram);
   } else {
-    encode_off_axis(field, params, observer, hologram);
+    write_phase_levels(project_in_turn(targets, std::move(pattern), slm, params, observer), false, levels,
+                       hologram.level);
+    judge(targets, known, observer, hologram);
   }
   observer.fact("illumination", Fact(hologram.illumination));
   observer.progress(1);

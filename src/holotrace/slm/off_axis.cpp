@@ -70,7 +70,6 @@ void encode_off_axis(const Field& field, const EncodeParams& params, const Obser
   double largest = 0;
   for (const auto& u : field.samples.values) largest = std::max(largest, std::abs(std::complex<double>(u)));
   const double reference = params.reference_ratio * largest;
-  const double sign = params.image == ImageSide::real_image ? -1 : 1;
 
   Array2D<double> irradiance(grid.ny, grid.nx);
   std::vector<double> row_min(size_t(grid.ny)), row_max(size_t(grid.ny));
@@ -78,8 +77,7 @@ void encode_off_axis(const Field& field, const EncodeParams& params, const Obser
     const double y_cycles = carrier.y * grid.y(double(j));
     double* out = irradiance.row(int(j));
     for (int i = 0; i < grid.nx; ++i) {
-      const std::complex<double> sample(field.samples(int(j), i));
-      const std::complex<double> u(sample.real(), sign * sample.imag());
+      const std::complex<double> u(field.samples(int(j), i));
       const double cycles = carrier.x * grid.x(i) + y_cycles;
       const std::complex<double> r = reference * cis_cycles(cycles);
       const double interference = 2 * (u * std::conj(r)).real();
@@ -99,18 +97,23 @@ void encode_off_axis(const Field& field, const EncodeParams& params, const Obser
   hologram.filter = filter;
   hologram.illumination = reference > 0 ? std::pow(top / reference, 2) : 0;
 
-  const double inside = power_inside(field, filter);
   observer.fact("modulus_max", Fact(largest));
   observer.fact("carrier_u", Fact(carrier.x));
   observer.fact("carrier_v", Fact(carrier.y));
+  tell_band_power(field, filter, params.with_bias, "off-axis", observer);
+}
+
+void tell_band_power(const Field& field, const SpectralFilter& filter, bool with_bias, const char* encoder,
+                     const Observer& observer) {
+  const double inside = power_inside(field, filter);
   observer.fact("band_power", Fact(inside));
   if (inside < 0.99)
     observer.warn(fmt::format(
-        "the off-axis hologram keeps {:.3g} % of the field's power: the rest lies beyond ±{} in x, ±{} in y, where the "
+        "the {} hologram keeps {:.3g} % of the field's power: the rest lies beyond ±{} in x, ±{} in y, where the "
         "other terms of the interference or the panel's Nyquist limit are; narrow the scene{}",
-        100 * inside, format_angle(std::asin(std::min(1.0, filter.half_u * field.wavelength))),
+        encoder, 100 * inside, format_angle(std::asin(std::min(1.0, filter.half_u * field.wavelength))),
         format_angle(std::asin(std::min(1.0, filter.half_v * field.wavelength))),
-        params.with_bias ? " or leave the bias terms out" : ""));
+        with_bias ? " or leave the bias terms out" : ""));
 }
 
 }  // namespace holotrace

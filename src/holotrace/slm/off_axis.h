@@ -30,4 +30,9 @@ SpectralFilter off_axis_filter(Vec2 carrier, const Grid& grid, bool with_bias);
 /// power that lies in the half width of the stop. Warns where that is less than 0.99.
 void encode_off_axis(const Field& field, const EncodeParams& params, const Observer& observer, Hologram& hologram);
 
+/// Fact `band_power`: the part of the field's power that the stop of a hologram with a tilted reference lets through.
+/// Warns where that is less than 0.99.
+void tell_band_power(const Field& field, const SpectralFilter& filter, bool with_bias, const char* encoder,
+                     const Observer& observer);
+
 }  // namespace holotrace

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "holotrace/data/hologram.h"
+#include "holotrace/data/params.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/data/target.h"
+
+namespace holotrace {
+
+/// How well a hologram shows a target, seen as a bench would see it: through the virtual SLM, the stop that the
+/// hologram asks for, and free space.
+struct EncoderQuality {
+  double psnr = 0;        ///< of the modulus where the weight is not 0, best scale taken out; peak: the target's [dB]
+  double efficiency = 0;  ///< light there over the light on the panel
+};
+EncoderQuality encoder_quality(const TargetPlane& target, const Hologram& hologram, const Slm& slm,
+                               const ShowParams& params = {});
+
+}  // namespace holotrace

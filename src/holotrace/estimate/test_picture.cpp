@@ -1,0 +1,67 @@
+#include "holotrace/estimate/test_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "holotrace/base/array.h"
+#include "holotrace/base/fft.h"
+#include "holotrace/base/frequency.h"
+#include "holotrace/base/random.h"
+#include "holotrace/base/units.h"
+
+namespace holotrace {
+namespace {
+
+// Noise of mean 0 and variance 1 whose amplitude falls as 1/f.
+Array2D<float> natural_noise(int columns, int rows, uint64_t seed) {
+  Array2D<std::complex<float>> spectrum(rows, columns);
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const double f =
+          std::hypot(double(signed_frequency(i, columns)) / columns, double(signed_frequency(j, rows)) / rows);
+      CounterRandom random(seed, 0, uint64_t(j) * uint64_t(columns) + uint64_t(i));
+      if (f > 0) spectrum(j, i) = std::complex<float>(std::polar(1 / f, 2 * pi * random.uniform()));
+    }
+  fft_2d(spectrum.values.data(), rows, columns, FftDirection::backward);
+  double square = 0;
+  for (const auto& u : spectrum.values) square += double(u.real()) * u.real();
+  const double scale = 1 / std::sqrt(square / double(spectrum.size()));
+  Array2D<float> noise(rows, columns);
+  for (size_t i = 0; i < noise.size(); ++i) noise.values[i] = float(scale * spectrum.values[i].real());
+  return noise;
+}
+
+struct Ball {
+  double x, y, radius, light;
+};
+
+}  // namespace
+
+Image natural_picture(int columns, int rows) {
+  Image picture(rows, columns, 1);
+  const Array2D<float> far = natural_noise(columns, rows, 1), near = natural_noise(columns, rows, 2);
+  const Ball balls[] = {{0.25, 0.55, 0.17, 0.95}, {0.46, 0.72, 0.11, 0.5}, {0.62, 0.45, 0.14, 0.25}};
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const double y = double(j) / rows, x = double(i) / rows;  // square units
+      const double across = double(i) / columns;
+      double light = y < 0.45 + 0.03 * double(near(j, i)) ? 0.55 - 0.5 * y + 0.06 * double(far(j, i))
+                                                          : 0.22 + 0.11 * double(near(j, i));
+      for (const Ball& ball : balls) {
+        const double dx = (x - ball.x * columns / rows) / ball.radius, dy = (y - ball.y) / ball.radius;
+        const double r2 = dx * dx + dy * dy;
+        if (r2 >= 1) continue;
+        const double facing = std::max(0.0, 0.5 * std::sqrt(1 - r2) - 0.5 * dx - 0.7 * dy);
+        light = ball.light * (0.04 + facing) * (1 + 0.1 * double(far(j, i)));
+      }
+      if (across > 0.8 && across < 0.95 && y > 0.15 && y < 0.85) {  // bars of 1 … 16 pixels
+        const int width = 1 << std::min(4, int((y - 0.15) / 0.14));
+        light = i / width % 2 ? 0.9 : 0.05;
+      }
+      picture(j, i) = float(std::clamp(light, 0.0, 1.0));
+    }
+  return picture;
+}
+
+}  // namespace holotrace
