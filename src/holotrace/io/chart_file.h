@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "holotrace/data/chart.h"
+
+namespace holotrace {
+
+/// Draws a chart as `.png` (1200 × 800 pixels) or `.svg`, with the program gnuplot (Williams, Kelley et al.), which
+/// runs as a process of its own. Colours are those of Okabe and Ito, which colour-blind readers tell apart. The same
+/// chart gives the same bytes.
+/// @throws Error for another extension, where check_chart and write_atomically throw, where gnuplot is not installed,
+///         and with gnuplot's words where it fails
+void save_chart(const std::string& path, const Chart& chart);
+
+}  // namespace holotrace
