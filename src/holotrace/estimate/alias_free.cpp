@@ -103,10 +103,15 @@ Chart alias_free_chart(const std::vector<Vec3>& points, const Grid& panel, doubl
   chart.x_label = "z [mm], viewer to the right";
   chart.y_label = is_x ? "x [mm]" : "y [mm]";
   chart.series.push_back(segment("panel", 0, half));
-  if (apex < far) chart.series.push_back(outline("lights the whole panel", apex, 0, far, radius - half));
+  if (apex < far) {
+    chart.series.push_back(outline("lights the whole panel", apex, 0, far, radius - half));
+    chart.series.back().is_filled = true;
+  }
   chart.series.push_back(outline("lights a part of it", 0, half, far, half + radius));
-  if (const double spacing = grating_order_offset(panel.pitch, wavelength, far); std::isfinite(spacing))
+  if (const double spacing = grating_order_offset(panel.pitch, wavelength, far); std::isfinite(spacing)) {
     chart.series.push_back(outline("replicas do not overlap", 0, 0, far, spacing / 2));
+    chart.series.back().is_dashed = true;
+  }
   if (distance > apex) chart.series.push_back(segment("eyebox: light from every pixel", distance, l.box_radius - half));
 
   Series inside{"points that light it", {}, {}, true, false}, outside{"points outside", {}, {}, true, false};
