@@ -160,8 +160,10 @@ std::string limits_table(const LimitsQuestion& q) {
       "a point lights +-", [&](double w) { return short_length(at(w).box_radius); },
       "of the panel about its foot without aliasing");
   table.row(
-      "alias-free scene", [&](double w) { return both(at(w).whole_panel_x, at(w).whole_panel_y); },
+      "alias-free scene, width", [&](double w) { return short_length(at(w).whole_panel_x); },
       "its points light the whole panel");
+  table.row(
+      "alias-free scene, height", [&](double w) { return short_length(at(w).whole_panel_y); }, "");
   table.row(
       "replica-free scene", [&](double w) { return short_length(at(w).replica_free); },
       "side: larger ones overlap with their replicas");
@@ -174,8 +176,10 @@ std::string limits_table(const LimitsQuestion& q) {
 
   table.section(fmt::format("A viewer {} before the panel", z));
   table.row(
-      "eyebox", [&](double w) { return both(at(w).eyebox_x, at(w).eyebox_y); },
+      "eyebox, width", [&](double w) { return short_length(at(w).eyebox_x); },
       "about the axis: reached by every pixel's light");
+  table.row(
+      "eyebox, height", [&](double w) { return short_length(at(w).eyebox_y); }, "");
 
   table.section("Data");
   table.row(

@@ -93,13 +93,13 @@ Chart alias_free_chart(const std::vector<Vec3>& points, const Grid& panel, doubl
 
   Chart chart;
   const AliasFreeCounts counts = count_alias_free(points, panel, wavelength);
-  chart.title = fmt::format("What {} pixels of {} show at {}", is_x ? panel.nx : panel.ny, format_length(panel.pitch),
+  chart.title = fmt::format("{} x {} pixels of {}, {}", panel.nx, panel.ny, format_length(panel.pitch),
                             format_length(wavelength));
   if (counts.points > 0)
-    chart.title += fmt::format(": {} points, {:.1f} % light all of the panel, {:.1f} % a part, {:.1f} % nothing",
-                               counts.points, 100.0 * double(counts.whole_panel) / double(counts.points),
-                               100.0 * double(counts.part_of_panel) / double(counts.points),
-                               100.0 * double(counts.outside) / double(counts.points));
+    chart.title = fmt::format("Of {} points {:.1f} % light the whole panel, {:.1f} % a part, {:.1f} % nothing",
+                              counts.points, 100.0 * double(counts.whole_panel) / double(counts.points),
+                              100.0 * double(counts.part_of_panel) / double(counts.points),
+                              100.0 * double(counts.outside) / double(counts.points));
   chart.x_label = "z [mm], viewer to the right";
   chart.y_label = is_x ? "x [mm]" : "y [mm]";
   chart.series.push_back(segment("panel", 0, half));

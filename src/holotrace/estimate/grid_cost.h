@@ -37,9 +37,9 @@ GridCost predict_grid_cost(const GridStatistics& grid, const GridRates& rates);
 /// The mean cost of rays that were counted.
 GridCost counted_grid_cost(const GridCounts& counts, const GridRates& rates);
 
-/// Times rays through small scenes of grids from coarse, where tests dominate, to fine, where steps from cell to cell
-/// do, and solves for the three rates by least squares of relative errors. Some 0.2 s, on one thread; in cache, so that
-/// large scenes take longer than these rates say.
+/// Times rays through clouds of 200 to 20000 triangles in coarse grids, where tests dominate, and fine ones, where
+/// steps from cell to cell do, and solves for the three rates by least squares of relative errors. Some 0.5 s, on one
+/// thread; in cache, so that large scenes take longer than these rates say.
 GridRates calibrate_grid();
 
 /// `count` triangles evenly spread in a cube of side 1 m about (0, 0, −2 m) and turned every way, whose areas together
