@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "holotrace/data/chart.h"
+
 namespace holotrace {
 
 /// How long the benchmark may take.
@@ -62,8 +64,12 @@ std::vector<BenchStep> layers_steps(const BenchOptions& options);
 std::vector<BenchStep> triangles_steps(const BenchOptions& options);
 std::vector<BenchStep> auto_steps(const BenchOptions& options);
 std::vector<BenchStep> trace_steps(const BenchOptions& options);
+std::vector<BenchStep> accelerators_steps(const BenchOptions& options);
 std::vector<BenchStep> propagate_steps(const BenchOptions& options);
 std::vector<BenchStep> show_steps(const BenchOptions& options);
 std::vector<BenchStep> quality_steps(const BenchOptions& options);
+
+/// The time of a ray against the number of triangles, of the rows of accelerators_steps.
+Chart accelerators_chart(const std::vector<BenchRow>& rows);
 
 }  // namespace holotrace

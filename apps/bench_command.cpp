@@ -14,6 +14,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/estimate/ceilings.h"
+#include "holotrace/io/chart_file.h"
+#include "holotrace/io/output.h"
 
 namespace holotrace {
 namespace {
@@ -26,9 +28,11 @@ struct BenchGroup {
 };
 
 // In the order of the table. A stage joins the benchmark by a line here and its steps in bench.h.
-const BenchGroup groups[] = {{"trace", trace_steps},    {"exact", exact_steps},         {"tiled", tiled_steps},
-                             {"planes", planes_steps},  {"layers", layers_steps},       {"triangles", triangles_steps},
-                             {"auto", auto_steps},      {"propagate", propagate_steps}, {"show", show_steps},
+const BenchGroup groups[] = {{"trace", trace_steps},         {"accelerators", accelerators_steps},
+                             {"exact", exact_steps},         {"tiled", tiled_steps},
+                             {"planes", planes_steps},       {"layers", layers_steps},
+                             {"triangles", triangles_steps}, {"auto", auto_steps},
+                             {"propagate", propagate_steps}, {"show", show_steps},
                              {"quality", quality_steps}};
 
 std::vector<std::string> group_names() {
@@ -127,7 +131,8 @@ BenchRow run_step(const BenchStep& step) {
   }
 }
 
-void run_bench(const BenchOptions& options, const std::vector<std::string>& only, bool is_json, Console& console) {
+void run_bench(const BenchOptions& options, const std::vector<std::string>& only, bool is_json, const std::string& plot,
+               Console& console) {
   const Ceilings ceilings = measure_ceilings(console.watch("ceilings"));
   Json json{{"version", HOLOTRACE_VERSION},
             {"processor", cpu_name()},
@@ -146,6 +151,7 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
     }
   }
   console.finish();
+  if (!plot.empty()) save_chart(plot, accelerators_chart(rows));
   if (is_json) {
     fmt::print("{}\n", json.dump(2));
     return;
@@ -164,6 +170,7 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
   struct Options {
     bool is_json = false, is_quick = false, is_full = false;
     std::vector<std::string> only;
+    std::string plot;
   };
   auto o = std::make_shared<Options>();
   command->add_flag("--json", o->is_json, "as JSON");
@@ -174,12 +181,21 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
       ->delimiter(',')
       ->type_name("NAME,NAME")
       ->check(check_group, "", "");
+  command
+      ->add_option("--plot", o->plot,
+                   "chart of the accelerators' time of a ray against triangles, .png or .svg; needs those steps")
+      ->type_name("FILE");
   command->callback([o, &global] {
+    if (!o->plot.empty()) {
+      check_output(o->plot, {".png", ".svg"});
+      require(o->only.empty() || std::find(o->only.begin(), o->only.end(), "accelerators") != o->only.end(),
+              "--plot draws the accelerators: leave out --only, or add accelerators to it");
+    }
     BenchOptions options;
     if (o->is_quick) options = {.is_quick = true, .seconds_per_row = 0.2, .longest_seconds = 1};
     if (o->is_full) options.longest_seconds = 1e9;
     Console console(global.is_quiet);
-    run_bench(options, o->only, o->is_json, console);
+    run_bench(options, o->only, o->is_json, o->plot, console);
   });
 }
 

@@ -1,195 +1,186 @@
-// holotrace estimate: how long a scene will take, from a short probe of it.
+// holotrace estimate: what a scene will cost, from short probes of it.
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <functional>
-#include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "facts.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/thread_count.h"
 #include "holotrace/estimate/cost.h"
+#include "holotrace/estimate/multiply_add_peak.h"
 #include "holotrace/io/scene_file.h"
-#include "holotrace/slm/encode.h"
-#include "holotrace/slm/show.h"
-#include "holotrace/trace/trace.h"
-#include "holotrace/trace/wave_sets.h"
-#include "holotrace/view/camera.h"
-#include "holotrace/wave/synthesize.h"
+#include "job_estimate.h"
 
 namespace holotrace {
 namespace {
 
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-// The same light as one set of waves: gather's rays are those of the random pattern, pixel_samples for each pixel.
-TraceParams as_one_set(TraceParams params, const Grid& panel) {
-  params.separate_layers = params.separate_lights = false;
-  if (params.strategy != Strategy::gather) return params;
-  params.strategy = Strategy::shared;
-  params.pattern = Pattern::random;
-  params.samples = panel.pixels() * params.pixel_samples;
-  return params;
-}
-
-double first_rays(const TraceParams& params) {
-  return params.pattern == Pattern::grid ? double(params.columns) * params.rows : double(params.samples);
-}
-
-TraceParams with_at_most(TraceParams params, int side) {
-  params.columns = std::min(params.columns, side);
-  params.rows = std::min(params.rows, side);
-  params.samples = std::min<int64_t>(params.samples, int64_t(side) * side);
-  return params;
-}
-
-// How often the stages run: tracing once per group of wavelengths that share their paths, the others once per hologram.
-// Each layer or light shown by itself is counted as a hologram of all waves, which is what it costs at most.
-struct Shape {
-  double wavelengths = 1, parts = 1, frames = 1, tracings = 1;
-  double holograms() const { return wavelengths * parts * frames; }
+// What a machine has to do to show a job as it is looked at: tracing, sums and encoding, frame after frame. Render,
+// virtual panel and camera only simulate the display.
+struct RealTime {
+  double frames_per_second = 0, seconds_per_frame = 0;
+  double times = 0;                     // this machine
+  double cores = 0;                     // like this one's
+  double multiply_adds_per_second = 0;  // at its peak, in single precision
 };
 
-Shape shape_of(const Job& job) {
-  Shape shape{double(job.wavelengths.size()), 1, double(job.trace.frames),
-              double(group_wavelengths(job.scene, job.wavelengths).size())};
-  if (job.trace.separate_layers) shape.parts *= double(std::max<size_t>(1, job.trace.layers.size()));
-  if (job.trace.separate_lights) shape.parts *= double(std::max<size_t>(1, job.scene.lights.size()));
-  return shape;
+RealTime real_time(const JobEstimate& e, double frames_per_second) {
+  RealTime r;
+  r.frames_per_second = frames_per_second;
+  r.seconds_per_frame = e.seconds_of("trace") + e.seconds_of("synthesize") + e.seconds_of("encode");
+  r.times = r.seconds_per_frame * frames_per_second;
+  r.cores = std::ceil(r.times * thread_count());
+  r.multiply_adds_per_second = r.times * measure_multiply_add_peak();
+  return r;
 }
 
-// What the tracing of the whole job comes to, from that of a small raster and of the first wavelength.
-struct TraceProbe {
-  Sources sources;  // of the small raster
-  double paths = 0, rays = 0, shadow_rays = 0, mean_path_length = 0, waves = 0;
-  double prepare_seconds = 0;  // whatever does not grow with the rays: the tree of triangles
-  double ray_seconds = 0;      // of all rays
+// Eq. 16-23 for N paths.
+Cost papers_cost(const JobEstimate& e, double pixels, double samples, double frames) {
+  return estimate_cost({.pixels = pixels,
+                        .samples_per_pixel = samples,
+                        .frames = frames,
+                        .reflectance = 1 - 1 / std::max(e.mean_path_length, 1.0),
+                        .trace_seconds = e.seconds_per_ray});
+}
+
+struct Answer {
+  JobEstimate estimate;
+  RealTime real;
+  Cost ours, per_pixel;  // Eq. 23 for the job's own paths, and for S of every pixel
+  double samples = 0;    // S
 };
 
-TraceProbe probe_trace(const Job& job) {
-  const auto trace_with = [&](const TraceParams& params, const Observer& observer) {
-    return trace(job.scene, job.slm.grid, job.wavelengths.front(), params, observer);
-  };
-  std::map<std::string, double> facts;
-  Observer observer;
-  observer.on_fact = [&](const std::string& name, const Fact& value) {
-    if (const auto* count = std::get_if<int64_t>(&value)) facts[name] = double(*count);
-    if (const auto* number = std::get_if<double>(&value)) facts[name] = *number;
-  };
-  const TraceParams whole = as_one_set(job.trace, job.slm.grid), small = with_at_most(whole, 64);
-  TraceProbe probe;
-  probe.prepare_seconds = seconds_of([&] { trace_with(with_at_most(whole, 1), {}); });
-  const double seconds = seconds_of([&] { probe.sources = trace_with(small, observer); });
-
-  const double scale = first_rays(whole) / first_rays(small);
-  const double points = double(job.scene.points.size());
-  probe.paths = facts["paths"] * scale;
-  probe.rays = facts["rays"] * scale;
-  probe.shadow_rays = facts["shadow_rays"] * scale;
-  probe.mean_path_length = facts["mean_path_length"];
-  probe.waves = points + (double(probe.sources.waves.size()) - points) * scale;
-  if (job.trace.strategy == Strategy::gather) probe.waves = 0;  // each ends in its pixel
-  probe.ray_seconds = std::max(seconds - probe.prepare_seconds, 0.0) * scale;
-  return probe;
+Answer answer(const Job& job, double frames_per_second) {
+  Answer a;
+  a.estimate = estimate_job(job);
+  a.real = real_time(a.estimate, frames_per_second);
+  const double pixels = double(job.slm.grid.pixels());
+  a.samples = job.trace.pixel_samples;
+  a.ours = papers_cost(a.estimate, pixels, a.estimate.paths / pixels, 1);
+  a.per_pixel = papers_cost(a.estimate, pixels, a.samples, 1);
+  return a;
 }
 
-// `count` of the waves, evenly over them all.
-Sources sample_evenly(const Sources& all, size_t count) {
-  if (all.waves.size() <= count) return all;
-  Sources some;
-  some.wavelength = all.wavelength;
-  for (size_t i = 0; i < count; ++i) some.waves.push_back(all.waves[i * all.waves.size() / count]);
-  return some;
-}
-
-// Encoding, the panel, and the way to each camera. @throws Error where the job's own simulation would
-double simulation_seconds(const Job& job, const Field& field) {
-  Field shown;
-  double seconds = seconds_of([&] { shown = show(encode(field, job.slm, job.encode), job.slm, job.show); });
-  const auto& distances = job.camera.distances;
-  if (!distances.empty())
-    seconds += double(distances.size()) *
-               seconds_of([&] { look(shown, job.slm, distances.back(), job.propagate, job.camera); });
-  return seconds;
-}
-
-// Scales the probe to the whole job (Eq. 16–23).
-nlohmann::ordered_json estimate(const Job& job) {
-  const Grid& panel = job.slm.grid;
-  const Shape shape = shape_of(job);
-  const TraceProbe probe = probe_trace(job);
-  require(!probe.sources.waves.empty(), "expected light from the scene, the probe found none");
-  const Sources some = sample_evenly(probe.sources, 4096);
-  const double summed = double(waves_pixels(some, panel));
-  Field field;
-  const double sum_seconds = seconds_of([&] { field = synthesize(some, panel, job.synthesize); });
-
-  CostInputs inputs;
-  inputs.pixels = double(panel.pixels());
-  inputs.samples_per_pixel = probe.paths / inputs.pixels;
-  inputs.reflectance = 1 - 1 / std::max(probe.mean_path_length, 1.0);
-  if (probe.paths > 0) inputs.trace_seconds = probe.ray_seconds / (probe.paths * (1 + probe.mean_path_length));
-  inputs.waves = probe.waves * summed / double(some.waves.size()) / inputs.pixels;  // whole-panel equivalents
-  inputs.wave_rate = summed / sum_seconds;
-  const Cost cost = estimate_cost(inputs);
-  const double all_rays = probe.rays + probe.shadow_rays;
-  const double colours = shape.wavelengths, holograms = shape.holograms(), tracings = shape.tracings;
-  const double trace_seconds = tracings * (probe.prepare_seconds + cost.trace_seconds);
-  const double synthesis_seconds = holograms * cost.synthesis_seconds;
-  nlohmann::ordered_json json{{"wavelengths", shape.wavelengths},
-                              {"frames", shape.frames},
-                              {"holograms", holograms},
-                              {"paths", tracings * probe.paths},
-                              {"mean_path_length", probe.mean_path_length},
-                              {"rays", tracings * probe.rays},
-                              {"shadow_rays", tracings * probe.shadow_rays},
-                              {"seconds_per_ray", all_rays > 0 ? probe.ray_seconds / all_rays : 0.0},
-                              {"trace_seconds", trace_seconds},
-                              {"waves", colours * probe.waves},
-                              {"waves_pixels_per_second", inputs.wave_rate},
-                              {"synthesis_seconds", synthesis_seconds}};
-  double simulation = 0;
-  try {
-    simulation = holograms * simulation_seconds(job, field);
-  } catch (const Error& error) {  // scenes that are for `field` alone need no camera
-    json["why_no_simulation"] = error.what();
-  }
-  json["simulation_seconds"] = simulation;
-  json["seconds"] = trace_seconds + synthesis_seconds + simulation;
+Json json_of(const Answer& a) {
+  const JobEstimate& e = a.estimate;
+  const double synthesis = e.seconds_of("synthesize"), trace = e.seconds_of("trace"), render = e.seconds_of("render");
+  Json json{{"wavelengths", e.wavelengths},
+            {"frames", e.frames},
+            {"sets", e.sets},
+            {"lights", e.lights},
+            {"subpixels", e.subpixels},
+            {"holograms", e.holograms()},
+            {"paths", e.paths},
+            {"mean_path_length", e.mean_path_length},
+            {"probability_to_go_on", 1 - 1 / std::max(e.mean_path_length, 1.0)},
+            {"rays", e.rays},
+            {"shadow_rays", e.shadow_rays},
+            {"seconds_per_ray", e.seconds_per_ray},
+            {"accelerator", e.accelerator},
+            {"triangles", e.triangles},
+            {"seconds_per_ray_by_" + e.other_accelerator, e.other_seconds_per_ray},
+            {"grid_predicted_cells_per_ray", e.grid_cells_per_ray},
+            {"grid_predicted_tests_per_ray", e.grid_tests_per_ray},
+            {"grid_predicted_seconds_per_ray_and_thread", e.grid_seconds_per_ray},
+            {"prepare_seconds", e.prepare_seconds},
+            {"render_seconds", render},
+            {"trace_seconds", trace},
+            {"waves", e.waves},
+            {"waves_pixels", e.waves_pixels},
+            {"method", e.method},
+            {"waves_pixels_per_second", synthesis > 0 ? e.frames * e.waves_pixels / synthesis : 0.0},
+            {"synthesis_seconds", synthesis},
+            {"simulation_seconds", e.seconds() - synthesis - trace - render},
+            {"seconds", e.seconds()},
+            {"plan_seconds", e.plan_seconds},
+            {"probe_seconds", e.probe_seconds}};
+  for (const StageEstimate& stage : e.stages) json["stages"][stage.stage] = stage.seconds;
+  json["equation_23"] = {{"paths", a.ours.paths}, {"rays", a.ours.rays}, {"seconds", a.ours.trace_seconds}};
+  json["per_pixel"] = {{"samples", a.samples},
+                       {"paths", a.per_pixel.paths},
+                       {"rays", a.per_pixel.rays},
+                       {"seconds", a.per_pixel.trace_seconds}};
+  json["real_time"] = {{"frames_per_second", a.real.frames_per_second},
+                       {"seconds_per_frame", a.real.seconds_per_frame},
+                       {"times_this_machine", a.real.times},
+                       {"cores", a.real.cores},
+                       {"multiply_adds_per_second", a.real.multiply_adds_per_second}};
+  if (!e.why_no_simulation.empty()) json["why_no_simulation"] = e.why_no_simulation;
   return json;
+}
+
+void print_text(const Answer& a) {
+  const JobEstimate& e = a.estimate;
+  const auto line = [](const std::string& name, const std::string& value, const std::string& meaning) {
+    fmt::print("  {:<28} {:>14}  {}\n", name, value, meaning);
+  };
+  const auto count = [](double value) { return fmt::format("{:.4g}", value); };
+  const auto seconds = [](double value) { return fmt::format("{:.3g} s", value); };
+  fmt::print("The job\n");
+  line("holograms", count(e.holograms()),
+       fmt::format("{:g} sets (colours, layers, lights apart) x {:g} frames", e.sets, e.frames));
+  line("light paths", count(e.paths), "N of Eq. 16");
+  line("mean path length", count(e.mean_path_length), "l_avg: surfaces on a path, measured (Eq. 21)");
+  line("probability to go on", count(1 - 1 / std::max(e.mean_path_length, 1.0)), "rho = 1 - 1 / l_avg (Eq. 20)");
+  line("rays", count(e.rays), "that look for the nearest surface");
+  line("shadow rays", count(e.shadow_rays), "to lights");
+  line("waves", count(e.waves), fmt::format("summed by the method {}", e.method.empty() ? "of the job" : e.method));
+  line("waves x pixels", count(e.waves_pixels), "of one frame");
+  fmt::print("\nOne ray (T_t), {:g} triangles\n", e.triangles);
+  line(e.accelerator, fmt::format("{:.3g} us", 1e6 * e.seconds_per_ray), "all threads at work, shading included");
+  if (e.other_seconds_per_ray > 0) {
+    line(e.other_accelerator, fmt::format("{:.3g} us", 1e6 * e.other_seconds_per_ray), "the same rays");
+    line("grid, predicted", fmt::format("{:.3g} us", 1e6 * e.grid_seconds_per_ray),
+         fmt::format("the ray alone, one thread: {:.3g} cells, {:.3g} tests", e.grid_cells_per_ray,
+                     e.grid_tests_per_ray));
+  }
+  line("scene made ready", seconds(e.prepare_seconds), "before the first ray");
+  fmt::print("\nA run on this machine\n");
+  for (const StageEstimate& stage : e.stages) line(stage.stage, seconds(stage.seconds), "");
+  line("all", seconds(e.seconds()), "without reading and saving files");
+  line("FFT plans", seconds(e.plan_seconds), "once on a machine, and made by now");
+  if (!e.why_no_simulation.empty()) fmt::print("  no simulation: {}\n", e.why_no_simulation);
+  fmt::print("\nThe paper's count\n");
+  line("Eq. 23, these paths", seconds(a.ours.trace_seconds), "N (1 + l_avg) T_t: one shadow ray a path");
+  line(fmt::format("Eq. 23, {:g} a pixel", a.samples), seconds(a.per_pixel.trace_seconds),
+       fmt::format("N = P S = {:.3g}: every pixel its own paths (strategy gather)", a.per_pixel.paths));
+  fmt::print("\nIn real time at {:g} frames per second: trace, sum and encode each frame anew\n",
+             a.real.frames_per_second);
+  line("a frame", seconds(a.real.seconds_per_frame), "here");
+  line("machines like this", fmt::format("{:.3g}", a.real.times), "if the work is shared without loss");
+  line("cores like these", fmt::format("{:.3g}", a.real.cores), "");
+  line("multiply-adds", fmt::format("{:.3g}/s", a.real.multiply_adds_per_second),
+       "at the peak of this machine, in single precision");
 }
 
 }  // namespace
 
 void add_estimate_command(CLI::App& app, const GlobalFlags&) {
   CLI::App* command = app.add_subcommand(
-      "estimate", "how long tracing, summing, encoding and looking will take (not the render), from a short probe");
+      "estimate", "what a run will take, stage by stage, and what real time would need, from short probes");
   struct Options {
     std::string scene;
+    double frames_per_second = 30;
     bool is_json = false;
   };
   auto o = std::make_shared<Options>();
   command->add_option("scene", o->scene, "scene file (TOML), see docs/scene_format.md")
       ->required()
       ->type_name("SCENE.toml");
+  command->add_option("--fps", o->frames_per_second, "frames per second that real time is asked for")
+      ->capture_default_str()
+      ->type_name("NUMBER");
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o] {
-    const auto json = estimate(load_job(o->scene));
-    if (o->is_json) {
-      fmt::print("{}\n", json.dump(2));
-      return;
-    }
-    for (const auto& [name, value] : json.items())
-      fmt::print("{:<28} {}\n", name,
-                 value.is_string() ? value.get<std::string>() : fmt::format("{:.4g}", value.get<double>()));
+    require(std::isfinite(o->frames_per_second) && o->frames_per_second > 0,
+            "expected more than 0 frames per second, got {:g}", o->frames_per_second);
+    const Answer a = answer(load_job(o->scene), o->frames_per_second);
+    if (o->is_json)
+      fmt::print("{}\n", json_of(a).dump(2));
+    else
+      print_text(a);
   });
 }
 

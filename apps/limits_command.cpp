@@ -1,6 +1,9 @@
-// holotrace limits: what a panel can show.
+// holotrace limits: what a panel can show, or what a wanted one has to be.
 
+#include <cmath>
+#include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "commands.h"
 #include "facts.h"
@@ -8,72 +11,152 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/estimate/alias_free.h"
 #include "holotrace/estimate/limits.h"
+#include "holotrace/estimate/vision.h"
+#include "holotrace/io/chart_file.h"
+#include "holotrace/io/output.h"
+#include "limits_table.h"
 
 namespace holotrace {
 namespace {
 
-Json limits_json(const Slm& slm, double wavelength, double distance) {
-  const Limits l = limits(slm.grid, wavelength, distance);
-  return {{"slm", slm.name},
-          {"pixels", fmt::format("{}x{}", slm.grid.nx, slm.grid.ny)},
-          {"pitch_m", slm.grid.pitch},
-          {"wavelength_m", wavelength},
-          {"distance_m", distance},
-          {"half_angle_deg", l.half_angle * 180 / pi},
-          {"field_of_view_deg", l.field_of_view * 180 / pi},
-          {"first_order_angle_deg", l.first_order_angle * 180 / pi},
-          {"order_spacing_m", number(l.order_spacing)},
-          {"alias_free_radius_m", number(l.box_radius)},
-          {"resolution_x_m", l.resolution_x},
-          {"resolution_y_m", l.resolution_y},
-          {"depth_of_focus_x_m", l.depth_of_focus_x},
-          {"depth_of_focus_y_m", l.depth_of_focus_y},
-          {"space_bandwidth_product", l.space_bandwidth},
-          {"finest_grating_m", l.finest_grating}};
-}
-
 struct LimitsOptions {
-  std::string slm = "pluto", wavelength = "632.8 nm", distance = "300 mm", period, angle, size;
+  std::string slm = "pluto", wavelength = "632.8 nm", distance = "300 mm", period, angle, size, resolution, scene,
+              picture, plot;
   int order = 1, colours = 1;
   double frames = 0;  // per second
   bool is_json = false;
 };
 
-// What a moving display sends its panel. Levels take whole bytes.
-void add_rate(const LimitsOptions& o, double pixels, int levels, Json& facts) {
-  const double rate = pixel_rate(pixels, o.colours, o.frames);
-  facts["pixels_per_second"] = rate;
-  facts["bytes_per_second"] = rate * (levels > 256 ? 2 : 1);
+LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command) {
+  LimitsQuestion q;
+  q.wavelengths = parse_lengths_flag("--wavelength", o.wavelength);
+  if (o.scene.empty()) {
+    q.slm = slm_by_name(o.slm);
+  } else {
+    const Job job = load_job(o.scene);
+    q.slm = command.count("--slm") > 0 ? slm_by_name(o.slm) : job.slm;
+    if (command.count("--wavelength") == 0) q.wavelengths = job.wavelengths;
+    q.points = points_of(job.scene);
+  }
+  q.distance = parse_length_flag("--distance", o.distance);
+  // Of a scene that is given, its middle.
+  if (!q.points.empty() && command.count("--distance") == 0) {
+    double sum = 0;
+    for (const Vec3 point : q.points) sum -= point.z;
+    if (sum > 0) q.distance = sum / double(q.points.size());
+  }
+  if (!o.period.empty()) q.period = parse_length_flag("--period", o.period);
+  q.order = o.order;
+  q.frames = o.frames;
+  q.colours = o.colours;
+  return q;
 }
 
-Json panel_facts(const LimitsOptions& o, double wavelength, bool has_rate) {
-  const Slm slm = slm_preset(o.slm);
+// volume.png and volume_y.png: the cuts along x and along y.
+void save_pictures(const std::string& path, const LimitsQuestion& q) {
+  const auto save = [&](const std::string& to, AcrossPanel axis) {
+    save_chart(to, alias_free_chart(q.points, q.slm.grid, q.wavelengths.front(), q.distance, axis));
+  };
+  std::filesystem::path y(path);
+  y.replace_filename(y.stem().string() + "_y" + y.extension().string());
+  save(path, AcrossPanel::x);
+  save(y.string(), AcrossPanel::y);
+}
+
+void answer_about_panel(const LimitsOptions& o, const CLI::App& command) {
+  const LimitsQuestion q = question_of(o, command);
+  require(command.count("--frames") == 0 || q.frames > 0, "expected more than 0 frames per second, got {:g}", q.frames);
+  if (o.is_json) {
+    fmt::print("{}\n", limits_json(q).dump(2));
+  } else {
+    const std::string table = limits_table(q);
+    fmt::print("{}{}", table, vision_text(q));
+  }
+  if (!o.picture.empty()) save_pictures(o.picture, q);
+  if (!o.plot.empty()) save_chart(o.plot, half_angle_chart(q.wavelengths));
+}
+
+// The panel for a wanted angle, size and resolution.
+void answer_backwards(const LimitsOptions& o, bool has_rate) {
+  const double wavelength = parse_length_flag("--wavelength", o.wavelength);
+  const double angle = parse_angle_flag("--angle", o.angle), pitch = wanted_pitch(wavelength, angle);
+  Json facts{{"wavelength_m", wavelength}, {"half_angle_deg", angle * 180 / pi}, {"wanted_pitch_m", pitch}};
+  std::string text =
+      fmt::format("{:<32} {:>14}  wavelength / (2 tan angle), the paper's rule\n", "pixel pitch", format_length(pitch));
+  const auto line = [&](const std::string& name, const std::string& value, const std::string& meaning) {
+    text += fmt::format("{:<32} {:>14}  {}\n", name, value, meaning);
+  };
+  line("pitch by the grating equation", format_length(wavelength / (2 * std::sin(angle))),
+       "wavelength / (2 sin angle), the coarsest that will do");
+  facts["coarsest_pitch_m"] = wavelength / (2 * std::sin(angle));
   const double distance = parse_length_flag("--distance", o.distance);
-  Json facts = limits_json(slm, wavelength, distance);
-  if (!o.period.empty()) {
-    const double period = parse_length_flag("--period", o.period);
-    facts["period_m"] = period;
-    facts["order"] = o.order;
-    facts["order_offset_m"] = number(grating_order_offset(period, wavelength, distance, o.order));
+  double size = o.size.empty() ? 0 : parse_length_flag("--size", o.size);
+  if (!o.resolution.empty()) {
+    const double wanted = wanted_size(wavelength, distance, parse_length_flag("--resolution", o.resolution));
+    facts["wanted_size_m"] = wanted;
+    line("side for that resolution", format_length(wanted), "wavelength z / resolution");
+    size = std::max(size, wanted);
   }
-  if (has_rate) add_rate(o, double(slm.grid.pixels()), slm.levels, facts);
-  if (wavelength >= 2 * slm.grid.pitch)
-    facts["note"] =
-        "the wavelength is 2 pitches or more: waves of every direction fit the panel, and every replica is "
-        "evanescent";
-  return facts;
+  if (size > 0) {
+    const int64_t side = wanted_pixels(size, pitch);
+    const double pixels = double(side) * double(side);
+    facts["wanted_pixels_per_side"] = side;
+    line("pixels along a side", fmt::to_string(side), fmt::format("of {}", format_length(size)));
+    line("pixels", fmt::format("{:.4g}", pixels), "the space-bandwidth product");
+    if (has_rate) {
+      const double rate = pixel_rate(pixels, o.colours, o.frames);
+      facts["pixels_per_second"] = facts["bytes_per_second"] = rate;  // of 8 bits
+      line("pixels per second", fmt::format("{:.4g}", rate),
+           fmt::format("{:g} frames of {} colour(s); as many bytes at 256 levels", o.frames, o.colours));
+    }
+    for (const VisionNeed& need :
+         compare_with_vision({int(std::min<int64_t>(side, 1 << 30)), int(std::min<int64_t>(side, 1 << 30)), pitch},
+                             wavelength, distance, has_rate ? o.frames : 0)) {
+      facts["vision"].push_back({{"need", need.what}, {"is_met", need.is_met}, {"why", need.sentence}});
+      line(need.what, need.is_met ? "met" : "not met", need.sentence);
+    }
+  }
+  if (o.is_json)
+    fmt::print("{}\n", facts.dump(2));
+  else
+    fmt::print("{}", text);
 }
 
-Json wanted_facts(const LimitsOptions& o, double wavelength, bool has_rate) {
-  const double pitch = wanted_pitch(wavelength, parse_angle_flag("--angle", o.angle));
-  Json facts{{"wanted_pitch_m", pitch}};
-  if (!o.size.empty()) {
-    const int64_t side = wanted_pixels(parse_length_flag("--size", o.size), pitch);
-    facts["wanted_pixels_per_side"] = side;
-    if (has_rate) add_rate(o, double(side) * double(side), 256, facts);
-  }
-  return facts;
+void add_flags(CLI::App& command, LimitsOptions& o) {
+  command.add_option("--slm", o.slm, "panel by name")->capture_default_str()->type_name("NAME|SCENE.toml");
+  command.add_option("--wavelength", o.wavelength, "one, or several: a column each")
+      ->capture_default_str()
+      ->type_name("LENGTHS");
+  command.add_option("--distance", o.distance, "of the scene behind, and of the viewer before the panel")
+      ->capture_default_str()
+      ->type_name("LENGTH");
+  command.add_option("--period", o.period, "of a grating: gives where its order lands at that distance")
+      ->type_name("LENGTH");
+  command.add_option("--order", o.order, "with --period: the order")->capture_default_str()->type_name("N");
+  command.add_option("--frames", o.frames, "per second: gives pixels and bytes per second")->type_name("NUMBER");
+  command.add_option("--colours", o.colours, "with --frames: colours of a frame")
+      ->capture_default_str()
+      ->type_name("N");
+  command
+      .add_option("--scene", o.scene,
+                  "gives panel, wavelengths and the points that are counted and drawn; the distance is their mean")
+      ->type_name("SCENE.toml");
+  command
+      .add_option("--picture", o.picture,
+                  "of the alias-free volume, with the scene in it: NAME.png or .svg across x, NAME_y across y")
+      ->type_name("FILE");
+  command.add_option("--plot", o.plot, "chart of the half angle against the pitch, a curve for each wavelength")
+      ->type_name("FILE");
+  command.add_option("--angle", o.angle, "half diffraction angle wanted: gives the pitch it needs")->type_name("ANGLE");
+  command.add_option("--size", o.size, "with --angle: side of the square panel wanted, gives its pixels")
+      ->type_name("LENGTH");
+  command
+      .add_option("--resolution", o.resolution,
+                  "with --angle: lateral resolution wanted at the distance, gives the side it needs")
+      ->type_name("LENGTH");
+  command.add_flag("--json", o.is_json, "as JSON");
 }
 
 }  // namespace
@@ -81,43 +164,33 @@ Json wanted_facts(const LimitsOptions& o, double wavelength, bool has_rate) {
 void add_limits_command(CLI::App& app, const GlobalFlags&) {
   CLI::App* command = app.add_subcommand("limits", "what a panel can show: angles, sizes, resolution, pixels");
   auto o = std::make_shared<LimitsOptions>();
-  command->add_option("--slm", o->slm, "panel by name")->capture_default_str()->type_name("NAME|SCENE.toml");
-  command->add_option("--wavelength", o->wavelength)->capture_default_str()->type_name("LENGTH");
-  command->add_option("--distance", o->distance, "of the scene from the panel")
-      ->capture_default_str()
-      ->type_name("LENGTH");
-  command->add_option("--period", o->period, "of a grating: gives where its order lands at that distance")
-      ->type_name("LENGTH");
-  command->add_option("--order", o->order, "with --period: the order")->capture_default_str()->type_name("N");
-  command->add_option("--frames", o->frames, "per second: gives pixels and bytes per second")->type_name("NUMBER");
-  command->add_option("--colours", o->colours, "with --frames: colours of a frame")
-      ->capture_default_str()
-      ->type_name("N");
-  command->add_option("--angle", o->angle, "half diffraction angle wanted: gives the pitch it needs")
-      ->type_name("ANGLE");
-  command->add_option("--size", o->size, "with --angle: side of the square panel wanted, gives its pixels")
-      ->type_name("LENGTH");
-  command->add_flag("--json", o->is_json, "as JSON");
+  add_flags(*command, *o);
   command->callback([o, command] {
     const auto is_given = [&](const std::string& flag) { return command->count(flag) > 0; };
-    const double wavelength = parse_length_flag("--wavelength", o->wavelength);
+    for (const std::string* path : {&o->picture, &o->plot})
+      if (!path->empty()) check_output(*path, {".png", ".svg"});
     require(!is_given("--colours") || is_given("--frames"),
             "--colours asks for a rate: give the frames per second too, as --frames 30");
     if (is_given("--angle")) {
-      for (const char* flag : {"--slm", "--distance", "--period", "--order"})
+      for (const char* flag : {"--slm", "--period", "--order", "--scene", "--picture", "--plot"})
         require(!is_given(flag),
                 "--angle asks for the pitch of a wanted panel, on which {0} has no bearing: leave out {0} or --angle",
                 flag);
-      require(!is_given("--frames") || is_given("--size"),
+      require(!is_given("--distance") || is_given("--size") || is_given("--resolution"),
+              "--angle asks for the pitch of a wanted panel, on which --distance has no bearing: leave out --distance "
+              "or --angle, or give --size or --resolution, which it bears on");
+      require(!is_given("--frames") || is_given("--size") || is_given("--resolution"),
               "--frames with --angle asks for the rate of a wanted panel: give its side too, as --size \"100 mm\"");
-      print_facts(wanted_facts(*o, wavelength, is_given("--frames")), o->is_json);
+      answer_backwards(*o, is_given("--frames"));
       return;
     }
-    require(!is_given("--size"),
-            "--size asks for the pixels of a wanted panel: give the half diffraction angle too, as --angle \"15 deg\"");
+    for (const char* flag : {"--size", "--resolution"})
+      require(!is_given(flag),
+              "{} asks for the pixels of a wanted panel: give the half diffraction angle too, as --angle \"15 deg\"",
+              flag);
     require(!is_given("--order") || is_given("--period"),
             "--order asks where an order of a grating lands: give its period too, as --period \"16 um\"");
-    print_facts(panel_facts(*o, wavelength, is_given("--frames")), o->is_json);
+    answer_about_panel(*o, *command);
   });
 }
 

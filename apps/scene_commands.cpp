@@ -23,6 +23,7 @@
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
+#include "job_estimate.h"
 #include "save_views.h"
 
 namespace holotrace {
@@ -49,6 +50,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   struct Options {
     std::string scene, folder, wavelengths;
     std::optional<int64_t> seed;
+    bool is_estimated = false;
     Flags flags, trace_flags, synthesize_flags;  // two have samples, rows, …
   };
   auto o = std::make_shared<Options>();
@@ -63,6 +65,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
       ->type_name("DIR");
   add_wavelength(*command, o->wavelengths);
   command->add_option("--seed", o->seed, "of every random number [the scene's]")->type_name("N");
+  command->add_flag("--estimate", o->is_estimated, "estimates the job first, and tells prediction against outcome");
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
   o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (over the scene's [synthesize])");
@@ -76,9 +79,12 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
     check_job(job);  // before a folder is made for nothing
     make_folder(o->folder);
+    std::optional<JobEstimate> estimate;
+    if (o->is_estimated) estimate = estimate_job(job);
     Console console(global.is_quiet);
-    const Boxes boxes = run(job, console.stages());
+    Boxes boxes = run(job, console.stages());
     console.finish();
+    if (estimate) fmt::print("{}", compare_with_run(*estimate, boxes.report));
     const auto in = [&](const std::string& name) { return (std::filesystem::path(o->folder) / name).string(); };
     const double render_white = common_white(boxes.renders, 0);
     save_numbered(in("render.png"), boxes.renders,

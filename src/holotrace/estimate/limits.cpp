@@ -1,5 +1,6 @@
 #include "holotrace/estimate/limits.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -33,7 +34,23 @@ Limits limits(const Grid& grid, double wavelength, double distance) {
   l.depth_of_focus_y = 2 * wavelength * z * z / (sy * sy);
   l.space_bandwidth = grid.pixels();
   l.finest_grating = 2 * grid.pitch;
+  // Where nothing limits the angle, boxes are infinite: every point lights the whole panel.
+  const double tangent = acceptance_tangent(wavelength, grid.pitch);
+  l.alias_free_distance = std::max(sx, sy) / tangent;
+  l.whole_panel_distance = l.alias_free_distance / 2;
+  l.whole_panel_x = l.eyebox_x = std::max(0.0, 2 * l.box_radius - sx);
+  l.whole_panel_y = l.eyebox_y = std::max(0.0, 2 * l.box_radius - sy);
+  l.replica_free = l.order_spacing;
   return l;
+}
+
+std::vector<DiffractionOrder> diffraction_orders(double pitch, double wavelength, double distance, int most) {
+  std::vector<DiffractionOrder> orders;
+  for (int n = -most; n <= most; ++n) {
+    const double offset = grating_order_offset(pitch, wavelength, distance, n);
+    if (std::isfinite(offset)) orders.push_back({n, std::asin(n * wavelength / pitch), offset});
+  }
+  return orders;
 }
 
 double grating_order_offset(double period, double wavelength, double distance, int order) {
@@ -50,6 +67,13 @@ double wanted_pitch(double wavelength, double half_angle) {
   require(half_angle > 0 && half_angle < pi / 2, "expected a half angle above 0° and below 90°, got {}",
           format_angle(half_angle));
   return wavelength / (2 * std::tan(half_angle));
+}
+
+double wanted_size(double wavelength, double distance, double resolution) {
+  check_wavelength(wavelength);
+  check_distance(distance);
+  require(std::isfinite(resolution) && resolution > 0, "expected a resolution above 0 m, got {} m", resolution);
+  return wavelength * distance / resolution;
 }
 
 int64_t wanted_pixels(double size, double pitch) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "holotrace/data/grid.h"
 
@@ -20,6 +21,15 @@ struct Limits {
   double depth_of_focus_y = 0;   ///< 2λz²/Sy² [m]
   int64_t space_bandwidth = 0;   ///< independent complex values: panel area × (λ/p)² over λ², the pixels
   double finest_grating = 0;     ///< period 2p of the finest grating [m]
+  double whole_panel_distance = 0;  ///< (S/2)·√((2p/λ)² − 1), S the longer side: nearer points on the axis leave pixels
+                                    ///< dark, for their fringes would alias there [m]
+  double alias_free_distance = 0;  ///< z* = S·√((2p/λ)² − 1): from here on every point right behind the panel lights
+                                   ///< all of it [m]
+  double whole_panel_x = 0;  ///< 2(R − Sx/2) or 0: width of what lights the whole panel at that distance [m]
+  double whole_panel_y = 0;  ///< its height [m]
+  double replica_free = 0;   ///< side of the largest scene there whose replicas do not overlap: order_spacing [m]
+  double eyebox_x = 0;       ///< width of the place as far before the panel to which every pixel sends light,
+  double eyebox_y = 0;       ///< and its height: whole_panel_x, _y mirrored in the panel [m]
 };
 
 /// Limits of a panel. Resolution and depth of focus are paraxial, the angles and spacings exact.
@@ -28,6 +38,17 @@ struct Limits {
 /// @param distance    z > 0 from the panel to the plane looked at [m]
 /// @throws Error      for a grid, wavelength or distance that is not above 0
 Limits limits(const Grid& grid, double wavelength, double distance);
+
+/// A direction into which a panel sends a copy of its image.
+struct DiffractionOrder {
+  int order = 0;
+  double angle = 0;   ///< asin(nλ/p) [rad]
+  double offset = 0;  ///< from the axis, at the distance [m]
+};
+
+/// The orders −n … n of a panel lit along its axis, up to the last that is not evanescent, n ≤ `most`.
+/// @throws Error  for a pitch, wavelength or distance that is not above 0
+std::vector<DiffractionOrder> diffraction_orders(double pitch, double wavelength, double distance, int most = 5);
 
 /// Where order n of a grating of that period, lit along the axis, meets a plane: z·tan(asin(nλ/P)) [m];
 /// infinite where the order is evanescent.
@@ -38,6 +59,10 @@ double grating_order_offset(double period, double wavelength, double distance, i
 /// equation alone asks for the coarser λ/(2 sin θ).
 /// @throws Error  unless the wavelength is above 0 and θ in (0, 90°)
 double wanted_pitch(double wavelength, double half_angle);
+
+/// Side that a panel must have to tell apart points that far apart [m], at that distance: λz/resolution [m].
+/// @throws Error  for a value that is not above 0
+double wanted_size(double wavelength, double distance, double resolution);
 
 /// Pixels along a side of that size [m], rounded up.
 /// @throws Error  unless both are above 0

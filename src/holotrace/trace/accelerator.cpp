@@ -10,6 +10,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/trace/scene_checks.h"
+#include "holotrace/trace/uniform_grid.h"
 
 namespace holotrace {
 
@@ -31,6 +32,7 @@ struct Accelerator::Implementation {
   const Scene& scene;
   Device device{nullptr, rtcReleaseDevice};
   EmbreeScene embree{nullptr, rtcReleaseScene};
+  std::optional<UniformGrid> grid;  // in place of Embree
   Vec3 centre;
   double radius = 1, per_radius = 1;
 
@@ -96,19 +98,19 @@ struct Accelerator::Implementation {
     return true;
   }
 
-  /// What a ray has met, from what Embree has found at `distance` [m].
-  void describe(const Ray& ray, const RTCHit& found, double distance, Hit& hit) const {
-    const Mesh& mesh = scene.meshes[found.geomID];
-    const auto [i, j, k] = mesh.triangles[found.primID];
+  /// What a ray has met, from the triangle that was found, in what coordinates of it and at what distance [m].
+  void describe(const Ray& ray, const GridHit& found, Hit& hit) const {
+    const Mesh& mesh = scene.meshes[found.mesh];
+    const auto [i, j, k] = mesh.triangles[found.triangle];
     const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
-    const double b1 = double(found.u), b2 = double(found.v), b0 = 1 - b1 - b2;
+    const double b1 = found.b1, b2 = found.b2, b0 = 1 - b1 - b2;
     const Vec3 area = cross(ab, ac);
 
     SurfacePoint& point = hit.point;
     // Where the ray meets the plane of the triangle, in double. Planes of slivers are not well defined: one that
     // Embree's answer is not near to is not used.
     const double along = dot(area, ray.direction), precise = dot(area, a - ray.origin) / along;
-    if (std::abs(precise - distance) < 1e-3 * radius) {
+    if (std::abs(precise - found.distance) < 1e-3 * radius) {
       hit.distance = precise;
       point.position = ray.origin + ray.direction * precise;
     } else {
@@ -137,8 +139,8 @@ struct Accelerator::Implementation {
     }
     if (!mesh.colours.empty()) point.colour = mesh.colours[i] * b0 + mesh.colours[j] * b1 + mesh.colours[k] * b2;
     point.material = mesh.material;
-    point.mesh = found.geomID;
-    point.triangle = found.primID;
+    point.mesh = found.mesh;
+    point.triangle = found.triangle;
   }
 };
 
@@ -150,12 +152,17 @@ void write_down(const RTCRay& ray, bool is_shadow, std::vector<LoggedRay>& log) 
 
 }  // namespace
 
-Accelerator::Accelerator(const Scene& scene) : implementation_(new Implementation{.scene = scene, .centre = {}}) {
+Accelerator::Accelerator(const Scene& scene, Acceleration kind)
+    : implementation_(new Implementation{.scene = scene, .grid = {}, .centre = {}}) {
   check_light_and_materials(scene);
   if (scene.meshes.empty()) return;
   Implementation& self = *implementation_;
   self.measure();
   clearance_ = 2e-6 * self.radius;
+  if (kind == Acceleration::grid) {
+    self.grid.emplace(scene);
+    return;
+  }
   self.device.reset(rtcNewDevice(nullptr));
   if (!self.device) require_no_error(nullptr, "start");
   self.embree.reset(rtcNewScene(self.device.get()));
@@ -179,6 +186,12 @@ std::optional<Hit> Accelerator::closest_hit(const Ray& ray) const {
 
 bool Accelerator::closest_hit(const Ray& ray, Hit& hit) const {
   const Implementation& self = *implementation_;
+  if (self.grid) {
+    GridHit found;
+    if (!self.grid->closest_hit(ray, std::numeric_limits<double>::infinity(), found)) return false;
+    self.describe(ray, found, hit);
+    return true;
+  }
   RTCRayHit query;
   double skipped;
   if (!self.embree || !self.enter(ray, std::numeric_limits<double>::infinity(), query.ray, skipped)) return false;
@@ -189,7 +202,8 @@ bool Accelerator::closest_hit(const Ray& ray, Hit& hit) const {
   rtcInitIntersectContext(&context);
   rtcIntersect1(self.embree.get(), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  self.describe(ray, query.hit, (skipped + double(query.ray.tfar)) * self.radius, hit);
+  const double distance = (skipped + double(query.ray.tfar)) * self.radius;
+  self.describe(ray, {distance, query.hit.geomID, query.hit.primID, double(query.hit.u), double(query.hit.v)}, hit);
   return true;
 }
 
@@ -200,6 +214,7 @@ bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
 
 bool Accelerator::is_occluded(const Ray& ray, double distance) const {
   const Implementation& self = *implementation_;
+  if (self.grid) return distance > clearance_ && self.grid->is_occluded(ray, distance - clearance_);
   RTCRay query;
   double skipped;
   if (!self.embree || !(distance > clearance_) || !self.enter(ray, distance - clearance_, query, skipped)) return false;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "holotrace/base/vec.h"
+#include "holotrace/data/params.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/ray.h"
 #include "holotrace/trace/surface_point.h"
@@ -25,8 +26,8 @@ struct LoggedRay {
   bool is_shadow;  ///< asks whether there is a surface, not which
 };
 
-/// The meshes of a scene, ready for rays (Embree). Keeps a reference to the scene; calls may run on
-/// several threads at once.
+/// The meshes of a scene, ready for rays: in Embree's trees, or in a uniform grid of cells (uniform_grid.h), which meet
+/// the same surfaces at the same places. Keeps a reference to the scene; calls may run on several threads at once.
 ///
 /// Embree works in single precision. It sees the scene moved to the origin and scaled to radius 1, and
 /// rays that start far away from where they enter that sphere, so that its rounding is about 1e-7 of the
@@ -34,9 +35,10 @@ struct LoggedRay {
 /// that triangle and the ray, for a wave's origin must be good to a small part of a wavelength.
 class Accelerator {
  public:
-  /// @throws Error if Embree gives no device or cannot build; if lights, materials or textures cannot be used, naming
+  /// @throws Error if Embree gives no device or cannot build; as UniformGrid does; if lights, materials or textures
+  /// cannot be used, naming
   ///         them.
-  explicit Accelerator(const Scene& scene);
+  explicit Accelerator(const Scene& scene, Acceleration kind = Acceleration::embree);
   ~Accelerator();
   Accelerator(Accelerator&&) noexcept;
 
@@ -71,7 +73,7 @@ class Accelerator {
   /// one thread.
   void log_rays(std::vector<LoggedRay>* log) { log_ = log; }
 
-  /// Embree alone on logged rays, `count` of them from `rays` on: how many of them met a surface.
+  /// Embree alone on logged rays, `count` of them from `rays` on: how many of them met a surface. None with a grid.
   int64_t replay(const LoggedRay* rays, int64_t count) const;
 
  private:

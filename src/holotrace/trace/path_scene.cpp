@@ -11,7 +11,7 @@ namespace holotrace {
 PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& layers,
                      const PathParams& params)
     : scene(scene),
-      accelerator(scene),
+      accelerator(scene, params.accelerator),
       emitters(scene, lines),
       automaton(layers),
       lines(lines),

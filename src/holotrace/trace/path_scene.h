@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "holotrace/data/params.h"
 #include "holotrace/data/path_expression.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/accelerator.h"
@@ -16,6 +17,7 @@ struct PathParams {
   double clamp = 0;              ///< most radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
   bool separate_lights = false;  ///< sums of their own for each light
   uint64_t seed = 1;
+  Acceleration accelerator = Acceleration::embree;
 };
 
 /// A scene made ready for light paths at three wavelengths. Keeps a reference to the scene; calls may run on several

@@ -153,6 +153,7 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
   path_params.max_depth = params.max_depth;
   path_params.clamp = params.clamp;
   path_params.seed = uint64_t(params.seed);
+  path_params.accelerator = params.accelerator;
   const PathScene path_scene(scene, Lines{}, params.layers, path_params);
   require_memory(3.0 * sizeof(float) * columns * rows, fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);

@@ -45,6 +45,7 @@ PathParams path_params(const TraceParams& params) {
   path.clamp = params.clamp;
   path.separate_lights = params.separate_lights;
   path.seed = uint64_t(params.seed);
+  path.accelerator = params.accelerator;
   return path;
 }
 

@@ -78,6 +78,11 @@ PartPlan make_plan(const std::vector<PreparedWave>& waves, const Grid& grid, con
   return from_memory * seconds(planes) + seconds_to_plan < by_tiles ? planes : tiles;
 }
 
+// Of all threads.
+double seconds_of(const PartPlan& plan) {
+  return (plan.far.empty() ? 1 : from_memory) * predict_seconds(work_of(plan), summation_rates(), thread_count());
+}
+
 // Calls work(box, buffers) for the tiles of `bounds`, from its top left corner on.
 template <class Buffers, class Work>
 void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, const Observer& observer) {
@@ -167,8 +172,7 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds,
     const PartPlan plan = make_plan(waves, field.grid, bounds, field.wavelength, tolerance, coherence, approach);
     part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan), part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
-    part.predicted_seconds +=
-        (plan.far.empty() ? 1 : from_memory) * predict_seconds(work_of(plan), summation_rates(), thread_count());
+    part.predicted_seconds += seconds_of(plan);
     run_plan(plan, bounds, field, observer);
     // A part of a few pixels may be dark by chance. It weighs little in the whole, which is what the tolerance is of.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
@@ -213,6 +217,22 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   observer.fact("predicted_seconds", predicted);
   observer.fact("expected_error", worst.reachable / 1.25);
   return field;
+}
+
+SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach) {
+  check_grid(grid);
+  check_sources(sources);
+  SumForecast forecast;
+  for (int part = 0; part < panel_parts(sources); ++part) {
+    const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
+    if (waves.empty()) continue;
+    const PartPlan plan =
+        make_plan(waves, grid, panel_part(sources, grid, part), sources.wavelength, tolerance, 1, approach);
+    if (!plan.meets_tolerance()) return {};
+    forecast.seconds += seconds_of(plan);
+    forecast.method = plan.far.empty() ? "tiled" : "planes";
+  }
+  return forecast;
 }
 
 }  // namespace holotrace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
@@ -20,5 +21,14 @@ enum class Approach { tiled, planes, cheapest };
 /// @return  no field where no plan meets the tolerance; `reachable` is then set to one that does
 std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
                              double& reachable, const Observer& observer);
+
+/// What try_sum would do, without the sum: the plan of its first round.
+struct SumForecast {
+  double seconds = 0;  ///< by the cost model, without the time that planning takes
+  std::string method;  ///< "tiled" or "planes"; "": no plan meets the tolerance
+};
+
+/// @throws Error  as try_sum does
+SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach);
 
 }  // namespace holotrace

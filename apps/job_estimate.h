@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "facts.h"
+#include "holotrace/data/job.h"
+#include "holotrace/data/report.h"
+
+namespace holotrace {
+
+/// The seconds that a stage of `run` should take.
+struct StageEstimate {
+  std::string stage;  ///< as reports name it
+  double seconds = 0;
+};
+
+/// What a job should cost, from short probes of its own stages on this machine.
+///
+/// Rays and waves grow with the raster, pixels of a render with its rows: what a part of them takes, at least 0.3 s or
+/// the whole, is scaled. A sum of waves is scaled by the cost model that also chooses its method, at the job's own
+/// number of waves. Encoding, the panel and the way to each camera do not depend on the scene: they are run once, warm,
+/// and counted for every hologram; encoders that iterate are run for a few iterations.
+struct JobEstimate {
+  double wavelengths = 1, sets = 1, frames = 1;  ///< a run makes sets × frames holograms
+  double lights = 0, subpixels = 1;              ///< of a pixel, both axes together
+  double paths = 0, rays = 0, shadow_rays = 0;   ///< of the whole tracing
+  double mean_path_length = 0;                   ///< l_avg, surfaces on a path
+  double prepare_seconds = 0;        ///< of tracing: what does not grow with the rays, the acceleration structure
+  double seconds_per_ray = 0;        ///< T_t, all threads at work
+  double other_seconds_per_ray = 0;  ///< T_t by the accelerator that the job does not ask for
+  std::string accelerator, other_accelerator;
+  double triangles = 0;
+  double grid_cells_per_ray = 0, grid_tests_per_ray = 0, grid_seconds_per_ray = 0;  ///< predicted, one thread
+  double waves = 0, waves_pixels = 0;                                               ///< of all sets, one frame
+  std::string method;                                                               ///< of the sum
+  double plan_seconds = 0;                                                          ///< of FFTs, once on a machine
+  double probe_seconds = 0;                                                         ///< of the estimate itself
+  std::string why_no_simulation;
+  std::vector<StageEstimate> stages;  ///< in the order of a run
+
+  double holograms() const { return sets * frames; }
+  double seconds() const;
+  double seconds_of(const std::string& prefix) const;  ///< of the stages whose names begin so
+};
+
+/// @throws Error  as `run` does on the job; if the probe finds no light
+JobEstimate estimate_job(const Job& job);
+
+/// Seconds of each stage beside those that a run took, in its report as a stage "estimate": the facts
+/// "STAGE predicted_seconds" and "STAGE ratio", prediction over outcome.
+/// @return  the same as a table
+std::string compare_with_run(const JobEstimate& estimate, Report& report);
+
+}  // namespace holotrace

@@ -1,0 +1,224 @@
+#include "limits_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/estimate/limits.h"
+#include "holotrace/estimate/vision.h"
+
+namespace holotrace {
+namespace {
+
+double degrees(double radians) { return radians * 180 / pi; }
+
+// Levels take whole bytes.
+double bytes_per_pixel(const Slm& slm) { return slm.levels > 256 ? 2 : 1; }
+
+const char* everywhere =
+    "the wavelength is 2 pitches or more: waves of every direction fit the panel, and every replica is evanescent";
+
+Json json_at(const LimitsQuestion& q, double wavelength) {
+  const Limits l = limits(q.slm.grid, wavelength, q.distance);
+  Json json{{"slm", q.slm.name},
+            {"pixels", fmt::format("{}x{}", q.slm.grid.nx, q.slm.grid.ny)},
+            {"pitch_m", q.slm.grid.pitch},
+            {"wavelength_m", wavelength},
+            {"distance_m", q.distance},
+            {"half_angle_deg", degrees(l.half_angle)},
+            {"field_of_view_deg", degrees(l.field_of_view)},
+            {"first_order_angle_deg", degrees(l.first_order_angle)},
+            {"order_spacing_m", number(l.order_spacing)},
+            {"alias_free_radius_m", number(l.box_radius)},
+            {"resolution_x_m", l.resolution_x},
+            {"resolution_y_m", l.resolution_y},
+            {"depth_of_focus_x_m", l.depth_of_focus_x},
+            {"depth_of_focus_y_m", l.depth_of_focus_y},
+            {"space_bandwidth_product", l.space_bandwidth},
+            {"finest_grating_m", l.finest_grating},
+            {"whole_panel_distance_m", l.whole_panel_distance},
+            {"alias_free_distance_m", l.alias_free_distance},
+            {"alias_free_scene_x_m", number(l.whole_panel_x)},
+            {"alias_free_scene_y_m", number(l.whole_panel_y)},
+            {"replica_free_scene_m", number(l.replica_free)},
+            {"eyebox_x_m", number(l.eyebox_x)},
+            {"eyebox_y_m", number(l.eyebox_y)}};
+  for (const DiffractionOrder& order : diffraction_orders(q.slm.grid.pitch, wavelength, q.distance))
+    json["orders"].push_back({{"order", order.order}, {"angle_deg", degrees(order.angle)}, {"offset_m", order.offset}});
+  if (q.period > 0) {
+    json["period_m"] = q.period;
+    json["order"] = q.order;
+    json["order_offset_m"] = number(grating_order_offset(q.period, wavelength, q.distance, q.order));
+  }
+  if (!q.points.empty()) {
+    const AliasFreeCounts counts = count_alias_free(q.points, q.slm.grid, wavelength);
+    json["scene"] = {{"points", counts.points},
+                     {"lighting_the_whole_panel", counts.whole_panel},
+                     {"lighting_a_part", counts.part_of_panel},
+                     {"outside", counts.outside},
+                     {"replica_free", counts.replica_free}};
+  }
+  for (const VisionNeed& need : compare_with_vision(q.slm.grid, wavelength, q.distance, q.frames))
+    json["vision"].push_back({{"need", need.what}, {"is_met", need.is_met}, {"why", need.sentence}});
+  if (wavelength >= 2 * q.slm.grid.pitch) json["note"] = everywhere;
+  return json;
+}
+
+// Rows of a table: a name, a value per wavelength, and what it means.
+class Table {
+ public:
+  explicit Table(const LimitsQuestion& question) : q_(question) {}
+
+  void section(const std::string& name) { text_ += fmt::format("\n{}\n", name); }
+
+  template <class Value>
+  void row(const std::string& name, const Value& value, const std::string& meaning) {
+    text_ += fmt::format("  {:<30}", name);
+    for (const double wavelength : q_.wavelengths) text_ += fmt::format(" {:>18}", value(wavelength));
+    text_ += fmt::format("  {}\n", meaning);
+  }
+
+  std::string text() const { return text_; }
+
+ private:
+  const LimitsQuestion& q_;
+  std::string text_;
+};
+
+// Four digits are enough for people.
+std::string short_length(double metres) {
+  if (metres == 0) return "none";
+  if (!std::isfinite(metres)) return "infinite";
+  const double unit = std::pow(10, std::floor(std::log10(std::abs(metres))) - 3);
+  return format_length(std::round(metres / unit) * unit);
+}
+
+}  // namespace
+
+Json limits_json(const LimitsQuestion& q) {
+  Json json = json_at(q, q.wavelengths.front());
+  if (q.frames > 0) {
+    const double rate = pixel_rate(double(q.slm.grid.pixels()), q.colours, q.frames);
+    json["pixels_per_second"] = rate;
+    json["bytes_per_second"] = rate * bytes_per_pixel(q.slm);
+  }
+  if (q.wavelengths.size() > 1)
+    for (const double wavelength : q.wavelengths) json["wavelengths"].push_back(json_at(q, wavelength));
+  return json;
+}
+
+std::string limits_table(const LimitsQuestion& q) {
+  const Grid& panel = q.slm.grid;
+  const std::string z = short_length(q.distance);
+  const auto at = [&](double wavelength) { return limits(panel, wavelength, q.distance); };
+  Table table(q);
+  table.section(fmt::format("{}: {} x {} pixels of {}, {} x {}", q.slm.name, panel.nx, panel.ny,
+                            format_length(panel.pitch), format_length(panel.width()), format_length(panel.height())));
+  table.row(
+      "wavelength", [](double w) { return format_length(w); }, "");
+
+  table.section("Angles");
+  table.row(
+      "half diffraction angle", [&](double w) { return format_angle(at(w).half_angle); },
+      "steepest ray, asin(wavelength / 2 pitch)");
+  table.row(
+      "field of view", [&](double w) { return format_angle(at(w).field_of_view); }, "twice that");
+  table.row(
+      "finest grating", [&](double w) { return short_length(at(w).finest_grating); }, "two pixels a period");
+  int orders = 0;
+  for (const double w : q.wavelengths)
+    orders = std::max(orders, int(diffraction_orders(panel.pitch, w, q.distance).size() / 2));
+  for (int n = 1; n <= orders; ++n)
+    table.row(
+        fmt::format("order +-{}", n),
+        [&](double w) {
+          const double offset = grating_order_offset(panel.pitch, w, q.distance, n);
+          if (!std::isfinite(offset)) return std::string("evanescent");
+          return fmt::format("{} {}", format_angle(std::asin(n * w / panel.pitch)), short_length(offset));
+        },
+        fmt::format("of the pixels: angle, and place at {}", z));
+  if (q.period > 0)
+    table.row(
+        fmt::format("grating {}, order {}", format_length(q.period), q.order),
+        [&](double w) { return short_length(grating_order_offset(q.period, w, q.distance, q.order)); },
+        fmt::format("from the axis at {}", z));
+
+  table.section(fmt::format("A scene {} behind the panel", z));
+  table.row(
+      "lateral resolution x", [&](double w) { return short_length(at(w).resolution_x); },
+      "wavelength z / width: peak to first zero of a point");
+  table.row(
+      "lateral resolution y", [&](double w) { return short_length(at(w).resolution_y); }, "");
+  table.row(
+      "depth resolution x", [&](double w) { return short_length(at(w).depth_of_focus_x); },
+      "2 wavelength z^2 / width^2: depth of focus");
+  table.row(
+      "depth resolution y", [&](double w) { return short_length(at(w).depth_of_focus_y); }, "");
+  table.row(
+      "a point lights +-", [&](double w) { return short_length(at(w).box_radius); },
+      "of the panel about its foot without aliasing");
+  table.row(
+      "alias-free scene, width", [&](double w) { return short_length(at(w).whole_panel_x); },
+      "its points light the whole panel");
+  table.row(
+      "alias-free scene, height", [&](double w) { return short_length(at(w).whole_panel_y); }, "");
+  table.row(
+      "replica-free scene", [&](double w) { return short_length(at(w).replica_free); },
+      "side: larger ones overlap with their replicas");
+  table.row(
+      "whole panel lit from", [&](double w) { return short_length(at(w).whole_panel_distance); },
+      "nearer points on the axis leave pixels dark");
+  table.row(
+      "alias-free distance", [&](double w) { return short_length(at(w).alias_free_distance); },
+      "z*: from here all behind the panel light all of it");
+
+  table.section(fmt::format("A viewer {} before the panel", z));
+  table.row(
+      "eyebox, width", [&](double w) { return short_length(at(w).eyebox_x); },
+      "about the axis: reached by every pixel's light");
+  table.row(
+      "eyebox, height", [&](double w) { return short_length(at(w).eyebox_y); }, "");
+
+  table.section("Data");
+  table.row(
+      "space-bandwidth product", [&](double w) { return fmt::format("{:.4g}", double(at(w).space_bandwidth)); },
+      "independent values: the pixels");
+  if (q.frames > 0) {
+    const double rate = pixel_rate(double(panel.pixels()), q.colours, q.frames);
+    table.row(
+        "pixels per second", [&](double) { return fmt::format("{:.4g}", rate); },
+        fmt::format("{:g} frames of {} colour(s)", q.frames, q.colours));
+    table.row(
+        "bytes per second", [&](double) { return fmt::format("{:.4g}", rate * bytes_per_pixel(q.slm)); },
+        fmt::format("{} levels", q.slm.levels));
+  }
+  if (!q.points.empty()) {
+    table.section(fmt::format("The scene's {} points and vertices", q.points.size()));
+    const auto part = [&](int64_t AliasFreeCounts::*count) {
+      return [&q, &panel, count](double w) {
+        return fmt::format("{:.1f} %",
+                           100.0 * double(count_alias_free(q.points, panel, w).*count) / double(q.points.size()));
+      };
+    };
+    table.row("light the whole panel", part(&AliasFreeCounts::whole_panel), "");
+    table.row("light a part of it", part(&AliasFreeCounts::part_of_panel), "");
+    table.row("light nothing", part(&AliasFreeCounts::outside), "outside what the panel can show");
+    table.row("clear of replicas", part(&AliasFreeCounts::replica_free), "within half the spacing of orders");
+  }
+  std::string text = table.text().substr(1);
+  for (const double w : q.wavelengths)
+    if (w >= 2 * panel.pitch) text += fmt::format("\nAt {} {}.\n", format_length(w), everywhere);
+  return text;
+}
+
+std::string vision_text(const LimitsQuestion& q) {
+  std::string text = "\nFor an eye\n";
+  const double w = q.wavelengths.front();
+  for (const VisionNeed& need : compare_with_vision(q.slm.grid, w, q.distance, q.frames))
+    text += fmt::format("  {:<30} {:>18}  {}\n", need.what, need.is_met ? "met" : "not met", need.sentence);
+  return text;
+}
+
+}  // namespace holotrace

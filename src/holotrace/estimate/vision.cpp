@@ -1,0 +1,42 @@
+#include "holotrace/estimate/vision.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "holotrace/base/units.h"
+#include "holotrace/estimate/limits.h"
+
+namespace holotrace {
+
+std::vector<VisionNeed> compare_with_vision(const Grid& grid, double wavelength, double distance,
+                                            double frames_per_second) {
+  using Eye = HumanVision;
+  const Limits l = limits(grid, wavelength, distance);
+  std::vector<VisionNeed> needs;
+  const auto add = [&](const std::string& what, bool is_met, const std::string& sentence) {
+    needs.push_back({what, is_met, sentence});
+  };
+  const double coarsest = std::max(l.resolution_x, l.resolution_y), seen = Eye::acuity * distance;
+  add("resolution", coarsest <= seen,
+      fmt::format("points {} apart are told apart, an eye at the panel tells {} (1 arc minute)",
+                  format_length(coarsest), format_length(seen)));
+  add("foveal field", l.field_of_view >= Eye::foveal_high,
+      fmt::format("the panel sends light into {}, the eye sees sharply in {} to {}", format_angle(l.field_of_view),
+                  format_angle(Eye::foveal_low), format_angle(Eye::foveal_high)));
+  add("peripheral field", l.field_of_view >= Eye::peripheral_low,
+      fmt::format("{} against {} to {}", format_angle(l.field_of_view), format_angle(Eye::peripheral_low),
+                  format_angle(Eye::peripheral_high)));
+  const double eyebox = std::min(l.eyebox_x, l.eyebox_y);
+  add("eyebox", eyebox >= Eye::pupil_high,
+      fmt::format("every pixel's light reaches {} x {} at {} before the panel, a pupil is {} to {} wide",
+                  format_length(l.eyebox_x), format_length(l.eyebox_y), format_length(distance),
+                  format_length(Eye::pupil_low), format_length(Eye::pupil_high)));
+  if (frames_per_second > 0)
+    add("flicker", frames_per_second >= Eye::flicker_fusion,
+        fmt::format("{:g} frames per second, bright light flickers below about {:g}", frames_per_second,
+                    Eye::flicker_fusion));
+  return needs;
+}
+
+}  // namespace holotrace
