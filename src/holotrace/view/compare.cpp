@@ -45,6 +45,20 @@ double uniformity_of(std::vector<double> ratios) {
   return most > 0 ? 2 * least / (least + most) : 0;
 }
 
+// A value below 0, as of a photograph less its offset, is dark.
+double amplitude_psnr(const Image& reference, const Image& image, double peak) {
+  const auto amplitude = [](float value) { return std::sqrt(std::max(0.0, double(value))); };
+  double image_image = 0, image_reference = 0, squares = 0;
+  for (size_t i = 0; i < image.values.size(); ++i) {
+    image_image += amplitude(image.values[i]) * amplitude(image.values[i]);
+    image_reference += amplitude(image.values[i]) * amplitude(reference.values[i]);
+  }
+  const double scale = image_image > 0 ? image_reference / image_image : 0;
+  for (size_t i = 0; i < image.values.size(); ++i)
+    squares += std::pow(amplitude(reference.values[i]) - scale * amplitude(image.values[i]), 2);
+  return 10 * std::log10(peak * double(image.values.size()) / squares);
+}
+
 }  // namespace
 
 Metrics compare(const Image& reference, const Image& image, const CompareParams& params) {
@@ -82,6 +96,7 @@ Metrics compare(const Image& reference, const Image& image, const CompareParams&
   m.scale = image_image > 0 ? image_reference / image_image : 0;
   m.rms_error = rms_difference(reference, image, m.scale);
   m.psnr = 20 * std::log10(peak / m.rms_error);
+  m.psnr_amplitude = amplitude_psnr(reference, image, peak);
   m.psnr_unscaled = 20 * std::log10(peak / rms_difference(reference, image, 1));
   m.ssim = structural_similarity(reference, image, m.scale, peak);
   m.ssim_unscaled = structural_similarity(reference, image, 1, peak);

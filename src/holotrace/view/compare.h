@@ -18,6 +18,7 @@ struct Metrics {
   double scale = 0;             ///< s that makes s·image nearest to the reference (least squares)
   double rms_error = 0;         ///< root mean square of reference − s·image [unit of the reference]
   double psnr = 0;              ///< 20·log₁₀(L/rms error) of s·image [dB], infinite where they agree
+  double psnr_amplitude = 0;    ///< the same of amplitudes √value, with a scale of their own: as encoders are judged
   double psnr_unscaled = 0;     ///< the same of the image as it is
   double ssim = 0;              ///< mean structural similarity of s·image, at most 1
   double ssim_unscaled = 0;     ///< the same of the image as it is

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Lays out what scripts/figures made of the virtual SLM: sheets of encoders, of effects and of stereo, and a table.
+
+Usage: scripts/panel_sheets.py DIR [--docs]
+
+DIR holds the folders encoders, effects and stereo.
+"""
+import json
+import pathlib
+import shutil
+import sys
+
+import numpy as np
+from PIL import Image
+
+from contact_sheets import ROOT, load_linear
+from hmcpt_sheets import developed, lay_out
+
+ENCODERS = {"phase": "phase alone", "double-phase": "double phase", "error-diffusion": "error diffusion",
+            "gerchberg-saxton": "Gerchberg–Saxton, random start",
+            "weighted-gerchberg-saxton": "weighted Gerchberg–Saxton", "binary": "binary phase, off-axis", "sgd": "sgd",
+            "complex": "complex field (complex panel)"}
+EFFECTS = {"ideal": "sgd on an ideal panel", "unknown": "the same levels, all effects on",
+           "known": "sgd that knows the panel"}
+PICTURE = (640, 352)
+
+
+def amplitude_psnr(view, target):
+    """Of the moduli, the view's scaled to fit (least squares); peak: the target's largest [dB]."""
+    a, b = np.sqrt(load_linear(target)[:, :, 0]), np.sqrt(load_linear(view)[:, :, 0])
+    scale = (a * b).sum() / (b * b).sum()
+    return 20 * np.log10(a.max() / np.sqrt(np.mean((scale * b - a) ** 2)))
+
+
+def detail(path, size):
+    """The middle of a hologram, one pixel for one."""
+    picture = Image.open(path).convert("RGB")
+    left, top = (picture.width - size[0]) // 2, (picture.height - size[1]) // 2
+    return picture.crop((left, top, left + size[0], top + size[1]))
+
+
+def metrics(folder, name):
+    return json.loads((folder / f"{name}.json").read_text())
+
+
+def encoders_sheet(folder):
+    rows = [[("target", developed(folder / "target.png", PICTURE, channel=0, percentile=99.9)),
+             ("convergence", Image.open(folder / "sgd_convergence.png").convert("RGB").resize(PICTURE))]]
+    for name, title in ENCODERS.items():
+        psnr = metrics(folder, name)["psnr_amplitude_db"]
+        rows.append([(f"{title}: what the camera sees, {psnr:.1f} dB",
+                      developed(folder / f"{name}_view.png", PICTURE, percentile=99.7)),
+                     ("its levels (detail)", detail(folder / f"{name}.png", PICTURE))])
+    return lay_out("Encoders: the same picture in levels", "1600 × 880 pixels within a panel of 1920 × 1080, 8 µm, 8 bit; "
+                   "200 mm away at 520 nm.", rows)
+
+
+def encoders_table(folder):
+    lines = ["| encoder | PSNR of moduli (dB) | SSIM |", "|---|---:|---:|"]
+    for name, title in ENCODERS.items():
+        found = metrics(folder, name)
+        lines.append(f"| {title} | {found['psnr_amplitude_db']:.1f} | {found['ssim']:.3f} |")
+    return "\n".join(lines) + "\n"
+
+
+def effects_sheet(folder):
+    rows = [[(f"{title}: {metrics(folder, name)['psnr_amplitude_db']:.1f} dB",
+              developed(folder / f"{name}_view.png", PICTURE, percentile=99.7))] for name, title in EFFECTS.items()]
+    return lay_out("A real panel", "Calibration, crosstalk, light from the gaps, flicker, curvature: `pluto`.", rows)
+
+
+def stereo_sheet(folder):
+    size = (512, 288)
+    return lay_out("Stereo pair and hologram: two eyes on the panel", "Above two renders, as a stereoscopic display would "
+                   "send; below what the same eyes see of one hologram.",
+                   [[(f"{kind}, {which}", developed(folder / f"{stem}_{eye}.png", size))
+                     for eye, which in (("left", "left eye"), ("right", "right eye"))] +
+                    [(f"{kind}, anaglyph", Image.open(folder / f"{stem}_anaglyph.png").convert("RGB").resize(size))]
+                    for kind, stem in (("render", "stereo"), ("hologram", "holo"))])
+
+
+def renew_docs(output, sheets, table):
+    images = ROOT / "docs" / "images"
+    for name, sheet in sheets.items():
+        sheet.resize((1200, sheet.height * 1200 // sheet.width), Image.Resampling.LANCZOS).save(
+            images / f"{name}.jpg", quality=75, optimize=True)
+    for chart in ("limits_volume", "grid_cost", "sharpness"):
+        shutil.copy(output / f"{chart}.png", images / f"{chart}.png")
+    page = ROOT / "docs" / "figures.md"
+    before, _, rest = page.read_text().partition("<!-- encoders -->\n")
+    _, _, after = rest.partition("<!-- /encoders -->\n")
+    page.write_text(f"{before}<!-- encoders -->\n{table}<!-- /encoders -->\n{after}")
+
+
+def main():
+    output = pathlib.Path(sys.argv[1])
+    sheets = {"panel_encoders": encoders_sheet(output / "encoders"), "panel_effects": effects_sheet(output / "effects"),
+              "panel_stereo": stereo_sheet(output / "stereo")}
+    for name, sheet in sheets.items():
+        sheet.save(output / f"{name}.png")
+        print(f"wrote {output / name}.png", flush=True)
+    table = encoders_table(output / "encoders")
+    (output / "encoders.md").write_text(table)
+    print(f"wrote {output}/encoders.md\n\n{table}", end="")
+    if "--docs" in sys.argv[2:]:
+        renew_docs(output, sheets, table)
+
+
+if __name__ == "__main__":
+    main()
