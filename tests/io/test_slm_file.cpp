@@ -159,7 +159,8 @@ TEST(SlmFile, ABadCalibrationIsRefusedWithItsLine) {
 }
 
 TEST(SlmFile, EffectsOfTheSceneItselfAreOn) {
-  const std::string body = "wavelength = \"532 nm\"\n[[object]]\ntype = \"points\"\npositions = [\"0 0 -100 mm\"]\n";
+  const std::string body =
+      "wavelength = \"532 nm\"\n[[object]]\ntype = \"wireframe_cube\"\nsize = \"1 mm\"\nposition = \"0 0 -100 mm\"\n";
   const auto job_of = [&](const std::string& rest) { return load_job(test::make_file("effects.toml", body + rest)); };
   EXPECT_TRUE(job_of("").show.effects.empty());  // those of the preset wait to be named
   test::make_file("ramp.csv", "level,phase_pi\n0,0\n255,2\n");
