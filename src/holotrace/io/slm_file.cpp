@@ -198,7 +198,7 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
   if (!(slm.grid == standard.grid)) slm.name = "custom";
   table.text("name", slm.name);
   table.text("source", slm.source);
-  table.locate("levels", [&] {
+  table.locate("", [&] {
     require(slm.levels >= 2 && slm.levels <= 65536, "expected 2 to 65536 levels, got {}", slm.levels);
   });
   read_effects(table, slm, slm.levels != standard.levels, effects);
