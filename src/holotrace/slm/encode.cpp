@@ -7,6 +7,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/checks.h"
+#include "holotrace/slm/level_table.h"
 #include "holotrace/slm/off_axis.h"
 #include "holotrace/slm/pixel_kernel.h"
 
@@ -66,7 +67,8 @@ void check_panel(const Slm& slm, Encoding method, const Observer& observer) {
 
 // What level M would show at this wavelength, in turns.
 double phase_range(const Slm& slm, double wavelength, const Observer& observer) {
-  const double range = slm.design_wavelength > 0 ? slm.design_wavelength / wavelength : 1;
+  const double stretch = slm.design_wavelength > 0 ? slm.design_wavelength / wavelength : 1;
+  const double range = stretch * slm.phase_range / (2 * pi);
   observer.fact("phase_range", Fact(2 * pi * range));
   if (range < 1 - 1e-6)
     observer.warn(fmt::format(
@@ -75,6 +77,19 @@ double phase_range(const Slm& slm, double wavelength, const Observer& observer) 
         slm.name, 2 * range, format_length(wavelength), 100 * short_range_efficiency(range), format_length(wavelength),
         format_length(slm.design_wavelength)));
   return range;
+}
+
+// The level for each phase of the field by the panel's calibration.
+void encode_calibrated(const Field& field, ImageSide image, const LevelTable& table, Hologram& hologram) {
+  const double sign = image == ImageSide::real_image ? -1 : 1;
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    const std::complex<float>* u = field.samples.row(int(j));
+    uint16_t* level = hologram.level.row(int(j));
+    for (int i = 0; i < field.grid.nx; ++i)
+      level[i] = u[i] == std::complex<float>()
+                     ? 0
+                     : uint16_t(table.level_of(std::atan2(sign * double(u[i].imag()), double(u[i].real())) / (2 * pi)));
+  });
 }
 
 void encode_phase(const Field& field, ImageSide image, double range, Hologram& hologram) {
@@ -153,7 +168,13 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
   observer.fact("encoder", hologram.encoder);
   observer.fact("levels", hologram.levels);
   if (params.method == Encoding::phase) {
+    const Slm known = with_effects(slm, params.effects);
     encode_phase(field, params.image, phase_range(slm, field.wavelength, observer), hologram);
+    if (!known.effects.calibration.empty()) {
+      const double stretch = slm.design_wavelength > 0 ? slm.design_wavelength / field.wavelength : 1;
+      encode_calibrated(field, params.image, LevelTable(known, hologram.levels, stretch), hologram);
+      observer.fact("calibrated", Fact(std::string("yes")));
+    }
   } else if (params.method == Encoding::amplitude) {
     encode_amplitude(field, observer, hologram);
   } else {
