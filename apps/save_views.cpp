@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/io/animation.h"
 #include "holotrace/io/chart_file.h"
 #include "holotrace/io/file.h"
@@ -46,8 +47,10 @@ void save_sweep(const std::string& view, const std::vector<Viewpoint>& from, con
   remove_sweep(view);
   save_animation(animation_path(view), sweep.images, sweep.white, camera.sweep_seconds);
   if (extension_of(view) == ".gif") return;
-  for (size_t i = 0; i < sweep.images.size(); ++i)
-    save_image(picture_path(view, i), sweep.images[i], sweep.white, camera.bits);
+  const auto save = [&](int64_t i) {
+    save_image(picture_path(view, size_t(i)), sweep.images[size_t(i)], sweep.white, camera.bits);
+  };
+  parallel_for(0, int64_t(sweep.images.size()), save, observer);
   try {
     save_chart(beside(view, ".png"), sweep_chart(from, sweep));
   } catch (const Error& error) {

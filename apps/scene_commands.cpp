@@ -48,7 +48,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command =
       app.add_subcommand("run", "whole pipeline: from a scene to what the camera sees of its holograms");
   struct Options {
-    std::string scene, folder, wavelengths;
+    std::string scene, folder, wavelengths, eye_separation;
     std::optional<int64_t> seed;
     bool is_estimated = false;
     Flags flags, trace_flags, synthesize_flags;  // two have samples, rows, …
@@ -66,6 +66,8 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   add_wavelength(*command, o->wavelengths);
   command->add_option("--seed", o->seed, "of every random number [the scene's]")->type_name("N");
   command->add_flag("--estimate", o->is_estimated, "estimates the job first, and tells prediction against outcome");
+  command->add_option("--eye-separation", o->eye_separation, "of two eyes along x: stereo pairs of both [the scene's]")
+      ->type_name("LENGTH");
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
   o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (over the scene's [synthesize])");
@@ -75,6 +77,8 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     o->trace_flags.apply(job.trace);
     o->synthesize_flags.apply(job.synthesize);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
+    if (!o->eye_separation.empty())
+      job.render.eye_separation = parse_length_flag("--eye-separation", o->eye_separation);
     if (o->seed) job.trace.seed = job.render.seed = *o->seed;
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
     check_job(job);  // before a folder is made for nothing

@@ -78,7 +78,7 @@ TEST(Stereo, TheHolographicPairShowsTheSameDisparity) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.04}}}));
   work.write("scene.toml", scene());
-  const Outcome outcome = work.run({"run", "scene.toml", "-o", "out"});
+  const Outcome outcome = work.run({"run", "scene.toml", "-o", "out", "--eye-separation", "0.8 mm"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto apart = [&](const std::string& name) {
     return centre_of_light(load_image(work.path("out/" + name + "_left.png"))) -

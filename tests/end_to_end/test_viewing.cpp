@@ -18,6 +18,7 @@
 #include "holotrace/view/expose.h"
 #include "holotrace/viewing.h"
 #include "support/program.h"
+#include "support/temporary.h"
 
 namespace holotrace::test {
 namespace {
@@ -196,23 +197,28 @@ TEST(Viewing, NoiseComesAfterTheSumOfFramesAndCountsElectrons) {
 
 TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
   Workplace work;
-  with_points(work).write("scene.toml", scene());
+  with_points(work);
   const auto refused = [&](const std::string& keys) {
     std::string text = scene();
-    work.write("scene.toml", text.replace(text.find("[camera]\n"), 9, "[camera]\n" + keys));
-    const Outcome outcome = work.run({"run", "scene.toml", "-o", "out"});
-    EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_FALSE(work.has("out"));
-    return outcome.err;
+    const std::string path = work.write("scene.toml", text.replace(text.find("[camera]\n"), 9, "[camera]\n" + keys));
+    const std::string sentence = error_of([&] { check_job(load_job(path)); });
+    return sentence.starts_with(path) ? sentence.substr(path.size() - std::string("scene.toml").size()) : sentence;
   };
   EXPECT_EQ(refused("read_noise = 2\n"),
-            "holotrace: expected the electrons of a white pixel beside a read noise of 2 electrons, got 0; give "
-            "electrons\n");
+            "expected the electrons of a white pixel beside a read noise of 2 electrons, got 0; give electrons");
   EXPECT_EQ(refused("focal_length = \"20 mm\"\n"),
-            "holotrace: expected a pupil above 0 m for a lens of 20 mm, got 0 m; give its diameter\n");
+            "expected a pupil above 0 m for a lens of 20 mm, got 0 m; give its diameter");
   EXPECT_EQ(refused("focal_length = \"50 mm\"\npupil = \"1 mm\"\n"),
-            "holotrace: expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move "
-            "the eye back, or take a shorter focal length\n");
+            "expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move the eye "
+            "back, or take a shorter focal length");
+  EXPECT_EQ(refused("sweep = \"focus\"\n"),
+            "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to");
+  const std::string head = scene().substr(0, scene().find("[camera]"));
+  const std::string line = std::to_string(std::count(head.begin(), head.end(), '\n') + 2);  // the one after [camera]
+  EXPECT_EQ(refused("sweep_views = 1\n"),
+            "scene.toml:" + line + ":15: expected 2 or more for \"sweep_views\" in [camera], got 1");
+  EXPECT_EQ(refused("sweep_seconds = 0\n"),
+            "scene.toml:" + line + ":17: expected a number above 0 for \"sweep_seconds\" in [camera], got 0");
 }
 
 }  // namespace

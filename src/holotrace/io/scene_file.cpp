@@ -63,6 +63,8 @@ void check_params(const Job& job, TomlTable& root) {
   check("encode", "levels", job.encode.levels == 0 || (job.encode.levels >= 2 && job.encode.levels <= 65536),
         "0 or 2 to 65536");
   check("show", "subpixels", job.show.subpixels >= 1, one);
+  check("camera", "sweep_views", job.camera.sweep_views >= 2, "2 or more");
+  check("camera", "sweep_seconds", job.camera.sweep_seconds > 0, "a number above 0");
   check("camera", "bits", job.camera.bits == 8 || job.camera.bits == 16, "8 or 16");
 }
 

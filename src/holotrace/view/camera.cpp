@@ -158,17 +158,24 @@ void cut_by_pupil(Field& field, const CameraParams& camera) {
 }
 
 // Where at least half of what order 0 could show is seen: the panel's own width near it, the middle's cone farther off.
+// A stop makes the cone narrower, and lets no other order through.
 void warn_beside_eyebox(const Field& shown, const Slm& slm, const CameraParams& camera, const Observer& observer) {
-  const double z = camera.eye.z, cone = box_radius(z, shown.wavelength, slm.grid.pitch);
-  const double right = std::max(slm.grid.width() / 2, cone), up = std::max(slm.grid.height() / 2, cone);
+  const double z = camera.eye.z, pitch = slm.grid.pitch;
+  const auto cone = [&](double half_band) {
+    return box_radius(z, shown.wavelength, std::max(pitch, 1 / (2 * half_band)));
+  };
+  const double open = 1 / pitch;
+  const double right = std::max(slm.grid.width() / 2, cone(shown.filter ? shown.filter->half_u : open));
+  const double up = std::max(slm.grid.height() / 2, cone(shown.filter ? shown.filter->half_v : open));
   if (z == 0 || (std::abs(camera.eye.x) <= right && std::abs(camera.eye.y) <= up)) return;
-  const bool has_higher_orders = shown.grid.pitch < slm.grid.pitch && !shown.filter;
+  const char* others = shown.filter               ? ""
+                       : shown.grid.pitch < pitch ? ", and light of higher orders"
+                                                  : "; higher orders need subpixels of 3 or more";
   observer.warn(
       fmt::format("the eye at {}, {} is beside the eyebox, which is {} × {} at {} from the panel: it sees less than "
                   "half of order 0, or nothing of it{}; move it toward the axis",
                   format_length(camera.eye.x), format_length(camera.eye.y), format_length(2 * right),
-                  format_length(2 * up), format_length(z),
-                  has_higher_orders ? ", and light of higher orders" : "; higher orders need subpixels of 3 or more"));
+                  format_length(2 * up), format_length(z), others));
 }
 
 // The sensor's window as a field in the pupil's smaller one must ask for it.
@@ -269,8 +276,8 @@ double axial_reach(const Slm& slm, double wavelength, double distance, const Cam
   if (distance <= 0) return 1;
   const double seen =
       camera.pupil > 0 ? camera.pupil * distance / (distance + camera.eye.z) : std::numeric_limits<double>::infinity();
-  const double pitch = slm.grid.pitch, lit = std::sqrt(slm.fill_factor);
-  const auto along = [&](double side, double half_band, double carrier) {
+  const double pitch = slm.grid.pitch;
+  const auto along = [&](double side, double lit, double half_band, double carrier) {
     const double sine = std::min(wavelength * std::min(half_band, 1 / (2 * pitch)), 1.0);
     const double box = sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
     const double half = std::min(side / 2, box);
@@ -284,8 +291,8 @@ double axial_reach(const Slm& slm, double wavelength, double distance, const Cam
     return sum * 2 * half / (3.0 * steps) / side;
   };
   const double open = 1 / pitch;
-  return along(std::min(slm.grid.width(), seen), filter ? filter->half_u : open, filter ? filter->u0 : 0) *
-         along(std::min(slm.grid.height(), seen), filter ? filter->half_v : open, filter ? filter->v0 : 0);
+  return along(std::min(slm.grid.width(), seen), slm.lit_x(), filter ? filter->half_u : open, filter ? filter->u0 : 0) *
+         along(std::min(slm.grid.height(), seen), slm.lit_y(), filter ? filter->half_v : open, filter ? filter->v0 : 0);
 }
 
 double common_white(const std::vector<Image>& views, double exposure) {
