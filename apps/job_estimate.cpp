@@ -75,7 +75,10 @@ TraceProbe probe_trace(const Job& job) {
     const Job some = with_rays(job, probe.part);
     probe.seconds = median_seconds(1, [&] { probe.light = trace_light(some, observer); });
     probe.scale = first_rays(job) / first_rays(some);
-    if (probe.part == 1 || probe.seconds - probe.prepare_seconds > long_enough) return probe;
+    if (probe.part == 1 || probe.seconds - probe.prepare_seconds > long_enough) {
+      probe.seconds = (probe.seconds + median_seconds(1, [&] { trace_light(some); })) / 2;
+      return probe;
+    }
   }
 }
 
@@ -132,7 +135,19 @@ Job small_job(const Job& job, int iterations) {
   return small;
 }
 
-std::vector<StageReport> stages_of(const Job& job) { return run(job).report.stages; }
+// The stages of a run, each with the median of its seconds in that many runs.
+std::vector<StageReport> stages_of(const Job& job, int runs) {
+  std::vector<std::vector<StageReport>> all;
+  for (int i = 0; i < runs; ++i) all.push_back(run(job).report.stages);
+  std::vector<StageReport> stages = all.front();
+  for (size_t s = 0; s < stages.size(); ++s) {
+    std::vector<double> seconds;
+    for (const auto& run : all) seconds.push_back(run[s].seconds);
+    std::nth_element(seconds.begin(), seconds.begin() + runs / 2, seconds.end());
+    stages[s].seconds = seconds[size_t(runs) / 2];
+  }
+  return stages;
+}
 
 const StageReport* find_stage(const std::vector<StageReport>& stages, const std::string& name) {
   const auto found = std::find_if(stages.begin(), stages.end(), [&](const auto& s) { return s.stage == name; });
@@ -220,13 +235,13 @@ JobEstimate estimate_job(const Job& job) {
     require(has_waves || probe.light.sources.empty(), "expected light from the scene, the probe found none");
     add_trace(job, probe, e);
 
-    // Every stage once to be warm, then for its time.
+    // Every stage once to be warm, then for its time: the median of three, for machines that do other things too.
     const int iterations = iterations_of(job.encode), few = std::min(iterations, 2), more = std::min(iterations, 6);
     std::vector<StageReport> cold, warm, longer;
     try {
-      cold = stages_of(small_job(job, few));
-      warm = stages_of(small_job(job, few));
-      if (more > few) longer = stages_of(small_job(job, more));
+      cold = stages_of(small_job(job, few), 1);
+      warm = stages_of(small_job(job, few), 3);
+      if (more > few) longer = stages_of(small_job(job, more), 1);
     } catch (const Error& error) {  // scenes that are for `field` alone need no camera
       e.why_no_simulation = error.what();
     }

@@ -49,11 +49,11 @@ Sources take_part(const Sources& sources, double part) {
   return repeat(sources, copies, 0);
 }
 
-// Of the second of two runs, whose FFTs are planned; of the first if it is long.
+// Of three runs after one that plans FFTs, the median; of the first if it is long.
 double warm_seconds(const Sources& sources, const Grid& panel, const SynthesizeParams& params) {
   const auto run = [&] { synthesize(sources, panel, params); };
   const double first = median_seconds(1, run);
-  return first > 4 * long_enough ? first : median_seconds(1, run);
+  return first > 4 * long_enough ? first : median_seconds(3, run);
 }
 
 Approach approach_of(SynthesisMethod method) {

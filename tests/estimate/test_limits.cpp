@@ -80,6 +80,58 @@ TEST(WantedPitch, IsThePapersRule) {
   EXPECT_DOUBLE_EQ(pixel_rate(4e9, 3, 30), 3.6e11);  // the paper's figure is that of 4e9 pixels, 3 colours, 30 frames/s
 }
 
+TEST(Limits, OrdersOfPlutoAndGaea) {
+  // sin θₙ = nλ/p, by hand: 633/3740 is 9.7447°, its double 19.784°, three times 30.515°.
+  const auto gaea = diffraction_orders(3.74e-6, 633_nm, 0.3_m);
+  ASSERT_EQ(gaea.size(), 11U);  // −5 … 5, of which 5·633 nm < 3.74 µm
+  EXPECT_EQ(gaea.front().order, -5);
+  EXPECT_EQ(gaea[5].angle, 0);
+  EXPECT_NEAR(degrees(gaea[6].angle), 9.7447, 5e-4);
+  EXPECT_NEAR(degrees(gaea[7].angle), 19.784, 5e-3);
+  EXPECT_NEAR(degrees(gaea[8].angle), 30.515, 5e-3);
+  for (const DiffractionOrder& order : gaea) EXPECT_NEAR(order.offset, 0.3 * std::tan(order.angle), 1e-15);
+  EXPECT_NEAR(diffraction_orders(8e-6, 532_nm, 0.3_m)[6].offset, 0.01999426, 5e-9);  // 0.3·tan(asin(0.0665))
+  EXPECT_EQ(diffraction_orders(1e-6, 532_nm, 0.3_m).size(), 3U);                     // 2·532 nm > 1 µm: evanescent
+  EXPECT_EQ(diffraction_orders(0.5e-6, 532_nm, 0.3_m).size(), 1U);                   // no replica at all
+}
+
+TEST(Limits, AliasFreeDistances) {
+  // physics.md, section 2: z* of 1920 × 1080 pixels of 8 µm at 532 nm.
+  EXPECT_NEAR(limits(pluto, 532_nm, 1).alias_free_distance, 0.4617, 5e-5);
+  EXPECT_NEAR(limits({1080, 1080, 8e-6}, 532_nm, 1).alias_free_distance, 0.2597, 5e-5);
+  // There the box of a point behind the panel's edge reaches its other edge: R = S.
+  const double z = limits(pluto, 532_nm, 1).alias_free_distance;
+  EXPECT_NEAR(limits(pluto, 532_nm, z).box_radius, pluto.width(), 1e-12);
+  EXPECT_NEAR(limits(pluto, 532_nm, z).whole_panel_x, pluto.width(), 1e-12);
+  // Half as far, that of the point on the axis does, and no other's.
+  const double half = limits(pluto, 532_nm, 1).whole_panel_distance;
+  EXPECT_NEAR(half, z / 2, 1e-15);
+  EXPECT_NEAR(limits(pluto, 532_nm, half).box_radius, pluto.width() / 2, 1e-12);
+  EXPECT_EQ(limits(pluto, 532_nm, 0.99 * half).whole_panel_x, 0);
+  EXPECT_EQ(limits({10, 10, 0.2_um}, 532_nm, 1).whole_panel_distance, 0);  // every direction fits
+}
+
+TEST(Limits, ThePapersFigures) {
+  // "A pixel pitch of about 5 µm […] The diffraction angle is under 10°".
+  EXPECT_LT(degrees(limits({4000, 4000, 5e-6}, 632.8_nm, 1).field_of_view), 10);
+  // 3000 lines per mm are gratings of 0.333 µm, the "at least 0.3 µm" of the paper: two pixels of half that.
+  EXPECT_NEAR(limits({10, 10, 1e-3 / 6000}, 632.8_nm, 1).finest_grating, 1e-3 / 3000, 1e-18);
+  // 100 mm at 1.18 µm in three colours 30 times a second are 6.5e11 pixels; the 3.6e11 of the paper are those of a side
+  // of 75 mm, or of a pitch of 1.58 µm.
+  const double pixels = double(wanted_pixels(0.1, 1.18e-6));
+  EXPECT_NEAR(pixel_rate(pixels * pixels, 3, 30), 6.46e11, 0.01e11);
+  EXPECT_NEAR(pixel_rate(std::pow(0.0746 / 1.18e-6, 2), 3, 30), 3.6e11, 0.01e11);
+  EXPECT_NEAR(pixel_rate(std::pow(0.1 / 1.58e-6, 2), 3, 30), 3.6e11, 0.01e11);
+}
+
+TEST(WantedSize, ResolvesWhatIsWanted) {
+  const double side = wanted_size(532_nm, 0.3_m, 10_um);
+  EXPECT_DOUBLE_EQ(side, 532e-9 * 0.3 / 1e-5);
+  const int pixels = int(wanted_pixels(side, 8e-6));
+  EXPECT_NEAR(limits({pixels, pixels, 8e-6}, 532_nm, 0.3_m).resolution_x, 10e-6, 10e-6 / pixels);  // of a whole pixel
+  EXPECT_EQ(error_of([] { wanted_size(532e-9, 1, 0); }), "expected a resolution above 0 m, got 0 m");
+}
+
 TEST(Limits, SayWhatIsWrong) {
   EXPECT_EQ(error_of([] { limits(pluto, 532_nm, 0); }), "expected a distance above 0 m, got 0 m");
   EXPECT_EQ(error_of([] { pixel_rate(0, 3, 30); }), "expected 1 pixel or more, got 0");
