@@ -196,9 +196,10 @@ double short_range_efficiency(double range) {
 
 Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   check_params(slm, params);
-  check_field(field, slm, observer);
+  require_grid_of(slm, field.grid, "field");
   if (is_iteration(params.method)) return encode_targets(targets_of(field, params), field, slm, params, observer);
   check_panel(slm, params, observer);
+  check_field(field, slm, observer);
   Hologram hologram = blank_hologram(field, slm, params, observer);
   const PhaseLevels levels(with_effects(slm, params.effects), hologram.levels, field.wavelength);
   if (hologram.modulation != Modulation::amplitude) tell_phase_range(slm, levels.range(), field.wavelength, observer);
@@ -211,11 +212,11 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
                         const EncodeParams& params, const Observer& observer) {
   check_params(slm, params);
-  check_field(start, slm, observer);
   require(is_iteration(params.method),
           "expected a method that aims at targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
           name_of(params.method));
   check_panel(slm, params, observer);
+  check_field(start, slm, observer);
   check_targets(targets, slm.grid);
   Hologram hologram = blank_hologram(start, slm, params, observer);
   const Slm known = with_effects(slm, params.effects);
