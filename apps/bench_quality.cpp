@@ -8,6 +8,7 @@
 #include "holotrace/estimate/encoder_quality.h"
 #include "holotrace/estimate/test_picture.h"
 #include "holotrace/estimate/timed_jobs.h"
+#include "holotrace/io/slm_file.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/target.h"
 #include "median_seconds.h"

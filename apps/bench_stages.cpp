@@ -6,7 +6,7 @@
 
 #include "bench.h"
 #include "holotrace/base/units.h"
-#include "holotrace/data/slm.h"
+#include "holotrace/io/slm_file.h"
 #include "holotrace/estimate/ceilings.h"
 #include "holotrace/estimate/timed_jobs.h"
 #include "holotrace/slm/encode.h"

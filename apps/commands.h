@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "holotrace/io/scene_file.h"
+#include "holotrace/io/slm_file.h"
 
 namespace holotrace {
 
@@ -40,10 +41,8 @@ inline void add_wavelength(CLI::App& command, std::string& text) {
       ->type_name("LENGTHS");
 }
 
-/// A panel by the name of a preset, or the [slm] of a scene file. @throws Error as slm_preset and load_job do
-inline Slm slm_by_name(const std::string& name) {
-  return name.ends_with(".toml") ? load_job(name).slm : slm_preset(name);
-}
+/// A panel by the name of a preset, the [slm] of a scene file, or a panel's own file. @throws Error as load_slm does
+inline Slm slm_by_name(const std::string& name) { return load_slm(name); }
 
 /// What a field can be saved as; EXR holds single precision only.
 inline std::vector<std::string> field_extensions(bool is_double) {

@@ -1,4 +1,6 @@
-// holotrace info: what a file holds.
+// holotrace info: what a file or a panel holds.
+
+#include <fmt/ranges.h>
 
 #include <memory>
 
@@ -9,15 +11,24 @@
 namespace holotrace {
 
 void add_info_command(CLI::App& app, const GlobalFlags&) {
-  CLI::App* command = app.add_subcommand("info", "what a file of any kind that holotrace reads holds");
+  CLI::App* command = app.add_subcommand("info", "what a file of any kind that holotrace reads holds, or a panel is");
   struct Options {
-    std::string path;
+    std::string path, slm;
     bool is_json = false;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("file", o->path)->required()->type_name("FILE");
+  auto* file = command->add_option("file", o->path)->type_name("FILE");
+  auto* slm = command
+                  ->add_option("--slm", o->slm,
+                               fmt::format("a panel: its figures, effects and their source; by name ({}) or file",
+                                           fmt::join(slm_preset_names(), ", ")))
+                  ->type_name("NAME|FILE.toml");
+  slm->excludes(file);
   command->add_flag("--json", o->is_json, "as JSON");
-  command->callback([o] { print_facts(describe_file(o->path), o->is_json); });
+  command->callback([o] {
+    if (o->path.empty() && o->slm.empty()) throw CLI::RequiredError("a file or --slm");
+    print_facts(o->slm.empty() ? describe_file(o->path) : describe_slm(slm_by_name(o->slm)), o->is_json);
+  });
 }
 
 }  // namespace holotrace

@@ -1,6 +1,6 @@
 // Propagation, encoding and the virtual SLM on their own.
 
-#include "holotrace/data/slm.h"
+#include "holotrace/io/slm_file.h"
 #include "holotrace/estimate/ceilings.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"

@@ -32,17 +32,14 @@ TEST(Checks, GridsWithoutPixelsOrPitchAreRefused) {
 }
 
 TEST(Checks, PanelsOutOfRangeAreRefused) {
-  for (const std::string& name : slm_preset_names()) {
-    EXPECT_EQ(error_of([&] { check_slm(slm_preset(name)); }), "no error");
-    EXPECT_EQ(slm_preset(name).name, name);
-  }
-  Slm slm = slm_preset("pluto");
+  const Slm good{.name = "test", .grid = {16, 8, 8e-6}};
+  EXPECT_EQ(error_of([&] { check_slm(good); }), "no error");
+  Slm slm = good;
   slm.levels = 65537;
   EXPECT_EQ(error_of([&] { check_slm(slm); }), "expected 2 to 65536 levels, got 65537");
-  slm = slm_preset("pluto");
+  slm = good;
   slm.fill_factor = 0;
   EXPECT_EQ(error_of([&] { check_slm(slm); }), "expected a fill factor in (0, 1], got 0");
-  EXPECT_EQ(error_of([] { slm_preset("plutto"); }), "unknown SLM \"plutto\"; did you mean \"pluto\"?");
 }
 
 TEST(Checks, TheFirstSourceAtFaultIsNamed) {

@@ -1,14 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
-#include "holotrace/base/suggest.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/scene.h"
-#include "holotrace/data/slm.h"
 #include "holotrace/data/sources.h"
 
 namespace holotrace {
@@ -107,73 +104,6 @@ void check_scene(const Scene& scene) {
     require(p.position.z < 0, "expected point {} behind the panel (z < 0), got z = {}; move the object to negative z",
             i, format_length(p.position.z));
   }
-}
-
-std::vector<std::string> slm_preset_names() { return {"gaea", "ideal", "pluto"}; }
-
-Slm slm_preset(const std::string& name) {
-  using namespace literals;
-  if (name == "pluto") return {.name = name, .grid = {1920, 1080, 8.0_um}, .fill_factor = 0.93};
-  if (name == "gaea") return {.name = name, .grid = {4160, 2464, 3.74_um}, .fill_factor = 0.90};
-  if (name == "ideal") return {.name = name, .grid = {1920, 1080, 8.0_um}, .levels = 65536};
-  throw Error(unknown_name_message("SLM", name, slm_preset_names()));
-}
-
-std::vector<std::string> slm_effect_names() {
-  return {"calibration", "crosstalk", "gaps", "flicker", "aberration", "phase-map", "dead-pixels"};
-}
-
-Slm with_effects(const Slm& slm, const std::vector<std::string>& names) {
-  std::vector<std::string> known = slm_effect_names();
-  known.push_back("all");
-  known.push_back("none");
-  for (const std::string& name : names)
-    require(std::find(known.begin(), known.end(), name) != known.end(), "{}",
-            unknown_name_message("effect", name, known));
-  const auto is_on = [&](const char* name) {
-    return std::find(names.begin(), names.end(), name) != names.end() ||
-           std::find(names.begin(), names.end(), "all") != names.end();
-  };
-  Slm out = slm;
-  const SlmEffects& has = slm.effects;
-  SlmEffects& on = out.effects;
-  on = {};
-  if (is_on("calibration")) on.calibration = has.calibration;
-  if (is_on("crosstalk")) on.crosstalk = has.crosstalk;
-  if (is_on("gaps")) {
-    on.gap_amplitude = has.gap_amplitude;
-    on.gap_phase = has.gap_phase;
-  }
-  if (is_on("flicker")) on.flicker = has.flicker;
-  if (is_on("aberration")) on.aberration = has.aberration;
-  if (is_on("phase-map")) on.phase_map = has.phase_map;
-  if (is_on("dead-pixels")) {
-    on.dead_fraction = has.dead_fraction;
-    on.dead_seed = has.dead_seed;
-    on.dead_pixels = has.dead_pixels;
-  }
-  return out;
-}
-
-std::vector<std::string> effects_of(const Slm& slm) {
-  const SlmEffects& e = slm.effects;
-  std::vector<std::string> names;
-  if (!e.calibration.empty()) names.push_back("calibration");
-  if (e.crosstalk > 0) names.push_back("crosstalk");
-  if (e.gap_amplitude > 0) names.push_back("gaps");
-  if (e.flicker > 0) names.push_back("flicker");
-  if (!e.aberration.empty()) names.push_back("aberration");
-  if (e.phase_map) names.push_back("phase-map");
-  if (e.dead_fraction > 0 || !e.dead_pixels.empty()) names.push_back("dead-pixels");
-  return names;
-}
-
-void check_slm(const Slm& slm) {
-  check_grid(slm.grid);
-  require(slm.levels >= 2 && slm.levels <= 65536, "expected 2 to 65536 levels, got {}", slm.levels);
-  require(slm.fill_factor > 0 && slm.fill_factor <= 1, "expected a fill factor in (0, 1], got {}", slm.fill_factor);
-  require(std::isfinite(slm.design_wavelength) && slm.design_wavelength >= 0,
-          "expected a design wavelength of 0 m or more, got {} m", slm.design_wavelength);
 }
 
 }  // namespace holotrace

@@ -56,6 +56,8 @@ struct Slm {
   double design_wavelength = 0;            ///< [m] where level M would show the phase range; 0: the wavelength in use
   double phase_range = 6.283185307179586;  ///< what level M would show at the design wavelength [rad]
   SlmEffects effects{};
+  std::string preset{};  ///< name or file that it was read from (io/slm_file.h); "": none
+  std::string source{};  ///< where its figures are from, for people
 
   double lit_x() const { return fill_x > 0 ? fill_x : std::sqrt(fill_factor); }
   double lit_y() const { return fill_y > 0 ? fill_y : std::sqrt(fill_factor); }
@@ -70,14 +72,6 @@ Slm with_effects(const Slm& slm, const std::vector<std::string>& names);
 
 /// The names of those of a panel's effects that are on.
 std::vector<std::string> effects_of(const Slm& slm);
-
-/// The names that slm_preset knows.
-std::vector<std::string> slm_preset_names();
-
-/// A panel by name: `pluto` (HOLOEYE PLUTO, 1920×1080, 8.0 µm, 8 bit, fill factor 0.93),
-/// `gaea` (HOLOEYE GAEA, 4160×2464, 3.74 µm, 8 bit, 0.90), `ideal` (1920×1080, 8.0 µm, 65536 levels, 1).
-/// @throws Error for an unknown name, suggesting the nearest.
-Slm slm_preset(const std::string& name);
 
 /// @throws Error unless the grid is valid, levels are 2 … 65536, fill factors are in (0, 1], and every effect's figures
 ///         are in their range: a calibration with a point per level and a phase that never falls, amplitudes in

@@ -12,6 +12,7 @@
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/mesh_file.h"
+#include "holotrace/io/metadata.h"
 #include "holotrace/io/ply.h"
 #include "holotrace/io/scene_file.h"
 #include "holotrace/io/sources_file.h"
@@ -95,7 +96,7 @@ Json describe(const Hologram& hologram) {
             {"pitch", format_length(hologram.grid.pitch)},
             {"wavelength", format_length(hologram.wavelength)},
             {"levels", hologram.levels},
-            {"modulation", hologram.modulation == Modulation::phase ? "phase" : "amplitude"},
+            {"modulation", modulation_name(hologram.modulation)},
             {"image", hologram.image == ImageSide::real_image ? "real" : "virtual"},
             {"encoder", hologram.encoder},
             {"illumination_w_per_m2", hologram.illumination}};
@@ -138,7 +139,57 @@ Json describe_ply(const std::string& path) {
   return {{"kind", "PLY vertices"}, {"vertices", vertices.count}, {"properties", vertices.names}};
 }
 
+std::string aberration_text(const std::vector<ZernikeTerm>& terms) {
+  std::string text;
+  for (const ZernikeTerm& term : terms)
+    text += fmt::format("{}Z({}, {}) {:g} rad rms", text.empty() ? "" : ", ", term.n, term.m, term.rms);
+  return text;
+}
+
+Json describe_effects(const Slm& slm) {
+  const SlmEffects& e = slm.effects;
+  Json json = Json::object();
+  if (!e.calibration.empty()) {
+    const auto least = [](const CalibrationPoint& a, const CalibrationPoint& b) { return a.amplitude < b.amplitude; };
+    const auto [low, high] = std::minmax_element(e.calibration.begin(), e.calibration.end(), least);
+    json["calibration"] =
+        fmt::format("{} levels, phase {:.4g}π to {:.4g}π, amplitude {:g} to {:g}", e.calibration.size(),
+                    e.calibration.front().phase / pi, e.calibration.back().phase / pi, low->amplitude, high->amplitude);
+  }
+  if (e.crosstalk > 0)
+    json["crosstalk"] = fmt::format("{:g} pixels ({})", e.crosstalk, format_length(e.crosstalk * slm.grid.pitch));
+  if (e.gap_amplitude > 0)
+    json["gaps"] = fmt::format("amplitude {:g}, phase {:.4g}π", e.gap_amplitude, e.gap_phase / pi);
+  if (e.flicker > 0) json["flicker"] = fmt::format("±{:g} % of the phase", 100 * e.flicker);
+  if (!e.aberration.empty()) json["aberration"] = aberration_text(e.aberration);
+  if (e.phase_map) json["phase-map"] = size_text(e.phase_map->nx, e.phase_map->ny);
+  if (e.dead_fraction > 0 || !e.dead_pixels.empty())
+    json["dead-pixels"] = fmt::format("{} known, {:g} % at random", e.dead_pixels.size(), 100 * e.dead_fraction);
+  return json;
+}
+
 }  // namespace
+
+Json describe_slm(const Slm& slm) {
+  Json json{{"kind", "panel"},
+            {"name", slm.name},
+            {"pixels", size_text(slm.grid.nx, slm.grid.ny)},
+            {"pitch", format_length(slm.grid.pitch)},
+            {"size", format_length(slm.grid.width()) + " x " + format_length(slm.grid.height())},
+            {"modulation", modulation_name(slm.modulation)},
+            {"levels", slm.levels},
+            {"fill_factor", slm.fill_factor}};
+  if (slm.fill_x > 0) json["fill"] = fmt::format("{:g} of the side in x, {:g} in y", slm.fill_x, slm.fill_y);
+  json["phase_range"] = fmt::format("{:.4g}π", slm.phase_range / pi);
+  json["design_wavelength"] =
+      slm.design_wavelength > 0 ? format_length(slm.design_wavelength) : "the wavelength in use";
+  const Json effects = describe_effects(slm);
+  json["effects"] = effects.empty() ? Json("none") : Json("off until named, as --effects all");
+  for (const auto& [name, text] : effects.items()) json[name] = text;
+  if (!slm.source.empty()) json["source"] = slm.source;
+  if (!slm.preset.empty()) json["read_from"] = slm.preset;
+  return json;
+}
 
 Json describe_file(const std::string& path) {
   check_file_exists(path, "a file");

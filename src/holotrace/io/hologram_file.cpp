@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/metadata.h"
+#include "holotrace/io/scene_file.h"
 
 namespace holotrace {
 namespace {
@@ -17,11 +19,28 @@ namespace {
 // Greys per level: the code of level ℓ is round(ℓ·scale).
 double grey_scale(int levels, Modulation modulation, int bits) {
   const double greys = bits == 8 ? 256 : 65536;
-  return modulation == Modulation::phase ? greys / levels : (greys - 1) / (levels - 1);
+  return modulation == Modulation::amplitude ? (greys - 1) / (levels - 1) : greys / levels;
 }
 
 void check_levels(int levels, const std::string& path) {
   require(levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}", path, levels);
+}
+
+// What the panel of that name or file has beyond the figures of a sidecar. Where it cannot be read any more, or has
+// changed so that it does not fit, the sidecar's own figures have to do.
+void add_effects(const std::string& preset, Slm& slm) {
+  slm.preset = preset;
+  if (preset.empty()) return;
+  Slm with = slm;
+  try {
+    const Slm panel = load_slm(preset);
+    with.effects = panel.effects;
+    with.source = panel.source;
+    if (with.effects.calibration.size() != size_t(with.levels)) with.effects.calibration.clear();
+    check_slm(with);
+    slm = with;
+  } catch (const Error&) {
+  }
 }
 
 // The panel that a sidecar names, on the hologram's grid.
@@ -32,12 +51,16 @@ Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& si
   slm.modulation = modulation_from(metadata_text(json, sidecar, "modulation", "phase"), sidecar);
   slm.levels = int(metadata_number(json, sidecar, "levels"));
   slm.fill_factor = metadata_number(json, sidecar, "fill_factor");
+  slm.fill_x = metadata_number(json, sidecar, "fill_x", 0.0);
+  slm.fill_y = metadata_number(json, sidecar, "fill_y", 0.0);
   slm.design_wavelength = metadata_number(json, sidecar, "design_wavelength_m");
+  slm.phase_range = metadata_number(json, sidecar, "phase_range_rad", slm.phase_range);
   try {
     check_slm(slm);
   } catch (const Error& error) {
     fail("{}: {}", sidecar, error.what());
   }
+  add_effects(metadata_text(json, sidecar, "panel", ""), slm);
   return slm;
 }
 
@@ -75,42 +98,34 @@ Greys read_greys(const std::string& path) {
   return greys;
 }
 
-}  // namespace
+nlohmann::ordered_json to_json(const Slm& slm) {
+  nlohmann::ordered_json json{{"name", slm.name},
+                              {"modulation", modulation_name(slm.modulation)},
+                              {"levels", slm.levels},
+                              {"fill_factor", slm.fill_factor},
+                              {"design_wavelength_m", slm.design_wavelength},
+                              {"phase_range_rad", slm.phase_range}};
+  if (slm.fill_x > 0) {
+    json["fill_x"] = slm.fill_x;
+    json["fill_y"] = slm.fill_y;
+  }
+  if (!slm.preset.empty()) json["panel"] = slm.preset;
+  return json;
+}
 
-void save_hologram(const std::string& path, const Hologram& hologram) {
-  require(extension_of(path) == ".png", "expected a hologram file .png, got {}; change its extension", path);
-  check_levels(hologram.levels, path);
-  require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
-          path, hologram.level.nx, hologram.level.ny);
-  const int bits = hologram.levels <= 256 ? 8 : 16;
-  const double scale = grey_scale(hologram.levels, hologram.modulation, bits);
+// Writes levels as greys; `before_named` runs when all is written but has not its name yet.
+void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels, Modulation modulation,
+                 const std::function<void()>& before_named = {}) {
+  const int bits = levels <= 256 ? 8 : 16;
+  const double scale = grey_scale(levels, modulation, bits);
   std::vector<uint16_t> greys;
-  greys.reserve(hologram.level.size());
-  for (uint16_t level : hologram.level.values) {
-    require(level < hologram.levels, "expected levels below {} in the hologram to save as {}, got {}", hologram.levels,
-            path, level);
+  greys.reserve(levels_of_pixels.size());
+  for (uint16_t level : levels_of_pixels.values) {
+    require(level < levels, "expected levels below {} in the hologram to save as {}, got {}", levels, path, level);
     greys.push_back(uint16_t(std::lround(level * scale)));
   }
   const std::vector<uint8_t> bytes(greys.begin(), greys.end());
-
-  nlohmann::ordered_json json{{"pitch_m", hologram.grid.pitch},
-                              {"wavelength_m", hologram.wavelength},
-                              {"levels", hologram.levels},
-                              {"modulation", modulation_name(hologram.modulation)},
-                              {"image", image_side_name(hologram.image)},
-                              {"encoder", hologram.encoder},
-                              {"illumination_w_per_m2", hologram.illumination}};
-  if (!hologram.name.empty()) json["name"] = hologram.name;
-  if (hologram.frame > 0) json["frame"] = hologram.frame;
-  if (hologram.slm)
-    json["slm"] = {{"name", hologram.slm->name},
-                   {"modulation", modulation_name(hologram.slm->modulation)},
-                   {"levels", hologram.slm->levels},
-                   {"fill_factor", hologram.slm->fill_factor},
-                   {"design_wavelength_m", hologram.slm->design_wavelength}};
-  if (hologram.filter) json["filter"] = filter_to_json(*hologram.filter);
-
-  OIIO::ImageSpec spec(hologram.level.nx, hologram.level.ny, 1,
+  OIIO::ImageSpec spec(levels_of_pixels.nx, levels_of_pixels.ny, 1,
                        bits == 8 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
   spec.attribute("oiio:ColorSpace", "Linear");
   write_atomically(path, [&](const std::string& temporary) {
@@ -120,8 +135,56 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
         output && output->open(temporary, spec) && output->write_image(spec.format, values) && output->close();
     require(written, "expected to write {}, got \"{}\"; check the room and the permissions there", path,
             output ? output->geterror() : OIIO::geterror());
-    write_text(sidecar_path(path), json.dump(2) + "\n");
+    if (before_named) before_named();
   });
+}
+
+// The amplitudes of a complex hologram, beside its phases: "out/h.png" → "out/h_modulus.png".
+std::string modulus_path(const std::string& path) {
+  return path.substr(0, path.size() - extension_of(path).size()) + "_modulus.png";
+}
+
+Array2D<uint16_t> levels_of(const Greys& greys, int levels, Modulation modulation, const std::string& path,
+                            const std::string& sidecar) {
+  const double scale = grey_scale(levels, modulation, greys.bits);
+  Array2D<uint16_t> out(greys.ny, greys.nx);
+  for (size_t i = 0; i < greys.values.size(); ++i) {
+    const long level = std::lround(greys.values[i] / scale);
+    require(level < levels && std::lround(double(level) * scale) == greys.values[i],
+            "{}: expected the greys of {} levels, got {} at row {}, column {}; correct \"levels\" in {} or write the "
+            "hologram again, without scaling or compression loss",
+            path, levels, greys.values[i], i / size_t(greys.nx), i % size_t(greys.nx), sidecar);
+    out.values[i] = uint16_t(level);
+  }
+  return out;
+}
+
+}  // namespace
+
+void save_hologram(const std::string& path, const Hologram& hologram) {
+  require(extension_of(path) == ".png", "expected a hologram file .png, got {}; change its extension", path);
+  check_levels(hologram.levels, path);
+  require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
+          path, hologram.level.nx, hologram.level.ny);
+  nlohmann::ordered_json json{{"pitch_m", hologram.grid.pitch},
+                              {"wavelength_m", hologram.wavelength},
+                              {"levels", hologram.levels},
+                              {"modulation", modulation_name(hologram.modulation)},
+                              {"image", image_side_name(hologram.image)},
+                              {"encoder", hologram.encoder},
+                              {"illumination_w_per_m2", hologram.illumination}};
+  if (!hologram.name.empty()) json["name"] = hologram.name;
+  if (hologram.frame > 0) json["frame"] = hologram.frame;
+  if (hologram.slm) json["slm"] = to_json(*hologram.slm);
+  if (hologram.modulation == Modulation::complex) {
+    const std::string modulus = modulus_path(path);
+    json["modulus"] = std::filesystem::path(modulus).filename().string();
+    write_greys(modulus, hologram.modulus_level, hologram.levels, Modulation::amplitude);
+  }
+  if (hologram.filter) json["filter"] = filter_to_json(*hologram.filter);
+
+  const auto write_sidecar = [&] { write_text(sidecar_path(path), json.dump(2) + "\n"); };
+  write_greys(path, hologram.level, hologram.levels, hologram.modulation, write_sidecar);
 }
 
 Hologram load_hologram(const std::string& path) {
@@ -154,15 +217,14 @@ Hologram load_hologram(const std::string& path) {
     hologram.filter = filter_from_json(json, sidecar);
     if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, sidecar);
   }
-  const double scale = grey_scale(hologram.levels, hologram.modulation, greys.bits);
-  hologram.level = Array2D<uint16_t>(greys.ny, greys.nx);
-  for (size_t i = 0; i < greys.values.size(); ++i) {
-    const long level = std::lround(greys.values[i] / scale);
-    require(level < hologram.levels && std::lround(double(level) * scale) == greys.values[i],
-            "{}: expected the greys of {} levels, got {} at row {}, column {}; correct \"levels\" in {} or write the "
-            "hologram again, without scaling or compression loss",
-            path, hologram.levels, greys.values[i], i / size_t(greys.nx), i % size_t(greys.nx), sidecar);
-    hologram.level.values[i] = uint16_t(level);
+  hologram.level = levels_of(greys, hologram.levels, hologram.modulation, path, sidecar);
+  if (hologram.modulation == Modulation::complex) {
+    const std::string modulus = modulus_path(path);
+    check_file_exists(modulus, "the amplitudes of a complex hologram");
+    hologram.modulus_level = levels_of(read_greys(modulus), hologram.levels, Modulation::amplitude, modulus, sidecar);
+    require(hologram.modulus_level.nx == greys.nx && hologram.modulus_level.ny == greys.ny,
+            "{}: expected {} × {} pixels, as {} has, got {} × {}", modulus, greys.nx, greys.ny, path,
+            hologram.modulus_level.nx, hologram.modulus_level.ny);
   }
   return hologram;
 }

@@ -8,12 +8,14 @@ namespace holotrace {
 
 /// Writes what goes to the panel as a PNG of raw grey levels, not sRGB-coded, and beside it
 /// NAME.json {pitch_m, wavelength_m, levels, modulation, image, encoder, illumination_w_per_m2, name, frame, slm,
-/// filter}. Of M levels:
+/// filter, modulus}. Of M levels:
 ///
 ///     phase:      grey = round(ℓ·256/M)      in 8 bits (M ≤ 256), or round(ℓ·65536/M) in 16 bits
 ///     amplitude:  grey = round(ℓ·255/(M−1))  in 8 bits (M ≤ 256), or round(ℓ·65535/(M−1)) in 16 bits
 ///
 /// so that grey g of 8 bits always means the phase 2πg/256 or the amplitude g/255.
+/// A complex hologram's amplitudes are a second PNG, NAME_modulus.png. `slm` has the panel's figures and the name or
+/// file that it was read from, from which load_hologram takes its effects where that is still there.
 /// @throws Error for another extension, and where write_atomically throws
 void save_hologram(const std::string& path, const Hologram& hologram);
 

@@ -53,13 +53,15 @@ ImageSide image_side_from(const std::string& name, const std::string& path) {
 }
 
 const char* modulation_name(Modulation modulation) {
+  if (modulation == Modulation::complex) return "complex";
   return modulation == Modulation::amplitude ? "amplitude" : "phase";
 }
 
 Modulation modulation_from(const std::string& name, const std::string& path) {
   if (name == "phase") return Modulation::phase;
   if (name == "amplitude") return Modulation::amplitude;
-  fail("{}: {}", path, unknown_name_message("modulation", name, {"phase", "amplitude"}));
+  if (name == "complex") return Modulation::complex;
+  fail("{}: {}", path, unknown_name_message("modulation", name, {"phase", "amplitude", "complex"}));
 }
 
 uint32_t frame_from(double number, const std::string& path) {

@@ -27,7 +27,7 @@ std::string metadata_text(const nlohmann::json& json, const std::string& path, c
 
 const char* image_side_name(ImageSide side);                                   ///< "virtual" or "real"
 ImageSide image_side_from(const std::string& name, const std::string& path);   ///< @throws Error naming the file
-const char* modulation_name(Modulation modulation);                            ///< "phase" or "amplitude"
+const char* modulation_name(Modulation modulation);                            ///< "phase", "amplitude" or "complex"
 Modulation modulation_from(const std::string& name, const std::string& path);  ///< @throws Error naming the file
 
 /// The number of a frame. @throws Error naming the file unless it is whole and 0 … 2³²−1

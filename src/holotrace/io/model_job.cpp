@@ -6,6 +6,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/io/mesh_file.h"
+#include "holotrace/io/slm_file.h"
 
 namespace holotrace {
 namespace {

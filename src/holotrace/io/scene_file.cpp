@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 
@@ -15,29 +17,10 @@
 #include "holotrace/io/scene_lights.h"
 #include "holotrace/io/scene_materials.h"
 #include "holotrace/io/scene_objects.h"
+#include "holotrace/io/slm_file.h"
 
 namespace holotrace {
 namespace {
-
-Slm read_slm(TomlTable table) {
-  std::string preset = "pluto";
-  table.text("preset", preset);
-  Slm slm;
-  table.locate("preset", [&] { slm = slm_preset(preset); });
-  const Grid standard = slm.grid;
-  table.count("columns", slm.grid.nx);
-  table.count("rows", slm.grid.ny);
-  table.length("pitch", slm.grid.pitch);
-  table.count("levels", slm.levels);
-  table.number("fill_factor", slm.fill_factor);
-  table.choice("modulation", slm.modulation, {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}});
-  table.length("design_wavelength", slm.design_wavelength);
-  if (!(slm.grid == standard)) slm.name = "custom";
-  table.text("name", slm.name);
-  table.refuse_unknown_keys();
-  table.locate("", [&] { check_slm(slm); });
-  return slm;
-}
 
 // A value as the file has it.
 std::string in_words(const toml::node& value) {
@@ -110,7 +93,18 @@ std::vector<double> read_wavelengths(TomlTable& root) {
   return wavelengths;
 }
 
-Job read_job(TomlTable& root) {
+// Effects that the scene's own [slm] tells of are on where [show] and [encode] say nothing of effects.
+void turn_on(const std::vector<std::string>& own, TomlTable& root, Job& job) {
+  const auto says_nothing = [&](const char* section) {
+    const auto table = root.table(section);
+    return !table || !table->has("effects");
+  };
+  if (says_nothing("show")) job.show.effects = own;
+  const bool has_calibration = std::find(own.begin(), own.end(), "calibration") != own.end();
+  if (has_calibration && says_nothing("encode")) job.encode.effects = {"calibration"};
+}
+
+Job read_job(TomlTable& root, const std::string& path) {
   Job job;
   for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
                               "render", "synthesize", "encode", "show", "propagate", "camera"})
@@ -120,8 +114,10 @@ Job read_job(TomlTable& root) {
 
   job.wavelengths = read_wavelengths(root);
   root.colour("background", job.scene.background, std::numeric_limits<double>::infinity());
+  std::vector<std::string> own_effects;
   const auto slm = root.table("slm");
-  job.slm = slm ? read_slm(*slm) : slm_preset("pluto");
+  job.slm = slm ? read_slm(*slm, "pluto", own_effects) : slm_preset("pluto");
+  if (!own_effects.empty()) job.slm.preset = path;  // which has them, where the preset has not
 
   SceneObjects objects(job);
   std::vector<std::string> names;
@@ -140,6 +136,7 @@ Job read_job(TomlTable& root) {
   read_params(root, "show", job.show);
   read_params(root, "propagate", job.propagate);
   read_params(root, "camera", job.camera);
+  turn_on(own_effects, root, job);
   check_params(job, root);
   check_layers(root, "trace", job.trace.layers);
   check_layers(root, "render", job.render.layers);
@@ -191,13 +188,27 @@ toml::table read_scene(const std::string& path, std::vector<std::string>& files)
 
 }  // namespace
 
+Slm load_slm(const std::string& name) {
+  if (extension_of(name) != ".toml") return slm_preset(name);
+  check_file_exists(name, "a scene or panel file");
+  std::vector<std::string> files, own_effects;
+  const toml::table parsed = read_scene(name, files);
+  const bool is_panel = !parsed.contains("wavelength") && !parsed.contains("slm");
+  TomlTable root(parsed, files, is_panel ? "the panel file" : "the scene file");
+  const auto table = is_panel ? std::optional(root) : root.table("slm");
+  Slm slm = table ? read_slm(*table, is_panel ? "" : "pluto", own_effects) : slm_preset("pluto");
+  if (is_panel && !root.has("name")) slm.name = std::filesystem::path(name).stem().string();
+  if (is_panel || !own_effects.empty()) slm.preset = name;
+  return slm;
+}
+
 Job load_job(const std::string& path) {
   if (is_mesh_file(path)) return job_for_model(path);
   check_file_exists(path, "a scene file");
   std::vector<std::string> files;
   const toml::table parsed = read_scene(path, files);
   TomlTable root(parsed, files, "the scene file");
-  return read_job(root);
+  return read_job(root, path);
 }
 
 }  // namespace holotrace

@@ -15,4 +15,8 @@ namespace holotrace {
 ///         name), without a unit, out of range, or in front of the panel
 Job load_job(const std::string& path);
 
+/// A panel: by name (slm_preset), the [slm] of a scene file, or a file of a panel alone, which has the keys of [slm]
+/// and no tables. @throws Error as slm_preset and load_job do
+Slm load_slm(const std::string& name);
+
 }  // namespace holotrace

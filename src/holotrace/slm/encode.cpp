@@ -201,8 +201,9 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
   check_panel(slm, params, observer);
   check_field(field, slm, observer);
   Hologram hologram = blank_hologram(field, slm, params, observer);
-  const PhaseLevels levels(with_effects(slm, params.effects), hologram.levels, field.wavelength);
-  if (hologram.modulation != Modulation::amplitude) tell_phase_range(slm, levels.range(), field.wavelength, observer);
+  const Slm known = with_effects(slm, params.effects);
+  const PhaseLevels levels(known, hologram.levels, field.wavelength);
+  if (hologram.modulation != Modulation::amplitude) tell_phase_range(known, levels.range(), field.wavelength, observer);
   encode_directly(shown_side(field, params.image), params, levels, observer, hologram);
   observer.fact("illumination", Fact(hologram.illumination));
   observer.progress(1);
@@ -221,7 +222,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   Hologram hologram = blank_hologram(start, slm, params, observer);
   const Slm known = with_effects(slm, params.effects);
   const PhaseLevels levels(known, hologram.levels, start.wavelength);
-  tell_phase_range(slm, levels.range(), start.wavelength, observer);
+  tell_phase_range(known, levels.range(), start.wavelength, observer);
   Array2D<std::complex<float>> pattern = start_pattern(start, params);
   if (params.method == Encoding::sgd) {
     write_phase_levels(pattern, false, levels, hologram.level);
