@@ -1,5 +1,5 @@
 // The steps of holotrace bench that show how well each encoder does, in full HD: a natural-looking picture of 1600 ×
-// 880 in a plane 0.2 m away, seen through the virtual SLM.
+// 880 in a plane 0.1 m away, seen through the virtual SLM.
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include "holotrace/estimate/encoder_quality.h"
 #include "holotrace/estimate/test_picture.h"
 #include "holotrace/estimate/timed_jobs.h"
+#include "holotrace/io/slm_file.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/target.h"
 #include "median_seconds.h"
@@ -30,7 +31,7 @@ struct QualityJob {
 BenchRow bench_quality(const QualityJob& job) {
   Slm slm{.name = "ideal", .grid = timed_full_hd, .modulation = job.modulation};
   if (*job.panel) slm = slm_preset(job.panel);
-  EncodeParams params{.method = job.method, .target_distances = {0.2_m}, .target_columns = 1600, .target_rows = 880};
+  EncodeParams params{.method = job.method, .target_distances = {0.1_m}, .target_columns = 1600, .target_rows = 880};
   params.start = job.start;
   params.effects = job.known;
   const std::vector<TargetPlane> targets = targets_of_picture(natural_picture(1600, 880), slm.grid, 520_nm, params);

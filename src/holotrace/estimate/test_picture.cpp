@@ -55,8 +55,8 @@ Image natural_picture(int columns, int rows) {
         const double facing = std::max(0.0, 0.5 * std::sqrt(1 - r2) - 0.5 * dx - 0.7 * dy);
         light = ball.light * (0.04 + facing) * (1 + 0.1 * double(far(j, i)));
       }
-      if (across > 0.8 && across < 0.95 && y > 0.15 && y < 0.85) {  // bars of 1 … 16 pixels
-        const int width = 1 << std::min(4, int((y - 0.15) / 0.14));
+      if (across > 0.8 && across < 0.95 && y > 0.15 && y < 0.85) {  // five rows of bars, each twice as wide
+        const int width = std::max(2, rows / 220) << std::min(4, int((y - 0.15) / 0.14));
         light = i / width % 2 ? 0.9 : 0.05;
       }
       picture(j, i) = float(std::clamp(light, 0.0, 1.0));

@@ -196,12 +196,14 @@ double short_range_efficiency(double range) {
 
 Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   check_params(slm, params);
-  check_field(field, slm, observer);
+  require_grid_of(slm, field.grid, "field");
   if (is_iteration(params.method)) return encode_targets(targets_of(field, params), field, slm, params, observer);
   check_panel(slm, params, observer);
+  check_field(field, slm, observer);
   Hologram hologram = blank_hologram(field, slm, params, observer);
-  const PhaseLevels levels(with_effects(slm, params.effects), hologram.levels, field.wavelength);
-  if (hologram.modulation != Modulation::amplitude) tell_phase_range(slm, levels.range(), field.wavelength, observer);
+  const Slm known = with_effects(slm, params.effects);
+  const PhaseLevels levels(known, hologram.levels, field.wavelength);
+  if (hologram.modulation != Modulation::amplitude) tell_phase_range(known, levels.range(), field.wavelength, observer);
   encode_directly(shown_side(field, params.image), params, levels, observer, hologram);
   observer.fact("illumination", Fact(hologram.illumination));
   observer.progress(1);
@@ -211,16 +213,16 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
                         const EncodeParams& params, const Observer& observer) {
   check_params(slm, params);
-  check_field(start, slm, observer);
   require(is_iteration(params.method),
           "expected a method that aims at targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
           name_of(params.method));
   check_panel(slm, params, observer);
+  check_field(start, slm, observer);
   check_targets(targets, slm.grid);
   Hologram hologram = blank_hologram(start, slm, params, observer);
   const Slm known = with_effects(slm, params.effects);
   const PhaseLevels levels(known, hologram.levels, start.wavelength);
-  tell_phase_range(slm, levels.range(), start.wavelength, observer);
+  tell_phase_range(known, levels.range(), start.wavelength, observer);
   Array2D<std::complex<float>> pattern = start_pattern(start, params);
   if (params.method == Encoding::sgd) {
     write_phase_levels(pattern, false, levels, hologram.level);

@@ -121,7 +121,7 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
 
   const DrivenPanel& first = colours.front()->panel;
   const float turn = colours.size() == 1 ? float(first.turn()) : 0;  // the levels of a circle
-  const double step = (params.step > 0 ? params.step : 0.2) * first.levels_per_radian();
+  const double step = (params.step > 0 ? params.step : 0.4) * first.levels_per_radian();
   constexpr double beta1 = 0.9, beta2 = 0.99;
   const int nx = hologram.level.nx, ny = hologram.level.ny;
   Array2D<float> drive(ny, nx), levels(ny, nx), slope(ny, nx), mean(ny, nx), square(ny, nx);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/threads.h"
@@ -30,6 +31,7 @@ int PhaseLevels::level_of(double real, double imaginary) const {
 
 void tell_phase_range(const Slm& slm, double range, double wavelength, const Observer& observer) {
   observer.fact("phase_range", Fact(2 * pi * range));
+  if (!slm.effects.calibration.empty()) observer.fact("calibrated", Fact(std::string("yes")));
   if (range < 1 - 1e-6)
     observer.warn(fmt::format(
         "the SLM \"{}\" reaches a phase of {:.4g}π at {}, short of 2π: phases in the gap take its nearer end, which "

@@ -21,7 +21,8 @@ enum class PixelAperture { left_out, included };
 
 /// @param wavelength  [m]
 /// @param z           of the plane [m]: > 0 before the panel
+/// @param stop        half width of a stop on the axis, as a part of 1/2p
 /// @throws Error      as make_propagator does
-PlaneOptics make_plane_optics(const Slm& slm, double wavelength, double z, PixelAperture aperture);
+PlaneOptics make_plane_optics(const Slm& slm, double wavelength, double z, PixelAperture aperture, double stop = 1);
 
 }  // namespace holotrace

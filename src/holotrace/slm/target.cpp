@@ -4,12 +4,11 @@
 
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/fft.h"
-#include "holotrace/base/frequency.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/pixel_kernel.h"
+#include "holotrace/slm/plane_optics.h"
+#include "holotrace/slm/plane_sums.h"
 #include "holotrace/wave/propagate.h"
 
 namespace holotrace {
@@ -34,19 +33,34 @@ Array2D<float> weight_of(const Grid& panel, TargetSize size) {
   return weight;
 }
 
-// Divides the spectrum by that of a pixel's lit area, 1 on the axis.
-void undo_roll_off(const Slm& slm, Field& field) {
-  const int nx = field.grid.nx, ny = field.grid.ny;
-  const auto inverse = [](int k, int n, double lit) {
-    return lit / aperture_spectrum(double(signed_frequency(k, n)) / n, lit);
-  };
-  fft_2d(field.samples.values.data(), ny, nx, FftDirection::forward);
-  parallel_for(0, ny, [&](int64_t j) {
-    const double along_y = inverse(int(j), ny, slm.lit_y()) / double(field.grid.pixels());
-    std::complex<float>* u = field.samples.row(int(j));
-    for (int i = 0; i < nx; ++i) u[i] *= float(along_y * inverse(i, nx, slm.lit_x()));
+// The target's modulus with the phase that the parameters name.
+Field target_field(const TargetPlane& target, const Grid& panel, const EncodeParams& params) {
+  Field field(panel, target.wavelength, target.z);
+  parallel_for(0, panel.ny, [&](int64_t j) {
+    for (int i = 0; i < panel.nx; ++i) {
+      std::complex<double> turn = 1;
+      if (params.start == StartPhase::random)
+        turn = cis_cycles(CounterRandom(uint64_t(params.seed), 0, uint64_t(j * panel.nx + i)).uniform());
+      field.samples(int(j), i) = std::complex<float>(double(target.amplitude(int(j), i)) * turn);
+    }
   });
-  fft_2d(field.samples.values.data(), ny, nx, FftDirection::backward);
+  return field;
+}
+
+// u ← u + momentum·(u − before), before ← u.
+void go_on(double momentum, Field& before, Field& u) {
+  const float m = float(momentum);
+  parallel_for(
+      0, u.grid.ny,
+      [&](int64_t j) {
+        std::complex<float>*now = u.samples.row(int(j)), *last = before.samples.row(int(j));
+        for (int i = 0; i < u.grid.nx; ++i) {
+          const std::complex<float> here = now[i];
+          now[i] = here + m * (here - last[i]);
+          last[i] = here;
+        }
+      },
+      {}, 16);
 }
 
 }  // namespace
@@ -97,23 +111,35 @@ std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& pane
   return targets;
 }
 
-Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params) {
-  const Grid& panel = slm.grid;
-  Field field(panel, target.wavelength, target.z);
-  parallel_for(0, panel.ny, [&](int64_t j) {
-    for (int i = 0; i < panel.nx; ++i) {
-      std::complex<double> turn = 1;
-      if (params.start == StartPhase::random)
-        turn = cis_cycles(CounterRandom(uint64_t(params.seed), 0, uint64_t(j * panel.nx + i)).uniform());
-      field.samples(int(j), i) = std::complex<float>(double(target.amplitude(int(j), i)) * turn);
-    }
-  });
-  Field at_panel = propagate(field, -target.z);
-  at_panel.z = 0;
-  undo_roll_off(slm, at_panel);
+Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  const bool has_stop = params.method == Encoding::double_phase || params.method == Encoding::error_diffusion;
+  const PlaneOptics optics =
+      make_plane_optics(slm, target.wavelength, target.z, PixelAperture::included, has_stop ? params.stop : 1);
+  const bool is_iteration = params.method == Encoding::sgd || params.method == Encoding::gerchberg_saxton ||
+                            params.method == Encoding::weighted_gerchberg_saxton;
+  const int steps = is_iteration ? 0 : params.iterations > 0 ? params.iterations : 30;
+  const double power = target_power(target);
+  Field u = optics.to_panel(target_field(target, slm.grid, params));
+  Field before = u;
+  std::vector<double> convergence;
+  for (int step = 0, since = 0; step < steps; ++step, ++since) {
+    Field shown = optics.to_plane(u);
+    convergence.push_back(leave_residual(target, 1, shown) / power);
+    if (step > 0 && convergence[size_t(step)] > convergence[size_t(step) - 1]) since = 0;  // too fast: begin again
+    add_part(optics.to_panel(shown), 1, u);
+    go_on(double(since) / (since + 3.0), before, u);
+    observer.progress((step + 1.0) / steps);
+  }
+  if (steps > 0) {
+    observer.fact("iterations", steps);
+    observer.fact("error_first", Fact(convergence.front()));
+    observer.fact("error_last", Fact(convergence.back()));
+    observer.curve("convergence", convergence);
+  }
+  u.z = 0;
   if (params.image == ImageSide::real_image)
-    for (std::complex<float>& u : at_panel.samples.values) u = std::conj(u);
-  return at_panel;
+    for (std::complex<float>& sample : u.samples.values) sample = std::conj(sample);
+  return u;
 }
 
 void check_targets(const std::vector<TargetPlane>& targets, const Grid& panel) {

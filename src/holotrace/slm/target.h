@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/params.h"
@@ -26,14 +27,21 @@ std::vector<TargetPlane> targets_of(const Field& field, const EncodeParams& para
 std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& panel, double wavelength,
                                             const EncodeParams& params);
 
-/// The field at the panel that has the target's modulus in its plane: with phase 0, or a random one
-/// (params.start, params.seed), propagated back. What direct encoders make levels of, and where iterations begin.
+/// The field at the panel that shows a target: what direct encoders make levels of, and where iterations begin. It is
+/// found as Gerchberg and Saxton's pattern is, but free in its modulus:
 ///
-/// The panel's pixels will dim its higher frequencies, by sinc(w_x·p·u)·sinc(w_y·p·v), to 0.41 in the corner of the
-/// band where they are lit all over: the spectrum is divided by that.
+///     v = Tu,   u ← u + Tᴴr,   r = w·(a − |v|)·v/|v|,   from u = Tᴴ(a·exp(iφ)),   φ = 0, or random (params.start,
+///     seed)
+///
+/// T is the way through the pixels' aperture, the stop of double-phase and error-diffusion, and free space; its finite
+/// window loses the fine detail at the picture's edges that a plain propagation back would count on. The steps gather
+/// momentum (Nesterov, 1983), which ends where the error Σw(|v| − a)² grows. params.iterations steps (0: 30).
 ///
 /// @return  of the target's wavelength, at z = 0 [√(W/m²)]; for a real image the conjugate, which encode turns back
-Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params);
+/// Facts: `iterations`, `error_first`, `error_last`: parts of Σw·a². Curve `convergence`: the same, before each step.
+/// Cost: two propagations per step.
+Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params,
+                      const Observer& observer = {});
 
 /// The size of the part of a plane that counts, about the axis [pixels].
 struct TargetSize {
