@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "holotrace/view/compare.h"
+#include "holotrace/view/difference.h"
 #include "support/panels.h"
 
 namespace holotrace {
@@ -153,6 +154,25 @@ TEST(Compare, UniformityIsThatOfPercentiles) {
       image.values[i] = 100;
   EXPECT_NEAR(compare(reference, image).uniformity, expected, 1e-6);
   EXPECT_EQ(compare(reference, reference).uniformity, 1);
+}
+
+TEST(Difference, IsGreyWhereEqualAndColouredBySign) {
+  Image reference(1, 4, 1), image(1, 4, 1);
+  reference.values = {1, 1, 1, 1};
+  image.values = {0.5F, 0.75F, 0.25F, 0.375F};  // twice: 0, +0.5, −0.5, −0.25
+  const DifferenceImage difference = difference_image(reference, image, 2);
+  EXPECT_EQ(difference.range, 0.5);
+  const auto expect_colour = [&](int column, double red, double green, double blue) {
+    EXPECT_NEAR(difference.image(0, column, 0), red, 1e-4);  // the codes' linear light, in four figures
+    EXPECT_NEAR(difference.image(0, column, 1), green, 1e-4);
+    EXPECT_NEAR(difference.image(0, column, 2), blue, 1e-4);
+  };
+  expect_colour(0, 0.2159, 0.2159, 0.2159);              // #808080
+  expect_colour(1, 0.6654, 0.1119, 0);                   // #D55E00
+  expect_colour(2, 0, 0.1683, 0.4452);                   // #0072B2
+  expect_colour(3, 0.2159 / 2, 0.3842 / 2, 0.6611 / 2);  // half way from grey
+  EXPECT_EQ(difference_image(reference, image, 2, 0.25).range, 0.25);
+  EXPECT_EQ(difference_image(reference, reference, 1).image(0, 0, 2), 0.2159F);
 }
 
 TEST(CompareFields, ErrorCorrelationAndScaleOfAKnownDifference) {

@@ -95,6 +95,7 @@ PlaneFit fit_planes(const Plane& moving, const Plane& fixed, const Similarity& s
   constexpr double least_pixels = 64;   // below, four unknowns are not told from noise
   constexpr double small_step = 1e-4;   // of a pixel: far below what noise lets one see
   constexpr double longest_step = 2.0;  // pixels: farther, the slopes at the start say nothing
+  constexpr double least_rcond = 1e-4;  // below, as in a disc or a grating, the raster decides and not the picture
   const double radius = radius_of(fixed);
   PlaneFit fit;
   fit.map = start;
@@ -102,7 +103,7 @@ PlaneFit fit_planes(const Plane& moving, const Plane& fixed, const Similarity& s
     const Sums sums = sum_all(moving, fixed, fit.map);
     if (sums.pixels < least_pixels || sums.mm <= 0 || sums.ff <= 0) return {};
     const Eigen::LDLT<Matrix> solver(sums.normal);
-    if (solver.info() != Eigen::Success || !solver.isPositive() || solver.rcond() < 1e-12) return {};
+    if (solver.info() != Eigen::Success || !solver.isPositive() || solver.rcond() < least_rcond) return {};
     Vector step = solver.solve(sums.balance) / 2;
     const double length = step.norm();
     if (length < small_step || fit.iterations == most_iterations) {

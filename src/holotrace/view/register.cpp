@@ -14,15 +14,15 @@
 namespace holotrace {
 namespace {
 
-constexpr double search_side = 64;        // pixels of the larger picture in the search
-constexpr double search_step = 0.087;     // of angle [rad] and of ln(scale): 1.4 pixels at half a step and the corner
+constexpr double search_side = 48;        // pixels of the larger picture in the search
+constexpr double search_step = 0.11;      // of angle [rad] and of ln(scale): 1.9 pixels at half a step and the corner
 constexpr double shading_part = 1 / 12.;  // of the picture: what is slower is shading
 constexpr double blur = 0.8;              // σ of a pixel: see reduced
 constexpr double least_overlap = 0.3;     // of the smaller picture
 constexpr size_t most_candidates = 12, most_finalists = 3;
-constexpr double finer = 1.5;              // each resolution than the one before
-constexpr double least_confidence = 6;     // unrelated pictures come to some 5 to 8 at the best of all maps,
-constexpr double most_uncertainty = 0.01;  // and to errors of some hundredths of the photograph's side
+constexpr double finer = 1.5;               // each resolution than the one before
+constexpr double least_confidence = 5.5;    // unrelated pictures come to some 3 to 8 at the best of all maps,
+constexpr double most_uncertainty = 0.005;  // and seldom to errors below a hundredth of the photograph
 
 // Both pictures at one resolution, if `fixed` is shown `scale` times as large: pixels of pixel_fixed and of
 // scale·pixel_fixed.
@@ -53,9 +53,13 @@ double shading_extent(const Plane& moving, const Plane& fixed, double scale) {
   return shading_part * std::max(long_side(moving) / scale, long_side(fixed));
 }
 
-Pair without_shading(Pair pair, double extent) {
-  pair.moving = without_shading(pair.moving, extent / pair.pixel_fixed);
-  pair.fixed = without_shading(pair.fixed, extent / pair.pixel_fixed);
+// What is laid upon each other: amplitudes, so that speckle, whose spread goes with the light, does not rule in bright
+// places; and no shading.
+Pair structure_of(Pair pair, double extent) {
+  for (Plane* plane : {&pair.moving, &pair.fixed}) {
+    for (float& value : plane->values) value = std::sqrt(std::max(0.0F, value));
+    *plane = without_shading(*plane, extent / pair.pixel_fixed);
+  }
   return pair;
 }
 
@@ -71,6 +75,13 @@ struct Candidate {
   }
 };
 
+// Whether two maps differ by less than a tenth of the picture at every corner: ways to one truth.
+bool are_alike(const Similarity& p, const Similarity& q, const Plane& fixed) {
+  const double radius = std::hypot(fixed.nx, fixed.ny) / 2;
+  return std::hypot(p.a - q.a, p.b - q.b) * radius + std::hypot(p.x - q.x, p.y - q.y) <
+         0.2 * radius * std::max(scale_of(p), scale_of(q));
+}
+
 // The best maps that differ by more than a step, each as fitted at the resolution of the search.
 std::vector<Candidate> search(const Plane& moving, const Plane& fixed, double smallest, double largest,
                               const Observer& observer) {
@@ -82,7 +93,7 @@ std::vector<Candidate> search(const Plane& moving, const Plane& fixed, double sm
     const double pixel_fixed =
         std::max({long_side(moving) / scale / search_side, long_side(fixed) / search_side, 1 / scale, 1.0});
     pairs.push_back(
-        without_shading(at_resolution(moving, fixed, scale, pixel_fixed), shading_extent(moving, fixed, scale)));
+        structure_of(at_resolution(moving, fixed, scale, pixel_fixed), shading_extent(moving, fixed, scale)));
     const Pair& pair = pairs.back();
     const auto matches = match_at_all_angles(pair.moving, pair.fixed, search_step, least_overlap);
     for (size_t k = 0; k < matches.size(); ++k)
@@ -103,8 +114,12 @@ std::vector<Candidate> search(const Plane& moving, const Plane& fixed, double sm
     c.score = change > 0.8 && change < 1.25 ? fit.score() : 0;  // farther than steps are apart, it has lost its way
   }
   std::stable_sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
-  while (!best.empty() && best.back().score <= 0) best.pop_back();
-  return best;
+  std::vector<Candidate> distinct;
+  for (const Candidate& c : best)
+    if (c.score > 0 &&
+        std::none_of(distinct.begin(), distinct.end(), [&](const auto& d) { return are_alike(c.map, d.map, fixed); }))
+      distinct.push_back(c);
+  return distinct;
 }
 
 // Both pictures at one resolution, laid upon each other.
@@ -122,8 +137,8 @@ Laid lay(const Plane& moving, const Plane& fixed, const Similarity& start, doubl
   const double scale = scale_of(start), finest = std::max(1.0, 1 / scale);
   Laid laid;
   laid.is_finest = pixel_fixed <= finest;
-  laid.pair = without_shading(at_resolution(moving, fixed, scale, std::max(finest, pixel_fixed)),
-                              shading_extent(moving, fixed, scale));
+  laid.pair = structure_of(at_resolution(moving, fixed, scale, std::max(finest, pixel_fixed)),
+                           shading_extent(moving, fixed, scale));
   laid.fit = fit_planes(laid.pair.moving, laid.pair.fixed, laid.pair.to_planes(start), 40);
   laid.map = laid.pair.from_planes(laid.fit.map);
   return laid;

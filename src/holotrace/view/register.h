@@ -33,7 +33,7 @@ struct Registration {
   double rotation = 0;              ///< anticlockwise, in (−π, π] [rad]
   double shift_x = 0, shift_y = 0;  ///< of the centre of `fixed` in `moving` [pixels of moving]
   double gain = 1, offset = 0;
-  double correlation = 0;  ///< coefficient of both, without their shading, over what they have in common
+  double correlation = 0;  ///< coefficient of both amplitudes, without their shading, over what they have in common
   double confidence = 0;   ///< correlation at this shift over the rms at all others
   double uncertainty = 0;  ///< standard error of a place at the worst corner [pixels of moving]
   double overlap = 0;      ///< part of `fixed` that `moving` shows
@@ -46,11 +46,12 @@ struct Registration {
 
 /// Finds the similarity and the gain by which a photograph shows a known picture.
 ///
-/// A search tries all angles and a range of scales on both pictures at 64 pixels, each with all shifts; Gauss–Newton
-/// then refines the best of them, finer from level to level, down to the pixels of the coarser picture. Brightness is
-/// the mean of an image's channels; its part slower than a twelfth of the picture is left out, so that shading and
-/// stray light do not matter. The gain is the ratio of the light that both show; with an offset, it is the slope of
-/// block means against each other, with the neighbours as instrument, so that speckle in `fixed` does not lower it.
+/// A search tries all angles and a range of scales on both pictures at 48 pixels, each with all shifts; Newton's method
+/// then refines the best of them, finer from level to level, down to the pixels of the coarser picture, and the level
+/// of the least standard error is kept. What is laid upon each other is the amplitude, the root of the mean of an
+/// image's channels, less its part that is slower than a twelfth of the picture, so that shading and stray light do not
+/// matter. The gain is the ratio of the light that both show; with an offset, it is the slope of block means against
+/// each other, with the neighbours as instrument, so that speckle in `fixed` does not lower it.
 ///
 /// @param moving, fixed  of any sizes from 16 pixels on, finite
 /// @throws Error  if no such map stands out: too little structure or overlap, or a scale out of range
