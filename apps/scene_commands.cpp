@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "convergence.h"
 #include "flags.h"
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/hologram_file.h"
@@ -108,6 +109,8 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
       save_stereo(in("stereo.png"), boxes.stereo_renders, common_white(boxes.stereo_renders, 0), 8);
       save_stereo(in("holo.png"), boxes.stereo_views.images, boxes.stereo_views.white, job.camera.bits);
     }
+    std::filesystem::remove(in("convergence.png"));
+    if (has_convergence(boxes.report)) try_save_chart(in("convergence.png"), convergence_chart(boxes.report), console);
     save_report(in("report.json"), boxes.report);
   });
 }
