@@ -128,9 +128,7 @@ Job small_job(const Job& job, int iterations) {
   if (job.trace.strategy == Strategy::gather) small.trace.pixel_samples = 1;
   small.trace.frames = 1;
   small.trace.paths = std::min(job.trace.paths, 4);
-  small.render.rows = std::min(job.render.rows, 8);
-  small.render.columns = std::min(job.render.columns, 8);
-  small.render.paths = 1;
+  small.render.paths = small.render.max_depth = 1;  // of the same size: views are compared with it
   if (iterations > 0) small.encode.iterations = iterations;
   return small;
 }

@@ -102,7 +102,6 @@ Chart alias_free_chart(const std::vector<Vec3>& points, const Grid& panel, doubl
                               100.0 * double(counts.outside) / double(counts.points));
   chart.x_label = "z [mm], viewer to the right";
   chart.y_label = is_x ? "x [mm]" : "y [mm]";
-  chart.series.push_back(segment("panel", 0, half));
   if (apex < far) {
     chart.series.push_back(outline("lights the whole panel", apex, 0, far, radius - half));
     chart.series.back().is_filled = true;
@@ -119,6 +118,7 @@ Chart alias_free_chart(const std::vector<Vec3>& points, const Grid& panel, doubl
   for (size_t i = 0; i < points.size(); i += stride)
     add_point(reach_of(points[i], panel, wavelength) == Reach::nothing ? outside : inside, points[i].z,
               is_x ? points[i].x : points[i].y);
+  chart.series.push_back(segment("panel", 0, half));  // over the outline that begins there
   for (Series* series : {&inside, &outside})
     if (!series->x.empty()) chart.series.push_back(std::move(*series));
   return chart;

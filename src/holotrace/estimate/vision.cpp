@@ -3,11 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/limits.h"
 
 namespace holotrace {
+namespace {
+
+// Three digits are enough for people.
+std::string short_length(double metres) {
+  if (!(metres > 0) || !std::isfinite(metres)) return metres > 0 ? "infinity" : "0 mm";
+  const double unit = std::pow(10, std::floor(std::log10(metres)) - 2);
+  return format_length(std::round(metres / unit) * unit);
+}
+
+}  // namespace
 
 std::vector<VisionNeed> compare_with_vision(const Grid& grid, double wavelength, double distance,
                                             double frames_per_second) {
@@ -19,8 +30,8 @@ std::vector<VisionNeed> compare_with_vision(const Grid& grid, double wavelength,
   };
   const double coarsest = std::max(l.resolution_x, l.resolution_y), seen = Eye::acuity * distance;
   add("resolution", coarsest <= seen,
-      fmt::format("points {} apart are told apart, an eye at the panel tells {} (1 arc minute)",
-                  format_length(coarsest), format_length(seen)));
+      fmt::format("points {} apart are told apart, an eye at the panel tells {} (1 arc minute)", short_length(coarsest),
+                  short_length(seen)));
   add("foveal field", l.field_of_view >= Eye::foveal_high,
       fmt::format("the panel sends light into {}, the eye sees sharply in {} to {}", format_angle(l.field_of_view),
                   format_angle(Eye::foveal_low), format_angle(Eye::foveal_high)));
@@ -30,7 +41,7 @@ std::vector<VisionNeed> compare_with_vision(const Grid& grid, double wavelength,
   const double eyebox = std::min(l.eyebox_x, l.eyebox_y);
   add("eyebox", eyebox >= Eye::pupil_high,
       fmt::format("every pixel's light reaches {} x {} at {} before the panel, a pupil is {} to {} wide",
-                  format_length(l.eyebox_x), format_length(l.eyebox_y), format_length(distance),
+                  short_length(l.eyebox_x), short_length(l.eyebox_y), short_length(distance),
                   format_length(Eye::pupil_low), format_length(Eye::pupil_high)));
   if (frames_per_second > 0)
     add("flicker", frames_per_second >= Eye::flicker_fusion,

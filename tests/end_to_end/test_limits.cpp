@@ -1,0 +1,97 @@
+// holotrace limits, by its command line.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "end_to_end/scenes.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+Outcome ask(const Workplace& work, std::vector<std::string> flags) {
+  flags.insert(flags.begin(), "limits");
+  return work.run(flags);
+}
+
+nlohmann::json json_of(const Workplace& work, std::vector<std::string> flags) {
+  flags.push_back("--json");
+  const Outcome outcome = ask(work, flags);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return nlohmann::json::parse(outcome.out);
+}
+
+TEST(LimitsCommand, TellsOrdersZonesAndWhatAnEyeNeeds) {
+  const Workplace work;
+  const auto gaea = json_of(work, {"--slm", "gaea", "--wavelength", "633 nm", "--frames", "60", "--colours", "3"});
+  EXPECT_NEAR(gaea.at("half_angle_deg").get<double>(), 4.854, 5e-4);  // physics.md, section 1
+  ASSERT_EQ(gaea.at("orders").size(), 11U);
+  EXPECT_EQ(gaea.at("orders")[6].at("order"), 1);
+  EXPECT_NEAR(gaea.at("orders")[6].at("offset_m").get<double>(), gaea.at("order_spacing_m").get<double>(), 1e-15);
+  EXPECT_EQ(gaea.at("vision").size(), 5U);
+  EXPECT_TRUE(gaea.at("vision")[0].at("is_met").get<bool>());  // resolution, of a panel wider than 2.2 mm
+  const auto pluto = json_of(work, {"--wavelength", "532 nm"});
+  EXPECT_NEAR(pluto.at("alias_free_distance_m").get<double>(), 0.4617, 5e-5);  // z* of physics.md, section 2
+}
+
+TEST(LimitsCommand, HasAColumnForEachWavelength) {
+  const Workplace work;
+  const auto colours = json_of(work, {"--wavelength", "638 nm, 520 nm, 450 nm"});
+  ASSERT_EQ(colours.at("wavelengths").size(), 3U);
+  EXPECT_EQ(colours.at("half_angle_deg"), colours.at("wavelengths")[0].at("half_angle_deg"));
+  EXPECT_GT(colours.at("half_angle_deg"), colours.at("wavelengths")[2].at("half_angle_deg"));
+  const Outcome table = ask(work, {"--wavelength", "638 nm, 520 nm, 450 nm"});
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  for (const char* words : {"Angles", "half diffraction angle", "638 nm", "450 nm", "order +-1", "resolution", "eyebox",
+                            "alias-free distance", "space-bandwidth product", "For an eye", "not met"})
+    EXPECT_NE(table.out.find(words), std::string::npos) << words;
+  EXPECT_NE(ask(work, {"--wavelength", "16 um"}).out.find("every direction"), std::string::npos);
+}
+
+TEST(LimitsCommand, WorksBackwards) {
+  const Workplace work;
+  const auto wanted = json_of(work, {"--angle", "15 deg", "--size", "100 mm", "--frames", "30", "--colours", "3"});
+  EXPECT_NEAR(wanted.at("wanted_pitch_m").get<double>(), 1.181e-6, 5e-10);  // the paper's 1.18 µm
+  EXPECT_NEAR(wanted.at("pixels_per_second").get<double>(), 6.45e11, 0.01e11);
+  EXPECT_EQ(wanted.at("vision").size(), 5U);
+  // λz/S: 10 µm at 300 mm and 632.8 nm are 18.98 mm.
+  const auto fine = json_of(work, {"--angle", "2 deg", "--resolution", "10 um", "--distance", "300 mm"});
+  EXPECT_NEAR(fine.at("wanted_size_m").get<double>(), 18.984e-3, 1e-9);
+  EXPECT_EQ(ask(work, {"--angle", "15 deg", "--size", "100 mm"}).out.substr(0, 11), "pixel pitch");
+}
+
+TEST(LimitsCommand, DrawsTheSceneInTheAliasFreeVolume) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  const auto facts = json_of(work, {"--scene", "scene.toml", "--picture", "volume.svg", "--plot", "angles.svg"});
+  EXPECT_EQ(facts.at("pitch_m").get<double>(), 8e-6);
+  EXPECT_NEAR(facts.at("wavelength_m").get<double>(), 532e-9, 1e-15);  // the scene's
+  const auto& scene = facts.at("scene");
+  EXPECT_GT(scene.at("points").get<int>(), 50);
+  EXPECT_EQ(scene.at("lighting_the_whole_panel").get<int>() + scene.at("lighting_a_part").get<int>() +
+                scene.at("outside").get<int>(),
+            scene.at("points").get<int>());
+  for (const char* name : {"volume.svg", "volume_y.svg", "angles.svg"}) {
+    ASSERT_TRUE(work.has(name)) << name;
+    EXPECT_NE(work.read(name).find("<svg"), std::string::npos) << name;
+  }
+  EXPECT_NE(work.read("volume.svg").find("points that light it"), std::string::npos);
+}
+
+TEST(LimitsCommand, RefusesWhatItCannotAnswer) {
+  const Workplace work;
+  const auto sentence = [&](const std::vector<std::string>& flags) {
+    const Outcome outcome = ask(work, flags);
+    EXPECT_EQ(outcome.exit_code, 1);
+    return outcome.err;
+  };
+  EXPECT_NE(sentence({"--picture", "volume.jpg"}).find(".png"), std::string::npos);
+  EXPECT_NE(sentence({"--resolution", "10 um"}).find("--angle"), std::string::npos);
+  EXPECT_NE(sentence({"--angle", "15 deg", "--distance", "1 m"}).find("--resolution"), std::string::npos);
+  EXPECT_NE(sentence({"--angle", "15 deg", "--picture", "a.png"}).find("--picture"), std::string::npos);
+  EXPECT_NE(sentence({"--slm", "plutto"}).find("pluto"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace holotrace::test
