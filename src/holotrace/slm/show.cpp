@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/error.h"
 #include "holotrace/slm/checks.h"
 #include "holotrace/slm/panel_model.h"
@@ -73,7 +74,9 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
   field.image = hologram.image;
   field.filter = hologram.filter;
 
-  const double power_in = panel.power_in(), power_out = power(field);
+  const double power_in = panel.power_in();
+  const double power_out =
+      energy(field.samples.values.data(), field.samples.size()) * field.grid.pitch * field.grid.pitch;
   observer.fact("power_in", Fact(power_in));
   observer.fact("power_out", Fact(power_out));
   observer.fact("efficiency", Fact(power_in > 0 ? power_out / power_in : 0.0));
