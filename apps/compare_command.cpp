@@ -96,7 +96,6 @@ ImagePair registered_pair(const CompareOptions& o, Console& console) {
            {"offset", r.offset},
            {"place_error_pixels", r.uncertainty},
            {"correlation", r.correlation},
-           {"confidence", r.confidence},
            {"overlap", r.overlap},
            {"residual", r.residual},
            {"compared_columns", covered.columns},

@@ -34,7 +34,6 @@ struct Registration {
   double shift_x = 0, shift_y = 0;  ///< of the centre of `fixed` in `moving` [pixels of moving]
   double gain = 1, offset = 0;
   double correlation = 0;  ///< coefficient of both amplitudes, without their shading, over what they have in common
-  double confidence = 0;   ///< correlation at this shift over the rms at all others
   double uncertainty = 0;  ///< standard error of a place at the worst corner [pixels of moving]
   double overlap = 0;      ///< part of `fixed` that `moving` shows
   double residual = 0;     ///< rms of (moving − offset)/gain − fixed over it [unit of fixed]
