@@ -181,7 +181,8 @@ void add_compare_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("B");
   command->add_flag("--json", o->is_json, "as JSON");
   command
-      ->add_option("--difference", o->difference, "picture of b − a, red where b is brighter, blue where it is darker")
+      ->add_option("--difference", o->difference,
+                   "picture: red where the reference is outshone, blue where it is not reached")
       ->type_name("FILE");
   command->add_option("--difference-range", o->difference_range, "difference at full colour [the largest]")
       ->check(CLI::PositiveNumber)
