@@ -169,6 +169,7 @@ TEST(SlmFile, EffectsOfTheSceneItselfAreOn) {
   EXPECT_EQ(own.encode.effects, (std::vector<std::string>{"calibration"}));
   EXPECT_DOUBLE_EQ(own.slm.effects.calibration[255].phase, 2 * pi);
   EXPECT_EQ(effects_of(own.slm).size(), 5u);  // pluto's others are there, and off
+  EXPECT_TRUE(job_of("[slm]\ncrosstalk = 0\n").show.effects.empty());
   const Job told = job_of("[slm]\ncrosstalk = 0.3\n[show]\neffects = \"gaps\"\n");
   EXPECT_EQ(told.show.effects, (std::vector<std::string>{"gaps"}));
 }

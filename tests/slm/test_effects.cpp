@@ -301,6 +301,11 @@ TEST(Effects, AreToldOnAndOff) {
   show(h, slm, with({"gaps"}), heard.observer());
   EXPECT_EQ(std::get<std::string>(heard.facts.at("effects")), "gaps");
   EXPECT_EQ(std::get<std::string>(heard.facts.at("effects_off")), "flicker");
+  EXPECT_TRUE(heard.warnings.empty());
+  show(h, slm, with({"crosstalk"}), heard.observer());
+  ASSERT_EQ(heard.warnings.size(), 1u);
+  EXPECT_EQ(heard.warnings[0],
+            "the SLM \"test\" has no crosstalk to turn on; write its figures in [slm] or the panel's file");
   EXPECT_EQ(error_of([&] { show(h, slm, with({"crostalk"})); }),
             "unknown effect \"crostalk\"; did you mean \"crosstalk\"?");
 }

@@ -120,6 +120,8 @@ void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<s
   if (has_any({"aberration"})) names.push_back("aberration");
   if (has_any({"phase_map", "phase_map_range"})) names.push_back("phase-map");
   if (has_any({"dead_fraction", "dead_seed", "dead_pixels"})) names.push_back("dead-pixels");
+  const std::vector<std::string> on = effects_of(slm);  // one of 0 is told off
+  std::erase_if(names, [&](const std::string& name) { return std::find(on.begin(), on.end(), name) == on.end(); });
 }
 
 std::string environment(const char* name) {
@@ -198,9 +200,8 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
   if (!(slm.grid == standard.grid)) slm.name = "custom";
   table.text("name", slm.name);
   table.text("source", slm.source);
-  table.locate("", [&] {
-    require(slm.levels >= 2 && slm.levels <= 65536, "expected 2 to 65536 levels, got {}", slm.levels);
-  });
+  table.locate(
+      "", [&] { require(slm.levels >= 2 && slm.levels <= 65536, "expected 2 to 65536 levels, got {}", slm.levels); });
   read_effects(table, slm, slm.levels != standard.levels, effects);
   table.refuse_unknown_keys();
   table.locate("", [&] { check_slm(slm); });

@@ -43,8 +43,12 @@ Array2D<float> drive_of(const Array2D<uint16_t>& level) {
   return drive;
 }
 
-void tell_effects(const Slm& slm, const Slm& with, const Observer& observer) {
+void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, const Observer& observer) {
   const std::vector<std::string> has = effects_of(slm), on = effects_of(with);
+  for (const std::string& name : params.effects)
+    if (name != "all" && name != "none" && std::find(has.begin(), has.end(), name) == has.end())
+      observer.warn(fmt::format("the SLM \"{}\" has no {} to turn on; write its figures in [slm] or the panel's file",
+                                slm.name, name));
   std::vector<std::string> off;
   for (const std::string& name : has)
     if (std::find(on.begin(), on.end(), name) == on.end()) off.push_back(name);
@@ -80,7 +84,7 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
   observer.fact("power_in", Fact(power_in));
   observer.fact("power_out", Fact(power_out));
   observer.fact("efficiency", Fact(power_in > 0 ? power_out / power_in : 0.0));
-  tell_effects(slm, with, observer);
+  tell_effects(slm, with, params, observer);
   return field;
 }
 

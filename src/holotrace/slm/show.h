@@ -8,17 +8,18 @@
 
 namespace holotrace {
 
-/// The field that leaves a panel under an axial plane wave: each pixel a lit square of one transmittance.
+/// The field that leaves a panel, with those of its effects that `params.effects` names: panel_model.h has the steps
+/// and docs/slm.md the equations of all. Without any, under an axial plane wave, each pixel is a lit square of one
+/// transmittance:
 ///
 ///     u(x, y) = √E · Σ t(ℓᵢⱼ) · rect((x − xᵢ)/wp) · rect((y − yⱼ)/wp),   w = √F
 ///     t(ℓ) = exp(2πi·(λ₀/λ)·ℓ/M)  phase,   t(ℓ) = ℓ/(M−1)  amplitude
 ///
-/// λ₀ is the SLM's design wavelength, or the hologram's; E the irradiance. The field is this one cut to the
-/// spatial frequencies below n/2p, n = `params.subpixels`: the panel's spectrum, which repeats at every 1/p,
-/// times w·sinc(w·p·f) along each axis. An odd n holds the whole orders |m| ≤ (n−1)/2; an even n holds also
-/// half of the orders ±n/2. n = 1 is order 0 alone, with its roll-off (0.405 at the Nyquist frequency where
-/// F = 1). The frequency ±n/2p itself is one sample of the spectrum: it takes the mean of both signs, 0 for
-/// an even n.
+/// for the phase range 2π. λ₀ is the SLM's design wavelength, or the hologram's; E the irradiance. The field is this
+/// one cut to the spatial frequencies below n/2p, n = `params.subpixels`: the panel's spectrum, which repeats at every
+/// 1/p, times w·sinc(w·p·f) along each axis. An odd n holds the whole orders |m| ≤ (n−1)/2; an even n holds also half
+/// of the orders ±n/2. n = 1 is order 0 alone, with its roll-off (0.405 at the Nyquist frequency where F = 1). The
+/// frequency ±n/2p itself is one sample of the spectrum: it takes the mean of both signs, 0 for an even n.
 ///
 /// @param hologram  levels, shape (ny, nx)
 /// @param slm       the panel: its grid, fill factor F and design wavelength
@@ -26,9 +27,10 @@ namespace holotrace {
 /// @return          at z = 0, shape (n·ny, n·nx), pitch p/n [√(W/m²)], with the hologram's image side and filter
 /// @throws Error    if the grids differ, a level is not below M, a parameter is out of range, or the field
 ///                  does not fit in the machine's memory
-/// Facts: `power_in`, `power_out` [W], `efficiency`: the part of the light on the panel that these orders hold.
-/// Cost: FFTs of every row of the panel and every column of the result; 8·n(n+1) bytes per pixel.
-/// Reference: J. W. Goodman, Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
+/// Facts: `power_in`, `power_out` [W], `efficiency`: the part of the light on the panel that these orders hold;
+/// `effects` that are on, and `effects_off`: those that the panel has beside. Warns of effects named that the panel has
+/// not. Cost: FFTs of every row of the panel and every column of the result; 8·n(n+1) bytes per pixel. Reference: J. W.
+/// Goodman, Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer = {});
 
 /// The same at one moment of partly coherent light or of a panel that flickers (moments.h); wavelength and tilts are
