@@ -6,9 +6,9 @@
 
 #include "bench.h"
 #include "holotrace/base/units.h"
-#include "holotrace/io/slm_file.h"
 #include "holotrace/estimate/ceilings.h"
 #include "holotrace/estimate/timed_jobs.h"
+#include "holotrace/io/slm_file.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/wave/cost_model.h"
