@@ -1,4 +1,4 @@
-// holotrace encode: fields to the levels that an SLM shows.
+// holotrace encode: fields, or a picture that is to appear, to the levels that an SLM shows.
 
 #include <memory>
 #include <vector>
@@ -6,38 +6,134 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
+#include "holotrace/data/spectrum.h"
 #include "holotrace/io/field_file.h"
+#include "holotrace/io/file.h"
 #include "holotrace/io/hologram_file.h"
+#include "holotrace/io/image_file.h"
 #include "holotrace/io/output.h"
 #include "holotrace/slm/encode.h"
+#include "holotrace/slm/target.h"
 
 namespace holotrace {
+namespace {
+
+bool aims_at_targets(Encoding method) {
+  return method == Encoding::gerchberg_saxton || method == Encoding::weighted_gerchberg_saxton ||
+         method == Encoding::sgd;
+}
+
+// Anything else is taken for a field, whose reader says what is wrong.
+bool is_picture(const std::string& path) {
+  const std::string extension = extension_of(path);
+  for (const char* known : {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr"})
+    if (extension == known) return !is_field_file(path);
+  return false;
+}
+
+// The light of a picture at one wavelength.
+Image light_at(const Image& picture, double wavelength) {
+  Image light(picture.ny, picture.nx, 1);
+  for (int j = 0; j < picture.ny; ++j)
+    for (int i = 0; i < picture.nx; ++i)
+      light(j, i) = picture.channels == 1
+                        ? picture(j, i)
+                        : float(radiance_at(wavelength, {double(picture(j, i, 0)), double(picture(j, i, 1)),
+                                                         double(picture(j, i, 2))}));
+  return light;
+}
+
+// What the holograms are made of: targets, one list for each, and the field at the panel for each.
+struct Wanted {
+  std::vector<std::vector<TargetPlane>> targets;
+  std::vector<Field> fields;
+};
+
+Wanted wanted_of_picture(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
+                         const EncodeParams& params, Console& console) {
+  require(!wavelengths.empty(), "{} is a picture and has no wavelength; give --wavelength", path);
+  Image picture = load_image(path);
+  if (params.resample) {
+    const TargetSize size = target_size(slm.grid, params);
+    picture = resample_image(picture, size.columns, size.rows);
+  }
+  Wanted wanted;
+  for (const double wavelength : wavelengths) {
+    wanted.targets.push_back(targets_of_picture(light_at(picture, wavelength), slm.grid, wavelength, params));
+    wanted.fields.push_back(
+        field_of_target(wanted.targets.back().front(), slm, params, console.watch("field of the picture")));
+  }
+  return wanted;
+}
+
+Wanted wanted_of_fields(const std::string& path, const std::vector<Field>& fields, const EncodeParams& params) {
+  Wanted wanted{{}, fields};
+  if (!aims_at_targets(params.method)) return wanted;
+  for (const Field& field : fields) wanted.targets.push_back(targets_of(field, params));
+  require(!wanted.targets.empty(), "expected a field in {}, got none", path);
+  return wanted;
+}
+
+// One hologram for all wavelengths.
+void join(Wanted& wanted) {
+  for (size_t i = 1; i < wanted.targets.size(); ++i)
+    wanted.targets[0].insert(wanted.targets[0].end(), wanted.targets[i].begin(), wanted.targets[i].end());
+  wanted.targets.resize(1);
+  wanted.fields.resize(1);
+}
+
+}  // namespace
 
 void add_encode_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("encode", "field to hologram: the levels that an SLM shows");
+  CLI::App* command = app.add_subcommand("encode", "field or picture to hologram: the levels that an SLM shows");
   struct Options {
-    std::string input, output, slm;
+    std::string input, output, slm, wavelength;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("field", o->input, "field file")->required()->type_name("FIELD");
+  command->add_option("field", o->input, "field file, or a picture that is to appear at --target-distances")
+      ->required()
+      ->type_name("FIELD|PICTURE");
   add_output(*command, o->output,
-             "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json; a field in colour: NAME, NAME_2, …");
-  command->add_option("--slm", o->slm, "panel by name [256 levels on the field's grid]")->type_name("NAME|SCENE.toml");
+             "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json; in colour: NAME, NAME_2, …");
+  command->add_option("--slm", o->slm, "panel by name [256 levels on the field's grid; pictures: pluto]")
+      ->type_name("NAME|SCENE.toml");
+  command->add_option("--wavelength", o->wavelength, "of a picture's light: one, or several for colour")
+      ->type_name("LENGTHS");
   o->flags.add(*command, EncodeParams());
   command->callback([o, &global] {
     EncodeParams params;
     o->flags.apply(params);
-    const std::vector<Field> fields = load_fields(o->input);
-    Slm slm;
-    slm.grid = fields.front().grid;
-    if (params.method != Encoding::phase) slm.modulation = Modulation::amplitude;
-    if (!o->slm.empty()) slm = slm_by_name(o->slm);
     check_output(o->output, {".png"});
+    const bool is_field = !is_picture(o->input);
+    std::vector<Field> fields;
+    if (is_field) fields = load_fields(o->input);
+    Slm slm;
+    if (!o->slm.empty()) {
+      slm = slm_by_name(o->slm);
+    } else if (is_field) {
+      slm.grid = fields.front().grid;
+      if (params.method == Encoding::amplitude || params.method == Encoding::off_axis)
+        slm.modulation = Modulation::amplitude;
+      if (params.method == Encoding::complex) slm.modulation = Modulation::complex;
+    } else {
+      slm = slm_by_name("pluto");
+    }
+    std::vector<double> wavelengths;
+    if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength);
     Console console(global.is_quiet);
-    for (size_t i = 0; i < fields.size(); ++i) {
-      Hologram hologram = encode(fields[i], slm, params, console.watch("encode"));
-      if (o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
+    Wanted wanted = is_field ? wanted_of_fields(o->input, fields, params)
+                             : wanted_of_picture(o->input, slm, wavelengths, params, console);
+    if (params.is_joint) {
+      require(params.method == Encoding::sgd, "expected the method sgd for one hologram of all wavelengths (--joint)");
+      join(wanted);
+    }
+    for (size_t i = 0; i < wanted.fields.size(); ++i) {
+      const Observer observer = console.watch("encode");
+      Hologram hologram = aims_at_targets(params.method)
+                              ? encode_targets(wanted.targets[i], wanted.fields[i], slm, params, observer)
+                              : encode(wanted.fields[i], slm, params, observer);
+      if (is_field && o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
       save_hologram(numbered_path(o->output, i), hologram);
     }
     console.finish();

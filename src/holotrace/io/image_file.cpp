@@ -1,6 +1,8 @@
 #include "holotrace/io/image_file.h"
 
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -159,6 +161,16 @@ void save_image(const std::string& path, const Image& image, double white, int b
   write_atomically(path, [&](const std::string& temporary) {
     write_image(temporary, spec, spec.format, bits == 8 ? static_cast<const void*>(bytes.data()) : codes.data());
   });
+}
+
+Image resample_image(const Image& image, int columns, int rows) {
+  const OIIO::ImageSpec from(image.nx, image.ny, image.channels, OIIO::TypeDesc::FLOAT);
+  const OIIO::ImageBuf source(from, const_cast<float*>(image.values.data()));  // read only, as const ImageBuf
+  Image out(rows, columns, image.channels);
+  OIIO::ImageBuf target(OIIO::ImageSpec(columns, rows, image.channels, OIIO::TypeDesc::FLOAT), out.values.data());
+  require(OIIO::ImageBufAlgo::resize(target, source, "triangle"),
+          "expected to resample a picture to {} × {}, got \"{}\"", columns, rows, target.geterror());
+  return out;
 }
 
 }  // namespace holotrace

@@ -35,6 +35,10 @@ Image with_three_channels(Image image);
 /// @throws Error for another extension, white or bits, and where write_atomically throws
 void save_image(const std::string& path, const Image& image, double white, int bits);
 
+/// The picture on another number of pixels, each the mean of what it covers (OpenImageIO's resize with a triangle of
+/// light, so that nothing rings below 0).
+Image resample_image(const Image& image, int columns, int rows);
+
 /// sRGB's code in [0, 1] of linear light in [0, 1], and back (IEC 61966-2-1).
 double srgb_encode(double linear);
 double srgb_decode(double code);

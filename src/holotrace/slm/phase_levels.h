@@ -37,8 +37,8 @@ class PhaseLevels {
   std::vector<std::complex<double>> phasors_;
 };
 
-/// Says what phase a panel reaches (fact `phase_range` [rad]) and whether its calibration is allowed for (`calibrated`),
-/// and warns where the range is short of 2π.
+/// Says what phase a panel reaches (fact `phase_range` [rad]) and whether its calibration is allowed for
+/// (`calibrated`), and warns where the range is short of 2π.
 void tell_phase_range(const Slm& slm, double range, double wavelength, const Observer& observer);
 
 /// The level nearest to the phase of each sample, or of its conjugate.

@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/slm/encode.h"
+#include "holotrace/slm/plane_optics.h"
+#include "holotrace/slm/target.h"
+#include "holotrace/wave/propagate.h"
+#include "support/panels.h"
+#include "support/targets.h"
+
+namespace holotrace {
+namespace {
+
+// ⟨a, b⟩ over all samples.
+std::complex<double> inner(const Field& a, const Field& b) {
+  std::complex<double> sum = 0;
+  for (size_t i = 0; i < a.samples.size(); ++i)
+    sum += std::conj(std::complex<double>(a.samples.values[i])) * std::complex<double>(b.samples.values[i]);
+  return sum;
+}
+
+TEST(PlaneOptics, WayBackIsTheAdjointOfTheWayThere) {
+  // Angular spectrum (2 mm) and Rayleigh–Sommerfeld kernel (0.2 m), both ways, with aperture and stop: the float sums
+  // of a few thousand products, 1e-5 of the norms.
+  const Slm slm = make_panel(72, 40);
+  const Field u = random_field(slm.grid, 1), g = random_field(slm.grid, 2);
+  for (const double z : {-0.002, 0.002, -0.2, 0.2})
+    for (const double stop : {1.0, 0.4}) {
+      const PlaneOptics optics = make_plane_optics(slm, test_wavelength, z, PixelAperture::included, stop);
+      const std::complex<double> there = inner(g, optics.to_plane(u)), back = inner(optics.to_panel(g), u);
+      EXPECT_LT(std::abs(there - back), 1e-5 * std::sqrt(inner(u, u).real() * inner(g, g).real())) << z << " " << stop;
+    }
+}
+
+TEST(PlaneOptics, NoLightIsGained) {
+  // ‖T‖ ≤ 1: what the error that never grows stands on. 1e-5: float.
+  const Slm slm = make_panel(72, 40);
+  const Field u = random_field(slm.grid, 3);
+  for (const double z : {0.0, 0.002, 0.2})
+    EXPECT_LE(power(make_plane_optics(slm, test_wavelength, z, PixelAperture::included).to_plane(u)),
+              power(u) * (1 + 1e-5))
+        << z;
+}
+
+TEST(GerchbergSaxton, ErrorNeverGrows) {
+  // One plane and three, all of the window or a part, where light leaves the window and where hardly any does. The
+  // theorem is of exact arithmetic: floats may add 1e-6 of the first error.
+  const Slm slm = make_panel(96, 64);
+  for (const std::vector<double>& distances : {std::vector{0.002}, {0.02}, {0.01, 0.015, 0.02}})
+    for (const int columns : {0, 60}) {
+      EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = distances};
+      params.target_columns = columns;
+      params.target_rows = columns * 2 / 3;
+      params.iterations = 40;
+      params.start = StartPhase::random;
+      const std::vector<double> error = convergence_of(slm, params);
+      ASSERT_EQ(error.size(), 41u);
+      for (size_t i = 1; i < error.size(); ++i) EXPECT_LE(error[i], error[i - 1] + 1e-6 * error[0]) << i;
+      EXPECT_LT(error.back(), 0.7 * error.front());  // and it falls
+    }
+}
+
+TEST(GerchbergSaxton, APlaneOfItsOwnLightIsReachedAtOnce) {
+  // The modulus of a phase pattern's own light: the start is the answer, and stays it. 1e-9: squares of float's 1e-5.
+  const Slm slm = make_panel(64, 48, 65536);
+  Field start = random_field(slm.grid, 4);
+  for (auto& u : start.samples.values) u /= std::abs(u);
+  const PlaneOptics optics = make_plane_optics(slm, test_wavelength, -0.01, PixelAperture::included);
+  TargetPlane target{-0.01, test_wavelength, Array2D<float>(48, 64), {}};
+  const Field shown = optics.to_plane(start);
+  for (size_t i = 0; i < shown.samples.size(); ++i) target.amplitude.values[i] = std::abs(shown.samples.values[i]);
+  EncodeParams params{.method = Encoding::gerchberg_saxton};
+  params.iterations = 3;
+  Heard heard;
+  const Hologram hologram = encode_targets({target}, start, slm, params, heard.observer());
+  EXPECT_LT(heard.number("error_last"), 1e-9);
+  EXPECT_GT(heard.number("psnr_db"), 80);  // 65536 levels: rounding of 5e-5/√12 rad, −96 dB of the mean
+  EXPECT_NEAR(hologram.illumination, 1, 1e-3);
+}
+
+TEST(WeightedGerchbergSaxton, IsNearerThanThePlainOne) {
+  const Slm slm = make_panel(96, 64);
+  EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.01}};
+  params.target_columns = 60;
+  params.target_rows = 40;
+  params.start = StartPhase::random;
+  const double plain = convergence_of(slm, params).back();
+  params.method = Encoding::weighted_gerchberg_saxton;
+  EXPECT_LT(convergence_of(slm, params).back(), plain);
+}
+
+TEST(GerchbergSaxton, SaysWhatIsWrong) {
+  const Slm slm = make_panel(8, 6);
+  const Field field = random_field(slm.grid, 1);
+  EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.001}};
+  const auto error = [&] { return error_of([&] { encode(field, slm, params); }); };
+  params.iterations = -1;
+  EXPECT_EQ(error(), "expected 0 iterations (as many as the method needs) or more, got -1");
+  params.iterations = 2;
+  params.target_columns = 9;
+  EXPECT_EQ(error(),
+            "expected a target of at most 8 × 6 pixels, as many as the panel has, or 0 for all of them, got 9 "
+            "× 0");
+  params.target_columns = 0;
+  params.target_distances = {};
+  EXPECT_EQ(error(),
+            "expected a distance that the image is made for, got none; give target_distances (--target-distances)");
+  params.target_distances = {0.001};
+  params.effects = {"crostalk"};
+  EXPECT_NE(error().find("crosstalk"), std::string::npos) << error();
+  params.effects = {};
+  EXPECT_EQ(error_of([&] { targets_of_picture(Image(5, 8, 1), slm.grid, test_wavelength, params); }),
+            "expected a target picture of 8 × 6 pixels, as target_columns and target_rows or the panel say, got 8 × 5; "
+            "give its size by those, or resample it (--resample true)");
+  EXPECT_EQ(error_of([&] { targets_of_picture(Image(6, 8, 1), slm.grid, test_wavelength, params); }),
+            "expected a target with light where it counts, got none at z = -1 mm");
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,61 @@
+#include "holotrace/estimate/encoder_quality.h"
+#include "support/targets.h"
+
+// Each encoder on a natural picture of 208 × 152 in the middle of a 256 × 192 panel, 10 mm away: light of the band's
+// edge moves by 42 pixels, of a margin of 24 and 20. The figures of a full-HD panel are those of holotrace bench.
+
+namespace holotrace {
+namespace {
+
+double psnr_of(Slm slm, EncodeParams params, const std::vector<std::string>& effects = {}) {
+  params.target_distances = {0.01};
+  params.target_columns = 208;
+  params.target_rows = 152;
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  const Field field = field_of_target(targets[0], slm, params);
+  const bool is_iteration = params.method == Encoding::sgd || params.method == Encoding::gerchberg_saxton;
+  const Hologram h = is_iteration ? encode_targets(targets, field, slm, params) : encode(field, slm, params);
+  return encoder_quality(targets[0], h, slm, {.effects = effects}).psnr;
+}
+
+Slm panel() { return make_panel(256, 192); }
+
+TEST(Quality, AComplexPanelShowsThePictureToItsLevels) {
+  Slm slm = panel();
+  slm.modulation = Modulation::complex;
+  EXPECT_GT(psnr_of(slm, {.method = Encoding::complex}), 40);  // 8 bits of a field that rarely nears its maximum
+}
+
+TEST(Quality, DoublePhaseAndErrorDiffusionKeepTheModulus) {
+  // A kinoform loses the modulus, and with it the picture's light and shade.
+  const double kinoform = psnr_of(panel(), {.method = Encoding::phase});
+  EXPECT_GT(psnr_of(panel(), {.method = Encoding::double_phase}), kinoform + 6);
+  EXPECT_GT(psnr_of(panel(), {.method = Encoding::error_diffusion}), kinoform + 6);
+}
+
+TEST(Quality, DescentIsTheBestOfPhasePanels) {
+  EncodeParams params{.method = Encoding::sgd};
+  params.iterations = 60;
+  const double descent = psnr_of(panel(), params);
+  EXPECT_GT(descent, 28);  // double-phase's figure in full HD is 26 and more; full runs reach 35 and more there
+  params.method = Encoding::gerchberg_saxton;
+  EXPECT_GT(descent, psnr_of(panel(), params) + 3);
+}
+
+TEST(Quality, DescentThatKnowsThePanelIsBetterByThreeDecibels) {
+  Slm slm = panel();
+  slm.fill_factor = 0.93;
+  slm.effects.crosstalk = 0.2;
+  slm.effects.gap_amplitude = 0.5;
+  slm.effects.aberration = {{2, 0, 0.5}, {2, 2, 0.3}};
+  for (int level = 0; level < 256; ++level)  // an S-shaped phase
+    slm.effects.calibration.push_back({2 * pi * (level / 256.0 - 0.06 * std::sin(2 * pi * level / 256.0)), 1});
+  EncodeParams params{.method = Encoding::sgd};
+  params.iterations = 60;
+  const double unknown = psnr_of(slm, params, {"all"});
+  params.effects = {"all"};
+  EXPECT_GT(psnr_of(slm, params, {"all"}), unknown + 3);  // as the full-size figures ask
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/estimate/test_picture.h"
+#include "holotrace/slm/encode.h"
+#include "holotrace/slm/target.h"
+#include "support/panels.h"
+
+namespace holotrace {
+
+/// Samples of random modulus in [0.5, 1.5] and random phase.
+inline Field random_field(const Grid& grid, uint64_t seed) {
+  Field field(grid, test_wavelength);
+  CounterRandom random(seed, 0, 0);
+  for (auto& u : field.samples.values) {
+    const double modulus = 0.5 + random.uniform();
+    u = std::complex<float>(std::polar(modulus, 2 * pi * random.uniform()));
+  }
+  return field;
+}
+
+/// The targets that a natural picture gives on a panel.
+inline std::vector<TargetPlane> picture_targets(const Slm& slm, const EncodeParams& params,
+                                                double wavelength = test_wavelength) {
+  const TargetSize size = target_size(slm.grid, params);
+  return targets_of_picture(natural_picture(size.columns, size.rows), slm.grid, wavelength, params);
+}
+
+/// The curve `convergence` of an encoder that iterates toward a natural picture.
+inline std::vector<double> convergence_of(const Slm& slm, const EncodeParams& params) {
+  std::vector<double> curve;
+  Observer observer;
+  observer.on_curve = [&](const std::string& name, const std::vector<double>& values) {
+    if (name == "convergence") curve = values;
+  };
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  encode_targets(targets, field_of_target(targets.front(), slm, params), slm, params, observer);
+  return curve;
+}
+
+}  // namespace holotrace
