@@ -137,7 +137,7 @@ void print_text(const Answer& a) {
                      e.grid_tests_per_ray));
   }
   line("scene made ready", seconds(e.prepare_seconds), "before the first ray");
-  fmt::print("\nA run on this machine\n");
+  fmt::print("\nA run on this machine, seconds of its stages\n");
   for (const StageEstimate& stage : e.stages) line(stage.stage, seconds(stage.seconds), "");
   line("all", seconds(e.seconds()), "without reading and saving files");
   line("FFT plans", seconds(e.plan_seconds), "once on a machine, and made by now");

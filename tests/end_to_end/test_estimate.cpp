@@ -50,7 +50,7 @@ TEST(EstimateCommand, HasATimeForEveryStageOfTheRun) {
 TEST(EstimateCommand, CountsFramesColoursAndThePapersPixels) {
   const Workplace work;
   std::string scene = mesh_scene();
-  scene.replace(scene.find("\"532 nm\""), 8, "\"638 nm, 532 nm\"");
+  scene.replace(scene.find("\"532 nm\""), 8, "[\"638 nm\", \"532 nm\"]");
   scene.replace(scene.find("paths = 4\n"), 10, "paths = 4\nframes = 3\npixel_samples = 5\n");
   work.write("scene.toml", scene);
   const auto one = json_of(work, {"estimate", "scene.toml", "--json", "--fps", "50"});

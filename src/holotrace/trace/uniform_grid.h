@@ -50,7 +50,7 @@ struct GridStatistics {
 /// triangles are of about one size and evenly spread, bad for a small detailed thing in a large empty scene.
 class UniformGrid {
  public:
-  /// Cells per triangle that were found fastest for meshes of 10³ to 10⁶ triangles, flat over a factor of 2.
+  /// Cells per triangle, by which a ray through evenly spread triangles crosses about as many cells as it makes tests.
   static constexpr double usual_density = 4;
 
   /// In parallel; the same grid on any number of threads.
