@@ -12,7 +12,8 @@ namespace {
 
 constexpr int iterations = 10;
 
-// Ten iterations, divided by ten: what stands around them (transfer functions, the quality of the levels) is counted in.
+// Ten iterations, divided by ten: what stands around them (transfer functions, the quality of the levels) is counted
+// in.
 void iteration(benchmark::State& state, Encoding method) {
   const Slm slm{.name = "ideal", .grid = timed_full_hd};
   EncodeParams params{.method = method, .target_distances = {0.2_m}, .target_columns = 1600, .target_rows = 880};
