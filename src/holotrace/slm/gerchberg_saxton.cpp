@@ -21,7 +21,9 @@ void strengthen(const TargetPlane& wanted, const Field& shown, double scale, Tar
     float* asked = target.amplitude.row(int(j));
     for (int i = 0; i < target.amplitude.nx; ++i) {
       const float modulus = std::abs(v[i]), goal = float(scale) * a[i];
-      if (goal > 0) asked[i] *= std::sqrt(std::clamp(goal / std::max(modulus, 1e-6F * goal), 0.25F, 4.0F));
+      if (goal <= 0) continue;
+      const float lack = std::clamp(goal / std::max(modulus, 1e-6F * goal) - 1, -1.0F, 1.0F);
+      asked[i] = std::min(2 * a[i], asked[i] * (1 + 0.1F * lack));
     }
   });
 }
