@@ -1,5 +1,5 @@
 // The steps of holotrace bench that show how well each encoder does, in full HD: a natural-looking picture of 1600 ×
-// 880 in a plane 0.1 m away, seen through the virtual SLM.
+// 880 in a plane 0.2 m away, seen through the virtual SLM.
 
 #include <fmt/format.h>
 
@@ -26,12 +26,14 @@ struct QualityJob {
   Modulation modulation = Modulation::phase;
   const char* panel = "";  // "": ideal, 8 bit
   std::vector<std::string> known = {}, effects = {};
+  double distance = 0.2;  // [m]
 };
 
 BenchRow bench_quality(const QualityJob& job) {
   Slm slm{.name = "ideal", .grid = timed_full_hd, .modulation = job.modulation};
   if (*job.panel) slm = slm_preset(job.panel);
-  EncodeParams params{.method = job.method, .target_distances = {0.1_m}, .target_columns = 1600, .target_rows = 880};
+  EncodeParams params{
+      .method = job.method, .target_distances = {job.distance}, .target_columns = 1600, .target_rows = 880};
   params.start = job.start;
   params.effects = job.known;
   const std::vector<TargetPlane> targets = targets_of_picture(natural_picture(1600, 880), slm.grid, 520_nm, params);
@@ -58,6 +60,7 @@ std::vector<BenchStep> quality_steps(const BenchOptions& options) {
   std::vector<QualityJob> jobs{{"phase", Encoding::phase},
                                {"phase, random", Encoding::phase, random},
                                {"complex", Encoding::complex, smooth, Modulation::complex},
+                               {"complex, 0.1 m", Encoding::complex, smooth, Modulation::complex, "", {}, {}, 0.1},
                                {"double-phase", Encoding::double_phase},
                                {"error-diffusion", Encoding::error_diffusion},
                                {"off-axis, no bias", Encoding::off_axis, smooth, Modulation::amplitude},
