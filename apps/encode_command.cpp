@@ -5,15 +5,20 @@
 
 #include "commands.h"
 #include "console.h"
+#include "convergence.h"
 #include "flags.h"
+#include "holotrace/base/units.h"
 #include "holotrace/data/spectrum.h"
+#include "holotrace/io/chart_file.h"
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/file.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/output.h"
+#include "holotrace/io/report_file.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/target.h"
+#include "holotrace/stage.h"
 
 namespace holotrace {
 namespace {
@@ -87,7 +92,7 @@ void join(Wanted& wanted) {
 void add_encode_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("encode", "field or picture to hologram: the levels that an SLM shows");
   struct Options {
-    std::string input, output, slm, wavelength;
+    std::string input, output, slm, wavelength, report, plot;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
@@ -100,11 +105,18 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("NAME|SCENE.toml");
   command->add_option("--wavelength", o->wavelength, "of a picture's light: one, or several for colour")
       ->type_name("LENGTHS");
+  command->add_option("--report", o->report, "what each stage did, as in run's report.json")->type_name("FILE.json");
+  command->add_option("--plot", o->plot, "iterations: a chart of how the error fell")->type_name("FILE.png|svg");
   o->flags.add(*command, EncodeParams());
   command->callback([o, &global] {
     EncodeParams params;
     o->flags.apply(params);
     check_output(o->output, {".png"});
+    if (!o->report.empty()) check_output(o->report, {".json"});
+    if (!o->plot.empty()) check_output(o->plot, {".png", ".svg"});
+    require(o->plot.empty() || aims_at_targets(params.method),
+            "expected --plot with a method that iterates, gerchberg-saxton, weighted-gerchberg-saxton or sgd; leave it "
+            "out, or take one of these");
     const bool is_field = !is_picture(o->input);
     std::vector<Field> fields;
     if (is_field) fields = load_fields(o->input);
@@ -128,15 +140,22 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       require(params.method == Encoding::sgd, "expected the method sgd for one hologram of all wavelengths (--joint)");
       join(wanted);
     }
+    Report report;
+    report.seed = params.seed;
     for (size_t i = 0; i < wanted.fields.size(); ++i) {
-      const Observer observer = console.watch("encode");
-      Hologram hologram = aims_at_targets(params.method)
-                              ? encode_targets(wanted.targets[i], wanted.fields[i], slm, params, observer)
-                              : encode(wanted.fields[i], slm, params, observer);
+      const std::string stage =
+          wanted.fields.size() == 1 ? "encode" : "encode " + format_length(wanted.fields[i].wavelength);
+      Hologram hologram = run_stage(stage, report, console.stages(), [&](const Observer& observer) {
+        return aims_at_targets(params.method)
+                   ? encode_targets(wanted.targets[i], wanted.fields[i], slm, params, observer)
+                   : encode(wanted.fields[i], slm, params, observer);
+      });
       if (is_field && o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
       save_hologram(numbered_path(o->output, i), hologram);
     }
     console.finish();
+    if (!o->report.empty()) save_report(o->report, report);
+    if (!o->plot.empty()) save_chart(o->plot, convergence_chart(report));
   });
 }
 

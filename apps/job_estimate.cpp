@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <map>
 
 #include "holotrace/base/error.h"
@@ -220,6 +221,7 @@ double JobEstimate::seconds_of(const std::string& prefix) const {
 JobEstimate estimate_job(const Job& job) {
   JobEstimate e;
   e.probe_seconds = median_seconds(1, [&] {
+    check_field_fits(job.slm.grid, sizeof(std::complex<float>));
     check_job(job);
     e.wavelengths = double(job.wavelengths.size());
     e.frames = job.trace.frames;

@@ -243,8 +243,8 @@ TEST(Frames, AreCountedByTheEstimate) {
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json.at("frames"), 8);
   EXPECT_EQ(json.at("holograms"), 8);
-  const double parts = json.at("trace_seconds").get<double>() + json.at("synthesis_seconds").get<double>() +
-                       json.at("simulation_seconds").get<double>();
+  const double parts = json.at("render_seconds").get<double>() + json.at("trace_seconds").get<double>() +
+                       json.at("synthesis_seconds").get<double>() + json.at("simulation_seconds").get<double>();
   EXPECT_NEAR(json.at("seconds").get<double>() / parts, 1, 1e-9);
 }
 
