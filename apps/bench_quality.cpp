@@ -1,5 +1,5 @@
 // The steps of holotrace bench that show how well each encoder does, in full HD: a natural-looking picture of 1600 ×
-// 880 in a plane 0.2 m away, seen through the virtual SLM.
+// 880 in a plane 0.1 m away, seen through the virtual SLM.
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ struct QualityJob {
   Modulation modulation = Modulation::phase;
   const char* panel = "";  // "": ideal, 8 bit
   std::vector<std::string> known = {}, effects = {};
-  double distance = 0.2;  // [m]
+  double distance = 0.1;  // [m]
 };
 
 BenchRow bench_quality(const QualityJob& job) {
@@ -60,7 +60,7 @@ std::vector<BenchStep> quality_steps(const BenchOptions& options) {
   std::vector<QualityJob> jobs{{"phase", Encoding::phase},
                                {"phase, random", Encoding::phase, random},
                                {"complex", Encoding::complex, smooth, Modulation::complex},
-                               {"complex, 0.1 m", Encoding::complex, smooth, Modulation::complex, "", {}, {}, 0.1},
+                               {"complex, 0.2 m", Encoding::complex, smooth, Modulation::complex, "", {}, {}, 0.2},
                                {"double-phase", Encoding::double_phase},
                                {"error-diffusion", Encoding::error_diffusion},
                                {"off-axis, no bias", Encoding::off_axis, smooth, Modulation::amplitude},
@@ -71,6 +71,7 @@ std::vector<BenchStep> quality_steps(const BenchOptions& options) {
           QualityJob{"weighted GS, random", Encoding::weighted_gerchberg_saxton, random},
           QualityJob{"weighted GS", Encoding::weighted_gerchberg_saxton},
           QualityJob{"sgd, random", Encoding::sgd, random}, QualityJob{"sgd", Encoding::sgd},
+          QualityJob{"sgd, 0.2 m", Encoding::sgd, smooth, phase, "", {}, {}, 0.2},
           QualityJob{"sgd, panel unknown", Encoding::sgd, smooth, phase, "pluto", {}, {"all"}},
           QualityJob{"sgd, panel known", Encoding::sgd, smooth, phase, "pluto", {"all"}, {"all"}}})
       jobs.push_back(job);

@@ -57,6 +57,10 @@ struct Wanted {
 Wanted wanted_of_picture(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
                          const EncodeParams& params, Console& console) {
   require(!wavelengths.empty(), "{} is a picture and has no wavelength; give --wavelength", path);
+  require(params.target_distances.size() <= 1 || aims_at_targets(params.method),
+          "expected one target distance for a method that makes a field of the picture, got {}; give one, or take "
+          "sgd or gerchberg-saxton, which aim at several",
+          params.target_distances.size());
   Image picture = load_image(path);
   if (params.resample) {
     const TargetSize size = target_size(slm.grid, params);
@@ -120,6 +124,8 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     const bool is_field = !is_picture(o->input);
     std::vector<Field> fields;
     if (is_field) fields = load_fields(o->input);
+    require(!is_field || o->wavelength.empty(),
+            "expected --wavelength with a picture; {} is a field, which knows its own", o->input);
     Slm slm;
     if (!o->slm.empty()) {
       slm = slm_by_name(o->slm);

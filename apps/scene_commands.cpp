@@ -76,6 +76,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     Job job = load_job(o->scene);
     o->flags.apply(job.camera);
     o->trace_flags.apply(job.trace);
+    if (o->trace_flags.has("accelerator")) job.render.accelerator = job.trace.accelerator;
     o->synthesize_flags.apply(job.synthesize);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
     if (!o->eye_separation.empty())

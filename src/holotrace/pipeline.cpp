@@ -63,7 +63,8 @@ void check_memory(const Job& job, size_t sets) {
   const double rows = (job.camera.height > 0 ? job.camera.height : panel.height() * m) / pixel;
   const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
   const double fields = 8 * pixels * double(sets) * kept;
-  const double holograms = 2 * pixels * double(sets) * frames;
+  const double planes = job.encode.method == Encoding::complex ? 2 : 1;  // of levels
+  const double holograms = 2 * planes * pixels * double(sets) * frames;
   const double shown = 8 * pixels * n * n, showing = 8 * pixels * n;
   double looking = 0;
   for (const double wavelength : job.wavelengths)
@@ -187,6 +188,16 @@ void check_job(const Job& job) {
     require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,
             "expected wavelengths that differ, got {} twice; leave one out, or ask for frames",
             format_length(job.wavelengths[i]));
+  const bool is_coloured = job.wavelengths.size() > 1;
+  require(!is_coloured || job.show.wavelength == 0,
+          "expected [show] wavelength with a scene of one wavelength, got {} of {}; leave it out: each hologram is lit "
+          "with "
+          "its own",
+          format_length(job.show.wavelength), job.wavelengths.size());
+  require(!is_coloured || !job.encode.is_joint,
+          "expected [encode] joint with pictures as targets (holotrace encode), got a scene of {} wavelengths, whose "
+          "holograms are one for each; leave it out",
+          job.wavelengths.size());
   if (job.synthesize.method == SynthesisMethod::triangles)
     check_shading(job.scene, job.trace);
   else if (job.trace.strategy == Strategy::gather)

@@ -137,10 +137,19 @@ std::vector<const Viewpoint*> sweep_of(const std::vector<Viewpoint>& from) {
   return views;
 }
 
+// Refused before the work, not at its end.
+void check_place(const CameraParams& camera) {
+  for (const double distance : camera.distances)
+    require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {}",
+            format_length(distance));
+  check_eye(camera);
+}
+
 }  // namespace
 
 std::vector<Viewpoint> viewpoints(const CameraParams& camera, const RenderParams& stereo) {
   check_sensor(camera);
+  check_place(camera);
   std::vector<Viewpoint> from;
   for (const double distance : camera.distances)
     from.push_back({ViewKind::distance, "look at " + format_length(distance), distance, 0, camera});
@@ -158,7 +167,7 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
   const std::vector<Moment> all = moments(with_effects(slm, params.effects), params, wavelength);
   const auto add = [&](size_t i, const Image& view) {
     sums[i].add(wavelength, hologram.name, hologram.illumination, view,
-                axial_reach(slm, wavelength, from[i].distance, from[i].camera, hologram.filter));
+                axial_reach(slm, wavelength, from[i].distance, hologram.image, from[i].camera, hologram.filter));
   };
   std::vector<Image> mixed(all.size() > 1 ? from.size() : 0);
   OrderShares shares;

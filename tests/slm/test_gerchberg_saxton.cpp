@@ -114,8 +114,24 @@ TEST(GerchbergSaxton, SaysWhatIsWrong) {
   EXPECT_EQ(error_of([&] { targets_of_picture(Image(5, 8, 1), slm.grid, test_wavelength, params); }),
             "expected a target picture of 8 × 6 pixels, as target_columns and target_rows or the panel say, got 8 × 5; "
             "give its size by those, or resample it (--resample true)");
-  EXPECT_EQ(error_of([&] { targets_of_picture(Image(6, 8, 1), slm.grid, test_wavelength, params); }),
-            "expected a target with light where it counts, got none at z = -1 mm");
+}
+
+// A colour or a layer without light is no fault: the others are shown.
+TEST(GerchbergSaxton, ADarkTargetMakesADarkHologram) {
+  const Slm slm{.name = "test", .grid = {8, 6, 8e-6}};
+  EncodeParams params{.method = Encoding::gerchberg_saxton};
+  params.target_distances = {0.001};
+  for (const Encoding method : {Encoding::gerchberg_saxton, Encoding::weighted_gerchberg_saxton, Encoding::sgd}) {
+    params.method = method;
+    const auto targets = targets_of_picture(Image(6, 8, 1), slm.grid, test_wavelength, params);
+    std::vector<std::string> warnings;
+    Observer observer;
+    observer.on_warning = [&](const std::string& sentence) { warnings.push_back(sentence); };
+    const Hologram hologram = encode_targets(targets, Field(slm.grid, test_wavelength), slm, params, observer);
+    EXPECT_EQ(hologram.illumination, 0);
+    ASSERT_FALSE(warnings.empty());
+    EXPECT_NE(warnings.back().find("dark where it counts"), std::string::npos) << warnings.back();
+  }
 }
 
 }  // namespace

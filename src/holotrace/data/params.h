@@ -229,7 +229,7 @@ struct EncodeParams {
   int levels = 0;                                    ///< 0: as many as the SLM has
   BinaryLevels binary_levels = BinaryLevels::panel;  ///< of the method binary; panel: what the panel modulates
   /// Half width of the stop that double-phase and error-diffusion ask the camera for, as a part of 1/2p.
-  double stop = 0.5;
+  double stop = 0.4;
   std::vector<double> target_distances{};   ///< of the planes that iterations look at [m], ≥ 0
   int target_columns = 0, target_rows = 0;  ///< part of those planes that counts, about the axis [pixels]; 0: all
   bool resample = false;                    ///< a target picture of another size to that part
@@ -273,8 +273,8 @@ void describe(Visitor& v, EncodeParams& p) {
   v.count("target_rows", p.target_rows, "iterations, pictures: height of the part that counts; 0: the panel's");
   v.flag("resample", p.resample, "a target picture of another size to the part that counts");
   v.flag("joint", p.is_joint, "iterations: one hologram for all wavelengths, or one for each");
-  v.count("iterations", p.iterations, "0: 50 of gerchberg-saxton, 200 of sgd");
-  v.number("step", p.step, "sgd: of the phase in an iteration, in radians; 0: as found best");
+  v.count("iterations", p.iterations, "0: 50 of gerchberg-saxton, 200 of sgd, 30 for the field of a picture");
+  v.number("step", p.step, "sgd: of the phase in an iteration, in radians; 0: 0.4");
   v.choice("start", p.start, {{"field", StartPhase::field}, {"random", StartPhase::random}},
            "of iterations and of target pictures: the field's own phase (a picture's is 0), or a random one");
   v.count("seed", p.seed, "of random starts");

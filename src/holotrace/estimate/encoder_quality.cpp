@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <vector>
 
+#include "holotrace/base/error.h"
+#include "holotrace/slm/moments.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/view/select_order.h"
 #include "holotrace/wave/propagate.h"
@@ -11,14 +15,21 @@ namespace holotrace {
 
 EncoderQuality encoder_quality(const TargetPlane& target, const Hologram& hologram, const Slm& slm,
                                const ShowParams& params) {
-  Field light = show(hologram, slm, params);
-  if (light.filter) light = select_order(light, *light.filter);
-  light = propagate(light, target.z);
+  require(params.subpixels == 1, "expected 1 sample per pixel, as the target has, got {}", params.subpixels);
+  // The irradiance of all moments; a panel that flickers has several.
+  std::vector<double> irradiance(target.amplitude.size());
+  for (const Moment& moment : moments(with_effects(slm, params.effects), params, hologram.wavelength)) {
+    Field light = show(hologram, slm, params, moment);
+    if (light.filter) light = select_order(light, *light.filter);
+    light = propagate(light, target.z);
+    for (size_t i = 0; i < irradiance.size(); ++i)
+      irradiance[i] += moment.weight * std::norm(std::complex<double>(light.samples.values[i]));
+  }
   double wanted = 0, cross = 0, square = 0, weight = 0, peak = 0;
   for (size_t i = 0; i < target.amplitude.size(); ++i) {
     const double w = target.weight.size() == 0 ? 1 : double(target.weight.values[i]);
     if (w <= 0) continue;
-    const double a = target.amplitude.values[i], v = std::abs(std::complex<double>(light.samples.values[i]));
+    const double a = target.amplitude.values[i], v = std::sqrt(irradiance[i]);
     wanted += w * a * a;
     cross += w * a * v;
     square += w * v * v;

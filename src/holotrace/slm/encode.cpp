@@ -18,6 +18,7 @@
 #include "holotrace/slm/kinoform.h"
 #include "holotrace/slm/off_axis.h"
 #include "holotrace/slm/phase_levels.h"
+#include "holotrace/slm/plane_sums.h"
 #include "holotrace/slm/target.h"
 
 namespace holotrace {
@@ -98,6 +99,25 @@ void check_panel(const Slm& slm, const EncodeParams& params, const Observer& obs
         fmt::format("the SLM \"{}\" modulates phase and the encoding \"{}\" amplitude: it is shown as if "
                     "behind a crossed polariser that turns phase into amplitude",
                     slm.name, name));
+}
+
+// Says which of the effects that are named take no part in the levels.
+void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  const std::vector<std::string> has = effects_of(slm);
+  const Modulation modulation = modulation_of(params, slm);
+  for (const std::string& name : params.effects) {
+    if (name == "all" || name == "none") continue;
+    const bool is_usable = params.method == Encoding::sgd
+                               ? name != "flicker"
+                               : name == "calibration" && modulation != Modulation::amplitude;
+    if (!is_usable)
+      observer.warn(
+          fmt::format("the encoding \"{}\" cannot allow for {}: it is left out; sgd allows for all but flicker",
+                      name_of(params.method), name));
+    else if (std::find(has.begin(), has.end(), name) == has.end())
+      observer.warn(
+          fmt::format("the SLM \"{}\" has no {} to allow for; write its figures in the panel's file", slm.name, name));
+  }
 }
 
 void check_params(const Slm& slm, const EncodeParams& params) {
@@ -199,6 +219,7 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
   require_grid_of(slm, field.grid, "field");
   if (is_iteration(params.method)) return encode_targets(targets_of(field, params), field, slm, params, observer);
   check_panel(slm, params, observer);
+  tell_effects(slm, params, observer);
   check_field(field, slm, observer);
   Hologram hologram = blank_hologram(field, slm, params, observer);
   const Slm known = with_effects(slm, params.effects);
@@ -217,9 +238,16 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
           "expected a method that aims at targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
           name_of(params.method));
   check_panel(slm, params, observer);
+  tell_effects(slm, params, observer);
   check_field(start, slm, observer);
   check_targets(targets, slm.grid);
   Hologram hologram = blank_hologram(start, slm, params, observer);
+  if (std::none_of(targets.begin(), targets.end(), [](const TargetPlane& t) { return target_power(t) > 0; })) {
+    observer.warn(fmt::format("the target at {} is dark where it counts, and the hologram holds nothing",
+                              format_length(start.wavelength)));
+    hologram.illumination = 0;
+    return hologram;
+  }
   const Slm known = with_effects(slm, params.effects);
   const PhaseLevels levels(known, hologram.levels, start.wavelength);
   tell_phase_range(known, levels.range(), start.wavelength, observer);

@@ -57,7 +57,9 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 ///
 /// @param targets  of one plane or several, of one wavelength or (sgd) several, on the panel's pixels
 /// @param start    what iterations begin with, at the panel; its wavelength is the hologram's
-/// @throws Error   as encode does, for a method that does not iterate, and for targets of another size or without light
+/// @throws Error   as encode does, for a method that does not iterate, and for targets of another size. Targets without
+/// any light make a
+///                 dark hologram (illumination 0), with a warning
 /// Facts: as encode; `iterations`, `psnr_db`: of the amplitudes that the levels show where the weight is not 0, the
 /// best scale taken out, over the largest wanted one; `target_efficiency`: the part of the light on the panel that
 /// falls there. Curve `convergence`.

@@ -72,17 +72,20 @@ Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
   return gradient;
 }
 
+// Of all colours that have light, each against its own peak.
 double psnr(const std::vector<std::unique_ptr<Colour>>& colours) {
-  double error = 0, weight = 0, peak = 0;
+  double error = 0, weight = 0;
   for (const auto& colour : colours) {
-    error += colour->error;
+    double peak = 0;
+    for (const TargetPlane* target : colour->targets) peak = std::max(peak, target_peak(*target));
+    if (peak == 0) continue;
+    error += colour->error / (peak * peak);
     for (const TargetPlane* target : colour->targets) {
-      peak = std::max(peak, target_peak(*target));
       for (const float w : target->weight.values) weight += double(w);
       if (target->weight.size() == 0) weight += double(target->amplitude.size());
     }
   }
-  return 10 * std::log10(peak * peak * weight / std::max(error, 1e-30));
+  return 10 * std::log10(weight / std::max(error, 1e-30));
 }
 
 void tell_quality(const std::vector<std::unique_ptr<Colour>>& colours, const Observer& observer, Hologram& hologram) {
@@ -111,12 +114,14 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
           params.step);
   const int iterations = params.iterations > 0 ? params.iterations : 200;
   const std::vector<std::unique_ptr<Colour>> colours = colours_of(targets, slm, hologram);
-  double power = 0;
-  for (const auto& colour : colours) power += colour->power;
+  // Each colour counts by its own light, so that a dim one is not left to the brightest; a dark one does not count.
+  double lit = 0;
+  for (const auto& colour : colours) lit += colour->power > 0;
+  const auto part = [&](const Colour& colour) { return colour.power > 0 ? 1 / (colour.power * lit) : 0; };
   const auto loss = [&] {
     double sum = 0;
-    for (const auto& colour : colours) sum += colour->error;
-    return sum / power;
+    for (const auto& colour : colours) sum += colour->error * part(*colour);
+    return sum;
   };
 
   const DrivenPanel& first = colours.front()->panel;
@@ -131,8 +136,9 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
   for (int iteration = 0; iteration < iterations; ++iteration) {
     std::fill(slope.values.begin(), slope.values.end(), 0.0F);
     for (const auto& colour : colours) {
+      if (colour->power == 0) continue;
       const Field residual = look_at(*colour, levels, true);
-      colour->panel.add_slope(levels, colour->u, residual, -2 * colour->scale * colour->scale / power, slope);
+      colour->panel.add_slope(levels, colour->u, residual, -2 * colour->scale * colour->scale * part(*colour), slope);
     }
     convergence.push_back(loss());
     const double fall = (1 + std::cos(pi * iteration / iterations)) / 2, t = iteration + 1;

@@ -13,12 +13,14 @@ namespace holotrace {
 
 /// Levels that bring the targets' moduli out of a panel, by descent on
 ///
-///     f(ℓ) = Σ_λ Σₖ Σ wₖ(s_λ·|Tₖu(ℓ)| − aₖ)²,   s_λ = Σ w·a·|v| / Σ w·|v|², the best scale for that wavelength
+///     f(ℓ) = Σ_λ Σₖ Σ wₖ(s_λ·|Tₖu(ℓ)| − aₖ)²/P_λ,   s_λ = Σ w·a·|v| / Σ w·|v|², the best scale for that wavelength
 ///
-/// through the rounding to levels, the panel (its pixels' aperture, and the effects that params.effects names) and free
-/// space. The gradient is analytic: s is at its optimum, so it counts as a constant; g = 2w·s(s|v| − a)·v/|v| goes back
-/// by the adjoint of each propagation and of the panel. Rounding is passed straight through: the light is that of whole
-/// levels, the gradient moves the drive between them (Bengio, Léonard and Courville, arXiv:1308.3432).
+/// P_λ being the light Σₖ Σ wₖaₖ² of its targets times the number of wavelengths that have any: each colour counts
+/// alike. The light goes through the rounding to levels, the panel (its pixels' aperture, and the effects that
+/// params.effects names) and free space. The gradient is analytic: s is at its optimum, so it counts as a constant; g =
+/// 2w·s(s|v| − a)·v/|v| goes back by the adjoint of each propagation and of the panel. Rounding is passed straight
+/// through: the light is that of whole levels, the gradient moves the drive between them (Bengio, Léonard and
+/// Courville, arXiv:1308.3432).
 ///
 /// The step is Adam's (Kingma and Ba, 2015), falling as a half cosine to 0 over the iterations.
 ///
@@ -26,7 +28,7 @@ namespace holotrace {
 /// @param slm       with the effects that are on
 /// @param hologram  its levels M, modulation and wavelength; its `level` is where descent begins, and what it ends with
 /// @throws Error    for iterations or steps below 0
-/// Facts: `iterations`, `loss_first`, `loss_last` (parts of Σw·a²), and those of judge. Curve `convergence`: the loss
+/// Facts: `iterations`, `loss_first`, `loss_last` (f), and those of judge. Curve `convergence`: the loss
 /// before each iteration, and of the levels at the end. Cost: two propagations per plane and iteration and, with
 /// effects, the panel's model there and back.
 void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,

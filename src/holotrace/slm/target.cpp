@@ -117,8 +117,8 @@ Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodePar
       make_plane_optics(slm, target.wavelength, target.z, PixelAperture::included, has_stop ? params.stop : 1);
   const bool is_iteration = params.method == Encoding::sgd || params.method == Encoding::gerchberg_saxton ||
                             params.method == Encoding::weighted_gerchberg_saxton;
-  const int steps = is_iteration ? 0 : params.iterations > 0 ? params.iterations : 30;
   const double power = target_power(target);
+  const int steps = is_iteration || power == 0 ? 0 : params.iterations > 0 ? params.iterations : 30;
   Field u = optics.to_panel(target_field(target, slm.grid, params));
   Field before = u;
   std::vector<double> convergence;
@@ -153,15 +153,12 @@ void check_targets(const std::vector<TargetPlane>& targets, const Grid& panel) {
     require(target.weight.size() == 0 || fits(target.weight),
             "expected weights of {} × {} pixels, as many as the panel has, got {} × {}", panel.nx, panel.ny,
             target.weight.nx, target.weight.ny);
-    double light = 0;
     for (size_t i = 0; i < target.amplitude.size(); ++i) {
       const float a = target.amplitude.values[i], w = target.weight.size() == 0 ? 1.0F : target.weight.values[i];
       require(std::isfinite(a) && a >= 0 && w >= 0 && w <= 1,
               "expected amplitudes of 0 or more and weights in [0, 1] in a target, got {} and {} at row {}, column {}",
               a, w, i / size_t(panel.nx), i % size_t(panel.nx));
-      light += double(w) * a * a;
     }
-    require(light > 0, "expected a target with light where it counts, got none at z = {}", format_length(target.z));
   }
 }
 

@@ -23,7 +23,7 @@ std::vector<TargetPlane> targets_of(const Field& field, const EncodeParams& para
 /// the picture, 0 around it.
 ///
 /// @param light       linear, one channel, of target_columns × target_rows (or the panel's) pixels
-/// @throws Error      for a picture of another size, naming both and what to do; without light; as targets_of
+/// @throws Error      for a picture of another size, naming both and what to do; as targets_of
 std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& panel, double wavelength,
                                             const EncodeParams& params);
 
@@ -51,8 +51,7 @@ struct TargetSize {
 /// @throws Error  for a size below 0 or larger than the panel
 TargetSize target_size(const Grid& panel, const EncodeParams& params);
 
-/// @throws Error  unless there are targets, of the panel's size, finite, with light where it counts, and weights in
-///                [0, 1]
+/// @throws Error  unless there are targets, of the panel's size, finite, and weights in [0, 1]
 void check_targets(const std::vector<TargetPlane>& targets, const Grid& panel);
 
 }  // namespace holotrace

@@ -187,13 +187,6 @@ PropagateParams from_pupil(PropagateParams sensor, const Grid& shown) {
   return sensor;
 }
 
-void check_eye(const CameraParams& camera) {
-  require(std::isfinite(camera.pupil) && camera.pupil >= 0, "expected a pupil of 0 m (none) or more, got {} m",
-          camera.pupil);
-  require(camera.pupil == 0 || (is_finite(camera.eye) && camera.eye.z >= 0),
-          "expected an eye on the panel or before it (z ≥ 0), got z = {}", format_length(camera.eye.z));
-}
-
 // Between the middles of pixels; black past the outer ones. Added to one sum per channel.
 void add_between(const Image& render, double row, double column, double* sums) {
   const int r = int(std::floor(row)), c = int(std::floor(column));
@@ -205,6 +198,13 @@ void add_between(const Image& render, double row, double column, double* sums) {
 }
 
 }  // namespace
+
+void check_eye(const CameraParams& camera) {
+  require(std::isfinite(camera.pupil) && camera.pupil >= 0, "expected a pupil of 0 m (none) or more, got {} m",
+          camera.pupil);
+  require(camera.pupil == 0 || (is_finite(camera.eye) && camera.eye.z >= 0),
+          "expected an eye on the panel or before it (z ≥ 0), got z = {}", format_length(camera.eye.z));
+}
 
 double magnification(const CameraParams& camera, double distance, ImageSide image) {
   if (camera.focal_length == 0) return 1;
@@ -271,11 +271,12 @@ double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, doubl
                       bytes_over(*pupil, z - camera.eye.z, from_pupil(window, shown)));
 }
 
-double axial_reach(const Slm& slm, double wavelength, double distance, const CameraParams& camera,
+double axial_reach(const Slm& slm, double wavelength, double distance, ImageSide image, const CameraParams& camera,
                    const std::optional<SpectralFilter>& filter) {
   if (distance <= 0) return 1;
-  const double seen =
-      camera.pupil > 0 ? camera.pupil * distance / (distance + camera.eye.z) : std::numeric_limits<double>::infinity();
+  // The pupil's shadow on the panel, from the point behind it or before it.
+  const double z = image == ImageSide::real_image ? std::abs(camera.eye.z - distance) : distance + camera.eye.z;
+  const double seen = camera.pupil > 0 && z > 0 ? camera.pupil * distance / z : std::numeric_limits<double>::infinity();
   const double pitch = slm.grid.pitch;
   const auto along = [&](double side, double lit, double half_band, double carrier) {
     const double sine = std::min(wavelength * std::min(half_band, 1 / (2 * pitch)), 1.0);

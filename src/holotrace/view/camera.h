@@ -54,15 +54,18 @@ double magnification(const CameraParams& camera, double distance, ImageSide imag
 double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance, ImageSide image,
                      const PropagateParams& propagation, const CameraParams& camera);
 
+/// @throws Error  unless the pupil is 0 m (none) or more, and the eye behind one not behind the panel
+void check_eye(const CameraParams& camera);
+
 /// Part of the light of a point on the axis at `distance` that a panel takes in and sends on in order 0: what a white
 /// surface there is the brighter for.
 ///
 ///     r = Π_axes ∫ sinc²(w·p·(u + u₀)) dx / side,   u = x/(λ√(x² + distance²))
 ///
-/// with w the lit part of a pixel's side on that axis, over the part of the panel's side where |u| is below 1/2p, or below the half width of the encoder's stop (centred at
-/// u₀), and that light on its way to the pupil of the camera passes. [0, 1]; 1 at a distance of 0 m, where it has no
-/// meaning.
-double axial_reach(const Slm& slm, double wavelength, double distance, const CameraParams& camera,
+/// with w the lit part of a pixel's side on that axis, over the part of the panel's side where |u| is below 1/2p, or
+/// below the half width of the encoder's stop (centred at u₀), and that light on its way to the pupil of the camera
+/// passes. [0, 1]; 1 at a distance of 0 m, where it has no meaning.
+double axial_reach(const Slm& slm, double wavelength, double distance, ImageSide image, const CameraParams& camera,
                    const std::optional<SpectralFilter>& filter);
 
 /// The irradiance that is white in all the views: the exposure given, or the brightest view's own.

@@ -24,6 +24,9 @@ struct Bits {
 }  // namespace
 
 void check_sensor(const CameraParams& camera) {
+  require(std::isfinite(camera.exposure) && camera.exposure >= 0,
+          "expected an exposure above 0 W/m², or 0 for the 99.9th percentile, got {}", camera.exposure);
+  require(camera.bits == 8 || camera.bits == 16, "expected 8 or 16 bits, got {}", camera.bits);
   require(camera.electrons >= 0 && camera.electrons <= 1e12,
           "expected 0 electrons (no noise) or up to 1e12 in a white pixel, got {}", camera.electrons);
   require(std::isfinite(camera.read_noise) && camera.read_noise >= 0,
