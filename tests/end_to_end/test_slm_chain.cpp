@@ -168,7 +168,7 @@ TEST(SlmChain, TheProgramShowsAPanelsEffects) {
     EXPECT_EQ(stage["effects_off"], "calibration, gaps, flicker, aberration");
   }
   EXPECT_TRUE(is_told);
-  // The sidecar leads back to the scene's panel, whose effects can be named there, too.
+  // The sidecar keeps the panel and its effects, which can be named there, too.
   const Outcome with = here.run({"show", "out/hologram.png", "-o", "with.exr", "--effects", "crosstalk"});
   ASSERT_EQ(with.exit_code, 0) << with.err;
   const Outcome without = here.run({"show", "out/hologram.png", "-o", "without.exr"});

@@ -174,26 +174,81 @@ TEST(SlmFile, EffectsOfTheSceneItselfAreOn) {
   EXPECT_EQ(told.show.effects, (std::vector<std::string>{"gaps"}));
 }
 
-TEST(SlmFile, AHologramFindsItsPanelsEffectsAgain) {
-  const Slm pluto = [] {
-    Slm slm = slm_preset("pluto");
-    slm.grid = {8, 4, 8e-6};
-    slm.phase_range = 6.5;
-    return slm;
-  }();
-  Hologram hologram = make_hologram(pluto, Modulation::phase, [](int i) { return i; });
-  hologram.slm = pluto;
-  const std::string path = test::make_file("panel.png", "");
-  save_hologram(path, hologram);
-  const Hologram again = load_hologram(path);
-  ASSERT_TRUE(again.slm);
-  EXPECT_EQ(again.slm->preset, "pluto");
-  EXPECT_EQ(again.slm->phase_range, 6.5);
-  EXPECT_EQ(effects_of(*again.slm), effects_of(pluto));
+// Every effect, none of them the panel file's own figure.
+Slm panel_of_all_effects() {
+  Slm slm = slm_preset("pluto");
+  slm.grid = {8, 4, 8e-6};
+  slm.levels = 16;
+  slm.phase_range = 6.5;
+  slm.effects.calibration.clear();
+  for (int level = 0; level < 16; ++level) slm.effects.calibration.push_back({level / 3.0, 1 - level / 70.0});
+  slm.effects.gap_phase = 0.1;
+  slm.effects.dead_fraction = 0.01;
+  slm.effects.dead_seed = (int64_t(1) << 60) + 1;  // beyond what a double holds
+  slm.effects.dead_pixels = {{7, 3, 15}, {0, 1, 2}};
+  Array2D<float> map(4, 8);
+  for (size_t i = 0; i < map.size(); ++i) map.values[i] = 0.1F * float(i) - 1;
+  slm.effects.phase_map = std::make_shared<const Array2D<float>>(map);
+  return slm;
+}
 
-  hologram.slm->preset = "gone.toml";
+TEST(SlmFile, AHologramKeepsItsPanelsEffectsWhereverItGoes) {
+  Slm slm = panel_of_all_effects();
+  slm.effects.crosstalk = 0;  // the panel file has some
+  slm.preset = "gone.toml";
+  Hologram hologram = make_hologram(slm, Modulation::phase, [](int i) { return i; });
+  hologram.slm = slm;
+  hologram.effects = {"calibration", "phase-map"};
+  const std::string here = fresh_folder("here"), there = fresh_folder("there");
+  save_hologram(here + "/h.png", hologram);
+  for (const char* file : {"h.png", "h.json", "h_phase_map.exr"}) fs::rename(here + "/" + file, there + "/" + file);
+  const Hologram again = load_hologram(there + "/h.png");
+  EXPECT_EQ(again.effects, hologram.effects);
+  ASSERT_TRUE(again.slm);
+  EXPECT_EQ(again.slm->phase_range, 6.5);
+  EXPECT_EQ(again.slm->source, slm.source);
+  const SlmEffects &was = slm.effects, &is = again.slm->effects;
+  ASSERT_EQ(is.calibration.size(), 16u);
+  for (size_t i = 0; i < 16; ++i) {
+    EXPECT_EQ(is.calibration[i].phase, was.calibration[i].phase);
+    EXPECT_EQ(is.calibration[i].amplitude, was.calibration[i].amplitude);
+  }
+  EXPECT_EQ(is.crosstalk, 0);
+  EXPECT_EQ(is.gap_amplitude, was.gap_amplitude);
+  EXPECT_EQ(is.gap_phase, was.gap_phase);
+  EXPECT_EQ(is.flicker, was.flicker);
+  ASSERT_EQ(is.aberration.size(), was.aberration.size());
+  ASSERT_FALSE(was.aberration.empty());
+  for (size_t i = 0; i < was.aberration.size(); ++i) {
+    EXPECT_EQ(is.aberration[i].n, was.aberration[i].n);
+    EXPECT_EQ(is.aberration[i].m, was.aberration[i].m);
+    EXPECT_EQ(is.aberration[i].rms, was.aberration[i].rms);
+  }
+  EXPECT_EQ(is.dead_fraction, was.dead_fraction);
+  EXPECT_EQ(is.dead_seed, was.dead_seed);
+  ASSERT_EQ(is.dead_pixels.size(), 2u);
+  EXPECT_EQ(is.dead_pixels[0].column, 7);
+  EXPECT_EQ(is.dead_pixels[0].row, 3);
+  EXPECT_EQ(is.dead_pixels[0].level, 15);
+  ASSERT_TRUE(is.phase_map);
+  EXPECT_EQ(is.phase_map->values, was.phase_map->values);
+  EXPECT_EQ(effects_of(*again.slm), effects_of(slm));
+}
+
+TEST(SlmFile, AnEffectThatIsLostWithItsFileIsTold) {
+  const Slm slm = panel_of_all_effects();
+  Hologram hologram = make_hologram(slm, Modulation::phase, [](int i) { return i; });
+  hologram.slm = slm;
+  const std::string folder = fresh_folder("lost"), path = folder + "/h.png";
   save_hologram(path, hologram);
-  EXPECT_TRUE(effects_of(*load_hologram(path).slm).empty());
+  fs::remove(folder + "/h_phase_map.exr");
+  EXPECT_NE(sentence_in(folder, [&] { load_hologram(path); }).find("h_phase_map.exr"), std::string::npos);
+  save_hologram(path, hologram);
+  nlohmann::json json = nlohmann::json::parse(read_text(folder + "/h.json"));
+  json["slm"]["effects"]["calibration"]["amplitude"].erase(0);
+  write_text(folder + "/h.json", json.dump());
+  EXPECT_EQ(sentence_in(folder, [&] { load_hologram(path); }),
+            "h.json: expected as many calibrated amplitudes as phases, got 15 and 16; write the hologram again");
 }
 
 TEST(SlmFile, AComplexHologramIsTwoImages) {
@@ -221,6 +276,14 @@ TEST(SlmFile, APhaseMapIsAnImageOfThePanel) {
   EXPECT_EQ(slm.name, "mapped");
   ASSERT_TRUE(slm.effects.phase_map);
   EXPECT_FLOAT_EQ((*slm.effects.phase_map)(1, 2), 2 * 5 / 4.0F);
+}
+
+TEST(SlmFile, FillFactorsOfTheAxesBelongTogether) {
+  const std::string folder = fresh_folder("fill");
+  const std::string file = file_in(folder, "p.toml", "columns = 4\nrows = 4\npitch = \"8 um\"\nfill_x = 0.9\n");
+  EXPECT_NE(sentence_in(folder, [&] { load_slm(file); })
+                .find("expected fill_x and fill_y, which belong together, got 0.9 in x, 0 in y; give both"),
+            std::string::npos);
 }
 
 TEST(SlmFile, AnswersWhatAPanelIs) {

@@ -343,7 +343,9 @@ TEST(Effects, OutOfRangeAreRefused) {
             }),
             "expected Zernike terms with 0 ≤ n ≤ 20, |m| ≤ n and n − |m| even, got n = 2, m = 1");
   EXPECT_EQ(error([](Slm& s) { s.fill_x = 0.9; }),
-            "expected fill factors of both axes in (0, 1], or of neither, got 0.9 in x, 0 in y");
+            "expected fill_x and fill_y, which belong together, got 0.9 in x, 0 in y; give both");
+  EXPECT_EQ(error([](Slm& s) { s.fill_x = s.fill_y = 1.5; }),
+            "expected fill factors of both axes in (0, 1], or of neither, got 1.5 in x, 1.5 in y");
   EXPECT_EQ(error([](Slm& s) { s.effects.phase_map = std::make_shared<Array2D<float>>(4, 7); }),
             "expected a phase map of 8 × 4 pixels, as the panel has, got 7 × 4");
 }

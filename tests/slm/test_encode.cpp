@@ -255,6 +255,27 @@ TEST(EncodePhase, APanelShortOfTwoPiLosesWhatItSays) {
       "is 450 nm");
 }
 
+TEST(Encode, ShortPhaseIsToldWithWhatMakesItShort) {
+  const auto warning = [](Slm slm, const EncodeParams& params) {
+    Heard heard;
+    encode(sum_of({{1, 0, 1}}, slm.grid, 633e-9), slm, params, heard.observer());
+    const std::string sentence = heard.warnings.at(0);
+    return sentence.substr(sentence.rfind(';') + 2);
+  };
+  Slm slm = make_panel(8, 8);
+  slm.phase_range = 1.5 * pi;
+  EXPECT_EQ(warning(slm, {}), "its phase_range is 1.5π: give it one of 2π, where the panel has it");
+  // 3π at 350 nm is 1.66π at 633 nm, and 2π there from a design wavelength of 422 nm on.
+  slm.phase_range = 3 * pi;
+  slm.design_wavelength = 350e-9;
+  EXPECT_EQ(warning(slm, {}), "give the panel a design wavelength of 422 nm or more, now it is 350 nm");
+  slm = make_panel(8, 8, 5);
+  slm.effects.calibration = {{0, 1}, {0.3 * pi, 1}, {0.6 * pi, 1}, {0.9 * pi, 1}, {1.2 * pi, 1}};
+  // Four steps, and the fifth to the turn: 1.2π·5/4.
+  EXPECT_EQ(warning(slm, {.effects = {"calibration"}}),
+            "its calibration ends 1.5π above where it begins, one more step counted: give it one that reaches 2π");
+}
+
 TEST(Encode, IlluminationShowsTheFieldAtItsOwnBrightness) {
   // What the panel shows is the wanted light to scale 1, and noise. A band of 4 cycles in 64 pixels: the pixels'
   // roll-off sinc(4/64) per axis, 1.3 % at most.

@@ -191,6 +191,20 @@ TEST(Moments, HaveTheSpreadOfSpectrumSourceAndRipple) {
   uncorrelated(y, ripple);
 }
 
+TEST(Moments, AnyNumberHasTheMiddleOfSpectrumAndSource) {
+  // Means to a hundred roundings: 100·2.2e-16 of 500 nm is 1.1e-20 m, of 0.02 rad 4.4e-16 rad.
+  const Slm slm = make_panel(4, 4);
+  for (const int count : {1, 2, 3, 5, 16, 100}) {
+    const ShowParams params{
+        .tilt_x = 0.01, .tilt_y = -0.02, .bandwidth = 10e-9, .source_angle = 0.004, .moments = count};
+    const std::vector<Moment> all = moments(slm, params, 500e-9);
+    ASSERT_EQ(all.size(), size_t(count));
+    EXPECT_NEAR(spread_of(all, [](const Moment& m) { return m.wavelength; }).mean, 500e-9, 1.1e-20) << count;
+    EXPECT_NEAR(spread_of(all, [](const Moment& m) { return m.tilt_x; }).mean, 0.01, 4.4e-16) << count;
+    EXPECT_NEAR(spread_of(all, [](const Moment& m) { return m.tilt_y; }).mean, -0.02, 4.4e-16) << count;
+  }
+}
+
 TEST(Moments, OfAWideSourceBlurAPointByItsAngle) {
   // Every direction of the source makes its own image of the beam, z·tan α away: the mean irradiance is wider by the
   // source's rms, z·α/4 per axis, in squares.

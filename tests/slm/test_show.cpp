@@ -1,6 +1,8 @@
 #include <cmath>
 
+#include "holotrace/base/complex_arrays.h"
 #include "holotrace/slm/show.h"
+#include "holotrace/view/select_order.h"
 #include "support/panels.h"
 
 // Efficiencies are fractions of the light on the panel (1 W/m²), physics.md section 3. A field of single
@@ -226,6 +228,92 @@ TEST(Show, CarriesWhatABenchMustKnow) {
   EXPECT_EQ(f.z, 0);
 }
 
+TEST(Show, StopFollowsTheOrderUnderTiltedLight) {
+  // Order 1 of a period of 4 pixels is 16 cycles over 64 pixels; tilts of 24 and −20 whole cycles move it by as many.
+  // With 5 samples per pixel it stays within the band of 160 cycles, with the same light around it.
+  const Slm slm = make_panel(64, 64, 4);
+  Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return i % 4; });
+  const double width = slm.grid.width(), cycle = 1 / width;
+  h.filter = SpectralFilter{16 * cycle, 0, 4 * cycle, 4 * cycle};
+  const auto passed = [&](const ShowParams& params) {
+    const Field f = show(h, slm, params);
+    Heard heard;
+    select_order(f, *f.filter, heard.observer());
+    return heard.number("filter_power") * energy(f.samples.values.data(), f.samples.size());
+  };
+  const ShowParams axial{.subpixels = 5};
+  ShowParams tilted = axial;
+  tilted.tilt_x = std::asin(24 * test_wavelength / width);
+  tilted.tilt_y = std::asin(-20 * test_wavelength / width);
+  EXPECT_GT(passed(axial), 0.5 * 320 * 320);  // it has sinc²(1/4) = 0.81 of the light
+  EXPECT_NEAR(passed(tilted) / passed(axial), 1, 1e-4);
+  // A moment's own direction, of a source that is spread, moves the light and not the stop.
+  const Field spread = show(h, slm, axial, Moment{test_wavelength, tilted.tilt_x, tilted.tilt_y});
+  EXPECT_EQ(spread.filter, h.filter);
+}
+
+TEST(Show, IsOfAPanelThatModulatesAsTheHologramDoes) {
+  const auto panel_of = [](Modulation modulation) {
+    Slm slm = make_panel(8, 4, 16);
+    slm.modulation = modulation;
+    return slm;
+  };
+  const auto made_for = [&](Modulation modulation) {
+    Hologram h = make_hologram(panel_of(modulation), modulation, [](int) { return 1; });
+    h.modulus_level = h.level;
+    return h;
+  };
+  EXPECT_EQ(error_of([&] { show(made_for(Modulation::phase), panel_of(Modulation::amplitude), {}); }),
+            "expected a hologram of amplitudes for the amplitude panel \"test\", got one of phases; encode with "
+            "\"amplitude\" or \"off-axis\", or show it on a phase panel");
+  for (const Modulation alone : {Modulation::phase, Modulation::amplitude})
+    EXPECT_EQ(
+        error_of([&] { show(made_for(Modulation::complex), panel_of(alone), {}); }),
+        "expected a hologram of phase or of amplitude alone for the panel \"test\", which has no more, got one of "
+        "both; encode with \"double-phase\" or \"off-axis\", or show it on a panel whose modulation is complex");
+  for (const Modulation any : {Modulation::phase, Modulation::amplitude, Modulation::complex}) {
+    Heard heard;
+    show(made_for(any), panel_of(any), {}, heard.observer());
+    EXPECT_TRUE(heard.warnings.empty());
+  }
+  // Amplitudes on a phase panel: told here, but not where encode has told it of the hologram's own.
+  Heard here, before;
+  Hologram h = made_for(Modulation::amplitude);
+  show(h, panel_of(Modulation::phase), {}, here.observer());
+  ASSERT_EQ(here.warnings.size(), 1u);
+  EXPECT_EQ(here.warnings[0],
+            "the SLM \"test\" modulates phase and the hologram amplitude: it is shown as if behind a crossed polariser "
+            "that turns phase into amplitude");
+  h.slm = panel_of(Modulation::phase);
+  show(h, panel_of(Modulation::phase), {}, before.observer());
+  EXPECT_TRUE(before.warnings.empty());
+}
+
+TEST(Show, TellsWhereLevelsAllowForOtherEffects) {
+  Slm slm = make_panel(8, 4, 16);
+  slm.effects.crosstalk = 0.2;
+  slm.effects.gap_amplitude = 0.5;
+  slm.effects.flicker = 0.02;
+  Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 1; });
+  const auto warnings = [&](const std::vector<std::string>& allowed, const std::vector<std::string>& on) {
+    h.effects = allowed;
+    Heard heard;
+    show(h, slm, {.effects = on}, heard.observer());
+    return heard.warnings;
+  };
+  EXPECT_TRUE(warnings({}, {"all"}).empty());
+  EXPECT_TRUE(warnings({"crosstalk", "gaps"}, {"all"}).empty());  // no level can allow for flicker
+  EXPECT_EQ(
+      warnings({"crosstalk"}, {"crosstalk", "gaps"}),
+      (std::vector<std::string>{"the hologram allows for crosstalk and not for gaps, which the SLM \"test\" is shown "
+                                "with; sgd can allow for all but flicker, where [encode] effects names them"}));
+  EXPECT_EQ(
+      warnings({"crosstalk", "gaps"}, {"gaps"}),
+      (std::vector<std::string>{"the hologram allows for crosstalk, which the SLM \"test\" is shown without; name "
+                                "crosstalk in [show] effects, or encode without"}));
+  EXPECT_EQ(warnings({"crosstalk"}, {"gaps"}).size(), 2u);
+}
+
 TEST(Show, SaysWhatIsWrong) {
   const Slm slm = make_panel(8, 4, 16);
   const Hologram good = make_hologram(slm, Modulation::phase, [](int) { return 0; });
@@ -234,6 +322,12 @@ TEST(Show, SaysWhatIsWrong) {
   };
   EXPECT_EQ(error(good, slm, {.subpixels = 0}), "expected at least 1 sample per pixel, got 0");
   EXPECT_EQ(error(good, slm, {.irradiance = -1}), "expected an irradiance of 0 W/m² or more on the panel, got -1 W/m²");
+  EXPECT_EQ(
+      error(good, slm, {.beam_radius = 1e-3}),
+      "expected a beam radius with Gaussian light alone, got 1 mm; set light to gaussian, or leave out beam_radius");
+  EXPECT_EQ(error(good, slm, {.light = Wavefront::gaussian, .source_distance = -0.1, .beam_radius = 1e-3}),
+            "expected a source distance with spherical light alone, got -100 mm; set light to spherical, or leave out "
+            "source_distance");
   EXPECT_EQ(error(good, make_panel(8, 4, 16, 1.2), {}), "expected a fill factor in (0, 1], got 1.2");
   EXPECT_EQ(error(good, make_panel(8, 4, 1), {}), "expected 2 to 65536 levels, got 1");
   EXPECT_EQ(

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "holotrace/base/array.h"
 #include "holotrace/data/field.h"
@@ -25,9 +26,10 @@ struct Hologram {
   /// Irradiance of the light on the panel that shows the field at its own brightness [W/m²]: what one hologram of
   /// several (colours, layers, lights, frames) is lit with in proportion. See encode.h.
   double illumination = 1;
-  std::string name{};                 ///< of the layer or light that it shows, "" for all light
-  uint32_t frame = 0;                 ///< of a time-multiplexed hologram
-  Array2D<uint16_t> modulus_level{};  ///< of amplitude, beside those of phase, where the modulation is complex
+  std::string name{};                  ///< of the layer or light that it shows, "" for all light
+  uint32_t frame = 0;                  ///< of a time-multiplexed hologram
+  Array2D<uint16_t> modulus_level{};   ///< of amplitude, beside those of phase, where the modulation is complex
+  std::vector<std::string> effects{};  ///< of the panel that the levels allow for (slm_effect_names)
 };
 
 }  // namespace holotrace

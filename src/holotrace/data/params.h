@@ -291,7 +291,7 @@ enum class Wavefront { plane, spherical, gaussian };
 /// The light on the panel, what of the panel is modelled, and how finely the field that leaves it is sampled.
 struct ShowParams {
   int subpixels = 1;      ///< samples per pixel and axis: n holds the orders |m| ≤ (n−1)/2
-  int fine_samples = 0;   ///< per pixel and axis on which crosstalk and gaps are modelled; 0: as they need
+  int fine_samples = 0;   ///< per pixel and axis on which crosstalk is modelled; 0: as it needs
   double wavelength = 0;  ///< of the illumination [m]; 0: the hologram's
   double irradiance = 1;  ///< of the illumination, on the axis [W/m²]
   Wavefront light = Wavefront::plane;
@@ -307,7 +307,7 @@ struct ShowParams {
 template <class Visitor>
 void describe(Visitor& v, ShowParams& p) {
   v.count("subpixels", p.subpixels, "samples per pixel and axis; 3 shows the orders -1, 0, 1");
-  v.count("fine_samples", p.fine_samples, "per pixel and axis, for crosstalk and gaps; 0: as they need");
+  v.count("fine_samples", p.fine_samples, "per pixel and axis, for crosstalk; 0: as it needs");
   v.length("wavelength", p.wavelength, "of the light on the SLM; 0 m: the hologram's own");
   v.number("irradiance", p.irradiance, "of that light, on the axis, in W/m2");
   v.choice("light", p.light,

@@ -114,11 +114,13 @@ void check_effects(const Slm& slm) {
 void check_slm(const Slm& slm) {
   check_grid(slm.grid);
   require(slm.levels >= 2 && slm.levels <= 65536, "expected 2 to 65536 levels, got {}", slm.levels);
-  require(slm.fill_factor > 0 && slm.fill_factor <= 1, "expected a fill factor in (0, 1], got {}", slm.fill_factor);
   const bool is_square = slm.fill_x == 0 && slm.fill_y == 0;
   const bool has_both = slm.fill_x > 0 && slm.fill_x <= 1 && slm.fill_y > 0 && slm.fill_y <= 1;
+  require((slm.fill_x == 0) == (slm.fill_y == 0),
+          "expected fill_x and fill_y, which belong together, got {} in x, {} in y; give both", slm.fill_x, slm.fill_y);
   require(is_square || has_both, "expected fill factors of both axes in (0, 1], or of neither, got {} in x, {} in y",
           slm.fill_x, slm.fill_y);
+  require(slm.fill_factor > 0 && slm.fill_factor <= 1, "expected a fill factor in (0, 1], got {}", slm.fill_factor);
   require(std::isfinite(slm.design_wavelength) && slm.design_wavelength >= 0,
           "expected a design wavelength of 0 m or more, got {} m", slm.design_wavelength);
   require(std::isfinite(slm.phase_range) && slm.phase_range > 0, "expected a phase range above 0 rad, got {} rad",

@@ -5,13 +5,14 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/effects_json.h"
 #include "holotrace/io/file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/metadata.h"
-#include "holotrace/io/scene_file.h"
 
 namespace holotrace {
 namespace {
@@ -26,25 +27,33 @@ void check_levels(int levels, const std::string& path) {
   require(levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}", path, levels);
 }
 
-// What the panel of that name or file has beyond the figures of a sidecar. Where it cannot be read any more, or has
-// changed so that it does not fit, the sidecar's own figures have to do.
-void add_effects(const std::string& preset, Slm& slm) {
-  slm.preset = preset;
-  if (preset.empty()) return;
-  Slm with = slm;
-  try {
-    const Slm panel = load_slm(preset);
-    with.effects = panel.effects;
-    with.source = panel.source;
-    if (with.effects.calibration.size() != size_t(with.levels)) with.effects.calibration.clear();
-    check_slm(with);
-    slm = with;
-  } catch (const Error&) {
-  }
+// What goes beside a hologram: "out/h.png" → "out/h_modulus.png", the amplitudes of a complex one, and
+// "out/h_phase_map.exr", the static error of its panel [rad].
+std::string beside(const std::string& path, const char* ending) {
+  return path.substr(0, path.size() - extension_of(path).size()) + ending;
+}
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+std::string modulus_path(const std::string& path) { return beside(path, "_modulus.png"); }
+std::string phase_map_path(const std::string& path) { return beside(path, "_phase_map.exr"); }
+
+void save_phase_map(const std::string& path, const Array2D<float>& map) {
+  Image image(map.ny, map.nx, 1);
+  image.values.assign(map.values.begin(), map.values.end());
+  save_image(path, image, 1, 16);
+}
+
+std::shared_ptr<const Array2D<float>> load_phase_map(const std::string& path) {
+  check_file_exists(path, "the phase map of a hologram's panel");
+  const Image image = load_image(path, ImageContent::data);
+  auto map = std::make_shared<Array2D<float>>(image.ny, image.nx);
+  for (int j = 0; j < image.ny; ++j)
+    for (int i = 0; i < image.nx; ++i) (*map)(j, i) = image(j, i, 0);
+  return map;
 }
 
 // The panel that a sidecar names, on the hologram's grid.
-Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& sidecar) {
+Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& path, const std::string& sidecar) {
+  require(json.is_object(), "{}: expected an object for \"slm\", got {}", sidecar, json.dump());
   Slm slm;
   slm.name = metadata_text(json, sidecar, "name", "");
   slm.grid = grid;
@@ -55,12 +64,15 @@ Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& si
   slm.fill_y = metadata_number(json, sidecar, "fill_y", 0.0);
   slm.design_wavelength = metadata_number(json, sidecar, "design_wavelength_m");
   slm.phase_range = metadata_number(json, sidecar, "phase_range_rad", slm.phase_range);
+  slm.preset = metadata_text(json, sidecar, "panel", "");
+  slm.source = metadata_text(json, sidecar, "source", "");
+  if (json.contains("effects")) slm.effects = effects_from_json(json["effects"], sidecar);
+  if (json.contains("phase_map")) slm.effects.phase_map = load_phase_map(phase_map_path(path));
   try {
     check_slm(slm);
   } catch (const Error& error) {
     fail("{}: {}", sidecar, error.what());
   }
-  add_effects(metadata_text(json, sidecar, "panel", ""), slm);
   return slm;
 }
 
@@ -110,6 +122,8 @@ nlohmann::ordered_json to_json(const Slm& slm) {
     json["fill_y"] = slm.fill_y;
   }
   if (!slm.preset.empty()) json["panel"] = slm.preset;
+  if (!slm.source.empty()) json["source"] = slm.source;
+  if (nlohmann::ordered_json effects = effects_to_json(slm.effects); !effects.empty()) json["effects"] = effects;
   return json;
 }
 
@@ -137,11 +151,6 @@ void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pix
             output ? output->geterror() : OIIO::geterror());
     if (before_named) before_named();
   });
-}
-
-// The amplitudes of a complex hologram, beside its phases: "out/h.png" → "out/h_modulus.png".
-std::string modulus_path(const std::string& path) {
-  return path.substr(0, path.size() - extension_of(path).size()) + "_modulus.png";
 }
 
 Array2D<uint16_t> levels_of(const Greys& greys, int levels, Modulation modulation, const std::string& path,
@@ -175,10 +184,16 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
                               {"illumination_w_per_m2", hologram.illumination}};
   if (!hologram.name.empty()) json["name"] = hologram.name;
   if (hologram.frame > 0) json["frame"] = hologram.frame;
+  if (!hologram.effects.empty()) json["effects"] = hologram.effects;
   if (hologram.slm) json["slm"] = to_json(*hologram.slm);
+  if (hologram.slm && hologram.slm->effects.phase_map) {
+    const std::string map = phase_map_path(path);
+    json["slm"]["phase_map"] = file_name(map);
+    save_phase_map(map, *hologram.slm->effects.phase_map);
+  }
   if (hologram.modulation == Modulation::complex) {
     const std::string modulus = modulus_path(path);
-    json["modulus"] = std::filesystem::path(modulus).filename().string();
+    json["modulus"] = file_name(modulus);
     write_greys(modulus, hologram.modulus_level, hologram.levels, Modulation::amplitude);
   }
   if (hologram.filter) json["filter"] = filter_to_json(*hologram.filter);
@@ -215,7 +230,8 @@ Hologram load_hologram(const std::string& path) {
     hologram.name = metadata_text(json, sidecar, "name", "");
     hologram.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
     hologram.filter = filter_from_json(json, sidecar);
-    if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, sidecar);
+    hologram.effects = metadata_texts(json, sidecar, "effects");
+    if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, path, sidecar);
   }
   hologram.level = levels_of(greys, hologram.levels, hologram.modulation, path, sidecar);
   if (hologram.modulation == Modulation::complex) {

@@ -44,6 +44,15 @@ std::string metadata_text(const nlohmann::json& json, const std::string& path, c
   return found->get<std::string>();
 }
 
+std::vector<std::string> metadata_texts(const nlohmann::json& json, const std::string& path, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end()) return {};
+  const bool is_list = found->is_array() && std::all_of(found->begin(), found->end(),
+                                                        [](const nlohmann::json& item) { return item.is_string(); });
+  require(is_list, "{}: expected a list of texts for \"{}\", got {}", path, key, found->dump());
+  return found->get<std::vector<std::string>>();
+}
+
 const char* image_side_name(ImageSide side) { return side == ImageSide::real_image ? "real" : "virtual"; }
 
 ImageSide image_side_from(const std::string& name, const std::string& path) {

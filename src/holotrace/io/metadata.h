@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "holotrace/data/field.h"
 #include "holotrace/data/slm.h"
@@ -24,6 +25,10 @@ double metadata_number(const nlohmann::json& json, const std::string& path, cons
 /// @throws Error naming file and key for what is no text
 std::string metadata_text(const nlohmann::json& json, const std::string& path, const char* key,
                           const std::string& fallback);
+
+/// A list of texts of a JSON object, empty where the key is absent.
+/// @throws Error naming file and key for what is no list of texts
+std::vector<std::string> metadata_texts(const nlohmann::json& json, const std::string& path, const char* key);
 
 const char* image_side_name(ImageSide side);                                   ///< "virtual" or "real"
 ImageSide image_side_from(const std::string& name, const std::string& path);   ///< @throws Error naming the file

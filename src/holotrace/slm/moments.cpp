@@ -34,6 +34,13 @@ double normal_quantile(double p) {
   return x;
 }
 
+// Of few points the middle is not that of what they stand for: moved there, one point is the middle itself.
+void centre(std::vector<Moment>& all, double Moment::*value, double middle) {
+  double sum = 0;
+  for (const Moment& moment : all) sum += moment.*value - middle;
+  for (Moment& moment : all) moment.*value -= sum / double(all.size());
+}
+
 }  // namespace
 
 std::vector<Moment> moments(const Slm& slm, const ShowParams& params, double wavelength) {
@@ -62,11 +69,17 @@ std::vector<Moment> moments(const Slm& slm, const ShowParams& params, double wav
       axis += 2;
     }
     if (ripple > 0) moment.flicker = std::sin(2 * pi * at(i, count, axis));
+    all.push_back(moment);
+  }
+  if (params.bandwidth > 0) centre(all, &Moment::wavelength, wavelength);
+  if (params.source_angle > 0) {
+    centre(all, &Moment::tilt_x, params.tilt_x);
+    centre(all, &Moment::tilt_y, params.tilt_y);
+  }
+  for (const Moment& moment : all)
     require(moment.wavelength > 0,
             "expected a bandwidth narrow beside the wavelength {}, got {}: its spectrum reaches 0 m",
             format_length(wavelength), format_length(params.bandwidth));
-    all.push_back(moment);
-  }
   return all;
 }
 

@@ -18,7 +18,8 @@ struct Moment {
 
 /// The moments that a partly coherent source, or a panel that flickers, is averaged over: `params.moments` points of a
 /// low-discrepancy sequence over the spectrum (a Gaussian), the source (a disc) and the period of the ripple (a
-/// sinusoid), of equal weight. One moment where light is coherent and flicker off.
+/// sinusoid), of equal weight, whose wavelengths and tilts have the spectrum's and the source's own means. One moment
+/// where light is coherent and flicker off.
 ///
 /// @param slm         the panel with the effects that are on (with_effects)
 /// @param params      bandwidth, source angle, tilt, moments

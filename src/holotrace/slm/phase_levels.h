@@ -38,7 +38,8 @@ class PhaseLevels {
 };
 
 /// Says what phase a panel reaches (fact `phase_range` [rad]) and whether its calibration is allowed for
-/// (`calibrated`), and warns where the range is short of 2π.
+/// (`calibrated`), and warns where the range is short of 2π, with advice by what makes it so: the design wavelength,
+/// the panel's phase range or its calibration.
 void tell_phase_range(const Slm& slm, double range, double wavelength, const Observer& observer);
 
 /// The level nearest to the phase of each sample, or of its conjugate.

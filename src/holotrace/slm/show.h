@@ -24,13 +24,16 @@ namespace holotrace {
 /// @param hologram  levels, shape (ny, nx)
 /// @param slm       the panel: its grid, fill factor F and design wavelength
 /// @param params    subpixels n ≥ 1, wavelength λ [m] and irradiance E [W/m²] of the light
-/// @return          at z = 0, shape (n·ny, n·nx), pitch p/n [√(W/m²)], with the hologram's image side and filter
-/// @throws Error    if the grids differ, a level is not below M, a parameter is out of range, or the field
-///                  does not fit in the machine's memory
+/// @return          at z = 0, shape (n·ny, n·nx), pitch p/n [√(W/m²)], with the hologram's image side, and its filter
+/// moved
+///                  by (sin αx, sin αy)/λ of the tilts in `params`, as the orders are
+/// @throws Error    if the grids differ, a level is not below M, the panel does not modulate as the hologram does, a
+///                  parameter is out of range or of no use for this light, or the field does not fit in memory
 /// Facts: `power_in`, `power_out` [W], `efficiency`: the part of the light on the panel that these orders hold;
 /// `effects` that are on, and `effects_off`: those that the panel has beside. Warns of effects named that the panel has
-/// not. Cost: FFTs of every row of the panel and every column of the result; 8·n(n+1) bytes per pixel. Reference: J. W.
-/// Goodman, Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
+/// not, of amplitudes on a phase panel, and where the levels allow for other effects than those that are on. Cost: FFTs
+/// of every row of the panel and every column of the result; 8·n(n+1) bytes per pixel. Reference: J. W. Goodman,
+/// Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer = {});
 
 /// The same at one moment of partly coherent light or of a panel that flickers (moments.h); wavelength and tilts are
