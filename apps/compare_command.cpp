@@ -1,12 +1,14 @@
 // holotrace compare: how far two images, or two fields, differ.
 
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "commands.h"
 #include "console.h"
+#include "distinct_outputs.h"
 #include "facts.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
@@ -57,6 +59,8 @@ struct CompareOptions {
 struct ImagePair {
   Image reference, image;
   Json facts = Json::object();
+  int rows = 0, columns = 0;            // of the reference as it was given
+  int first_row = 0, first_column = 0;  // of what is compared, in it
 };
 
 // A colour photograph of a monochrome simulation, or the other way: the mean of its channels.
@@ -70,6 +74,11 @@ Image in_one_channel(const Image& image) {
 // The value that a picture file shows as white: 1, unless it holds light as it is.
 double white_of(const std::string& path, const Image& image) {
   return extension_of(path) == ".exr" ? *std::max_element(image.values.begin(), image.values.end()) : 1;
+}
+
+ImagePair whole_pair(Image reference, Image image) {
+  const int rows = reference.ny, columns = reference.nx;
+  return {std::move(reference), std::move(image), Json::object(), rows, columns};
 }
 
 ImagePair registered_pair(const CompareOptions& o, Console& console) {
@@ -101,21 +110,25 @@ ImagePair registered_pair(const CompareOptions& o, Console& console) {
            {"compared_columns", covered.columns},
            {"compared_rows", covered.rows},
            {"compared_first_column", covered.first_column},
-           {"compared_first_row", covered.first_row}}};
+           {"compared_first_row", covered.first_row}},
+          simulation.ny,
+          simulation.nx,
+          covered.first_row,
+          covered.first_column};
 }
 
-// Both along the row in the middle.
+// Both along the row in the middle of what is compared, at the reference's own places.
 Chart profile_of(const ImagePair& pair, double scale) {
   const int row = pair.reference.ny / 2;
   const double pitch = pair.reference.pitch;
   Chart chart;
-  chart.title = fmt::format("Row {} of {}", row + 1, pair.reference.ny);
+  chart.title = fmt::format("Row {} of {}", pair.first_row + row + 1, pair.rows);
   chart.x_label = pitch > 0 ? "x [mm]" : "x [pixels]";
   chart.y_label = "brightness, linear [unit of the reference]";
   const Plane reference = mean_of_channels(pair.reference), image = mean_of_channels(pair.image);
   Series shown{"reference", {}, {}}, compared{fmt::format("{:.4g} × image", scale), {}, {}};
   for (int column = 0; column < reference.nx; ++column) {
-    const double x = (column - reference.u_centre()) * (pitch > 0 ? pitch * 1e3 : 1);
+    const double x = (pair.first_column + column - (pair.columns - 1) / 2.0) * (pitch > 0 ? pitch * 1e3 : 1);
     shown.x.push_back(x);
     shown.y.push_back(reference(row, column));
     compared.x.push_back(x);
@@ -126,7 +139,7 @@ Chart profile_of(const ImagePair& pair, double scale) {
 }
 
 void compare_images(const CompareOptions& o, Console& console) {
-  ImagePair pair = o.is_registered ? registered_pair(o, console) : ImagePair{load_image(o.a), load_image(o.b)};
+  ImagePair pair = o.is_registered ? registered_pair(o, console) : whole_pair(load_image(o.a), load_image(o.b));
   const Metrics m = compare(pair.reference, pair.image);
   Json& facts = pair.facts;
   facts.update(Json{{"psnr_db", number(m.psnr)},
@@ -145,8 +158,9 @@ void compare_images(const CompareOptions& o, Console& console) {
     save_image(o.difference, difference.image, 1, 8);
     facts["difference_at_full_colour"] = difference.range;
   }
-  if (!o.profile.empty()) save_chart(o.profile, profile_of(pair, m.scale));
   print_facts(facts, o.is_json);
+  std::fflush(stdout);
+  if (!o.profile.empty()) save_chart(o.profile, profile_of(pair, m.scale));
 }
 
 // Flags that have no bearing on what is asked are mistakes.
@@ -168,6 +182,7 @@ void check_flags(const CompareOptions& o, bool is_field) {
   if (!o.output.empty()) check_output(o.output, {".png", ".exr"});
   if (!o.difference.empty()) check_output(o.difference, {".png"});
   if (!o.profile.empty()) check_output(o.profile, {".png", ".svg"});
+  check_distinct({{"-o", o.output}, {"--difference", o.difference}, {"--profile", o.profile}});
 }
 
 }  // namespace

@@ -80,20 +80,21 @@ Json json_of(const Answer& a) {
             {"seconds_per_ray", e.seconds_per_ray},
             {"accelerator", e.accelerator},
             {"triangles", e.triangles},
-            {"seconds_per_ray_by_" + e.other_accelerator, e.other_seconds_per_ray},
+            {"seconds_per_ray_by_" + e.other_accelerator,
+             e.why_no_other.empty() ? Json(e.other_seconds_per_ray) : Json(nullptr)},
             {"grid_predicted_cells_per_ray", e.grid_cells_per_ray},
             {"grid_predicted_tests_per_ray", e.grid_tests_per_ray},
             {"grid_predicted_seconds_per_ray_and_thread", e.grid_seconds_per_ray},
             {"prepare_seconds", e.prepare_seconds},
-            {"render_seconds", render},
+            {"render_seconds", e.is_whole() ? Json(render) : Json(nullptr)},
             {"trace_seconds", trace},
             {"waves", e.waves},
             {"waves_pixels", e.waves_pixels},
             {"method", e.method},
             {"waves_pixels_per_second", synthesis > 0 ? e.frames * e.waves_pixels / synthesis : 0.0},
             {"synthesis_seconds", synthesis},
-            {"simulation_seconds", e.seconds() - synthesis - trace - render},
-            {"seconds", e.seconds()},
+            {"simulation_seconds", e.is_whole() ? Json(e.seconds() - synthesis - trace - render) : Json(nullptr)},
+            {"seconds", e.is_whole() ? Json(e.seconds()) : Json(nullptr)},
             {"plan_seconds", e.plan_seconds},
             {"probe_seconds", e.probe_seconds}};
   for (const StageEstimate& stage : e.stages) json["stages"][stage.stage] = stage.seconds;
@@ -107,7 +108,8 @@ Json json_of(const Answer& a) {
                        {"times_this_machine", a.real.times},
                        {"cores", a.real.cores},
                        {"multiply_adds_per_second", a.real.multiply_adds_per_second}};
-  if (!e.why_no_simulation.empty()) json["why_no_simulation"] = e.why_no_simulation;
+  if (!e.why_no_other.empty()) json["why_no_other_accelerator"] = e.why_no_other;
+  if (!e.is_whole()) json["why_no_simulation"] = e.why_no_simulation;
   return json;
 }
 
@@ -136,19 +138,22 @@ void print_text(const Answer& a) {
          fmt::format("the ray alone, one thread: {:.3g} cells, {:.3g} tests", e.grid_cells_per_ray,
                      e.grid_tests_per_ray));
   }
+  if (!e.why_no_other.empty()) line(e.other_accelerator, "not measured", e.why_no_other);
   line("scene made ready", seconds(e.prepare_seconds), "before the first ray");
   fmt::print("\nA run on this machine, seconds of its stages\n");
   for (const StageEstimate& stage : e.stages) line(stage.stage, seconds(stage.seconds), "");
-  line("all", seconds(e.seconds()), "without reading and saving files");
+  if (e.is_whole())
+    line("all", seconds(e.seconds()), "without reading and saving files");
+  else
+    line("all", "unknown", fmt::format("the other stages could not be probed: {}", e.why_no_simulation));
   line("FFT plans", seconds(e.plan_seconds), "once on a machine, and made by now");
-  if (!e.why_no_simulation.empty()) fmt::print("  no simulation: {}\n", e.why_no_simulation);
   fmt::print("\nThe paper's count\n");
   line("Eq. 23, these paths", seconds(a.ours.trace_seconds), "N (1 + l_avg) T_t: one shadow ray a path");
   line(fmt::format("Eq. 23, {:g} a pixel", a.samples), seconds(a.per_pixel.trace_seconds),
        fmt::format("N = P S = {:.3g}: every pixel its own paths (strategy gather)", a.per_pixel.paths));
   fmt::print("\nIn real time at {:g} frames per second: trace, sum and encode each frame anew\n",
              a.real.frames_per_second);
-  line("a frame", seconds(a.real.seconds_per_frame), "here");
+  line("a frame", seconds(a.real.seconds_per_frame), e.is_whole() ? "here" : "here, without encoding");
   line("machines like this", fmt::format("{:.3g}", a.real.times), "if the work is shared without loss");
   line("cores like these", fmt::format("{:.3g}", a.real.cores), "");
   line("multiply-adds", fmt::format("{:.3g}/s", a.real.multiply_adds_per_second),

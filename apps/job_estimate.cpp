@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <map>
+#include <new>
 
 #include "holotrace/base/error.h"
 #include "holotrace/estimate/grid_cost.h"
@@ -122,12 +123,29 @@ int iterations_of(const EncodeParams& params) {
   }
 }
 
-// One frame of few rays, whose stages beyond the sum are those of the job.
-Job small_job(const Job& job, int iterations) {
+// A luminous point on the axis before all meshes: light that no raster misses.
+void add_light(Job& job) {
+  double depth = 0;
+  for (const Mesh& mesh : job.scene.meshes)
+    for (const Vec3 vertex : mesh.positions)
+      if (vertex.z < 0 && (depth == 0 || -vertex.z < depth)) depth = -vertex.z;
+  if (depth > 0) job.scene.points.push_back({{0, 0, -0.9 * depth}});
+}
+
+// Few rays and frames, whose stages beyond the sum are those of the job for each hologram. Waves are of all layers and
+// lights together.
+Job small_job(const Job& job, int frames, int iterations) {
   Job small = with_rays(job, part_of_side(job) / 2);
   small.slm = job.slm;
+  const bool has_waves = job.trace.strategy != Strategy::gather && job.synthesize.method != SynthesisMethod::triangles;
+  if (has_waves) {
+    add_light(small);
+    if (small.render.layers.empty()) small.render.layers = small.trace.layers;
+    small.trace.layers.clear();
+    small.trace.separate_layers = small.trace.separate_lights = false;
+  }
   if (job.trace.strategy == Strategy::gather) small.trace.pixel_samples = 1;
-  small.trace.frames = 1;
+  small.trace.frames = frames;
   small.trace.paths = std::min(job.trace.paths, 4);
   small.render.paths = small.render.max_depth = 1;  // of the same size: views are compared with it
   if (iterations > 0) small.encode.iterations = iterations;
@@ -160,7 +178,38 @@ double fact_of(const StageReport& stage, const std::string& name, double otherwi
   return otherwise;
 }
 
+// Seconds of a stage for `times` as many holograms as in a run of one frame, from such a run and one of two: some of
+// the work is done once for all.
+double for_holograms(const StageReport& one, const std::vector<StageReport>& two, double times) {
+  const StageReport* second = find_stage(two, one.stage);
+  const double each = second ? std::clamp(second->seconds - one.seconds, 0.0, one.seconds) : one.seconds;
+  return one.seconds + (times - 1) * each;
+}
+
 // --- all together ---
+
+// T_t by an accelerator that may be far slower than the job's own: a raster of its own, which grows as long as the next
+// one, of four times the rays, should not take longer than a probe.
+double seconds_per_ray_by(Acceleration accelerator, const Job& job) {
+  Job other = job;
+  other.trace.accelerator = accelerator;
+  const Job none = with_rays(other, 0);
+  const double prepare = median_seconds(1, [&] { trace_light(none); });
+  double spent = prepare;
+  for (double part = part_of_side(job) / 2;; part = std::min(1.0, 2 * part)) {
+    double rays = 0;
+    Observer observer;
+    observer.on_fact = [&](const std::string& name, const Fact& value) {
+      if (name != "rays" && name != "shadow_rays") return;
+      if (const auto* count = std::get_if<int64_t>(&value)) rays += double(*count);
+    };
+    const Job some = with_rays(other, part);
+    const double seconds = median_seconds(1, [&] { trace_light(some, observer); });
+    spent += seconds;
+    if (part == 1 || seconds - prepare > long_enough / 4 || spent > 5 * long_enough)
+      return rays > 0 ? std::max(0.0, seconds - prepare) / rays : 0;
+  }
+}
 
 void add_trace(const Job& job, const TraceProbe& probe, JobEstimate& e) {
   e.paths = probe.count("paths");
@@ -176,16 +225,17 @@ void add_trace(const Job& job, const TraceProbe& probe, JobEstimate& e) {
   e.accelerator = is_grid ? "grid" : "Embree";
   e.other_accelerator = is_grid ? "Embree" : "grid";
   if (job.scene.meshes.empty() || !(rays > 0)) return;
-  Job other = with_rays(job, probe.part);
-  other.trace.accelerator = is_grid ? Acceleration::embree : Acceleration::grid;
-  const Job none = with_rays(other, 0);
-  const double prepare = median_seconds(1, [&] { trace_light(none); });
-  const double seconds = median_seconds(1, [&] { trace_light(other); });
-  e.other_seconds_per_ray = std::max(0.0, seconds - prepare) * probe.scale / rays;
-  const GridCost cost = predict_grid_cost(UniformGrid(job.scene).statistics(), calibrate_grid());
-  e.grid_cells_per_ray = cost.cells;
-  e.grid_tests_per_ray = cost.tests;
-  e.grid_seconds_per_ray = cost.seconds;
+  try {
+    e.other_seconds_per_ray = seconds_per_ray_by(is_grid ? Acceleration::embree : Acceleration::grid, job);
+    const GridCost cost = predict_grid_cost(UniformGrid(job.scene).statistics(), calibrate_grid());
+    e.grid_cells_per_ray = cost.cells;
+    e.grid_tests_per_ray = cost.tests;
+    e.grid_seconds_per_ray = cost.seconds;
+  } catch (const Error& error) {  // the job does not ask for it: no reason to refuse the rest
+    e.why_no_other = error.what();
+  } catch (const std::bad_alloc&) {
+    e.why_no_other = "there is not enough memory";
+  }
 }
 
 // Of one frame.
@@ -229,7 +279,7 @@ JobEstimate estimate_job(const Job& job) {
     e.subpixels = double(job.show.subpixels) * job.show.subpixels;
 
     const TraceProbe probe = probe_trace(job);
-    e.sets = double(probe.light.sets());
+    e.sets = std::max(1.0, double(probe.light.sets()));
     const bool has_waves = std::any_of(probe.light.sources.begin(), probe.light.sources.end(),
                                        [](const Sources& set) { return !set.waves.empty(); });
     require(has_waves || probe.light.sources.empty(), "expected light from the scene, the probe found none");
@@ -237,11 +287,15 @@ JobEstimate estimate_job(const Job& job) {
 
     // Every stage once to be warm, then for its time: the median of three, for machines that do other things too.
     const int iterations = iterations_of(job.encode), few = std::min(iterations, 2), more = std::min(iterations, 6);
-    std::vector<StageReport> cold, warm, longer;
+    std::vector<StageReport> cold, warm, two, longer;
+    double times = 1;  // the holograms of the job over those of a run of one frame
     try {
-      cold = stages_of(small_job(job, few), 1);
-      warm = stages_of(small_job(job, few), 3);
-      if (more > few) longer = stages_of(small_job(job, more), 1);
+      cold = stages_of(small_job(job, 1, few), 1);
+      warm = stages_of(small_job(job, 1, few), 3);
+      if (const StageReport* trace = find_stage(warm, "trace"))
+        times = e.holograms() / std::max(1.0, fact_of(*trace, "sets", e.sets));
+      if (times > 1) two = stages_of(small_job(job, 2, few), 3);
+      if (more > few) longer = stages_of(small_job(job, 1, more), 1);
     } catch (const Error& error) {  // scenes that are for `field` alone need no camera
       e.why_no_simulation = error.what();
     }
@@ -252,10 +306,9 @@ JobEstimate estimate_job(const Job& job) {
       if (stage.stage == "scene") continue;
       if (const StageReport* first = find_stage(cold, stage.stage))
         e.plan_seconds += std::max(0.0, first->seconds - stage.seconds);
-      StageEstimate estimate{stage.stage, stage.seconds * e.frames};
+      StageEstimate estimate{stage.stage, for_holograms(stage, two, times)};
       if (stage.stage == "trace") {
         is_before_trace = false;
-        e.sets = std::max(1.0, fact_of(stage, "sets", e.sets));
         estimate.seconds = probe.prepare_seconds + probe.ray_seconds();
       } else if (is_before_trace) {
         if (render_seconds < 0) render_seconds = estimate_render(job);
@@ -264,7 +317,7 @@ JobEstimate estimate_job(const Job& job) {
         estimate.seconds = e.frames * add_synthesis(job, probe, e);
       } else if (const StageReport* many = find_stage(longer, stage.stage); stage.stage == "encode" && many) {
         const double per_iteration = std::max(0.0, many->seconds - stage.seconds) / (more - few);
-        estimate.seconds = e.frames * (stage.seconds + (iterations - few) * per_iteration);
+        estimate.seconds += times * (iterations - few) * per_iteration;
       }
       e.stages.push_back(estimate);
     }
@@ -298,10 +351,14 @@ std::string compare_with_run(const JobEstimate& estimate, Report& report) {
     simulation += found->seconds;
     simulated += stage.seconds;
   }
-  line("simulation", simulation, simulated);
-  line("all", predicted, taken);
-  text += fmt::format("\"simulation\" is all stages after the sum. The estimate itself took {:.1f} s.\n",
-                      estimate.probe_seconds);
+  if (estimate.is_whole()) {
+    line("simulation", simulation, simulated);
+    line("all", predicted, taken);
+    text += "\"simulation\" is all stages after the sum. ";
+  } else {
+    text += fmt::format("The other stages could not be probed: {}\n", estimate.why_no_simulation);
+  }
+  text += fmt::format("The estimate itself took {:.1f} s.\n", estimate.probe_seconds);
   report.stages.push_back(std::move(entry));
   return text;
 }

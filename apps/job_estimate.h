@@ -19,8 +19,9 @@ struct StageEstimate {
 ///
 /// Rays and waves grow with the raster, pixels of a render with its rows: what a part of them takes, at least 0.3 s or
 /// the whole, is scaled. A sum of waves is scaled by the cost model that also chooses its method, at the job's own
-/// number of waves. Encoding, the panel and the way to each camera do not depend on the scene: they are run once, warm,
-/// and counted for every hologram; encoders that iterate are run for a few iterations.
+/// number of waves. Encoding, the panel and the way to each camera do not depend on the scene: they are run warm, for
+/// one frame and for two, which tells what is done once from what every hologram takes; encoders that iterate are run
+/// for a few iterations.
 struct JobEstimate {
   double wavelengths = 1, sets = 1, frames = 1;  ///< a run makes sets × frames holograms
   double lights = 0, subpixels = 1;              ///< of a pixel, both axes together
@@ -28,7 +29,7 @@ struct JobEstimate {
   double mean_path_length = 0;                   ///< l_avg, surfaces on a path
   double prepare_seconds = 0;        ///< of tracing: what does not grow with the rays, the acceleration structure
   double seconds_per_ray = 0;        ///< T_t, all threads at work
-  double other_seconds_per_ray = 0;  ///< T_t by the accelerator that the job does not ask for
+  double other_seconds_per_ray = 0;  ///< T_t by the accelerator that the job does not ask for; 0: not measured
   std::string accelerator, other_accelerator;
   double triangles = 0;
   double grid_cells_per_ray = 0, grid_tests_per_ray = 0, grid_seconds_per_ray = 0;  ///< predicted, one thread
@@ -36,9 +37,11 @@ struct JobEstimate {
   std::string method;                                                               ///< of the sum
   double plan_seconds = 0;                                                          ///< of FFTs, once on a machine
   double probe_seconds = 0;                                                         ///< of the estimate itself
-  std::string why_no_simulation;
+  std::string why_no_other;           ///< why the other accelerator was not measured
+  std::string why_no_simulation;      ///< why the stages beside tracing and the sum are missing
   std::vector<StageEstimate> stages;  ///< in the order of a run
 
+  bool is_whole() const { return why_no_simulation.empty(); }  ///< has all stages of a run
   double holograms() const { return sets * frames; }
   double seconds() const;
   double seconds_of(const std::string& prefix) const;  ///< of the stages whose names begin so

@@ -1,11 +1,11 @@
 // holotrace limits: what a panel can show, or what a wanted one has to be.
 
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <utility>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "facts.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
@@ -17,6 +17,7 @@
 #include "holotrace/io/chart_file.h"
 #include "holotrace/io/output.h"
 #include "limits_table.h"
+#include "save_views.h"
 
 namespace holotrace {
 namespace {
@@ -55,14 +56,14 @@ LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command) {
 }
 
 // volume.png and volume_y.png: the cuts along x and along y.
+std::string picture_across_y(const std::string& path) { return path.empty() ? path : path_with_suffix(path, "_y"); }
+
 void save_pictures(const std::string& path, const LimitsQuestion& q) {
   const auto save = [&](const std::string& to, AcrossPanel axis) {
     save_chart(to, alias_free_chart(q.points, q.slm.grid, q.wavelengths.front(), q.distance, axis));
   };
-  std::filesystem::path y(path);
-  y.replace_filename(y.stem().string() + "_y" + y.extension().string());
   save(path, AcrossPanel::x);
-  save(y.string(), AcrossPanel::y);
+  save(picture_across_y(path), AcrossPanel::y);
 }
 
 void answer_about_panel(const LimitsOptions& o, const CLI::App& command) {
@@ -93,6 +94,7 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
   facts["coarsest_pitch_m"] = wavelength / (2 * std::sin(angle));
   const double distance = parse_length_flag("--distance", o.distance);
   double size = o.size.empty() ? 0 : parse_length_flag("--size", o.size);
+  require(o.size.empty() || size > 0, "expected a --size above 0 m, got {}", format_length(size));
   if (!o.resolution.empty()) {
     const double wanted = wanted_size(wavelength, distance, parse_length_flag("--resolution", o.resolution));
     facts["wanted_size_m"] = wanted;
@@ -169,6 +171,8 @@ void add_limits_command(CLI::App& app, const GlobalFlags&) {
     const auto is_given = [&](const std::string& flag) { return command->count(flag) > 0; };
     for (const std::string* path : {&o->picture, &o->plot})
       if (!path->empty()) check_output(*path, {".png", ".svg"});
+    check_distinct(
+        {{"--picture", o->picture}, {"--picture (across y)", picture_across_y(o->picture)}, {"--plot", o->plot}});
     require(!is_given("--colours") || is_given("--frames"),
             "--colours asks for a rate: give the frames per second too, as --frames 30");
     if (is_given("--angle")) {

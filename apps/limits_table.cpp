@@ -142,7 +142,10 @@ std::string limits_table(const LimitsQuestion& q) {
   if (q.period > 0)
     table.row(
         fmt::format("grating {}, order {}", format_length(q.period), q.order),
-        [&](double w) { return short_length(grating_order_offset(q.period, w, q.distance, q.order)); },
+        [&](double w) {
+          const double offset = grating_order_offset(q.period, w, q.distance, q.order);
+          return std::isfinite(offset) ? short_length(offset) : std::string("evanescent");
+        },
         fmt::format("from the axis at {}", z));
 
   table.section(fmt::format("A scene {} behind the panel", z));

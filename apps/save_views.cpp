@@ -1,5 +1,6 @@
 #include "save_views.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "holotrace/base/error.h"
@@ -8,6 +9,7 @@
 #include "holotrace/io/chart_file.h"
 #include "holotrace/io/file.h"
 #include "holotrace/io/image_file.h"
+#include "holotrace/io/output.h"
 #include "holotrace/view/stereo.h"
 
 namespace holotrace {
@@ -27,6 +29,12 @@ std::string picture_path(const std::string& view, size_t i) {
   return path_with_suffix(view, fmt::format("_sweep_{:02}", i + 1));
 }
 
+// Of a picture of an earlier call. Holograms have a sidecar beside them, and stay. @return whether there is a file
+bool remove_picture(const std::string& path) {
+  if (fs::exists(sidecar_path(path))) return fs::exists(path);
+  return fs::remove(path);
+}
+
 }  // namespace
 
 std::string path_with_suffix(const std::string& path, const std::string& suffix) {
@@ -37,8 +45,29 @@ std::string path_with_suffix(const std::string& path, const std::string& suffix)
 void remove_sweep(const std::string& view) {
   fs::remove(animation_path(view));
   if (extension_of(view) == ".gif") return;
-  fs::remove(beside(view, ".png"));
-  for (size_t i = 0; fs::remove(picture_path(view, i)); ++i) continue;
+  remove_picture(beside(view, ".png"));
+  for (size_t i = 0; remove_picture(picture_path(view, i)); ++i) continue;
+}
+
+std::vector<std::string> sweep_paths(const std::string& view, size_t pictures) {
+  std::vector<std::string> paths{animation_path(view)};
+  if (extension_of(view) == ".gif") return paths;
+  paths.push_back(beside(view, ".png"));
+  for (size_t i = 0; i < pictures; ++i) paths.push_back(picture_path(view, i));
+  return paths;
+}
+
+void remove_views(const std::string& view, size_t i, const std::vector<std::string>& inputs) {
+  const auto is_input = [&](const std::string& path) {
+    return std::any_of(inputs.begin(), inputs.end(),
+                       [&](const std::string& input) { return is_same_file(path, input); });
+  };
+  for (; fs::exists(numbered_path(view, i)); ++i)
+    if (const std::string path = numbered_path(view, i); !is_input(path)) remove_picture(path);
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  return fs::weakly_canonical(a) == fs::weakly_canonical(b);
 }
 
 void save_sweep(const std::string& view, const std::vector<Viewpoint>& from, const ViewSeries& sweep,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "holotrace/viewing.h"
 
@@ -14,8 +15,15 @@ namespace holotrace {
 void save_sweep(const std::string& view, const std::vector<Viewpoint>& from, const ViewSeries& sweep,
                 const CameraParams& camera, const Observer& observer);
 
-/// Removes the pictures, the animation and the chart of an earlier sweep.
+/// The files that save_sweep writes for so many pictures.
+std::vector<std::string> sweep_paths(const std::string& view, size_t pictures);
+
+/// Removes the pictures, the animation and the chart of an earlier sweep, but no hologram: no picture with a sidecar.
 void remove_sweep(const std::string& view);
+
+/// Removes the i-th and further views of an earlier call (numbered_path), up to the first that is not there, but no
+/// hologram: no picture with a sidecar, and none of `inputs`.
+void remove_views(const std::string& view, size_t i, const std::vector<std::string>& inputs);
 
 /// Writes a stereo pair and its anaglyph: NAME_left, NAME_right and NAME_anaglyph, with the extension of `path`, or
 /// where `is_anaglyph_plain` the anaglyph as `path` itself.
@@ -25,6 +33,9 @@ void save_stereo(const std::string& path, const std::vector<Image>& pair, double
 
 /// Removes an earlier stereo pair and its anaglyph.
 void remove_stereo(const std::string& path);
+
+/// Whether two paths name one file, which need not be there yet.
+bool is_same_file(const std::string& a, const std::string& b);
 
 /// The path with words after its name: ("out/view.png", "_left") → "out/view_left.png".
 std::string path_with_suffix(const std::string& path, const std::string& suffix);

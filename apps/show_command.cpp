@@ -1,17 +1,24 @@
 // holotrace show: holograms to the image that a virtual SLM and camera show.
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/io/file.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/output.h"
 #include "holotrace/io/report_file.h"
+#include "holotrace/view/camera.h"
 #include "holotrace/viewing.h"
 #include "save_views.h"
 
@@ -23,6 +30,53 @@ void complete(const std::string& path, const Slm& slm, double wavelength, Hologr
   if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;
   if (hologram.wavelength == 0) hologram.wavelength = wavelength;
   require(hologram.wavelength > 0, "{} has no sidecar that tells its wavelength; give --wavelength", path);
+}
+
+// Writing over a hologram, its sidecar or its modulus before or after it is read would lose it.
+void check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
+  for (const std::string& input : inputs)
+    for (const std::string& file : {input, sidecar_path(input), path_with_suffix(input, "_modulus")})
+      for (const std::string& output : outputs)
+        require(!is_same_file(file, output), "{} would be written over the hologram {}; give the view another name",
+                output, input);
+}
+
+std::vector<std::string> outputs_of(const std::string& output, const std::vector<Viewpoint>& from) {
+  std::vector<std::string> paths;
+  size_t swept = 0;
+  for (const Viewpoint& view : from)
+    if (view.kind == ViewKind::distance)
+      paths.push_back(numbered_path(output, paths.size()));
+    else
+      ++swept;
+  if (swept > 0)
+    for (const std::string& path : sweep_paths(output, swept)) paths.push_back(path);
+  return paths;
+}
+
+// The light that leaves the panel, its way to the sensor, and the sums of all views, for `sets` colours and names.
+void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                  const PropagateParams& propagation, const std::vector<Viewpoint>& from, double wavelength,
+                  size_t sets) {
+  const int n = params.subpixels;
+  require(n >= 1, "expected 1 sample per pixel and axis or more, got {}", n);
+  const Grid& panel = slm.grid;
+  const Grid sampled{panel.nx * n, panel.ny * n, panel.pitch / n};
+  const CameraParams& camera = from.front().camera;
+  const double m = magnification(camera, from.front().distance, hologram.image);
+  const double pixel = camera.pixel > 0     ? camera.pixel
+                       : camera.binning > 0 ? camera.binning * sampled.pitch * m
+                                            : panel.pitch * m;
+  const double columns = (camera.width > 0 ? camera.width : panel.width() * m) / pixel;
+  const double rows = (camera.height > 0 ? camera.height : panel.height() * m) / pixel;
+  double looking = 0;
+  for (const Viewpoint& view : from)
+    looking = std::max(
+        looking, looking_bytes(sampled, slm, wavelength, view.distance, hologram.image, propagation, view.camera));
+  const double shown = 8.0 * double(panel.pixels()) * n * n;
+  require_memory(
+      shown + looking + viewing_bytes(columns * rows, from.size(), double(sets), moments_of(slm, params, wavelength)),
+      fmt::format("{} view(s) of {} x {} pixels", from.size(), std::llround(columns), std::llround(rows)));
 }
 
 }  // namespace
@@ -67,16 +121,24 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     std::vector<Viewpoint> from = viewpoints(camera);
     if (is_animation) std::erase_if(from, [](const Viewpoint& view) { return view.kind != ViewKind::sweep; });
 
+    std::vector<std::string> outputs = outputs_of(o->output, from);
+    if (!o->report.empty()) outputs.push_back(o->report);
+    check_outputs(o->inputs, outputs);
+
     Console console(global.is_quiet);
     Report report;
     const StageObserver watch = console.stages();
     std::vector<ViewSum> sums(from.size());
     std::optional<RepeatedStages> repeat;
+    std::set<std::pair<double, std::string>> kinds;  // that are summed each by itself
     for (const std::string& path : o->inputs) {
       Hologram hologram = load_hologram(path);
       Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
       complete(path, slm, params.wavelength, hologram);
       if (o->slm.empty()) slm.grid = hologram.grid;
+      const double wavelength = params.wavelength > 0 ? params.wavelength : hologram.wavelength;
+      if (kinds.emplace(wavelength, hologram.name).second)
+        check_memory(hologram, slm, params, propagation, from, wavelength, kinds.size());
       if (!repeat) {
         const int64_t holograms = int64_t(o->inputs.size()), moments = moments_of(slm, params, hologram.wavelength);
         repeat.emplace(holograms, moments, holograms * viewing_calls(moments, from), report, watch);
@@ -89,6 +151,10 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     console.finish();
     for (size_t i = 0; i < views.images.size(); ++i)
       save_image(numbered_path(o->output, i), views.images[i], views.white, camera.bits);
+    if (!is_animation) {
+      remove_views(o->output, views.images.size(), o->inputs);
+      if (sweep.images.empty()) remove_sweep(o->output);
+    }
     if (!sweep.images.empty()) save_sweep(o->output, from, sweep, camera, console.watch("save the sweep"));
     console.finish();
     if (!o->report.empty()) save_report(o->report, report);

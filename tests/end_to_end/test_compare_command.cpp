@@ -69,6 +69,30 @@ TEST(CompareCommand, DrawsDifferenceAndProfileWithoutRegistering) {
   EXPECT_EQ(load_image(work.path("p.png")).nx, 1200);
 }
 
+// The photograph shows a part beside the middle; the row in the title and the places are the simulation's own.
+TEST(CompareCommand, ProfilesAPhotographOfAPartAtTheSimulationsOwnPlaces) {
+  const Workplace work;
+  save_photograph(work.path("simulated.png"), 128, 160, 1, 0, 0, 0, 1);
+  save_photograph(work.path("capture.png"), 100, 120, 1, 0, -20, 14, 1);  // of columns 40 … 160, rows 28 … 128
+  const Outcome outcome =
+      work.run({"compare", "--register", "capture.png", "simulated.png", "--profile", "profile.svg", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto facts = nlohmann::json::parse(outcome.out);
+  const int row = facts["compared_first_row"].get<int>() + facts["compared_rows"].get<int>() / 2;
+  EXPECT_GT(row, 70);  // of the part it would be 50
+  EXPECT_NE(bytes_of(work.path("profile.svg")).find("Row " + std::to_string(row + 1) + " of 128"), std::string::npos);
+}
+
+TEST(CompareCommand, PrintsItsFiguresWhereNoChartCanBeDrawn) {
+  const Workplace work;
+  save_photograph(work.path("a.png"), 40, 64, 1, 0, 0, 0, 1);
+  const Outcome outcome =
+      work.run_under({"env", "PATH=/nowhere"}, {"compare", "a.png", "a.png", "--profile", "p.png", "--json"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("gnuplot"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["ssim"].get<double>(), 1);
+}
+
 TEST(CompareCommand, SaysWhatIsWrong) {
   const Workplace work;
   save_photograph(work.path("a.png"), 40, 64, 1, 0, 0, 0, 1);
@@ -84,6 +108,8 @@ TEST(CompareCommand, SaysWhatIsWrong) {
             "--offset\n");
   EXPECT_EQ(error_of_run({"compare", "a.png", "a.png", "--difference-range", "2"}),
             "holotrace: --difference-range is for the picture of the difference: add --difference FILE.png\n");
+  EXPECT_EQ(error_of_run({"compare", "a.png", "a.png", "--difference", "d.png", "--profile", "d.png"}),
+            "holotrace: expected a file each for --difference and --profile, got d.png for both\n");
   EXPECT_NE(error_of_run({"compare", "a.png", "a.png", "--profile", "p.pdf"}).find(".svg"), std::string::npos);
 }
 

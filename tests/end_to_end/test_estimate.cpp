@@ -106,6 +106,35 @@ TEST(EstimateCommand, KnowsTheOtherStrategiesAndMethods) {
   }
 }
 
+// A sphere between the rays of a coarse raster: 0.06 mm where 32 rays across the panel's field of 2 mm are that far
+// apart.
+TEST(EstimateCommand, HasAllStagesOfAnObjectThatACoarseRasterMisses) {
+  const Workplace work;
+  work.write("scene.toml", scene_head() +
+                               "[trace]\ncolumns = 512\nrows = 512\nframes = 2\n[camera]\ndistances = \"30 mm\"\n"
+                               "[render]\nrows = 64\npaths = 4\n"
+                               "[[light]]\ntype = \"point\"\nposition = \"1 2 -20 mm\"\nintensity = 1e-3\n"
+                               "[[object]]\ntype = \"sphere\"\nsize = \"0.05 mm\"\nposition = \"0.03 0.02 -30 mm\"\n");
+  const auto cost = json_of(work, {"estimate", "scene.toml", "--json"});
+  EXPECT_FALSE(cost.contains("why_no_simulation")) << cost.value("why_no_simulation", "");
+  for (const char* stage : {"render", "trace", "synthesize", "encode", "show", "look at 30 mm"})
+    EXPECT_TRUE(cost.at("stages").contains(stage)) << stage;
+  EXPECT_EQ(cost.at("holograms"), 2);
+}
+
+// Where the stages of the display cannot run there is no total.
+TEST(EstimateCommand, HasNoTotalOfAPart) {
+  const Workplace work;
+  std::string scene = mesh_scene();
+  scene.replace(scene.find("\"30 mm\""), 7, "\"30 mm\"\nbinning = 5000");  // the panel has 256
+  work.write("scene.toml", scene);
+  const auto cost = json_of(work, {"estimate", "scene.toml", "--json"});
+  EXPECT_NE(cost.at("why_no_simulation").get<std::string>().find("binning"), std::string::npos);
+  for (const char* key : {"seconds", "simulation_seconds", "render_seconds"})
+    EXPECT_TRUE(cost.at(key).is_null()) << key;
+  EXPECT_GT(cost.at("trace_seconds").get<double>(), 0);
+}
+
 TEST(EstimateCommand, RefusesARateOfNothing) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());

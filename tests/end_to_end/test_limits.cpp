@@ -91,6 +91,26 @@ TEST(LimitsCommand, RefusesWhatItCannotAnswer) {
   EXPECT_NE(sentence({"--angle", "15 deg", "--distance", "1 m"}).find("--resolution"), std::string::npos);
   EXPECT_NE(sentence({"--angle", "15 deg", "--picture", "a.png"}).find("--picture"), std::string::npos);
   EXPECT_NE(sentence({"--slm", "plutto"}).find("pluto"), std::string::npos);
+  for (const char* size : {"-5 mm", "0 mm"})
+    EXPECT_NE(sentence({"--angle", "15 deg", "--size", size}).find("expected a --size above 0 m"), std::string::npos);
+  EXPECT_NE(sentence({"--angle", "15 deg", "--size", "1e30 m"}).find("1e15 pixels or less"), std::string::npos);
+  for (const char* plot : {"w.png", "./w_y.png"})
+    EXPECT_NE(sentence({"--picture", "w.png", "--plot", plot}).find("expected a file each"), std::string::npos) << plot;
+  EXPECT_FALSE(work.has("w.png"));
+}
+
+// λ/P above 1: a grating of 0.4 µm sends nothing into order 1 at 532 nm, and all of it at 300 nm.
+TEST(LimitsCommand, CallsAnEvanescentOrderSo) {
+  const Workplace work;
+  const std::vector<std::string> flags{"--wavelength", "532 nm, 300 nm", "--period", "0.4 um"};
+  const std::string table = ask(work, flags).out;
+  const size_t row = table.find("grating 0.4 um, order 1");
+  ASSERT_NE(row, std::string::npos) << table;
+  EXPECT_EQ(table.substr(row, table.find('\n', row) - row).find("infinite"), std::string::npos);
+  EXPECT_NE(table.substr(row, table.find('\n', row) - row).find("evanescent"), std::string::npos);
+  const auto facts = json_of(work, flags);
+  EXPECT_TRUE(facts.at("order_offset_m").is_null());
+  EXPECT_TRUE(facts.at("wavelengths")[1].at("order_offset_m").is_number());
 }
 
 }  // namespace

@@ -77,6 +77,55 @@ TEST(Sweep, AFocusSweepIsSharpestWhereThePointsAre) {
   EXPECT_EQ(frames_of(work.path("view_sweep.gif")), 16);  // there and back
 }
 
+// Views of an earlier call are gone where a later one has fewer, and holograms stay, whatever their names.
+TEST(Show, RemovesViewsOfAnEarlierCallAndNoHologram) {
+  const Workplace work;
+  make_hologram(work);
+  for (const char* name : {"view_4", "view_sweep_03"})
+    for (const char* extension : {".png", ".json"})
+      work.write(std::string(name) + extension, work.read(std::string("out/hologram") + extension));
+  const std::vector<std::string> one{"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm"};
+  std::vector<std::string> several = one, sweep = one;
+  several.back() = "26 mm, 30 mm, 34 mm";
+  ASSERT_EQ(work.run(several).exit_code, 0);
+  EXPECT_TRUE(work.has("view_3.png"));
+  for (const char* word : {"--sweep", "focus", "--sweep-from", "26 mm", "--sweep-to", "34 mm", "--sweep-views", "2"})
+    sweep.emplace_back(word);
+  ASSERT_EQ(work.run(sweep).exit_code, 0);
+  EXPECT_FALSE(work.has("view_2.png") || work.has("view_3.png"));
+  EXPECT_TRUE(work.has("view_sweep_01.png") && work.has("view_sweep.gif"));
+  ASSERT_EQ(work.run(one).exit_code, 0);
+  for (const char* gone : {"view_sweep_01.png", "view_sweep_02.png", "view_sweep.gif", "view_sweep.png"})
+    EXPECT_FALSE(work.has(gone)) << gone;
+  for (const char* there : {"view.png", "view_4.png", "view_4.json", "view_sweep_03.png", "view_sweep_03.json"})
+    EXPECT_TRUE(work.has(there)) << there;
+}
+
+TEST(Show, RefusesToWriteOverItsHologramsAndMoreThanFitsInMemory) {
+  const Workplace work;
+  make_hologram(work);
+  const auto sentence = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"show", "out/hologram.png"});
+    const Outcome outcome = work.run(more);
+    EXPECT_EQ(outcome.exit_code, 1);
+    return outcome.err;
+  };
+  const std::string before = work.read("out/hologram.png");
+  EXPECT_NE(sentence({"-o", "out/../out/hologram.png"}).find("written over the hologram"), std::string::npos);
+  EXPECT_NE(sentence({"-o", "view.png", "--report", "out/hologram.json"}).find("written over"), std::string::npos);
+  work.write("view_2.png", before);
+  EXPECT_EQ(work.run({"show", "view_2.png", "-o", "view.png", "--distance", "26 mm, 30 mm", "--wavelength", "532 nm"})
+                .exit_code,
+            1);
+  EXPECT_EQ(work.read("view_2.png"), before);
+  EXPECT_EQ(work.read("out/hologram.png"), before);
+  // 1e6 views of 1e6 pixels of 12 bytes: 12 TB.
+  EXPECT_NE(sentence({"-o", "view.png", "--sweep", "focus", "--sweep-from", "26 mm", "--sweep-to", "34 mm",
+                      "--sweep-views", "1000000", "--width", "2 mm", "--height", "2 mm", "--pixel", "2 um"})
+                .find("to fit in memory"),
+            std::string::npos);
+}
+
 TEST(Sweep, ASweepIsInOneExposureAndDoesNotChangeTheView) {
   const Workplace work;
   make_hologram(work);

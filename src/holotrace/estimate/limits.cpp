@@ -79,7 +79,10 @@ double wanted_size(double wavelength, double distance, double resolution) {
 int64_t wanted_pixels(double size, double pitch) {
   require(std::isfinite(size) && size > 0, "expected a panel size above 0 m, got {} m", size);
   require(std::isfinite(pitch) && pitch > 0, "expected a pixel pitch above 0 m, got {} m", pitch);
-  return int64_t(std::ceil(size / pitch * (1 - 1e-12)));  // a size that divides evenly must not round up
+  const double pixels = std::ceil(size / pitch * (1 - 1e-12));  // a size that divides evenly must not round up
+  require(pixels <= 1e15, "expected a panel of 1e15 pixels or less along a side, got {:.3g}: {} at a pitch of {}",
+          pixels, format_length(size), format_length(pitch));
+  return int64_t(pixels);
 }
 
 double pixel_rate(double pixels, int colours, double frames_per_second) {

@@ -65,7 +65,7 @@ double wanted_pitch(double wavelength, double half_angle);
 double wanted_size(double wavelength, double distance, double resolution);
 
 /// Pixels along a side of that size [m], rounded up.
-/// @throws Error  unless both are above 0
+/// @throws Error  unless both are above 0, and for more than 1e15 pixels
 int64_t wanted_pixels(double size, double pitch);
 
 /// Pixels per second that a moving display of that many pixels, colours and frames per second takes.
