@@ -116,18 +116,28 @@ void add_weighted(const Image& view, double weight, Image& sum) {
   for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += float(weight) * view.values[i];
 }
 
+// Of each pixel: the irradiance, or of a picture in colour the luminance (ITU-R BT.709).
+std::vector<double> luminance(const Image& image) {
+  std::vector<double> out(size_t(image.nx) * size_t(image.ny));
+  for (size_t i = 0; i < out.size(); ++i) {
+    const float* v = &image.values[i * size_t(image.channels)];
+    out[i] = image.channels == 1 ? double(v[0]) : 0.2126 * double(v[0]) + 0.7152 * double(v[1]) + 0.0722 * double(v[2]);
+  }
+  return out;
+}
+
 double mean(const Image& image) {
   double sum = 0;
-  for (const float v : image.values) sum += double(v);
-  return sum / double(image.values.size());
+  for (const double v : luminance(image)) sum += v;
+  return sum / (double(image.nx) * image.ny);
 }
 
 // Variance over squared mean; 0 for a dark picture.
 double sharpness(const Image& image) {
   const double m = mean(image);
   double squares = 0;
-  for (const float v : image.values) squares += (double(v) - m) * (double(v) - m);
-  return m > 0 ? squares / double(image.values.size()) / (m * m) : 0;
+  for (const double v : luminance(image)) squares += (v - m) * (v - m);
+  return m > 0 ? squares / (double(image.nx) * image.ny) / (m * m) : 0;
 }
 
 std::vector<const Viewpoint*> sweep_of(const std::vector<Viewpoint>& from) {

@@ -101,16 +101,24 @@ void check_panel(const Slm& slm, const EncodeParams& params, const Observer& obs
                     slm.name, name));
 }
 
+bool can_allow_for(const std::string& effect, const EncodeParams& params, const Slm& slm) {
+  if (params.method == Encoding::sgd) return effect != "flicker";
+  return effect == "calibration" && modulation_of(params, slm) != Modulation::amplitude;
+}
+
+// Those of the panel's effects that are named and that the levels allow for.
+std::vector<std::string> allowed_effects(const Slm& slm, const EncodeParams& params) {
+  std::vector<std::string> allowed = effects_of(with_effects(slm, params.effects));
+  std::erase_if(allowed, [&](const std::string& effect) { return !can_allow_for(effect, params, slm); });
+  return allowed;
+}
+
 // Says which of the effects that are named take no part in the levels.
 void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& observer) {
   const std::vector<std::string> has = effects_of(slm);
-  const Modulation modulation = modulation_of(params, slm);
   for (const std::string& name : params.effects) {
     if (name == "all" || name == "none") continue;
-    const bool is_usable = params.method == Encoding::sgd
-                               ? name != "flicker"
-                               : name == "calibration" && modulation != Modulation::amplitude;
-    if (!is_usable)
+    if (!can_allow_for(name, params, slm))
       observer.warn(
           fmt::format("the encoding \"{}\" cannot allow for {}: it is left out; sgd allows for all but flicker",
                       name_of(params.method), name));
@@ -164,6 +172,7 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
   hologram.frame = field.frame;
   hologram.encoder = name_of(params.method);
   hologram.modulation = modulation_of(params, slm);
+  hologram.effects = allowed_effects(slm, params);
   observer.fact("encoder", hologram.encoder);
   observer.fact("levels", hologram.levels);
   return hologram;
