@@ -67,7 +67,7 @@ void remove_views(const std::string& view, size_t i, const std::vector<std::stri
 }
 
 bool is_same_file(const std::string& a, const std::string& b) {
-  return fs::weakly_canonical(a) == fs::weakly_canonical(b);
+  return fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
 }
 
 void save_sweep(const std::string& view, const std::vector<Viewpoint>& from, const ViewSeries& sweep,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
@@ -34,11 +35,13 @@ void complete(const std::string& path, const Slm& slm, double wavelength, Hologr
 
 // Writing over a hologram, its sidecar or its modulus before or after it is read would lose it.
 void check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
-  for (const std::string& input : inputs)
-    for (const std::string& file : {input, sidecar_path(input), path_with_suffix(input, "_modulus")})
-      for (const std::string& output : outputs)
+  for (const std::string& output : outputs) {
+    if (!std::filesystem::exists(output)) continue;
+    for (const std::string& input : inputs)
+      for (const std::string& file : {input, sidecar_path(input), path_with_suffix(input, "_modulus")})
         require(!is_same_file(file, output), "{} would be written over the hologram {}; give the view another name",
                 output, input);
+  }
 }
 
 std::vector<std::string> outputs_of(const std::string& output, const std::vector<Viewpoint>& from) {

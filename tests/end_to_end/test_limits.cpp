@@ -104,7 +104,7 @@ TEST(LimitsCommand, CallsAnEvanescentOrderSo) {
   const Workplace work;
   const std::vector<std::string> flags{"--wavelength", "532 nm, 300 nm", "--period", "0.4 um"};
   const std::string table = ask(work, flags).out;
-  const size_t row = table.find("grating 0.4 um, order 1");
+  const size_t row = table.find("grating 400 nm, order 1");
   ASSERT_NE(row, std::string::npos) << table;
   EXPECT_EQ(table.substr(row, table.find('\n', row) - row).find("infinite"), std::string::npos);
   EXPECT_NE(table.substr(row, table.find('\n', row) - row).find("evanescent"), std::string::npos);

@@ -142,7 +142,7 @@ TEST(Limits, SayWhatIsWrong) {
   EXPECT_EQ(error_of([] { wanted_pitch(532_nm, 90.0_deg); }), "expected a half angle above 0° and below 90°, got 90°");
   EXPECT_EQ(error_of([] { wanted_pixels(-1, 1); }), "expected a panel size above 0 m, got -1 m");
   EXPECT_EQ(error_of([] { wanted_pixels(1e10, 1e-6); }),
-            "expected a panel of 1e15 pixels or less along a side, got 1e+16: 10000000000 m at a pitch of 1 um");
+            "expected a panel of 1e15 pixels or less along a side, got 1e+16: 1e+10 m at a pitch of 1 µm");
   EXPECT_EQ(error_of([] { grating_order_offset(0, 532_nm, 1); }), "expected a grating period above 0 m, got 0 m");
 }
 
