@@ -62,8 +62,12 @@ def font(size, bold=False):
 
 
 def load_linear(path):
-    """Rows × columns × 3 of linear light from an sRGB file."""
-    code = np.asarray(Image.open(path).convert("RGB"), dtype=np.float32) / 255
+    """Rows × columns × 3 of linear light from an sRGB file of 8 bits, or a grey one of 16."""
+    picture = Image.open(path)
+    if picture.mode.startswith("I"):
+        code = np.repeat(np.asarray(picture, dtype=np.float32)[:, :, None] / 65535, 3, axis=2)
+    else:
+        code = np.asarray(picture.convert("RGB"), dtype=np.float32) / 255
     return np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
 
 

@@ -13,7 +13,7 @@ import sys
 import numpy as np
 from PIL import Image
 
-from contact_sheets import ROOT, load_linear
+from contact_sheets import ROOT
 from hmcpt_sheets import developed, lay_out
 
 ENCODERS = {"phase": "phase alone", "double-phase": "double phase", "error-diffusion": "error diffusion",
@@ -25,16 +25,12 @@ EFFECTS = {"ideal": "sgd on an ideal panel", "unknown": "the same levels, all ef
 PICTURE = (640, 352)
 
 
-def amplitude_psnr(view, target):
-    """Of the moduli, the view's scaled to fit (least squares); peak: the target's largest [dB]."""
-    a, b = np.sqrt(load_linear(target)[:, :, 0]), np.sqrt(load_linear(view)[:, :, 0])
-    scale = (a * b).sum() / (b * b).sum()
-    return 20 * np.log10(a.max() / np.sqrt(np.mean((scale * b - a) ** 2)))
-
-
 def detail(path, size):
     """The middle of a hologram, one pixel for one."""
-    picture = Image.open(path).convert("RGB")
+    picture = Image.open(path)
+    if picture.mode.startswith("I"):  # more than 256 levels
+        picture = Image.fromarray((np.asarray(picture) >> 8).astype(np.uint8))
+    picture = picture.convert("RGB")
     left, top = (picture.width - size[0]) // 2, (picture.height - size[1]) // 2
     return picture.crop((left, top, left + size[0], top + size[1]))
 
@@ -64,13 +60,14 @@ def encoders_table(folder):
 
 
 def effects_sheet(folder):
-    rows = [[(f"{title}: {metrics(folder, name)['psnr_amplitude_db']:.1f} dB",
-              developed(folder / f"{name}_view.png", PICTURE, percentile=99.7))] for name, title in EFFECTS.items()]
-    return lay_out("A real panel", "Calibration, crosstalk, light from the gaps, flicker, curvature: `pluto`.", rows)
+    row = [(f"{title}: {metrics(folder, name)['psnr_amplitude_db']:.1f} dB",
+            developed(folder / f"{name}_view.png", PICTURE, percentile=99.7)) for name, title in EFFECTS.items()]
+    return lay_out("A real panel", "All effects of `pluto`: calibration, crosstalk, light from the gaps, flicker, curvature.",
+                   [row])
 
 
 def stereo_sheet(folder):
-    size = (512, 288)
+    size = (420, 420)
     return lay_out("Stereo pair and hologram: two eyes on the panel", "Above two renders, as a stereoscopic display would "
                    "send; below what the same eyes see of one hologram.",
                    [[(f"{kind}, {which}", developed(folder / f"{stem}_{eye}.png", size))
@@ -82,8 +79,8 @@ def stereo_sheet(folder):
 def renew_docs(output, sheets, table):
     images = ROOT / "docs" / "images"
     for name, sheet in sheets.items():
-        sheet.resize((1200, sheet.height * 1200 // sheet.width), Image.Resampling.LANCZOS).save(
-            images / f"{name}.jpg", quality=75, optimize=True)
+        sheet.resize((960, sheet.height * 960 // sheet.width), Image.Resampling.LANCZOS).save(
+            images / f"{name}.jpg", quality=65, optimize=True)
     for chart in ("limits_volume", "grid_cost", "sharpness"):
         shutil.copy(output / f"{chart}.png", images / f"{chart}.png")
     page = ROOT / "docs" / "figures.md"
