@@ -1,7 +1,7 @@
 // Propagation, encoding and the virtual SLM on their own.
 
-#include "holotrace/io/slm_file.h"
 #include "holotrace/estimate/ceilings.h"
+#include "holotrace/io/slm_file.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/wave/cost_model.h"

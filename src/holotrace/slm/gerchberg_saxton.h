@@ -28,9 +28,9 @@ namespace holotrace {
 /// with light that leaves the window, with a band limit, and with a don't-care region. It does not hold for the
 /// weighted way, nor, by its last digits, for the rounding of floats.
 ///
-/// Weighted: in each iteration aₖ is multiplied by 1 + (s·aₖ⁰/|vₖ| − 1)/10, the bracket within ±1 and aₖ at most 2aₖ⁰, s
-/// fitted anew: pixels that fall short ask for more (after Di Leonardo, Ianni and Ruocco, Opt. Express 15, 1913, 2007).
-/// Made for spots, which it evens out; of pictures the plain way is nearer.
+/// Weighted: in each iteration aₖ is multiplied by 1 + (s·aₖ⁰/|vₖ| − 1)/10, the bracket within ±1 and aₖ at most 2aₖ⁰,
+/// s fitted anew: pixels that fall short ask for more (after Di Leonardo, Ianni and Ruocco, Opt. Express 15, 1913,
+/// 2007). Made for spots, which it evens out; of pictures the plain way is nearer.
 ///
 /// @param targets  of one wavelength
 /// @param start    pattern of modulus 1, shape (ny, nx)
