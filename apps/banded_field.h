@@ -5,7 +5,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/synthesize.h"
 #include "holotrace/data/sources.h"
 #include "ranks.h"
 

@@ -10,6 +10,7 @@
 #include "holotrace/estimate/timed_jobs.h"
 #include "holotrace/io/slm_file.h"
 #include "holotrace/slm/encode.h"
+#include "holotrace/slm/iterations.h"
 #include "holotrace/slm/target.h"
 #include "median_seconds.h"
 
@@ -38,12 +39,11 @@ BenchRow bench_quality(const QualityJob& job) {
   params.effects = job.known;
   const std::vector<TargetPlane> targets = targets_of_picture(natural_picture(1600, 880), slm.grid, 520_nm, params);
   const Field field = field_of_target(targets[0], slm, params);
-  const bool is_iteration = job.method == Encoding::sgd || job.method == Encoding::gerchberg_saxton ||
-                            job.method == Encoding::weighted_gerchberg_saxton;
   Hologram hologram;
   BenchRow row{.stage = job.name, .runs = 1};
-  row.seconds = median_seconds(
-      1, [&] { hologram = is_iteration ? encode_targets(targets, field, slm, params) : encode(field, slm, params); });
+  row.seconds = median_seconds(1, [&] {
+    hologram = aims_at_targets(job.method) ? encode_targets(targets, field, slm, params) : encode(field, slm, params);
+  });
   const EncoderQuality quality = encoder_quality(targets[0], hologram, slm, {.effects = job.effects});
   row.job = fmt::format("{}: {:.1f} dB, {:.3g} % of the light", slm.name, quality.psnr, 100 * quality.efficiency);
   row.unit = "pixels";

@@ -8,7 +8,6 @@
 #include "convergence.h"
 #include "flags.h"
 #include "holotrace/base/units.h"
-#include "holotrace/data/spectrum.h"
 #include "holotrace/io/chart_file.h"
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/file.h"
@@ -17,16 +16,13 @@
 #include "holotrace/io/output.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/slm/encode.h"
+#include "holotrace/slm/iterations.h"
 #include "holotrace/slm/target.h"
 #include "holotrace/stage.h"
+#include "holotrace/view/view_sum.h"
 
 namespace holotrace {
 namespace {
-
-bool aims_at_targets(Encoding method) {
-  return method == Encoding::gerchberg_saxton || method == Encoding::weighted_gerchberg_saxton ||
-         method == Encoding::sgd;
-}
 
 // Anything else is taken for a field, whose reader says what is wrong.
 bool is_picture(const std::string& path) {
@@ -34,18 +30,6 @@ bool is_picture(const std::string& path) {
   for (const char* known : {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr"})
     if (extension == known) return !is_field_file(path);
   return false;
-}
-
-// The light of a picture at one wavelength.
-Image light_at(const Image& picture, double wavelength) {
-  Image light(picture.ny, picture.nx, 1);
-  for (int j = 0; j < picture.ny; ++j)
-    for (int i = 0; i < picture.nx; ++i)
-      light(j, i) = picture.channels == 1
-                        ? picture(j, i)
-                        : float(radiance_at(wavelength, {double(picture(j, i, 0)), double(picture(j, i, 1)),
-                                                         double(picture(j, i, 2))}));
-  return light;
 }
 
 // What the holograms are made of: targets, one list for each, and the field at the panel for each.
@@ -68,7 +52,7 @@ Wanted wanted_of_picture(const std::string& path, const Slm& slm, const std::vec
   }
   Wanted wanted;
   for (const double wavelength : wavelengths) {
-    wanted.targets.push_back(targets_of_picture(light_at(picture, wavelength), slm.grid, wavelength, params));
+    wanted.targets.push_back(targets_of_picture(seen_at(picture, {wavelength}), slm.grid, wavelength, params));
     wanted.fields.push_back(
         field_of_target(wanted.targets.back().front(), slm, params, console.watch("field of the picture")));
   }

@@ -15,7 +15,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/base/units.h"
-#include "holotrace/data/params.h"
+#include "holotrace/base/vec.h"
+#include "holotrace/data/params/choice.h"
 
 namespace holotrace {
 
@@ -61,7 +62,7 @@ inline double parse_size_flag(const char* flag, const std::string& text) {
   }
 }
 
-/// Flags made from the list of fields of a parameter struct (data/params.h). They keep the text that
+/// Flags made from the list of fields of a parameter struct (data/params/). They keep the text that
 /// was given, so that a flag can overrule a scene file that is read later.
 class Flags {
  public:

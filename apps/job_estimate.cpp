@@ -11,6 +11,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/estimate/grid_cost.h"
 #include "holotrace/pipeline.h"
+#include "holotrace/slm/iterations.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/uniform_grid.h"
 #include "holotrace/wave/synthesize.h"
@@ -109,19 +110,6 @@ double estimate_render(const Job& job) {
 }
 
 // --- encoding, the panel, the camera ---
-
-// 0 for encoders that do not iterate.
-int iterations_of(const EncodeParams& params) {
-  switch (params.method) {
-    case Encoding::gerchberg_saxton:
-    case Encoding::weighted_gerchberg_saxton:
-      return params.iterations > 0 ? params.iterations : 50;
-    case Encoding::sgd:
-      return params.iterations > 0 ? params.iterations : 200;
-    default:
-      return 0;
-  }
-}
 
 // A luminous point on the axis before all meshes: light that no raster misses.
 void add_light(Job& job) {

@@ -61,25 +61,11 @@ std::vector<std::string> outputs_of(const std::string& output, const std::vector
 void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& params,
                   const PropagateParams& propagation, const std::vector<Viewpoint>& from, double wavelength,
                   size_t sets) {
-  const int n = params.subpixels;
-  require(n >= 1, "expected 1 sample per pixel and axis or more, got {}", n);
-  const Grid& panel = slm.grid;
-  const Grid sampled{panel.nx * n, panel.ny * n, panel.pitch / n};
-  const CameraParams& camera = from.front().camera;
-  const double m = magnification(camera, from.front().distance, hologram.image);
-  const double pixel = camera.pixel > 0     ? camera.pixel
-                       : camera.binning > 0 ? camera.binning * sampled.pitch * m
-                                            : panel.pitch * m;
-  const double columns = (camera.width > 0 ? camera.width : panel.width() * m) / pixel;
-  const double rows = (camera.height > 0 ? camera.height : panel.height() * m) / pixel;
-  double looking = 0;
-  for (const Viewpoint& view : from)
-    looking = std::max(
-        looking, looking_bytes(sampled, slm, wavelength, view.distance, hologram.image, propagation, view.camera));
-  const double shown = 8.0 * double(panel.pixels()) * n * n;
-  require_memory(
-      shown + looking + viewing_bytes(columns * rows, from.size(), double(sets), moments_of(slm, params, wavelength)),
-      fmt::format("{} view(s) of {} x {} pixels", from.size(), std::llround(columns), std::llround(rows)));
+  const ViewingNeed need = viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from);
+  const double views =
+      viewing_bytes(need.columns * need.rows, from.size(), double(sets), moments_of(slm, params, wavelength));
+  require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", from.size(),
+                                                                std::llround(need.columns), std::llround(need.rows)));
 }
 
 }  // namespace

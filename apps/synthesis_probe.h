@@ -3,7 +3,7 @@
 #include <string>
 
 #include "holotrace/data/grid.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/synthesize.h"
 #include "holotrace/data/sources.h"
 
 namespace holotrace {

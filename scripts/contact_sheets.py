@@ -179,17 +179,28 @@ def make_table(output):
     return "\n".join(lines) + "\n"
 
 
-def renew_docs(output, table):
-    images = ROOT / "docs" / "images"
-    images.mkdir(parents=True, exist_ok=True)
-    for figure in FIGURES:
-        sheet = Image.open(output / f"{figure.name}.png")
-        sheet.resize((1200, sheet.height * 1200 // sheet.width), Image.Resampling.LANCZOS).save(
-            images / f"{figure.name}.jpg", quality=75, optimize=True)
+def renew_table(name, table):
+    """Puts a table between its marks on the page of figures."""
     page = ROOT / "docs" / "figures.md"
-    before, _, rest = page.read_text().partition("<!-- table1 -->\n")
-    _, _, after = rest.partition("<!-- /table1 -->\n")
-    page.write_text(f"{before}<!-- table1 -->\n{table}<!-- /table1 -->\n{after}")
+    before, _, rest = page.read_text().partition(f"<!-- {name} -->\n")
+    _, _, after = rest.partition(f"<!-- /{name} -->\n")
+    page.write_text(f"{before}<!-- {name} -->\n{table}<!-- /{name} -->\n{after}")
+
+
+def save_table(output, name, table):
+    (output / f"{name}.md").write_text(table)
+    print(f"wrote {output}/{name}.md\n\n{table}", end="")
+
+
+def renew_picture(name, sheet, width=1200, quality=75):
+    sheet.resize((width, sheet.height * width // sheet.width), Image.Resampling.LANCZOS).save(
+        ROOT / "docs" / "images" / f"{name}.jpg", quality=quality, optimize=True)
+
+
+def renew_docs(output, table):
+    for figure in FIGURES:
+        renew_picture(figure.name, Image.open(output / f"{figure.name}.png"))
+    renew_table("table1", table)
 
 
 def main():
@@ -198,8 +209,7 @@ def main():
         make_sheet(figure, output).save(output / f"{figure.name}.png")
         print(f"wrote {output / figure.name}.png", flush=True)
     table = make_table(output)
-    (output / "table1.md").write_text(table)
-    print(f"wrote {output}/table1.md\n\n{table}", end="")
+    save_table(output, "table1", table)
     if "--docs" in sys.argv[2:]:
         renew_docs(output, table)
 

@@ -11,7 +11,8 @@ import sys
 import numpy as np
 from PIL import Image, ImageDraw
 
-from contact_sheets import FAINT, GAP, INK, PAPER, ROOT, develop, distances, font, hologram_crop, load_linear, shrink
+from contact_sheets import (FAINT, GAP, INK, PAPER, ROOT, develop, distances, font, hologram_crop, load_linear,
+                            renew_picture, renew_table, save_table, shrink)
 
 FRAMES = (1, 4, 16, 64)
 EYES = (-3, 0, 3)
@@ -145,16 +146,17 @@ def readme_picture(output):
     return strip
 
 
-def renew_docs(output, sheets, table):
-    images = ROOT / "docs" / "images"
+def save_sheets(output, sheets):
     for name, sheet in sheets.items():
-        sheet.resize((1200, sheet.height * 1200 // sheet.width), Image.Resampling.LANCZOS).save(
-            images / f"{name}.jpg", quality=75, optimize=True)
-    Image.open(output / "chess_colour.png").save(images / "chess_colour.jpg", quality=88, optimize=True)
-    page = ROOT / "docs" / "figures.md"
-    before, _, rest = page.read_text().partition("<!-- frames -->\n")
-    _, _, after = rest.partition("<!-- /frames -->\n")
-    page.write_text(f"{before}<!-- frames -->\n{table}<!-- /frames -->\n{after}")
+        sheet.save(output / f"{name}.png")
+        print(f"wrote {output / name}.png", flush=True)
+
+
+def renew_docs(output, sheets, table):
+    for name, sheet in sheets.items():
+        renew_picture(name, sheet)
+    Image.open(output / "chess_colour.png").save(ROOT / "docs" / "images" / "chess_colour.jpg", quality=88, optimize=True)
+    renew_table("frames", table)
 
 
 def main():
@@ -162,13 +164,10 @@ def main():
     sheets = {"hmcpt_colour": colour_sheet(output), "hmcpt_layers": layers_sheet(output),
               "hmcpt_focus": focus_sheet(output), "hmcpt_parallax": parallax_sheet(output),
               "hmcpt_frames": frames_sheet(output)}
-    for name, sheet in sheets.items():
-        sheet.save(output / f"{name}.png")
-        print(f"wrote {output / name}.png", flush=True)
+    save_sheets(output, sheets)
     readme_picture(output).save(output / "chess_colour.png", optimize=True)
     table = frames_table(output / "chess_frames")
-    (output / "frames.md").write_text(table)
-    print(f"wrote {output}/frames.md\n\n{table}", end="")
+    save_table(output, "frames", table)
     if "--docs" in sys.argv[2:]:
         renew_docs(output, sheets, table)
 

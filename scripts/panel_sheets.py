@@ -13,8 +13,8 @@ import sys
 import numpy as np
 from PIL import Image
 
-from contact_sheets import ROOT
-from hmcpt_sheets import developed, lay_out
+from contact_sheets import ROOT, renew_picture, renew_table, save_table
+from hmcpt_sheets import developed, lay_out, save_sheets
 
 ENCODERS = {"phase": "phase alone", "double-phase": "double phase", "error-diffusion": "error diffusion",
             "gerchberg-saxton": "Gerchberg–Saxton, random start",
@@ -77,28 +77,20 @@ def stereo_sheet(folder):
 
 
 def renew_docs(output, sheets, table):
-    images = ROOT / "docs" / "images"
     for name, sheet in sheets.items():
-        sheet.resize((960, sheet.height * 960 // sheet.width), Image.Resampling.LANCZOS).save(
-            images / f"{name}.jpg", quality=65, optimize=True)
+        renew_picture(name, sheet, width=960, quality=65)
     for chart in ("limits_volume", "grid_cost", "sharpness"):
-        shutil.copy(output / f"{chart}.png", images / f"{chart}.png")
-    page = ROOT / "docs" / "figures.md"
-    before, _, rest = page.read_text().partition("<!-- encoders -->\n")
-    _, _, after = rest.partition("<!-- /encoders -->\n")
-    page.write_text(f"{before}<!-- encoders -->\n{table}<!-- /encoders -->\n{after}")
+        shutil.copy(output / f"{chart}.png", ROOT / "docs" / "images" / f"{chart}.png")
+    renew_table("encoders", table)
 
 
 def main():
     output = pathlib.Path(sys.argv[1])
     sheets = {"panel_encoders": encoders_sheet(output / "encoders"), "panel_effects": effects_sheet(output / "effects"),
               "panel_stereo": stereo_sheet(output / "stereo")}
-    for name, sheet in sheets.items():
-        sheet.save(output / f"{name}.png")
-        print(f"wrote {output / name}.png", flush=True)
+    save_sheets(output, sheets)
     table = encoders_table(output / "encoders")
-    (output / "encoders.md").write_text(table)
-    print(f"wrote {output}/encoders.md\n\n{table}", end="")
+    save_table(output, "encoders", table)
     if "--docs" in sys.argv[2:]:
         renew_docs(output, sheets, table)
 

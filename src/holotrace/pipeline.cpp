@@ -8,6 +8,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/repeated_stages.h"
 #include "holotrace/slm/encode.h"
+#include "holotrace/slm/iterations.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/gather.h"
 #include "holotrace/trace/render.h"
@@ -52,33 +53,22 @@ double power_on_panel(const Report& report) {
 // panel and its transform, the propagation to the sensor, padded to the sum of both windows, and the sums of views.
 void check_memory(const Job& job, size_t sets) {
   const Grid& panel = job.slm.grid;
-  const double pixels = double(panel.pixels()), n = job.show.subpixels, frames = job.trace.frames;
-  const Grid sampled{panel.nx * job.show.subpixels, panel.ny * job.show.subpixels, panel.pitch / n};
+  const double pixels = double(panel.pixels()), frames = job.trace.frames;
   const std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
-  const double m = magnification(job.camera, from.front().distance, job.encode.image);
-  const double pixel = job.camera.pixel > 0     ? job.camera.pixel
-                       : job.camera.binning > 0 ? job.camera.binning * sampled.pitch * m
-                                                : panel.pitch * m;
-  const double columns = (job.camera.width > 0 ? job.camera.width : panel.width() * m) / pixel;
-  const double rows = (job.camera.height > 0 ? job.camera.height : panel.height() * m) / pixel;
+  const ViewingNeed need =
+      viewing_need(job.slm, job.show.subpixels, job.wavelengths, job.encode.image, job.propagate, from);
   const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
   const double fields = 8 * pixels * double(sets) * kept;
   const double planes = job.encode.method == Encoding::complex ? 2 : 1;  // of levels
   const double holograms = 2 * planes * pixels * double(sets) * frames;
-  const double shown = 8 * pixels * n * n, showing = 8 * pixels * n;
-  double looking = 0;
-  for (const double wavelength : job.wavelengths)
-    for (const Viewpoint& view : from)
-      looking = std::max(looking, looking_bytes(sampled, job.slm, wavelength, view.distance, job.encode.image,
-                                                job.propagate, view.camera));
   const int64_t moments = moments_of(job.slm, job.show, job.wavelengths.front());
   const bool is_one = sets == 1 && frames == 1 && moments == 1 && from.size() == job.camera.distances.size();
-  const double views = is_one ? 0 : viewing_bytes(columns * rows, from.size(), double(sets), moments);
-  require_memory(fields + holograms + shown + std::max(showing, looking) + views,
+  const double views = is_one ? 0 : viewing_bytes(need.columns * need.rows, from.size(), double(sets), moments);
+  require_memory(fields + holograms + need.shown + need.passing + views,
                  fmt::format("a run of {} hologram(s) on {} × {} pixels at {} samples per pixel and axis, seen by a "
                              "sensor of {} × {} pixels,",
-                             double(sets) * frames, panel.nx, panel.ny, job.show.subpixels, std::llround(columns),
-                             std::llround(rows)));
+                             double(sets) * frames, panel.nx, panel.ny, job.show.subpixels, std::llround(need.columns),
+                             std::llround(need.rows)));
 }
 
 // Sets that are known before tracing: those of separate lights are counted once they are there.
@@ -159,9 +149,7 @@ std::vector<Image> make_stereo_renders(const Job& job, Report& report, const Sta
 // Iterations look at what the camera looks at, where nothing else is said.
 EncodeParams encoding_of(const Job& job) {
   EncodeParams params = job.encode;
-  const bool is_iterated = params.method == Encoding::gerchberg_saxton ||
-                           params.method == Encoding::weighted_gerchberg_saxton || params.method == Encoding::sgd;
-  if (is_iterated && params.target_distances.empty()) params.target_distances = job.camera.distances;
+  if (aims_at_targets(params.method) && params.target_distances.empty()) params.target_distances = job.camera.distances;
   return params;
 }
 

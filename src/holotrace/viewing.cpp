@@ -218,6 +218,29 @@ int64_t viewing_calls(int64_t moments, const std::vector<Viewpoint>& from) {
   return moments * int64_t(1 + stages_of(from).size());
 }
 
+ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double>& wavelengths, ImageSide image,
+                         const PropagateParams& propagation, const std::vector<Viewpoint>& from) {
+  require(subpixels >= 1, "expected at least 1 sample per pixel, got {}", subpixels);
+  const Grid& panel = slm.grid;
+  const double n = subpixels, pixels = double(panel.pixels());
+  const Grid sampled{panel.nx * subpixels, panel.ny * subpixels, panel.pitch / n};
+  const CameraParams& camera = from.front().camera;
+  const double m = magnification(camera, from.front().distance, image);
+  const double pixel = camera.pixel > 0     ? camera.pixel
+                       : camera.binning > 0 ? camera.binning * sampled.pitch * m
+                                            : panel.pitch * m;
+  ViewingNeed need;
+  need.columns = (camera.width > 0 ? camera.width : panel.width() * m) / pixel;
+  need.rows = (camera.height > 0 ? camera.height : panel.height() * m) / pixel;
+  need.shown = 8 * pixels * n * n;
+  need.passing = 8 * pixels * n;
+  for (const double wavelength : wavelengths)
+    for (const Viewpoint& view : from)
+      need.passing = std::max(need.passing,
+                              looking_bytes(sampled, slm, wavelength, view.distance, image, propagation, view.camera));
+  return need;
+}
+
 double viewing_bytes(double sensor_pixels, size_t viewpoints, double sets, int64_t moments) {
   return sensor_pixels * double(viewpoints) *
          (sizeof(double) * sets + sizeof(float) * (sets > 1 ? 3 : 1) + (moments > 1 ? sizeof(float) : 0));

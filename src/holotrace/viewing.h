@@ -6,7 +6,10 @@
 #include "holotrace/data/chart.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/image.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/camera.h"
+#include "holotrace/data/params/propagate.h"
+#include "holotrace/data/params/render.h"
+#include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/repeated_stages.h"
 #include "holotrace/view/view_sum.h"
@@ -54,6 +57,16 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& s
 /// Moments of a hologram's light, and stages that view_hologram runs for one.
 int64_t moments_of(const Slm& slm, const ShowParams& show, double wavelength);
 int64_t viewing_calls(int64_t moments, const std::vector<Viewpoint>& from);
+
+/// What showing one hologram and looking at it from all viewpoints takes.
+struct ViewingNeed {
+  double columns = 0, rows = 0;  ///< pixels of the first viewpoint's sensor
+  double shown = 0;              ///< bytes of the field that leaves the panel
+  double passing = 0;            ///< bytes that its transform, or the way to a sensor, takes beside it
+};
+/// @throws Error  for less than 1 sample per pixel, and as magnification and looking_bytes do
+ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double>& wavelengths, ImageSide image,
+                         const PropagateParams& propagation, const std::vector<Viewpoint>& from);
 
 /// Bytes of the sums and irradiances of `sets` kinds of holograms, seen by a sensor of that many pixels, and of the
 /// pictures that they become.

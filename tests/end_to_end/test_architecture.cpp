@@ -9,6 +9,8 @@
 #include <set>
 #include <string>
 
+#include "support/build_paths.h"
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -20,6 +20,7 @@
 #include "holotrace/trace/render.h"
 #include "holotrace/wave/propagate.h"
 #include "holotrace/wave/sum_exact.h"
+#include "support/build_paths.h"
 #include "support/fields.h"
 #include "support/program.h"
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "end_to_end/bands.h"
+#include "support/build_paths.h"
 
 namespace holotrace::test {
 namespace {

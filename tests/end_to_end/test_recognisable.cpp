@@ -20,6 +20,7 @@
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/view_sum.h"
+#include "support/build_paths.h"
 #include "support/program.h"
 
 namespace holotrace::test {

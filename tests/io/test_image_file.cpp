@@ -6,6 +6,7 @@
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/file.h"
 #include "holotrace/io/image_file.h"
+#include "support/build_paths.h"
 #include "support/temporary.h"
 
 namespace holotrace {

@@ -4,6 +4,7 @@
 
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/mesh_file.h"
+#include "support/build_paths.h"
 #include "support/temporary.h"
 
 namespace holotrace {

@@ -5,6 +5,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/io/model_job.h"
 #include "holotrace/io/scene_file.h"
+#include "support/build_paths.h"
 #include "support/gltf.h"
 #include "support/temporary.h"
 

@@ -4,6 +4,7 @@
 
 #include "holotrace/io/file.h"
 #include "holotrace/io/scene_file.h"
+#include "support/build_paths.h"
 #include "support/temporary.h"
 
 namespace holotrace {

@@ -6,6 +6,7 @@
 #include "holotrace/io/ply.h"
 #include "holotrace/io/point_file.h"
 #include "holotrace/io/sources_file.h"
+#include "support/build_paths.h"
 #include "support/temporary.h"
 
 namespace holotrace {

@@ -13,6 +13,8 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "support/build_paths.h"
+
 namespace holotrace::test {
 namespace {
 

@@ -9,7 +9,6 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/params.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/accelerator.h"

@@ -2,7 +2,7 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/data/image.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/trace.h"
 
 namespace holotrace {
 

@@ -3,7 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/camera.h"
+#include "holotrace/data/params/encode.h"
+#include "holotrace/data/params/propagate.h"
+#include "holotrace/data/params/render.h"
+#include "holotrace/data/params/show.h"
+#include "holotrace/data/params/synthesize.h"
+#include "holotrace/data/params/trace.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/data/slm.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "holotrace/data/hologram.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/data/target.h"
 

@@ -12,7 +12,7 @@ namespace holotrace {
 namespace {
 
 void check_distance(double distance) {
-  require(std::isfinite(distance) && distance > 0, "expected a distance above 0 m, got {} m", distance);
+  require(std::isfinite(distance) && distance > 0, "expected a distance above 0 m, got {}", format_length(distance));
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ std::vector<DiffractionOrder> diffraction_orders(double pitch, double wavelength
 double grating_order_offset(double period, double wavelength, double distance, int order) {
   check_wavelength(wavelength);
   check_distance(distance);
-  require(std::isfinite(period) && period > 0, "expected a grating period above 0 m, got {} m", period);
+  require(std::isfinite(period) && period > 0, "expected a grating period above 0 m, got {}", format_length(period));
   const double sine = order * wavelength / period;
   if (std::abs(sine) >= 1) return std::copysign(std::numeric_limits<double>::infinity(), sine);
   return distance * sine / std::sqrt((1 - sine) * (1 + sine));
@@ -72,13 +72,14 @@ double wanted_pitch(double wavelength, double half_angle) {
 double wanted_size(double wavelength, double distance, double resolution) {
   check_wavelength(wavelength);
   check_distance(distance);
-  require(std::isfinite(resolution) && resolution > 0, "expected a resolution above 0 m, got {} m", resolution);
+  require(std::isfinite(resolution) && resolution > 0, "expected a resolution above 0 m, got {}",
+          format_length(resolution));
   return wavelength * distance / resolution;
 }
 
 int64_t wanted_pixels(double size, double pitch) {
-  require(std::isfinite(size) && size > 0, "expected a panel size above 0 m, got {} m", size);
-  require(std::isfinite(pitch) && pitch > 0, "expected a pixel pitch above 0 m, got {} m", pitch);
+  require(std::isfinite(size) && size > 0, "expected a panel size above 0 m, got {}", format_length(size));
+  require(std::isfinite(pitch) && pitch > 0, "expected a pixel pitch above 0 m, got {}", format_length(pitch));
   const double pixels = std::ceil(size / pitch * (1 - 1e-12));  // a size that divides evenly must not round up
   require(pixels <= 1e15, "expected a panel of 1e15 pixels or less along a side, got {:.3g}: {} at a pitch of {}",
           pixels, format_length(size), format_length(pitch));

@@ -1,12 +1,11 @@
 #pragma once
 
-#include "holotrace/data/params.h"
 #include "holotrace/io/toml_table.h"
 
 namespace holotrace {
 
 /// Reads the table `section` of `parent`, if it is there, into a parameter set: its `describe` in
-/// data/params.h names every key once.
+/// data/params/ names every key once.
 /// @throws Error with file:line:column for values of another kind and for unknown keys
 template <class Params>
 void read_params(TomlTable& parent, const char* section, Params& params) {

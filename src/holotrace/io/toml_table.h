@@ -14,7 +14,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/base/vec.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/choice.h"
 
 namespace holotrace {
 
@@ -23,7 +23,7 @@ std::optional<double> to_number(const toml::node& node);
 
 /// One table of a TOML file, read key by key. Each reader leaves its value alone where the key is
 /// absent, and remembers the key, so that refuse_unknown_keys can name the others. It has the
-/// members that `describe` of data/params.h asks of a visitor: a parameter set reads itself by
+/// members that `describe` of data/params/ asks of a visitor: a parameter set reads itself by
 /// describe(table, params).
 ///
 /// Every Error starts with file:line:column.

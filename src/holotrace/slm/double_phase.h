@@ -3,7 +3,7 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/phase_levels.h"
 
 namespace holotrace {

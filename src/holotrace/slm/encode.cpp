@@ -15,6 +15,7 @@
 #include "holotrace/slm/gerchberg_saxton.h"
 #include "holotrace/slm/gradient_descent.h"
 #include "holotrace/slm/iteration_arrays.h"
+#include "holotrace/slm/iterations.h"
 #include "holotrace/slm/kinoform.h"
 #include "holotrace/slm/off_axis.h"
 #include "holotrace/slm/phase_levels.h"
@@ -60,11 +61,6 @@ void check_samples(const Field& field) {
       require(std::isfinite(u.real()) && std::isfinite(u.imag()),
               "expected finite samples in the field, got {}{:+}i at row {}, column {}", u.real(), u.imag(), j, i);
     }
-}
-
-bool is_iteration(Encoding method) {
-  return method == Encoding::gerchberg_saxton || method == Encoding::weighted_gerchberg_saxton ||
-         method == Encoding::sgd;
 }
 
 // What the pixels of a hologram differ in.
@@ -130,6 +126,7 @@ void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& ob
 
 void check_params(const Slm& slm, const EncodeParams& params) {
   check_slm(slm);
+  with_effects(slm, params.effects);  // refuses unknown names before anything is told
   require(params.levels == 0 || (params.levels >= 2 && params.levels <= slm.levels),
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
@@ -226,7 +223,7 @@ double short_range_efficiency(double range) {
 Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   check_params(slm, params);
   require_grid_of(slm, field.grid, "field");
-  if (is_iteration(params.method)) return encode_targets(targets_of(field, params), field, slm, params, observer);
+  if (aims_at_targets(params.method)) return encode_targets(targets_of(field, params), field, slm, params, observer);
   check_panel(slm, params, observer);
   tell_effects(slm, params, observer);
   check_field(field, slm, observer);
@@ -243,7 +240,7 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
                         const EncodeParams& params, const Observer& observer) {
   check_params(slm, params);
-  require(is_iteration(params.method),
+  require(aims_at_targets(params.method),
           "expected a method that aims at targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
           name_of(params.method));
   check_panel(slm, params, observer);

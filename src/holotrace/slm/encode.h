@@ -5,7 +5,7 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/data/target.h"
 

@@ -7,6 +7,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/iteration_arrays.h"
+#include "holotrace/slm/iterations.h"
 #include "holotrace/slm/plane_optics.h"
 #include "holotrace/slm/plane_sums.h"
 
@@ -38,7 +39,7 @@ Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, A
             "expected targets of one wavelength for Gerchberg–Saxton, got {} and {}; use sgd, or a hologram for each",
             format_length(wavelength), format_length(target.wavelength));
   const bool is_weighted = params.method == Encoding::weighted_gerchberg_saxton;
-  const int iterations = params.iterations > 0 ? params.iterations : 50;
+  const int iterations = iterations_of(params);
   const std::vector<TargetPlane> wanted = is_weighted ? targets : std::vector<TargetPlane>{};
   std::vector<PlaneOptics> optics;
   for (const TargetPlane& target : targets)

@@ -9,6 +9,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/slm/driven_panel.h"
 #include "holotrace/slm/iteration_arrays.h"
+#include "holotrace/slm/iterations.h"
 #include "holotrace/slm/plane_optics.h"
 #include "holotrace/slm/plane_sums.h"
 
@@ -112,7 +113,7 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
              const Observer& observer, Hologram& hologram) {
   require(std::isfinite(params.step) && params.step >= 0, "expected a step of 0 (as found best) or more, got {}",
           params.step);
-  const int iterations = params.iterations > 0 ? params.iterations : 200;
+  const int iterations = iterations_of(params);
   const std::vector<std::unique_ptr<Colour>> colours = colours_of(targets, slm, hologram);
   // Each colour counts by its own light, so that a dim one is not left to the brightest; a dark one does not count.
   double lit = 0;

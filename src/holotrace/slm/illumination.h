@@ -4,7 +4,7 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/show.h"
 #include "holotrace/slm/moments.h"
 
 namespace holotrace {

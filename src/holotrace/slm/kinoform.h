@@ -3,7 +3,6 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
-#include "holotrace/data/params.h"
 #include "holotrace/slm/phase_levels.h"
 
 // The encoders that look at one pixel at a time. Each writes `level` and `illumination` of a hologram whose grid,

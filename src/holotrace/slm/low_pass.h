@@ -2,7 +2,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/encode.h"
 
 // What the encoders that put their noise at high frequencies share: the stop that keeps it out, the field within it,
 // and the modulus that a pixel of 1 stands for.

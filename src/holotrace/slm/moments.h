@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 
 namespace holotrace {

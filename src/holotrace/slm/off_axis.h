@@ -4,7 +4,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/encode.h"
 
 namespace holotrace {
 

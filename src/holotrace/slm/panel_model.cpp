@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <vector>
 
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/large_buffer.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/base/workspace.h"
 #include "holotrace/slm/checks.h"
 #include "holotrace/slm/crosstalk.h"
 #include "holotrace/slm/dead_pixels.h"
@@ -50,47 +49,6 @@ const Slm& checked(const Slm& slm, const ShowParams& params, int levels) {
   return slm;
 }
 
-// Work space that outlives a call: lent to one call at a time, made anew where all of it is out.
-class Workspace {
- public:
-  struct Space {
-    explicit Space(size_t count) : buffer(count), count(count) {}
-    LargeBuffer<float> buffer;
-    size_t count;
-  };
-  class Loan {
-   public:
-    Loan(Workspace& owner, size_t floats) : owner_(owner) {
-      if (floats == 0) return;
-      const std::lock_guard lock(owner_.mutex_);
-      const auto fits = std::find_if(owner_.spaces_.begin(), owner_.spaces_.end(),
-                                     [&](const auto& space) { return space->count == floats; });
-      if (fits != owner_.spaces_.end()) {
-        space_ = std::move(*fits);
-        owner_.spaces_.erase(fits);
-      } else {
-        space_ = std::make_unique<Space>(floats);
-      }
-    }
-    ~Loan() {
-      if (!space_) return;
-      const std::lock_guard lock(owner_.mutex_);
-      owner_.spaces_.push_back(std::move(space_));
-    }
-    Loan(const Loan&) = delete;
-    Loan& operator=(const Loan&) = delete;
-    float* data() { return space_ ? space_->buffer.data() : nullptr; }
-
-   private:
-    Workspace& owner_;
-    std::unique_ptr<Space> space_;
-  };
-
- private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Space>> spaces_;
-};
-
 }  // namespace
 
 struct PanelModel::Parts {
@@ -102,8 +60,8 @@ struct PanelModel::Parts {
   Grid out;
   PixelResponse response;
   bool has_crosstalk;
-  CrosstalkTaps taps_x, taps_y;
   int s;  // cells per pixel and axis
+  PixelBlur blur;
   PixelLine row, column;
   Illumination light;
   Array2D<Complex> static_errors;
@@ -123,16 +81,13 @@ struct PanelModel::Parts {
         response(slm, modulation, levels, stretch_of(design, m), slm.effects.flicker * m.flicker),
         has_crosstalk(slm.effects.crosstalk > 0),
         s(crosstalk_cells(slm, p)),
+        blur(slm, s),
         row(panel.grid.nx, p.subpixels, s, slm.lit_x(), std::sqrt(p.irradiance)),
         column(panel.grid.ny, p.subpixels, s, slm.lit_y(), 1),
         light(illuminate(out, p, m)),
         static_errors(static_phasors(slm, stretch_of(design, m))),
         gap(std::polar(float(slm.effects.gap_amplitude), float(slm.effects.gap_phase))),
         stuck(stuck_pixels(slm)) {
-    if (has_crosstalk) {
-      taps_x = crosstalk_taps(slm.effects.crosstalk, slm.lit_x(), s);
-      taps_y = crosstalk_taps(slm.effects.crosstalk, slm.lit_y(), s);
-    }
     for (int j = 0; j <= slm.grid.ny; ++j)
       stuck_of_row.push_back(size_t(std::lower_bound(stuck.begin(), stuck.end(), int64_t(j) * slm.grid.nx,
                                                      [](const StuckPixel& p, int64_t i) { return p.pixel < i; }) -
@@ -185,45 +140,6 @@ struct PanelModel::Parts {
     for (int i = 0; i < nx(); ++i) amplitude[i] *= scale * level[i];
   }
 
-  // Blur of pixels at the cells of pixel row j whose place down the pixel is cy: [cx][column].
-  void blur(const float* pixels, int j, int cy, float* cells) const {
-    const int width = nx(), reach_y = taps_y.reach, reach_x = taps_x.reach;
-    AlignedVector<float> blurred(size_t(width), 0.0F), wide(size_t(width + 2 * reach_x));
-    const float* ky = taps_y.of_cell(cy);
-    for (int d = -reach_y; d <= reach_y; ++d) {
-      const float* line = pixels + size_t(wrap_index(j + d, ny())) * size_t(width);
-      const float k = ky[d + reach_y];
-      for (int i = 0; i < width; ++i) blurred[size_t(i)] += k * line[i];
-    }
-    for (int i = 0; i < width + 2 * reach_x; ++i) wide[size_t(i)] = blurred[size_t(wrap_index(i - reach_x, width))];
-    for (int cx = 0; cx < s; ++cx) {
-      const float* kx = taps_x.of_cell(cx);
-      float* to = cells + size_t(cx) * size_t(width);
-      std::fill(to, to + width, 0.0F);
-      for (int d = 0; d <= 2 * reach_x; ++d)
-        for (int i = 0; i < width; ++i) to[i] += kx[d] * wide[size_t(i + d)];
-    }
-  }
-
-  // The adjoint of the blur along x, summed over the cells cx: [column].
-  void unblur_row(const float* cells, float* to) const {
-    const int width = nx(), reach = taps_x.reach;
-    AlignedVector<float> wide(size_t(width + 2 * reach));
-    std::fill(to, to + width, 0.0F);
-    for (int cx = 0; cx < s; ++cx) {
-      const float* kx = taps_x.of_cell(cx);
-      const float* from = cells + size_t(cx) * size_t(width);
-      for (int i = 0; i < width + 2 * reach; ++i) wide[size_t(i)] = from[wrap_index(i - reach, width)];
-      for (int d = 0; d <= 2 * reach; ++d)  // cell i read pixel i + d − reach
-        for (int i = 0; i < width; ++i) to[i] += kx[d] * wide[size_t(i + 2 * reach - d)];
-    }
-  }
-  static int wrap_index(int i, int n) {
-    while (i < 0) i += n;
-    while (i >= n) i -= n;
-    return i;
-  }
-
   // Phases and amplitudes of all pixels, for blurs to read: two arrays of (ny, nx), the second where it is needed.
   void pixels_to_blur(const Array2D<float>& drive, const Array2D<float>* modulus, float* cycles,
                       float* amplitudes) const {
@@ -244,8 +160,8 @@ struct PanelModel::Parts {
   void cells_of_row(const Array2D<float>& drive, const Array2D<float>* modulus, const float* blur_cycles,
                     const float* blur_amplitudes, int j, int cy, Cells& cells) const {
     if (has_crosstalk) {
-      blur(blur_cycles, j, cy, cells.cycles.data());
-      if (blur_amplitudes) blur(blur_amplitudes, j, cy, cells.amplitudes.data());
+      blur.to_cells(blur_cycles, j, cy, cells.cycles.data());
+      if (blur_amplitudes) blur.to_cells(blur_amplitudes, j, cy, cells.amplitudes.data());
     } else {
       phases_of_row(drive, j, true, cells.cycles.data());
       if (has_amplitude(modulus)) amplitudes_of_row(drive, modulus, j, cells.amplitudes.data());
@@ -409,28 +325,18 @@ struct PanelModel::Parts {
         gradient_of_drive(drive, j, of_cycles.data(), has_a ? of_amplitudes.data() : nullptr, result.row(j));
         return;
       }
-      unblur_row(of_cycles.data(), unblurred.data() + size_t(r) * size_t(nx()));
-      if (has_a) unblur_row(of_amplitudes.data(), unblurred.data() + pixels * size_t(s) + size_t(r) * size_t(nx()));
+      blur.from_cells(of_cycles.data(), unblurred.data() + size_t(r) * size_t(nx()));
+      if (has_a)
+        blur.from_cells(of_amplitudes.data(), unblurred.data() + pixels * size_t(s) + size_t(r) * size_t(nx()));
     });
     if (!has_crosstalk) return result;
     parallel_for(0, ny(), [&](int64_t j) {
       AlignedVector<float> of_cycles(static_cast<size_t>(nx())), of_amplitudes(has_a ? size_t(nx()) : 0);
-      unblur_column(unblurred.data(), int(j), of_cycles.data());
-      if (has_a) unblur_column(unblurred.data() + pixels * size_t(s), int(j), of_amplitudes.data());
+      blur.from_rows(unblurred.data(), int(j), of_cycles.data());
+      if (has_a) blur.from_rows(unblurred.data() + pixels * size_t(s), int(j), of_amplitudes.data());
       gradient_of_drive(drive, int(j), of_cycles.data(), has_a ? of_amplitudes.data() : nullptr, result.row(int(j)));
     });
     return result;
-  }
-
-  // The adjoint of the blur along y: the sum over all cells that read row j.
-  void unblur_column(const float* rows, int j, float* to) const {
-    std::fill(to, to + nx(), 0.0F);
-    for (int cy = 0; cy < s; ++cy)
-      for (int d = -taps_y.reach; d <= taps_y.reach; ++d) {
-        const float k = taps_y.of_cell(cy)[d + taps_y.reach];
-        const float* from = rows + (size_t(cy) * size_t(ny()) + size_t(wrap_index(j - d, ny()))) * size_t(nx());
-        for (int i = 0; i < nx(); ++i) to[i] += k * from[i];
-      }
   }
 };
 

@@ -5,7 +5,7 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/data/field.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/slm/moments.h"
 

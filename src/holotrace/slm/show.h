@@ -2,7 +2,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/hologram.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/slm/moments.h"
 

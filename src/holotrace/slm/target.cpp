@@ -7,6 +7,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/slm/iterations.h"
 #include "holotrace/slm/plane_optics.h"
 #include "holotrace/slm/plane_sums.h"
 #include "holotrace/wave/propagate.h"
@@ -20,7 +21,8 @@ void check_distances(const std::vector<double>& distances) {
   require(!distances.empty(),
           "expected a distance that the image is made for, got none; give target_distances (--target-distances)");
   for (const double distance : distances)
-    require(std::isfinite(distance) && distance >= 0, "expected target distances of 0 m or more, got {} m", distance);
+    require(std::isfinite(distance) && distance >= 0, "expected target distances of 0 m or more, got {}",
+            format_length(distance));
 }
 
 // 1 in the middle, 0 around it; empty where that is all.
@@ -115,10 +117,8 @@ Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodePar
   const bool has_stop = params.method == Encoding::double_phase || params.method == Encoding::error_diffusion;
   const PlaneOptics optics =
       make_plane_optics(slm, target.wavelength, target.z, PixelAperture::included, has_stop ? params.stop : 1);
-  const bool is_iteration = params.method == Encoding::sgd || params.method == Encoding::gerchberg_saxton ||
-                            params.method == Encoding::weighted_gerchberg_saxton;
   const double power = target_power(target);
-  const int steps = is_iteration || power == 0 ? 0 : params.iterations > 0 ? params.iterations : 30;
+  const int steps = aims_at_targets(params.method) || power == 0 ? 0 : params.iterations > 0 ? params.iterations : 30;
   Field u = optics.to_panel(target_field(target, slm.grid, params));
   Field before = u;
   std::vector<double> convergence;
@@ -146,7 +146,7 @@ void check_targets(const std::vector<TargetPlane>& targets, const Grid& panel) {
   require(!targets.empty(), "expected a target for the image, got none");
   for (const TargetPlane& target : targets) {
     check_wavelength(target.wavelength);
-    require(std::isfinite(target.z), "expected a finite place of the target, got {} m", target.z);
+    require(std::isfinite(target.z), "expected a finite place of the target, got {}", format_length(target.z));
     const auto fits = [&](const Array2D<float>& values) { return values.nx == panel.nx && values.ny == panel.ny; };
     require(fits(target.amplitude), "expected a target of {} × {} pixels, as many as the panel has, got {} × {}",
             panel.nx, panel.ny, target.amplitude.nx, target.amplitude.ny);

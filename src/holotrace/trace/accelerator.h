@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "holotrace/base/vec.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/acceleration.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/ray.h"
 #include "holotrace/trace/surface_point.h"

@@ -7,7 +7,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/panel_tiles.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/trace.h"
 #include "holotrace/trace/accelerator.h"
 #include "holotrace/trace/sampling.h"
 

@@ -5,7 +5,7 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/trace.h"
 #include "holotrace/data/scene.h"
 
 namespace holotrace {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/acceleration.h"
 #include "holotrace/data/path_expression.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/accelerator.h"

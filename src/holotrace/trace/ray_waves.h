@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/trace.h"
 #include "holotrace/trace/path.h"
 #include "holotrace/trace/specular.h"
 

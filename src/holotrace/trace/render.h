@@ -3,7 +3,7 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/image.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/render.h"
 #include "holotrace/data/scene.h"
 
 namespace holotrace {

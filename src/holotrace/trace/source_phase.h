@@ -4,7 +4,7 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/trace.h"
 
 // With which phase a wave starts. Its random part has a key and is 2π·u(seed, frame, key) (random_phase of
 // data/sources.h), so that another frame is another draw and nothing else.

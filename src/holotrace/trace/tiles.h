@@ -4,7 +4,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/data/panel_tiles.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/trace.h"
 
 namespace holotrace {
 

@@ -4,7 +4,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/trace.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/data/sources.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/trace.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/path_scene.h"
 #include "holotrace/trace/ray_waves.h"

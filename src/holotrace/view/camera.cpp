@@ -18,7 +18,8 @@ namespace {
 
 // Samples of the sensor's window along one axis: the present ones and an even number more or less.
 int window_samples(double size, double pitch, int present) {
-  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {} m", size);
+  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {}",
+          format_length(size));
   if (size == 0) return present;
   const double wanted = present + 2 * std::round((size / pitch - present) / 2);
   require(wanted >= 1, "expected a sensor of a sample of {} or more, got a side of {}", format_length(pitch),
@@ -30,7 +31,8 @@ int window_samples(double size, double pitch, int present) {
 
 // Pixels of a sensor along one axis, whole ones.
 int sensor_pixels(double size, double pixel) {
-  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {} m", size);
+  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {}",
+          format_length(size));
   const double wanted = std::round(size / pixel);
   require(wanted >= 1, "expected a sensor of a pixel of {} or more, got a side of {}", format_length(pixel),
           format_length(size));
@@ -72,7 +74,7 @@ Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z,
     return sensor;
   }
   require(std::isfinite(camera.pixel) && camera.pixel > 0,
-          "expected a sensor pixel of 0 m (as binning) or more, got {} m", camera.pixel);
+          "expected a sensor pixel of 0 m (as binning) or more, got {}", format_length(camera.pixel));
   require(camera.binning >= 0, "expected a binning of 0 (as many as hold the light) or more, got {}", camera.binning);
   const double aperture = camera.pupil > 0 ? camera.pupil : std::max(shown.width(), shown.height());
   const double travelled = camera.pupil > 0 ? z - camera.eye.z : z;
@@ -200,8 +202,8 @@ void add_between(const Image& render, double row, double column, double* sums) {
 }  // namespace
 
 void check_eye(const CameraParams& camera) {
-  require(std::isfinite(camera.pupil) && camera.pupil >= 0, "expected a pupil of 0 m (none) or more, got {} m",
-          camera.pupil);
+  require(std::isfinite(camera.pupil) && camera.pupil >= 0, "expected a pupil of 0 m (none) or more, got {}",
+          format_length(camera.pupil));
   require(camera.pupil == 0 || (is_finite(camera.eye) && camera.eye.z >= 0),
           "expected an eye on the panel or before it (z ≥ 0), got z = {}", format_length(camera.eye.z));
 }
@@ -209,7 +211,7 @@ void check_eye(const CameraParams& camera) {
 double magnification(const CameraParams& camera, double distance, ImageSide image) {
   if (camera.focal_length == 0) return 1;
   const double f = camera.focal_length;
-  require(std::isfinite(f) && f > 0, "expected a focal length of 0 m (no lens) or more, got {} m", f);
+  require(std::isfinite(f) && f > 0, "expected a focal length of 0 m (no lens) or more, got {}", format_length(f));
   require(camera.pupil > 0, "expected a pupil above 0 m for a lens of {}, got 0 m; give its diameter",
           format_length(f));
   const double s = camera.eye.z - plane_of(distance, image);
@@ -222,7 +224,8 @@ double magnification(const CameraParams& camera, double distance, ImageSide imag
 
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
            const CameraParams& with_lens, const Observer& observer) {
-  require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {} m", distance);
+  require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {}",
+          format_length(distance));
   check_eye(with_lens);
   const double m = magnification(with_lens, distance, shown.image), z = plane_of(distance, shown.image);
   const CameraParams camera = in_object_plane(with_lens, m);

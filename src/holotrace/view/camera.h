@@ -7,7 +7,8 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/image.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/camera.h"
+#include "holotrace/data/params/propagate.h"
 #include "holotrace/data/slm.h"
 
 namespace holotrace {

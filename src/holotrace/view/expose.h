@@ -3,7 +3,7 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/image.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/camera.h"
 
 namespace holotrace {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "holotrace/data/image.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/camera.h"
 
 namespace holotrace {
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
 
 namespace holotrace {
 
@@ -13,7 +14,7 @@ std::array<Vec3, 2> two_eyes(Vec3 eye, double separation) {
 
 std::array<RenderParams, 2> stereo_pair(const RenderParams& params) {
   require(std::isfinite(params.eye_separation) && params.eye_separation > 0,
-          "expected eyes more than 0 m apart for a stereo pair, got {} m", params.eye_separation);
+          "expected eyes more than 0 m apart for a stereo pair, got {}", format_length(params.eye_separation));
   require(params.lens != Lens::panel,
           "expected a pinhole or a round lens for a stereo pair, got the panel, which has no eye; take another lens");
   std::array<RenderParams, 2> pair{params, params};

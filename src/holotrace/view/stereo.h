@@ -4,7 +4,7 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/image.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/render.h"
 
 namespace holotrace {
 

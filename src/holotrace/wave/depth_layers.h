@@ -2,7 +2,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/depth_image.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/synthesize.h"
 #include "holotrace/wave/sum_layers.h"
 
 namespace holotrace {

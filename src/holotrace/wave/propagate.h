@@ -2,7 +2,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/propagate.h"
 #include "holotrace/wave/propagator.h"
 
 namespace holotrace {

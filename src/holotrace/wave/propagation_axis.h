@@ -4,7 +4,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/propagate.h"
 
 namespace holotrace {
 

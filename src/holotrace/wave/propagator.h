@@ -3,7 +3,7 @@
 #include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/propagate.h"
 #include "holotrace/wave/propagation_axis.h"
 
 namespace holotrace {

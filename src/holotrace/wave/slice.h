@@ -5,7 +5,6 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/params.h"
 #include "holotrace/data/sources.h"
 
 namespace holotrace {

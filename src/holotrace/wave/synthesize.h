@@ -4,7 +4,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
-#include "holotrace/data/params.h"
+#include "holotrace/data/params/synthesize.h"
 #include "holotrace/data/sources.h"
 
 namespace holotrace {

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "holotrace/base/large_buffer.h"
+
+namespace holotrace {
+
+/// Work space that outlives a call: lent to one call at a time, made anew where all of it is out. From any thread.
+class Workspace {
+ public:
+  struct Space {
+    explicit Space(size_t count) : buffer(count), count(count) {}
+    LargeBuffer<float> buffer;
+    size_t count;
+  };
+  class Loan {
+   public:
+    Loan(Workspace& owner, size_t floats) : owner_(owner) {
+      if (floats == 0) return;
+      const std::lock_guard lock(owner_.mutex_);
+      const auto fits = std::find_if(owner_.spaces_.begin(), owner_.spaces_.end(),
+                                     [&](const auto& space) { return space->count == floats; });
+      if (fits != owner_.spaces_.end()) {
+        space_ = std::move(*fits);
+        owner_.spaces_.erase(fits);
+      } else {
+        space_ = std::make_unique<Space>(floats);
+      }
+    }
+    ~Loan() {
+      if (!space_) return;
+      const std::lock_guard lock(owner_.mutex_);
+      owner_.spaces_.push_back(std::move(space_));
+    }
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+    float* data() { return space_ ? space_->buffer.data() : nullptr; }
+
+   private:
+    Workspace& owner_;
+    std::unique_ptr<Space> space_;
+  };
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Space>> spaces_;
+};
+
+}  // namespace holotrace

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "holotrace/base/vec.h"
+#include "holotrace/data/params/choice.h"
+
+// expose: Field → Image
+
+namespace holotrace {
+
+/// What a series of views moves: nothing, the plane in focus, or the eye along x.
+enum class Sweep { none, focus, parallax };
+
+/// A sensor without a lens, as on the paper's bench, a camera with a thin lens, or an eye, and what of its reading goes
+/// into a picture.
+struct CameraParams {
+  std::vector<double> distances{0.3};  ///< from the panel to the planes looked at [m], ≥ 0
+  double pupil = 0;              ///< diameter of the eye's pupil or the lens [m]; 0: all light that leaves the panel
+  Vec3 eye{0, 0, 0};             ///< place of that pupil [m], on the panel or before it: z ≥ 0
+  double focal_length = 0;       ///< of a thin lens in the pupil [m]: sizes are then those on its sensor
+  double width = 0, height = 0;  ///< of the sensor [m]; 0: the panel's
+  double centre_x = 0, centre_y = 0;  ///< of the sensor [m]
+  double pixel = 0;                   ///< side of a sensor pixel [m]; 0: `binning` field samples
+  int binning = 0;        ///< field samples per sensor pixel and axis; 0: one panel pixel, or as `pixel` needs
+  double exposure = 0;    ///< irradiance that is white [W/m²]; 0: the 99.9th percentile
+  int bits = 8;           ///< of a PNG: 8 or 16
+  double electrons = 0;   ///< that a white pixel holds, with their shot noise; 0: no noise of light
+  double read_noise = 0;  ///< of a pixel, rms, with `electrons` [electrons]
+  int64_t noise_seed = 1;
+  Sweep sweep = Sweep::none;            ///< a series of views beside those at `distances`
+  int sweep_views = 24;                 ///< of the series
+  double sweep_from = 0, sweep_to = 0;  ///< focus: distances; parallax: x of the eye [m]
+  double sweep_seconds = 2;             ///< of the animated file, there and back
+};
+
+template <class Visitor>
+void describe(Visitor& v, CameraParams& p) {
+  v.lengths("distances", p.distances, "from the panel to the planes looked at");
+  v.length("pupil", p.pupil, "diameter of the eye's pupil or the lens; 0 m: all light that leaves the panel");
+  v.position("eye", p.eye, "place of that pupil, on the panel or before it (z of 0 m or more)");
+  v.length(
+      "focal_length", p.focal_length,
+      "of a thin lens in the pupil: width, height and pixel are then those of its sensor; 0 m: no lens, or an eye");
+  v.length("width", p.width, "of the sensor; 0 m: the panel's");
+  v.length("height", p.height, "of the sensor; 0 m: the panel's");
+  v.coordinate("centre_x", p.centre_x, "of the sensor");
+  v.coordinate("centre_y", p.centre_y, "of the sensor");
+  v.length("pixel", p.pixel, "side of a sensor pixel; 0 m: as binning says");
+  v.count("binning", p.binning,
+          "field samples per sensor pixel and axis; 0: one panel pixel, or with pixel as many as hold the light");
+  v.number("exposure", p.exposure, "irradiance that is white in W/m2; 0: the 99.9th percentile");
+  v.count("bits", p.bits, "of a PNG, 8 or 16");
+  v.number("electrons", p.electrons, "that a white pixel holds, with their shot noise; 0: no noise");
+  v.number("read_noise", p.read_noise, "of a pixel, rms, in electrons");
+  v.count("noise_seed", p.noise_seed, "seed of the noise");
+  v.choice("sweep", p.sweep, {{"none", Sweep::none}, {"focus", Sweep::focus}, {"parallax", Sweep::parallax}},
+           "a series of views and its animation: through distances, or with the eye moving along x");
+  v.count("sweep_views", p.sweep_views, "of the series");
+  v.coordinate("sweep_from", p.sweep_from, "first distance (focus), or first x of the eye (parallax)");
+  v.coordinate("sweep_to", p.sweep_to, "last distance, or last x of the eye");
+  v.number("sweep_seconds", p.sweep_seconds, "of the animation, there and back");
+}
+
+}  // namespace holotrace
