@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "holotrace/base/random.h"
@@ -73,6 +74,43 @@ TEST(BsdfEnergy, AWhiteRoughMetalReflectsEverything) {
                    "roughness " + std::to_string(roughness) + " at " + std::to_string(angle));
 }
 
+TEST(BsdfEnergy, AWhiteMetalOfTheMetallicRoughnessModelReflectsEverything) {
+  // glTF's default material, base colour, metallic and roughness 1, kept 0.31 by single scattering, head-on (1 − ln 2).
+  for (double roughness : all_roughnesses)
+    for (double angle : angles)
+      for (double metallic : {1.0, 0.5}) {
+        const MetallicRoughnessMaterial white{.metallic = metallic, .roughness = roughness};
+        expect_white(albedo(make_bsdf(white, flat_point(), Lines{}), view_direction_at(angle)), table,
+                     fmt::format("metallic {} roughness {} at {}", metallic, roughness, angle));
+      }
+  for (double angle : angles)
+    expect_white(
+        albedo(make_bsdf(MetallicRoughnessMaterial{.roughness = 0}, flat_point(), Lines{}), view_direction_at(angle)),
+        1e-12, "smooth");
+}
+
+TEST(BsdfEnergy, AGreyMetalReflectsWhatItsFacetsDoOnTheWhole) {
+  // Light that meets microfacets of the constant reflectance F once and then is lost or reflected with that F again,
+  // escaping each time with Ē: F·Ē/(1 − F·(1 − Ē)), the series that K sums (F̄ = F0 + (1 − F0)/21 of Schlick). The mean
+  // of the single term, over the table's means, and of the many, K·(1 − Ē)², by hand.
+  for (double roughness : {0.35, 0.7, 1.0}) {
+    const MicrofacetAlbedo::Value mean = MicrofacetAlbedo(roughness * roughness).mean();
+    for (double f0 : {0.3, 0.8}) {
+      const double f = f0 + (1 - f0) / 21, escape = 1 - mean.loss;
+      const double many = f * f * escape * mean.loss / (1 - f * mean.loss);
+      const MetallicRoughnessMaterial grey{.base_color = Vec3{1, 1, 1} * f0, .roughness = roughness};
+      const Bsdf metal = make_bsdf(grey, flat_point(), Lines{});
+      double reflected = 0;
+      constexpr int steps = 16;
+      for (int i = 0; i < steps; ++i) {
+        const double cosine = (i + 0.5) / steps;
+        reflected += 2 * cosine / steps * albedo(metal, {std::sqrt(1 - cosine * cosine), 0, cosine}).x;
+      }
+      EXPECT_NEAR(reflected, mean.reflected(f0) + many, table) << f0 << " roughness " << roughness;
+    }
+  }
+}
+
 TEST(BsdfEnergy, SingleScatteringLosesLogarithmOfTwoOffTheRoughestMetalSeenHeadOn) {
   // At α = 1, head-on, visible normals send light evenly over the whole sphere, of which G₂/G₁ = 2μ/(1 + μ) of the
   // upper half is kept: ½∫2μ/(1 + μ) dμ = 1 − ln 2. Tolerance: the rule of 96 heights.
@@ -131,26 +169,42 @@ TEST(BsdfEnergy, APaneReflectsAndTransmitsEverythingStraightOn) {
   }
 }
 
-TEST(BsdfEnergy, RoughGlassLosesWhatMeetsTwoMicrofacetsAndNoMore) {
-  // What single scattering keeps of a furnace at n = 1.5, as dielectric_bsdf.h says: up to 60° from the normal seen
-  // from air and from inside, and at any angle.
-  const struct {
-    double roughness, from_air, from_inside, anywhere;
-  } kept[] = {{0.02, 0.999, 0.999, 0.999}, {0.1, 0.999, 0.999, 0.90}, {0.2, 0.998, 0.99, 0.90},
-              {0.35, 0.98, 0.94, 0.85},    {0.5, 0.95, 0.82, 0.79},   {0.7, 0.88, 0.65, 0.64},
-              {0.85, 0.79, 0.55, 0.50},    {1, 0.67, 0.41, 0.36}};
-  for (bool is_front : {true, false})
-    for (const auto& row : kept)
-      for (double angle : angles) {
-        const DielectricMaterial rough{constant_index(1.5), row.roughness};
-        const Bsdf glass = make_bsdf(rough, flat_point(is_front), Lines{});
-        const double all = furnace(glass, view_direction_at(angle), is_front ? 1.5 : 1 / 1.5).x;
-        EXPECT_LT(all, 1 + quadrature) << row.roughness << " at " << angle;
-        EXPECT_GT(all, angle > 60 ? row.anywhere
-                       : is_front ? row.from_air
-                                  : row.from_inside)
-            << row.roughness << " at " << angle << " front " << is_front;
+TEST(BsdfEnergy, RoughGlassIsInBalanceWithItsFurnace) {
+  // Single scattering alone keeps 0.82 of the furnace at n = 1.5, roughness 0.5, seen from inside within 60° of the
+  // normal, and 0.41 at roughness 1. The light of many microfacets makes it whole, up to the table.
+  for (double n : {1.05, 1.5, 2.4})
+    for (bool is_front : {true, false})
+      for (double roughness : {0.02, 0.2, 0.5, 0.7, 1.0})
+        for (double angle : {0.0, 40.0, 60.0, 75.0, 89.0}) {
+          const DielectricMaterial rough{constant_index(n), roughness};
+          const Bsdf glass = make_bsdf(rough, flat_point(is_front), Lines{});
+          expect_white(furnace(glass, view_direction_at(angle), is_front ? n : 1 / n), table,
+                       fmt::format("n {} roughness {} at {} front {}", n, roughness, angle, is_front));
+        }
+}
+
+TEST(BsdfEnergy, RoughGlassSendsTheLightOfManyFacetsBackAsASmoothOneDoes) {
+  // 2∫F·μ dμ = 0.0918 at n = 1.5 (J. W. T. Walsh, 1926) of what single scattering leaves out goes back to the air.
+  // Both terms are found here by midpoints over the hemisphere, the first one by the density of microfacets.
+  constexpr double walsh = 0.0918, alpha = 1;
+  constexpr int steps = 32, turns = 64;
+  const Bsdf glass = make_bsdf(DielectricMaterial{constant_index(1.5), alpha}, flat_point(), Lines{});
+  double all = 0, once = 0;
+  for (int j = 0; j < steps; ++j)
+    for (int k = 0; k < steps; ++k)
+      for (int turn = 0; turn < turns; ++turn) {
+        const double z = (j + 0.5) / steps, cosine = (k + 0.5) / steps, angle = 2 * pi * (turn + 0.5) / turns;
+        const double sine = std::sqrt(1 - cosine * cosine);
+        const Vec3 o{std::sqrt(1 - z * z), 0, z}, i{sine * std::cos(angle), sine * std::sin(angle), cosine};
+        const Vec3 h = normalize(o + i);
+        const double measure = 2 * z / steps * 2 * pi / (steps * turns);
+        all += measure * eval_bsdf(glass, o, i, Lobe::glossy).x;
+        once += measure * reflectance_dielectric(dot(o, h), 1.5) * ggx_density(h, alpha) *
+                smith_masking_shadowing(o, i, alpha) / (4 * z);
       }
+  const double left_out = boundary_loss(1.5, alpha).thin.mean;
+  EXPECT_GT(left_out, 0.2);
+  EXPECT_NEAR((all - once) / left_out, walsh, 0.01 * walsh);  // the rule and the table
 }
 
 TEST(BsdfEnergy, NoSurfaceSendsBackMoreThanItReceives) {
@@ -167,7 +221,7 @@ TEST(BsdfEnergy, NoSurfaceSendsBackMoreThanItReceives) {
           const MetallicRoughnessMaterial paint{
               .base_color = Vec3{1, 1, 1} * base, .metallic = metallic, .roughness = roughness};
           const double back = albedo(make_bsdf(paint, flat_point(), Lines{}), outgoing).x;
-          EXPECT_LT(back, 1 + 5 * quadrature) << metallic << " " << base << " " << roughness << " " << angle;
+          EXPECT_LT(back, 1 + table) << metallic << " " << base << " " << roughness << " " << angle;
         }
     }
 }

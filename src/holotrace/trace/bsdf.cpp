@@ -42,8 +42,8 @@ Bsdf make(const ConductorMaterial& material, const SurfacePoint& point, const Li
 
 Bsdf make(const DielectricMaterial& material, const SurfacePoint& point, const Lines& lines) {
   const double n = index_at(material.index, lines.wavelengths[0]).real(), roughness = clip(material.roughness);
-  return DielectricBsdf{point.normal, point.geometric_normal, point.is_front || material.is_thin ? n : 1 / n,
-                        roughness * roughness, material.is_thin};
+  return make_dielectric_bsdf(point.normal, point.geometric_normal, point.is_front || material.is_thin ? n : 1 / n,
+                              roughness * roughness, material.is_thin);
 }
 
 Bsdf make(const MetallicRoughnessMaterial& material, const SurfacePoint& point, const Lines& lines) {

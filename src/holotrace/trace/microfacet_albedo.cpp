@@ -9,40 +9,17 @@ namespace {
 
 using Table = MicrofacetAlbedoTable;
 
-/// Means over the visible microfacet normals: of the weight G₂/G₁ of sampling them, and of that times (1 − o·h)⁵. The
-/// rule is of midpoints, in the height with v = 1 − (1 − t)³: what is lost is lost off the few steep microfacets at v
-/// near 1.
+/// Means over the visible microfacet normals: of the weight G₂/G₁ of sampling them, and of that times (1 − o·h)⁵.
 Table::Entry integrate(double cosine, double alpha) {
-  constexpr int azimuths = 16, heights = 96;  // the two halves of the azimuth are alike
   const Vec3 outgoing{std::sqrt(1 - cosine * cosine), 0, cosine};
   const double masking = smith_masking(outgoing, alpha);
-  double loss = 0, schlick = 0;
-  for (int j = 0; j < heights; ++j) {
-    const double s = 1 - (j + 0.5) / heights, measure = 3 * s * s / (azimuths * heights);
-    for (int i = 0; i < azimuths; ++i) {
-      const Vec3 h = sample_visible_normal(outgoing, alpha, {0.5 * (i + 0.5) / azimuths, 1 - s * s * s});
-      const double cosine_h = dot(outgoing, h);
-      const Vec3 incoming = 2 * cosine_h * h - outgoing;
-      const double weight = incoming.z > 0 ? smith_masking_shadowing(outgoing, incoming, alpha) / masking : 0;
-      loss += measure * (1 - weight);
-      schlick += measure * weight * schlick_weight(cosine_h);
-    }
-  }
-  return {float(loss), float(schlick)};
-}
-
-/// 2∫E·μ dμ = 4∫E·s³ ds with μ = s²: Gauss's rule of three points is exact where E is straight in s.
-Table::Entry mean_of(const std::array<Table::Entry, Table::size>& row) {
-  constexpr double nodes[] = {0.1127016653792583, 0.5, 0.8872983346207417}, weights[] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-  double loss = 0, schlick = 0;
-  for (int i = 0; i + 1 < Table::size; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const double s = (i + nodes[j]) / (Table::size - 1), t = nodes[j];
-      const double weight = 4 * s * s * s * weights[j] / (Table::size - 1);
-      loss += weight * (row[size_t(i)].loss * (1 - t) + row[size_t(i) + 1].loss * t);
-      schlick += weight * (row[size_t(i)].schlick * (1 - t) + row[size_t(i) + 1].schlick * t);
-    }
-  return {float(loss), float(schlick)};
+  const Vec3 sum = mean_over_visible_normals<16>(outgoing, alpha, [&](Vec3 h) {
+    const double cosine_h = dot(outgoing, h);
+    const Vec3 incoming = 2 * cosine_h * h - outgoing;
+    const double weight = incoming.z > 0 ? smith_masking_shadowing(outgoing, incoming, alpha) / masking : 0;
+    return Vec3{1 - weight, weight * schlick_weight(cosine_h), 0};
+  });
+  return {float(sum.x), float(sum.y)};
 }
 
 Table make_table() {
@@ -54,7 +31,10 @@ Table make_table() {
       const double s = double(column) / (Table::size - 1);
       table.entries[size_t(row)][size_t(column)] = integrate(std::fmax(1e-6, s * s), alpha);
     }
-    table.means[size_t(row)] = mean_of(table.entries[size_t(row)]);
+    const auto& entries = table.entries[size_t(row)];
+    table.means[size_t(row)] = {
+        float(mean_over_hemisphere(Table::size, [&](int i) { return entries[size_t(i)].loss; })),
+        float(mean_over_hemisphere(Table::size, [&](int i) { return entries[size_t(i)].schlick; }))};
   }
   return table;
 }
