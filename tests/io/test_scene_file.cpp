@@ -127,6 +127,13 @@ corner = "0 0 -100 mm"
 edge_u = "10 0 0 mm"
 edge_v = "0 10 0 mm"
 radiance = [1, 2, 3]
+[[light]]
+type = "rectangle"
+visible = false
+corner = "0 0 -100 mm"
+edge_u = "10 0 0 mm"
+edge_v = "0 10 0 mm"
+radiance = 1
 [[object]]
 type = "quad"
 width = "10 mm"
@@ -135,13 +142,15 @@ material = "lamp"
 position = "0 0 -300 mm"
 )");
   ASSERT_EQ(job.scene.materials.size(), 2u);
-  ASSERT_EQ(job.scene.lights.size(), 2u);
+  ASSERT_EQ(job.scene.lights.size(), 3u);
   const auto& point = std::get<PointLight>(job.scene.lights[0]);
   EXPECT_EQ(point.position, (Vec3{1e-3, 2e-3, 3}));
   EXPECT_EQ(point.intensity, (Vec3{4, 4, 4}));
   const auto& rectangle = std::get<RectangleLight>(job.scene.lights[1]);
   EXPECT_EQ(rectangle.corner, (Vec3{0, 0, -0.1}));
   EXPECT_EQ(rectangle.radiance, (Vec3{1, 2, 3}));
+  EXPECT_TRUE(rectangle.is_visible);
+  EXPECT_FALSE(std::get<RectangleLight>(job.scene.lights[2]).is_visible);
   const Material& lamp = job.scene.materials[size_t(job.scene.meshes[0].material)];
   EXPECT_EQ(std::get<DiffuseMaterial>(lamp.surface).reflectance, (Vec3{0.5, 0.5, 0.5}));
   EXPECT_EQ(lamp.emission, (Vec3{1, 2, 3}));

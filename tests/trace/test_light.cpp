@@ -186,11 +186,11 @@ TEST(Light, ALampOfManyTrianglesIsItsRectangle) {
   EXPECT_LT(found.standard_error(), 0.01 * found.mean());
 }
 
-TEST(Light, AMirrorShowsTheRectangleThatThePanelDoesNotSee) {
+TEST(Light, AMirrorShowsTheInvisibleRectangleThatThePanelDoesNotSee) {
   Scene scene;
   scene.materials = {{ConductorMaterial{constant_index(3), 0}}};  // at normal incidence (3 − 1)²/(3 + 1)² = 1/4
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
-  scene.lights = {RectangleLight{{-5_mm, -5_mm, -0.25}, {0, 10_mm, 0}, {10_mm, 0, 0}, {8, 8, 8}}};
+  scene.lights = {RectangleLight{{-5_mm, -5_mm, -0.25}, {0, 10_mm, 0}, {10_mm, 0, 0}, {8, 8, 8}, false}};
   constexpr int paths = 40000;
   // The ray passes through the rectangle from its back unharmed. A path of four comes back, and brings 8.
   const Statistics found = follow(scene, {{1_mm, 2_mm, 0}, {0, 0, -1}}, paths, 1);
@@ -200,28 +200,29 @@ TEST(Light, AMirrorShowsTheRectangleThatThePanelDoesNotSee) {
 
 TEST(Light, ALampInThePlaneOfACeilingShinesLikeOneJustBelowIt) {
   // A rough metal floor finds the lamp mostly by chance, where the ceiling is at the very same distance.
-  const auto radiance = [](double gap, const Frame& turn) {
+  const auto radiance = [](double gap, const Frame& turn, bool is_visible) {
     const Vec3 middle{0, 0, -0.3};
     const auto placed = [&](Vec3 v) { return transform_vector(turn, v) + middle; };
     Scene scene;
     scene.materials = {{ConductorMaterial{metal_index("Ag"), 0.2}}, grey(0)};
     const Vec3 x = transform_vector(turn, {20_mm, 0, 0}), y = transform_vector(turn, {0, 20_mm, 0});
     scene.meshes = {make_test_quad(placed({0, 0, -2_mm}), x, y, 0), make_test_quad(placed({0, 0, 2_mm}), y, x, 1)};
-    scene.lights = {RectangleLight{placed({-20_mm, -20_mm, 2_mm - gap}), y * 2, x * 2, {1, 1, 1}}};
+    scene.lights = {RectangleLight{placed({-20_mm, -20_mm, 2_mm - gap}), y * 2, x * 2, {1, 1, 1}, is_visible}};
     return follow(scene, {placed({0, 0, 0}), transform_vector(turn, normalize({0.3, 0.2, -1}))}, 4000, 1);
   };
-  for (const Frame& turn : {Frame{}, rotation_x(0.3)}) {
-    const Statistics in_plane = radiance(0, turn), below = radiance(1e-6, turn);
-    EXPECT_GT(below.mean(), 0.9);  // the metal reflects nearly all of a sky that is bright nearly everywhere
-    EXPECT_NEAR(in_plane.mean(), below.mean(), 4 * std::hypot(in_plane.standard_error(), below.standard_error()));
-  }
+  for (const bool is_visible : {false, true})
+    for (const Frame& turn : {Frame{}, rotation_x(0.3)}) {
+      const Statistics in_plane = radiance(0, turn, is_visible), below = radiance(1e-6, turn, is_visible);
+      EXPECT_GT(below.mean(), 0.9);  // the metal reflects nearly all of a sky that is bright nearly everywhere
+      EXPECT_NEAR(in_plane.mean(), below.mean(), 4 * std::hypot(in_plane.standard_error(), below.standard_error()));
+    }
 }
 
-TEST(Light, RectanglesBlockNoLight) {
+TEST(Light, InvisibleRectanglesBlockNoLight) {
   Scene scene = wall_scene();
   scene.lights = {PointLight{{0, 0, -0.26}, {1, 1, 1}}};
   const double alone = follow(scene, onto_the_wall, 1, 1).mean();
-  scene.lights.push_back(RectangleLight{{-5_mm, -5_mm, -0.28}, {10_mm, 0, 0}, {0, 10_mm, 0}, {1, 1, 1}});
+  scene.lights.push_back(RectangleLight{{-5_mm, -5_mm, -0.28}, {10_mm, 0, 0}, {0, 10_mm, 0}, {1, 1, 1}, false});
   EXPECT_EQ(follow(scene, onto_the_wall, 1, 1).mean(), alone) << "it shines the other way";
 }
 

@@ -90,13 +90,13 @@ TEST(Path, RectangleLightGivesItsClosedFormFactor) {
   // 40 mm × 20 mm, 30 mm in front of the wall, facing it (edge_u × edge_v = −z), its corner over the centre.
   scene.lights = {RectangleLight{{0, 0, -0.27}, {0, 20_mm, 0}, {40_mm, 0, 0}, {5, 5, 5}}};
   PathCounts counts;
-  const Statistics radiance = follow(scene, {{0, 0, -0.2}, {0, 0, -1}}, 20000, 1, counts);
+  const Statistics radiance = follow(scene, {{0, 0, -0.28}, {0, 0, -1}}, 20000, 1, counts);
   EXPECT_NEAR(radiance.mean(), 0.6 * 5 * corner_view_factor(0.04, 0.02, 0.03), 4 * radiance.standard_error());
   EXPECT_LT(radiance.standard_error() / radiance.mean(), 0.01) << "else the line above claims little";
 
   // The other side of the light is dark.
   scene.lights = {RectangleLight{{0, 0, -0.27}, {40_mm, 0, 0}, {0, 20_mm, 0}, {5, 5, 5}}};
-  EXPECT_EQ(follow(scene, {{0, 0, -0.2}, {0, 0, -1}}, 100, 1, counts).mean(), 0);
+  EXPECT_EQ(follow(scene, {{0, 0, -0.28}, {0, 0, -1}}, 100, 1, counts).mean(), 0);
 }
 
 TEST(Path, EmissiveMeshAndRectangleLightOfTheSameShapeGiveTheSameLight) {

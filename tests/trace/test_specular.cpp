@@ -198,8 +198,9 @@ TEST(Specular, ABallLensMagnifiesByItsFocalLength) {
 
 TEST(Specular, MirrorsShowLightsWithAnAreaAndTheSky) {
   Scene scene = make_mirror_scene();
-  scene.meshes.erase(scene.meshes.begin());                                                           // the wall
-  scene.lights = {RectangleLight{{-50_mm, -10_mm, -0.21}, {0, 20_mm, 0}, {0, 0, 20_mm}, {3, 3, 3}}};  // shines to +x
+  scene.meshes.erase(scene.meshes.begin());                                                      // the wall
+  RectangleLight lamp{{-50_mm, -10_mm, -0.21}, {0, 20_mm, 0}, {0, 0, 20_mm}, {3, 3, 3}, false};  // shines to +x
+  scene.lights = {lamp};
   scene.background = {2, 2, 2};
   const auto leaves = leaves_of(scene, {{}, {0, 0, -1}});
   ASSERT_EQ(leaves.size(), 2u);

@@ -101,11 +101,13 @@ struct DirectionalLight {
   bool is_laser = false;
 };
 
-/// A rectangle corner + s·edge_u + t·edge_v that shines from the side edge_u × edge_v points to.
-/// It lights the scene and is seen in reflections, but neither from the panel nor in the way of any light.
+/// A rectangle corner + s·edge_u + t·edge_v that shines from the side edge_u × edge_v points to. A visible one is a
+/// surface, black but for its light: it is seen, and hides what is behind it. One that is not visible lights the scene
+/// and is seen in reflections, but neither from the panel nor in the way of any light.
 struct RectangleLight {
   Vec3 corner, edge_u, edge_v;  ///< [m]
   Vec3 radiance;                ///< [W/m²/sr]
+  bool is_visible = true;
 };
 
 /// What sends light beside the meshes that emit. Further lights join this list.

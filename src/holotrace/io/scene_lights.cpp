@@ -90,6 +90,7 @@ RectangleLight read_rectangle(TomlTable& table) {
   light.edge_u = read_place(table, "edge_u");
   light.edge_v = read_place(table, "edge_v");
   light.radiance = read_power(table, "radiance");
+  if (table.has("visible")) table.flag("visible", light.is_visible);
   require(length(cross(light.edge_u, light.edge_v)) > 0,
           "{}expected edges edge_u and edge_v that span a rectangle, got parallel or empty ones", table.where(""));
   return light;

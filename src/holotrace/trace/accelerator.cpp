@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/trace/light_surfaces.h"
 #include "holotrace/trace/scene_checks.h"
 #include "holotrace/trace/uniform_grid.h"
 
@@ -33,24 +33,12 @@ struct Accelerator::Implementation {
   Device device{nullptr, rtcReleaseDevice};
   EmbreeScene embree{nullptr, rtcReleaseScene};
   std::optional<UniformGrid> grid;  // in place of Embree
+  std::vector<LightSurface> lamps;  // numbered after the meshes
   Vec3 centre;
   double radius = 1, per_radius = 1;
 
-  /// Centre and radius of a sphere around the meshes.
-  void measure() {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Vec3 low{infinity, infinity, infinity}, high = -low;
-    for (const Mesh& mesh : scene.meshes)
-      for (const auto& triangle : mesh.triangles)
-        for (uint32_t index : triangle) {
-          const Vec3 p = mesh.positions[index];
-          low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-          high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-        }
-    centre = (low + high) * 0.5;
-    radius = length(high - low) * 0.5;
-    per_radius = 1 / radius;
-    require(std::isfinite(radius) && radius > 0, "expected meshes that fill some space, got all vertices in one place");
+  const Mesh& mesh_of(uint32_t id) const {
+    return id < scene.meshes.size() ? scene.meshes[id] : lamps[id - scene.meshes.size()].mesh;
   }
 
   void add(const Mesh& mesh, unsigned id) {
@@ -100,7 +88,7 @@ struct Accelerator::Implementation {
 
   /// What a ray has met, from the triangle that was found, in what coordinates of it and at what distance [m].
   void describe(const Ray& ray, const GridHit& found, Hit& hit) const {
-    const Mesh& mesh = scene.meshes[found.mesh];
+    const Mesh& mesh = mesh_of(found.mesh);
     const auto [i, j, k] = mesh.triangles[found.triangle];
     const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
     const double b1 = found.b1, b2 = found.b2, b0 = 1 - b1 - b2;
@@ -139,6 +127,7 @@ struct Accelerator::Implementation {
     }
     if (!mesh.colours.empty()) point.colour = mesh.colours[i] * b0 + mesh.colours[j] * b1 + mesh.colours[k] * b2;
     point.material = mesh.material;
+    point.light = found.mesh < scene.meshes.size() ? -1 : lamps[found.mesh - scene.meshes.size()].light;
     point.mesh = found.mesh;
     point.triangle = found.triangle;
   }
@@ -153,12 +142,14 @@ void write_down(const RTCRay& ray, bool is_shadow, std::vector<LoggedRay>& log) 
 }  // namespace
 
 Accelerator::Accelerator(const Scene& scene, Acceleration kind)
-    : implementation_(new Implementation{.scene = scene, .grid = {}, .centre = {}}) {
+    : implementation_(new Implementation{.scene = scene, .grid = {}, .lamps = {}, .centre = {}}) {
   check_light_and_materials(scene);
-  if (scene.meshes.empty()) return;
+  if (!has_surfaces(scene)) return;
   Implementation& self = *implementation_;
-  self.measure();
-  clearance_ = 2e-6 * self.radius;
+  const SceneSphere sphere = sphere_around(scene);
+  self.centre = sphere.centre, self.radius = sphere.radius, self.per_radius = 1 / sphere.radius;
+  self.lamps = light_surfaces(scene);
+  clearance_ = sphere.clearance();
   if (kind == Acceleration::grid) {
     self.grid.emplace(scene);
     return;
@@ -168,7 +159,9 @@ Accelerator::Accelerator(const Scene& scene, Acceleration kind)
   self.embree.reset(rtcNewScene(self.device.get()));
   require_no_error(self.device.get(), "make a scene");
   rtcSetSceneFlags(self.embree.get(), RTC_SCENE_FLAG_ROBUST);
-  for (size_t i = 0; i < scene.meshes.size(); ++i) self.add(scene.meshes[i], unsigned(i));
+  unsigned id = 0;
+  for (const Mesh& mesh : scene.meshes) self.add(mesh, id++);
+  for (const Mesh& lamp : lifted_light_surfaces(scene)) self.add(lamp, id++);
   rtcCommitScene(self.embree.get());
   require_no_error(self.device.get(), "build its tree over the triangles");
 }

@@ -9,6 +9,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/acceleration.h"
 #include "holotrace/data/scene.h"
+#include "holotrace/trace/light_surfaces.h"
 #include "holotrace/trace/ray.h"
 #include "holotrace/trace/surface_point.h"
 
@@ -26,8 +27,9 @@ struct LoggedRay {
   bool is_shadow;  ///< asks whether there is a surface, not which
 };
 
-/// The meshes of a scene, ready for rays: in Embree's trees, or in a uniform grid of cells (uniform_grid.h), which meet
-/// the same surfaces at the same places. Keeps a reference to the scene; calls may run on several threads at once.
+/// The meshes of a scene and the surfaces of its visible lights (light_surfaces.h), ready for rays: in Embree's trees,
+/// or in a uniform grid of cells (uniform_grid.h), which meet the same surfaces at the same places. Keeps a reference
+/// to the scene; calls may run on several threads at once.
 ///
 /// Embree works in single precision. It sees the scene moved to the origin and scaled to radius 1, and
 /// rays that start far away from where they enter that sphere, so that its rounding is about 1e-7 of the
@@ -62,7 +64,10 @@ class Accelerator {
   double clearance() const { return clearance_; }
 
   /// The place just off the surface, on the side of its normals.
-  Vec3 leave(const SurfacePoint& point) const { return point.position + point.geometric_normal * clearance_; }
+  Vec3 leave(const SurfacePoint& point) const {
+    const double lift = point.light < 0 ? 0 : light_lift;
+    return point.position + point.geometric_normal * ((1 + lift) * clearance_);
+  }
 
   /// The place just off the surface, on the side that `direction` points to.
   Vec3 leave(const SurfacePoint& point, Vec3 direction) const {

@@ -96,6 +96,11 @@ bool is_pane(const Material& material) {
   return glass && glass->is_thin;
 }
 
+const Material& material_at(const Scene& scene, const SurfacePoint& point) {
+  static const Material black{DiffuseMaterial{.reflectance = {0, 0, 0}}};
+  return point.material < 0 ? black : scene.materials[size_t(point.material)];
+}
+
 Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines) {
   if (!material.two_sided && !point.is_front) return {};
   if (!material.emission_texture) return lines.from_rgb(material.emission);

@@ -74,6 +74,9 @@ SurfacePoint shading_point(const Material& material, const SurfacePoint& point);
 /// Whether a surface is thin glass, which sends light straight on and back, and nowhere else.
 bool is_pane(const Material& material);
 
+/// The material of a surface. That of a light, whose own its light is, is black.
+const Material& material_at(const Scene& scene, const SurfacePoint& point);
+
 /// Radiance that a material sends out by itself toward where the path came from [W/m²/sr], at the lines.
 Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines);
 

@@ -1,5 +1,7 @@
 #include "holotrace/trace/emitters.h"
 
+#include <algorithm>
+
 namespace holotrace {
 
 namespace {
@@ -15,12 +17,14 @@ Emitters::Emitters(const Scene& scene, const Lines& lines)
     : lights_(scene.lights), triangles_(scene, lines), background_(lines.from_rgb(scene.background)) {
   for (size_t i = 0; i < lights_.size(); ++i) {
     std::visit([&](auto& light) { strength(light) = lines.from_rgb(strength(light)); }, lights_[i]);
-    if (has_area(lights_[i])) lights_with_area_.push_back(int(i));
+    const auto* rectangle = std::get_if<RectangleLight>(&lights_[i]);
+    if (rectangle && !rectangle->is_visible) lights_on_way_.push_back(int(i));
   }
   for (const Material& material : scene.materials)
     is_emissive_.push_back(max_component(lines.from_rgb(material.emission)) > 0);
   if (scene.environment) environment_.emplace(*scene.environment, lines);
-  shine_beyond_surfaces_ = environment_ || max_component(background_) > 0 || !lights_with_area_.empty();
+  shine_beyond_surfaces_ =
+      environment_ || max_component(background_) > 0 || std::any_of(lights_.begin(), lights_.end(), has_area);
 }
 
 std::string Emitters::group_name(int group) const {

@@ -44,11 +44,11 @@ class Emitters {
   /// That of the background alone, the same from everywhere.
   Vec3 even_background() const { return background_; }
 
-  /// Whether a ray that meets no surface can find light: background, environment, or a light with an area.
+  /// Whether a ray that meets no further mesh can find light: background, environment, or a light with an area.
   bool shine_beyond_surfaces() const { return shine_beyond_surfaces_; }
 
-  /// The lights that rays meet by chance: indices into lights().
-  const std::vector<int>& lights_with_area() const { return lights_with_area_; }
+  /// The lights with an area that rays meet and go through: indices into lights(). The visible ones are surfaces.
+  const std::vector<int>& lights_on_way() const { return lights_on_way_; }
 
  private:
   std::vector<Light> lights_;
@@ -56,7 +56,7 @@ class Emitters {
   std::vector<char> is_emissive_;  // by material
   std::optional<EnvironmentLight> environment_;
   Vec3 background_;
-  std::vector<int> lights_with_area_;
+  std::vector<int> lights_on_way_;
   bool shine_beyond_surfaces_;
 };
 

@@ -23,7 +23,7 @@ struct LightSample {
   double distance = 0;  ///< [m]; infinite for parallel light and an environment
   Vec3 radiance;        ///< [W/m²/sr]; of a point, spot or directional light its irradiance across the way [W/m²]
   double pdf = 1;       ///< [1/sr]; of those lights, which no ray meets by chance, 1
-  double cosine = 0;    ///< |cosθ'| where it ends on a mesh, else 0
+  double cosine = 0;    ///< |cosθ'| where it ends on a surface that shines, else 0
 };
 
 /// Whether a ray that a surface sends out can meet the light: then both ways of finding it share it.
@@ -68,7 +68,9 @@ inline LightSample sample(const RectangleLight& light, Vec3 from, Vec2 u) {
   const double projected = -dot(cross(light.edge_u, light.edge_v), way);  // A·cosθ'·d
   if (projected <= 0) return {};
   const double squared = dot(way, way), distance = std::sqrt(squared);
-  return {way * (1 / distance), distance, light.radiance, squared * distance / projected};
+  const double area = length(cross(light.edge_u, light.edge_v));
+  return {way * (1 / distance), distance, light.radiance, squared * distance / projected,
+          light.is_visible ? projected / (area * distance) : 0};
 }
 
 /// Draws a way from the point `from` [m] to a light, by two numbers in [0, 1). Radiance 0: the point has no light of
@@ -77,6 +79,12 @@ inline LightSample sample_light(const Light& light, Vec3 from, Vec2 u) {
   if (const auto* rectangle = std::get_if<RectangleLight>(&light)) return sample(*rectangle, from, u);
   if (const auto* point = std::get_if<PointLight>(&light)) return sample(*point, from, u);
   return std::visit([&](const auto& l) { return sample(l, from, u); }, light);
+}
+
+/// The density with which `sample` draws the place that a ray has met at a distance [m] and at cosθ' to the normal
+/// [1/sr].
+inline double pdf(const RectangleLight& light, double distance, double cosine) {
+  return distance * distance / (length(cross(light.edge_u, light.edge_v)) * cosine);
 }
 
 /// Where a ray meets the shining side of a rectangle: the distance [m], and the density with which `sample` draws

@@ -7,6 +7,7 @@
 
 #include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/light.h"
+#include "holotrace/trace/light_surfaces.h"
 #include "holotrace/trace/path.h"
 
 // The one loop along a light path (formulas: path.h, add_radiance). What the path finds goes to a Sink:
@@ -42,6 +43,10 @@ class PathWalk {
     state_ = start.state;
     point_ = start.point;
     outgoing_ = start.outgoing;
+    if (point_.light >= 0) {
+      add_lamp();
+      return;
+    }
     if constexpr (Sink::follows_phase) sink_.start(start);
     for (depth_ = start.depth;; ++depth_) {
       ++counts_.vertices;
@@ -59,7 +64,7 @@ class PathWalk {
   void add_light_on_way(const Ray& ray, double distance, PathAutomaton::State state, double pdf, Vec3 throughput) {
     const uint32_t layers = automaton_.accepted(state);
     if (!layers) return;
-    for (const int i : emitters_.lights_with_area()) {
+    for (const int i : emitters_.lights_on_way()) {
       const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(i)]);
       const auto met = meet(light, ray);
       // A lamp in the plane of a wall is before it, as it is for those who ask it.
@@ -91,6 +96,18 @@ class PathWalk {
       light *= shared_weight(pdf_, emitters_.triangles().pdf(point_.mesh, point_.triangle, distance_, cosine));
     }
     add_met(layers, emitters_.mesh_group(), light);
+  }
+
+  /// The light of a visible rectangle, at whose surface the path ends. Like the other lights it is none of the
+  /// surfaces that max_depth counts.
+  void add_lamp() {
+    ++counts_.absorbed;
+    const uint32_t layers = automaton_.accepted(state_);
+    if (!layers || !point_.is_front) return;
+    const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(point_.light)]);
+    const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
+    add_met(layers, point_.light,
+            throughput_ * light.radiance * (pdf_ > 0 ? shared_weight(pdf_, pdf(light, distance_, cosine)) : 1));
   }
 
   /// Asks the lights, then draws how the path goes on; nothing where it ends.
@@ -178,7 +195,7 @@ class PathWalk {
     const Vec3 rest = point_.position + way.direction * way.distance - from;
     const double distance = length(rest);
     return scene_.accelerator.is_occluded({from, rest * (1 / distance)},
-                                          distance - clearance / std::max(way.cosine, 0.01));
+                                          distance - (light_lift + 1) * clearance / std::max(way.cosine, 0.01));
   }
 
   /// What stands between the point and a light, if all of it is panes and the path may be that long.
@@ -195,7 +212,7 @@ class PathWalk {
       ++counts_.rays;
       const auto hit = scene_.accelerator.closest_hit(ray);
       if (!hit || hit->distance >= left) return panes;
-      const Material& material = scene_.scene.materials[size_t(hit->point.material)];
+      const Material& material = material_at(scene_.scene, hit->point);
       if (!is_pane(material)) return std::nullopt;
       const Bsdf pane = make_bsdf(material, shading_point(material, hit->point), scene_.lines);
       const SpecularBranches branches = specular_branches(pane, -way.direction);
@@ -240,6 +257,11 @@ class PathWalk {
     const bool has_hit = scene_.accelerator.closest_hit(ray, hit_);
     distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
     if (emitters_.shine_beyond_surfaces()) add_light_on_way(ray, distance_, state_, pdf_, throughput_);
+    outgoing_ = -next.direction;
+    if (has_hit && point_.light >= 0) {
+      add_lamp();
+      return false;
+    }
     if (!has_hit || is_last) {
       ++(has_hit ? counts_.cut : counts_.escaped);
       return false;
@@ -247,7 +269,6 @@ class PathWalk {
     const Material& material = scene_.scene.materials[size_t(point_.material)];
     if constexpr (Sink::follows_phase) sink_.travel(length(point_.position - here));
     if (material.normal_map) point_ = shading_point(material, point_);
-    outgoing_ = -next.direction;
     return true;
   }
 

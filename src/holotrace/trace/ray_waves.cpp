@@ -80,7 +80,7 @@ uint64_t key_of(const SpecularLeaf& leaf, SourcePhase phase, double side, uint64
 }
 
 bool looks_alike_from_everywhere(const PathScene& scene, const PathStart& start) {
-  const Bsdf bsdf = make_bsdf(scene.scene.materials[size_t(start.point.material)], start.point, scene.lines);
+  const Bsdf bsdf = make_bsdf(material_at(scene.scene, start.point), start.point, scene.lines);
   const LobeSet lobes = lobes_of(bsdf);
   return lobes.has_diffuse && !lobes.has_glossy && specular_branches(bsdf, start.outgoing).count == 0;
 }
@@ -90,7 +90,7 @@ std::optional<SpecularLeaf> first_hit(const PathScene& scene, const Ray& ray, Pa
   ++counts.rays;
   const auto hit = scene.accelerator.closest_hit(ray);
   if (!hit) return std::nullopt;
-  const Material& material = scene.scene.materials[size_t(hit->point.material)];
+  const Material& material = material_at(scene.scene, hit->point);
   SpecularLeaf leaf;
   leaf.start = {shading_point(material, hit->point), -ray.direction, scene.automaton.start(), 1};
   leaf.optical_path = leaf.distance = hit->distance;

@@ -92,7 +92,7 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, int row, int column, c
       if (params.has_background) sum += scene.emitters.background(ray->direction) * seen_layers;
       continue;
     }
-    const Material& material = scene.scene.materials[size_t(hit->point.material)];
+    const Material& material = material_at(scene.scene, hit->point);
     const SurfacePoint point = material.normal_map ? shading_point(material, hit->point) : hit->point;
     add_radiance(scene, {point, -ray->direction, scene.automaton.start(), 1}, numbers, sums, counts);
   }

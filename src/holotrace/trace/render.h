@@ -25,7 +25,7 @@ namespace holotrace {
 ///   the box of every point on the ray. What a lensless camera at f finds in the hologram's image, but for speckle. The
 ///   eye does not matter; a pixel without such a part is black.
 ///
-/// Rectangle lights are not seen directly. Light that meets no surface is a path `EL`.
+/// Rectangle lights are seen if they are visible. Light that meets no surface is a path `EL`.
 ///
 /// A luminous point of amplitude a and depth d₀ that no mesh hides from the eye (for `panel`: from its centre) at the
 /// distance r and the angle θ to the axis, adds its light to the four pixels around its place in the window, sharp

@@ -14,6 +14,7 @@
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/first_hits.h"
+#include "holotrace/trace/light_surfaces.h"
 #include "holotrace/trace/path.h"
 #include "holotrace/trace/wave_sets.h"
 
@@ -78,17 +79,22 @@ class Cutter {
 std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tangent, int64_t& of_meshes) {
   const Cutter cutter(panel, tangent);
   std::vector<Piece> pieces;
-  for (size_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    of_meshes += int64_t(mesh.triangles.size());
+  uint32_t id = 0;
+  const auto add = [&](const Mesh& mesh) {
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
       Corners c;
       for (size_t j = 0; j < 3; ++j) c[j] = mesh.positions[mesh.triangles[t][j]];
       const bool has_area = length(cross(c[1] - c[0], c[2] - c[0])) > 0;
       const bool is_behind = c[0].z < 0 && c[1].z < 0 && c[2].z < 0;
-      if (has_area && is_behind) cutter.cut(c, uint32_t(m), uint32_t(t), pieces);
+      if (has_area && is_behind) cutter.cut(c, id, uint32_t(t), pieces);
     }
+    ++id;
+  };
+  for (const Mesh& mesh : scene.meshes) {
+    of_meshes += int64_t(mesh.triangles.size());
+    add(mesh);
   }
+  for (const LightSurface& surface : light_surfaces(scene)) add(surface.mesh);
   return pieces;
 }
 
@@ -113,7 +119,7 @@ std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place
   // The surface itself, though rounding has found the triangle beside: a few times the clearance along the ray.
   const double slope = std::max(1e-3, std::abs(dot(hit->point.geometric_normal, ray.direction)));
   if (!is_own && hit->distance < distance - 4 * s.scene.accelerator.clearance() / slope) return std::nullopt;
-  const Material& material = s.scene.scene.materials[size_t(hit->point.material)];
+  const Material& material = material_at(s.scene.scene, hit->point);
   const PathStart start{shading_point(material, hit->point), -ray.direction, s.scene.automaton.start(), 1};
   LeafLight light;
   light.radiance.resize(size_t(s.scene.sums()));

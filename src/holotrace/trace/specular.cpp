@@ -149,9 +149,9 @@ struct Walk {
     leaves.push_back(std::move(leaf));
   }
 
-  /// The lights with an area that the ray meets before a distance; they do not end it.
+  /// The lights with an area that the ray meets before a distance and that do not end it.
   void add_lights(const Ray& ray, double distance, const SpecularLeaf& leaf) {
-    for (const int i : scene.emitters.lights_with_area()) {
+    for (const int i : scene.emitters.lights_on_way()) {
       const auto& light = std::get<RectangleLight>(scene.emitters.lights()[size_t(i)]);
       const auto met = meet(light, ray);
       if (!met || met->distance >= distance + scene.accelerator.clearance()) continue;
@@ -177,6 +177,11 @@ struct Walk {
     if (!hit) {
       here.kind = LeafKind::beyond;
       if (depth > 1) add(std::move(here));
+      return;
+    }
+    if (hit->point.light >= 0) {
+      here.start.point = hit->point;
+      add(std::move(here));
       return;
     }
     if (depth > scene.params.max_depth) {

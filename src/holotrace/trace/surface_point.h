@@ -13,11 +13,12 @@ struct SurfacePoint {
   Vec3 geometric_normal;  ///< of the triangle
   Vec3 normal;            ///< interpolated, for shading
   Vec2 uv;
-  Vec3 tangent_u, tangent_v;  ///< ∂position/∂u and ∂position/∂v [m]; 0 without texture coordinates
-  Vec3 colour{1, 1, 1};       ///< of the vertices, interpolated
-  int material = 0;           ///< index into Scene::materials
-  bool is_front = true;       ///< the path came from the side that sees the triangle counter-clockwise
-  uint32_t mesh = 0, triangle = 0;
+  Vec3 tangent_u, tangent_v;        ///< ∂position/∂u and ∂position/∂v [m]; 0 without texture coordinates
+  Vec3 colour{1, 1, 1};             ///< of the vertices, interpolated
+  int material = 0;                 ///< index into Scene::materials (material_at); −1: the surface of a light
+  int light = -1;                   ///< index into Scene::lights where this is the surface of a light
+  bool is_front = true;             ///< the path came from the side that sees the triangle counter-clockwise
+  uint32_t mesh = 0, triangle = 0;  ///< of Scene::meshes; after them those of light_surfaces
 };
 
 }  // namespace holotrace

@@ -14,6 +14,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/first_hits.h"
+#include "holotrace/trace/light_surfaces.h"
 #include "holotrace/trace/path.h"
 #include "holotrace/trace/ray_waves.h"
 #include "holotrace/trace/source_phase.h"
@@ -254,14 +255,14 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
-    if (!pattern && !scene.meshes.empty()) pattern.emplace(params, panel, longest);
+    if (!pattern && has_surfaces(scene)) pattern.emplace(params, panel, longest);
     const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g]);
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
     const Tracing tracing{path_scene, params, pattern ? &*pattern : nullptr, tiles, wave_sets, side, panel, longest};
     const Observer part = part_of(observer, int(g), int(groups.size()));
     trace_group(tracing, part, totals, sets);
   }
-  if (!scene.meshes.empty()) {
+  if (has_surfaces(scene)) {
     report(totals.counts, params.max_depth, observer);
     observer.fact("first_hits", Fact(totals.first_hits));
     if (follows_mirrors(params.phase)) observer.fact("far_waves", Fact(totals.far_waves));

@@ -60,7 +60,8 @@ namespace holotrace {
 /// parallax then uncovers nothing that was hidden there; take `random` for that. Luminous points have their visibility
 /// per tile.
 ///
-/// A first hit that is dark makes no wave, a ray that hits nothing neither; points hide nothing.
+/// A first hit that is dark makes no wave, a ray that hits nothing neither; points hide nothing. The surfaces
+/// of visible lights are first hits as those of meshes are.
 ///
 /// Random numbers are counted, i counting the points and then the rays; the waves are in that
 /// order, so the result is the same on any number of threads.

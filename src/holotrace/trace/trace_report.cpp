@@ -9,6 +9,7 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/trace/light_surfaces.h"
 
 namespace holotrace {
 
@@ -53,7 +54,7 @@ std::string dark_sentence(const Scene& scene) {
 
 void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double longest,
                       const TraceParams& params, const Observer& observer) {
-  if (!scene.meshes.empty()) {
+  if (has_surfaces(scene)) {
     if (findings.first_hits == 0)
       observer.warn(unseen_sentence(panel, longest, params, findings.rays));
     else if (findings.is_dark)

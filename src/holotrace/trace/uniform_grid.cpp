@@ -11,6 +11,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/trace/light_surfaces.h"
 
 namespace holotrace {
 namespace {
@@ -91,11 +92,11 @@ UniformGrid::UniformGrid(const Scene& scene, double density) {
 
 void UniformGrid::list_triangles(const Scene& scene) {
   low_ = {infinity, infinity, infinity}, high_ = -low_;
-  for (size_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
+  uint32_t id = 0;
+  const auto add = [&](const Mesh& mesh) {
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto [i, j, k] = mesh.triangles[t];
-      const Triangle triangle{mesh.positions[i], mesh.positions[j], mesh.positions[k], uint32_t(m), uint32_t(t)};
+      const Triangle triangle{mesh.positions[i], mesh.positions[j], mesh.positions[k], id, uint32_t(t)};
       const double twice = length(cross(triangle.b - triangle.a, triangle.c - triangle.a));
       if (!(twice > 0)) continue;
       statistics_.area += twice / 2;
@@ -105,7 +106,10 @@ void UniformGrid::list_triangles(const Scene& scene) {
       }
       triangles_.push_back(triangle);
     }
-  }
+    ++id;
+  };
+  for (const Mesh& mesh : scene.meshes) add(mesh);
+  for (const Mesh& lamp : lifted_light_surfaces(scene)) add(lamp);
   statistics_.triangles = int64_t(triangles_.size());
   if (triangles_.empty()) return;
   const Vec3 size = high_ - low_;

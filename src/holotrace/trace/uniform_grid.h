@@ -37,10 +37,11 @@ struct GridStatistics {
 
 /// Triangles in a uniform grid of cells: the spatial subdivision of the paper's appendix.
 ///
-/// The box around the meshes is cut into about `density` cells per triangle, as near to cubes as whole numbers allow:
-/// cells across ∝ ∛triangles, where the cost of crossing cells and that of testing triangles balance (J. G. Cleary and
-/// G. Wyvill, The Visual Computer 4, 65, 1988). A ray walks from cell to cell (J. Amanatides and A. Woo, Eurographics
-/// 1987) and tests the triangles of each, until what it has met lies before the end of the cell.
+/// The box around the meshes and the surfaces of visible lights is cut into about `density` cells per triangle, as near
+/// to cubes as whole numbers allow: cells across ∝ ∛triangles, where the cost of crossing cells and that of testing
+/// triangles balance (J. G. Cleary and G. Wyvill, The Visual Computer 4, 65, 1988). A ray walks from cell to cell (J.
+/// Amanatides and A. Woo, Eurographics 1987) and tests the triangles of each, until what it has met lies before the end
+/// of the cell.
 ///
 /// All in double. The test of a triangle is watertight: a ray through a shared edge or corner meets one of its
 /// triangles (S. Woop, C. Benthin and I. Wald, J. Computer Graphics Techniques 2(1), 65, 2013). Both sides of a
