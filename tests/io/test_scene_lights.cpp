@@ -89,7 +89,8 @@ TEST(SceneLights, AnglesOfASpotAreInOrder) {
   };
   EXPECT_EQ(spot("outer_angle = \"10 deg\"\ninner_angle = \"20 deg\""),
             "8:15: expected an inner angle from 0 deg to the outer angle of 10°, got 20°");
-  EXPECT_EQ(spot("outer_angle = \"200 deg\""), "7:15: expected an outer angle above 0 deg, up to 180 deg, got 200°");
+  EXPECT_EQ(spot("outer_angle = \"200 deg\""),
+            "7:15: expected an angle above 0 deg, up to 180 deg for \"outer_angle\", got 200 deg");
   EXPECT_EQ(spot(""), "2:1: expected the key \"outer_angle\" in [[light]], which is missing");
 }
 
