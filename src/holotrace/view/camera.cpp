@@ -9,6 +9,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/select_order.h"
 #include "holotrace/wave/propagate.h"
@@ -18,8 +19,6 @@ namespace {
 
 // Samples of the sensor's window along one axis: the present ones and an even number more or less.
 int window_samples(double size, double pitch, int present) {
-  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {}",
-          format_length(size));
   if (size == 0) return present;
   const double wanted = present + 2 * std::round((size / pitch - present) / 2);
   require(wanted >= 1, "expected a sensor of a sample of {} or more, got a side of {}", format_length(pitch),
@@ -31,8 +30,6 @@ int window_samples(double size, double pitch, int present) {
 
 // Pixels of a sensor along one axis, whole ones.
 int sensor_pixels(double size, double pixel) {
-  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {}",
-          format_length(size));
   const double wanted = std::round(size / pixel);
   require(wanted >= 1, "expected a sensor of a pixel of {} or more, got a side of {}", format_length(pixel),
           format_length(size));
@@ -73,9 +70,6 @@ Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z,
     sensor.window.rows = window_samples(camera.height, shown.pitch, shown.ny);
     return sensor;
   }
-  require(std::isfinite(camera.pixel) && camera.pixel > 0,
-          "expected a sensor pixel of 0 m (as binning) or more, got {}", format_length(camera.pixel));
-  require(camera.binning >= 0, "expected a binning of 0 (as many as hold the light) or more, got {}", camera.binning);
   const double aperture = camera.pupil > 0 ? camera.pupil : std::max(shown.width(), shown.height());
   const double travelled = camera.pupil > 0 ? z - camera.eye.z : z;
   const int n = camera.binning > 0 ? camera.binning
@@ -201,17 +195,12 @@ void add_between(const Image& render, double row, double column, double* sums) {
 
 }  // namespace
 
-void check_eye(const CameraParams& camera) {
-  require(std::isfinite(camera.pupil) && camera.pupil >= 0, "expected a pupil of 0 m (none) or more, got {}",
-          format_length(camera.pupil));
-  require(camera.pupil == 0 || (is_finite(camera.eye) && camera.eye.z >= 0),
-          "expected an eye on the panel or before it (z ≥ 0), got z = {}", format_length(camera.eye.z));
-}
+void check_eye(const CameraParams& camera) { check_ranges(camera); }
 
 double magnification(const CameraParams& camera, double distance, ImageSide image) {
   if (camera.focal_length == 0) return 1;
   const double f = camera.focal_length;
-  require(std::isfinite(f) && f > 0, "expected a focal length of 0 m (no lens) or more, got {}", format_length(f));
+  check_range(f, range::not_negative, Quantity::length, " for \"focal_length\"");
   require(camera.pupil > 0, "expected a pupil above 0 m for a lens of {}, got 0 m; give its diameter",
           format_length(f));
   const double s = camera.eye.z - plane_of(distance, image);
