@@ -177,6 +177,7 @@ void check_flags(const CompareOptions& o, bool is_field) {
             "{0} is for a photograph that is laid upon a simulation: add --register, or "
             "leave out {0}",
             flag);
+  check_flag("--difference-range", o.difference_range, range::not_negative, Quantity::number);
   require(o.difference_range == 0 || !o.difference.empty(),
           "--difference-range is for the picture of the difference: add --difference FILE.png");
   if (!o.output.empty()) check_output(o.output, {".png", ".exr"});

@@ -122,7 +122,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       slm = slm_by_name("pluto");
     }
     std::vector<double> wavelengths;
-    if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength);
+    if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
     Console console(global.is_quiet);
     Wanted wanted = is_field ? wanted_of_fields(o->input, fields, params)
                              : wanted_of_picture(o->input, slm, wavelengths, params, console);

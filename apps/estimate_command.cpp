@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "facts.h"
+#include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/thread_count.h"
 #include "holotrace/estimate/cost.h"
@@ -179,8 +180,7 @@ void add_estimate_command(CLI::App& app, const GlobalFlags&) {
       ->type_name("NUMBER");
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o] {
-    require(std::isfinite(o->frames_per_second) && o->frames_per_second > 0,
-            "expected more than 0 frames per second, got {:g}", o->frames_per_second);
+    check_flag("--fps", o->frames_per_second, range::positive, Quantity::number);
     const Answer a = answer(load_job(o->scene), o->frames_per_second);
     if (o->is_json)
       fmt::print("{}\n", json_of(a).dump(2));

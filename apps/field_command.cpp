@@ -40,7 +40,6 @@ void check_is_for_double(const Flags& flags) {
 
 // A flag of a method that is not in use would be passed over without a word.
 void check_flags_of_method(const Flags& flags, const SynthesizeParams& params) {
-  require(params.slices >= 0, "--slices: expected 0 (as many as the tolerance needs) or more, got {}", params.slices);
   const auto check = [&](const char* flag, SynthesisMethod method) {
     require(!flags.has(flag) || params.method == method,
             "expected {0} with --method {1}, got the method {2}; add --method {1}, or leave out {0}", dashed(flag),
@@ -95,9 +94,11 @@ struct PanelFlags {
     command.add_option("--pitch", pitch, "of its pixels [the panel's]")->type_name("LENGTH");
   }
   void apply(Grid& panel) const {
+    if (columns) check_flag("--columns", *columns, range::at_least(1), Quantity::count);
+    if (rows) check_flag("--rows", *rows, range::at_least(1), Quantity::count);
     panel.nx = columns.value_or(panel.nx);
     panel.ny = rows.value_or(panel.ny);
-    if (!pitch.empty()) panel.pitch = parse_length_flag("--pitch", pitch);
+    if (!pitch.empty()) panel.pitch = parse_length_flag("--pitch", pitch, range::positive);
     check_grid(panel);
   }
 };
@@ -183,8 +184,9 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
   o->depth_image.add(*command);
   command->callback([o, &global] {
     if (o->depth_image.check(o->inputs, o->is_double)) {
-      const std::vector<double> wavelengths =
-          o->wavelengths.empty() ? std::vector<double>{} : parse_lengths_flag("--wavelength", o->wavelengths);
+      const std::vector<double> wavelengths = o->wavelengths.empty()
+                                                  ? std::vector<double>{}
+                                                  : parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
       check_output(o->output, field_extensions(false));
       Console console(global.is_quiet);
       Grid panel = slm_by_name(o->slm.empty() ? "pluto" : o->slm).grid;
@@ -208,7 +210,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
     if (is_scene) job = load_job(o->inputs.front());
     if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
     o->panel.apply(job.slm.grid);
-    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
+    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
     require(!(o->is_double && job.trace.strategy == Strategy::gather),
             "expected --double with a scene whose strategy makes waves, got gather; take the strategy shared or tiled");
     o->flags.apply(job.synthesize);

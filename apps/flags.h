@@ -26,40 +26,51 @@ inline std::string dashed(std::string name) {
   return name == "distances" ? "--distance" : "--" + name;
 }
 
-/// A length given by a flag that is no field of a parameter struct. @throws Error, naming the flag
-inline double parse_length_flag(const char* flag, const std::string& text) {
+/// What `read` returns; an Error it throws gets the name of the flag in front.
+template <class Read>
+auto read_flag(const std::string& flag, const Read& read) {
   try {
-    return parse_length(text);
+    return read();
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", flag, error.what()));
   }
+}
+
+/// A number given by a flag that is no field of a parameter struct. @throws Error, naming the flag, outside the range
+inline void check_flag(const char* flag, double value, const Range& range, Quantity quantity) {
+  read_flag(flag, [&] { check_range(value, range, quantity); });
+}
+
+/// A length given by a flag that is no field of a parameter struct. @throws Error, naming the flag
+inline double parse_length_flag(const char* flag, const std::string& text, const Range& range) {
+  return read_flag(flag, [&] {
+    const double metres = parse_length(text);
+    check_range(metres, range, Quantity::length);
+    return metres;
+  });
 }
 
 /// Lengths given by a flag that is no field of a parameter struct. @throws Error, naming the flag
-inline std::vector<double> parse_lengths_flag(const char* flag, const std::string& text) {
-  try {
-    return parse_lengths(text);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", flag, error.what()));
-  }
+inline std::vector<double> parse_lengths_flag(const char* flag, const std::string& text, const Range& range) {
+  return read_flag(flag, [&] {
+    const std::vector<double> lengths = parse_lengths(text);
+    for (const double metres : lengths) check_range(metres, range, Quantity::length);
+    return lengths;
+  });
 }
 
 /// An angle given by a flag that is no field of a parameter struct. @throws Error, naming the flag
-inline double parse_angle_flag(const char* flag, const std::string& text) {
-  try {
-    return parse_angle(text);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", flag, error.what()));
-  }
+inline double parse_angle_flag(const char* flag, const std::string& text, const Range& range) {
+  return read_flag(flag, [&] {
+    const double radians = parse_angle(text);
+    check_range(radians, range, Quantity::angle);
+    return radians;
+  });
 }
 
 /// A size in bytes given by a flag. @throws Error, naming the flag
 inline double parse_size_flag(const char* flag, const std::string& text) {
-  try {
-    return parse_size(text);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", flag, error.what()));
-  }
+  return read_flag(flag, [&] { return parse_size(text); });
 }
 
 /// Flags made from the list of fields of a parameter struct (data/params/). They keep the text that
@@ -100,21 +111,32 @@ class Flags {
           app.add_option_function<std::string>(dashed(name) + other, keep, help + " [" + shown + "]")->type_name(kind);
       if (!group.empty()) option->group(group);
     }
-    template <class Integer>
-    void count(const char* name, Integer& v, const char* help) {
-      add(name, help, fmt::to_string(v), "N");
+    // The help text tells bounds but for the plain one of 0, which most parameters have.
+    static std::string with_bounds(const char* help, const Range& range, Quantity quantity) {
+      const bool is_plain = range.low == 0 && !range.is_low_open && !std::isfinite(range.high);
+      const std::string bounds = bounds_text(range, quantity);
+      return is_plain || bounds.empty() ? help : fmt::format("{} ({})", help, bounds);
     }
-    void number(const char* name, double& v, const char* help) { add(name, help, fmt::format("{:g}", v), "NUMBER"); }
+    template <class Integer>
+    void count(const char* name, Integer& v, const Range& range, const char* help) {
+      add(name, with_bounds(help, range, Quantity::count), fmt::to_string(v), "N");
+    }
+    void number(const char* name, double& v, const Range& range, const char* help) {
+      add(name, with_bounds(help, range, Quantity::number), fmt::format("{:g}", v), "NUMBER");
+    }
     void flag(const char* name, bool& v, const char* help) { add(name, help, v ? "true" : "false", "BOOL"); }
-    void length(const char* name, double& v, const char* help) { add(name, help, format_length(v), "LENGTH"); }
-    void coordinate(const char* name, double& v, const char* help) { length(name, v, help); }
-    void angle(const char* name, double& v, const char* help) { add(name, help, format_angle(v), "ANGLE"); }
-    void lengths(const char* name, std::vector<double>& v, const char* help) {
+    void length(const char* name, double& v, const Range& range, const char* help) {
+      add(name, with_bounds(help, range, Quantity::length), format_length(v), "LENGTH");
+    }
+    void angle(const char* name, double& v, const Range& range, const char* help) {
+      add(name, with_bounds(help, range, Quantity::angle), format_angle(v), "ANGLE");
+    }
+    void lengths(const char* name, std::vector<double>& v, const Range& range, const char* help) {
       std::string shown;
       for (const double value : v) shown += (shown.empty() ? "" : ", ") + format_length(value);
-      add(name, help, shown, "LENGTHS");
+      add(name, with_bounds(help, range, Quantity::length), shown, "LENGTHS");
     }
-    void position(const char* name, Vec3& v, const char* help) {
+    void position(const char* name, Vec3& v, const Range&, const char* help) {
       add(name, help, fmt::format("{}, {}, {}", format_length(v.x), format_length(v.y), format_length(v.z)), "LENGTHS");
     }
     void texts(const char* name, std::vector<std::string>& v, const char* help) {
@@ -137,28 +159,24 @@ class Flags {
     template <class Value, class Parse>
     void set(const char* name, Value& v, const Parse& parse) {
       const auto found = given.find(name);
-      if (found == given.end()) return;
-      try {
-        v = Value(parse(found->second));
-      } catch (const Error& error) {
-        throw Error(fmt::format("{}: {}", dashed(name), error.what()));
-      }
+      if (found != given.end()) v = read_flag(dashed(name), [&] { return Value(parse(found->second)); });
     }
     template <class Integer>
-    void count(const char* name, Integer& v, const char*) {
-      set(name, v, [](const std::string& text) {
+    void count(const char* name, Integer& v, const Range& range, const char*) {
+      set(name, v, [&](const std::string& text) {
         Integer value{};
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
         require(error == std::errc() && end == text.data() + text.size(), "expected a whole number, got \"{}\"", text);
+        check_range(double(value), range, Quantity::count);
         return value;
       });
     }
-    void number(const char* name, double& v, const char*) {
-      set(name, v, [](const std::string& text) {
+    void number(const char* name, double& v, const Range& range, const char*) {
+      set(name, v, [&](const std::string& text) {
         double value{};
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        require(error == std::errc() && end == text.data() + text.size() && std::isfinite(value),
-                "expected a number, got \"{}\"", text);
+        require(error == std::errc() && end == text.data() + text.size(), "expected a number, got \"{}\"", text);
+        check_range(value, range, Quantity::number);
         return value;
       });
     }
@@ -168,14 +186,32 @@ class Flags {
         return text == "true";
       });
     }
-    void length(const char* name, double& v, const char*) { set(name, v, parse_length); }
-    void coordinate(const char* name, double& v, const char* help) { length(name, v, help); }
-    void angle(const char* name, double& v, const char*) { set(name, v, parse_angle); }
-    void lengths(const char* name, std::vector<double>& v, const char*) { set(name, v, parse_lengths); }
-    void position(const char* name, Vec3& v, const char*) {
-      set(name, v, [](const std::string& text) {
+    void length(const char* name, double& v, const Range& range, const char*) {
+      set(name, v, [&](const std::string& text) {
+        const double metres = parse_length(text);
+        check_range(metres, range, Quantity::length);
+        return metres;
+      });
+    }
+    void angle(const char* name, double& v, const Range& range, const char*) {
+      set(name, v, [&](const std::string& text) {
+        const double radians = parse_angle(text);
+        check_range(radians, range, Quantity::angle);
+        return radians;
+      });
+    }
+    void lengths(const char* name, std::vector<double>& v, const Range& range, const char*) {
+      set(name, v, [&](const std::string& text) {
+        const std::vector<double> lengths = parse_lengths(text);
+        for (const double metres : lengths) check_range(metres, range, Quantity::length);
+        return lengths;
+      });
+    }
+    void position(const char* name, Vec3& v, const Range& range_of_z, const char*) {
+      set(name, v, [&](const std::string& text) {
         const std::vector<double> lengths = parse_lengths(text);
         require(lengths.size() == 3, "expected three lengths x, y and z, got {}", lengths.size());
+        check_range(lengths[2], range_of_z, Quantity::length, " for z");
         return Vec3{lengths[0], lengths[1], lengths[2]};
       });
     }

@@ -32,7 +32,7 @@ struct LimitsOptions {
 
 LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command) {
   LimitsQuestion q;
-  q.wavelengths = parse_lengths_flag("--wavelength", o.wavelength);
+  q.wavelengths = parse_lengths_flag("--wavelength", o.wavelength, range::positive);
   if (o.scene.empty()) {
     q.slm = slm_by_name(o.slm);
   } else {
@@ -41,14 +41,14 @@ LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command) {
     if (command.count("--wavelength") == 0) q.wavelengths = job.wavelengths;
     q.points = points_of(job.scene);
   }
-  q.distance = parse_length_flag("--distance", o.distance);
+  q.distance = parse_length_flag("--distance", o.distance, range::positive);
   // Of a scene that is given, its middle.
   if (!q.points.empty() && command.count("--distance") == 0) {
     double sum = 0;
     for (const Vec3 point : q.points) sum -= point.z;
     if (sum > 0) q.distance = sum / double(q.points.size());
   }
-  if (!o.period.empty()) q.period = parse_length_flag("--period", o.period);
+  if (!o.period.empty()) q.period = parse_length_flag("--period", o.period, range::positive);
   q.order = o.order;
   q.frames = o.frames;
   q.colours = o.colours;
@@ -68,7 +68,6 @@ void save_pictures(const std::string& path, const LimitsQuestion& q) {
 
 void answer_about_panel(const LimitsOptions& o, const CLI::App& command) {
   const LimitsQuestion q = question_of(o, command);
-  require(command.count("--frames") == 0 || q.frames > 0, "expected more than 0 frames per second, got {:g}", q.frames);
   if (o.is_json) {
     fmt::print("{}\n", limits_json(q).dump(2));
   } else {
@@ -81,8 +80,9 @@ void answer_about_panel(const LimitsOptions& o, const CLI::App& command) {
 
 // The panel for a wanted angle, size and resolution.
 void answer_backwards(const LimitsOptions& o, bool has_rate) {
-  const double wavelength = parse_length_flag("--wavelength", o.wavelength);
-  const double angle = parse_angle_flag("--angle", o.angle), pitch = wanted_pitch(wavelength, angle);
+  const double wavelength = parse_length_flag("--wavelength", o.wavelength, range::positive);
+  const double angle = parse_angle_flag("--angle", o.angle, range::between(0, pi / 2)),
+               pitch = wanted_pitch(wavelength, angle);
   Json facts{{"wavelength_m", wavelength}, {"half_angle_deg", angle * 180 / pi}, {"wanted_pitch_m", pitch}};
   std::string text =
       fmt::format("{:<32} {:>14}  wavelength / (2 tan angle), the paper's rule\n", "pixel pitch", format_length(pitch));
@@ -92,11 +92,11 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
   line("pitch by the grating equation", format_length(wavelength / (2 * std::sin(angle))),
        "wavelength / (2 sin angle), the coarsest that will do");
   facts["coarsest_pitch_m"] = wavelength / (2 * std::sin(angle));
-  const double distance = parse_length_flag("--distance", o.distance);
-  double size = o.size.empty() ? 0 : parse_length_flag("--size", o.size);
-  require(o.size.empty() || size > 0, "expected a --size above 0 m, got {}", format_length(size));
+  const double distance = parse_length_flag("--distance", o.distance, range::positive);
+  double size = o.size.empty() ? 0 : parse_length_flag("--size", o.size, range::positive);
   if (!o.resolution.empty()) {
-    const double wanted = wanted_size(wavelength, distance, parse_length_flag("--resolution", o.resolution));
+    const double wanted =
+        wanted_size(wavelength, distance, parse_length_flag("--resolution", o.resolution, range::positive));
     facts["wanted_size_m"] = wanted;
     line("side for that resolution", format_length(wanted), "wavelength z / resolution");
     size = std::max(size, wanted);
@@ -175,6 +175,8 @@ void add_limits_command(CLI::App& app, const GlobalFlags&) {
         {{"--picture", o->picture}, {"--picture (across y)", picture_across_y(o->picture)}, {"--plot", o->plot}});
     require(!is_given("--colours") || is_given("--frames"),
             "--colours asks for a rate: give the frames per second too, as --frames 30");
+    if (is_given("--frames")) check_flag("--frames", o->frames, range::positive, Quantity::number);
+    check_flag("--colours", o->colours, range::at_least(1), Quantity::count);
     if (is_given("--angle")) {
       for (const char* flag : {"--slm", "--period", "--order", "--scene", "--picture", "--plot"})
         require(!is_given(flag),

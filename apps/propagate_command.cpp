@@ -45,7 +45,7 @@ void add_propagate_command(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     PropagateParams params;
     o->flags.apply(params);
-    const double distance = parse_length_flag("--distance", o->distance);
+    const double distance = parse_length_flag("--distance", o->distance, range::any);
     check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
     if (o->is_double)

@@ -78,9 +78,10 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     o->trace_flags.apply(job.trace);
     if (o->trace_flags.has("accelerator")) job.render.accelerator = job.trace.accelerator;
     o->synthesize_flags.apply(job.synthesize);
-    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
+    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
     if (!o->eye_separation.empty())
-      job.render.eye_separation = parse_length_flag("--eye-separation", o->eye_separation);
+      job.render.eye_separation = parse_length_flag("--eye-separation", o->eye_separation, range::not_negative);
+    if (o->seed) check_flag("--seed", double(*o->seed), range::not_negative, Quantity::count);
     if (o->seed) job.trace.seed = job.render.seed = *o->seed;
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
     check_job(job);  // before a folder is made for nothing
@@ -162,7 +163,7 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.trace);
-    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths);
+    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
     check_output(o->output, {".ply"});
     Console console(global.is_quiet);
     const auto sets = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, console.watch("trace"));

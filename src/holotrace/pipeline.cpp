@@ -6,6 +6,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/repeated_stages.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/iterations.h"
@@ -170,7 +171,13 @@ Image reference_of(const Job& job, const Image& render, const ViewSum& sum, cons
 
 void check_job(const Job& job) {
   require(!job.wavelengths.empty(), "expected at least one wavelength, got none");
-  require(job.trace.frames >= 1, "expected 1 frame or more, got {}", job.trace.frames);
+  check_ranges(job.trace);
+  check_ranges(job.render);
+  check_ranges(job.synthesize);
+  check_ranges(job.encode);
+  check_ranges(job.show);
+  check_ranges(job.propagate);
+  check_ranges(job.camera);
   for (const double wavelength : job.wavelengths) check_wavelength(wavelength);
   for (size_t i = 0; i < job.wavelengths.size(); ++i)
     require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,

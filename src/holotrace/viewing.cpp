@@ -5,6 +5,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/slm/moments.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/view/camera.h"
@@ -16,12 +17,10 @@ namespace holotrace {
 namespace {
 
 void check_sweep(const CameraParams& camera) {
-  require(camera.sweep_views >= 2, "expected 2 views or more in a sweep, got {}; give sweep_views", camera.sweep_views);
-  require(std::isfinite(camera.sweep_from) && std::isfinite(camera.sweep_to) && camera.sweep_from != camera.sweep_to,
+  check_ranges(camera);
+  require(camera.sweep_from != camera.sweep_to,
           "expected a sweep between two places that differ, got {} and {}; give sweep_from and sweep_to",
           format_length(camera.sweep_from), format_length(camera.sweep_to));
-  require(std::isfinite(camera.sweep_seconds) && camera.sweep_seconds > 0,
-          "expected a sweep of more than 0 s, there and back, got {} s; give sweep_seconds", camera.sweep_seconds);
   if (camera.sweep == Sweep::focus)
     require(camera.sweep_from >= 0 && camera.sweep_to >= 0,
             "expected a sweep of the focus through distances of 0 m or more, got {} to {}",

@@ -84,16 +84,15 @@ TEST(BadScene, PathExpressionsArePlacedByLineColumnAndCharacter) {
 
 TEST(BadScene, NumbersAndPlacesTellWhatCame) {
   expect_sentences({
-      {"[trace]\nframes = 0\n", "scene.toml:7:10: expected 1 or more for \"frames\" in [trace], got 0"},
+      {"[trace]\nframes = 0\n", "scene.toml:7:10: expected a whole number of 1 or more for \"frames\", got 0"},
       {"[render]\neye = \"0 0 -1 mm\"\n",
-       "scene.toml:7:7: expected a place on the panel or before it (z of 0 m or more) for \"eye\" in [render], got "
-       "'0 0 -1 mm'"},
-      {"[camera]\nbits = 12\n", "scene.toml:7:8: expected 8 or 16 for \"bits\" in [camera], got 12"},
+       "scene.toml:7:7: expected a length of 0 m or more for z of \"eye\", got -1 mm"},
+      {"[camera]\nbits = 12\n", "scene.toml:7:8: expected 8 or 16 for \"bits\", got 12"},
   });
   const Workplace work;
   work.write("scene.toml", scene_with(""));
   expect_sentence(work, {"render", "scene.toml", "-o", "r.png", "--eye", "0 0 -1 mm"},
-                  "expected an eye on the panel or before it (z of 0 m or more), got (0, 0, -0.001) m");
+                  "--eye: expected a length of 0 m or more for z, got -1 mm");
   expect_sentence(work, {"field", "scene.toml", "-o", "f.exr", "--wavelength", "638 nm, 532 nm, 450 nm"},
                   "expected .npy or .h5 for a field of 3 wavelengths, got f.exr; .exr holds one");
   expect_sentence(work, {"run", "scene.toml", "-o", "out", "--phase", "random", "--strategy", "gather"},

@@ -60,9 +60,10 @@ TEST(Bands, KilledAtAnyMomentAreTakenUpAgainToTheSameBytes) {
   EXPECT_FALSE(work.has("f.h5.partial.json"));
 }
 
-// Leaves an unfinished f.h5 with some bands.
-void leave_unfinished(const Workplace& work, const std::string& output = "f.h5") {
-  const pid_t child = work.start(field_in_bands(output));
+// Leaves an unfinished field, the last of the arguments, with some bands.
+void leave_unfinished(const Workplace& work, const std::vector<std::string>& arguments = field_in_bands("f.h5")) {
+  const std::string& output = arguments.back();
+  const pid_t child = work.start(arguments);
   ASSERT_TRUE(wait_until(child, [&] { return journal_of(work, output) >= 2; }));
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
@@ -83,6 +84,42 @@ TEST(Bands, OfAnotherJobAreRefusedAndKept) {
             "waves at 532 nm, method exact, tolerance 0.001, 16 bands); finish that one by its own command, or delete "
             "f.h5.partial\n");
   EXPECT_EQ(work.read("f.h5.partial.json"), journal);
+}
+
+// Nothing but the tolerance differs: bands of one tolerance and bands of another do not fit together.
+TEST(Bands, OfAnotherToleranceAreRefused) {
+  const Workplace work;
+  save_sources(work.path("waves.ply"), waves_of_bands(100));
+  leave_unfinished(work);
+  std::vector<std::string> other = field_in_bands("f.h5");
+  other.insert(other.end(), {"--tolerance", "0.002"});
+  const Outcome outcome = work.run(other);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("tolerance 0.002, 16 bands), got one of another"), std::string::npos) << outcome.err;
+}
+
+// Where one-by-one summation is told to be the fastest by far, `auto` takes it, bit for bit another result than that of
+// tiles. A run that began by such rates goes on by them, though the machine's have changed since.
+TEST(Bands, GoOnByTheRatesOfTheRunThatBegan) {
+  const Workplace work;
+  save_sources(work.path("waves.ply"), waves_of_bands(100));
+  const auto field_to = [](const std::string& output) {
+    std::vector<std::string> arguments = field_in_bands(output);
+    std::replace(arguments.begin(), arguments.end(), std::string("exact"), std::string("auto"));
+    return arguments;
+  };
+  ASSERT_EQ(work.run(field_to("measured.h5")).exit_code, 0);
+  const std::string rates = work.cache_path("summation_rates.json"), measured = bytes_of(rates);
+  auto machines = nlohmann::json::parse(measured);
+  for (auto& machine : machines)
+    for (auto& [name, rate] : machine.items()) rate = name == "exact_terms" ? 1e12 : 1.0;
+  std::ofstream(rates) << machines.dump();
+  ASSERT_EQ(work.run(field_to("whole.h5")).exit_code, 0);
+  ASSERT_FALSE(work.read("whole.h5") == work.read("measured.h5")) << "the rates do not matter: the test shows nothing";
+  leave_unfinished(work, field_to("f.h5"));
+  std::ofstream(rates) << measured;
+  ASSERT_EQ(work.run(field_to("f.h5")).exit_code, 0);
+  EXPECT_TRUE(work.read("f.h5") == work.read("whole.h5"));
 }
 
 // A disk of its own for a test that fills it.
@@ -120,7 +157,7 @@ TEST(Bands, FinishedBandsOutliveAFullDisk) {
   const SmallDisk disk(work.path("disk"), "size=2m");
   if (!disk.is_mounted()) GTEST_SKIP() << "a small disk can be mounted by root only";
   ASSERT_EQ(work.run(field_in_bands("whole.h5")).exit_code, 0);
-  leave_unfinished(work, "disk/f.h5");
+  leave_unfinished(work, field_in_bands("disk/f.h5"));
   // As on a file system that takes no room beforehand, and fills up: some bands have no place, another file does.
   const int file = open(work.path("disk/f.h5.partial").c_str(), O_RDWR);
   ASSERT_EQ(fallocate(file, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 1 << 20, 400 << 10), 0);

@@ -213,11 +213,12 @@ TEST(Frames, WhatCannotBeShownIsRefusedBeforeAFolderIsMade) {
   work.write("scene.toml", mesh_scene());
   save_sources(work.path("s.ply"), patch(1e-3, 4));
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{"run", "scene.toml", "-o", "out", "--frames", "0"}, "holotrace: expected 1 frame or more, got 0\n"},
+      {{"run", "scene.toml", "-o", "out", "--frames", "0"},
+       "holotrace: --frames: expected a whole number of 1 or more, got 0\n"},
       {{"run", "scene.toml", "-o", "out", "--wavelength", "638 nm, 638 nm"},
        "holotrace: expected wavelengths that differ, got 638 nm twice; leave one out, or ask for frames\n"},
       {{"run", "scene.toml", "-o", "out", "--wavelength", "638 nm, -1 nm"},
-       "holotrace: expected a wavelength above 0 m, got -1e-09 m\n"},
+       "holotrace: --wavelength: expected a length above 0 m, got -1 nm\n"},
       {{"field", "s.ply", "s.ply", "--slm", "scene.toml", "-o", "f.npy"},
        "holotrace: expected sources of different wavelengths or names, got s.ply and s.ply at 532 nm; make one file of "
        "them if they are coherent, or holograms of each\n"},

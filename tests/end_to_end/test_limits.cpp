@@ -92,7 +92,8 @@ TEST(LimitsCommand, RefusesWhatItCannotAnswer) {
   EXPECT_NE(sentence({"--angle", "15 deg", "--picture", "a.png"}).find("--picture"), std::string::npos);
   EXPECT_NE(sentence({"--slm", "plutto"}).find("pluto"), std::string::npos);
   for (const char* size : {"-5 mm", "0 mm"})
-    EXPECT_NE(sentence({"--angle", "15 deg", "--size", size}).find("expected a --size above 0 m"), std::string::npos);
+    EXPECT_NE(sentence({"--angle", "15 deg", "--size", size}).find("--size: expected a length above 0 m"),
+              std::string::npos);
   EXPECT_NE(sentence({"--angle", "15 deg", "--size", "1e30 m"}).find("1e15 pixels or less"), std::string::npos);
   for (const char* plot : {"w.png", "./w_y.png"})
     EXPECT_NE(sentence({"--picture", "w.png", "--plot", plot}).find("expected a file each"), std::string::npos) << plot;

@@ -101,6 +101,40 @@ TEST(Show, RemovesViewsOfAnEarlierCallAndNoHologram) {
     EXPECT_TRUE(work.has(there)) << there;
 }
 
+TEST(Show, ASweepOfFewerViewsLeavesNoneOfAnEarlierOne) {
+  const Workplace work;
+  make_hologram(work);
+  const auto sweep_of = [&](const char* views) {
+    const Outcome outcome = work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm", "--sweep",
+                                      "focus", "--sweep-from", "26 mm", "--sweep-to", "34 mm", "--sweep-views", views});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  sweep_of("4");
+  EXPECT_TRUE(work.has("view_sweep_04.png"));
+  sweep_of("2");
+  EXPECT_TRUE(work.has("view_sweep_02.png"));
+  EXPECT_FALSE(work.has("view_sweep_03.png") || work.has("view_sweep_04.png"));
+}
+
+// The same by `run`, whose series go by the number of their views, too.
+TEST(Run, ASweepOfFewerViewsLeavesNoneOfAnEarlierOne) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.03}}}));
+  const auto sweep_of = [&](const std::string& views) {
+    work.write("scene.toml", scene_head() + points_object() +
+                                 "[camera]\ndistances = \"30 mm\"\nsweep = \"focus\"\nsweep_from = \"26 mm\"\n"
+                                 "sweep_to = \"34 mm\"\nsweep_views = " +
+                                 views + "\n[render]\nrows = 32\n");
+    const Outcome outcome = work.run({"run", "scene.toml", "-o", "out"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  sweep_of("3");
+  EXPECT_TRUE(work.has("out/view_sweep_03.png"));
+  sweep_of("2");
+  EXPECT_TRUE(work.has("out/view_sweep_02.png"));
+  EXPECT_FALSE(work.has("out/view_sweep_03.png"));
+}
+
 TEST(Show, RefusesToWriteOverItsHologramsAndMoreThanFitsInMemory) {
   const Workplace work;
   make_hologram(work);
@@ -222,10 +256,10 @@ TEST(Sweep, SweepsThatCannotBeAreRefused) {
             "expected a pupil above 0 m for a sweep of parallax, got 0 m, which takes all light wherever the eye is; "
             "give a pupil");
   camera.sweep_views = 1;
-  EXPECT_EQ(sentence(), "expected 2 views or more in a sweep, got 1; give sweep_views");
+  EXPECT_EQ(sentence(), "expected a whole number of 2 or more for \"sweep_views\", got 1");
   camera.sweep_views = 2;
   camera.sweep_seconds = 0;
-  EXPECT_EQ(sentence(), "expected a sweep of more than 0 s, there and back, got 0 s; give sweep_seconds");
+  EXPECT_EQ(sentence(), "expected a number above 0 for \"sweep_seconds\", got 0");
   camera = {};
   camera.distances = {};
   EXPECT_EQ(sentence(), "expected at least one camera distance, got none");

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "end_to_end/scenes.h"
 #include "holotrace/io/hologram_file.h"
@@ -195,6 +197,44 @@ TEST(Viewing, NoiseComesAfterTheSumOfFramesAndCountsElectrons) {
   EXPECT_NE(once.values, show_as("other.exr", {"out/hologram.png", "--electrons", "50", "--noise-seed", "2"}).values);
 }
 
+// A lens of f = 20 mm, 60 mm before the plane at 30 mm, images it at f/(s − f) = 1/2: a sensor of half the sides, half
+// as far off the axis, with pixels half as wide, sees what a sensor in that plane sees through the same pupil, but for
+// a constant. So the picture is as near to the render, pixel by pixel, as that one is.
+TEST(Viewing, TheReferenceOfALensIsThePlaneThatItLooksAt) {
+  Workplace work;
+  with_points(work);
+  const auto psnr_of = [&](double m, const std::string& lens) {
+    const std::string camera = fmt::format(
+        "[camera]\ndistances = \"30 mm\"\npupil = \"2 mm\"\neye = \"0 0 30 mm\"\n"
+        "pixel = \"{} um\"\nwidth = \"{} mm\"\nheight = \"{} mm\"\n"
+        "centre_x = \"{} mm\"\ncentre_y = \"{} mm\"\n{}[render]\nrows = 32\n",
+        16 * m, 1.6 * m, 1.2 * m, 0.2 * m, -0.1 * m, lens);
+    const std::string path = work.write("scene.toml", scene_head() + points_object() + camera);
+    const Boxes boxes = run(load_job(path));
+    for (const StageReport& stage : boxes.report.stages)
+      for (const auto& [name, fact] : stage.facts)
+        if (name == "psnr_db") return std::get<double>(fact);
+    ADD_FAILURE() << "no metrics";
+    return 0.0;
+  };
+  const double plain = psnr_of(1, ""), imaged = psnr_of(0.5, "focal_length = \"20 mm\"\n");
+  EXPECT_NEAR(imaged, plain, 1e-3);  // floats
+}
+
+// The seconds of a stage that several holograms pass are those of all: the first takes none here, the second 20 ms.
+TEST(Viewing, SecondsOfRepeatedStagesAddUp) {
+  Report report;
+  const StageObserver watch;
+  RepeatedStages repeat(2, 1, 2, report, watch);
+  repeat("show", [](const Observer&) { return 0; });
+  repeat("show", [](const Observer&) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return 0;
+  });
+  ASSERT_EQ(report.stages.size(), 1u);
+  EXPECT_GE(report.stages[0].seconds, 0.02) << "a sleep is never shorter than asked for";
+}
+
 TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
   Workplace work;
   with_points(work);
@@ -216,9 +256,9 @@ TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
   const std::string head = scene().substr(0, scene().find("[camera]"));
   const std::string line = std::to_string(std::count(head.begin(), head.end(), '\n') + 2);  // the one after [camera]
   EXPECT_EQ(refused("sweep_views = 1\n"),
-            "scene.toml:" + line + ":15: expected 2 or more for \"sweep_views\" in [camera], got 1");
+            "scene.toml:" + line + ":15: expected a whole number of 2 or more for \"sweep_views\", got 1");
   EXPECT_EQ(refused("sweep_seconds = 0\n"),
-            "scene.toml:" + line + ":17: expected a number above 0 for \"sweep_seconds\" in [camera], got 0");
+            "scene.toml:" + line + ":17: expected a number above 0 for \"sweep_seconds\", got 0");
 }
 
 }  // namespace

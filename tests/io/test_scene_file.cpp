@@ -351,7 +351,7 @@ TEST(SceneFileErrors, NumbersThatAreNotFiniteAreRefused) {
   EXPECT_EQ(scene_error("wavelength = \"nan nm\"\n"),
             "1:14: expected a length that is finite, got \"nan nm\" for \"wavelength\"");
   EXPECT_EQ(error_with("[synthesize]\ntolerance = inf\n" + cube),
-            "3:13: expected a finite number of 0 or more for \"tolerance\", got inf");
+            "3:13: expected a number above 0 and below 1 for \"tolerance\", got inf");
   EXPECT_EQ(error_with("background = [0, nan, 0]\n"),
             "2:18: expected finite numbers of 0 or more for \"background\", got nan");
   EXPECT_EQ(error_with("[materials.a]\nreflectance = 1.5\n"),
@@ -359,23 +359,23 @@ TEST(SceneFileErrors, NumbersThatAreNotFiniteAreRefused) {
 }
 
 TEST(SceneFileErrors, ImpossiblePanelsAndLightAreRefused) {
-  EXPECT_EQ(scene_error("wavelength = \"0 nm\"\n"), "1:14: expected a wavelength above 0 m, got 0 m");
-  EXPECT_EQ(scene_error("wavelength = \"-5 nm\"\n"),
-            "1:14: expected a length of 0 m or more for \"wavelength\", got -5 nm");
-  EXPECT_EQ(error_with("[slm]\npitch = \"-8 um\"\n"), "3:9: expected a length of 0 m or more for \"pitch\", got -8 µm");
-  EXPECT_EQ(error_with("[slm]\npitch = \"0 um\"\n"), "2:1: expected a pixel pitch above 0 m, got 0 m");
-  EXPECT_EQ(error_with("[slm]\ncolumns = 0\n"), "2:1: expected a grid of at least 1 × 1 pixels, got 0 × 1080");
-  EXPECT_EQ(error_with("[slm]\nrows = -1\n"), "3:8: expected a whole number of 0 or more for \"rows\", got -1");
+  EXPECT_EQ(scene_error("wavelength = \"0 nm\"\n"), "1:14: expected a length above 0 m for \"wavelength\", got 0 m");
+  EXPECT_EQ(scene_error("wavelength = \"-5 nm\"\n"), "1:14: expected a length above 0 m for \"wavelength\", got -5 nm");
+  EXPECT_EQ(error_with("[slm]\npitch = \"-8 um\"\n"), "3:9: expected a length above 0 m for \"pitch\", got -8 µm");
+  EXPECT_EQ(error_with("[slm]\npitch = \"0 um\"\n"), "3:9: expected a length above 0 m for \"pitch\", got 0 m");
+  EXPECT_EQ(error_with("[slm]\ncolumns = 0\n"), "3:11: expected a whole number of 1 or more for \"columns\", got 0");
+  EXPECT_EQ(error_with("[slm]\nrows = -1\n"), "3:8: expected a whole number of 1 or more for \"rows\", got -1");
   EXPECT_EQ(error_with("[slm]\nrows = 3000000000\n"), "3:8: expected at most 2147483647 for \"rows\", got 3000000000");
-  EXPECT_EQ(error_with("[slm]\nlevels = 1\n"), "2:1: expected 2 to 65536 levels, got 1");
+  EXPECT_EQ(error_with("[slm]\nlevels = 1\n"), "3:10: expected a whole number from 2 to 65536 for \"levels\", got 1");
   EXPECT_EQ(error_with("[slm]\nrows = 10.5\n"), "3:8: expected a whole number for \"rows\", got the bare number 10.5");
 }
 
 TEST(SceneFileErrors, ImpossibleParametersAreRefused) {
-  EXPECT_EQ(error_with("[trace]\ncolumns = 0\n" + cube), "3:11: expected 1 or more for \"columns\" in [trace], got 0");
-  EXPECT_EQ(error_with("[camera]\nbits = 12\n" + cube), "3:8: expected 8 or 16 for \"bits\" in [camera], got 12");
+  EXPECT_EQ(error_with("[trace]\ncolumns = 0\n" + cube),
+            "3:11: expected a whole number of 1 or more for \"columns\", got 0");
+  EXPECT_EQ(error_with("[camera]\nbits = 12\n" + cube), "3:8: expected 8 or 16 for \"bits\", got 12");
   EXPECT_EQ(error_with("[synthesize]\ntolerance = 0\n" + cube),
-            "3:13: expected a number above 0 for \"tolerance\" in [synthesize], got 0");
+            "3:13: expected a number above 0 and below 1 for \"tolerance\", got 0");
 }
 
 TEST(SceneFileErrors, ObjectsInFrontOfThePanelAreNamed) {
@@ -395,7 +395,7 @@ TEST(SceneFileErrors, WhatShapesAndFilesRefuseIsPlaced) {
   EXPECT_EQ(error_with("[[object]]\ntype = \"sphere\"\n"),
             "2:1: expected the key \"size\" in [[object]], which is missing");
   EXPECT_EQ(error_with("[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nsegments = 2\n"),
-            "2:1: expected a sphere of 3 segments or more, got 2");
+            "5:12: expected a whole number of 3 or more for \"segments\", got 2");
   EXPECT_EQ(error_with("[[object]]\ntype = \"lathe\"\nprofile = { unit = \"furlong\", points = [[0, 1], [1, 2]] }\n"),
             "4:20: expected a length in one of the units nm, um, µm, mm, cm, m, got \"0 furlong\"");
   EXPECT_EQ(

@@ -38,16 +38,15 @@ struct KeysInText {
     if (section.find(fmt::format("`{}`", key)) == std::string::npos) missing.push_back(key);
   }
   template <class T>
-  void count(const char* key, T&, const char*) {
+  void count(const char* key, T&, const Range&, const char*) {
     look(key);
   }
-  void number(const char* key, double&, const char*) { look(key); }
+  void number(const char* key, double&, const Range&, const char*) { look(key); }
   void flag(const char* key, bool&, const char*) { look(key); }
-  void length(const char* key, double&, const char*) { look(key); }
-  void coordinate(const char* key, double&, const char*) { look(key); }
-  void lengths(const char* key, std::vector<double>&, const char*) { look(key); }
-  void angle(const char* key, double&, const char*) { look(key); }
-  void position(const char* key, Vec3&, const char*) { look(key); }
+  void length(const char* key, double&, const Range&, const char*) { look(key); }
+  void lengths(const char* key, std::vector<double>&, const Range&, const char*) { look(key); }
+  void angle(const char* key, double&, const Range&, const char*) { look(key); }
+  void position(const char* key, Vec3&, const Range&, const char*) { look(key); }
   void texts(const char* key, std::vector<std::string>&, const char*) { look(key); }
   template <class Enum>
   void choice(const char* key, Enum&, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices, const char*) {

@@ -89,7 +89,8 @@ TEST(SceneLights, AnglesOfASpotAreInOrder) {
   };
   EXPECT_EQ(spot("outer_angle = \"10 deg\"\ninner_angle = \"20 deg\""),
             "8:15: expected an inner angle from 0 deg to the outer angle of 10°, got 20°");
-  EXPECT_EQ(spot("outer_angle = \"200 deg\""), "7:15: expected an outer angle above 0 deg, up to 180 deg, got 200°");
+  EXPECT_EQ(spot("outer_angle = \"200 deg\""),
+            "7:15: expected an angle above 0 deg, up to 180 deg for \"outer_angle\", got 200 deg");
   EXPECT_EQ(spot(""), "2:1: expected the key \"outer_angle\" in [[light]], which is missing");
 }
 
@@ -154,30 +155,30 @@ TEST(SceneWavelengths, WrongListsArePlaced) {
   EXPECT_EQ(scene_error("wavelength = []"), "1:14: expected one length or more for \"wavelength\", got none");
   EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"0.52 um\"]"),
             "1:14: expected each wavelength once, got 520 nm twice");
-  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"0 nm\"]"), "1:14: expected a wavelength above 0 m, got 0 m");
+  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"0 nm\"]"),
+            "1:14: expected a length above 0 m for \"wavelength\", got 0 m");
   EXPECT_EQ(scene_error("wavelength = [\"520 nm\", 450]"),
             "1:25: expected a length with its unit, such as \"300 mm\", for \"wavelength\", got the bare number 450");
   EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"-450 nm\"]"),
-            "1:14: expected lengths of 0 m or more for \"wavelength\", got -450 nm");
+            "1:14: expected a length above 0 m for \"wavelength\", got -450 nm");
 }
 
 TEST(SceneParameters, OutOfRangeOnesArePlaced) {
-  EXPECT_EQ(error("[trace]\nframes = 0"), "3:10: expected 1 or more for \"frames\" in [trace], got 0");
-  EXPECT_EQ(error("[trace]\ntile_columns = 0"), "3:16: expected 1 or more for \"tile_columns\" in [trace], got 0");
-  EXPECT_EQ(error("[trace]\ntile_rows = 0"), "3:13: expected 1 or more for \"tile_rows\" in [trace], got 0");
-  EXPECT_EQ(error("[trace]\npixel_samples = 0"), "3:17: expected 1 or more for \"pixel_samples\" in [trace], got 0");
-  EXPECT_EQ(error("[trace]\nclamp = -1"), "3:9: expected a finite number of 0 or more for \"clamp\", got -1");
+  EXPECT_EQ(error("[trace]\nframes = 0"), "3:10: expected a whole number of 1 or more for \"frames\", got 0");
+  EXPECT_EQ(error("[trace]\ntile_columns = 0"),
+            "3:16: expected a whole number of 1 or more for \"tile_columns\", got 0");
+  EXPECT_EQ(error("[trace]\ntile_rows = 0"), "3:13: expected a whole number of 1 or more for \"tile_rows\", got 0");
+  EXPECT_EQ(error("[trace]\npixel_samples = 0"),
+            "3:17: expected a whole number of 1 or more for \"pixel_samples\", got 0");
+  EXPECT_EQ(error("[trace]\nclamp = -1"), "3:9: expected a number of 0 or more for \"clamp\", got -1");
   EXPECT_EQ(error("[trace]\nfield_of_view = \"90 deg\""),
-            "3:17: expected an angle from 0 deg to less than 90 deg for \"field_of_view\" in [trace], got '90 deg'");
+            "3:17: expected an angle from 0 deg to less than 90 deg for \"field_of_view\", got 90 deg");
   EXPECT_EQ(error("[trace]\nlayers = [\"EDL\", 3]"),
             "3:18: expected a text in quotes, or a list of them, for \"layers\", got the bare number 3");
-  EXPECT_EQ(
-      error("[render]\neye = \"0 0 -1 mm\""),
-      "3:7: expected a place on the panel or before it (z of 0 m or more) for \"eye\" in [render], got '0 0 -1 mm'");
-  EXPECT_EQ(error("[render]\npupil = \"0 mm\""),
-            "3:9: expected a length above 0 m for \"pupil\" in [render], got '0 mm'");
-  EXPECT_EQ(error("[render]\nfocus = \"0 mm\""),
-            "3:9: expected a length above 0 m for \"focus\" in [render], got '0 mm'");
+  EXPECT_EQ(error("[render]\neye = \"0 0 -1 mm\""),
+            "3:7: expected a length of 0 m or more for z of \"eye\", got -1 mm");
+  EXPECT_EQ(error("[render]\npupil = \"0 mm\""), "3:9: expected a length above 0 m for \"pupil\", got 0 m");
+  EXPECT_EQ(error("[render]\nfocus = \"0 mm\""), "3:9: expected a length above 0 m for \"focus\", got 0 m");
 }
 
 }  // namespace

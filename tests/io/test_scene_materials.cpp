@@ -119,7 +119,7 @@ TEST(SceneMaterials, NumbersOutOfRangeArePlaced) {
   EXPECT_EQ(error("type = \"conductor\"\nroughness = 1.5"),
             "4:13: expected a number from 0 to 1 for \"roughness\", got 1.5");
   EXPECT_EQ(error("type = \"metallic-roughness\"\nmetallic = -1"),
-            "4:12: expected a finite number of 0 or more for \"metallic\", got -1");
+            "4:12: expected a number from 0 to 1 for \"metallic\", got -1");
   EXPECT_EQ(error("type = \"dielectric\"\nindex = 0"), "4:9: expected an index n above 0, got 0");
   EXPECT_EQ(error("type = \"conductor\"\nindex = { k = 2 }"),
             "4:9: expected the key \"n\" in [index], which is missing");

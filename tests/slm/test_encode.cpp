@@ -339,7 +339,7 @@ TEST(Encode, SaysWhatIsWrong) {
             "expected an encoding for an amplitude panel, which \"test\" is, got \"phase\"; use \"amplitude\" or "
             "\"off-axis\"");
   EXPECT_EQ(error(good, slm, {.method = Encoding::off_axis, .reference_ratio = 0}),
-            "expected a reference ratio above 0, got 0");
+            "expected a number above 0 for \"reference_ratio\", got 0");
   // asin(λ/2p) = 1.905° at 532 nm and 8 µm (physics.md 1); 0.05 rad is 2.865°.
   EXPECT_EQ(
       error(good, slm, {.method = Encoding::off_axis, .reference_angle_x = 0.05}),

@@ -97,7 +97,7 @@ TEST(GerchbergSaxton, SaysWhatIsWrong) {
   EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.001}};
   const auto error = [&] { return error_of([&] { encode(field, slm, params); }); };
   params.iterations = -1;
-  EXPECT_EQ(error(), "expected 0 iterations (as many as the method needs) or more, got -1");
+  EXPECT_EQ(error(), "expected a whole number of 0 or more for \"iterations\", got -1");
   params.iterations = 2;
   params.target_columns = 9;
   EXPECT_EQ(error(),

@@ -253,8 +253,9 @@ TEST(Moments, OfAWideSpectrumSpreadAnOrderByItsDispersion) {
 TEST(Moments, SayWhatIsWrong) {
   const Slm slm = make_panel(4, 4);
   EXPECT_EQ(error_of([&] { moments(slm, {.bandwidth = -1e-9}, 500e-9); }),
-            "expected a bandwidth of 0 m or more, got -1 nm");
-  EXPECT_EQ(error_of([&] { moments(slm, {.moments = -1}, 500e-9); }), "expected 0 moments or more, got -1");
+            "expected a length of 0 m or more for \"bandwidth\", got -1 nm");
+  EXPECT_EQ(error_of([&] { moments(slm, {.moments = -1}, 500e-9); }),
+            "expected a whole number of 0 or more for \"moments\", got -1");
   EXPECT_EQ(error_of([&] { moments(slm, {.bandwidth = 1e-6, .moments = 64}, 500e-9); }),
             "expected a bandwidth narrow beside the wavelength 500 nm, got 1 µm: its spectrum reaches 0 m");
 }

@@ -320,8 +320,8 @@ TEST(Show, SaysWhatIsWrong) {
   const auto error = [&](const Hologram& h, const Slm& s, const ShowParams& p) {
     return error_of([&] { show(h, s, p); });
   };
-  EXPECT_EQ(error(good, slm, {.subpixels = 0}), "expected at least 1 sample per pixel, got 0");
-  EXPECT_EQ(error(good, slm, {.irradiance = -1}), "expected an irradiance of 0 W/m² or more on the panel, got -1 W/m²");
+  EXPECT_EQ(error(good, slm, {.subpixels = 0}), "expected a whole number of 1 or more for \"subpixels\", got 0");
+  EXPECT_EQ(error(good, slm, {.irradiance = -1}), "expected a number of 0 or more for \"irradiance\", got -1");
   EXPECT_EQ(
       error(good, slm, {.beam_radius = 1e-3}),
       "expected a beam radius with Gaussian light alone, got 1 mm; set light to gaussian, or leave out beam_radius");

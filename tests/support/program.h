@@ -44,6 +44,9 @@ class Workplace {
   /// Starts it and does not wait: for a test that kills it. Its output is dropped.
   pid_t start(const std::vector<std::string>& arguments) const;
 
+  /// A file of the program's cache folder, such as summation_rates.json.
+  std::string cache_path(const std::string& name) const { return (cache_ / "holotrace" / name).string(); }
+
   /// Forgets FFTW's plans, as on a machine where the program never ran.
   void clear_cache() const;
 

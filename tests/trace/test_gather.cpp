@@ -132,7 +132,7 @@ TEST(Gather, PhasesThatAreNotTheSurfacesAreErrors) {
   EXPECT_EQ(sentence({.phase = SourcePhase::constant}).substr(0, 80),
             "expected the phase surface, path or laser with the strategy gather, got constant");
   EXPECT_EQ(sentence({.pixel_samples = 0, .phase = SourcePhase::surface}),
-            "expected pixel_samples of 1 or more, got 0");
+            "expected a whole number of 1 or more for \"pixel_samples\", got 0");
 }
 
 }  // namespace

@@ -338,17 +338,15 @@ TEST(Render, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   const auto sentence = [&](const RenderParams& params) {
     return error_of([&] { render(scene, panel, green_light, params); });
   };
-  EXPECT_EQ(
-      sentence({.rows = 0}),
-      "expected a picture of at least 1 row, and columns of 1 or more or 0 for a square, got columns = 0, rows = 0");
-  EXPECT_EQ(sentence({.paths = -1}), "expected paths of 1 or more per pixel, got -1");
-  EXPECT_EQ(sentence({.max_depth = 0}), "expected a max_depth of 1 surface or more, got 0");
-  EXPECT_EQ(sentence({.eye = {0, 0, -0.1}}),
-            "expected an eye on the panel or before it (z of 0 m or more), got (0, 0, -0.1) m");
-  EXPECT_EQ(sentence({.focus = 0}), "expected a focus behind the panel, above 0 m, got 0 m");
-  EXPECT_EQ(sentence({.lens = Lens::round, .pupil = 0}), "expected a pupil above 0 m for a round lens, got 0 m");
-  EXPECT_EQ(sentence({.clamp = -1}), "expected a clamp of 0 W/m²/sr or more, got -1");
-  EXPECT_EQ(sentence({.field_of_view = -0.1}).substr(0, 48), "expected a field_of_view from 0 to less than 90 ");
+  EXPECT_EQ(sentence({.rows = 0}), "expected a whole number of 1 or more for \"rows\", got 0");
+  EXPECT_EQ(sentence({.paths = -1}), "expected a whole number of 1 or more for \"paths\", got -1");
+  EXPECT_EQ(sentence({.max_depth = 0}), "expected a whole number of 1 or more for \"max_depth\", got 0");
+  EXPECT_EQ(sentence({.eye = {0, 0, -0.1}}), "expected a length of 0 m or more for z of \"eye\", got -100 mm");
+  EXPECT_EQ(sentence({.focus = 0}), "expected a length above 0 m for \"focus\", got 0 m");
+  EXPECT_EQ(sentence({.lens = Lens::round, .pupil = 0}), "expected a length above 0 m for \"pupil\", got 0 m");
+  EXPECT_EQ(sentence({.clamp = -1}), "expected a number of 0 or more for \"clamp\", got -1");
+  EXPECT_EQ(sentence({.field_of_view = -0.1}).substr(0, 64),
+            "expected an angle from 0 deg to less than 90 deg for \"field_of_v");
 }
 
 }  // namespace

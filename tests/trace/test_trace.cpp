@@ -272,11 +272,13 @@ TEST(Trace, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   const auto sentence = [](const TraceParams& params, double pitch = 8e-6, double wavelength = green_light) {
     return error_of([&] { trace(make_bright_wall(), {16, 16, pitch}, wavelength, params); });
   };
-  EXPECT_EQ(sentence({.paths = 0}), "expected paths of 1 or more per first hit, got 0");
-  EXPECT_EQ(sentence({.max_depth = 0}), "expected a max_depth of 1 surface or more, got 0");
-  EXPECT_EQ(sentence({.columns = 0}), "expected a raster of at least 1 × 1 first hits, got columns = 0, rows = 256");
-  EXPECT_EQ(sentence({.pattern = Pattern::random, .samples = 0}), "expected 1 to 1099511627776 samples, got 0");
-  EXPECT_EQ(sentence({.field_of_view = 90_deg}), "expected a field_of_view from 0 to less than 90 deg, got 90 deg");
+  EXPECT_EQ(sentence({.paths = 0}), "expected a whole number of 1 or more for \"paths\", got 0");
+  EXPECT_EQ(sentence({.max_depth = 0}), "expected a whole number of 1 or more for \"max_depth\", got 0");
+  EXPECT_EQ(sentence({.columns = 0}), "expected a whole number of 1 or more for \"columns\", got 0");
+  EXPECT_EQ(sentence({.pattern = Pattern::random, .samples = 0}),
+            "expected a whole number from 1 to 1099511627776 for \"samples\", got 0");
+  EXPECT_EQ(sentence({.field_of_view = 90_deg}),
+            "expected an angle from 0 deg to less than 90 deg for \"field_of_view\", got 90 deg");
   EXPECT_EQ(
       sentence({}, 266_nm),
       "expected a field_of_view for a panel of pitch 266 nm at 532 nm: it accepts light from all sides, so set the "

@@ -149,7 +149,7 @@ TEST(WaveSets, SetsThatAreSeveralAreNoAnswerForOneWavelength) {
             "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: "
             "take the command field or run, or call gather");
   EXPECT_EQ(error_of([] { trace(make_corner(), panel, green_light, {.grain = -1}); }),
-            "expected a grain of 0 m (the pixel pitch) or more, got -1 m");
+            "expected a length of 0 m or more for \"grain\", got -1 m");
 }
 
 }  // namespace

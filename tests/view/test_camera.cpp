@@ -291,7 +291,7 @@ TEST(Camera, LensesThatCannotImageAreRefused) {
             "back, or take a shorter focal length");
   camera.focal_length = -1_mm;
   EXPECT_EQ(error_of([&] { look(shown, slm, 0.02, {}, camera); }),
-            "expected a focal length of 0 m (no lens) or more, got -1 mm");
+            "expected a length of 0 m or more for \"focal_length\", got -1 mm");
 }
 
 // A flat panel sends order (1, 0) to z·λ/p = 6.65 mm, with F²·sinc²(√F) of its light. A pupil of 3 mm takes all of a

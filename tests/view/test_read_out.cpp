@@ -113,13 +113,13 @@ TEST(ReadOut, SensorsThatCannotBeAreRefused) {
   CameraParams camera;
   camera.electrons = -1;
   EXPECT_EQ(error_of([&] { read_out(view, 1, camera); }),
-            "expected 0 electrons (no noise) or up to 1e12 in a white pixel, got -1");
+            "expected a number from 0 to 1000000000000 for \"electrons\", got -1");
   camera.electrons = 0;
   camera.read_noise = 3;
   EXPECT_EQ(error_of([&] { read_out(view, 1, camera); }),
             "expected the electrons of a white pixel beside a read noise of 3 electrons, got 0; give electrons");
   camera.read_noise = -3;
-  EXPECT_EQ(error_of([&] { read_out(view, 1, camera); }), "expected a read noise of 0 electrons or more, got -3");
+  EXPECT_EQ(error_of([&] { read_out(view, 1, camera); }), "expected a number of 0 or more for \"read_noise\", got -3");
   camera = {};
   camera.electrons = 10;
   EXPECT_EQ(error_of([&] { read_out(view, 0, camera); }), "expected a white above 0 W/m², got 0 W/m²");

@@ -220,14 +220,14 @@ TEST(DepthLayers, RefuseWhatIsNoPictureWithDepths) {
   EXPECT_EQ(error(params), "expected the phase random or constant for a picture with depth");
   params = {};
   params.width = -1_mm;
-  EXPECT_EQ(error(params), "expected a width of 0 m (the panel's) or more, got -1 mm");
+  EXPECT_EQ(error(params), "expected a length of 0 m or more for \"width\", got -1 mm");
   params = {};
   params.field_of_view = 0.1;
   EXPECT_EQ(error(params).rfind("expected no field of view with the projection orthographic", 0), 0U);
   params.projection = Projection::perspective;
   params.width = 1_mm;
   EXPECT_EQ(error(params).rfind("expected no width with the projection perspective, got 1 mm", 0), 0U);
-  EXPECT_EQ(error({}, slices(-1)), "expected 0 slices (as many as the tolerance needs) or more, got -1");
+  EXPECT_EQ(error({}, slices(-1)), "expected a whole number of 0 or more for \"slices\", got -1");
   image.depth(2, 3) = -0.1F;
   EXPECT_EQ(error({}).rfind("expected depths of 0 m (nothing there) or more, got -0.1 m at row 2, column 3", 0), 0U);
   for (float& depth : image.depth.values) depth = 0;

@@ -303,8 +303,7 @@ TEST(Layers, RefuseWhatTheyCannotSum) {
     return error_of([&] { synthesize(sources, grid, params); });
   };
   Sources sources = make_random_sources(3, grid, green, 0.1_m, 0.1_m);
-  EXPECT_EQ(error(sources, layers_params(1e-3, -2)),
-            "expected 0 slices (as many as the tolerance needs) or more, got -2");
+  EXPECT_EQ(error(sources, layers_params(1e-3, -2)), "expected a whole number of 0 or more for \"slices\", got -2");
   sources.tiles = {2, 1, std::vector<float>(6, 1.F)};
   EXPECT_EQ(error(sources, layers_params(1e-3)).rfind("expected waves of one amplitude for the whole panel", 0), 0U);
   sources.tiles = {};

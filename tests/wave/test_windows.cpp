@@ -253,9 +253,9 @@ void expect_error(const Grid& grid, double z, const PropagateParams& params, con
 TEST(PropagateToWindow, RefusesWhatItCannotHold) {
   const Grid grid{128, 128, 8_um};
   const auto automatic = PropagationMethod::automatic;
-  expect_error(grid, 0.01_m, {automatic, 64, 64, -1_um}, "expected an output pitch of 0 m (the input's) or more");
-  expect_error(grid, 0.01_m, {automatic, 64, 64, 0, NAN, 0}, "expected a finite centre of the output window");
-  expect_error(grid, 0.01_m, {automatic, -1, 64}, "expected an output window of 0 (as the input) or more pixels");
+  expect_error(grid, 0.01_m, {automatic, 64, 64, -1_um}, "expected a length of 0 m or more for \"pitch\", got -1 µm");
+  expect_error(grid, 0.01_m, {automatic, 64, 64, 0, NAN, 0}, "expected a length for \"centre_x\", got nan m");
+  expect_error(grid, 0.01_m, {automatic, -1, 64}, "expected a whole number of 0 or more for \"columns\", got -1");
   // Light of 16 µm fringes goes 0.33 mm aside in 10 mm: a window 5 mm off is dark for want of samples.
   expect_error(grid, 0.01_m, {automatic, 64, 64, 0, 5_mm, 0}, "expected an output window that light from the input");
   expect_error(grid, 0.01_m, {automatic, 64, 64, 3_um, 0, -5_mm}, "middle lies 5 mm off the input's in y");

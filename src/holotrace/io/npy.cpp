@@ -70,13 +70,26 @@ std::string format_shape(const std::vector<int64_t>& shape) {
   return text + (shape.size() == 1 ? ",)" : ")");
 }
 
+// Where the sample (n, row, column) of an array of shape (count, ny, nx) stands in the file [samples].
+struct Strides {
+  size_t plane, row, column;
+};
+
+// In C order the last index counts fastest, in Fortran order the first.
+Strides strides_of(const std::vector<int64_t>& shape, bool fortran_order) {
+  const size_t count = size_t(shape[0]), ny = size_t(shape[1]), nx = size_t(shape[2]);
+  return fortran_order ? Strides{1, count, count * ny} : Strides{ny * nx, nx, 1};
+}
+
 template <class From, class To>
-void copy_samples(const char* bytes, AlignedVector<std::complex<To>>& values) {
-  for (size_t i = 0; i < values.size(); ++i) {
-    std::complex<From> sample;
-    std::memcpy(&sample, bytes + i * sizeof sample, sizeof sample);
-    values[i] = std::complex<To>(sample);
-  }
+void copy_samples(const char* plane, const Strides& strides, Array2D<std::complex<To>>& values) {
+  for (int j = 0; j < values.ny; ++j)
+    for (int i = 0; i < values.nx; ++i) {
+      std::complex<From> sample;
+      std::memcpy(&sample, plane + (size_t(j) * strides.row + size_t(i) * strides.column) * sizeof sample,
+                  sizeof sample);
+      values(j, i) = std::complex<To>(sample);
+    }
 }
 
 }  // namespace
@@ -104,7 +117,6 @@ std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path) {
   require(is_single || is_double,
           "{}: expected complex64 or complex128 ('<c8' or '<c16'), got '{}'; convert it with numpy.astype", path,
           header.dtype);
-  require(!header.fortran_order, "{}: expected C order, got Fortran order; save numpy.ascontiguousarray of it", path);
   std::vector<int64_t> shape = header.shape;
   if (shape.size() == 2) shape.insert(shape.begin(), 1);
   require(shape.size() == 3 && std::all_of(shape.begin(), shape.end(), [](int64_t n) { return n > 0 && n < 1 << 30; }),
@@ -115,14 +127,15 @@ std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path) {
   require(double(present) == expected,
           "{}: expected {} bytes of samples for shape {}, got {}; the file is truncated or damaged, write it again",
           path, expected, format_shape(header.shape), present);
+  const Strides strides = strides_of(shape, header.fortran_order);
   std::vector<Array2D<std::complex<Real>>> stack;
   for (size_t n = 0; n < size_t(shape[0]); ++n) {
-    const char* data = bytes.data() + header.data_begin + n * count * sample;
+    const char* data = bytes.data() + header.data_begin + n * strides.plane * sample;
     Array2D<std::complex<Real>>& values = stack.emplace_back(int(shape[1]), int(shape[2]));
     if (is_single)
-      copy_samples<float>(data, values.values);
+      copy_samples<float>(data, strides, values);
     else
-      copy_samples<double>(data, values.values);
+      copy_samples<double>(data, strides, values);
   }
   return stack;
 }

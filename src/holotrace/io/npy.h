@@ -14,7 +14,8 @@ namespace holotrace {
 template <class Real>
 void write_npy(const std::string& path, const std::vector<const Array2D<std::complex<Real>>*>& stack);
 
-/// Reads complex64 or complex128, shape (ny, nx) or (count, ny, nx), C order.
+/// Reads complex64 or complex128, shape (ny, nx) or (count, ny, nx), in C order or in Fortran order (which NumPy writes
+/// for an array that was transposed).
 /// @throws Error naming the file for any other content, and for a file too short for its shape
 template <class Real>
 std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path);

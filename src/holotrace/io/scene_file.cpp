@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include "holotrace/base/error.h"
@@ -21,52 +20,6 @@
 
 namespace holotrace {
 namespace {
-
-// A value as the file has it.
-std::string in_words(const toml::node& value) {
-  std::ostringstream text;
-  value.visit([&](const auto& v) { text << v; });
-  return text.str();
-}
-
-// What a stage would refuse, with the place in the file.
-void check_params(const Job& job, TomlTable& root) {
-  const auto check = [&](const char* section, const char* key, bool holds, const char* expected) {
-    if (holds) return;
-    const auto table = root.table(section);
-    const toml::node* got = table ? table->toml().get(key) : nullptr;
-    fail("{}expected {} for \"{}\" in [{}]{}", table ? table->where(key) : root.where(""), expected, key, section,
-         got ? ", got " + in_words(*got) : "");
-  };
-  constexpr const char* one = "1 or more";
-  const auto is_half_angle = [](double angle) { return angle >= 0 && angle < pi / 2; };
-  constexpr const char* half_angle = "an angle from 0 deg to less than 90 deg";
-  constexpr const char* positive = "a length above 0 m";
-  check("trace", "columns", job.trace.columns >= 1, one);
-  check("trace", "rows", job.trace.rows >= 1, one);
-  check("trace", "samples", job.trace.samples >= 1, one);
-  check("trace", "pixel_samples", job.trace.pixel_samples >= 1, one);
-  check("trace", "tile_columns", job.trace.tile_columns >= 1, one);
-  check("trace", "tile_rows", job.trace.tile_rows >= 1, one);
-  check("trace", "frames", job.trace.frames >= 1, one);
-  check("trace", "field_of_view", is_half_angle(job.trace.field_of_view), half_angle);
-  check("trace", "paths", job.trace.paths >= 1, one);
-  check("trace", "max_depth", job.trace.max_depth >= 1, one);
-  check("render", "field_of_view", is_half_angle(job.render.field_of_view), half_angle);
-  check("render", "eye", job.render.eye.z >= 0, "a place on the panel or before it (z of 0 m or more)");
-  check("render", "pupil", job.render.pupil > 0, positive);
-  check("render", "focus", job.render.focus > 0, positive);
-  check("render", "rows", job.render.rows >= 1, one);
-  check("render", "paths", job.render.paths >= 1, one);
-  check("render", "max_depth", job.render.max_depth >= 1, one);
-  check("synthesize", "tolerance", job.synthesize.tolerance > 0, "a number above 0");
-  check("encode", "levels", job.encode.levels == 0 || (job.encode.levels >= 2 && job.encode.levels <= 65536),
-        "0 or 2 to 65536");
-  check("show", "subpixels", job.show.subpixels >= 1, one);
-  check("camera", "sweep_views", job.camera.sweep_views >= 2, "2 or more");
-  check("camera", "sweep_seconds", job.camera.sweep_seconds > 0, "a number above 0");
-  check("camera", "bits", job.camera.bits == 8 || job.camera.bits == 16, "8 or 16");
-}
 
 // Path expressions that cannot be read, each at its own place in the list.
 void check_layers(TomlTable& root, const char* section, const std::vector<std::string>& layers) {
@@ -84,14 +37,12 @@ void check_layers(TomlTable& root, const char* section, const std::vector<std::s
 std::vector<double> read_wavelengths(TomlTable& root) {
   std::vector<double> wavelengths(1);
   if (root.toml().get("wavelength")->is_array())
-    root.lengths("wavelength", wavelengths);
+    root.lengths("wavelength", wavelengths, range::positive);
   else
-    root.length("wavelength", wavelengths.front());
-  for (size_t i = 0; i < wavelengths.size(); ++i) {
-    root.locate("wavelength", [&] { check_wavelength(wavelengths[i]); });
-    require(std::count(wavelengths.begin(), wavelengths.end(), wavelengths[i]) == 1,
-            "{}expected each wavelength once, got {} twice", root.where("wavelength"), format_length(wavelengths[i]));
-  }
+    root.length("wavelength", wavelengths.front(), range::positive);
+  for (const double wavelength : wavelengths)
+    require(std::count(wavelengths.begin(), wavelengths.end(), wavelength) == 1,
+            "{}expected each wavelength once, got {} twice", root.where("wavelength"), format_length(wavelength));
   return wavelengths;
 }
 
@@ -139,7 +90,6 @@ Job read_job(TomlTable& root, const std::string& path) {
   read_params(root, "propagate", job.propagate);
   read_params(root, "camera", job.camera);
   turn_on(own_effects, root, job);
-  check_params(job, root);
   check_layers(root, "trace", job.trace.layers);
   check_layers(root, "render", job.render.layers);
   root.locate("", [&] { check_scene(job.scene); });

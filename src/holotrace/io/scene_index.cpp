@@ -95,8 +95,8 @@ void read_metal_index(TomlTable& table, const char* key, RefractiveIndex& index)
     double n = 0, k = 0;
     inner.know("k");
     inner.require_key("n");
-    inner.number("n", n);
-    inner.number("k", k);
+    inner.number("n", n, range::positive);
+    inner.number("k", k, range::not_negative);
     inner.refuse_unknown_keys();
     index = constant_index(n);
     index.samples.front().k = k;

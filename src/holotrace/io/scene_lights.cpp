@@ -55,12 +55,9 @@ SpotLight read_spot(TomlTable& table) {
   light.direction = read_direction(table, light.position);
   light.intensity = read_power(table, "intensity");
   table.require_key("outer_angle");
-  table.angle("outer_angle", light.outer_angle);
-  table.angle("inner_angle", light.inner_angle);
-  require(light.outer_angle > 0 && light.outer_angle <= pi,
-          "{}expected an outer angle above 0 deg, up to 180 deg, got {}", table.where("outer_angle"),
-          format_angle(light.outer_angle));
-  require(light.inner_angle >= 0 && light.inner_angle <= light.outer_angle,
+  table.angle("outer_angle", light.outer_angle, range::above_to(0, pi));
+  table.angle("inner_angle", light.inner_angle, range::not_negative);
+  require(light.inner_angle <= light.outer_angle,
           "{}expected an inner angle from 0 deg to the outer angle of {}, got {}", table.where("inner_angle"),
           format_angle(light.outer_angle), format_angle(light.inner_angle));
   return light;
@@ -79,8 +76,7 @@ DirectionalLight read_laser_beam(TomlTable& table) {
   table.require_key("position");
   DirectionalLight light = read_directional(table);
   light.is_laser = true;
-  if (table.has("radius")) table.length("radius", light.radius);
-  require(light.radius > 0, "{}expected a radius above 0 m, got 0 m", table.where("radius"));
+  table.length("radius", light.radius, range::positive);
   return light;
 }
 
@@ -142,7 +138,7 @@ Environment read_environment(TomlTable table) {
   table.require_key("map");
   table.text("map", map);
   table.colour("scale", environment.scale, unbounded);
-  table.angle("turn", environment.turn);
+  table.angle("turn", environment.turn, range::any);
   table.refuse_unknown_keys();
   table.locate("map",
                [&] { environment.map = std::make_shared<Image>(load_environment_map(table.beside("map", map))); });

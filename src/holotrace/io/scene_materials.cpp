@@ -56,7 +56,7 @@ ConductorMaterial read_conductor(TomlTable& table) {
           table.where("index"));
   if (!metal.empty()) table.locate("metal", [&] { surface.index = metal_index(metal); });
   read_metal_index(table, "index", surface.index);
-  table.fraction("roughness", surface.roughness);
+  table.number("roughness", surface.roughness, range::fraction);
   return surface;
 }
 
@@ -68,7 +68,7 @@ DielectricMaterial read_dielectric(TomlTable& table) {
           table.where("index"));
   if (!glass.empty()) table.locate("glass", [&] { surface.index = glass_index(glass); });
   read_glass_index(table, "index", surface.index);
-  table.fraction("roughness", surface.roughness);
+  table.number("roughness", surface.roughness, range::fraction);
   table.flag("thin", surface.is_thin);
   return surface;
 }
@@ -77,8 +77,8 @@ MetallicRoughnessMaterial read_metallic_roughness(TomlTable& table) {
   MetallicRoughnessMaterial surface;
   table.colour("base_color", surface.base_color, 1);
   surface.base_texture = read_texture(table, "base_texture");
-  table.fraction("metallic", surface.metallic);
-  table.fraction("roughness", surface.roughness);
+  table.number("metallic", surface.metallic, range::fraction);
+  table.number("roughness", surface.roughness, range::fraction);
   surface.metallic_texture = read_texture(table, "metallic_texture", ImageContent::data);
   return surface;
 }
@@ -105,7 +105,7 @@ Material read_material(TomlTable table) {
   if (material.emission_texture) material.emission = {1, 1, 1};  // the texture alone, unless the file says more
   table.colour("emission", material.emission, std::numeric_limits<double>::infinity());
   material.normal_map = read_texture(table, "normal_map", ImageContent::data);
-  table.number("normal_scale", material.normal_scale);
+  table.number("normal_scale", material.normal_scale, range::not_negative);
   table.flag("two_sided", material.two_sided);
   table.refuse_unknown_keys();
   return material;

@@ -62,8 +62,7 @@ Frame fitting(const Bounds& bounds, double size, const std::string& where) {
 double read_required_length(TomlTable& object, const char* key) {
   object.require_key(key);
   double value = 0;
-  object.length(key, value);
-  require(value > 0, "{}expected a length above 0 m for \"{}\", got 0 m", object.where(key), key);
+  object.length(key, value, range::positive);
   return value;
 }
 
@@ -122,10 +121,8 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
     throw Error(object.where("type") + unknown_name_message("object type", type, object_types));
   object.text("name", name);
   double scale = 1, fit = 0;
-  object.number("scale", scale);
-  require(scale > 0, "{}expected a scale above 0, got {}", object.where("scale"), scale);
-  object.length("fit", fit);
-  require(!object.has("fit") || fit > 0, "{}expected a length above 0 m for \"fit\", got 0 m", object.where("fit"));
+  object.number("scale", scale, range::positive);
+  object.length("fit", fit, range::positive);
   require(!(object.has("fit") && object.has("scale")), "{}expected either \"fit\" or \"scale\", got both",
           object.where("fit"));
   Frame rotation;
@@ -137,14 +134,14 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
           "{}expected either \"position\" or \"positions\", got both", object.where("positions"));
   object.length_vectors("positions", positions);
   double distance = 0;
-  object.length("distance", distance);
+  object.length("distance", distance, range::not_negative);
 
   Geometry local;
   object.locate("", [&] { local = read_type(object, type); });
   if (is_point_type(type)) {
     double amplitude = 1, phase = 0;
-    object.number("amplitude", amplitude);
-    object.angle("phase", phase);
+    object.number("amplitude", amplitude, range::not_negative);
+    object.angle("phase", phase, range::any);
     for (ScenePoint& point : local.points) {
       point.amplitude = float(point.amplitude * amplitude);
       point.phase = float(point.phase + phase);
@@ -192,20 +189,20 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
   }
   if (type == "wireframe_cube") {
     int per_edge = 20;
-    object.count("points_per_edge", per_edge);
+    object.count("points_per_edge", per_edge, range::at_least(2));
     return {{}, make_wireframe_cube(read_required_length(object, "size"), per_edge)};
   }
   if (type == "wireframe_sphere") {
     int meridians = 12, parallels = 7, per_circle = 64;
-    object.count("meridians", meridians);
-    object.count("parallels", parallels);
-    object.count("points_per_circle", per_circle);
+    object.count("meridians", meridians, range::at_least(1));
+    object.count("parallels", parallels, range::not_negative);
+    object.count("points_per_circle", per_circle, range::at_least(3));
     return {{}, make_wireframe_sphere(read_required_length(object, "size"), meridians, parallels, per_circle)};
   }
   if (type == "point_quad" || type == "textured_quad") {
     int columns = 64, rows = 64;
-    object.count("columns", columns);
-    object.count("rows", rows);
+    object.count("columns", columns, range::at_least(2));
+    object.count("rows", rows, range::at_least(2));
     const double width = read_required_length(object, "width"), height = read_required_length(object, "height");
     if (type == "textured_quad" || object.has("texture")) {
       const std::string file = read_file_name(object, "texture");
@@ -228,17 +225,17 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
   if (type == "box") {
     object.require_key("size");
     Vec3 size;
-    object.length_vector("size", size);
+    object.length_vector("size", size, range::positive);
     return from_mesh(make_box(size));
   }
   int segments = 64;
   if (type == "sphere") {
-    object.count("segments", segments);
+    object.count("segments", segments, range::at_least(3));
     return from_mesh(make_sphere(read_required_length(object, "size"), segments));
   }
   std::vector<Vec2> outline;
   if (type == "lathe") {
-    object.count("segments", segments);
+    object.count("segments", segments, range::at_least(3));
     object.require_key("profile");
     object.outline("profile", outline);
     return from_mesh(make_lathe(outline, segments));

@@ -100,17 +100,17 @@ void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<s
                  [&] { effects.calibration = load_calibration(table.beside("calibration", calibration), slm.levels); });
   else if (has_new_levels)
     effects.calibration = with_levels(effects.calibration, slm.levels);
-  table.number("crosstalk", effects.crosstalk);
-  table.number("gap_amplitude", effects.gap_amplitude);
-  table.angle("gap_phase", effects.gap_phase);
-  table.number("flicker", effects.flicker);
+  table.number("crosstalk", effects.crosstalk, range::from_to(0, 8));
+  table.number("gap_amplitude", effects.gap_amplitude, range::fraction);
+  table.angle("gap_phase", effects.gap_phase, range::any);
+  table.number("flicker", effects.flicker, range::below(0, 1));
   if (table.has("aberration")) effects.aberration = read_aberration(table);
   table.text("phase_map", map);
-  table.angle("phase_map_range", map_range);
+  table.angle("phase_map_range", map_range, range::any);
   if (!map.empty())
     table.locate("phase_map", [&] { effects.phase_map = load_phase_map(table.beside("phase_map", map), map_range); });
-  table.number("dead_fraction", effects.dead_fraction);
-  table.count("dead_seed", effects.dead_seed);
+  table.number("dead_fraction", effects.dead_fraction, range::fraction);
+  table.count("dead_seed", effects.dead_seed, range::not_negative);
   if (table.has("dead_pixels")) effects.dead_pixels = read_dead_pixels(table);
 
   if (has_any({"calibration"})) names.push_back("calibration");
@@ -184,24 +184,22 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
   Slm slm;
   if (!base.empty()) table.locate("preset", [&] { slm = load_panel(base, chain); });
   const Slm standard = slm;
-  table.count("columns", slm.grid.nx);
-  table.count("rows", slm.grid.ny);
-  table.length("pitch", slm.grid.pitch);
-  table.count("levels", slm.levels);
-  table.number("fill_factor", slm.fill_factor);
+  table.count("columns", slm.grid.nx, range::at_least(1));
+  table.count("rows", slm.grid.ny, range::at_least(1));
+  table.length("pitch", slm.grid.pitch, range::positive);
+  table.count("levels", slm.levels, range::from_to(2, 65536));
+  table.number("fill_factor", slm.fill_factor, range::above_to(0, 1));
   if (table.has("fill_factor")) slm.fill_x = slm.fill_y = 0;
-  table.number("fill_x", slm.fill_x);
-  table.number("fill_y", slm.fill_y);
+  table.number("fill_x", slm.fill_x, range::above_to(0, 1));
+  table.number("fill_y", slm.fill_y, range::above_to(0, 1));
   if (table.has("fill_x") || table.has("fill_y")) slm.fill_factor = slm.fill_x * slm.fill_y;
   table.choice("modulation", slm.modulation,
                {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}, {"complex", Modulation::complex}});
-  table.length("design_wavelength", slm.design_wavelength);
-  table.angle("phase_range", slm.phase_range);
+  table.length("design_wavelength", slm.design_wavelength, range::not_negative);
+  table.angle("phase_range", slm.phase_range, range::positive);
   if (!(slm.grid == standard.grid)) slm.name = "custom";
   table.text("name", slm.name);
   table.text("source", slm.source);
-  table.locate(
-      "", [&] { require(slm.levels >= 2 && slm.levels <= 65536, "expected 2 to 65536 levels, got {}", slm.levels); });
   read_effects(table, slm, slm.levels != standard.levels, effects);
   table.refuse_unknown_keys();
   table.locate("", [&] { check_slm(slm); });

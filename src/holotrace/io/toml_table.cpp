@@ -64,30 +64,38 @@ void TomlTable::fail_kind(const char* key, const char* expected, const toml::nod
   fail("{}expected {} for \"{}\", got {}", place(got.source()), expected, key, describe_value(got));
 }
 
-void TomlTable::count(const char* key, int& value, const char*) {
+void TomlTable::check(const char* key, const toml::node& node, double value, const Range& range,
+                      Quantity quantity) const {
+  try {
+    check_range(value, range, quantity, fmt::format(" for \"{}\"", key));
+  } catch (const Error& e) {
+    throw Error(place(node.source()) + e.what());
+  }
+}
+
+void TomlTable::count(const char* key, int& value, const Range& range, const char*) {
   int64_t wide = value;
-  count(key, wide);
+  count(key, wide, range);
   require(wide <= std::numeric_limits<int>::max(), "{}expected at most {} for \"{}\", got {}", where(key),
           std::numeric_limits<int>::max(), key, wide);
   value = int(wide);
 }
 
-void TomlTable::count(const char* key, int64_t& value, const char*) {
+void TomlTable::count(const char* key, int64_t& value, const Range& range, const char*) {
   const toml::node* node = find(key);
   if (!node) return;
   const auto whole = node->value_exact<int64_t>();
   if (!whole) fail_kind(key, "a whole number", *node);
-  require(*whole >= 0, "{}expected a whole number of 0 or more for \"{}\", got {}", where(key), key, *whole);
+  check(key, *node, double(*whole), range, Quantity::count);
   value = *whole;
 }
 
-void TomlTable::number(const char* key, double& value, const char*) {
+void TomlTable::number(const char* key, double& value, const Range& range, const char*) {
   const toml::node* node = find(key);
   if (!node) return;
   const auto number = to_number(*node);
   if (!number) fail_kind(key, "a number", *node);
-  require(std::isfinite(*number) && *number >= 0, "{}expected a finite number of 0 or more for \"{}\", got {}",
-          where(key), key, *number);
+  check(key, *node, *number, range, Quantity::number);
   value = *number;
 }
 
@@ -132,31 +140,26 @@ std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& n
   return values;
 }
 
-void TomlTable::coordinate(const char* key, double& value, const char*) {
+void TomlTable::length(const char* key, double& value, const Range& range, const char*) {
   const toml::node* node = find(key);
   if (!node) return;
   const std::string text = length_text(key, *node);
+  double metres = 0;
   try {
-    value = parse_length(text);
+    metres = parse_length(text);
   } catch (const Error& e) {
     fail("{}{} for \"{}\"", where(key), e.what(), key);
   }
-}
-
-void TomlTable::length(const char* key, double& value, const char* help) {
-  double metres = value;
-  coordinate(key, metres, help);
-  require(metres >= 0, "{}expected a length of 0 m or more for \"{}\", got {}", where(key), key, format_length(metres));
+  check(key, *node, metres, range, Quantity::length);
   value = metres;
 }
 
-void TomlTable::lengths(const char* key, std::vector<double>& value, const char*) {
+void TomlTable::lengths(const char* key, std::vector<double>& value, const Range& range, const char*) {
   const toml::node* node = find(key);
   if (!node) return;
   value = read_lengths(key, *node);
   require(!value.empty(), "{}expected one length or more for \"{}\", got none", where(key), key);
-  for (double one : value)
-    require(one >= 0, "{}expected lengths of 0 m or more for \"{}\", got {}", where(key), key, format_length(one));
+  for (const double one : value) check(key, *node, one, range, Quantity::length);
 }
 
 void TomlTable::texts(const char* key, std::vector<std::string>& value, const char*) {
@@ -174,12 +177,13 @@ void TomlTable::texts(const char* key, std::vector<std::string>& value, const ch
     append(*node);
 }
 
-void TomlTable::angle(const char* key, double& value, const char*) {
+void TomlTable::angle(const char* key, double& value, const Range& range, const char*) {
   const toml::node* node = find(key);
   if (!node) return;
   const auto text = node->value_exact<std::string>();
   if (!text) fail_kind(key, "an angle with its unit, such as \"15 deg\",", *node);
   locate(key, [&] { value = parse_angle(*text); });
+  check(key, *node, value, range, Quantity::angle);
 }
 
 Vec3 TomlTable::read_vector(const char* key, const toml::node& node) const {
@@ -189,8 +193,21 @@ Vec3 TomlTable::read_vector(const char* key, const toml::node& node) const {
   return {values[0], values[1], values[2]};
 }
 
-void TomlTable::length_vector(const char* key, Vec3& value) {
-  if (const toml::node* node = find(key)) value = read_vector(key, *node);
+void TomlTable::length_vector(const char* key, Vec3& value, const Range& range) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  value = read_vector(key, *node);
+  for (const double one : {value.x, value.y, value.z}) check(key, *node, one, range, Quantity::length);
+}
+
+void TomlTable::position(const char* key, Vec3& value, const Range& range_of_z, const char*) {
+  length_vector(key, value);
+  if (const toml::node* node = find(key))
+    try {
+      check_range(value.z, range_of_z, Quantity::length, fmt::format(" for z of \"{}\"", key));
+    } catch (const Error& e) {
+      throw Error(place(node->source()) + e.what());
+    }
 }
 
 void TomlTable::length_vectors(const char* key, std::vector<Vec3>& value) {
@@ -223,11 +240,6 @@ void TomlTable::colour(const char* key, Vec3& value, double most) {
     const double grey = component(*node);
     value = {grey, grey, grey};
   }
-}
-
-void TomlTable::fraction(const char* key, double& value) {
-  number(key, value);
-  require(!has(key) || value <= 1, "{}expected a number from 0 to 1 for \"{}\", got {}", where(key), key, value);
 }
 
 void TomlTable::direction(const char* key, Vec3& value) {

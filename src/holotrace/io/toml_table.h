@@ -26,7 +26,7 @@ std::optional<double> to_number(const toml::node& node);
 /// members that `describe` of data/params/ asks of a visitor: a parameter set reads itself by
 /// describe(table, params).
 ///
-/// Every Error starts with file:line:column.
+/// Each value is checked against the range that its reader is given. Every Error starts with file:line:column.
 class TomlTable {
  public:
   /// @param files  that the tables were read from, the one that names the others first
@@ -55,16 +55,17 @@ class TomlTable {
     }
   }
 
-  void count(const char* key, int& value, const char* help = "");                    ///< a whole number ≥ 0
-  void count(const char* key, int64_t& value, const char* help = "");                ///< a whole number ≥ 0
-  void number(const char* key, double& value, const char* help = "");                ///< a finite number ≥ 0
-  void flag(const char* key, bool& value, const char* help = "");                    ///< true or false
-  void text(const char* key, std::string& value);                                    ///< a text that is not empty
-  void length(const char* key, double& value, const char* help = "");                ///< "8 um", ≥ 0 m
-  void coordinate(const char* key, double& value, const char* help = "");            ///< "-8 um", of either sign
-  void lengths(const char* key, std::vector<double>& value, const char* help = "");  ///< "1 2 mm" or a list, each ≥ 0
-  void angle(const char* key, double& value, const char* help = "");                 ///< "15 deg"
-  void position(const char* key, Vec3& value, const char* = "") { length_vector(key, value); }
+  void count(const char* key, int& value, const Range& range, const char* help = "");      ///< a whole number
+  void count(const char* key, int64_t& value, const Range& range, const char* help = "");  ///< a whole number
+  void number(const char* key, double& value, const Range& range, const char* help = "");  ///< a finite number
+  void flag(const char* key, bool& value, const char* help = "");                          ///< true or false
+  void text(const char* key, std::string& value);                                          ///< a text that is not empty
+  void length(const char* key, double& value, const Range& range, const char* help = "");  ///< "8 um"
+  void lengths(const char* key, std::vector<double>& value, const Range& range,
+               const char* = "");                                                         ///< "1 2 mm", a list
+  void angle(const char* key, double& value, const Range& range, const char* help = "");  ///< "15 deg"
+  void position(const char* key, Vec3& value, const Range& range_of_z,
+                const char* = "");                                                      ///< "0 0 300 mm" or three texts
   void texts(const char* key, std::vector<std::string>& value, const char* help = "");  ///< a text or a list of them
 
   /// One of a few names.
@@ -85,11 +86,11 @@ class TomlTable {
     throw Error(where(key) + unknown_name_message(key, name, names));
   }
 
-  void length_vector(const char* key, Vec3& value);                ///< "0 0 -300 mm" or three texts, of any sign
+  /// "0 0 -300 mm" or three texts
+  void length_vector(const char* key, Vec3& value, const Range& range = range::any);
   void length_vectors(const char* key, std::vector<Vec3>& value);  ///< a list of such texts
   void colour(const char* key, Vec3& value, double most);          ///< one number or [r, g, b], each in [0, most]
   void direction(const char* key, Vec3& value);                    ///< [x, y, z] of any length above 0, made 1
-  void fraction(const char* key, double& value);                   ///< a number in [0, 1]
   void rotation(const char* key, Frame& value);                    ///< "y 30 deg" or a list of turns, first one first
   void outline(const char* key, std::vector<Vec2>& value);         ///< { unit = "mm", points = [[1, 2], …] }
 
@@ -115,6 +116,7 @@ class TomlTable {
  private:
   const std::string& file(const toml::source_region& source) const;
   bool is_placed(const Error& error) const;  // whether it starts with a place in one of the files
+  void check(const char* key, const toml::node& node, double value, const Range& range, Quantity quantity) const;
   std::string length_text(const char* key, const toml::node& node) const;
   std::vector<double> read_lengths(const char* key, const toml::node& node) const;
   Vec3 read_vector(const char* key, const toml::node& node) const;

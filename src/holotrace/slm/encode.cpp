@@ -8,6 +8,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/slm/binary.h"
 #include "holotrace/slm/checks.h"
 #include "holotrace/slm/double_phase.h"
@@ -126,12 +127,11 @@ void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& ob
 
 void check_params(const Slm& slm, const EncodeParams& params) {
   check_slm(slm);
+  check_ranges(params);
   with_effects(slm, params.effects);  // refuses unknown names before anything is told
-  require(params.levels == 0 || (params.levels >= 2 && params.levels <= slm.levels),
+  require(params.levels <= slm.levels,
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
-  require(params.iterations >= 0, "expected 0 iterations (as many as the method needs) or more, got {}",
-          params.iterations);
 }
 
 void check_field(const Field& field, const Slm& slm, const Observer& observer) {

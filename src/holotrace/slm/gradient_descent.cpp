@@ -111,8 +111,6 @@ void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Observ
 
 void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
              const Observer& observer, Hologram& hologram) {
-  require(std::isfinite(params.step) && params.step >= 0, "expected a step of 0 (as found best) or more, got {}",
-          params.step);
   const int iterations = iterations_of(params);
   const std::vector<std::unique_ptr<Colour>> colours = colours_of(targets, slm, hologram);
   // Each colour counts by its own light, so that a dim one is not left to the brightest; a dark one does not count.

@@ -6,6 +6,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/grid.h"
+#include "holotrace/data/params/check_ranges.h"
 
 namespace holotrace {
 namespace {
@@ -45,11 +46,7 @@ void centre(std::vector<Moment>& all, double Moment::*value, double middle) {
 
 std::vector<Moment> moments(const Slm& slm, const ShowParams& params, double wavelength) {
   check_wavelength(wavelength);
-  require(std::isfinite(params.bandwidth) && params.bandwidth >= 0, "expected a bandwidth of 0 m or more, got {}",
-          format_length(params.bandwidth));
-  require(std::isfinite(params.source_angle) && params.source_angle >= 0 && params.source_angle < pi,
-          "expected a source angle from 0° to less than 180°, got {}", format_angle(params.source_angle));
-  require(params.moments >= 0, "expected 0 moments or more, got {}", params.moments);
+  check_ranges(params);
   const double ripple = slm.effects.flicker;
   const bool is_one = params.bandwidth == 0 && params.source_angle == 0 && !(ripple > 0);
   const int count = is_one ? 1 : params.moments > 0 ? params.moments : 16;

@@ -61,8 +61,6 @@ SpectralFilter off_axis_filter(Vec2 carrier, const Grid& grid, bool with_bias) {
 }
 
 void encode_off_axis(const Field& field, const EncodeParams& params, const Observer& observer, Hologram& hologram) {
-  require(std::isfinite(params.reference_ratio) && params.reference_ratio > 0,
-          "expected a reference ratio above 0, got {}", params.reference_ratio);
   const Grid& grid = field.grid;
   const Vec2 carrier = reference_carrier(params, grid, field.wavelength);
   const SpectralFilter filter = off_axis_filter(carrier, grid, params.with_bias);

@@ -10,6 +10,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/base/workspace.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/slm/checks.h"
 #include "holotrace/slm/crosstalk.h"
 #include "holotrace/slm/dead_pixels.h"
@@ -37,11 +38,7 @@ Complex product_conjugate(Complex a, Complex b) {  // a·conj(b)
 const Slm& checked(const Slm& slm, const ShowParams& params, int levels) {
   check_slm(slm);
   check_levels(levels);
-  require(params.subpixels >= 1, "expected at least 1 sample per pixel, got {}", params.subpixels);
-  require(params.fine_samples >= 0 && params.fine_samples <= 64, "expected 0 to 64 fine samples per pixel, got {}",
-          params.fine_samples);
-  require(std::isfinite(params.irradiance) && params.irradiance >= 0,
-          "expected an irradiance of 0 W/m² or more on the panel, got {} W/m²", params.irradiance);
+  check_ranges(params);
   const double n = params.subpixels, s = crosstalk_cells(slm, params);
   require_memory(8.0 * double(slm.grid.pixels()) * n * (n + std::max(s, 1.0)),
                  fmt::format("a panel of {} × {} pixels at {} samples per pixel and axis", slm.grid.nx, slm.grid.ny,

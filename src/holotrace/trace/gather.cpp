@@ -11,6 +11,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/ray_waves.h"
@@ -172,9 +173,7 @@ void check_gather(const TraceParams& params) {
           "expected the phase surface, path or laser with the strategy gather, got {}: every pixel finds points of its "
           "own, so phases that are not the surface's would make noise of the field, not waves",
           params.phase == SourcePhase::random ? "random" : "constant");
-  require(params.pixel_samples >= 1, "expected pixel_samples of 1 or more, got {}", params.pixel_samples);
-  require(params.paths >= 1, "expected paths of 1 or more per first hit, got {}", params.paths);
-  require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
+  check_ranges(params);
 }
 
 std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,

@@ -12,6 +12,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/path.h"
@@ -19,22 +20,6 @@
 namespace holotrace {
 
 namespace {
-
-void check_params(const RenderParams& params) {
-  require(
-      params.columns >= 0 && params.rows >= 1,
-      "expected a picture of at least 1 row, and columns of 1 or more or 0 for a square, got columns = {}, rows = {}",
-      params.columns, params.rows);
-  require(params.paths >= 1, "expected paths of 1 or more per pixel, got {}", params.paths);
-  require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
-  require(is_finite(params.eye) && params.eye.z >= 0,
-          "expected an eye on the panel or before it (z of 0 m or more), got ({}, {}, {}) m", params.eye.x,
-          params.eye.y, params.eye.z);
-  require(std::isfinite(params.focus) && params.focus > 0, "expected a focus behind the panel, above 0 m, got {} m",
-          params.focus);
-  require(params.lens != Lens::round || (std::isfinite(params.pupil) && params.pupil > 0),
-          "expected a pupil above 0 m for a round lens, got {} m", params.pupil);
-}
 
 /// Where rays of the picture begin and what they go through (formulas: render.h).
 struct Eye {
@@ -136,7 +121,7 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
   check_scene(scene);
   check_grid(panel);
   check_wavelength(wavelength);
-  check_params(params);
+  check_ranges(params);
 
   const int rows = params.rows, columns = params.columns > 0 ? params.columns : rows;
   const Eye eye{.columns = columns,

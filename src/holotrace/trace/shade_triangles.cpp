@@ -11,6 +11,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/first_hits.h"
@@ -185,8 +186,7 @@ void warn_of_left_out(const Scene& scene, const std::vector<WaveSet>& sets, cons
 }  // namespace
 
 void check_shading(const Scene& scene, const TraceParams& params) {
-  require(params.paths >= 1, "expected paths of 1 or more per triangle, got {}", params.paths);
-  require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
+  check_ranges(params);
   require(params.strategy == Strategy::shared,
           "expected the strategy shared with the method triangles, got {}; triangles have one brightness for the whole "
           "panel",

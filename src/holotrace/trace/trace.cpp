@@ -13,6 +13,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/path.h"
 #include "holotrace/trace/ray_waves.h"
@@ -227,9 +228,7 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
 }
 
 void check_params(const TraceParams& params) {
-  require(params.paths >= 1, "expected paths of 1 or more per first hit, got {}", params.paths);
-  require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
-  require(params.frames >= 1, "expected 1 frame or more, got {}", params.frames);
+  check_ranges(params);
   require(params.strategy != Strategy::gather,
           "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: take the "
           "command field or run, or call gather");

@@ -9,6 +9,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/select_order.h"
 #include "holotrace/view/sensor.h"
@@ -146,17 +147,12 @@ void add_between(const Image& render, double row, double column, double* sums) {
 
 }  // namespace
 
-void check_eye(const CameraParams& camera) {
-  require(std::isfinite(camera.pupil) && camera.pupil >= 0, "expected a pupil of 0 m (none) or more, got {}",
-          format_length(camera.pupil));
-  require(camera.pupil == 0 || (is_finite(camera.eye) && camera.eye.z >= 0),
-          "expected an eye on the panel or before it (z ≥ 0), got z = {}", format_length(camera.eye.z));
-}
+void check_eye(const CameraParams& camera) { check_ranges(camera); }
 
 double magnification(const CameraParams& camera, double distance, ImageSide image) {
   if (camera.focal_length == 0) return 1;
   const double f = camera.focal_length;
-  require(std::isfinite(f) && f > 0, "expected a focal length of 0 m (no lens) or more, got {}", format_length(f));
+  check_range(f, range::not_negative, Quantity::length, " for \"focal_length\"");
   require(camera.pupil > 0, "expected a pupil above 0 m for a lens of {}, got 0 m; give its diameter",
           format_length(f));
   const double s = camera.eye.z - plane_of(distance, image);

@@ -7,6 +7,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/data/params/check_ranges.h"
 
 namespace holotrace {
 namespace {
@@ -24,13 +25,7 @@ struct Bits {
 }  // namespace
 
 void check_sensor(const CameraParams& camera) {
-  require(std::isfinite(camera.exposure) && camera.exposure >= 0,
-          "expected an exposure above 0 W/m², or 0 for the 99.9th percentile, got {}", camera.exposure);
-  require(camera.bits == 8 || camera.bits == 16, "expected 8 or 16 bits, got {}", camera.bits);
-  require(camera.electrons >= 0 && camera.electrons <= 1e12,
-          "expected 0 electrons (no noise) or up to 1e12 in a white pixel, got {}", camera.electrons);
-  require(std::isfinite(camera.read_noise) && camera.read_noise >= 0,
-          "expected a read noise of 0 electrons or more, got {}", camera.read_noise);
+  check_ranges(camera);
   require(camera.read_noise == 0 || camera.electrons > 0,
           "expected the electrons of a white pixel beside a read noise of {} electrons, got 0; give electrons",
           camera.read_noise);

@@ -7,6 +7,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/view/fit_planes.h"
 #include "holotrace/view/match_planes.h"
 
@@ -242,8 +243,9 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
   const double equal_width = long_side(moving) / long_side(fixed);
   const double smallest = params.smallest_scale > 0 ? params.smallest_scale : 0.5 * std::min(1.0, equal_width);
   const double largest = params.largest_scale > 0 ? params.largest_scale : 2 * std::max(1.0, equal_width);
-  require(params.smallest_scale >= 0 && params.largest_scale >= 0 && smallest <= largest,
-          "expected scales to try above 0, the smallest no larger than the largest, got {} to {}", smallest, largest);
+  check_ranges(params);
+  require(smallest <= largest, "expected scales to try above 0, the smallest no larger than the largest, got {} to {}",
+          smallest, largest);
   require(largest <= 100 * smallest, "expected scales to try within a factor of 100, got {} to {}; narrow them",
           smallest, largest);
 

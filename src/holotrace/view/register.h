@@ -4,6 +4,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/image.h"
+#include "holotrace/data/params/choice.h"
 
 namespace holotrace {
 
@@ -17,9 +18,9 @@ struct RegisterParams {
 
 template <class Visitor>
 void describe(Visitor& v, RegisterParams& p) {
-  v.number("smallest_scale", p.smallest_scale,
+  v.number("smallest_scale", p.smallest_scale, range::not_negative,
            "pixels of the photograph per pixel of the simulation, the least to try; 0: from the pictures' sizes");
-  v.number("largest_scale", p.largest_scale, "the most to try; 0: from the pictures' sizes");
+  v.number("largest_scale", p.largest_scale, range::not_negative, "the most to try; 0: from the pictures' sizes");
   v.flag("offset", p.offset, "fit stray light, or a dark level, under the photograph too");
 }
 

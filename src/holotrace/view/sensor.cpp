@@ -13,8 +13,6 @@ namespace {
 
 // Samples of the sensor's window along one axis: the present ones and an even number more or less.
 int window_samples(double size, double pitch, int present) {
-  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {}",
-          format_length(size));
   if (size == 0) return present;
   const double wanted = present + 2 * std::round((size / pitch - present) / 2);
   require(wanted >= 1, "expected a sensor of a sample of {} or more, got a side of {}", format_length(pitch),
@@ -26,8 +24,6 @@ int window_samples(double size, double pitch, int present) {
 
 // Pixels of a sensor along one axis, whole ones.
 int sensor_pixels(double size, double pixel) {
-  require(std::isfinite(size) && size >= 0, "expected a sensor side of 0 m (the panel's) or more, got {}",
-          format_length(size));
   const double wanted = std::round(size / pixel);
   require(wanted >= 1, "expected a sensor of a pixel of {} or more, got a side of {}", format_length(pixel),
           format_length(size));
@@ -38,8 +34,6 @@ int sensor_pixels(double size, double pixel) {
 
 // The pixels that the camera's width, height and pixel give.
 Grid pixels_of_side(const Slm& slm, const CameraParams& camera) {
-  require(std::isfinite(camera.pixel) && camera.pixel > 0,
-          "expected a sensor pixel of 0 m (as binning) or more, got {}", format_length(camera.pixel));
   return {sensor_pixels(camera.width > 0 ? camera.width : slm.grid.width(), camera.pixel),
           sensor_pixels(camera.height > 0 ? camera.height : slm.grid.height(), camera.pixel), camera.pixel,
           camera.centre_x, camera.centre_y};
@@ -89,7 +83,6 @@ PropagateParams window_of(const Grid& pixels, int n, int rim, PropagateParams pr
 
 Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z, const PropagateParams& propagation,
                  const CameraParams& camera, double blur, const Observer& observer) {
-  require(camera.binning >= 0, "expected a binning of 0 (as many as are needed) or more, got {}", camera.binning);
   const bool has_window =
       camera.width != 0 || camera.height != 0 || camera.pixel != 0 || camera.centre_x != 0 || camera.centre_y != 0;
   require(!has_window || (propagation.columns == 0 && propagation.rows == 0 && propagation.pitch == 0 &&

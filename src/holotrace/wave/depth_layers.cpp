@@ -9,6 +9,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/data/spectrum.h"
 #include "holotrace/wave/slice.h"
@@ -93,11 +94,8 @@ Placing placing_of(const DepthImage& image, const Grid& panel, double wavelength
 void check_params(const DepthImageParams& params, const SynthesizeParams& synthesis) {
   require(params.phase == SourcePhase::random || params.phase == SourcePhase::constant,
           "expected the phase random or constant for a picture with depth");
-  require(std::isfinite(params.width) && params.width >= 0, "expected a width of 0 m (the panel's) or more, got {}",
-          format_length(params.width));
-  require(params.field_of_view >= 0 && params.field_of_view < pi / 2,
-          "expected a field of view of 0° (the panel's acceptance) or more, below 90°, got {}",
-          format_angle(params.field_of_view));
+  check_ranges(params);
+  check_ranges(synthesis);
   require(params.projection == Projection::perspective || params.field_of_view == 0,
           "expected no field of view with the projection orthographic, got {}; give a width, or the projection "
           "perspective",
@@ -105,10 +103,6 @@ void check_params(const DepthImageParams& params, const SynthesizeParams& synthe
   require(params.projection == Projection::orthographic || params.width == 0,
           "expected no width with the projection perspective, got {}; give a field of view",
           format_length(params.width));
-  require(synthesis.tolerance > 0 && synthesis.tolerance < 1, "expected a tolerance in (0, 1), got {}",
-          synthesis.tolerance);
-  require(synthesis.slices >= 0, "expected 0 slices (as many as the tolerance needs) or more, got {}",
-          synthesis.slices);
 }
 
 // The samples of the panel's raster that a picture covers: pixels of side `pixel`, centred on the panel's axis. Light

@@ -7,6 +7,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/wave/convolve.h"
 #include "holotrace/wave/transfer.h"
 #include "holotrace/wave/window_transform.h"
@@ -73,12 +74,7 @@ double bytes_needed(const Propagator<Real>& p) {
 }  // namespace
 
 Grid propagation_output(const Grid& input, const PropagateParams& params) {
-  require(params.columns >= 0 && params.rows >= 0,
-          "expected an output window of 0 (as the input) or more pixels, got {} × {}", params.columns, params.rows);
-  require(std::isfinite(params.pitch) && params.pitch >= 0,
-          "expected an output pitch of 0 m (the input's) or more, got {} m", params.pitch);
-  require(std::isfinite(params.centre_x) && std::isfinite(params.centre_y),
-          "expected a finite centre of the output window, got ({}, {}) m", params.centre_x, params.centre_y);
+  check_ranges(params);
   Grid out{params.columns > 0 ? params.columns : input.nx, params.rows > 0 ? params.rows : input.ny, input.pitch,
            params.centre_x, params.centre_y};
   // A pitch that was written in another unit is the input's all the same.

@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/wave/layer_plan.h"
 #include "holotrace/wave/layer_spectrum.h"
 #include "holotrace/wave/silhouette.h"
@@ -36,7 +37,7 @@ struct Plan {
 void check_input(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   check_grid(grid);
   check_sources(sources);
-  require(params.tolerance > 0 && params.tolerance < 1, "expected a tolerance in (0, 1), got {}", params.tolerance);
+  check_ranges(params);
   require(
       sources.tiles.columns == 0,
       "expected waves of one amplitude for the whole panel for the method layers, got amplitudes for {} × {} tiles; "

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/data/params/check_ranges.h"
 #include "holotrace/wave/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_layers.h"
@@ -79,7 +80,7 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   check_grid(grid);
   check_sources(sources);
   require(!sources.waves.empty(), "expected at least one source, got none; is the scene lit and in view?");
-  require(params.tolerance > 0 && params.tolerance < 1, "expected a tolerance in (0, 1), got {}", params.tolerance);
+  check_ranges(params);
   report_boxes(sources, grid, observer);
 
   const auto exact = [&] {

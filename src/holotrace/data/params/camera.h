@@ -41,33 +41,35 @@ struct CameraParams {
 
 template <class Visitor>
 void describe(Visitor& v, CameraParams& p) {
-  v.lengths("distances", p.distances, "from the panel to the planes looked at");
-  v.length("pupil", p.pupil, "diameter of the eye's pupil or the lens; 0 m: all light that leaves the panel");
-  v.position("eye", p.eye, "place of that pupil, on the panel or before it (z of 0 m or more)");
+  v.lengths("distances", p.distances, range::not_negative, "from the panel to the planes looked at");
+  v.length("pupil", p.pupil, range::not_negative,
+           "diameter of the eye's pupil or the lens; 0 m: all light that leaves the panel");
+  v.position("eye", p.eye, range::not_negative, "place of that pupil, on the panel or before it (z of 0 m or more)");
   v.length(
-      "focal_length", p.focal_length,
+      "focal_length", p.focal_length, range::not_negative,
       "of a thin lens in the pupil: width, height and pixel are then those of its sensor; 0 m: no lens, or an eye");
-  v.length("width", p.width, "of the sensor; 0 m: the panel's");
-  v.length("height", p.height, "of the sensor; 0 m: the panel's");
-  v.coordinate("centre_x", p.centre_x, "of the sensor");
-  v.coordinate("centre_y", p.centre_y, "of the sensor");
-  v.length("pixel", p.pixel, "side of a sensor pixel; 0 m: as binning says");
-  v.count("binning", p.binning,
+  v.length("width", p.width, range::not_negative, "of the sensor; 0 m: the panel's");
+  v.length("height", p.height, range::not_negative, "of the sensor; 0 m: the panel's");
+  v.length("centre_x", p.centre_x, range::any, "of the sensor");
+  v.length("centre_y", p.centre_y, range::any, "of the sensor");
+  v.length("pixel", p.pixel, range::not_negative, "side of a sensor pixel; 0 m: as binning says");
+  v.count("binning", p.binning, range::not_negative,
           "field samples per sensor pixel and axis; 0: one panel pixel, or with pixel as many as are needed");
   v.choice(
       "sampling", p.sampling, {{"integrate", PixelSampling::integrate}, {"point", PixelSampling::point}},
       "what a sensor pixel reads: the irradiance over its area (integrate), or at its field samples alone (point)");
-  v.number("exposure", p.exposure, "irradiance that is white in W/m2; 0: the 99.9th percentile");
-  v.count("bits", p.bits, "of a PNG, 8 or 16");
-  v.number("electrons", p.electrons, "that a white pixel holds, with their shot noise; 0: no noise");
-  v.number("read_noise", p.read_noise, "of a pixel, rms, in electrons");
-  v.count("noise_seed", p.noise_seed, "seed of the noise");
+  v.number("exposure", p.exposure, range::not_negative, "irradiance that is white in W/m2; 0: the 99.9th percentile");
+  v.count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "of a PNG, 8 or 16");
+  v.number("electrons", p.electrons, range::from_to(0, 1e12),
+           "that a white pixel holds, with their shot noise; 0: no noise");
+  v.number("read_noise", p.read_noise, range::not_negative, "of a pixel, rms, in electrons");
+  v.count("noise_seed", p.noise_seed, range::not_negative, "seed of the noise");
   v.choice("sweep", p.sweep, {{"none", Sweep::none}, {"focus", Sweep::focus}, {"parallax", Sweep::parallax}},
            "a series of views and its animation: through distances, or with the eye moving along x");
-  v.count("sweep_views", p.sweep_views, "of the series");
-  v.coordinate("sweep_from", p.sweep_from, "first distance (focus), or first x of the eye (parallax)");
-  v.coordinate("sweep_to", p.sweep_to, "last distance, or last x of the eye");
-  v.number("sweep_seconds", p.sweep_seconds, "of the animation, there and back");
+  v.count("sweep_views", p.sweep_views, range::at_least(2), "of the series");
+  v.length("sweep_from", p.sweep_from, range::any, "first distance (focus), or first x of the eye (parallax)");
+  v.length("sweep_to", p.sweep_to, range::any, "last distance, or last x of the eye");
+  v.number("sweep_seconds", p.sweep_seconds, range::positive, "of the animation, there and back");
 }
 
 }  // namespace holotrace

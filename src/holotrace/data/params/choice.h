@@ -1,14 +1,17 @@
 #pragma once
 
+#include "holotrace/data/params/range.h"
+
 // Every parameter of every stage is listed once: each header of this folder has one stage's parameters as a plain
-// struct, and its `describe` lists their names, kinds and help texts. That list feeds scene files, flags and help
-// texts. A visitor of `describe` has the members
-//   count, number, flag      (name, value, help)     plain values
-//   length, lengths, angle   (name, value, help)     text with a unit
+// struct, and its `describe` lists their names, kinds, ranges and help texts. That list feeds scene files, flags, help
+// texts and the checks of the library's verbs (check_ranges.h). A visitor of `describe` has the members
+//   count, number            (name, value, range, help)   plain values
+//   length, lengths, angle   (name, value, range, help)   text with a unit
+//   position                 (name, value, range of z, help)   three lengths, x and y of any sign
+//   flag                     (name, value, help)     true or false
 //   choice                   (name, value, names, help)   one of a few names
 //   texts                    (name, value, help)     a list of texts
-//   coordinate               (name, value, help)     a length of any sign
-//   position                 (name, value, help)     three lengths of any sign
+// The range is never left out: a parameter that may have any value says range::any.
 
 namespace holotrace {
 

@@ -74,26 +74,32 @@ void describe(Visitor& v, EncodeParams& p) {
            "panels), two phases in turn, phases with their errors diffused, phases found by iterations, or two levels");
   v.choice("image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
            "show U (scene behind the panel) or conj(U) (points focus in front of it)");
-  v.angle("reference_angle_x", p.reference_angle_x,
+  v.angle("reference_angle_x", p.reference_angle_x, range::tilt,
           "off-axis: tilt of the reference in x; both 0 deg: asin(3 lambda/8p) in x, asin(lambda/4p) without bias");
-  v.angle("reference_angle_y", p.reference_angle_y, "off-axis: tilt of the reference in y");
-  v.number("reference_ratio", p.reference_ratio, "off-axis: amplitude of the reference over the largest |U|");
+  v.angle("reference_angle_y", p.reference_angle_y, range::tilt, "off-axis: tilt of the reference in y");
+  v.number("reference_ratio", p.reference_ratio, range::positive,
+           "off-axis: amplitude of the reference over the largest |U|");
   v.flag("with_bias", p.with_bias, "off-axis: keep the terms I_U + I_R of Eq. 9");
-  v.count("levels", p.levels, "levels; 0: as many as the SLM has");
+  v.count("levels", p.levels, range::or_value(0, range::from_to(2, 65536)), "levels; 0: as many as the SLM has");
   v.choice("binary_levels", p.binary_levels,
            {{"panel", BinaryLevels::panel}, {"phase", BinaryLevels::phase}, {"amplitude", BinaryLevels::amplitude}},
            "binary: two phases half a turn apart, or dark and bright; panel: as the panel modulates");
-  v.number("stop", p.stop, "double-phase, error-diffusion: half width of the camera's stop as a part of 1/2p");
-  v.lengths("target_distances", p.target_distances, "iterations: planes that the image is made for");
-  v.count("target_columns", p.target_columns, "iterations, pictures: width of the part that counts; 0: the panel's");
-  v.count("target_rows", p.target_rows, "iterations, pictures: height of the part that counts; 0: the panel's");
+  v.number("stop", p.stop, range::above_to(0, 1),
+           "double-phase, error-diffusion: half width of the camera's stop as a part of 1/2p");
+  v.lengths("target_distances", p.target_distances, range::not_negative,
+            "iterations: planes that the image is made for");
+  v.count("target_columns", p.target_columns, range::not_negative,
+          "iterations, pictures: width of the part that counts; 0: the panel's");
+  v.count("target_rows", p.target_rows, range::not_negative,
+          "iterations, pictures: height of the part that counts; 0: the panel's");
   v.flag("resample", p.resample, "a target picture of another size to the part that counts");
   v.flag("joint", p.is_joint, "iterations: one hologram for all wavelengths, or one for each");
-  v.count("iterations", p.iterations, "0: 50 of gerchberg-saxton, 200 of sgd, 30 for the field of a picture");
-  v.number("step", p.step, "sgd: of the phase in an iteration, in radians; 0: 0.4");
+  v.count("iterations", p.iterations, range::not_negative,
+          "0: 50 of gerchberg-saxton, 200 of sgd, 30 for the field of a picture");
+  v.number("step", p.step, range::not_negative, "sgd: of the phase in an iteration, in radians; 0: 0.4");
   v.choice("start", p.start, {{"field", StartPhase::field}, {"random", StartPhase::random}},
            "of iterations and of target pictures: the field's own phase (a picture's is 0), or a random one");
-  v.count("seed", p.seed, "of random starts");
+  v.count("seed", p.seed, range::not_negative, "of random starts");
   v.texts("effects", p.effects,
           "of the panel that the levels allow for: calibration; sgd: crosstalk, gaps, aberration, phase-map, "
           "dead-pixels, too; or all");

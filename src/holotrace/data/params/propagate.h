@@ -26,11 +26,11 @@ void describe(Visitor& v, PropagateParams& p) {
             {"rayleigh-sommerfeld", PropagationMethod::rayleigh_sommerfeld},
             {"fresnel", PropagationMethod::fresnel}},
            "auto takes the one that the sampling condition allows");
-  v.count("columns", p.columns, "of the output window; 0: as the input");
-  v.count("rows", p.rows, "of the output window; 0: as the input");
-  v.length("pitch", p.pitch, "of the output's samples; 0 m: the input's");
-  v.coordinate("centre_x", p.centre_x, "of the output window");
-  v.coordinate("centre_y", p.centre_y, "of the output window");
+  v.count("columns", p.columns, range::not_negative, "of the output window; 0: as the input");
+  v.count("rows", p.rows, range::not_negative, "of the output window; 0: as the input");
+  v.length("pitch", p.pitch, range::not_negative, "of the output's samples; 0 m: the input's");
+  v.length("centre_x", p.centre_x, range::any, "of the output window");
+  v.length("centre_y", p.centre_y, range::any, "of the output window");
   v.flag("periodic", p.is_periodic, "the window repeats for ever, as for gratings and plane waves: no padding");
 }
 

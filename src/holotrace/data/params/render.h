@@ -35,25 +35,25 @@ struct RenderParams {
 
 template <class Visitor>
 void describe(Visitor& v, RenderParams& p) {
-  v.count("columns", p.columns, "width in pixels; 0: square");
-  v.count("rows", p.rows, "height in pixels");
-  v.angle("field_of_view", p.field_of_view,
+  v.count("columns", p.columns, range::not_negative, "width in pixels; 0: square");
+  v.count("rows", p.rows, range::at_least(1), "height in pixels");
+  v.angle("field_of_view", p.field_of_view, range::half_angle,
           "half angle over the height; 0 deg: the panel's acceptance asin(lambda/2p)");
-  v.position("eye", p.eye, "place of the lens, on the panel or before it (z of 0 m or more)");
+  v.position("eye", p.eye, range::not_negative, "place of the lens, on the panel or before it (z of 0 m or more)");
   v.choice("lens", p.lens, {{"pinhole", Lens::pinhole}, {"round", Lens::round}, {"panel", Lens::panel}},
            "a pinhole, a round pupil, or the panel's own area");
-  v.length("pupil", p.pupil, "diameter of the round lens");
-  v.length("focus", p.focus, "distance from the panel to the plane in focus");
-  v.length("eye_separation", p.eye_separation,
+  v.length("pupil", p.pupil, range::positive, "diameter of the round lens");
+  v.length("focus", p.focus, range::positive, "distance from the panel to the plane in focus");
+  v.length("eye_separation", p.eye_separation, range::not_negative,
            "of two eyes along x, about eye: a stereo pair and its anaglyph; 0 m: one");
-  v.count("paths", p.paths, "light paths per pixel");
-  v.count("max_depth", p.max_depth, "most surfaces on a path");
-  v.number("clamp", p.clamp, "most radiance that one path may bring; 0: no clamp");
+  v.count("paths", p.paths, range::at_least(1), "light paths per pixel");
+  v.count("max_depth", p.max_depth, range::at_least(1), "most surfaces on a path");
+  v.number("clamp", p.clamp, range::not_negative, "most radiance that one path may bring; 0: no clamp");
   v.texts("layers", p.layers, "light path expressions, added up; none: all light");
   v.flag("background", p.has_background, "shown where no surface is; the pictures that run compares with leave it out");
   v.choice("accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
            "of the rays: Embree's trees, or a uniform grid of cells (the paper's appendix)");
-  v.count("seed", p.seed, "seed of every random number");
+  v.count("seed", p.seed, range::not_negative, "seed of every random number");
 }
 
 }  // namespace holotrace

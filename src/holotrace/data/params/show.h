@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -30,21 +31,25 @@ struct ShowParams {
 
 template <class Visitor>
 void describe(Visitor& v, ShowParams& p) {
-  v.count("subpixels", p.subpixels, "samples per pixel and axis; 3 shows the orders -1, 0, 1");
-  v.count("fine_samples", p.fine_samples, "per pixel and axis, for crosstalk; 0: as it needs");
-  v.length("wavelength", p.wavelength, "of the light on the SLM; 0 m: the hologram's own");
-  v.number("irradiance", p.irradiance, "of that light, on the axis, in W/m2");
+  v.count("subpixels", p.subpixels, range::at_least(1), "samples per pixel and axis; 3 shows the orders -1, 0, 1");
+  v.count("fine_samples", p.fine_samples, range::from_to(0, 64), "per pixel and axis, for crosstalk; 0: as it needs");
+  v.length("wavelength", p.wavelength, range::not_negative, "of the light on the SLM; 0 m: the hologram's own");
+  v.number("irradiance", p.irradiance, range::not_negative, "of that light, on the axis, in W/m2");
   v.choice("light", p.light,
            {{"plane", Wavefront::plane}, {"spherical", Wavefront::spherical}, {"gaussian", Wavefront::gaussian}},
            "its wavefront and profile");
-  v.angle("tilt_x", p.tilt_x, "of the light from the panel's axis, toward x");
-  v.angle("tilt_y", p.tilt_y, "of the light from the panel's axis, toward y");
-  v.coordinate("source_distance", p.source_distance,
-               "spherical: from the point that the light comes from to the panel; below 0: to which it converges");
-  v.length("beam_radius", p.beam_radius, "gaussian: of the beam on the panel, at 1/e2 of its irradiance");
-  v.length("bandwidth", p.bandwidth, "of the light's spectrum, full width at half maximum; 0 m: one line");
-  v.angle("source_angle", p.source_angle, "full angle that the light's source is seen under; 0 deg: a point");
-  v.count("moments", p.moments, "that partly coherent light and flicker are averaged over; 0: 16, or 1 without them");
+  v.angle("tilt_x", p.tilt_x, range::tilt, "of the light from the panel's axis, toward x");
+  v.angle("tilt_y", p.tilt_y, range::tilt, "of the light from the panel's axis, toward y");
+  v.length("source_distance", p.source_distance, range::any,
+           "spherical: from the point that the light comes from to the panel; below 0: to which it converges");
+  v.length("beam_radius", p.beam_radius, range::not_negative,
+           "gaussian: of the beam on the panel, at 1/e2 of its irradiance");
+  v.length("bandwidth", p.bandwidth, range::not_negative,
+           "of the light's spectrum, full width at half maximum; 0 m: one line");
+  v.angle("source_angle", p.source_angle, range::below(0, std::numbers::pi),
+          "full angle that the light's source is seen under; 0 deg: a point");
+  v.count("moments", p.moments, range::not_negative,
+          "that partly coherent light and flicker are averaged over; 0: 16, or 1 without them");
   v.texts(
       "effects", p.effects,
       "of the panel that are on: calibration, crosstalk, gaps, flicker, aberration, phase-map, dead-pixels, or all");

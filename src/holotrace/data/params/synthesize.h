@@ -38,8 +38,8 @@ void describe(Visitor& v, SynthesizeParams& p) {
        {"triangles", SynthesisMethod::triangles}},
       "how waves are summed: one by one in double, tile by tile, by planes near each tile, in slices of depth, the "
       "cheapest that meets the tolerance (auto); or a scene's surfaces as triangles that shine");
-  v.number("tolerance", p.tolerance, "relative L2 error allowed against exact");
-  v.count("slices", p.slices, "layers: slices of depth; 0: as many as the tolerance needs");
+  v.number("tolerance", p.tolerance, range::between(0, 1), "relative L2 error allowed against exact");
+  v.count("slices", p.slices, range::not_negative, "layers: slices of depth; 0: as many as the tolerance needs");
   v.flag("silhouettes", p.has_silhouettes, "layers: each slice hides what lies behind it");
   v.choice("shading", p.shading, {{"flat", Shading::flat}, {"smooth", Shading::smooth}},
            "triangles: each shines evenly, or from corner to corner");

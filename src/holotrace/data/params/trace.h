@@ -55,16 +55,18 @@ void describe(Visitor& v, TraceParams& p) {
            "each sample lights every pixel; the same with the light that each tile sees; or one pixel alone");
   v.choice("pattern", p.pattern, {{"grid", Pattern::grid}, {"random", Pattern::random}},
            "first hits: a raster seen from the panel's centre, or random over the panel's acceptance");
-  v.count("columns", p.columns, "columns of the raster");
-  v.count("rows", p.rows, "rows of the raster");
-  v.count("samples", p.samples, "first hits of the random pattern");
-  v.count("pixel_samples", p.pixel_samples, "gather: rays from every pixel");
-  v.count("tile_columns", p.tile_columns, "tiled: columns of tiles that the panel is cut into");
-  v.count("tile_rows", p.tile_rows, "tiled: rows of tiles");
-  v.angle("field_of_view", p.field_of_view, "half angle of the raster; 0 deg: the panel's acceptance asin(lambda/2p)");
-  v.count("paths", p.paths, "light paths per first hit");
-  v.count("max_depth", p.max_depth, "most surfaces on a path");
-  v.number("clamp", p.clamp, "most radiance that one path may bring; 0: no clamp, which is right but may be noisy");
+  v.count("columns", p.columns, range::at_least(1), "columns of the raster");
+  v.count("rows", p.rows, range::at_least(1), "rows of the raster");
+  v.count("samples", p.samples, range::from_to(1, 0x1p40), "first hits of the random pattern");
+  v.count("pixel_samples", p.pixel_samples, range::at_least(1), "gather: rays from every pixel");
+  v.count("tile_columns", p.tile_columns, range::at_least(1), "tiled: columns of tiles that the panel is cut into");
+  v.count("tile_rows", p.tile_rows, range::at_least(1), "tiled: rows of tiles");
+  v.angle("field_of_view", p.field_of_view, range::half_angle,
+          "half angle of the raster; 0 deg: the panel's acceptance asin(lambda/2p)");
+  v.count("paths", p.paths, range::at_least(1), "light paths per first hit");
+  v.count("max_depth", p.max_depth, range::at_least(1), "most surfaces on a path");
+  v.number("clamp", p.clamp, range::not_negative,
+           "most radiance that one path may bring; 0: no clamp, which is right but may be noisy");
   v.choice("phase", p.phase,
            {{"random", SourcePhase::random},
             {"constant", SourcePhase::constant},
@@ -72,16 +74,16 @@ void describe(Visitor& v, TraceParams& p) {
             {"path", SourcePhase::path},
             {"laser", SourcePhase::laser}},
            "of the waves: random, 0, fixed to the surface, that and the way through mirrors and glass, a laser's");
-  v.length("grain", p.grain, "side of the cells of equal surface phase; 0 m: the pixel pitch");
+  v.length("grain", p.grain, range::not_negative, "side of the cells of equal surface phase; 0 m: the pixel pitch");
   v.choice("amplitude", p.amplitude, {{"sqrt", AmplitudeLaw::sqrt}, {"linear", AmplitudeLaw::linear}},
            "amplitude from radiance L: its root (brightness is radiance) or L itself (the paper's Step 5)");
   v.texts("layers", p.layers, "light path expressions, as E(D|G)L; none: all light");
   v.flag("separate_layers", p.separate_layers, "each layer a hologram of its own, or all in one");
   v.flag("separate_lights", p.separate_lights, "each light a hologram of its own, added without interference");
-  v.count("frames", p.frames, "holograms with independent phases, shown one after the other");
+  v.count("frames", p.frames, range::at_least(1), "holograms with independent phases, shown one after the other");
   v.choice("accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
            "of the rays: Embree's trees, or a uniform grid of cells (the paper's appendix)");
-  v.count("seed", p.seed, "seed of every random number");
+  v.count("seed", p.seed, range::not_negative, "seed of every random number");
 }
 
 }  // namespace holotrace

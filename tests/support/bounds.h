@@ -1,0 +1,77 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/vec.h"
+#include "holotrace/data/params/choice.h"
+
+namespace holotrace::test {
+
+/// A value just inside or just outside the range of a parameter, as a scene file or a flag writes it.
+struct Try {
+  std::string key, text;
+  bool has_quotes = false;  ///< in a scene file: it has a unit
+  bool is_inside = false;
+};
+
+/// A visitor of `describe` that lists the values on either side of each bound. A bound that belongs to the range is
+/// tried itself; the value across it is the next whole number, or a billionth of the bound's size (1 m, 1 rad or 1
+/// where it is 0) away. Where a range has no bound, -1 and 1 are inside.
+struct Bounds {
+  std::vector<Try> tries;
+
+  template <class Integer>
+  void count(const char* key, Integer&, const Range& range, const char*) {
+    add(key, range, "", "", 1);
+  }
+  void number(const char* key, double&, const Range& range, const char*) { add(key, range, "", "", 1e-9); }
+  void length(const char* key, double&, const Range& range, const char*) { add(key, range, "", " m", 1e-9); }
+  void lengths(const char* key, std::vector<double>&, const Range& range, const char*) {
+    add(key, range, "1 ", " m", 1e-9);
+  }
+  void angle(const char* key, double&, const Range& range, const char*) { add(key, range, "", " rad", 1e-9); }
+  void position(const char* key, Vec3&, const Range& range_of_z, const char*) {
+    add(key, range_of_z, "-1 -1 ", " m", 1e-9);
+  }
+  void flag(const char*, bool&, const char*) {}
+  void texts(const char*, std::vector<std::string>&, const char*) {}
+  template <class Enum>
+  void choice(const char*, Enum&, std::initializer_list<std::type_identity_t<Choice<Enum>>>, const char*) {}
+
+ private:
+  void add(const std::string& key, const Range& range, const std::string& before, const std::string& after,
+           double step) {
+    const auto add_try = [&](double value, bool is_inside) {
+      tries.push_back({key, before + fmt::format("{}", value) + after, !after.empty(), is_inside});
+    };
+    const auto add_bound = [&](double bound, bool is_open, double inward) {
+      const double next = step == 1 ? 1 : step * (bound == 0 ? 1 : std::abs(bound));
+      add_try(is_open ? bound + inward * next : bound, true);
+      add_try(is_open ? bound : bound - inward * next, false);
+    };
+    if (std::isfinite(range.low)) add_bound(range.low, range.is_low_open, 1);
+    if (std::isfinite(range.high)) add_bound(range.high, range.is_high_open, -1);
+    if (range.beside) {
+      add_try(*range.beside, true);
+      for (const double value : {*range.beside - 1, *range.beside + 1}) add_try(value, false);
+    }
+    if (!std::isfinite(range.low) && !std::isfinite(range.high)) {
+      add_try(-1, true);
+      add_try(1, true);
+    }
+  }
+};
+
+template <class Params>
+std::vector<Try> bounds_of() {
+  Bounds bounds;
+  Params params;
+  describe(bounds, params);
+  return bounds.tries;
+}
+
+}  // namespace holotrace::test
