@@ -5,10 +5,12 @@
 namespace holotrace {
 namespace {
 
-TEST(Expose, IsTheIrradianceAveragedOverPixels) {
+constexpr PixelSampling point = PixelSampling::point;
+
+TEST(Expose, OfPointsIsTheirMeanIrradiance) {
   Field f({6, 4, 2e-6}, test_wavelength);
   for (size_t i = 0; i < f.samples.size(); ++i) f.samples.values[i] = {float(i), 1};
-  const Image image = expose(f, {.binning = 2});
+  const Image image = expose(f, {.binning = 2, .sampling = point});
   EXPECT_EQ(image.nx, 3);
   EXPECT_EQ(image.ny, 2);
   EXPECT_DOUBLE_EQ(image.pitch, 4e-6);
@@ -20,18 +22,42 @@ TEST(Expose, IsTheIrradianceAveragedOverPixels) {
   EXPECT_NEAR(light * image.pitch * image.pitch, power(f), 1e-6 * power(f));  // no light is lost
 }
 
-TEST(Expose, NoBinningIsTheSquaredModulus) {
+TEST(Expose, OfPointsWithoutBinningIsTheSquaredModulus) {
   const Field f = sum_of(random_waves(3, 4, 1), {16, 8, test_pitch});
-  const Image image = expose(f, {});
+  const Image image = expose(f, {.sampling = point});
   for (int j = 0; j < 8; ++j)
     for (int i = 0; i < 16; ++i) EXPECT_FLOAT_EQ(image(j, i), std::norm(f.samples(j, i)));
+}
+
+// Two plane waves of slopes ±1/2P make fringes of the irradiance 1 + cos(2πx/P + φ), of which a pixel of side p keeps
+// the contrast sinc(p/P), wherever its middle lies in a fringe. The window has whole periods of no pixel and no sample;
+// its ends ring, so that pixels in its middle count. To 1 %: what mean_over_pixels states for speckle, whose fringes
+// are of all periods. Points see all of the contrast, and fringes shorter than two pixels as longer ones.
+TEST(Expose, APixelKeepsOfFringesTheSincOfItsSide) {
+  const int nx = 1200, ny = 240;  // the ends ring by 1/2πd at d samples from them: 0.1 % of u
+  for (const int binning : {1, 2, 3})
+    for (const double period : {1.3, 1.7, 2.4, 3.9, 7.7, 31.0}) {  // in samples: |u|² has twice the field's band
+      Field f({nx, ny, test_pitch}, test_wavelength);
+      for (int j = 0; j < ny; ++j)
+        for (int i = 0; i < nx; ++i) f.samples(j, i) = float(std::sqrt(2.0) * std::cos(pi * i / period + 0.3));
+      const Image image = expose(f, {.binning = binning});
+      // A pixel's middle is at sample k·binning + (binning − 1)/2.
+      const double side = binning / period, kept = std::sin(pi * side) / (pi * side);
+      double off = 0, count = 0;
+      for (int k = image.nx / 3; k < 2 * image.nx / 3; ++k, ++count) {
+        const double place = k * binning + (binning - 1) / 2.0;
+        const double wanted = 1 + kept * std::cos(2 * pi * place / period + 0.6);
+        off += std::pow(image(image.ny / 2, k) - wanted, 2);
+      }
+      EXPECT_LT(std::sqrt(off / count), 0.01) << binning << " samples, period " << period;
+    }
 }
 
 TEST(Expose, CropsEvenlyAndSaysSo) {
   Field f({8, 5, test_pitch}, test_wavelength);
   f.samples(1, 1) = 3;
   Heard heard;
-  const Image image = expose(f, {.binning = 3}, heard.observer());
+  const Image image = expose(f, {.binning = 3, .sampling = point}, heard.observer());
   EXPECT_EQ(image.nx, 2);
   EXPECT_EQ(image.ny, 1);
   EXPECT_FLOAT_EQ(image(0, 0), 1);  // 9 over 9 samples: column 1 and row 1 are the first that stay
@@ -75,7 +101,7 @@ TEST(Speckle, ExponentialIntensityHasContrastOne) {
         const double radius = std::sqrt(-std::log(1 - random.uniform()));
         f.samples.values[i] = std::complex<float>(std::polar(radius, 2 * pi * random.uniform()));
       }
-      const Image seen = expose(f, {});
+      const Image seen = expose(f, {.sampling = point});  // pixels that are independent
       for (size_t i = 0; i < image.values.size(); ++i) image.values[i] += seen.values[i];
     }
     const double n = double(side) * side;

@@ -12,74 +12,12 @@
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/select_order.h"
+#include "holotrace/view/sensor.h"
+#include "holotrace/view/source_image.h"
 #include "holotrace/wave/propagate.h"
 
 namespace holotrace {
 namespace {
-
-// Samples of the sensor's window along one axis: the present ones and an even number more or less.
-int window_samples(double size, double pitch, int present) {
-  if (size == 0) return present;
-  const double wanted = present + 2 * std::round((size / pitch - present) / 2);
-  require(wanted >= 1, "expected a sensor of a sample of {} or more, got a side of {}", format_length(pitch),
-          format_length(size));
-  require(wanted < 1e9, "expected a sensor of less than 1e9 samples a side, got a side of {} in samples of {}",
-          format_length(size), format_length(pitch));
-  return int(wanted);
-}
-
-// Pixels of a sensor along one axis, whole ones.
-int sensor_pixels(double size, double pixel) {
-  const double wanted = std::round(size / pixel);
-  require(wanted >= 1, "expected a sensor of a pixel of {} or more, got a side of {}", format_length(pixel),
-          format_length(size));
-  require(wanted < 1e9, "expected a sensor of less than 1e9 pixels a side, got a side of {} in pixels of {}",
-          format_length(size), format_length(pixel));
-  return int(wanted);
-}
-
-// Light of a point of the sensor comes from no farther apart than the aperture's side, so its field has a band of
-// side/λz, and no more than the 1/pitch of what is shown; the irradiance has twice that, which its samples hold.
-int samples_per_pixel(double pixel, double aperture, double pitch, double wavelength, double distance) {
-  const double enough = std::max(pitch, wavelength * std::abs(distance) / aperture);
-  return std::max(1, int(std::ceil(2 * pixel / enough * (1 - 1e-9))));
-}
-
-// What the sensor asks of the propagation to it, and of the exposure.
-struct Sensor {
-  PropagateParams window;
-  CameraParams exposure;
-};
-
-Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z, const PropagateParams& propagation,
-                 const CameraParams& camera) {
-  Sensor sensor{propagation, camera};
-  const bool has_window =
-      camera.width != 0 || camera.height != 0 || camera.pixel != 0 || camera.centre_x != 0 || camera.centre_y != 0;
-  if (camera.pixel == 0 && camera.binning == 0)
-    sensor.exposure.binning = std::max(1, int(std::lround(slm.grid.pitch / shown.pitch)));
-  if (!has_window) return sensor;
-  require(propagation.columns == 0 && propagation.rows == 0 && propagation.pitch == 0 && propagation.centre_x == 0 &&
-              propagation.centre_y == 0,
-          "expected the sensor's window once, got it by the camera's width, height, centre and pixel and by the "
-          "propagation's columns, rows, centre and pitch; leave one of them out");
-  sensor.window.centre_x = camera.centre_x;
-  sensor.window.centre_y = camera.centre_y;
-  if (camera.pixel == 0) {
-    sensor.window.columns = window_samples(camera.width, shown.pitch, shown.nx);
-    sensor.window.rows = window_samples(camera.height, shown.pitch, shown.ny);
-    return sensor;
-  }
-  const double aperture = camera.pupil > 0 ? camera.pupil : std::max(shown.width(), shown.height());
-  const double travelled = camera.pupil > 0 ? z - camera.eye.z : z;
-  const int n = camera.binning > 0 ? camera.binning
-                                   : samples_per_pixel(camera.pixel, aperture, shown.pitch, wavelength, travelled);
-  sensor.exposure.binning = n;
-  sensor.window.pitch = camera.pixel / n;
-  sensor.window.columns = n * sensor_pixels(camera.width > 0 ? camera.width : slm.grid.width(), camera.pixel);
-  sensor.window.rows = n * sensor_pixels(camera.height > 0 ? camera.height : slm.grid.height(), camera.pixel);
-  return sensor;
-}
 
 // The camera as it would be without its lens, its sensor in the plane looked at.
 CameraParams in_object_plane(const CameraParams& camera, double magnification) {
@@ -183,6 +121,20 @@ PropagateParams from_pupil(PropagateParams sensor, const Grid& shown) {
   return sensor;
 }
 
+// The pixels of a sensor from the field at its samples. m: how much larger a lens makes the picture.
+Image read_sensor(const Field& field, const Sensor& sensor, const SourcePart& source, double z, double m,
+                  const Observer& observer) {
+  Array2D<float> irradiance = irradiance_of(field);
+  if (sensor.blur > 0) irradiance = convolved(irradiance, source_image(source, z, field.grid.pitch, sensor.blur));
+  Image image = mean_over_pixels(irradiance, sensor.samples, sensor.rim, sensor.is_integrated, observer);
+  image.pitch = sensor.pixels.pitch * m;
+  image.centre_x = sensor.pixels.centre_x * m;
+  image.centre_y = sensor.pixels.centre_y * m;
+  if (m != 1)
+    for (float& value : image.values) value = float(double(value) / (m * m));
+  return image;
+}
+
 // Between the middles of pixels; black past the outer ones. Added to one sum per channel.
 void add_between(const Image& render, double row, double column, double* sums) {
   const int r = int(std::floor(row)), c = int(std::floor(column));
@@ -212,22 +164,15 @@ double magnification(const CameraParams& camera, double distance, ImageSide imag
 }
 
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
-           const CameraParams& with_lens, const Observer& observer) {
+           const CameraParams& with_lens, const Observer& observer, const SourcePart& source) {
   require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {}",
           format_length(distance));
   check_eye(with_lens);
   const double m = magnification(with_lens, distance, shown.image), z = plane_of(distance, shown.image);
   const CameraParams camera = in_object_plane(with_lens, m);
-  const Sensor sensor = sensor_of(shown.grid, slm, shown.wavelength, z, propagation, camera);
-  const auto sensed = [&](const Field& field) {
-    Image image = expose(field, sensor.exposure, observer);
-    if (m == 1) return image;
-    image.pitch *= m;
-    image.centre_x *= m;
-    image.centre_y *= m;
-    for (float& value : image.values) value = float(double(value) / (m * m));
-    return image;
-  };
+  const Sensor sensor =
+      sensor_of(shown.grid, slm, shown.wavelength, z, propagation, camera, std::abs(z) * source.reach(), observer);
+  const auto sensed = [&](const Field& field) { return read_sensor(field, sensor, source, z, m, observer); };
   const auto stopped = [&] { return shown.filter ? select_order(shown, *shown.filter, observer) : shown; };
   if (camera.pupil == 0) return sensed(propagate(stopped(), z, sensor.window, observer));
 
@@ -242,11 +187,15 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
 }
 
 double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance, ImageSide image,
-                     const PropagateParams& propagation, const CameraParams& with_lens) {
+                     const PropagateParams& propagation, const CameraParams& with_lens, const SourcePart& source) {
   const double z = plane_of(distance, image);
   const CameraParams camera = in_object_plane(with_lens, magnification(with_lens, distance, image));
-  PropagateParams window = sensor_of(shown, slm, wavelength, z, propagation, camera).window;
+  const Sensor read = sensor_of(shown, slm, wavelength, z, propagation, camera, std::abs(z) * source.reach());
+  const PropagateParams& window = read.window;
   const Grid sensor = propagation_output(shown, window);
+  // The field and its irradiance, and what blurs it; after the propagation.
+  const double reading = (sizeof(std::complex<float>) + sizeof(float)) * double(sensor.pixels()) +
+                         (read.blur > 0 ? convolved_bytes(sensor.ny, sensor.nx) : 0);
   // A distance that cannot be sampled is refused, with its reason, where it is propagated over.
   const auto bytes_over = [&](const Grid& from, double over, const PropagateParams& params) {
     try {
@@ -255,12 +204,12 @@ double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, doubl
       return sizeof(std::complex<float>) * double(sensor.pixels());
     }
   };
-  if (camera.pupil == 0) return bytes_over(shown, z, window);
+  if (camera.pupil == 0) return std::max(reading, bytes_over(shown, z, window));
   const std::optional<Grid> pupil = pupil_window(shown, wavelength, camera);
-  if (!pupil) return sizeof(std::complex<float>) * double(sensor.pixels());
-  return std::max(bytes_over(shown, camera.eye.z, to_window(*pupil, propagation.method)),
-                  sizeof(std::complex<float>) * double(pupil->pixels()) +
-                      bytes_over(*pupil, z - camera.eye.z, from_pupil(window, shown)));
+  if (!pupil) return reading;
+  return std::max({reading, bytes_over(shown, camera.eye.z, to_window(*pupil, propagation.method)),
+                   sizeof(std::complex<float>) * double(pupil->pixels()) +
+                       bytes_over(*pupil, z - camera.eye.z, from_pupil(window, shown))});
 }
 
 double axial_reach(const Slm& slm, double wavelength, double distance, ImageSide image, const CameraParams& camera,

@@ -10,6 +10,7 @@
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/data/source_part.h"
 
 namespace holotrace {
 
@@ -33,19 +34,18 @@ namespace holotrace {
 /// the image of the panel's window, a pixel of 0 that of a panel pixel. What the lens does to light is exact for the
 /// plane in focus but for the aberrations of a real one.
 ///
-/// With camera.pixel > 0 the sensor has pixels of that side, as many as its width and height hold, and the field is
-/// taken at camera.binning² places of each; 0 for as many as hold the irradiance, whose band is twice the field's: at
-/// most 2/pitch of the panel, and at most 2·aperture/λz, the aperture being the panel or the pupil, so that pixels half
-/// as large as a speckle take one place. Else the sensor's pixels hold camera.binning² samples of the shown field's
-/// pitch, 0 for those of one panel pixel, and its window differs from the panel's by an even number of samples per
-/// axis. Its centre is free.
+/// Which pixels the sensor has, and of how many samples of the field each is read, is in sensor.h: by default each
+/// pixel integrates the irradiance over its area (mean_over_pixels, expose.h). Its centre is free.
+///
+/// With an extended source the irradiance is that of all the directions in `source`, whose middle lit the panel:
+/// the picture convolved with the source's own (source_image.h).
 ///
 /// @return        irradiance [W/m²]
 /// @throws Error  for a distance or a size below 0, an eye behind the panel or, on it, beside it, a lens without a
 ///                pupil or nearer than f to the plane, a sensor smaller than a sample or a pixel, a window given twice
 ///                (by the camera's and by the propagation's), and as propagate does
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
-           const CameraParams& camera, const Observer& observer = {});
+           const CameraParams& camera, const Observer& observer = {}, const SourcePart& source = {});
 
 /// How much larger than the plane at `distance` its image on the sensor is: m, 1 without a lens.
 /// @throws Error  for a lens without a pupil, or nearer than its focal length to the plane
@@ -53,7 +53,7 @@ double magnification(const CameraParams& camera, double distance, ImageSide imag
 
 /// Bytes that look takes beside the field that is shown, its propagation above all. For checks before a job begins.
 double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance, ImageSide image,
-                     const PropagateParams& propagation, const CameraParams& camera);
+                     const PropagateParams& propagation, const CameraParams& camera, const SourcePart& source = {});
 
 /// @throws Error  unless the pupil is 0 m (none) or more, and the eye behind one not behind the panel
 void check_eye(const CameraParams& camera);

@@ -2,42 +2,72 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/view/sensor.h"
+#include "holotrace/wave/propagate.h"
 
 namespace holotrace {
+namespace {
 
-Image expose(const Field& field, const CameraParams& params, const Observer& observer) {
-  const Grid& grid = field.grid;
-  check_grid(grid);
-  const int n = std::max(params.binning, 1);
-  require(params.binning >= 0 && n <= std::min(grid.nx, grid.ny),
-          "expected a binning of 1 to {} samples, the side of the field, or 0 for 1, got {}",
-          std::min(grid.nx, grid.ny), params.binning);
-  Image image(grid.ny / n, grid.nx / n, 1);
-  image.pitch = n * grid.pitch;
-  const int spare_x = grid.nx % n, spare_y = grid.ny % n;
-  image.centre_x = grid.centre_x - (spare_x % 2) * grid.pitch / 2;
-  image.centre_y = grid.centre_y + (spare_y % 2) * grid.pitch / 2;
-  if (spare_x || spare_y)
-    observer.warn(
-        fmt::format("the field of {} × {} samples does not divide into bins of {}: {} columns and {} rows at "
-                    "its border are left out",
-                    grid.nx, grid.ny, n, spare_x, spare_y));
+// Of the samples −2 … n + 1 about a pixel along an axis: each of its n cells is told by five of them.
+std::vector<double> weights_of_integral(int n) {
+  constexpr double a = 0.0684, b = -0.0087;  // see mean_over_pixels
+  constexpr double cell[] = {b, a, 1 - 2 * a - 2 * b, a, b};
+  static_assert(std::size(cell) == 2 * integration_rim + 1);
+  std::vector<double> weights(size_t(n) + 2 * integration_rim);
+  for (size_t k = 0; k < size_t(n); ++k)
+    for (size_t i = 0; i < std::size(cell); ++i) weights[k + i] += cell[i];
+  return weights;
+}
 
-  const int left = spare_x / 2, top = spare_y / 2;
-  const auto expose_row = [&](int64_t row) {
+}  // namespace
+
+Array2D<float> irradiance_of(const Field& field) {
+  Array2D<float> irradiance(field.grid.ny, field.grid.nx);
+  parallel_for(0, field.grid.ny, [&](int64_t row) {
+    const std::complex<float>* u = field.samples.row(int(row));
+    float* out = irradiance.row(int(row));
+    for (int i = 0; i < field.grid.nx; ++i) out[i] = float(std::norm(std::complex<double>(u[i])));
+  });
+  return irradiance;
+}
+
+Image mean_over_pixels(const Array2D<float>& values, int n, int rim, bool is_integrated, const Observer& observer) {
+  const std::vector<double> weights = is_integrated ? weights_of_integral(n) : std::vector<double>(size_t(n), 1);
+  const int beyond = is_integrated ? integration_rim : 0;
+  require(n >= 1 && rim >= beyond, "expected pixels of 1 sample or more and a rim of {}, got {} and {}", beyond, n,
+          rim);
+  Image image((values.ny - 2 * rim) / n, (values.nx - 2 * rim) / n, 1);
+  const auto read_row = [&](int64_t row) {
     for (int column = 0; column < image.nx; ++column) {
       double sum = 0;
-      for (int j = 0; j < n; ++j) {
-        const std::complex<float>* u = field.samples.row(top + int(row) * n + j) + left + column * n;
-        for (int i = 0; i < n; ++i) sum += std::norm(std::complex<double>(u[i]));
+      for (size_t j = 0; j < weights.size(); ++j) {
+        const float* from = values.row(rim - beyond + int(row) * n + int(j)) + rim - beyond + column * n;
+        double line = 0;
+        for (size_t i = 0; i < weights.size(); ++i) line += weights[i] * double(from[i]);
+        sum += weights[j] * line;
       }
-      image(int(row), column) = float(sum / (double(n) * n));
+      image(int(row), column) = float(std::max(0.0, sum / (double(n) * n)));
     }
   };
-  parallel_for(0, image.ny, expose_row, observer, 16);
+  parallel_for(0, image.ny, read_row, observer, 16);
+  return image;
+}
+
+Image expose(const Field& field, const CameraParams& params, const Observer& observer) {
+  const bool is_integrated = params.sampling == PixelSampling::integrate;
+  const int given = params.binning == 0 ? 1 : params.binning, n = is_integrated ? 2 * given : given;
+  const Grid pixels = pixels_of(field.grid, given, observer);
+  const int rim = is_integrated ? integration_rim : 0;
+  Image image =
+      mean_over_pixels(irradiance_of(propagate(field, 0, window_of(pixels, n, rim))), n, rim, is_integrated, observer);
+  image.pitch = pixels.pitch;
+  image.centre_x = pixels.centre_x;
+  image.centre_y = pixels.centre_y;
   return image;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
@@ -163,17 +164,17 @@ Laid refine(const Plane& moving, const Plane& fixed, const std::vector<Candidate
   return best;
 }
 
-// moving on the places of fixed, 0 beyond it; `fixed` is made 0 there too.
-Plane laid_upon(const Plane& moving, Plane& fixed, const Similarity& map) {
+constexpr float uncovered = std::numeric_limits<float>::quiet_NaN();
+
+// moving on the places of fixed, `uncovered` beyond it.
+Plane laid_upon(const Plane& moving, const Plane& fixed, const Similarity& map) {
   Plane out(fixed.ny, fixed.nx);
   parallel_for(0, fixed.ny, [&](int64_t row) {
     for (int column = 0; column < fixed.nx; ++column) {
       const auto [x, y] = map(column - fixed.u_centre(), double(row) - fixed.v_centre());
       const double at_column = x + moving.u_centre(), at_row = y + moving.v_centre();
-      if (holds_cubic(moving, at_column, at_row))
-        out(int(row), column) = float(sample_cubic(moving, at_column, at_row).value);
-      else
-        fixed(int(row), column) = 0;
+      const bool is_covered = holds_cubic(moving, at_column, at_row);
+      out(int(row), column) = is_covered ? float(sample_cubic(moving, at_column, at_row).value) : uncovered;
     }
   });
   return out;
@@ -186,12 +187,13 @@ Plane laid_upon(const Plane& moving, Plane& fixed, const Similarity& map) {
 // another.
 void find_gain(const Plane& moving, const Plane& fixed, bool fits_offset, Registration& r) {
   double m_sum = 0, f_sum = 0;
-  for (size_t i = 0; i < fixed.values.size(); ++i) m_sum += moving.values[i], f_sum += fixed.values[i];
+  for (size_t i = 0; i < fixed.values.size(); ++i)
+    if (std::isfinite(moving.values[i])) m_sum += moving.values[i], f_sum += fixed.values[i];
   r.gain = m_sum / f_sum;
   if (!fits_offset) return;
   constexpr int side = 8;
   const int nx = fixed.nx / side, ny = fixed.ny / side;
-  // NaN marks a block that is not wholly in common.
+  // A block that is not wholly in common has the NaN of its uncovered pixels in m, and by hand in f.
   std::vector<double> m(size_t(nx) * size_t(ny)), f = m;
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
@@ -201,6 +203,7 @@ void find_gain(const Plane& moving, const Plane& fixed, bool fits_offset, Regist
           m[at] += moving(j * side + y, i * side + x);
           f[at] += fixed(j * side + y, i * side + x);
         }
+      if (!std::isfinite(m[at])) f[at] = uncovered;
     }
   double n = 0, sm = 0, sf = 0, sz = 0, mz = 0, fz = 0;
   for (int j = 1; j + 1 < ny; ++j)
@@ -274,17 +277,18 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
       r.uncertainty, most_error, what_to_do);
 
   const Pair plain = at_resolution(moving, fixed, pair.pixel_moving / pair.pixel_fixed, pair.pixel_fixed);
-  Plane plain_fixed = plain.fixed;
-  const Plane plain_moving = laid_upon(plain.moving, plain_fixed, fit.map);
-  find_gain(plain_moving, plain_fixed, params.offset, r);
+  const Plane plain_moving = laid_upon(plain.moving, plain.fixed, fit.map);
+  find_gain(plain_moving, plain.fixed, params.offset, r);
   require(std::isfinite(r.gain) && r.gain > 0,
           "expected light in both the photograph and the simulation, got a gain of {} between them", r.gain);
-  double squares = 0;
-  for (size_t i = 0; i < plain_fixed.values.size(); ++i) {
-    const double d = (plain_moving.values[i] - r.offset) / r.gain - plain_fixed.values[i];
+  double squares = 0, covered = 0;
+  for (size_t i = 0; i < plain_moving.values.size(); ++i) {
+    if (!std::isfinite(plain_moving.values[i])) continue;
+    const double d = (plain_moving.values[i] - r.offset) / r.gain - plain.fixed.values[i];
     squares += d * d;
+    covered += 1;
   }
-  r.residual = std::sqrt(squares / fit.pixels);
+  r.residual = std::sqrt(squares / covered);
   observer.progress(1);
   return r;
 }

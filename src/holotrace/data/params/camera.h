@@ -13,6 +13,9 @@ namespace holotrace {
 /// What a series of views moves: nothing, the plane in focus, or the eye along x.
 enum class Sweep { none, focus, parallax };
 
+/// What a pixel of a sensor reads of the irradiance: its mean over the pixel's area, or at samples of the field alone.
+enum class PixelSampling { integrate, point };
+
 /// A sensor without a lens, as on the paper's bench, a camera with a thin lens, or an eye, and what of its reading goes
 /// into a picture.
 struct CameraParams {
@@ -23,7 +26,8 @@ struct CameraParams {
   double width = 0, height = 0;  ///< of the sensor [m]; 0: the panel's
   double centre_x = 0, centre_y = 0;  ///< of the sensor [m]
   double pixel = 0;                   ///< side of a sensor pixel [m]; 0: `binning` field samples
-  int binning = 0;        ///< field samples per sensor pixel and axis; 0: one panel pixel, or as `pixel` needs
+  int binning = 0;  ///< field samples per sensor pixel and axis; 0: one panel pixel, or as `pixel` needs
+  PixelSampling sampling = PixelSampling::integrate;
   double exposure = 0;    ///< irradiance that is white [W/m²]; 0: the 99.9th percentile
   int bits = 8;           ///< of a PNG: 8 or 16
   double electrons = 0;   ///< that a white pixel holds, with their shot noise; 0: no noise of light
@@ -50,7 +54,10 @@ void describe(Visitor& v, CameraParams& p) {
   v.length("centre_y", p.centre_y, range::any, "of the sensor");
   v.length("pixel", p.pixel, range::not_negative, "side of a sensor pixel; 0 m: as binning says");
   v.count("binning", p.binning, range::not_negative,
-          "field samples per sensor pixel and axis; 0: one panel pixel, or with pixel as many as hold the light");
+          "field samples per sensor pixel and axis; 0: one panel pixel, or with pixel as many as are needed");
+  v.choice(
+      "sampling", p.sampling, {{"integrate", PixelSampling::integrate}, {"point", PixelSampling::point}},
+      "what a sensor pixel reads: the irradiance over its area (integrate), or at its field samples alone (point)");
   v.number("exposure", p.exposure, range::not_negative, "irradiance that is white in W/m2; 0: the 99.9th percentile");
   v.count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "of a PNG, 8 or 16");
   v.number("electrons", p.electrons, range::from_to(0, 1e12),

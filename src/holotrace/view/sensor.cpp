@@ -1,0 +1,120 @@
+#include "holotrace/view/sensor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/view/expose.h"
+#include "holotrace/wave/propagate.h"
+
+namespace holotrace {
+namespace {
+
+// Samples of the sensor's window along one axis: the present ones and an even number more or less.
+int window_samples(double size, double pitch, int present) {
+  if (size == 0) return present;
+  const double wanted = present + 2 * std::round((size / pitch - present) / 2);
+  require(wanted >= 1, "expected a sensor of a sample of {} or more, got a side of {}", format_length(pitch),
+          format_length(size));
+  require(wanted < 1e9, "expected a sensor of less than 1e9 samples a side, got a side of {} in samples of {}",
+          format_length(size), format_length(pitch));
+  return int(wanted);
+}
+
+// Pixels of a sensor along one axis, whole ones.
+int sensor_pixels(double size, double pixel) {
+  const double wanted = std::round(size / pixel);
+  require(wanted >= 1, "expected a sensor of a pixel of {} or more, got a side of {}", format_length(pixel),
+          format_length(size));
+  require(wanted < 1e9, "expected a sensor of less than 1e9 pixels a side, got a side of {} in pixels of {}",
+          format_length(size), format_length(pixel));
+  return int(wanted);
+}
+
+// The pixels that the camera's width, height and pixel give.
+Grid pixels_of_side(const Slm& slm, const CameraParams& camera) {
+  return {sensor_pixels(camera.width > 0 ? camera.width : slm.grid.width(), camera.pixel),
+          sensor_pixels(camera.height > 0 ? camera.height : slm.grid.height(), camera.pixel), camera.pixel,
+          camera.centre_x, camera.centre_y};
+}
+
+// Light of a point of the sensor comes from no farther apart than the panel's side, nor than the pupil, so its field
+// has a band of side/λz, and no more than the 1/pitch of what is shown.
+int samples_per_pixel(const Grid& shown, double pixel, double wavelength, double z, const CameraParams& camera,
+                      const PropagateParams& propagation) {
+  double resolved = shown.pitch;
+  if (!propagation.is_periodic)
+    resolved = std::max(resolved, wavelength * std::abs(z) / std::max(shown.width(), shown.height()));
+  if (camera.pupil > 0) resolved = std::max(resolved, wavelength * std::abs(z - camera.eye.z) / camera.pupil);
+  if (3 * pixel <= resolved * (1 + 1e-9)) return 1;
+  return std::max(2, int(std::ceil(2 * pixel / resolved * (1 - 1e-9))));
+}
+
+}  // namespace
+
+Grid pixels_of(const Grid& samples, int n, const Observer& observer) {
+  check_grid(samples);
+  const int side = std::min(samples.nx, samples.ny);
+  require(n >= 1 && n <= side, "expected a binning of 1 to {} samples, the side of the field, or 0 for 1, got {}", side,
+          n);
+  const int spare_x = samples.nx % n, spare_y = samples.ny % n;
+  if (spare_x || spare_y)
+    observer.warn(
+        fmt::format("the field of {} × {} samples does not divide into bins of {}: {} columns and {} rows at "
+                    "its border are left out",
+                    samples.nx, samples.ny, n, spare_x, spare_y));
+  return {samples.nx / n, samples.ny / n, n * samples.pitch, samples.centre_x - (spare_x % 2) * samples.pitch / 2,
+          samples.centre_y + (spare_y % 2) * samples.pitch / 2};
+}
+
+PropagateParams window_of(const Grid& pixels, int n, int rim, PropagateParams propagation) {
+  require(
+      double(n) * std::max(pixels.nx, pixels.ny) + 2.0 * rim < 1e9,
+      "expected a sensor of less than 1e9 samples a side, got {} × {} pixels of {} samples a side and {} beyond them",
+      pixels.nx, pixels.ny, n, rim);
+  propagation.columns = n * pixels.nx + 2 * rim;
+  propagation.rows = n * pixels.ny + 2 * rim;
+  propagation.pitch = pixels.pitch / n;
+  propagation.centre_x = pixels.centre_x;
+  propagation.centre_y = pixels.centre_y;
+  return propagation;
+}
+
+Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z, const PropagateParams& propagation,
+                 const CameraParams& camera, double blur, const Observer& observer) {
+  const bool has_window =
+      camera.width != 0 || camera.height != 0 || camera.pixel != 0 || camera.centre_x != 0 || camera.centre_y != 0;
+  require(!has_window || (propagation.columns == 0 && propagation.rows == 0 && propagation.pitch == 0 &&
+                          propagation.centre_x == 0 && propagation.centre_y == 0),
+          "expected the sensor's window once, got it by the camera's width, height, centre and pixel and by the "
+          "propagation's columns, rows, centre and pitch; leave one of them out");
+  Sensor sensor;
+  int given = camera.binning;  // samples per pixel
+  if (camera.pixel != 0) {
+    sensor.pixels = pixels_of_side(slm, camera);
+  } else {
+    if (given == 0) given = std::max(1, int(std::lround(slm.grid.pitch / shown.pitch)));
+    PropagateParams window = propagation;
+    if (has_window) {
+      window.columns = window_samples(camera.width, shown.pitch, shown.nx);
+      window.rows = window_samples(camera.height, shown.pitch, shown.ny);
+      window.centre_x = camera.centre_x;
+      window.centre_y = camera.centre_y;
+    }
+    sensor.pixels = pixels_of(propagation_output(shown, window), given, observer);
+  }
+  sensor.is_integrated = camera.sampling == PixelSampling::integrate;
+  const int least =
+      sensor.is_integrated ? samples_per_pixel(shown, sensor.pixels.pitch, wavelength, z, camera, propagation) : 1;
+  sensor.samples = std::max(given, least);
+  const double blurred = std::ceil(blur / sensor.pixels.pitch * sensor.samples);
+  require(blurred < 1e9, "expected a source whose image on the sensor is less than 1e9 samples wide, got {:.3g}",
+          2 * blurred);
+  sensor.blur = int(blurred);
+  sensor.rim = sensor.blur + (sensor.is_integrated ? integration_rim : 0);
+  sensor.window = window_of(sensor.pixels, sensor.samples, sensor.rim, propagation);
+  return sensor;
+}
+
+}  // namespace holotrace

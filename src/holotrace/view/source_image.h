@@ -1,0 +1,32 @@
+#pragma once
+
+#include "holotrace/base/array.h"
+#include "holotrace/data/source_part.h"
+
+namespace holotrace {
+
+/// What a part of the light's source makes of a point in the plane at z [m] from a thin panel: light that comes from
+/// the direction (αx, αy) beside the moment's own shows the same picture z·(αx, αy) away, so that the irradiance of the
+/// whole part is that of the moment convolved with the part's picture,
+///
+///     I(x) = ∫ I₀(x − z·α) d²α / ∫ d²α
+///
+/// Exact for small angles where nothing but the panel bounds the light. A stop or a pupil does not move with the light:
+/// parts are then to be small beside what it lets through. Without a stop the picture's own aberration is left: light
+/// that leaves the panel at θ moves by z·α·(1 + 3θ²/2).
+///
+/// @param pitch  of the samples [m]
+/// @param reach  R, samples that hold |z|·part.reach() or more
+/// @return       weights of sum 1, shape (2R + 1, 2R + 1); row 0 is the top
+/// @throws Error  for a part of no directions
+Array2D<float> source_image(const SourcePart& part, double z, double pitch, int reach);
+
+/// values ∗ kernel by FFT, in an array as large as `values`; right where the kernel does not reach beyond it, 2R + 1
+/// being its side: from R samples inside the border on.
+/// @throws Error  unless the kernel's sides are odd and no larger than those of `values`
+Array2D<float> convolved(const Array2D<float>& values, const Array2D<float>& kernel);
+
+/// Bytes that convolved takes beside `values`, of that size.
+double convolved_bytes(int ny, int nx);
+
+}  // namespace holotrace
