@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "end_to_end/scenes.h"
 #include "holotrace/data/acceptance.h"
@@ -20,7 +19,7 @@
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/view_sum.h"
-#include "support/build_paths.h"
+#include "support/data_files.h"
 #include "support/program.h"
 
 namespace holotrace::test {
@@ -99,10 +98,8 @@ TEST(Recognisable, ATexturedBoxAtItsFocus) {
 }
 
 TEST(Recognisable, ATexturedModelOfAFile) {
-  const std::string file = std::filesystem::path(HOLOTRACE_SHARED_DATA) / "BoxTextured.glb";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no sample models beside the source";
   const Workplace work;
-  expect_recognised(model_job(work, file));
+  expect_recognised(model_job(work, data_file("textured_box.glb")));
 }
 
 TEST(Recognisable, TheMoreTheMoreFramesAreShown) {

@@ -2,14 +2,16 @@
 
 #include <cmath>
 
+#include "holotrace/base/units.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/mesh_file.h"
-#include "support/build_paths.h"
+#include "support/data_files.h"
 #include "support/temporary.h"
 
 namespace holotrace {
 namespace {
 
+using test::data_file;
 using test::error_of;
 using test::make_file;
 
@@ -208,78 +210,100 @@ TEST(MeshFile, DamagedFilesAreRefused) {
   }
 }
 
-class SharedMeshes : public ::testing::Test {
- protected:
-  std::string path(const char* name) {
-    const std::string file = std::string(HOLOTRACE_SHARED_DATA) + "/" + name;
-    present_ = std::filesystem::exists(file);
-    return file;
-  }
-  bool present_ = false;
+struct Extent {
+  Vec3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
 };
 
-// Counts are those of the files' own lines (grep -c '^f ').
-TEST_F(SharedMeshes, TheBunnyHasItsVerticesAndNoNormals) {
-  const std::string file = path("stanford-bunny.obj");
-  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
-  const LoadedModel model = load_meshes(file);
+const MetallicRoughnessMaterial& metallic(const LoadedModel& model, const Mesh& mesh) {
+  return std::get<MetallicRoughnessMaterial>(model.materials[size_t(mesh.material)].surface);
+}
+
+// Of all meshes, or of those of a colour, to a float's digits.
+Extent extent(const LoadedModel& model, const Vec3* colour = nullptr) {
+  Extent e;
+  for (const Mesh& mesh : model.meshes) {
+    if (colour && !(length(metallic(model, mesh).base_color - *colour) < 1e-6)) continue;
+    for (const Vec3 p : mesh.positions) {
+      e.low = {std::fmin(e.low.x, p.x), std::fmin(e.low.y, p.y), std::fmin(e.low.z, p.z)};
+      e.high = {std::fmax(e.high.x, p.x), std::fmax(e.high.y, p.y), std::fmax(e.high.z, p.z)};
+    }
+  }
+  return e;
+}
+
+// What make_data.py writes is said in tests/data_files/README.md.
+TEST(WholeMeshes, AScanHasItsVerticesAndNoNormals) {
+  const LoadedModel model = load_meshes(data_file("pebble.obj"));
   ASSERT_EQ(model.meshes.size(), 1u);
-  EXPECT_EQ(triangles(model), 69451u);
+  EXPECT_EQ(triangles(model), 320u);  // 20·4²
+  EXPECT_EQ(model.meshes[0].positions.size(), 162u);
   EXPECT_TRUE(model.meshes[0].normals.empty());
+  EXPECT_TRUE(model.meshes[0].texture_coordinates.empty());
 }
 
-TEST_F(SharedMeshes, SpotHasTextureCoordinatesWithVUp) {
-  const std::string file = path("spot_triangulated.obj");
-  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
-  const LoadedModel model = load_meshes(file);
+TEST(WholeMeshes, ATorusKeepsEachCornersTextureCoordinatesAndNormal) {
+  const LoadedModel model = load_meshes(data_file("torus.obj"));
   ASSERT_EQ(model.meshes.size(), 1u);
-  EXPECT_EQ(triangles(model), 5856u);
-  EXPECT_EQ(model.meshes[0].texture_coordinates.size(), model.meshes[0].positions.size());
+  const Mesh& mesh = model.meshes[0];
+  EXPECT_EQ(triangles(model), 2 * 288u);
+  ASSERT_EQ(mesh.texture_coordinates.size(), mesh.positions.size());
+  ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {  // six digits in the file
+    const double a = 2 * pi * mesh.texture_coordinates[i].x, b = 2 * pi * mesh.texture_coordinates[i].y;
+    const Vec3 n{std::cos(b) * std::cos(a), std::sin(b), -std::cos(b) * std::sin(a)};
+    const Vec3 p = Vec3{2 * std::cos(a), 0, -2 * std::sin(a)} + n * 0.5;
+    ASSERT_LT(length(mesh.positions[i] - p), 2e-5) << i;
+    ASSERT_LT(length(mesh.normals[i] - n), 2e-5) << i;
+  }
+  ASSERT_TRUE(diffuse(model).texture);
+  EXPECT_EQ(diffuse(model).texture->nx, 96);
 }
 
-TEST_F(SharedMeshes, TheTeapotIsTriangulated) {
-  const std::string file = path("teapot.obj");
-  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
-  EXPECT_EQ(triangles(load_meshes(file)), 6320u);
+// Twelve trapezoids of a cone, between circles of radii 2 and 1 and 1.5 apart, and a hexagon of side 1.
+TEST(WholeMeshes, QuadsAndPolygonsOfEitherWindingAreTriangulated) {
+  const LoadedModel model = load_meshes(data_file("lampshade.obj"));
+  EXPECT_EQ(triangles(model), 12 * 2 + 4u);
+  const double slant = std::hypot(1.5, std::cos(pi / 12));
+  EXPECT_NEAR(area(model), 12 * 3 * std::sin(pi / 12) * slant + 1.5 * std::sqrt(3.0), 1e-4);  // six digits in the file
 }
 
-// Khronos' BoxTextured is a cube of side 1 under a node that turns z up into y up, with a PNG inside.
-TEST_F(SharedMeshes, TheTexturedBoxIsAUnitCubeWithItsTexture) {
-  const std::string file = path("BoxTextured.glb");
-  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
-  const LoadedModel model = load_meshes(file);
+TEST(WholeMeshes, ATexturedBoxIsAUnitCubeWithItsTexture) {
+  const LoadedModel model = load_meshes(data_file("textured_box.glb"));
   EXPECT_EQ(triangles(model), 12u);
   EXPECT_NEAR(area(model), 6, 1e-6);  // float coordinates
+  EXPECT_LT(length(extent(model).high - Vec3{0.5, 0.5, 0.5}), 1e-6);
   const auto& surface = std::get<MetallicRoughnessMaterial>(model.materials[0].surface);
   EXPECT_EQ(surface.metallic, 0);
   ASSERT_TRUE(surface.base_texture);
-  EXPECT_EQ(surface.base_texture->nx, 211);  // its PNG's header
-  EXPECT_EQ(surface.base_texture->channels, 3);
+  const Image& texture = *surface.base_texture;
+  EXPECT_EQ(texture.nx, 60);
+  ASSERT_EQ(texture.channels, 3);
+  EXPECT_NEAR(texture(0, 0), 0.05, 0.001);  // 63 of 255 in sRGB, the nearest to 0.05: a step there is 0.0016
+  EXPECT_NEAR(texture(0, 20), 1, 1e-6);
 }
 
-// Its file's pistons are of a grey and a black material, in this order; its first node turns and moves them.
-TEST_F(SharedMeshes, TheEngineIsPlacedByItsNodesAndHasItsColours) {
-  const std::string file = path("2CylinderEngine.glb");
-  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
+// Nodes scale by 10 and move by 100; a piston stands 20 to the left, the other 20 to the right, 10 up and a quarter
+// turn about y, so that its head, 20 wide and 10 deep, is seen from its side.
+TEST(WholeMeshes, APumpIsPlacedByItsNodesAndHasItsColours) {
+  const std::string file = data_file("pump.glb");
   const LoadedModel model = load_meshes(file);
-  EXPECT_GT(model.meshes.size(), 10u);
-  for (const Mesh& mesh : model.meshes) EXPECT_LT(size_t(mesh.material), model.materials.size());
-  const auto piston = [&](size_t part) {
-    size_t found = 0;
-    for (const Mesh& mesh : model.meshes)
-      if (mesh.name.starts_with("Piston_123-844_0_Parts_1") && found++ == part)
-        return std::get<MetallicRoughnessMaterial>(model.materials[size_t(mesh.material)].surface).base_color;
-    return Vec3{-1, -1, -1};
+  EXPECT_EQ(triangles(model), 5 * 12u);
+  const auto expect_extent = [&](const char* part, Vec3 colour, Vec3 low, Vec3 high) {
+    const Extent e = extent(model, &colour);
+    EXPECT_LT(length(e.low - low), 1e-4) << part;  // floats of 100
+    EXPECT_LT(length(e.high - high), 1e-4) << part;
   };
-  EXPECT_NEAR(piston(0).x, 0.85, 1e-6);  // written as float
-  EXPECT_EQ(piston(1), (Vec3{0, 0, 0}));
+  expect_extent("heads", {0.85, 0.85, 0.85}, {70, 0, -10}, {125, 40, 10});
+  expect_extent("rods", {0, 0, 0}, {77.5, -40, -2.5}, {122.5, 10, 2.5});
+  expect_extent("base", {0.9, 0.45, 0.1}, {60, -50, -20}, {140, -40, 20});
   EXPECT_EQ(model.warnings, (std::vector<std::string>{file + ": the cameras are not used"}));
 }
 
-TEST_F(SharedMeshes, TheTriangleSoupOfOpenHoloIsRead) {
-  const std::string file = path("openholo_dice_mesh.ply");
-  if (!present_) GTEST_SKIP() << "the data of others is not here: " << file;
-  EXPECT_EQ(triangles(load_meshes(file)), 40686u / 3);
+// An octahedron: eight triangles of side √2.
+TEST(WholeMeshes, ATriangleSoupOfOpenHolosDialectIsRead) {
+  const LoadedModel model = load_meshes(data_file("soup.ply"));
+  EXPECT_EQ(triangles(model), 8u);
+  EXPECT_NEAR(area(model), 4 * std::sqrt(3.0), 1e-6);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/scene_file.h"
-#include "support/build_paths.h"
+#include "support/data_files.h"
 #include "support/temporary.h"
 
 namespace holotrace {
@@ -253,22 +253,22 @@ TEST(SceneFile, PointObjectsHaveAmplitudeAndPhase) {
   }
 }
 
-TEST(SceneFile, TheDiceOfOpenHoloStandWhereTheirConfigurationPutsThem) {
-  const std::string file = std::string(HOLOTRACE_SHARED_DATA) + "/openholo_dice_points.ply";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "the data of others is not here: " << file;
-  const Job job = load("wavelength = \"532 nm\"\n[[object]]\ntype = \"points\"\nfile = '" + file +
-                       "'\nscale = 0.01\ndistance = \"100 mm\"\nchannel = \"green\"\n");
-  ASSERT_EQ(job.scene.points.size(), 7493u);
-  EXPECT_NEAR(job.scene.points[0].position.z, 0.00197784 - 0.1, 1e-15);
-  EXPECT_FLOAT_EQ(job.scene.points[0].amplitude, 18.f / 255);
+TEST(SceneFile, PointsOfAFileStandWhereScaleAndDistancePutThem) {
+  const Job job =
+      load("wavelength = \"532 nm\"\n[[object]]\ntype = \"points\"\nfile = '" + test::data_file("helix_points.ply") +
+           "'\nscale = 0.01\ndistance = \"100 mm\"\nchannel = \"green\"\n");
+  ASSERT_EQ(job.scene.points.size(), 500u);
+  // The first is at (0.5, −0.5, 0) in the file's unit, of green 255; the last has none.
+  EXPECT_LT(length(job.scene.points[0].position - Vec3{0.005, -0.005, -0.1}), 1e-15);
+  EXPECT_FLOAT_EQ(job.scene.points[0].amplitude, 1);
+  EXPECT_FLOAT_EQ(job.scene.points[499].amplitude, 0);
 }
 
 TEST(SceneFile, WarningsOfModelsReachTheJob) {
-  const std::string file = std::string(HOLOTRACE_SHARED_DATA) + "/2CylinderEngine.glb";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "the data of others is not here: " << file;
+  const std::string file = test::data_file("pump.glb");
   const Job job = load("wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = '" + file +
                        "'\nfit = \"20 mm\"\nposition = \"0 0 -300 mm\"\n");
-  EXPECT_FALSE(job.warnings.empty());
+  EXPECT_EQ(job.warnings, (std::vector<std::string>{file + ": the cameras are not used"}));
   for (const Mesh& mesh : job.scene.meshes) EXPECT_LT(size_t(mesh.material), job.scene.materials.size());
 }
 

@@ -2,11 +2,12 @@
 
 #include <cmath>
 
+#include "holotrace/base/units.h"
 #include "holotrace/io/file.h"
 #include "holotrace/io/ply.h"
 #include "holotrace/io/point_file.h"
 #include "holotrace/io/sources_file.h"
-#include "support/build_paths.h"
+#include "support/data_files.h"
 #include "support/temporary.h"
 
 namespace holotrace {
@@ -204,15 +205,18 @@ TEST(PointFile, ColoursBecomeAmplitudes) {
   EXPECT_EQ(load_points(path)[0].phase, 0.5f);
 }
 
-TEST(PointFile, TheDiceOfOpenHoloAreRead) {
-  const std::string path = std::string(HOLOTRACE_SHARED_DATA) + "/openholo_dice_points.ply";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "the data of others is not here: " << path;
-  const auto points = load_points(path);
-  ASSERT_EQ(points.size(), 7493u);                          // as its header says
-  EXPECT_FLOAT_EQ(float(points[0].position.x), 0.109375F);  // its first row, in its own unit
-  EXPECT_FLOAT_EQ(float(points[0].position.z), 0.197784F);
-  EXPECT_FLOAT_EQ(points[0].phase, 5.059415f);
-  EXPECT_FLOAT_EQ(points[0].amplitude, float((0.2126 * 3 + 0.7152 * 18 + 0.0722 * 8) / 255));
+// Point k of the helix of 500: t = k/499 up, four turns, red 255·t, green 255·(1 − t), blue k mod 256.
+TEST(PointFile, PointsOfOpenHolosDialectAreRead) {
+  const auto points = load_points(test::data_file("helix_points.ply"));
+  ASSERT_EQ(points.size(), 500u);
+  for (const size_t k : {0u, 100u, 499u}) {
+    const double t = double(k) / 499, a = 8 * pi * t;
+    EXPECT_LT(length(points[k].position - Vec3{std::cos(a) / 2, t - 0.5, std::sin(a) / 2}), 2e-6) << k;  // six digits
+    EXPECT_NEAR(points[k].phase, 2 * pi * t, 1e-6) << k;
+    const double luminance =
+        0.2126 * std::round(255 * t) + 0.7152 * std::round(255 * (1 - t)) + 0.0722 * double(k % 256);
+    EXPECT_FLOAT_EQ(points[k].amplitude, float(luminance / 255)) << k;
+  }
 }
 
 }  // namespace

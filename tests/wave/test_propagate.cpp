@@ -89,6 +89,26 @@ TEST(PropagatePeriodic, MovesAPlaneWaveByItsPhase) {
   }
 }
 
+// Beyond 1/λ a wave fades with distance, whichever way: exp(−2π|z|√(u² + v² − 1/λ²)). A pitch of λ/4 holds such waves.
+TEST(PropagatePeriodic, LetsEvanescentWavesFade) {
+  const double lambda = 532_nm;
+  const Grid grid{48, 40, lambda / 4};
+  PropagateParams params;
+  params.is_periodic = true;
+  for (const auto& [m, n] : {std::pair{15, 0}, {0, -16}, {10, 9}}) {  // u = 1.25/λ, v = −1.6/λ, 0.83/λ and 0.9/λ
+    const double u = m / grid.width(), v = n / grid.height();
+    const FieldDouble wave = make_field(grid, lambda, [&](double x, double y) { return cis_cycles(u * x + v * y); });
+    for (const double z : {lambda / 10, -lambda / 10, lambda}) {
+      const double left = std::exp(-2 * pi * std::abs(z) * std::sqrt(u * u + v * v - 1 / (lambda * lambda)));
+      ASSERT_GT(left, 1e-4);  // there is something to see
+      const FieldDouble moved = propagate(wave, z, params);
+      for (size_t i = 0; i < moved.samples.size(); ++i)
+        ASSERT_LT(std::abs(moved.samples.values[i] - left * wave.samples.values[i]), 1e-12)
+            << m << " " << n << " " << z;
+    }
+  }
+}
+
 TEST(PropagatePeriodic, KeepsPowerAndComesBack) {
   Field single({128, 96, 8_um}, 532_nm);
   FieldDouble field({128, 96, 8_um}, 532_nm);
@@ -213,6 +233,31 @@ TEST(Propagate, TakesTheMethodThatTheSamplingConditionAllows) {
   const Grid small{64, 64, 8_um};  // z* = 15.4 mm
   EXPECT_EQ(make_propagator<float>(small, 532_nm, 15.0_mm).method, PropagationMethod::angular_spectrum);
   EXPECT_EQ(make_propagator<float>(small, 532_nm, 15.6_mm).method, PropagationMethod::rayleigh_sommerfeld);
+}
+
+// Matsushima's limit (Opt. Express 17, 19662, 2009): samples du apart hold the phase 2πz·√(λ⁻² − u²) up to the u at
+// which it turns by half a cycle from one to the next, |z|·u/√(λ⁻² − u²)·du = ½. The band ends at the last sample
+// before.
+TEST(Propagate, HoldsTheBandWhoseTransferFunctionIsSampledWell) {
+  const double lambda = 532_nm;
+  PropagateParams params;
+  params.method = PropagationMethod::angular_spectrum;
+  for (const auto& [grid, distance] : {std::pair{Grid{256, 240, 8_um}, 0.1_m}, {Grid{96, 120, 2_um}, 6_mm}})
+    for (const double z : {distance, -1.4 * distance}) {
+      const Propagator<double> p = make_propagator<double>(grid, lambda, z, params);
+      for (const PropagationAxis& axis : {p.x, p.y}) {
+        const double du = 1 / axis.period();
+        const auto turn = [&](int k) {
+          const double u = k * du;
+          return std::abs(z) * u / std::sqrt(1 / (lambda * lambda) - u * u) * du;
+        };
+        const int nyquist = axis.padded / 2;
+        ASSERT_LT(axis.last, nyquist - 1) << "the limit must be seen";
+        EXPECT_LE(turn(axis.last), 0.5 * (1 + 1e-9));
+        EXPECT_GT(turn(axis.last + 1), 0.5);
+        EXPECT_EQ(axis.first, -axis.last);
+      }
+    }
 }
 
 TEST(Propagate, OverNoDistanceCutsOrPadsTheWindow) {

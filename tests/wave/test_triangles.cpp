@@ -165,6 +165,24 @@ TEST(Triangles, HaveTheSpectrumInClosedForm) {
   EXPECT_LT(before, 5e-4);
 }
 
+// Far off the axis, at sin θ = 0.2, the spectrum has the 1/w of a spherical wave's (Weyl's integral): with λ in its
+// place there would be cos θ = 0.98 of the amplitude. The band ends at Nyquist, 0.72 mm beyond the panel, whose fringes
+// are 1/(√2·π·14) = 1.6 % of the field there (Fresnel's integral at v = 0.72 mm·√(2/λz) = 14), and 1.1 % from each of
+// the window's three edges, 1 mm away; the four of them in phase are 5 %. They are 7 µm wide: over the panel's light
+// they come to nothing.
+TEST(Triangles, HaveTheSpectrumOfSphericalWavesFarOffTheAxis) {
+  const double z = 10_mm;
+  const Grid panel{64, 48, 1_um, z * std::tan(std::asin(0.2)), 0};
+  Triangle t;
+  t.corners = {Vec3{-0.3_um, -0.2_um, -z}, Vec3{0.4_um, -0.3_um, -z - 0.2_um}, Vec3{0, 0.4_um, -z + 0.1_um}};
+  t.amplitudes = {1, 0.4F, 0.7F};
+  const FieldDouble pixels = sum_triangles_exact(only(t), panel, 0.003);
+  EXPECT_LT(relative_error(pixels, sum_exact(dense_points(only(t), 12), panel)), 1e-3);
+  const FieldDouble spectrum = sum_triangles_spectrum(only(t), panel, 32);
+  EXPECT_NEAR(std::sqrt(power(spectrum) / power(pixels)), 1, 0.005);
+  EXPECT_LT(relative_error(spectrum, pixels), 0.05);
+}
+
 // Two triangles make a square parallel to the panel; propagate() takes the same aperture by Rayleigh and Sommerfeld's
 // first integral. That has an obliquity factor of cos θ, 1 − 4e-5 at most here, and takes pixels for points: the
 // square's light within a pixel is even to (π·p·sin θ/λ)²/6, 7e-4 at the corners, where there is little of it.

@@ -33,12 +33,6 @@ inline std::complex<double> rayleigh_sommerfeld_kernel(double rho2, double wavel
   return z < 0 ? std::conj(h) : h;
 }
 
-/// Matsushima's limit (Opt. Express 17, 19662, 2009): the frequency above which the samples, du apart,
-/// of the angular-spectrum transfer function alias: 1/(λ√((2·du·z)² + 1)).
-inline double band_limit(double wavelength, double du, double z) {
-  return 1 / (wavelength * std::hypot(2 * du * z, 1.0));
-}
-
 /// Distance z* up to which the padded angular spectrum holds the whole Nyquist band of a pitch, and from
 /// which the Rayleigh–Sommerfeld kernel does: S·√((2p/λ)² − 1), S the largest offset between the windows.
 inline double critical_distance(double offset, double wavelength, double pitch) {
