@@ -51,7 +51,7 @@ inline std::string mesh_scene() {
          "[[object]]\ntype = \"sphere\"\nsize = \"0.8 mm\"\nsegments = 16\nposition = \"0.3 0.1 -30 mm\"\n"
          "[[object]]\ntype = \"quad\"\nwidth = \"2 mm\"\nheight = \"2 mm\"\nposition = \"0 0 -32 mm\"\n"
          "[[object]]\ntype = \"wireframe_cube\"\nsize = \"0.6 mm\"\npoints_per_edge = 4\n"
-         "position = \"-0.5 0 -29 mm\"\namplitude = 0.01\n";
+         "position = \"-0.5 0 -29 mm\"\n";
 }
 
 }  // namespace holotrace::test

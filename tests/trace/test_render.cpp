@@ -115,9 +115,10 @@ TEST(Render, APointHasTheLightOfACellWithItsAmplitude) {
   const Image image = render(scene, panel, green_light, params);
   double sum = 0;
   for (float value : image.values) sum += value;
-  // a²·cos²θ = L·dA·cos⁴θ at the panel's centre; floats.
+  // a²·cos²θ = L·dA·cos⁴θ at the panel's centre, a² being 9 W/m²/sr times λ²/(W·H); floats.
   const double side = 2 * std::tan(10_deg) / 16, squared = 0.2 * 0.2 / (0.2 * 0.2 + 1e-4 + 0.49e-4);
-  EXPECT_NEAR(sum / 3 / (9 / (side * side * squared)), 1, 1e-6);
+  const double solid_angle = green_light * green_light / (panel.width() * panel.height());
+  EXPECT_NEAR(sum / 3 / (9 * solid_angle / (side * side * squared)), 1, 1e-6);
 }
 
 TEST(Render, MeshesHidePointsBehindThemAndNotBeforeThem) {
@@ -295,7 +296,8 @@ TEST(Render, APointIsWhereTheEyeSeesItWithTheIrradianceOfItsWave) {
   EXPECT_NEAR(x / sum, eye.x + (1_mm - eye.x) * 0.5 / 0.7, 1e-8);  // floats
   // A pixel of 0.2 mm at 0.5 m before the eye, under cosθ, is dΩ·cosθ = (0.2 mm/0.5 m)²·cos⁴θ.
   const double squared = 1e-6 + 1.5_mm * 1.5_mm + 0.49, cosine = 0.7 / std::sqrt(squared);
-  EXPECT_NEAR(sum * std::pow(0.2e-3 / 0.5, 2) * std::pow(cosine, 4) / (4 * 0.16 / squared), 1, 1e-6);
+  const double solid_angle = green_light * green_light / (panel.width() * panel.height());
+  EXPECT_NEAR(sum * std::pow(0.2e-3 / 0.5, 2) * std::pow(cosine, 4) / (4 * solid_angle * 0.16 / squared), 1, 1e-6);
 }
 
 TEST(Render, LayersLeaveOutTheBackgroundToo) {

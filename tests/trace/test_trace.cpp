@@ -112,8 +112,7 @@ TEST(Trace, AMeshHidesThePointsBehindItAsInTheRender) {
   scene.points = {{{0, 0, -0.31}, 1.0f, 0}, {{0, 0, -0.29}, 2.0f, 0}, {{50_mm, 0, -0.31}, 3.0f, 0}};
   const Sources sources = trace(scene, panel, green_light, {.columns = 4, .rows = 4, .paths = 1});
   ASSERT_EQ(sources.waves.size(), 2u);  // the wall is black; the first point is behind it
-  EXPECT_EQ(sources.waves[0].amplitude, 2.0f);
-  EXPECT_EQ(sources.waves[1].amplitude, 3.0f);
+  EXPECT_FLOAT_EQ(sources.waves[1].amplitude / sources.waves[0].amplitude, 1.5f);
 }
 
 TEST(Trace, DarkHitsAndMissesMakeNoWave) {
@@ -195,21 +194,54 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
             "background or an environment");
 }
 
-TEST(Trace, LuminousPointsBecomeSourcesAsTheyAre) {
+// A point of radiance L is a patch of λd/W by λd/H: its solid angle is λ²/(W·H), whatever the depth.
+TEST(Trace, LuminousPointsBecomeSourcesOfTheirRadiance) {
   Scene scene = make_bright_wall();
   scene.points = {{{1_mm, 2_mm, -0.25}, 0.5f, 0.25f}, {{0, 0, -0.2}, 2.0f, 0}};
   TraceParams params{.columns = 3, .rows = 3, .paths = 1, .phase = SourcePhase::constant};
   Sources sources = trace(scene, panel, green_light, params);
   ASSERT_EQ(sources.waves.size(), 2u + 9u);
   EXPECT_EQ(sources.wavelength, green_light);
-  EXPECT_EQ(sources.waves[0], (Source{{1_mm, 2_mm, -0.25}, 0.5f, 0.25f}));
-  EXPECT_EQ(sources.waves[1], (Source{{0, 0, -0.2}, 2.0f, 0}));
+  const double solid_angle = green_light * green_light / (panel.nx * panel.pitch * panel.ny * panel.pitch);
+  EXPECT_EQ(sources.waves[0].origin, (Vec3{1_mm, 2_mm, -0.25}));
+  EXPECT_EQ(sources.waves[0].phase, 0.25f);
+  EXPECT_FLOAT_EQ(sources.waves[0].amplitude, float(0.5 * std::sqrt(solid_angle)));
+  EXPECT_EQ(sources.waves[1].origin, (Vec3{0, 0, -0.2}));
+  EXPECT_FLOAT_EQ(sources.waves[1].amplitude, float(2 * std::sqrt(solid_angle)));
   EXPECT_EQ(sources.waves[2].phase, 0);
 
   params.phase = SourcePhase::random;
   sources = trace(scene, panel, green_light, params);
   CounterRandom first(1, 0, 0);
   EXPECT_EQ(sources.waves[0].phase, float(2 * pi * first.uniform() + 0.25));
+}
+
+// A wall of radiance 1 beside points of radiance a²: nothing is said from 1/1000 to 1000.
+TEST(Trace, PointsAndSurfacesThatOutshineEachOtherAreWarnedOf) {
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  const auto warnings = [&](float amplitude, Strategy strategy) {
+    scene.points = {{{0, 0, -0.2}, amplitude, 0}};
+    Record record;
+    const TraceParams params{.strategy = strategy, .columns = 8, .rows = 8, .paths = 1};
+    trace(scene, panel, green_light, params, record.observer);
+    return record.warnings;
+  };
+  for (const Strategy strategy : {Strategy::shared, Strategy::tiled}) {
+    EXPECT_TRUE(warnings(0.04F, strategy).empty());  // 1/625
+    EXPECT_TRUE(warnings(30, strategy).empty());     // 900
+    ASSERT_EQ(warnings(0.02F, strategy).size(), 1u);
+    EXPECT_EQ(warnings(0.02F, strategy)[0],
+              "the surfaces are 2.5e+03 times as bright as the luminous points (mean radiance 1 and 0.0004 W/m²/sr), "
+              "which cannot be seen beside them; raise the points' amplitude, whose square is their radiance, by a "
+              "factor of about 50");
+    ASSERT_EQ(warnings(40, strategy).size(), 1u);
+    EXPECT_EQ(warnings(40, strategy)[0],
+              "the luminous points are 1.6e+03 times as bright as the surfaces (mean radiance 1.6e+03 and 1 W/m²/sr), "
+              "which are black beside them; lower the points' amplitude, whose square is their radiance, to about "
+              "0.025 of what it is");
+  }
 }
 
 TEST(Trace, TheSameSourcesComeFromAnyNumberOfThreads) {

@@ -121,10 +121,10 @@ struct Environment {
   double turn = 0;                     ///< of the map about +y, right-handed [rad]
 };
 
-/// A luminous point that is a source by itself, without path tracing.
+/// A luminous point that is a source by itself, as bright as a surface of radiance amplitude² (point_strength.h).
 struct ScenePoint {
   Vec3 position;        ///< [m]
-  float amplitude = 1;  ///< at the panel, head-on [√(W/m²)]
+  float amplitude = 1;  ///< root of its radiance [√(W/m²/sr)]
   float phase = 0;      ///< [rad], added to what TraceParams::phase gives
 };
 

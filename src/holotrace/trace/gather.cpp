@@ -12,6 +12,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/point_strength.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/ray_waves.h"
@@ -28,8 +29,9 @@ struct Gathering {
   const TraceParams& params;
   const Grid& panel;
   const std::vector<WaveSet>& sets;
-  double longest;  // wavelength
-  double side;     // of the cells of equal surface phase
+  double longest;          // wavelength
+  double side;             // of the cells of equal surface phase
+  double point_amplitude;  // on the panel, of a luminous point of 1 W/m²/sr
 };
 
 /// The complex amplitudes of one pixel: sums[set·frames + frame].
@@ -49,6 +51,7 @@ void add_wave(const Gathering& g, size_t set, double amplitude, double cycles, u
 struct Found {
   PathCounts counts;
   int64_t first_hits = 0, waves = 0;
+  Brightness surfaces;
 };
 
 /// Ray j of S from a pixel.
@@ -72,10 +75,11 @@ void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, Pixe
       const double phase = phase_beyond(wave, 0, set.wavelength, set.line) + light.phase;
       add_wave(g, i, amplitude, phase / (2 * pi), key_in(set, g.params.phase, wave.key, sample), sums);
       ++found.waves;
+      found.surfaces.add(squared_amplitude_of(light.radiance, g.params.amplitude));
     }
 }
 
-/// The luminous points: U = a·(d₀/r)·exp(i(kr + φ₀)) inside their boxes.
+/// The luminous points: U = a·(d₀/r)·exp(i(kr + φ₀)) inside their boxes, a as point_strength.h says.
 void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
   const std::vector<ScenePoint>& points = g.scene.scene.points;
   for (size_t p = 0; p < points.size(); ++p) {
@@ -88,7 +92,7 @@ void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
       if (!g.sets[i].has_points || std::abs(way.x) > radius || std::abs(way.y) > radius) continue;
       const double cycles = cycle_fraction(distance, g.sets[i].wavelength) + point.phase / (2 * pi);
       const uint64_t key = point_key(g.scene.scene, g.params, g.sets[i], p, g.side);
-      add_wave(g, i, point.amplitude * depth / distance, cycles, key, sums);
+      add_wave(g, i, g.point_amplitude * point.amplitude * depth / distance, cycles, key, sums);
     }
   }
 }
@@ -159,6 +163,7 @@ void gather_group(const Gathering& g, const Observer& observer, Found& total, st
     total.counts += row.counts;
     total.first_hits += row.first_hits;
     total.waves += row.waves;
+    total.surfaces += row.surfaces;
   }
   const bool is_whole = !g.params.separate_layers && !g.params.separate_lights;
   for (size_t i = 0; i < made.size(); i += frames)
@@ -194,15 +199,18 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g]);
     for (const WaveSet& set : sets) has_laser |= set.has_laser;
-    gather_group({path_scene, params, panel, sets, longest, side}, part_of(observer, int(g), int(groups.size())), found,
-                 agreement, fields);
+    gather_group({path_scene, params, panel, sets, longest, side, point_amplitude(panel, wavelengths.front())},
+                 part_of(observer, int(g), int(groups.size())), found, agreement, fields);
   }
   report(found.counts, params.max_depth, observer);
   observer.fact("first_hits", Fact(found.first_hits));
   const int64_t rays = panel.pixels() * params.pixel_samples * int64_t(groups.size());
   TraceParams gathering = params;
   gathering.strategy = Strategy::gather;
-  warn_of_findings({rays, found.first_hits, found.waves == 0, has_laser}, scene, panel, longest, gathering, observer);
+  Brightness points;
+  for (const ScenePoint& point : scene.points) points.add(double(point.amplitude) * point.amplitude);
+  warn_of_findings({rays, found.first_hits, found.waves == 0, has_laser, points, found.surfaces}, scene, panel, longest,
+                   gathering, observer);
   if (params.pixel_samples > 1) report(agreement, params.pixel_samples, observer);
   return fields;
 }

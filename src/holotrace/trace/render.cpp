@@ -13,6 +13,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/point_strength.h"
 #include "holotrace/trace/bsdf.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/path.h"
@@ -95,8 +96,9 @@ void add_between(Image& image, double column, double row, Vec3 light) {
     }
 }
 
-/// Adds the luminous points that fall into the picture and that no mesh hides.
-void draw_points(const Accelerator& scene, const Eye& eye, Image& image) {
+/// Adds the luminous points that fall into the picture and that no mesh hides. One of 1 W/m²/sr has the amplitude
+/// `unit` on the panel.
+void draw_points(const Accelerator& scene, const Eye& eye, double unit, Image& image) {
   const Vec3 from = eye.lens == Lens::panel ? Vec3{} : eye.position;
   for (const ScenePoint& point : scene.scene().points) {
     const Vec3 way = point.position - from;
@@ -108,7 +110,7 @@ void draw_points(const Accelerator& scene, const Eye& eye, Image& image) {
     if (!is_inside || scene.is_occluded(from, point.position)) continue;
     const double distance = length(way), cosine = -way.z / distance;
     const double side = eye.pixel * eye.focus / (eye.focus + from.z), share = -point.position.z / distance;
-    const double irradiance = double(point.amplitude) * point.amplitude * share * share;
+    const double amplitude = unit * point.amplitude, irradiance = amplitude * amplitude * share * share;
     const double radiance = irradiance / (side * side * cosine * cosine * cosine * cosine);
     add_between(image, column, row, Vec3{1, 1, 1} * radiance);
   }
@@ -149,7 +151,7 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
       add(image, int(row), column, render_pixel(path_scene, eye, int(row), column, params, sums, counts[size_t(row)]));
   };
   parallel_for(0, rows, render_row, observer);
-  draw_points(path_scene.accelerator, eye, image);
+  draw_points(path_scene.accelerator, eye, point_amplitude(panel, wavelength), image);
 
   PathCounts total;
   for (const PathCounts& row : counts) total += row;

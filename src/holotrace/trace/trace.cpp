@@ -14,6 +14,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/point_strength.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/light_surfaces.h"
 #include "holotrace/trace/path.h"
@@ -38,7 +39,8 @@ struct Tracing {
   const std::vector<WaveSet>& sets;
   double side;  // of the cells of equal surface phase
   const Grid& panel;
-  double longest;  // wavelength
+  double longest;          // wavelength
+  double point_amplitude;  // on the panel, of a luminous point of 1 W/m²/sr
 };
 
 /// Waves of one set.
@@ -59,6 +61,7 @@ struct Block {
   std::vector<Waves> sets;
   PathCounts counts;
   int64_t first_hits = 0, far_waves = 0;
+  Brightness surfaces;
 };
 
 /// The angle in [0, 2π), where a float keeps it best.
@@ -70,8 +73,9 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t 
     const WaveSet& set = t.sets[i];
     const SetLight light = light_of(set, wave.light, wave.leaf.weight);
     if (!(light.radiance > 0)) continue;
-    const double squared = squared_amplitude_of(light.radiance, t.params.amplitude) *
-                           t.pattern->squared_amplitude(ray, wave.origin, set.wavelength);
+    const double brightness = squared_amplitude_of(light.radiance, t.params.amplitude);
+    const double squared = brightness * t.pattern->squared_amplitude(ray, wave.origin, set.wavelength);
+    block.surfaces.add(brightness);
     const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light.phase);
     if (const double amplitude = std::sqrt(squared); amplitude > 0)
       block.sets[i].add(t, wave.origin, amplitude, phase, key_in(set, t.params.phase, wave.key, sample));
@@ -120,6 +124,7 @@ void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t s
       waves.tiles.resize(first);
       continue;
     }
+    block.surfaces.add(squared_amplitude_of(light.radiance, t.params.amplitude));
     const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light.phase);
     waves.add(t, wave.origin, amplitude_of(light), phase, key_in(set, t.params.phase, wave.key, sample));
   }
@@ -143,21 +148,22 @@ void trace_sample(const Tracing& t, int64_t index, Block& block) {
   }
 }
 
-/// The luminous points that the panel's centre or, tiled, any tile sees, as they are.
-void add_points(const Tracing& t, std::vector<Waves>& sets) {
+/// The luminous points that the panel's centre or, tiled, any tile sees.
+void add_points(const Tracing& t, std::vector<Waves>& sets, Brightness& brightness) {
   const std::vector<ScenePoint>& points = t.scene.scene.points;
   for (size_t i = 0; i < points.size(); ++i) {
     const ScenePoint& point = points[i];
     const auto is_seen = [&](Vec3 place) { return !t.scene.accelerator.is_occluded(place, point.position); };
+    const double amplitude = t.point_amplitude * point.amplitude;
     std::vector<float> amplitudes;
-    for (const PanelTile& tile : t.tiles) amplitudes.push_back(is_seen(tile.centre) ? point.amplitude : 0);
+    for (const PanelTile& tile : t.tiles) amplitudes.push_back(is_seen(tile.centre) ? float(amplitude) : 0);
     const bool is_lit =
         t.tiles.empty() ? is_seen({}) : std::any_of(amplitudes.begin(), amplitudes.end(), [](float a) { return a; });
     if (!is_lit) continue;
+    brightness.add(double(point.amplitude) * point.amplitude);
     for (size_t s = 0; s < sets.size(); ++s) {
       if (!t.sets[s].has_points) continue;
-      sets[s].add(t, point.position, point.amplitude, point.phase,
-                  point_key(t.scene.scene, t.params, t.sets[s], i, t.side));
+      sets[s].add(t, point.position, amplitude, point.phase, point_key(t.scene.scene, t.params, t.sets[s], i, t.side));
       sets[s].tiles.insert(sets[s].tiles.end(), amplitudes.begin(), amplitudes.end());
     }
   }
@@ -167,6 +173,7 @@ void add_points(const Tracing& t, std::vector<Waves>& sets) {
 struct Totals {
   PathCounts counts;
   int64_t rays = 0, first_hits = 0, far_waves = 0, mesh_waves = 0;
+  Brightness points, surfaces;
 };
 
 /// The blocks' waves of set `s` after those of the points, which are in `points`; takes the blocks' memory.
@@ -200,7 +207,7 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
                  fmt::format("{} sets of waves of {} first hits", t.sets.size(), count));
   std::atomic<int64_t> found{0};  // behind mirrors and glass rays find several waves
   std::vector<Waves> points(t.sets.size());
-  add_points(t, points);
+  add_points(t, points, totals.points);
   std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
   const auto trace_block = [&](int64_t b) {
     Block& block = blocks[size_t(b)];
@@ -219,6 +226,7 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
     totals.counts += block.counts;
     totals.first_hits += block.first_hits;
     totals.far_waves += block.far_waves;
+    totals.surfaces += block.surfaces;
     for (const Waves& set : block.sets) totals.mesh_waves += int64_t(set.waves.size());
   }
   const bool is_whole = !t.params.separate_layers && !t.params.separate_lights;
@@ -257,7 +265,9 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     if (!pattern && has_surfaces(scene)) pattern.emplace(params, panel, longest);
     const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g]);
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
-    const Tracing tracing{path_scene, params, pattern ? &*pattern : nullptr, tiles, wave_sets, side, panel, longest};
+    const Tracing tracing{path_scene, params,    pattern ? &*pattern : nullptr,
+                          tiles,      wave_sets, side,
+                          panel,      longest,   point_amplitude(panel, wavelengths.front())};
     const Observer part = part_of(observer, int(g), int(groups.size()));
     trace_group(tracing, part, totals, sets);
   }
@@ -266,8 +276,8 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     observer.fact("first_hits", Fact(totals.first_hits));
     if (follows_mirrors(params.phase)) observer.fact("far_waves", Fact(totals.far_waves));
   }
-  warn_of_findings({totals.rays, totals.first_hits, totals.mesh_waves == 0, has_laser}, scene, panel, longest, params,
-                   observer);
+  warn_of_findings({totals.rays, totals.first_hits, totals.mesh_waves == 0, has_laser, totals.points, totals.surfaces},
+                   scene, panel, longest, params, observer);
   int64_t waves = 0;
   for (const Sources& set : sets) waves += int64_t(set.waves.size());
   observer.fact("waves", Fact(waves));

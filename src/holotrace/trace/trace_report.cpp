@@ -50,6 +50,25 @@ std::string dark_sentence(const Scene& scene) {
   return unreached + "move them, or add others, emission or a background";
 }
 
+/// Says which of points and surfaces outshines the other, if one does. A picture of 8 bits, in linear light, has 256
+/// levels; what is a thousand times dimmer than its white is black.
+void warn_of_brightness(double points, double surfaces, const Observer& observer) {
+  constexpr double most = 1000;
+  if (!(points > 0 && surfaces > 0)) return;
+  if (points > most * surfaces)
+    observer.warn(
+        fmt::format("the luminous points are {:.2g} times as bright as the surfaces (mean radiance {:.2g} and {:.2g} "
+                    "W/m²/sr), which are black beside them; lower the points' amplitude, whose square is their "
+                    "radiance, to about {:.2g} of what it is",
+                    points / surfaces, points, surfaces, std::sqrt(surfaces / points)));
+  if (surfaces > most * points)
+    observer.warn(
+        fmt::format("the surfaces are {:.2g} times as bright as the luminous points (mean radiance {:.2g} and {:.2g} "
+                    "W/m²/sr), which cannot be seen beside them; raise the points' amplitude, whose square is their "
+                    "radiance, by a factor of about {:.2g}",
+                    surfaces / points, surfaces, points, std::sqrt(surfaces / points)));
+}
+
 }  // namespace
 
 void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double longest,
@@ -60,6 +79,7 @@ void warn_of_findings(const TraceFindings& findings, const Scene& scene, const G
     else if (findings.is_dark)
       observer.warn(dark_sentence(scene));
   }
+  warn_of_brightness(findings.points.mean(), findings.surfaces.mean(), observer);
   if (params.phase == SourcePhase::laser && !findings.has_laser)
     observer.warn("no light of the scene is a laser: under the phase laser its waves have random phases");
 }
