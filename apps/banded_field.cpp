@@ -174,6 +174,7 @@ BandedJob describe_job(const Work& work, const BandFile& file) {
     f.add_text(set.name);
     f.add(set.frame);
     f.add(set.wavelength);
+    f.add(set.cone_wavelength);
     f.add(set.waves.data(), set.waves.size() * sizeof(Source));
     f.add(set.tiles.columns);
     f.add(set.tiles.values.data(), set.tiles.values.size() * sizeof(float));
@@ -195,6 +196,7 @@ void open_files(Work& work) {
       header.wavelength = work.job.sets[set].wavelength;
       header.name = work.job.sets[set].name;
       header.frame = work.job.sets[set].frame;
+      header.cone_wavelength = work.job.sets[set].cone_wavelength;
       headers.push_back(header);
     }
     const std::string path = numbered_path(work.job.output, i);

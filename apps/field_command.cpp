@@ -79,6 +79,7 @@ std::vector<FieldDouble> exact_fields(std::vector<Sources> sets, uint32_t frame,
                                                           : sum_exact(set, panel, observer));
     fields.back().name = set.name;
     fields.back().frame = frame;
+    fields.back().cone_wavelength = set.cone_wavelength;
   }
   return fields;
 }
@@ -144,6 +145,7 @@ std::vector<FieldDouble> exact_fields(std::vector<Triangles> sets, uint32_t fram
     fields.push_back(sum_triangles_exact(set, panel, 0.01, observer));
     fields.back().name = set.name;
     fields.back().frame = frame;
+    fields.back().cone_wavelength = set.cone_wavelength;
   }
   return fields;
 }

@@ -9,6 +9,7 @@
 #include <new>
 
 #include "holotrace/base/error.h"
+#include "holotrace/data/acceptance.h"
 #include "holotrace/estimate/grid_cost.h"
 #include "holotrace/pipeline.h"
 #include "holotrace/slm/iterations.h"
@@ -95,12 +96,13 @@ double estimate_render(const Job& job) {
     RenderParams some = params;
     some.rows = rows;
     if (some.columns > 0) some.columns = std::max(1, int(std::lround(double(some.columns) * rows / params.rows)));
-    return median_seconds(1, [&] { render(job.scene, job.slm.grid, job.wavelengths.front(), some); });
+    return median_seconds(
+        1, [&] { render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), some); });
   };
   const double prepare = median_seconds(3, [&] {
     RenderParams one = params;
     one.rows = one.columns = one.paths = 1;
-    render(job.scene, job.slm.grid, job.wavelengths.front(), one);
+    render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), one);
   });
   for (int rows = std::min(params.rows, first_side / 2);; rows = std::min(params.rows, 2 * rows)) {
     const double seconds = seconds_of_rows(rows), scale = double(params.rows) / rows;

@@ -21,6 +21,7 @@ void propagate_file(std::vector<BasicField<Real>> fields, const std::string& out
     auto moved = propagate(field, distance, params, console.watch("propagate"));
     moved.name = field.name;
     moved.frame = field.frame;
+    moved.cone_wavelength = field.cone_wavelength;
     field = std::move(moved);
   }
   console.finish();

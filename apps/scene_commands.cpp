@@ -10,6 +10,7 @@
 #include "console.h"
 #include "convergence.h"
 #include "flags.h"
+#include "holotrace/data/acceptance.h"
 #include "holotrace/io/field_file.h"
 #include "holotrace/io/hologram_file.h"
 #include "holotrace/io/image_file.h"
@@ -134,7 +135,8 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
     check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
     const auto render_with = [&](const RenderParams& params, const std::string& stage) {
-      return render(job.scene, job.slm.grid, job.wavelengths.front(), params, console.watch(stage));
+      return render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), params,
+                    console.watch(stage));
     };
     if (job.render.eye_separation == 0) {
       const Image image = render_with(job.render, "render");

@@ -6,6 +6,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/repeated_stages.h"
 #include "holotrace/slm/encode.h"
@@ -104,6 +105,7 @@ std::vector<Field> fields_of_triangles(const std::vector<Triangles>& sets, uint3
                          : sum_triangles(set, panel, params.tolerance, part_of(observer, int(i), int(sets.size()))));
     fields.back().name = set.name;
     fields.back().frame = frame;
+    fields.back().cone_wavelength = set.cone_wavelength;
   }
   return fields;
 }
@@ -116,7 +118,7 @@ Image render_waves(const Job& job, const std::string& name, const RenderParams& 
     of_waves.has_background = false;
     if (of_waves.layers.empty()) of_waves.layers = job.trace.layers;
     o.fact("seed", params.seed);
-    return render(job.scene, job.slm.grid, job.wavelengths.front(), of_waves, o);
+    return render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), of_waves, o);
   });
 }
 
@@ -158,7 +160,8 @@ EncodeParams encoding_of(const Job& job) {
 Image reference_of(const Job& job, const Image& render, const ViewSum& sum, const Image& view, double distance) {
   const std::vector<double> lines = sum.wavelengths();
   const std::vector<double>& seen = lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
-  const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid, job.wavelengths.front());
+  const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid,
+                                             view_wavelength(job.wavelengths, job.trace.has_common_cone));
   Image in_plane(view.ny, view.nx, 1);  // the sensor's pixels in the plane looked at
   const double m = magnification(job.camera, distance, job.encode.image);
   in_plane.pitch = view.pitch / m;
@@ -252,6 +255,7 @@ std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, cons
     }
     fields.back().name = sources[i].name;
     fields.back().frame = frame;
+    fields.back().cone_wavelength = sources[i].cone_wavelength;
   }
   return fields;
 }

@@ -176,7 +176,8 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
   const std::vector<Moment> all = moments(with_effects(slm, params.effects), params, wavelength);
   const auto add = [&](size_t i, const Image& view) {
     sums[i].add(wavelength, hologram.name, hologram.illumination, view,
-                axial_reach(slm, wavelength, from[i].distance, hologram.image, from[i].camera, hologram.filter));
+                axial_reach(slm, wavelength, from[i].distance, hologram.image, from[i].camera, hologram.filter,
+                            hologram.cone_wavelength));
   };
   std::vector<Image> mixed(all.size() > 1 ? from.size() : 0);
   OrderShares shares;

@@ -78,6 +78,13 @@ TEST(ColourMatrix, TwoWavelengthsGiveTheNearestColoursThatTheyTell) {
   expect_near(white, {1, g / square, b / square}, rounding);
 }
 
+TEST(ColourMatrix, WavelengthsTooNearToTellApartCountAsOne) {
+  // 0.1 pm beside each other: weights differ by 1e-4/98 = 1e-6, squares of singular values by 1e-12 of the largest. To
+  // tell their colours apart would magnify noise a million times; as one, no column exceeds that of one wavelength.
+  const std::vector<Vec3> near = colour_matrix({600e-9, 600.0001e-9}), one = colour_matrix({600e-9});
+  for (const Vec3 column : near) EXPECT_LT(length(column * 2 - one[0]), 1e-5);  // 1e-6, and a margin
+}
+
 TEST(ColourMatrix, RefusesNoWavelengthAndBadOnes) {
   EXPECT_THROW(colour_matrix({}), Error);
   EXPECT_THROW(colour_matrix({532e-9, 0}), Error);

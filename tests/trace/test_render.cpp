@@ -1,6 +1,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <set>
+#include <thread>
+
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/texture.h"
@@ -328,7 +335,20 @@ TEST(Render, TheSamePictureComesFromAnyNumberOfThreads) {
   std::vector<Image> images;
   for (size_t threads : {1, 2, 7}) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    images.push_back(render(scene, panel, green_light, {.rows = 32, .paths = 4}));
+    // A thread that has done its first rows waits for another one to do some (a minute at most), so that every picture
+    // is the work of as many threads as it claims, two at least.
+    std::mutex mutex;
+    std::condition_variable another;
+    std::set<std::thread::id> workers;
+    Observer observer;
+    observer.on_progress = [&](double) {
+      std::unique_lock lock(mutex);
+      workers.insert(std::this_thread::get_id());
+      another.notify_all();
+      another.wait_for(lock, std::chrono::minutes(1), [&] { return workers.size() >= std::min<size_t>(threads, 2); });
+    };
+    images.push_back(render(scene, panel, green_light, {.rows = 32, .paths = 4}, observer));
+    EXPECT_GE(workers.size(), std::min<size_t>(threads, 2));
   }
   EXPECT_EQ(images[0].values, images[1].values);
   EXPECT_EQ(images[0].values, images[2].values);

@@ -61,10 +61,11 @@ TEST(WaveSets, LightsOfTheirOwnAddUpToTheWholeAndEmptyOnesAreLeftOut) {
   EXPECT_EQ(both[3].name, "EDD.*L, light 1");
 }
 
-TEST(WaveSets, AListOfWavelengthsIsEachByItselfFromTheFirstHitsOfTheLongest) {
+TEST(WaveSets, AListOfWavelengthsIsEachByItselfFromTheFirstHitsOfTheLongestWithoutACommonCone) {
   const std::vector<double> colours{460_nm, 630_nm, 532_nm, 450_nm};  // four: a group of three and one of one
   for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
-    const TraceParams params{.pattern = pattern, .columns = 16, .rows = 16, .samples = 400, .paths = 2};
+    const TraceParams params{
+        .pattern = pattern, .columns = 16, .rows = 16, .samples = 400, .has_common_cone = false, .paths = 2};
     const std::vector<Sources> sets = trace(make_corner(), panel, colours, params);
     ASSERT_EQ(sets.size(), 4u);
     for (size_t i = 0; i < 4; ++i) EXPECT_EQ(sets[i].wavelength, colours[i]);
@@ -82,9 +83,26 @@ TEST(WaveSets, AListOfWavelengthsIsEachByItselfFromTheFirstHitsOfTheLongest) {
   }
 }
 
+TEST(WaveSets, WithACommonConeAllWavelengthsHaveTheFirstHitsOfTheShortest) {
+  const std::vector<double> colours{460_nm, 630_nm, 532_nm, 450_nm};
+  for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
+    const TraceParams params{.pattern = pattern, .columns = 16, .rows = 16, .samples = 400, .paths = 2};
+    const std::vector<Sources> sets = trace(make_corner(), panel, colours, params);
+    const Sources blue = trace(make_corner(), panel, 450_nm, params);
+    ASSERT_EQ(sets.size(), 4u);
+    for (const Sources& set : sets) {
+      EXPECT_EQ(set.cone_wavelength, 450_nm);
+      ASSERT_EQ(set.waves.size(), blue.waves.size());
+      for (size_t i = 0; i < blue.waves.size(); ++i) EXPECT_EQ(set.waves[i].origin, blue.waves[i].origin);
+    }
+    EXPECT_EQ(blue.cone_wavelength, 0) << "one wavelength has its own";
+  }
+}
+
 TEST(WaveSets, ShorterWavelengthsBringTheirEtendueFromSharedRays) {
   const Grid small{64, 48, 8e-6};
-  const TraceParams params{.pattern = Pattern::random, .samples = 4000, .paths = 1, .max_depth = 1};
+  const TraceParams params{
+      .pattern = Pattern::random, .samples = 4000, .has_common_cone = false, .paths = 1, .max_depth = 1};
   const auto sets = trace(make_bright_wall(-0.02), small, std::vector<double>{630_nm, 450_nm}, params);
   const double s = acceptance_sine(450_nm, small.pitch);
   // As RandomFirstHitsBringThePanelItsEtendueTimesRadiance, but only (450/630)² = 0.51 of 4000 strata count; those on

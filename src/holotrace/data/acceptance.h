@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace holotrace {
 
@@ -13,6 +15,12 @@ inline double acceptance_sine(double wavelength, double pitch) { return std::fmi
 inline double acceptance_tangent(double wavelength, double pitch) {
   const double sine = acceptance_sine(wavelength, pitch);
   return sine < 1 ? sine / std::sqrt((1 - sine) * (1 + sine)) : std::numeric_limits<double>::infinity();
+}
+
+/// The wavelength whose acceptance holds the light of all colours of a job, the shortest, where they keep to a common
+/// cone; else the first, whose own acceptance a view of several colours then shows.
+inline double view_wavelength(const std::vector<double>& wavelengths, bool has_common_cone) {
+  return has_common_cone ? *std::min_element(wavelengths.begin(), wavelengths.end()) : wavelengths.front();
 }
 
 /// Half-side R of the square on the panel that a source at this depth lights: R = d·tan(asin(λ/2p)).

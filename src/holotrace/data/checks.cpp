@@ -24,6 +24,8 @@ void check_wavelength(double wavelength) {
 }
 
 void check_sources(const Sources& sources) {
+  require(std::isfinite(sources.cone_wavelength) && sources.cone_wavelength >= 0,
+          "expected a cone_wavelength of 0 m or more, got {} m", sources.cone_wavelength);
   check_wavelength(sources.wavelength);
   for (size_t j = 0; j < sources.waves.size(); ++j) {
     const Source& s = sources.waves[j];

@@ -33,6 +33,7 @@ struct BasicField {
   std::optional<SpectralFilter> filter;  ///< a stop that the encoder asks the camera for
   std::string name;                      ///< of the layer or light that it shows, "" for all light
   uint32_t frame = 0;                    ///< of a time-multiplexed hologram
+  double cone_wavelength = 0;            ///< of the waves that it is the sum of (Sources) [m]; 0: its own
 
   BasicField() = default;
   BasicField(const Grid& grid, double wavelength, double z = 0)
@@ -58,6 +59,7 @@ BasicField<To> convert(const BasicField<From>& field) {
   out.filter = field.filter;
   out.name = field.name;
   out.frame = field.frame;
+  out.cone_wavelength = field.cone_wavelength;
   for (size_t i = 0; i < field.samples.size(); ++i) out.samples.values[i] = std::complex<To>(field.samples.values[i]);
   return out;
 }

@@ -28,6 +28,7 @@ struct Hologram {
   double illumination = 1;
   std::string name{};                  ///< of the layer or light that it shows, "" for all light
   uint32_t frame = 0;                  ///< of a time-multiplexed hologram
+  double cone_wavelength = 0;          ///< of the waves that it shows (Sources) [m]; 0: its own
   Array2D<uint16_t> modulus_level{};   ///< of amplitude, beside those of phase, where the modulation is complex
   std::vector<std::string> effects{};  ///< of the panel that the levels allow for (slm_effect_names)
 };

@@ -41,6 +41,11 @@ struct Sources {
   uint64_t seed = 0;
   uint32_t frame = 0;  ///< that the phases are of
 
+  /// Wavelength whose acceptance bounds the waves' boxes [m], at most the waves' own: that of the shortest colour of a
+  /// job where all colours share its cone. 0: their own.
+  double cone_wavelength = 0;
+  double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
+
   static constexpr uint64_t no_phase_key = ~uint64_t(0);
 };
 

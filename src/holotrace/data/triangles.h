@@ -36,6 +36,11 @@ struct Triangles {
   std::vector<uint64_t> phase_keys{};
   uint64_t seed = 0;
   uint32_t frame = 0;  ///< that the phases are of
+
+  /// Wavelength whose acceptance bounds the triangles' light [m], at most their own: that of the shortest colour of a
+  /// job where all colours share its cone. 0: their own.
+  double cone_wavelength = 0;
+  double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
 };
 
 /// The same triangles in another frame of a time-multiplexed hologram: independent random phases, all else alike.

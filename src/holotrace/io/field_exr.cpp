@@ -38,6 +38,7 @@ void write_field_exr(const std::string& path, const Field& field) {
   spec.attribute("image", image_side_name(field.image));
   if (!field.name.empty()) spec.attribute("name", field.name);
   if (field.frame > 0) put("frame", field.frame);
+  if (field.cone_wavelength > 0) put("cone_wavelength_m", field.cone_wavelength);
   if (field.filter) {
     const double values[] = {field.filter->u0, field.filter->v0, field.filter->half_u, field.filter->half_v};
     for (int i = 0; i < 4; ++i) put(filter_names[i], values[i]);
@@ -87,6 +88,7 @@ Field read_field_exr(const std::string& path) {
     field.image = image_side_from(std::string(spec.get_string_attribute("image")), path);
   field.name = spec.get_string_attribute("name");
   if (spec.find_attribute("frame")) field.frame = frame_from(read_number(spec, "frame", path), path);
+  if (spec.find_attribute("cone_wavelength_m")) field.cone_wavelength = read_number(spec, "cone_wavelength_m", path);
   if (spec.find_attribute(filter_names[0]))
     field.filter = SpectralFilter{read_number(spec, filter_names[0], path), read_number(spec, filter_names[1], path),
                                   read_number(spec, filter_names[2], path), read_number(spec, filter_names[3], path)};

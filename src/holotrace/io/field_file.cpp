@@ -31,6 +31,7 @@ std::string field_metadata(const std::vector<BasicField<Real>>& stack) {
   if (field.grid.centre_y != 0) json["centre_y_m"] = field.grid.centre_y;
   if (!field.name.empty()) json["name"] = field.name;
   if (field.frame > 0) json["frame"] = field.frame;
+  if (field.cone_wavelength > 0) json["cone_wavelength_m"] = field.cone_wavelength;
   if (field.filter) json["filter"] = filter_to_json(*field.filter);
   return json.dump(2) + "\n";
 }
@@ -61,6 +62,7 @@ std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
   field.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
   field.name = metadata_text(json, sidecar, "name", "");
   field.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
+  field.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);
   field.filter = filter_from_json(json, sidecar);
   std::vector<BasicField<Real>> stack;
   for (size_t n = 0; n < planes.size(); ++n) {

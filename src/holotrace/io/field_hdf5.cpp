@@ -151,6 +151,7 @@ hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid
   write_word(data, "image", image_side_name(field.image), path);
   if (!field.name.empty()) write_word(data, "name", field.name, path);
   if (field.frame > 0) write_number(data, "frame", field.frame, path);
+  if (field.cone_wavelength > 0) write_number(data, "cone_wavelength_m", field.cone_wavelength, path);
   if (field.filter) {
     const SpectralFilter& f = *field.filter;
     const double values[] = {f.u0, f.v0, f.half_u, f.half_v};
@@ -255,6 +256,7 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
   if (H5Aexists(data, "image") > 0) field.image = image_side_from(read_word(data, "image", path), path);
   if (H5Aexists(data, "name") > 0) field.name = read_word(data, "name", path);
   if (H5Aexists(data, "frame") > 0) field.frame = frame_from(read_number(data, "frame", path), path);
+  if (H5Aexists(data, "cone_wavelength_m") > 0) field.cone_wavelength = read_number(data, "cone_wavelength_m", path);
   if (H5Aexists(data, filter_names[0]) > 0)
     field.filter = SpectralFilter{read_number(data, filter_names[0], path), read_number(data, filter_names[1], path),
                                   read_number(data, filter_names[2], path), read_number(data, filter_names[3], path)};

@@ -184,6 +184,7 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
                               {"illumination_w_per_m2", hologram.illumination}};
   if (!hologram.name.empty()) json["name"] = hologram.name;
   if (hologram.frame > 0) json["frame"] = hologram.frame;
+  if (hologram.cone_wavelength > 0) json["cone_wavelength_m"] = hologram.cone_wavelength;
   if (!hologram.effects.empty()) json["effects"] = hologram.effects;
   if (hologram.slm) json["slm"] = to_json(*hologram.slm);
   if (hologram.slm && hologram.slm->effects.phase_map) {
@@ -229,6 +230,7 @@ Hologram load_hologram(const std::string& path) {
             hologram.illumination);
     hologram.name = metadata_text(json, sidecar, "name", "");
     hologram.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
+    hologram.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);
     hologram.filter = filter_from_json(json, sidecar);
     hologram.effects = metadata_texts(json, sidecar, "effects");
     if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, path, sidecar);

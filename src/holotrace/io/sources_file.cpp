@@ -80,6 +80,7 @@ std::string header_of(const Sources& sources) {
   std::string text =
       fmt::format("ply\nformat binary_little_endian 1.0\ncomment wavelength_m {:.17g}\n", sources.wavelength);
   const TileAmplitudes& tiles = sources.tiles;
+  if (sources.cone_wavelength > 0) text += fmt::format("comment cone_wavelength_m {:.17g}\n", sources.cone_wavelength);
   if (!sources.name.empty()) text += fmt::format("comment name {}\n", sources.name);
   if (!sources.phase_keys.empty())
     text += fmt::format("comment seed {}\ncomment frame {}\n", sources.seed, sources.frame);
@@ -129,6 +130,8 @@ Sources load_sources(const std::string& path, double default_wavelength) {
         "{}: expected a line \"comment wavelength_m …\", got none; pass the wavelength, such as --wavelength \"532 "
         "nm\"",
         path);
+  if (const auto text = comment_of(vertices, "cone_wavelength_m"))
+    parse_comment<double>(vertices, "cone_wavelength_m", "a number of metres", *text, {&sources.cone_wavelength});
   if (const auto text = comment_of(vertices, "name")) sources.name = *text;
   if (const auto text = comment_of(vertices, "seed"))
     parse_comment<uint64_t>(vertices, "seed", "a whole number", *text, {&sources.seed});

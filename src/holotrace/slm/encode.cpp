@@ -167,6 +167,7 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
   hologram.image = params.image;
   hologram.name = field.name;
   hologram.frame = field.frame;
+  hologram.cone_wavelength = field.cone_wavelength;
   hologram.encoder = name_of(params.method);
   hologram.modulation = modulation_of(params, slm);
   hologram.effects = allowed_effects(slm, params);

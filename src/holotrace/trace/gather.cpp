@@ -29,7 +29,7 @@ struct Gathering {
   const TraceParams& params;
   const Grid& panel;
   const std::vector<WaveSet>& sets;
-  double longest;          // wavelength
+  double widest;           // wavelength whose acceptance the rays fill
   double side;             // of the cells of equal surface phase
   double point_amplitude;  // on the panel, of a luminous point of 1 W/m²/sr
 };
@@ -60,15 +60,15 @@ void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, Pixe
   CounterRandom random(uint64_t(g.params.seed), 0, sample);
   const double u = random.uniform(), v = random.uniform();
   const Vec2 sines = stratum(j, samples, u, v);
-  const auto direction = accepted_direction(2 * sines.x - 1, 2 * sines.y - 1, g.panel, g.longest);
+  const auto direction = accepted_direction(2 * sines.x - 1, 2 * sines.y - 1, g.panel, g.widest);
   if (!direction) return;
   const std::vector<RayWave> waves = find_waves(g.scene, g.params, g.side, {pixel, *direction}, sample, found.counts);
   found.first_hits += !waves.empty();
-  const double limit = acceptance_sine(g.longest, g.panel.pitch), share = 4 * limit * limit / double(samples);
+  const double limit = acceptance_sine(g.widest, g.panel.pitch), share = 4 * limit * limit / double(samples);
   for (const RayWave& wave : waves)
     for (size_t i = 0; i < g.sets.size(); ++i) {
       const WaveSet& set = g.sets[i];
-      if (!is_accepted(*direction, g.panel, set.wavelength)) continue;
+      if (!is_accepted(*direction, g.panel, set.cone())) continue;
       const SetLight light = light_of(set, wave.light, wave.leaf.weight);
       if (!(light.radiance > 0)) continue;
       const double amplitude = std::sqrt(squared_amplitude_of(light.radiance, g.params.amplitude) * share);
@@ -88,7 +88,7 @@ void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
     const double depth = -point.position.z, distance = length(way);
     if (g.scene.accelerator.is_occluded(pixel, point.position)) continue;
     for (size_t i = 0; i < g.sets.size(); ++i) {
-      const double radius = box_radius(depth, g.sets[i].wavelength, g.panel.pitch);
+      const double radius = box_radius(depth, g.sets[i].cone(), g.panel.pitch);
       if (!g.sets[i].has_points || std::abs(way.x) > radius || std::abs(way.y) > radius) continue;
       const double cycles = cycle_fraction(distance, g.sets[i].wavelength) + point.phase / (2 * pi);
       const uint64_t key = point_key(g.scene.scene, g.params, g.sets[i], p, g.side);
@@ -137,7 +137,10 @@ void gather_group(const Gathering& g, const Observer& observer, Found& total, st
                  fmt::format("{} fields of {} × {} pixels", g.sets.size() * frames, panel.nx, panel.ny));
   std::vector<Field> made;
   for (const WaveSet& set : g.sets)
-    for (size_t frame = 0; frame < frames; ++frame) made.emplace_back(panel, set.wavelength);
+    for (size_t frame = 0; frame < frames; ++frame) {
+      made.emplace_back(panel, set.wavelength);
+      made.back().cone_wavelength = set.cone_wavelength;
+    }
   std::vector<Found> found(size_t(panel.ny), Found{});
   const uint64_t points = g.scene.scene.points.size();  // whose numbers come first
   const auto gather_row = [&](int64_t row) {
@@ -188,7 +191,8 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   require(!wavelengths.empty(), "expected at least one wavelength, got none");
   for (const double wavelength : wavelengths) check_wavelength(wavelength);
   check_gather(params);
-  const double side = cell_side(params, panel), longest = *std::max_element(wavelengths.begin(), wavelengths.end());
+  const double side = cell_side(params, panel);
+  const Cones cones = cones_of(wavelengths, params);
 
   std::vector<Field> fields;
   Found found;
@@ -197,9 +201,9 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
-    const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g]);
+    const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : sets) has_laser |= set.has_laser;
-    gather_group({path_scene, params, panel, sets, longest, side, point_amplitude(panel, wavelengths.front())},
+    gather_group({path_scene, params, panel, sets, cones.of_rays, side, point_amplitude(panel, wavelengths.front())},
                  part_of(observer, int(g), int(groups.size())), found, agreement, fields);
   }
   report(found.counts, params.max_depth, observer);
@@ -209,8 +213,9 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   gathering.strategy = Strategy::gather;
   Brightness points;
   for (const ScenePoint& point : scene.points) points.add(double(point.amplitude) * point.amplitude);
-  warn_of_findings({rays, found.first_hits, found.waves == 0, has_laser, points, found.surfaces}, scene, panel, longest,
-                   gathering, observer);
+  warn_of_findings({rays, found.first_hits, found.waves == 0, has_laser, points, found.surfaces}, scene, panel,
+                   cones.of_rays, gathering, observer);
+  report(cones, wavelengths, panel, observer);
   if (params.pixel_samples > 1) report(agreement, params.pixel_samples, observer);
   return fields;
 }

@@ -166,8 +166,8 @@ void shade_piece(const Shade& s, const Piece& piece, uint64_t index, Block& bloc
           light_at(s, piece, piece.corners[j] + (centre - piece.corners[j]) * inset, 3 * index + j, block.counts);
   for (size_t i = 0; i < s.sets.size(); ++i) {
     const WaveSet& set = s.sets[i];
-    const double angle = solid_angle(centre, s.panel, set.wavelength);
-    Triangle t{piece.corners, {}, 0, direction_from(centre, s.panel, set.wavelength)};
+    const double angle = solid_angle(centre, s.panel, set.cone());
+    Triangle t{piece.corners, {}, 0, direction_from(centre, s.panel, set.cone())};
     bool is_lit = false;
     for (size_t j = 0; j < 3; ++j) {
       const auto& light = lights[s.shading == Shading::flat ? 0 : j];
@@ -210,9 +210,10 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   require(!wavelengths.empty(), "expected at least one wavelength, got none");
   for (const double wavelength : wavelengths) check_wavelength(wavelength);
   check_shading(scene, params);
-  const double longest = *std::max_element(wavelengths.begin(), wavelengths.end());
+  const Cones cones = cones_of(wavelengths, params);
   int64_t of_meshes = 0, shining = 0;
-  const std::vector<Piece> pieces = list_pieces(scene, panel, acceptance_tangent(longest, panel.pitch), of_meshes);
+  const std::vector<Piece> pieces =
+      list_pieces(scene, panel, acceptance_tangent(cones.of_rays, panel.pitch), of_meshes);
   observer.fact("mesh_triangles", Fact(of_meshes));
   observer.fact("triangles", Fact(int64_t(pieces.size())));
   std::vector<Triangles> all;
@@ -220,7 +221,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
-    const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g]);
+    const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
     if (g == 0) warn_of_left_out(scene, sets, observer);
     require_memory(2 * double(sizeof(Triangle) + 8) * double(pieces.size()) * double(sets.size()),
                    fmt::format("{} sets of {} triangles", sets.size(), pieces.size()));
@@ -239,6 +240,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
     for (const Block& block : blocks) counts += block.counts;
     for (size_t i = 0; i < sets.size(); ++i) {
       Triangles set{sets[i].wavelength, {}, sets[i].name, {}, uint64_t(params.seed), 0};
+      set.cone_wavelength = sets[i].cone_wavelength;
       for (const Block& block : blocks) {
         set.triangles.insert(set.triangles.end(), block.triangles[i].begin(), block.triangles[i].end());
         if (phase == TrianglePhase::random)
@@ -252,6 +254,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
     }
   }
   report(counts, params.max_depth, observer);
+  report(cones, wavelengths, panel, observer);
   observer.fact("shining", Fact(shining));
   if (shining == 0)
     observer.warn("no triangle shines toward the panel's centre; move the scene onto the axis, or light it");

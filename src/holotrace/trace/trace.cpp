@@ -39,7 +39,7 @@ struct Tracing {
   const std::vector<WaveSet>& sets;
   double side;  // of the cells of equal surface phase
   const Grid& panel;
-  double longest;          // wavelength
+  double widest;           // wavelength whose acceptance all boxes lie in
   double point_amplitude;  // on the panel, of a luminous point of 1 W/m²/sr
 };
 
@@ -74,7 +74,7 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t 
     const SetLight light = light_of(set, wave.light, wave.leaf.weight);
     if (!(light.radiance > 0)) continue;
     const double brightness = squared_amplitude_of(light.radiance, t.params.amplitude);
-    const double squared = brightness * t.pattern->squared_amplitude(ray, wave.origin, set.wavelength);
+    const double squared = brightness * t.pattern->squared_amplitude(ray, wave.origin, set.cone());
     block.surfaces.add(brightness);
     const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light.phase);
     if (const double amplitude = std::sqrt(squared); amplitude > 0)
@@ -84,7 +84,7 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t 
 
 /// Whether light from a place reaches a tile at an angle that the panel holds, at any of the wavelengths.
 bool is_in_reach(const Tracing& t, const PixelBox& tile, Vec3 origin) {
-  const double radius = box_radius(-origin.z, t.longest, t.panel.pitch);
+  const double radius = box_radius(-origin.z, t.widest, t.panel.pitch);
   return origin.x >= t.panel.x(tile.x0) - radius && origin.x <= t.panel.x(tile.x1 - 1) + radius &&
          origin.y <= t.panel.y(tile.y0) + radius && origin.y >= t.panel.y(tile.y1 - 1) - radius;
 }
@@ -106,8 +106,8 @@ void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t s
     const WaveSet& set = t.sets[i];
     const SetLight light = light_of(set, wave.light, wave.leaf.weight);
     const double per_radiance = visible.size() == in_reach
-                                    ? t.pattern->squared_amplitude(ray, wave.origin, set.wavelength)
-                                    : t.pattern->squared_amplitude(ray, wave.origin, set.wavelength, visible);
+                                    ? t.pattern->squared_amplitude(ray, wave.origin, set.cone())
+                                    : t.pattern->squared_amplitude(ray, wave.origin, set.cone(), visible);
     const auto amplitude_of = [&](const SetLight& l) {
       return std::sqrt(squared_amplitude_of(l.radiance, t.params.amplitude) * per_radiance);
     };
@@ -180,6 +180,7 @@ struct Totals {
 Sources join(const Tracing& t, size_t s, Waves& points, std::vector<Block>& blocks) {
   Sources sources;
   sources.wavelength = t.sets[s].wavelength;
+  sources.cone_wavelength = t.sets[s].cone_wavelength;
   sources.name = t.sets[s].name;
   sources.seed = uint64_t(t.params.seed);
   size_t count = points.waves.size();
@@ -253,7 +254,8 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   for (const double wavelength : wavelengths) check_wavelength(wavelength);
   check_params(params);
   const std::vector<PanelTile> tiles = make_tiles(params, panel);
-  const double side = cell_side(params, panel), longest = *std::max_element(wavelengths.begin(), wavelengths.end());
+  const double side = cell_side(params, panel);
+  const Cones cones = cones_of(wavelengths, params);
   std::optional<FirstHits> pattern;
 
   std::vector<Sources> sets;
@@ -262,12 +264,12 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
-    if (!pattern && has_surfaces(scene)) pattern.emplace(params, panel, longest);
-    const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g]);
+    if (!pattern && has_surfaces(scene)) pattern.emplace(params, panel, cones.of_rays);
+    const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
-    const Tracing tracing{path_scene, params,    pattern ? &*pattern : nullptr,
-                          tiles,      wave_sets, side,
-                          panel,      longest,   point_amplitude(panel, wavelengths.front())};
+    const Tracing tracing{path_scene, params,        pattern ? &*pattern : nullptr,
+                          tiles,      wave_sets,     side,
+                          panel,      cones.of_rays, point_amplitude(panel, wavelengths.front())};
     const Observer part = part_of(observer, int(g), int(groups.size()));
     trace_group(tracing, part, totals, sets);
   }
@@ -277,7 +279,8 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     if (follows_mirrors(params.phase)) observer.fact("far_waves", Fact(totals.far_waves));
   }
   warn_of_findings({totals.rays, totals.first_hits, totals.mesh_waves == 0, has_laser, totals.points, totals.surfaces},
-                   scene, panel, longest, params, observer);
+                   scene, panel, cones.of_rays, params, observer);
+  report(cones, wavelengths, panel, observer);
   int64_t waves = 0;
   for (const Sources& set : sets) waves += int64_t(set.waves.size());
   observer.fact("waves", Fact(waves));

@@ -19,10 +19,11 @@ namespace holotrace {
 /// and both combined as "EDL, light 0"; separate sets without a wave are left out. Otherwise all layers' light adds
 /// up. Sets do not interfere: each is a hologram of its own. Up to three wavelengths share their light paths; where a
 /// solid dielectric is dispersive, so that colours part, each is traced by itself. They share their first hits
-/// in any case: those of the longest wavelength, whose acceptance is the widest.
+/// in any case, which fill one cone: of the shortest wavelength where all keep to it (params.has_common_cone), else of
+/// the longest, whose acceptance is the widest.
 ///
 /// **Amplitudes.** |U|² is the irradiance on the panel. L is the radiance of a first hit o toward the ray
-/// (mean_radiance at the wavelength's line), d₀ = −o.z its depth, T = acceptance_tangent of the longest wavelength.
+/// (mean_radiance at the wavelength's line), d₀ = −o.z its depth, T = acceptance_tangent of that wavelength.
 ///
 /// - `grid`: rays from the panel's centre through the centres of columns × rows cells, evenly over the tangents
 ///   |x/d₀|, |y/d₀| ≤ T or tan(field_of_view), row 0 on top. A cell of tangent area dA at the angle θ fills the solid
@@ -39,8 +40,8 @@ namespace holotrace {
 ///
 ///       a² · ∫_{panel ∩ box} (d₀/r)² dA = L·G/N
 ///
-///   so that the mean irradiance over the panel is right for any scene, and every pixel has its share. Shorter
-///   wavelengths take the rays inside their own acceptance, and their own boxes.
+///   so that the mean irradiance over the panel is right for any scene, and every pixel has its share. Without a
+///   common cone, shorter wavelengths take the rays inside their own acceptance, and their own boxes.
 ///
 /// `amplitude = linear` puts L²/(1 W/m²/sr) for L in both: a ∝ L, as the paper's Step 5. With `sqrt`, noise in L makes
 /// the mean of a smaller by Var(L)/8L², relative: `paths` is what makes that small. Luminous points keep their

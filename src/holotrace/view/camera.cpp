@@ -213,14 +213,15 @@ double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, doubl
 }
 
 double axial_reach(const Slm& slm, double wavelength, double distance, ImageSide image, const CameraParams& camera,
-                   const std::optional<SpectralFilter>& filter) {
+                   const std::optional<SpectralFilter>& filter, double cone_wavelength) {
   if (distance <= 0) return 1;
   // The pupil's shadow on the panel, from the point behind it or before it.
   const double z = image == ImageSide::real_image ? std::abs(camera.eye.z - distance) : distance + camera.eye.z;
   const double seen = camera.pupil > 0 && z > 0 ? camera.pupil * distance / z : std::numeric_limits<double>::infinity();
   const double pitch = slm.grid.pitch;
   const auto along = [&](double side, double lit, double half_band, double carrier) {
-    const double sine = std::min(wavelength * std::min(half_band, 1 / (2 * pitch)), 1.0);
+    const double cone = (cone_wavelength > 0 ? cone_wavelength : wavelength) / (2 * pitch);
+    const double sine = std::min({wavelength * half_band, cone, 1.0});
     const double box = sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
     const double half = std::min(side / 2, box);
     constexpr int steps = 200;  // Simpson's rule on less than one lobe of sinc²: to 1e-9

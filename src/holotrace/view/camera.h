@@ -65,9 +65,10 @@ void check_eye(const CameraParams& camera);
 ///
 /// with w the lit part of a pixel's side on that axis, over the part of the panel's side where |u| is below 1/2p, or
 /// below the half width of the encoder's stop (centred at u₀), and that light on its way to the pupil of the camera
-/// passes. [0, 1]; 1 at a distance of 0 m, where it has no meaning.
+/// passes. Waves that keep to the cone of another wavelength (Sources::cone_wavelength; 0: their own) end at
+/// 1/2p·cone_wavelength/λ. [0, 1]; 1 at a distance of 0 m, where it has no meaning.
 double axial_reach(const Slm& slm, double wavelength, double distance, ImageSide image, const CameraParams& camera,
-                   const std::optional<SpectralFilter>& filter);
+                   const std::optional<SpectralFilter>& filter, double cone_wavelength = 0);
 
 /// The irradiance that is white in all the views: the exposure given, or the brightest view's own.
 double common_white(const std::vector<Image>& views, double exposure);

@@ -25,12 +25,13 @@ int tile_row_of(const TileAmplitudes& tiles, const Grid& panel, int row) {
 
 // The waves that light pixels of the band, with the amplitudes of its tiles.
 Sources sources_of_band(const Sources& all, const Grid& panel, const Grid& grid, int first_row) {
-  Sources some{.wavelength = all.wavelength, .name = all.name, .frame = all.frame};
+  Sources some{
+      .wavelength = all.wavelength, .name = all.name, .frame = all.frame, .cone_wavelength = all.cone_wavelength};
   const int columns = all.tiles.columns;
   const size_t count = all.waves.size();
   const size_t first_tile = columns > 0 ? size_t(tile_row_of(all.tiles, panel, first_row)) * size_t(columns) : 0;
   const auto amplitude = [&](size_t tile, size_t i) { return all.tiles.values[(first_tile + tile) * count + i]; };
-  const double tangent = acceptance_tangent(all.wavelength, panel.pitch);
+  const double tangent = acceptance_tangent(all.acceptance_wavelength(), panel.pitch);
   std::vector<size_t> chosen;
   for (size_t i = 0; i < count; ++i) {
     bool has_light = columns == 0;
@@ -113,7 +114,7 @@ std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel
 }
 
 int64_t missed_waves(const Sources& sources, const Grid& panel) {
-  const double tangent = acceptance_tangent(sources.wavelength, panel.pitch);
+  const double tangent = acceptance_tangent(sources.acceptance_wavelength(), panel.pitch);
   return std::count_if(sources.waves.begin(), sources.waves.end(),
                        [&](const Source& s) { return lit_box(s, panel, tangent).is_empty(); });
 }
@@ -122,7 +123,7 @@ std::vector<double> band_shares(const std::vector<Sources>& sets, const Grid& pa
   std::vector<std::vector<double>> work;  // [set][row]: of the rows above
   for (const Sources& set : sets) {
     std::vector<double> change(size_t(panel.ny) + 1, 0.0);
-    const double tangent = acceptance_tangent(set.wavelength, panel.pitch);
+    const double tangent = acceptance_tangent(set.acceptance_wavelength(), panel.pitch);
     for (const Source& source : set.waves) {
       const PixelBox box = lit_box(source, panel, tangent);
       if (box.is_empty()) continue;

@@ -46,11 +46,12 @@ int window_length(double samples, int least) {
 
 double taper_steepness(double tolerance) { return std::sqrt(1.25 * std::log(2 / std::clamp(tolerance, 1e-8, 0.1))); }
 
-Taper taper_of_points(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried) {
-  const double radius = box_radius(depth, wavelength, pitch);
+Taper taper_of_points(double span, double depth, double wavelength, double pitch, double radius, double steepness,
+                      bool is_carried) {
   const double width = taper_width(depth, wavelength, steepness);
   const double sine = std::min(extension * wavelength / (2 * pitch), most_sine);
-  const double limit = is_carried ? radius : depth * sine / std::sqrt(1 - sine * sine);
+  const bool is_narrowed = radius < box_radius(depth, wavelength, pitch) && span > radius;
+  const double limit = is_carried || is_narrowed ? radius : depth * sine / std::sqrt(1 - sine * sine);
   if (span + width <= limit) return is_carried ? Taper{limit - width, limit} : Taper{span, span + width};
   if (!is_carried && span < std::min(radius, limit)) return {span, limit};
   const double end = std::min(radius, limit);

@@ -27,7 +27,11 @@ double taper_steepness(double tolerance);
 ///
 /// Light that is carried from slice to slice (`is_carried`) keeps all angles up to a fall that ends at the Nyquist
 /// angle: what a slice lets through depends on more of the light than what reaches the panel undisturbed.
-Taper taper_of_points(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried);
+/// Waves whose boxes are smaller than their own acceptance (`radius`) end at their boxes in the same way.
+///
+/// @param radius  half-side of the boxes [m], at most box_radius
+Taper taper_of_points(double span, double depth, double wavelength, double pitch, double radius, double steepness,
+                      bool is_carried);
 
 /// The taper of a slice that is a raster: its whole band, or where the window would have to be large for that, the
 /// angles that reach the panel. Light that is carried keeps its band, but for a fall that ends at the Nyquist angle.

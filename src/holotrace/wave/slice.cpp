@@ -77,8 +77,9 @@ DepthSlices slice_depths_into(const std::vector<double>& depths, int count) {
   return best;
 }
 
-double depth_error_per_metre(double x, double y, double depth, const Grid& panel, double wavelength) {
-  const double radius = box_radius(depth, wavelength, panel.pitch);
+double depth_error_per_metre(double x, double y, double depth, const Grid& panel, double wavelength,
+                             double cone_wavelength) {
+  const double radius = box_radius(depth, cone_wavelength > 0 ? cone_wavelength : wavelength, panel.pitch);
   const Lit across = lit(x, radius, panel.width()), down = lit(y, radius, panel.height());
   if (across.length() == 0 || down.length() == 0) return 0;
   // ⟨(x² + y²)²⟩ = ⟨x⁴⟩ + 2⟨x²⟩⟨y²⟩ + ⟨y⁴⟩ over a rectangle
@@ -97,12 +98,13 @@ SlicedSources slice_sources(const Sources& sources, const Grid& panel, int slice
   for (size_t i = 0; i < sources.waves.size(); ++i) {
     const Source& s = sources.waves[i];
     const double x = s.origin.x - panel.centre_x, y = s.origin.y - panel.centre_y, depth = -s.origin.z;
-    const double radius = box_radius(depth, sources.wavelength, panel.pitch), area = lit_area(x, y, radius, panel);
+    const double radius = box_radius(depth, sources.acceptance_wavelength(), panel.pitch),
+                 area = lit_area(x, y, radius, panel);
     if (area == 0) continue;
     waves.push_back(uint32_t(i));
     depths.push_back(depth);
     energies.push_back(double(s.amplitude) * s.amplitude * area);
-    errors.push_back(depth_error_per_metre(x, y, depth, panel, sources.wavelength));
+    errors.push_back(depth_error_per_metre(x, y, depth, panel, sources.wavelength, sources.cone_wavelength));
     energy += energies.back();
     squared += energies.back() * errors.back() * errors.back();
     result.cut_waves += area < panel.width() * panel.height() * (1 - 1e-9);

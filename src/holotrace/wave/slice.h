@@ -34,7 +34,8 @@ DepthSlices slice_depths_into(const std::vector<double>& depths, int count);
 ///
 /// rms over the pixels that it lights, the box of Eq. 14 on the panel: k·δ·√⟨ρ⁴⟩/2d². This is that number for
 /// δ = 1 m [rad/m], for a wave at depth d [m], at (x, y) from the panel's centre. 0 for a wave that lights no pixel.
-double depth_error_per_metre(double x, double y, double depth, const Grid& panel, double wavelength);
+double depth_error_per_metre(double x, double y, double depth, const Grid& panel, double wavelength,
+                             double cone_wavelength = 0);
 
 /// Sources put into slices of depth.
 struct SlicedSources {

@@ -38,14 +38,16 @@ struct PreparedWave {
   PixelBox box;
 };
 
-inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double wavelength) {
+/// @param cone_wavelength  whose acceptance bounds the box [m]; 0: the wave's own
+inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double wavelength,
+                                 double cone_wavelength = 0) {
   const double depth = -source.origin.z;
   return {source.origin.x,
           source.origin.y,
           depth,
           cycle_fraction(depth, wavelength) + source.phase / (2 * pi),
           source.amplitude,
-          lit_box(source, grid, acceptance_tangent(wavelength, grid.pitch))};
+          lit_box(source, grid, acceptance_tangent(cone_wavelength > 0 ? cone_wavelength : wavelength, grid.pitch))};
 }
 
 /// The sources ready for summation, without those that light no pixel of the grid. For tile amplitudes the panel's
@@ -54,7 +56,7 @@ inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Gri
   std::vector<PreparedWave> waves;
   waves.reserve(sources.waves.size());
   for (const Source& source : sources.waves) {
-    const PreparedWave wave = prepare_wave(source, grid, sources.wavelength);
+    const PreparedWave wave = prepare_wave(source, grid, sources.wavelength, sources.acceptance_wavelength());
     if (!wave.box.is_empty()) waves.push_back(wave);
   }
   return waves;
@@ -85,7 +87,7 @@ inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Gri
   for (size_t i = 0; i < sources.waves.size(); ++i) {
     const float amplitude = amplitude_in(sources, i, part);
     if (amplitude == 0) continue;
-    PreparedWave wave = prepare_wave(sources.waves[i], grid, sources.wavelength);
+    PreparedWave wave = prepare_wave(sources.waves[i], grid, sources.wavelength, sources.acceptance_wavelength());
     wave.amplitude = amplitude;
     wave.box = intersect(wave.box, bounds);
     if (!wave.box.is_empty()) waves.push_back(wave);

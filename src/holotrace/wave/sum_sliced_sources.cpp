@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/wave/layer_plan.h"
 #include "holotrace/wave/layer_spectrum.h"
@@ -63,8 +64,9 @@ std::vector<PlannedSlice> plan_slices(const DepthSlices& depth, const Sources& s
   }
   for (PlannedSlice& s : planned) {
     s.span_x += most_x, s.span_y += most_y;
-    s.x = taper_of_points(s.span_x, s.depth, sources.wavelength, grid.pitch, steepness, is_carried);
-    s.y = taper_of_points(s.span_y, s.depth, sources.wavelength, grid.pitch, steepness, is_carried);
+    const double radius = box_radius(s.depth, sources.acceptance_wavelength(), grid.pitch);
+    s.x = taper_of_points(s.span_x, s.depth, sources.wavelength, grid.pitch, radius, steepness, is_carried);
+    s.y = taper_of_points(s.span_y, s.depth, sources.wavelength, grid.pitch, radius, steepness, is_carried);
   }
   return planned;
 }

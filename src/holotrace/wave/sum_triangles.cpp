@@ -53,7 +53,7 @@ double energy_of(const Field& field) {
 // Whether a triangle is out of reach: neither it nor any part of it lights a pixel.
 void warn_of_missed(const Triangles& triangles, const Grid& grid, const Observer& observer) {
   if (!observer.on_warning) return;
-  const double tangent = acceptance_tangent(triangles.wavelength, grid.pitch);
+  const double tangent = acceptance_tangent(triangles.acceptance_wavelength(), grid.pitch);
   size_t missed = 0;
   for (const Triangle& t : triangles.triangles) {
     double left = HUGE_VAL, right = -HUGE_VAL, low = HUGE_VAL, high = -HUGE_VAL;
@@ -70,7 +70,7 @@ void warn_of_missed(const Triangles& triangles, const Grid& grid, const Observer
         fmt::format("{} of {} triangles reach no pixel at an angle that the panel can hold (half angle {}); "
                     "move them nearer to the axis or farther from the panel",
                     missed, triangles.triangles.size(),
-                    format_angle(std::asin(acceptance_sine(triangles.wavelength, grid.pitch)))));
+                    format_angle(std::asin(acceptance_sine(triangles.acceptance_wavelength(), grid.pitch)))));
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ FieldDouble sum_triangles_spectrum(const Triangles& triangles, const Grid& grid,
                                    const Observer& observer) {
   check_grid(grid);
   check_triangles(triangles);
-  const double lambda = triangles.wavelength, tangent = acceptance_tangent(lambda, grid.pitch);
+  const double lambda = triangles.wavelength,
+               tangent = acceptance_tangent(triangles.acceptance_wavelength(), grid.pitch);
   double far_x = 0, far_y = 0;
   for (const Triangle& t : triangles.triangles)
     for (const Vec3 p : t.corners) {

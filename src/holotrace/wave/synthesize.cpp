@@ -19,7 +19,7 @@ namespace {
 // Pixels that each wave lights, its tiles' amplitudes considered.
 template <class Visit>
 void for_each_wave(const Sources& sources, const Grid& grid, const Visit& visit) {
-  const double tangent = acceptance_tangent(sources.wavelength, grid.pitch);
+  const double tangent = acceptance_tangent(sources.acceptance_wavelength(), grid.pitch);
   const int parts = panel_parts(sources);
   for (size_t i = 0; i < sources.waves.size(); ++i) {
     const PixelBox box = lit_box(sources.waves[i], grid, tangent);
@@ -47,7 +47,8 @@ void report_boxes(const Sources& sources, const Grid& grid, const Observer& obse
         "{} of {} waves reach no pixel at an angle that the panel can hold (half angle {}); move them nearer to the "
         "axis "
         "or farther from the panel",
-        missed, sources.waves.size(), format_angle(std::asin(acceptance_sine(sources.wavelength, grid.pitch)))));
+        missed, sources.waves.size(),
+        format_angle(std::asin(acceptance_sine(sources.acceptance_wavelength(), grid.pitch)))));
 }
 
 }  // namespace

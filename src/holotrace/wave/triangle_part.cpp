@@ -40,7 +40,7 @@ class Cutter {
       : wavelength_(triangles.wavelength),
         grid_(grid),
         limits_(limits),
-        tangent_(acceptance_tangent(triangles.wavelength, grid.pitch)) {}
+        tangent_(acceptance_tangent(triangles.acceptance_wavelength(), grid.pitch)) {}
 
   template <class Visit>
   void cut(const Triangle& t, const Visit& visit) const {

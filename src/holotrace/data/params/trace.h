@@ -34,6 +34,7 @@ struct TraceParams {
   int pixel_samples = 16;                       ///< S, rays from every pixel (gather)
   int tile_columns = 8, tile_rows = 4;          ///< of the panel (tiled)
   double field_of_view = 0;                     ///< half angle of the raster [rad]; 0: the panel's acceptance
+  bool has_common_cone = true;                  ///< all wavelengths keep to the cone of the shortest
   int paths = 64;                               ///< light paths per first hit
   int max_depth = 8;                            ///< surfaces on a path
   double clamp = 0;                             ///< most radiance that one path may bring [W/m²/sr]; 0: no clamp
@@ -63,6 +64,8 @@ void describe(Visitor& v, TraceParams& p) {
   v.count("tile_rows", p.tile_rows, range::at_least(1), "tiled: rows of tiles");
   v.angle("field_of_view", p.field_of_view, range::half_angle,
           "half angle of the raster; 0 deg: the panel's acceptance asin(lambda/2p)");
+  v.flag("common_cone", p.has_common_cone,
+         "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own");
   v.count("paths", p.paths, range::at_least(1), "light paths per first hit");
   v.count("max_depth", p.max_depth, range::at_least(1), "most surfaces on a path");
   v.number("clamp", p.clamp, range::not_negative,
