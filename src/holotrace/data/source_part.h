@@ -45,7 +45,7 @@ struct SourcePart {
         const double x = (i - steps / 2) * step - place()[0], y = (j - steps / 2) * step - place()[1];
         if (holds(x, y)) farthest = std::max(farthest, std::hypot(x, y));
       }
-    return std::min(farthest + step * std::sqrt(0.5), angle);
+    return std::min(farthest + 2 * step, angle);  // a corner may end between the steps
   }
 };
 
