@@ -19,6 +19,7 @@
 #include "holotrace/io/image_file.h"
 #include "holotrace/io/output.h"
 #include "holotrace/io/report_file.h"
+#include "holotrace/moment_plan.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/viewing.h"
 #include "save_views.h"
@@ -57,13 +58,19 @@ std::vector<std::string> outputs_of(const std::string& output, const std::vector
   return paths;
 }
 
+int64_t moments_of(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                   const std::vector<Viewpoint>& from, double wavelength) {
+  return int64_t(plan_moments(slm, params, wavelength, hologram.image, from, hologram.filter).moments.size());
+}
+
 // The light that leaves the panel, its way to the sensor, and the sums of all views, for `sets` colours and names.
 void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& params,
                   const PropagateParams& propagation, const std::vector<Viewpoint>& from, double wavelength,
                   size_t sets) {
-  const ViewingNeed need = viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from);
-  const double views =
-      viewing_bytes(need.columns * need.rows, from.size(), double(sets), moments_of(slm, params, wavelength));
+  const ViewingNeed need =
+      viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from, params.source_angle);
+  const double views = viewing_bytes(need.columns * need.rows, from.size(), double(sets),
+                                     moments_of(hologram, slm, params, from, wavelength));
   require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", from.size(),
                                                                 std::llround(need.columns), std::llround(need.rows)));
 }
@@ -129,7 +136,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
       if (kinds.emplace(wavelength, hologram.name).second)
         check_memory(hologram, slm, params, propagation, from, wavelength, kinds.size());
       if (!repeat) {
-        const int64_t holograms = int64_t(o->inputs.size()), moments = moments_of(slm, params, hologram.wavelength);
+        const int64_t holograms = int64_t(o->inputs.size()),
+                      moments = moments_of(hologram, slm, params, from, wavelength);
         repeat.emplace(holograms, moments, holograms * viewing_calls(moments, from), report, watch);
       }
       view_hologram(hologram, slm, params, propagation, from, *repeat, sums);

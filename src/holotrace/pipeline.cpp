@@ -8,6 +8,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
+#include "holotrace/moment_plan.h"
 #include "holotrace/repeated_stages.h"
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/iterations.h"
@@ -51,19 +52,24 @@ double power_on_panel(const Report& report) {
   throw Error("expected a shown hologram, got none");
 }
 
+// For progress and memory; the encoder's stop, which may ask for more, is not known yet.
+int64_t moments_of(const Job& job, const std::vector<Viewpoint>& from) {
+  return int64_t(plan_moments(job.slm, job.show, job.wavelengths.front(), job.encode.image, from).moments.size());
+}
+
 // Refused before the first stage, not in the last: the fields of two frames, all holograms, the light that leaves the
 // panel and its transform, the propagation to the sensor, padded to the sum of both windows, and the sums of views.
 void check_memory(const Job& job, size_t sets) {
   const Grid& panel = job.slm.grid;
   const double pixels = double(panel.pixels()), frames = job.trace.frames;
   const std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
-  const ViewingNeed need =
-      viewing_need(job.slm, job.show.subpixels, job.wavelengths, job.encode.image, job.propagate, from);
+  const ViewingNeed need = viewing_need(job.slm, job.show.subpixels, job.wavelengths, job.encode.image, job.propagate,
+                                        from, job.show.source_angle);
   const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
   const double fields = 8 * pixels * double(sets) * kept;
   const double planes = job.encode.method == Encoding::complex ? 2 : 1;  // of levels
   const double holograms = 2 * planes * pixels * double(sets) * frames;
-  const int64_t moments = moments_of(job.slm, job.show, job.wavelengths.front());
+  const int64_t moments = moments_of(job, from);
   const bool is_one = sets == 1 && frames == 1 && moments == 1 && from.size() == job.camera.distances.size();
   const double views = is_one ? 0 : viewing_bytes(need.columns * need.rows, from.size(), double(sets), moments);
   require_memory(fields + holograms + need.shown + need.passing + views,
@@ -308,7 +314,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
   const EncodeParams encoding = encoding_of(job);
   b.viewpoints = viewpoints(job.camera, job.render);
   const int64_t holograms = int64_t(light.sets()) * job.trace.frames;
-  const int64_t moments = moments_of(job.slm, job.show, job.wavelengths.front());
+  const int64_t moments = moments_of(job, b.viewpoints);
   RepeatedStages repeat(holograms, moments, job.trace.frames + holograms * (1 + viewing_calls(moments, b.viewpoints)),
                         b.report, watch);
   std::vector<ViewSum> sums(b.viewpoints.size(),

@@ -6,7 +6,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/check_ranges.h"
-#include "holotrace/slm/moments.h"
+#include "holotrace/moment_plan.h"
 #include "holotrace/slm/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/order_efficiency.h"
@@ -173,7 +173,9 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
                    std::vector<ViewSum>& sums) {
   const double wavelength = params.wavelength > 0 ? params.wavelength : hologram.wavelength;
   const bool is_first = !repeat.has_run("show");
-  const std::vector<Moment> all = moments(with_effects(slm, params.effects), params, wavelength);
+  const MomentPlan plan = plan_moments(slm, params, wavelength, hologram.image, from, hologram.filter);
+  const std::vector<Moment>& all = plan.moments;
+  const std::string doubt = doubt_of(plan, params);
   const auto add = [&](size_t i, const Image& view) {
     sums[i].add(wavelength, hologram.name, hologram.illumination, view,
                 axial_reach(slm, wavelength, from[i].distance, hologram.image, from[i].camera, hologram.filter,
@@ -185,7 +187,11 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
     const Field shown = repeat("show", [&](const Observer& o) {
       double power_in = 0;
       Field field = show(hologram, slm, params, moment, hearing_power(o, power_in));
-      if (all.size() > 1) o.fact("moments", all.size());
+      if (!plan.why.empty()) {
+        o.fact("moments", all.size());
+        o.fact("moments_why", plan.why);
+      }
+      if (!doubt.empty()) o.warn(doubt);
       if (is_first) shares.add(field, slm.grid.pitch, power_in, moment.weight);
       return field;
     });
@@ -193,7 +199,7 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
       repeat(from[span.begin].stage, [&](const Observer& o) {
         for (size_t i = span.begin; i < span.end; ++i) {
           const Observer part = part_of_series(o, i - span.begin, span.end - span.begin);
-          const Image view = look(shown, slm, from[i].distance, propagation, from[i].camera, part);
+          const Image view = look(shown, slm, from[i].distance, propagation, from[i].camera, part, moment.source);
           if (all.size() == 1)
             add(i, view);
           else
@@ -210,16 +216,12 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
     });
 }
 
-int64_t moments_of(const Slm& slm, const ShowParams& show, double wavelength) {
-  return int64_t(moments(with_effects(slm, show.effects), show, wavelength).size());
-}
-
 int64_t viewing_calls(int64_t moments, const std::vector<Viewpoint>& from) {
   return moments * int64_t(1 + stages_of(from).size());
 }
 
 ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double>& wavelengths, ImageSide image,
-                         const PropagateParams& propagation, const std::vector<Viewpoint>& from) {
+                         const PropagateParams& propagation, const std::vector<Viewpoint>& from, double source_angle) {
   require(subpixels >= 1, "expected at least 1 sample per pixel, got {}", subpixels);
   const Grid& panel = slm.grid;
   const double n = subpixels, pixels = double(panel.pixels());
@@ -236,8 +238,8 @@ ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double
   need.passing = 8 * pixels * n;
   for (const double wavelength : wavelengths)
     for (const Viewpoint& view : from)
-      need.passing = std::max(need.passing,
-                              looking_bytes(sampled, slm, wavelength, view.distance, image, propagation, view.camera));
+      need.passing = std::max(need.passing, looking_bytes(sampled, slm, wavelength, view.distance, image, propagation,
+                                                          view.camera, {.angle = source_angle}));
   return need;
 }
 

@@ -38,27 +38,27 @@ struct Viewpoint {
 std::vector<Viewpoint> viewpoints(const CameraParams& camera, const RenderParams& stereo = {});
 
 /// Adds what the camera sees of a hologram, from each viewpoint, to the sums: over the moments of the light and the
-/// panel (slm/moments.h), whose light does not interfere,
+/// panel (moment_plan.h), whose light does not interfere,
 ///
-///     I(x) = Σ_moments weight · look(show(hologram, moment))
+///     I(x) = Σ_moments weight · look(show(hologram, moment), part of the source)
 ///
 /// The field of a moment is shown once and looked at from everywhere. One field is there at a time, and with more than
 /// one moment one irradiance per viewpoint.
 ///
-/// Stages: "show" for each moment, and one for each stage of the viewpoints: viewing_calls. With an odd number of
-/// samples per pixel above 1, the first hologram's "show" states the part of the light on the panel that goes into each
-/// order (i, j), its mean over moments: facts "order_efficiency i,j", whose sum is `efficiency`.
+/// Stages: "show" for each moment (facts `moments` and `moments_why` of partly coherent light), and one for each stage
+/// of the viewpoints: viewing_calls. With an odd number of samples per pixel above 1, the first hologram's "show"
+/// states the part of the light on the panel that goes into each order (i, j), its mean over moments: facts
+/// "order_efficiency i,j", whose sum is `efficiency`.
 /// @param slm   with all of its effects; `show` says which are on
 /// @param sums  one per viewpoint
 /// @throws Error  as moments, show, look and ViewSum::add do
 void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& show, const PropagateParams& propagation,
                    const std::vector<Viewpoint>& from, RepeatedStages& repeat, std::vector<ViewSum>& sums);
 
-/// Moments of a hologram's light, and stages that view_hologram runs for one.
-int64_t moments_of(const Slm& slm, const ShowParams& show, double wavelength);
+/// Stages that view_hologram runs for a hologram at so many moments of its light.
 int64_t viewing_calls(int64_t moments, const std::vector<Viewpoint>& from);
 
-/// What showing one hologram and looking at it from all viewpoints takes.
+/// What showing one hologram and looking at it from all viewpoints takes, under a source of that full angle [rad].
 struct ViewingNeed {
   double columns = 0, rows = 0;  ///< pixels of the first viewpoint's sensor
   double shown = 0;              ///< bytes of the field that leaves the panel
@@ -66,7 +66,8 @@ struct ViewingNeed {
 };
 /// @throws Error  for less than 1 sample per pixel, and as magnification and looking_bytes do
 ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double>& wavelengths, ImageSide image,
-                         const PropagateParams& propagation, const std::vector<Viewpoint>& from);
+                         const PropagateParams& propagation, const std::vector<Viewpoint>& from,
+                         double source_angle = 0);
 
 /// Bytes of the sums and irradiances of `sets` kinds of holograms, seen by a sensor of that many pixels, and of the
 /// pictures that they become.

@@ -57,5 +57,18 @@ TEST(Quality, DescentThatKnowsThePanelIsBetterByThreeDecibels) {
   EXPECT_GT(psnr_of(slm, params, {"all"}), unknown + 3);  // as the full-size figures ask
 }
 
+// A random start leaves phase vortices, dark points between the pixels' middles that the iteration does not see: the
+// picture is right at the middles and speckled between them, so that pixels, which take all light, measure it worse.
+TEST(Quality, VorticesBetweenThePixelsMeasureWorseThanTheirMiddles) {
+  EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.01}};
+  params.target_columns = 208;
+  params.target_rows = 152;
+  params.start = StartPhase::random;
+  const std::vector<TargetPlane> targets = picture_targets(panel(), params);
+  const Hologram h = encode_targets(targets, field_of_target(targets[0], panel(), params), panel(), params);
+  const double points = encoder_quality(targets[0], h, panel(), {}, PixelSampling::point).psnr;
+  EXPECT_LT(encoder_quality(targets[0], h, panel()).psnr, points - 3);
+}
+
 }  // namespace
 }  // namespace holotrace

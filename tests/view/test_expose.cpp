@@ -67,6 +67,19 @@ TEST(Expose, CropsEvenlyAndSaysSo) {
       "the field of 8 × 5 samples does not divide into bins of 3: 2 columns and 2 rows at its border are left out");
 }
 
+TEST(Expose, APixelLiesWhereItsSamplesLie) {
+  // Of 7 × 8 samples in bins of 3 one column is left over, the right one, and two rows, one at the top.
+  const Field f({7, 8, test_pitch, 1e-3, -2e-3}, test_wavelength);
+  for (const PixelSampling sampling : {PixelSampling::integrate, PixelSampling::point}) {
+    const Image image = expose(f, {.binning = 3, .sampling = sampling});
+    ASSERT_EQ(image.nx, 2);
+    ASSERT_EQ(image.ny, 2);
+    // Middles of the first pixel: sample 1 of x, sample 1 + 1 of y. Roundings of 1e-3 m.
+    EXPECT_NEAR(image.centre_x - image.pitch / 2, f.grid.x(1), 1e-17);
+    EXPECT_NEAR(image.centre_y + image.pitch / 2, f.grid.y(2), 1e-17);
+  }
+}
+
 TEST(Expose, SaysWhatIsWrong) {
   const Field f({8, 5, test_pitch}, test_wavelength);
   EXPECT_EQ(error_of([&] { expose(f, {.binning = 6}); }),

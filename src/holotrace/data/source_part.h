@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace holotrace {
@@ -12,21 +13,22 @@ namespace holotrace {
 /// moment's own. The source is a disc; of the points on it that stand for all of it, a part has the directions that are
 /// nearest to its own point, so that the parts tile the disc.
 struct SourcePart {
-  double angle = 0;                             ///< full angle of the disc; 0: a point source
-  std::vector<std::array<double, 2>> points{};  ///< from the middle of the disc; none: the middle alone
-  size_t own = 0;                               ///< which of the points this is
+  using Points = std::vector<std::array<double, 2>>;
 
-  bool is_point() const { return angle == 0; }
+  double angle = 0;                        ///< full angle of the disc; 0: a point source
+  std::shared_ptr<const Points> points{};  ///< from the middle of the disc; none: the middle alone
+  size_t own = 0;                          ///< which of the points this is
 
-  std::array<double, 2> place() const { return points.empty() ? std::array<double, 2>{} : points[own]; }
+  size_t count() const { return points ? points->size() : 1; }
+  std::array<double, 2> place() const { return points ? (*points)[own] : std::array<double, 2>{}; }
 
   /// Whether the direction (x, y) from its own point is in the part.
   bool holds(double x, double y) const {
     const auto [x0, y0] = place();
     if (std::hypot(x0 + x, y0 + y) > angle / 2) return false;
     const double squared = x * x + y * y;
-    for (size_t i = 0; i < points.size(); ++i) {
-      const double dx = x0 + x - points[i][0], dy = y0 + y - points[i][1];
+    for (size_t i = 0; count() > 1 && i < count(); ++i) {
+      const double dx = x0 + x - (*points)[i][0], dy = y0 + y - (*points)[i][1];
       if (i != own && dx * dx + dy * dy < squared) return false;
     }
     return true;
@@ -34,7 +36,7 @@ struct SourcePart {
 
   /// The largest angle from its own point to a direction in it, or a little more [rad].
   double reach() const {
-    if (points.size() < 2) return angle / 2 + std::hypot(place()[0], place()[1]);
+    if (count() < 2) return angle / 2 + std::hypot(place()[0], place()[1]);
     constexpr int steps = 64;
     const double step = angle / steps;
     double farthest = 0;
@@ -43,7 +45,7 @@ struct SourcePart {
         const double x = (i - steps / 2) * step - place()[0], y = (j - steps / 2) * step - place()[1];
         if (holds(x, y)) farthest = std::max(farthest, std::hypot(x, y));
       }
-    return std::min(farthest + step * std::sqrt(0.5), angle);
+    return std::min(farthest + 2 * step, angle);  // a corner may end between the steps
   }
 };
 

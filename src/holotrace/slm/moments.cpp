@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -72,6 +74,10 @@ std::vector<Moment> moments(const Slm& slm, const ShowParams& params, double wav
   if (params.source_angle > 0) {
     centre(all, &Moment::tilt_x, params.tilt_x);
     centre(all, &Moment::tilt_y, params.tilt_y);
+    SourcePart::Points points;
+    for (const Moment& moment : all) points.push_back({moment.tilt_x - params.tilt_x, moment.tilt_y - params.tilt_y});
+    const auto shared = std::make_shared<const SourcePart::Points>(std::move(points));
+    for (size_t i = 0; i < all.size(); ++i) all[i].source = {params.source_angle, shared, i};
   }
   for (const Moment& moment : all)
     require(moment.wavelength > 0,

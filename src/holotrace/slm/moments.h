@@ -4,6 +4,7 @@
 
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/data/source_part.h"
 
 namespace holotrace {
 
@@ -14,12 +15,14 @@ struct Moment {
   double tilt_x = 0, tilt_y = 0;  ///< of the light from the panel's axis [rad]
   double flicker = 0;             ///< where the ripple of the phase stands, in [−1, 1]
   double weight = 1;              ///< of its irradiance; the weights of all moments sum to 1
+  SourcePart source{};            ///< the part of an extended source that this direction stands for
 };
 
 /// The moments that a partly coherent source, or a panel that flickers, is averaged over: `params.moments` points of a
 /// low-discrepancy sequence over the spectrum (a Gaussian), the source (a disc) and the period of the ripple (a
-/// sinusoid), of equal weight, whose wavelengths and tilts have the spectrum's and the source's own means. One moment
-/// where light is coherent and flicker off.
+/// sinusoid), of equal weight, whose wavelengths and tilts have the spectrum's and the source's own means. Each stands
+/// for the part of the source that is nearest to its direction. One moment where light is coherent and flicker off.
+/// How many are needed depends on where the light goes: plan_moments (viewing.h) tells; 0 takes 16.
 ///
 /// @param slm         the panel with the effects that are on (with_effects)
 /// @param params      bandwidth, source angle, tilt, moments

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numeric>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
 
 namespace holotrace {
 
@@ -33,10 +35,11 @@ Array2D<float> source_image(const SourcePart& part, double z, double pitch, int 
       kernel(int(row), column) = float(inside);
     }
   });
-  double sum = 0;
-  for (const float weight : kernel.values) sum += double(weight);
-  require(sum > 0, "expected a part of the source that has an area, got none");
-  for (float& weight : kernel.values) weight = float(double(weight) / sum);
+  const double radius = part.angle / 2 / std::abs(step);  // in samples
+  double all = pi * radius * radius * parts * parts / double(part.count());
+  if (part.count() == 1) all = std::accumulate(kernel.values.begin(), kernel.values.end(), 0.0);
+  require(all > 0, "expected a source image of at least a sample, got one of {:.3g}", radius);
+  for (float& weight : kernel.values) weight = float(double(weight) / all);
   return kernel;
 }
 

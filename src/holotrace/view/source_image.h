@@ -17,8 +17,8 @@ namespace holotrace {
 ///
 /// @param pitch  of the samples [m]
 /// @param reach  R, samples that hold |z|·part.reach() or more
-/// @return       weights of sum 1, shape (2R + 1, 2R + 1); row 0 is the top
-/// @throws Error  for a part of no directions
+/// @return       weights, shape (2R + 1, 2R + 1), row 0 is the top; their sum is the part's share of the source's area
+///               times the number of parts, so that parts of equal weights make an even disc (1 for a whole source)
 Array2D<float> source_image(const SourcePart& part, double z, double pitch, int reach);
 
 /// values ∗ kernel by FFT, in an array as large as `values`; right where the kernel does not reach beyond it, 2R + 1
