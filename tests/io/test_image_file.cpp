@@ -107,6 +107,14 @@ TEST(ImageFile, ATruncatedImageIsRefused) {
       << error;
 }
 
+TEST(ImageFile, WhatOtherProgramsAddAfterAPictureIsNoFault) {
+  const std::string path = temporary("i.png");
+  save_image(path, ramp(3), 1, 8);
+  const Image plain = load_image(path);
+  std::ofstream(path, std::ios::binary | std::ios::app) << std::string(100, 'x');
+  EXPECT_EQ(load_image(path).values, plain.values);
+}
+
 TEST(ImageFile, AFieldIsNoImage) {
   const std::string path = temporary("f.exr");
   save_field(path, Field({2, 2, 8e-6}, 532e-9));

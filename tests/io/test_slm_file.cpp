@@ -158,6 +158,23 @@ TEST(SlmFile, ABadCalibrationIsRefusedWithItsLine) {
   EXPECT_EQ(error("0,0\n1,1\n2,2\n3,3\n").substr(0, 25), "c.csv:1: unknown column \"");
 }
 
+// A panel's own calibration, of 4 levels, taken by one of 6: level l is its level 4l/6, straight between and beyond.
+TEST(SlmFile, ACalibrationOfAnotherNumberOfLevelsIsReadBetween) {
+  const std::string folder = fresh_folder("levels");
+  const UserPanels here(folder);
+  file_in(folder, "four.csv", "level,phase,amplitude\n0,0,1\n1,1,0.9\n2,2.5,0.6\n3,4,0.5\n");
+  file_in(folder, "four.toml", "columns = 10\nrows = 10\npitch = \"8 um\"\nlevels = 4\ncalibration = \"four.csv\"\n");
+  file_in(folder, "six.toml", "preset = \"four\"\nlevels = 6\n");
+  const std::vector<CalibrationPoint> points = slm_preset("six").effects.calibration;
+  ASSERT_EQ(points.size(), 6u);
+  const double phases[] = {0, 2.0 / 3, 1.5, 2.5, 3.5, 4.5};
+  const double amplitudes[] = {1, 1 - 0.1 * 2 / 3, 0.8, 0.6, 0.6 - 0.1 * 2 / 3, 0.5};  // none beyond the last
+  for (size_t l = 0; l < 6; ++l) {
+    EXPECT_NEAR(points[l].phase, phases[l], 1e-12) << l;
+    EXPECT_NEAR(points[l].amplitude, amplitudes[l], 1e-12) << l;
+  }
+}
+
 TEST(SlmFile, EffectsOfTheSceneItselfAreOn) {
   const std::string body =
       "wavelength = \"532 nm\"\n[[object]]\ntype = \"wireframe_cube\"\nsize = \"1 mm\"\nposition = \"0 0 -100 mm\"\n";

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "holotrace/slm/encode.h"
+#include "holotrace/slm/level_table.h"
 #include "holotrace/slm/off_axis.h"
 #include "holotrace/slm/pixel_kernel.h"
 #include "holotrace/slm/show.h"
@@ -41,6 +42,12 @@ TEST(PhaseLevel, IsTheNearestShownPhaseForAnyRangeOfThePanel) {
             << stretch << " " << levels << " " << wanted;
         EXPECT_LE(stretch * level / levels, 1 + half_step);
       }
+}
+
+TEST(PhaseLevel, OfTwoAsNearInATableIsTheLower) {
+  const LevelTable table(make_panel(4, 4, 4), 4, 1);  // 0, ¼, ½, ¾ of a turn
+  const int expected[] = {0, 1, 2, 0};                // level 0 is next to level 3
+  for (int l = 0; l < 4; ++l) EXPECT_EQ(table.level_of((2 * l + 1) / 8.0), expected[l]) << l;
 }
 
 TEST(AmplitudeLevel, IsTheNearestAndIsClipped) {

@@ -3,6 +3,7 @@
 
 #include "holotrace/slm/encode.h"
 #include "holotrace/slm/plane_optics.h"
+#include "holotrace/slm/plane_sums.h"
 #include "holotrace/slm/target.h"
 #include "holotrace/wave/propagate.h"
 #include "support/panels.h"
@@ -121,6 +122,44 @@ TEST(WeightedGerchbergSaxton, MakesSpotsMoreEvenThanThePlainKindDoes) {
   const double weighted = unevenness(Encoding::weighted_gerchberg_saxton);
   EXPECT_GT(plain, 0.1);  // there is something to win
   EXPECT_LT(weighted, 0.65 * plain);
+}
+
+// A virtual image lies behind the panel, a real one before it.
+TEST(Targets, LieOnTheSideOfTheirImage) {
+  const Slm slm = make_panel(64, 48);
+  EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.004, 0.006}};
+  for (const ImageSide side : {ImageSide::virtual_image, ImageSide::real_image}) {
+    params.image = side;
+    const double sign = side == ImageSide::real_image ? 1 : -1;
+    for (const std::vector<TargetPlane>& targets :
+         {picture_targets(slm, params), targets_of(random_field(slm.grid, 1), params)}) {
+      ASSERT_EQ(targets.size(), 2u);
+      EXPECT_EQ(targets[0].z, sign * 0.004);
+      EXPECT_EQ(targets[1].z, sign * 0.006);
+    }
+  }
+}
+
+// The field for a direct encoder: Nesterov's momentum makes N steps worth some N²/4 plain ones where they crawl, and
+// must make 30 worth more than 60.
+TEST(Targets, AreReachedFasterWithMomentum) {
+  const Slm slm = make_panel(64, 48);
+  EncodeParams params{.method = Encoding::double_phase, .target_distances = {0.01}};
+  params.iterations = 31;
+  const TargetPlane target = picture_targets(slm, params).front();
+  Heard heard;
+  field_of_target(target, slm, params, heard.observer());
+  const PlaneOptics optics = make_plane_optics(slm, test_wavelength, target.z, PixelAperture::included, params.stop);
+  Field wanted(slm.grid, test_wavelength, target.z);
+  for (size_t i = 0; i < wanted.samples.size(); ++i) wanted.samples.values[i] = target.amplitude.values[i];
+  Field u = optics.to_panel(wanted);
+  double plain = 0;
+  for (int step = 0; step <= 60; ++step) {
+    Field shown = optics.to_plane(u);
+    plain = leave_residual(target, 1, shown) / target_power(target);
+    add_part(optics.to_panel(shown), 1, u);
+  }
+  EXPECT_LT(heard.number("error_last"), plain);
 }
 
 TEST(GerchbergSaxton, SaysWhatIsWrong) {

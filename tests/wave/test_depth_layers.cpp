@@ -141,6 +141,27 @@ TEST(DepthLayers, AverageWhatIsFinerThanSamples) {
   for (const auto& u : slice.light.samples.values) EXPECT_NEAR(std::norm(u), 0.5, 1e-6);
 }
 
+// Of pixels four samples wide, light between their middles is bilinear.
+TEST(DepthLayers, AreSmoothBetweenPixelsThatAreCoarserThanSamples) {
+  const Grid panel{32, 24, 8_um};
+  const DepthImage image = make_depth_image(8, 6, 0.03_m);
+  DepthImageParams params = constant_phase();
+  params.projection = Projection::orthographic;
+  params.width = panel.width();
+  const Slice slice = slice_depth_image(image, panel, green, params, {}).make(0);
+  ASSERT_EQ(slice.light.grid, panel);
+  for (int j = 2; j < 22; ++j)  // half a pixel from the picture's edges, where it has no neighbours
+    for (int i = 2; i < 30; ++i) {
+      const double x = (i + 0.5) / 4 - 0.5, y = (j + 0.5) / 4 - 0.5;
+      const int k = int(x), l = int(y);
+      const double s = x - k, t = y - l;
+      const auto pixel = [&](int row, int column) { return double(image.picture(row, column)); };
+      const double light = (1 - t) * ((1 - s) * pixel(l, k) + s * pixel(l, k + 1)) +
+                           t * ((1 - s) * pixel(l + 1, k) + s * pixel(l + 1, k + 1));
+      EXPECT_NEAR(std::norm(std::complex<double>(slice.light.samples(j, i))), light, 1e-6) << j << " " << i;  // floats
+    }
+}
+
 TEST(DepthLayers, HaveRandomPhasesOfTheSeedAndTheFrame) {
   const Grid panel{100, 80, 8_um};
   DepthImage image = make_depth_image(100, 80, 0.1_m);

@@ -1,16 +1,28 @@
 #pragma once
 
-#include <tbb/cache_aligned_allocator.h>
-
 #include <complex>
 #include <cstddef>
 #include <vector>
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#include "holotrace/base/sanitized_allocator.h"
+#else
+#include <tbb/cache_aligned_allocator.h>
+#endif
+
 namespace holotrace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+template <class T>
+using AlignedAllocator = SanitizedAllocator<T>;
+#else
+template <class T>
+using AlignedAllocator = tbb::cache_aligned_allocator<T>;
+#endif
 
 /// A contiguous buffer aligned for SIMD and FFTW.
 template <class T>
-using AlignedVector = std::vector<T, tbb::cache_aligned_allocator<T>>;
+using AlignedVector = std::vector<T, AlignedAllocator<T>>;
 
 /// Values of a panel or an image: row-major [row][column], row 0 on top.
 template <class T>

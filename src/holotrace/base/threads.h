@@ -1,12 +1,16 @@
 #pragma once
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 #include <cstdint>
 
 #include "holotrace/base/observer.h"
+
+#if defined(__SANITIZE_THREAD__)
+#include "holotrace/base/sanitized_threads.h"
+#else
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#endif
 
 namespace holotrace {
 
@@ -16,11 +20,17 @@ namespace holotrace {
 template <class Work>
 void parallel_for(int64_t begin, int64_t end, const Work& work, const Observer& observer = {}, int64_t grain = 1) {
   std::atomic<int64_t> done{0};
-  tbb::parallel_for(tbb::blocked_range<int64_t>(begin, end, size_t(grain)), [&](const auto& range) {
-    for (int64_t i = range.begin(); i != range.end(); ++i) work(i);
-    const int64_t count = done += int64_t(range.size());
+  const auto work_on = [&](int64_t first, int64_t last) {
+    for (int64_t i = first; i != last; ++i) work(i);
+    const int64_t count = done += last - first;
     observer.progress(double(count) / double(end - begin));
-  });
+  };
+#if defined(__SANITIZE_THREAD__)
+  for_each_range_on_new_threads(begin, end, grain, work_on);
+#else
+  tbb::parallel_for(tbb::blocked_range<int64_t>(begin, end, size_t(grain)),
+                    [&](const auto& range) { work_on(range.begin(), range.end()); });
+#endif
 }
 
 }  // namespace holotrace

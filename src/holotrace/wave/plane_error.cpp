@@ -75,13 +75,25 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
     const bool all_x = w.box.x0 <= tile.x0 && w.box.x1 >= tile.x1, all_y = w.box.y0 <= tile.y0 && w.box.y1 >= tile.y1;
     const double dx = grid.x(column) - w.x, dy = w.y - grid.y(row);  // y down
     const double u = (i - plan.tile / 2) * grid.pitch, v = (j - plan.tile / 2) * grid.pitch;
-    std::complex<double> model = 1;  // of the direct sum
-    if (all_x && all_y) model = in_tile(dx - u, dy - v, w.depth, u, v, slab, tables);
-    const double across_u = in_own_strip(i) * grid.pitch, across_v = in_own_strip(j) * grid.pitch;
-    if (plan.has_strips && !all_x && all_y) model = in_strip(dx - across_u, dy - v, w.depth, across_u, v, slab, tables);
-    if (plan.has_strips && all_x && !all_y) model = in_strip(dy - across_v, dx - u, w.depth, across_v, u, slab, tables);
+    const auto tile_error = [&] { return std::norm(in_tile(dx - u, dy - v, w.depth, u, v, slab, tables) - 1.0); };
+    double error = 0;  // of the direct sum
+    if (all_x && all_y) {
+      error = tile_error();
+    } else if (plan.has_strips && (all_x || all_y)) {
+      const double across_u = in_own_strip(i) * grid.pitch, across_v = in_own_strip(j) * grid.pitch;
+      error = std::norm((all_y ? in_strip(dx - across_u, dy - v, w.depth, across_u, v, slab, tables)
+                               : in_strip(dy - across_v, dx - u, w.depth, across_v, u, slab, tables)) -
+                        1.0);
+      const int size = all_y ? tile.x1 - tile.x0 : tile.y1 - tile.y0;
+      const int lit = all_y ? std::min(w.box.x1, tile.x1) - std::max(w.box.x0, tile.x0)
+                            : std::min(w.box.y1, tile.y1) - std::max(w.box.y0, tile.y0);
+      const bool reaches = std::abs(all_y ? dx - u : dy - v) <= tables.tangent * w.depth;
+      // A wave that lights more than half of a tile is spread over all of it and taken away by strips from the rest,
+      // where the errors of both stay.
+      if (reaches && 2 * lit > size) error = tile_error() + (tile_error() + error) * double(size - lit) / lit;
+    }
     const double d2 = w.depth * w.depth, energy = w.amplitude * w.amplitude * (d2 / (dx * dx + dy * dy + d2)) / density;
-    energies.error += energy * std::norm(model - 1.0);
+    energies.error += energy * error;
     energies.waves += energy;
   }
   return energies;
