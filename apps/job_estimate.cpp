@@ -100,9 +100,10 @@ double find_light(TraceProbe& probe) {
   return part;
 }
 
-// The sum by other means than waves is a stage of the job itself: a part of its panel.
+// Triangles are summed on a part of the panel; gathered fields are there already and are copied.
 ProbeResult probe_other_sum(const Job& job, const SceneLight& light, double part) {
-  Grid panel = job.slm.grid;
+  Grid panel = light.gathered.empty() ? job.slm.grid : light.gathered.front().front().grid;
+  if (!light.gathered.empty()) part = 1;
   panel.nx = std::max(1, int(std::lround(panel.nx * std::sqrt(part))));
   panel.ny = std::max(1, int(std::lround(panel.ny * std::sqrt(part))));
   const double seconds = median_seconds(1, [&] { fields_of_frame(light, 0, panel, job.synthesize); });
@@ -150,7 +151,7 @@ JobEstimate estimate_job(const Job& job) {
         std::min(1.0, 1024 / pixels)};
     probes[2] = {[&](double part) {
                    if (!sum.sets.empty()) return times(e.frames, sum.run(part));
-                   return other.triangles.empty() ? ProbeResult{} : times(e.frames, probe_other_sum(job, other, part));
+                   return times(e.frames, probe_other_sum(job, other, part));
                  },
                  sum.sets.empty() ? 1.0 / 64 : sum.first_part()};
     probes[3] = {[&](double part) { return display.run(part); }, display.first_part()};
