@@ -15,13 +15,10 @@ struct StageEstimate {
   double seconds = 0;
 };
 
-/// What a job should cost, from short probes of its own stages on this machine.
-///
-/// Rays and waves grow with the raster, pixels of a render with its rows: what a part of them takes, at least 0.3 s or
-/// the whole, is scaled. A sum of waves is scaled by the cost model that also chooses its method, at the job's own
-/// number of waves. Encoding, the panel and the way to each camera do not depend on the scene: they are run warm, for
-/// one frame and for two, which tells what is done once from what every hologram takes; encoders that iterate are run
-/// for a few iterations.
+/// What a job should cost, from short probes of its own stages on this machine (estimate/probes.h): a part of the rays,
+/// of the render's pixels, of the waves and the panel that they are summed on, and all that follows on a smaller panel.
+/// Parts grow as long as all probes together take a small share of what they predict. A job of less than half a second
+/// is over sooner than the smallest probes.
 struct JobEstimate {
   double wavelengths = 1, sets = 1, frames = 1;  ///< a run makes sets × frames holograms
   double lights = 0, subpixels = 1;              ///< of a pixel, both axes together
@@ -35,7 +32,6 @@ struct JobEstimate {
   double grid_cells_per_ray = 0, grid_tests_per_ray = 0, grid_seconds_per_ray = 0;  ///< predicted, one thread
   double waves = 0, waves_pixels = 0;                                               ///< of all sets, one frame
   std::string method;                                                               ///< of the sum
-  double plan_seconds = 0;                                                          ///< of FFTs, once on a machine
   double probe_seconds = 0;                                                         ///< of the estimate itself
   std::string why_no_other;           ///< why the other accelerator was not measured
   std::string why_no_simulation;      ///< why the stages beside tracing and the sum are missing
@@ -49,6 +45,9 @@ struct JobEstimate {
 
 /// @throws Error  as `run` does on the job; if the probe finds no light
 JobEstimate estimate_job(const Job& job);
+
+/// Adds T_t by the accelerator that the job does not ask for, and what the uniform grid should cost. Takes seconds.
+void measure_other_accelerator(const Job& job, JobEstimate& estimate);
 
 /// Seconds of each stage beside those that a run took, in its report as a stage "estimate": the facts
 /// "STAGE predicted_seconds" and "STAGE ratio", prediction over outcome.

@@ -11,8 +11,6 @@
 namespace holotrace {
 namespace {
 
-constexpr double long_enough = 0.5;  // seconds of a sum that is measured
-
 // Copies `copies[i]` times wave i, with a displacement for all but the first.
 Sources repeat(const Sources& from, const std::vector<size_t>& copies, double spacing) {
   Sources to = from;
@@ -40,7 +38,25 @@ Sources repeat(const Sources& from, const std::vector<size_t>& copies, double sp
   return to;
 }
 
-// Evenly over all: the part that a stride of 1/part takes.
+Approach approach_of(SynthesisMethod method) {
+  return method == SynthesisMethod::tiled    ? Approach::tiled
+         : method == SynthesisMethod::planes ? Approach::planes
+                                             : Approach::cheapest;
+}
+
+bool has_forecast(SynthesisMethod method) {
+  return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled || method == SynthesisMethod::planes;
+}
+
+// The middle of a panel.
+Grid middle_of(const Grid& panel, double part) {
+  const double side = std::sqrt(part);
+  return {std::max(1, int(std::lround(panel.nx * side))), std::max(1, int(std::lround(panel.ny * side))), panel.pitch,
+          panel.centre_x, panel.centre_y};
+}
+
+}  // namespace
+
 Sources take_part(const Sources& sources, double part) {
   std::vector<size_t> copies(sources.waves.size());
   for (size_t i = 0; i < copies.size(); ++i)
@@ -48,37 +64,6 @@ Sources take_part(const Sources& sources, double part) {
   if (!copies.empty() && std::find(copies.begin(), copies.end(), 1U) == copies.end()) copies.front() = 1;
   return repeat(sources, copies, 0);
 }
-
-// Of three runs after one that plans FFTs, the median; of the first if it is long.
-double warm_seconds(const Sources& sources, const Grid& panel, const SynthesizeParams& params) {
-  const auto run = [&] { synthesize(sources, panel, params); };
-  const double first = median_seconds(1, run);
-  return first > 4 * long_enough ? first : median_seconds(3, run);
-}
-
-Approach approach_of(SynthesisMethod method) {
-  return method == SynthesisMethod::tiled    ? Approach::tiled
-         : method == SynthesisMethod::planes ? Approach::planes
-                                             : Approach::cheapest;
-}
-
-// By measurements alone: part grows until it takes long enough, and half of it gives the slope.
-double extended_seconds(const Sources& sources, const Grid& panel, const SynthesizeParams& params) {
-  const size_t count = sources.waves.size();
-  size_t n = std::min<size_t>(count, 1024);
-  while (true) {
-    const double seconds = warm_seconds(take_part(sources, double(n) / double(count)), panel, params);
-    if (n == count) return seconds;
-    if (seconds > long_enough) {
-      const double half = warm_seconds(take_part(sources, 0.5 * double(n) / double(count)), panel, params);
-      const double slope = std::max(seconds - half, 0.0) / (0.5 * double(n));
-      return seconds + slope * double(count - n);
-    }
-    n = std::min(count, 4 * n);
-  }
-}
-
-}  // namespace
 
 Sources grow(const Sources& sources, size_t fixed, double factor, double spacing) {
   std::vector<size_t> copies(sources.waves.size(), 1);
@@ -91,33 +76,55 @@ Sources grow(const Sources& sources, size_t fixed, double factor, double spacing
   return repeat(sources, copies, spacing);
 }
 
-SynthesisEstimate estimate_synthesis(const Sources& sources, const Grid& panel, const SynthesizeParams& params) {
-  if (sources.waves.empty()) return {};
-  const bool is_forecast = params.method == SynthesisMethod::automatic || params.method == SynthesisMethod::tiled ||
-                           params.method == SynthesisMethod::planes;
-  SumForecast whole;
-  double planning = 0;
-  if (is_forecast)
-    planning =
-        median_seconds(1, [&] { whole = forecast_sum(sources, panel, params.tolerance, approach_of(params.method)); });
-  if (whole.method.empty()) {
-    SynthesizeParams slow = params;
-    if (is_forecast) slow.method = SynthesisMethod::exact;  // what no plan meets is summed one by one
-    return {extended_seconds(sources, panel, slow), method_name(slow.method)};
+SynthesisProbe::SynthesisProbe(const Job& whole, std::vector<Sources> all) : job(whole), sets(std::move(all)) {
+  const SynthesizeParams& params = job.synthesize;
+  method = method_name(params.method);
+  for (const Sources& set : sets) {
+    if (set.waves.empty()) continue;
+    waves += double(set.waves.size());
+    waves_pixels += double(holotrace::waves_pixels(set, job.slm.grid));
+    if (!has_forecast(params.method)) continue;
+    SumForecast sum;
+    planning +=
+        median_seconds(1, [&] { sum = forecast_sum(set, job.slm.grid, params.tolerance, approach_of(params.method)); });
+    forecast += sum.seconds;
+    method = sum.method.empty() ? method_name(SynthesisMethod::exact) : sum.method;  // what no plan meets
   }
-  // The same method on a part of the waves.
-  SynthesizeParams same = params;
-  same.method = whole.method == "planes" ? SynthesisMethod::planes : SynthesisMethod::tiled;
-  const double part = std::min(1.0, long_enough / (whole.seconds + planning));
-  if (part == 1) return {warm_seconds(sources, panel, params), whole.method};
-  const Sources some = take_part(sources, part);
-  SumForecast forecast;
-  const double plans =
-      median_seconds(1, [&] { forecast = forecast_sum(some, panel, params.tolerance, approach_of(same.method)); });
-  const double measured = warm_seconds(some, panel, same) - plans;
-  if (forecast.method != whole.method || !(measured > 0) || !(forecast.seconds > 0))
-    return {extended_seconds(sources, panel, same), whole.method};
-  return {planning + whole.seconds * measured / forecast.seconds, whole.method};
+}
+
+double SynthesisProbe::first_part() const { return std::clamp(1e8 / std::max(1.0, waves_pixels), 1e-4, 1.0); }
+
+ProbeResult SynthesisProbe::run(double part) {
+  // At first the kept rates of the machine alone: making the plan is what takes time in a small sum.
+  if (forecast > 0 && !is_forecast_told) {
+    is_forecast_told = true;
+    return {planning, planning + forecast};
+  }
+  // The longest set stands for all.
+  const auto set = std::max_element(sets.begin(), sets.end(),
+                                    [](const Sources& a, const Sources& b) { return a.waves.size() < b.waves.size(); });
+  if (set == sets.end() || set->waves.empty()) return {};
+  const Sources some = take_part(*set, std::sqrt(part));
+  const Grid panel = part < 1 ? middle_of(job.slm.grid, std::sqrt(part)) : job.slm.grid;
+  SynthesizeParams same = job.synthesize;
+  if (method == "planes") same.method = SynthesisMethod::planes;
+  if (method == "tiled") same.method = SynthesisMethod::tiled;
+  if (method == "exact") same.method = SynthesisMethod::exact;
+  ProbeResult result;
+  SumForecast expected;
+  double plans = 0;
+  if (forecast > 0)
+    plans = median_seconds(1, [&] { expected = forecast_sum(some, panel, same.tolerance, approach_of(same.method)); });
+  const double taken = median_seconds(1, [&] { synthesize(some, panel, same); });
+  result.seconds = plans + taken;
+  if (forecast > 0) {
+    const double speed = expected.seconds > 0 && taken > plans ? (taken - plans) / expected.seconds : 1;
+    result.predicted = planning + forecast * speed;
+  } else {
+    const double done = double(holotrace::waves_pixels(some, panel));
+    result.predicted = done > 0 ? taken * waves_pixels / done : taken;
+  }
+  return result;
 }
 
 }  // namespace holotrace

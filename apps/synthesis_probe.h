@@ -1,10 +1,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "holotrace/data/grid.h"
-#include "holotrace/data/params/synthesize.h"
+#include "holotrace/data/job.h"
 #include "holotrace/data/sources.h"
+#include "holotrace/estimate/probes.h"
 
 namespace holotrace {
 
@@ -13,15 +14,27 @@ namespace holotrace {
 /// @param factor  ≥ 1
 Sources grow(const Sources& sources, size_t fixed, double factor, double spacing);
 
-/// What summing waves should take.
-struct SynthesisEstimate {
-  double seconds = 0;
-  std::string method;
-};
+/// A part of the waves, evenly over all.
+Sources take_part(const Sources& sources, double part);
 
-/// The cost model's forecast for all of the waves, by what a part of them takes now against the forecast for that part;
-/// or, if that is not above some 0.5 s, the sum itself. Ways of summing that the model does not know are timed on two
-/// parts and extended along the straight line through both.
-SynthesisEstimate estimate_synthesis(const Sources& sources, const Grid& panel, const SynthesizeParams& params);
+/// What summing the waves of one frame should take.
+///
+/// The cost model, by the rates of this machine, forecasts the sum of all waves: the first answer. Further ones correct
+/// it: a part of the waves is summed on the middle of the panel, and what that takes over its own forecast is what the
+/// machine makes of the model now. Ways of summing that the model does not know go by waves times pixels.
+struct SynthesisProbe {
+  /// @param sets  the waves of the whole job
+  SynthesisProbe(const Job& job, std::vector<Sources> sets);
+
+  ProbeResult run(double part);  ///< of the waves times pixels
+  double first_part() const;
+
+  Job job;
+  std::vector<Sources> sets;
+  double waves = 0, waves_pixels = 0;
+  double forecast = 0, planning = 0;  ///< seconds of the whole, by the cost model and of making its plan
+  std::string method;
+  bool is_forecast_told = false;
+};
 
 }  // namespace holotrace

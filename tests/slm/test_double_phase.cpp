@@ -90,9 +90,9 @@ TEST(DoublePhase, SaysWhatIsWrong) {
   const Field field = random_field(slm.grid, 1);
   for (const Encoding method : {Encoding::double_phase, Encoding::error_diffusion})
     EXPECT_EQ(error_of([&] { encode(field, slm, {.method = method, .stop = 0}); }),
-              "expected a stop in (0, 1], as a part of the panel's half band 1/2p, got 0");
+              "expected a number above 0, up to 1 for \"stop\", got 0");
   EXPECT_EQ(error_of([&] { encode(field, slm, {.method = Encoding::double_phase, .stop = 1.1}); }),
-            "expected a stop in (0, 1], as a part of the panel's half band 1/2p, got 1.1");
+            "expected a number above 0, up to 1 for \"stop\", got 1.1");
   EXPECT_EQ(error_of([&] { encode(field, slm, {.method = Encoding::complex}); }),
             "expected an encoding for a panel of phase or amplitude alone, as \"test\" is, got \"complex\"; use "
             "\"double-phase\" or \"off-axis\", or a panel whose modulation is complex");

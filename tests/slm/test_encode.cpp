@@ -317,8 +317,7 @@ TEST(Encode, SaysWhatIsWrong) {
   const auto error = [&](const Field& f, const Slm& s, const EncodeParams& p) {
     return error_of([&] { encode(f, s, p); });
   };
-  EXPECT_EQ(error(good, slm, {.levels = 1}),
-            "expected 2 to 16 levels, as many as the SLM \"test\" has, or 0 for all of them, got 1");
+  EXPECT_EQ(error(good, slm, {.levels = 1}), "expected 0 or 2 to 65536 for \"levels\", got 1");
   EXPECT_EQ(error(good, slm, {.levels = 17}),
             "expected 2 to 16 levels, as many as the SLM \"test\" has, or 0 for all of them, got 17");
   EXPECT_EQ(error(good, make_panel(8, 4, 65537), {}), "expected 2 to 65536 levels, got 65537");

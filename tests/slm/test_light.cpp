@@ -131,7 +131,7 @@ TEST(Light, SaysWhatSamplesCannotHold) {
   EXPECT_EQ(error({.light = Wavefront::spherical}),
             "expected a source distance other than 0 m for spherical light, got 0 m; below 0 m it converges");
   EXPECT_EQ(error({.light = Wavefront::gaussian}), "expected a beam radius above 0 m for Gaussian light, got 0 m");
-  EXPECT_EQ(error({.tilt_y = 1.6}), "expected light tilted by less than 90°, got 0° in x, 91.67° in y");
+  EXPECT_EQ(error({.tilt_y = 1.6}), "expected an angle above -90 deg and below 90 deg for \"tilt_y\", got 91.6732 deg");
 }
 
 // --- coherence ----------------------------------------------------------------------------------

@@ -306,8 +306,7 @@ TEST(TiledStrategy, TilesThatThePanelCannotHoldAreErrors) {
             {.strategy = Strategy::tiled, .tile_columns = columns, .tile_rows = rows});
     });
   };
-  EXPECT_EQ(sentence(0, 4),
-            "expected 1 to 256 tile_columns and 1 to 192 tile_rows on a panel of that many pixels, got 0 and 4");
+  EXPECT_EQ(sentence(0, 4), "expected a whole number of 1 or more for \"tile_columns\", got 0");
   EXPECT_EQ(sentence(8, 193),
             "expected 1 to 256 tile_columns and 1 to 192 tile_rows on a panel of that many pixels, got 8 and 193");
 }

@@ -308,7 +308,8 @@ TEST(Synthesize, RefusesWhatIsNoScene) {
   expect_error({green, {}}, grid, "expected at least one source, got none");
   expect_error(one_wave({0, 0, -0.1_m}), {0, 8, 8_um}, "expected a grid of at least 1 × 1 pixels, got 0 × 8");
   expect_error(one_wave({0, 0, -0.1_m}), {8, 8, -8_um}, "expected a pixel pitch above 0 m");
-  expect_error(one_wave({0, 0, -0.1_m}), grid, "expected a tolerance in (0, 1), got 0", {SynthesisMethod::tiled, 0});
+  expect_error(one_wave({0, 0, -0.1_m}), grid, "expected a number above 0 and below 1 for \"tolerance\", got 0",
+               {SynthesisMethod::tiled, 0});
   Sources tiled = with_tiles(one_wave({0, 0, -0.1_m}), 2, 3);
   tiled.tiles.values.pop_back();
   expect_error(tiled, grid, "expected 6 amplitudes for 2 × 3 tiles and 1 waves, got 5");

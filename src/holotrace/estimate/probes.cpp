@@ -1,0 +1,32 @@
+#include "holotrace/estimate/probes.h"
+
+#include <algorithm>
+
+namespace holotrace {
+
+double refine_probes(std::vector<Probe>& probes, double share, double long_enough) {
+  constexpr double growth = 4;
+  double spent = 0;
+  const auto run = [&](Probe& probe) {
+    probe.last = probe.run(probe.part);
+    spent += probe.last.seconds;
+  };
+  for (Probe& probe : probes) run(probe);
+  while (true) {
+    double predicted = 0;
+    for (const Probe& probe : probes) predicted += probe.last.predicted;
+    Probe* next = nullptr;
+    for (Probe& probe : probes) {
+      const bool is_told = probe.part >= 1 || probe.last.seconds >= long_enough;
+      const bool has_room = spent + growth * probe.last.seconds <= share * predicted;
+      if (!is_told && has_room && (!next || probe.last.predicted > next->last.predicted)) next = &probe;
+    }
+    if (!next) return spent;
+    next->part = std::min(1.0, growth * next->part);
+    run(*next);
+  }
+}
+
+double seconds_for(double times, double one, double two) { return one + (times - 1) * std::clamp(two - one, 0.0, one); }
+
+}  // namespace holotrace
