@@ -2,10 +2,12 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <limits>
 
 #include "holotrace/base/cycles.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/gather.h"
+#include "holotrace/trace/source_phase.h"
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"
 
@@ -158,6 +160,31 @@ TEST(Gather, RandomAndConstantPhasesAreGathered) {
   }
   EXPECT_GT(std::abs(sum) / size, 0.98);
   EXPECT_NEAR(mean_intensity(constant) / expected, 1, 2 / std::sqrt(42.0));
+}
+
+TEST(Gather, RaysThatMeetACellInALaserBeamAgreeOnItsPhase) {
+  // A wall of one cell: every pixel, whichever places its rays find, has k·(r + the beam's way) to the cell's middle.
+  // From one place to another in the cell the oblique beam turns by up to k·30 µm·0.29 = 100 rad.
+  const double grain = 30e-6;
+  const Vec3 middle{(0.5 - 0.41421356) * grain, (0.5 - 0.73205081) * grain, -20_mm};
+  const Vec3 direction = normalize({0.3, 0, -1}), position{0, 0, -10_mm};
+  Scene scene;
+  scene.materials = {grey(0.8)};
+  scene.meshes = {make_test_quad(middle, {0.49 * grain, 0, 0}, {0, 0.49 * grain, 0})};
+  scene.lights = {DirectionalLight{direction, {1, 1, 1}, position, std::numeric_limits<double>::infinity(), true}};
+  const Grid few{6, 5, 40e-6 / 5};
+  const TraceParams params{
+      .pixel_samples = 16384, .paths = 1, .max_depth = 1, .phase = SourcePhase::laser, .grain = grain};  // 8 hits each
+  const Field field = gather(scene, few, green, params).at(0);
+  const double surface = random_phase(1, 0, surface_phase_key(middle, grain));
+  for (int j = 0; j < few.ny; ++j)
+    for (int i = 0; i < few.nx; ++i) {
+      const double path = length(middle - Vec3{few.x(i), few.y(j), 0}) + dot(middle - position, direction);
+      const auto expected = cis_cycles(cycle_fraction(path, green_light) + surface / (2 * pi));
+      const std::complex<double> found(field.samples(j, i));
+      ASSERT_GT(std::abs(found), 0);
+      EXPECT_LT(std::abs(found / std::abs(found) - expected), 1e-5);  // floats
+    }
 }
 
 TEST(Gather, TheHemisphereBringsItsWholeIrradiance) {
