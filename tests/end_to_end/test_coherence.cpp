@@ -25,6 +25,7 @@ using testing::relative_error;
 constexpr double lambda = green_light;
 
 // --- Monte Carlo with phase: both strategies estimate one mean field -----------------------------
+// With a wave for each ray a field is a sum of independent waves, whose mean grows as √N.
 
 const Grid small{64, 64, 8e-6};
 constexpr double depth = 20e-3, half = 0.15e-3, grain = 0.1e-3;
@@ -80,6 +81,7 @@ FieldDouble shared_estimate(int64_t samples, int64_t seed) {
                            .max_depth = 1,
                            .phase = SourcePhase::surface,
                            .grain = grain,
+                           .one_wave_per_cell = false,
                            .seed = seed};
   Sources sources = trace(make_patch(), small, lambda, params);
   for (size_t i = 0; i < sources.waves.size(); ++i)
@@ -90,8 +92,12 @@ FieldDouble shared_estimate(int64_t samples, int64_t seed) {
 }
 
 FieldDouble gathered_estimate(int samples) {
-  const TraceParams params{
-      .pixel_samples = samples, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = grain};
+  const TraceParams params{.pixel_samples = samples,
+                           .paths = 1,
+                           .max_depth = 1,
+                           .phase = SourcePhase::surface,
+                           .grain = grain,
+                           .one_wave_per_cell = false};
   FieldDouble field = convert<double>(gather(make_patch(), small, {lambda}, params).at(0));
   for (Complex& u : field.samples.values) u /= std::sqrt(double(samples));
   return field;
@@ -166,6 +172,67 @@ TEST(Coherence, IntensityIsBiasedByOneOverNAndTheCrossEstimatorIsNot) {
                              variance[1].standard_error() / variance[1].mean()));
 }
 
+// --- one wave per cell: both strategies converge to one field ------------------------------------
+
+/// A patch of 3 × 3 whole cells of `grain`, whose faces lie at (n − (0.41421356, 0.73205081))·grain.
+constexpr Vec3 corner{-1.41421356 * grain, -1.73205081 * grain, -depth};
+
+Scene make_cells() {
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  scene.meshes = {make_test_quad(corner + Vec3{1.5, 1.5, 0} * grain, {1.5 * grain, 0, 0}, {0, 1.5 * grain, 0})};
+  return scene;
+}
+
+/// U(p) = Σ_c √(∫_c z²/r⁴ dA)·exp(i(k·r_c + φ_c)) over the cells, r_c from their middles: the irradiance of each.
+FieldDouble make_field_of_cells(const Grid& grid) {
+  constexpr int parts = 4;  // z²/r⁴ is straight over a quarter of a cell, to (25 µm/20 mm)² = 2e-6
+  FieldDouble field(grid, lambda);
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0; i < grid.nx; ++i)
+      for (int cell = 0; cell < 9; ++cell) {
+        const Vec3 low = corner + Vec3{double(cell % 3), double(cell / 3), 0} * grain;
+        const Vec3 middle = low + Vec3{grain / 2, grain / 2, 0}, pixel{grid.x(i), grid.y(j), 0};
+        double light = 0;
+        for (int b = 0; b < parts; ++b)
+          for (int a = 0; a < parts; ++a) {
+            const Vec3 way = low + Vec3{a + 0.5, b + 0.5, 0} * (grain / parts) - pixel;
+            light += std::pow(depth / dot(way, way), 2) * std::pow(grain / parts, 2);
+          }
+        const double phase = random_phase(1, 0, surface_phase_key(middle, grain));
+        field.samples(j, i) += std::sqrt(light) * cis_cycles(length(middle - pixel) / lambda + phase / (2 * pi));
+      }
+  return field;
+}
+
+TEST(Coherence, WithOneWavePerCellBothStrategiesConvergeToTheFieldOfTheCells) {
+  TraceParams params{
+      .pattern = Pattern::random, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = grain};
+  const FieldDouble expected = make_field_of_cells(small);
+  const double s = acceptance_sine(lambda, small.pitch), k = 2 * pi / lambda;
+  double errors[2];
+  for (const int i : {0, 1}) {
+    params.samples = i ? 640000 : 40000;
+    const Sources sources = trace(make_cells(), small, lambda, params);
+    ASSERT_EQ(sources.waves.size(), 9u);
+    errors[i] = relative_error(convert<double>(synthesize(sources, small, {SynthesisMethod::exact})), expected);
+    // n hits in a cell, by its share of the étendue; the nearest of them to the middle is off by g/√(πn), rms, which
+    // turns the phase by k times that times the slope of the way to a pixel, rms of panel and patch over one axis.
+    const double n = double(params.samples) * grain * grain / (depth * depth) / (4 * s * s);
+    const double slope = std::sqrt((0.512_mm * 0.512_mm + 0.3_mm * 0.3_mm) / 12) / depth;
+    const double of_place = k * grain / std::sqrt(pi * n) * slope, of_light = 0.5 / std::sqrt(n);
+    EXPECT_LT(errors[i], 2 * std::hypot(of_place, of_light));  // nine waves: their rms scatters by a quarter or so
+  }
+  EXPECT_GT(errors[0] / errors[1], 2) << "16 times the rays, a quarter of the error";
+
+  const Grid part{32, 32, 8e-6};
+  params.pixel_samples = 2048;
+  const FieldDouble gathered = convert<double>(gather(make_cells(), part, {lambda}, params).at(0));
+  // Counts in a cell are Poisson's at most: √n/2 of √n.
+  const double n = 2048 * grain * grain / (depth * depth) / (4 * s * s);
+  EXPECT_LT(relative_error(gathered, make_field_of_cells(part)), 0.5 / std::sqrt(n));
+}
+
 // --- interference ----------------------------------------------------------------------------------
 
 struct Fringes {
@@ -208,7 +275,15 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
                            .phase = SourcePhase::laser};
   const Sources sources = trace(scene, panel, lambda, params);
   ASSERT_EQ(sources.waves.size(), 2u);
-  const Field field = synthesize(sources, panel, {SynthesisMethod::exact});
+  // The spots are rough, each with a phase of its own; so are the slits', but for the way of the laser, once these are
+  // taken off.
+  const auto without_surface = [](Sources waves) {
+    for (size_t i = 0; i < waves.waves.size(); ++i)
+      waves.waves[i].phase -= float(random_phase(waves.seed, waves.frame, waves.phase_keys.at(i)));
+    return waves;
+  };
+  EXPECT_NE(sources.phase_keys.at(0), sources.phase_keys.at(1));
+  const Field field = synthesize(without_surface(sources), panel, {SynthesisMethod::exact});
   std::vector<double> row;
   for (int i = 0; i < panel.nx; ++i) row.push_back(std::norm(field.samples(32, i)));
   const Fringes fringes = measure(row, panel.pitch, lambda * distance / s);
@@ -221,7 +296,7 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
   // Any other phase that the surface keeps shows the same fringes, elsewhere; the laser moved by δ across shifts them
   // by λ/s·(path difference)/λ: at 0.15 m, 50 mm before the spots, δ = 10 µm makes s·δ/50 mm = 200 nm.
   scene.lights = {PointLight{{10_um, 0, -0.15}, {1, 1, 1}, true}};
-  const Field moved = synthesize(trace(scene, panel, lambda, params), panel, {SynthesisMethod::exact});
+  const Field moved = synthesize(without_surface(trace(scene, panel, lambda, params)), panel, {SynthesisMethod::exact});
   const auto phase_of = [&](const Field& f) {
     Complex sum = 0;
     for (int i = 0; i < panel.nx; ++i)
@@ -251,6 +326,7 @@ TEST(Coherence, LloydsMirror) {
                            .phase = SourcePhase::laser};
   const Sources sources = trace(scene, panel, lambda, params);
   ASSERT_EQ(sources.waves.size(), 2u);
+  EXPECT_EQ(sources.phase_keys.at(0), sources.phase_keys.at(1)) << "the spot and its image have one surface's phase";
   EXPECT_NEAR(sources.waves[1].origin.y, -2 * h, 1e-9);
   const Field field = synthesize(sources, panel, {SynthesisMethod::exact});
   std::vector<double> column;

@@ -164,6 +164,56 @@ TEST(Integrator, TwoDiffusePlatesReflectEachOtherAsTheSeriesSays) {
   }
 }
 
+/// Green radiance of single paths that ask the lights where they end alone.
+Statistics follow_and_ask_at_end(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
+  const PathScene path_scene(scene, Lines{}, {}, {.max_depth = max_depth, .asks_at_end = true});
+  const PathStart start = start_of(path_scene, ray);
+  Statistics statistics;
+  for (int i = 0; i < count; ++i) {
+    Vec3 sum;
+    mean_radiance(path_scene, start, 1, uint64_t(i), {&sum, 1}, counts);
+    statistics.add(sum.y);
+  }
+  return statistics;
+}
+
+TEST(Integrator, AskingTheLampAtTheEndOfAPathFindsTheLightOfDirectPaths) {
+  // One wall under a point: ρ/π·I·cosθ/d², whatever part of the paths goes on (and finds nothing).
+  Scene scene;
+  scene.materials = {grey(0.6)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.lights = {PointLight{{30_mm, 0, -0.26}, {1, 1, 1}}};
+  PathCounts counts;
+  const Statistics light = follow_and_ask_at_end(scene, {{}, {0, 0, -1}}, 20000, 4, counts);
+  const double expected = 0.6 / pi * 0.8 / (0.05 * 0.05);
+  EXPECT_NEAR(light.mean() / expected, 1, 4 * light.standard_error() / expected);
+  // Roulette ends 0.4 of the paths at the wall, and those alone ask; 4 standard errors of a binomial.
+  EXPECT_NEAR(double(counts.shadow_rays) / 20000, 0.4, 4 * std::sqrt(0.4 * 0.6 / 20000));
+}
+
+TEST(Integrator, AskingAtTheEndOfAPathFindsTheSameLightInFewerShadowRays) {
+  // A point in a box, whose walls send light on; a lamp with an area over two walls, which paths also meet; and a rough
+  // metal under it. Each by 4 standard errors of both means.
+  Scene box = make_box_scene({0, 0, -0.3}, {10_mm, 8_mm, 6_mm}, grey(0.8));
+  box.lights = {PointLight{{2_mm, 3_mm, -0.302}, {1e-4, 1e-4, 1e-4}}};
+  Scene metal = make_corner();
+  metal.materials[0] = ConductorMaterial{.roughness = 0.5};
+  metal.lights = {RectangleLight{{-30_mm, 30_mm, -0.31}, {60_mm, 0, 0}, {0, 0, 60_mm}, {4, 4, 4}}};
+  const std::pair<Scene, Ray> cases[] = {{box, {{1_mm, 1_mm, -0.3}, normalize({0.3, -0.5, 0.2})}},
+                                         {make_corner(), {{}, normalize({0, -4_mm, -0.3})}},
+                                         {metal, {{}, normalize({0, -4_mm, -0.3})}}};
+  for (const auto& [scene, ray] : cases)
+    for (const int max_depth : {3, 20}) {
+      PathCounts everywhere, at_end;
+      const Statistics expected = follow(scene, ray, 40000, max_depth, everywhere);
+      const Statistics found = follow_and_ask_at_end(scene, ray, 40000, max_depth, at_end);
+      EXPECT_GT(expected.mean(), 0);
+      EXPECT_NEAR(found.mean(), expected.mean(), 4 * std::hypot(found.standard_error(), expected.standard_error()));
+      EXPECT_LE(at_end.shadow_rays, at_end.paths) << "one light, asked once at most";
+      EXPECT_LT(at_end.shadow_rays, everywhere.shadow_rays);
+    }
+}
+
 TEST(Integrator, ErrorsFallAtLeastAsTheRootOfThePaths) {
   LampScene lamp(grey(0.6));
   lamp.add_mesh_lamp();

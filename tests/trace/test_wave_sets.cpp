@@ -139,7 +139,8 @@ TEST(WaveSets, SurfacePhaseIsAFunctionOfThePlaceAlone) {
                      .paths = 1,
                      .max_depth = 1,
                      .phase = SourcePhase::surface,
-                     .grain = 0.4_mm};
+                     .grain = 0.4_mm,
+                     .one_wave_per_cell = false};
   const Sources sources = trace(make_bright_wall(-0.05), panel, green_light, params);
   // Panel and cone see some 5.3 mm × 4.9 mm of the wall: 13 × 12 cells, and no more phases than those and the rims.
   std::map<uint64_t, float> phases;

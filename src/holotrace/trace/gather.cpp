@@ -1,8 +1,11 @@
 #include "holotrace/trace/gather.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <string>
 
 #include "holotrace/base/cycles.h"
@@ -15,6 +18,7 @@
 #include "holotrace/data/point_strength.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/first_hits.h"
+#include "holotrace/trace/merge_waves.h"
 #include "holotrace/trace/ray_waves.h"
 #include "holotrace/trace/source_phase.h"
 #include "holotrace/trace/trace_report.h"
@@ -29,59 +33,118 @@ struct Gathering {
   const TraceParams& params;
   const Grid& panel;
   const std::vector<WaveSet>& sets;
+  Grid accepting;          // a panel that accepts the rays' directions
   double widest;           // wavelength whose acceptance the rays fill
   double side;             // of the cells of equal surface phase
   double point_amplitude;  // on the panel, of a luminous point of 1 W/m²/sr
 };
 
-/// The complex amplitudes of one pixel: sums[set·frames + frame].
-using PixelSums = std::vector<std::complex<double>>;
-
-/// Adds a wave of that amplitude and phase (in cycles, without its random part) to every frame.
-void add_wave(const Gathering& g, size_t set, double amplitude, double cycles, uint64_t key, PixelSums& sums) {
-  const size_t frames = size_t(g.params.frames);
-  for (size_t frame = 0; frame < frames; ++frame) {
-    const double random =
-        key == Sources::no_phase_key ? 0 : random_phase(uint64_t(g.params.seed), uint32_t(frame), key);
-    sums[set * frames + frame] += amplitude * cis_cycles(cycles + random / (2 * pi));
-  }
-}
-
-/// What the rays of a row, or of all, have found.
-struct Found {
-  PathCounts counts;
-  int64_t first_hits = 0, waves = 0;
-  Brightness surfaces;
+/// Rays of one half of a pixel's (the even or the odd ones) that have found one cell: their squared amplitudes, and the
+/// sum of those times the phase factors.
+struct HalfWave {
+  double light = 0;
+  std::complex<double> phasor;
 };
 
+/// The wave of one cell to one pixel in one set.
+struct PixelWave {
+  size_t set;
+  uint64_t key;  // of its random phase
+  std::array<HalfWave, 2> halves;
+};
+
+/// Complex amplitudes of one pixel in the order set·frames + frame: of all its rays, and as either half of them tells.
+struct PixelSums {
+  std::vector<std::complex<double>> whole;
+  std::array<std::vector<std::complex<double>>, 2> halves;
+};
+
+/// What rays have found, and the waves of the pixel at hand.
+struct Found {
+  explicit Found(double side) : cells(side) {}
+
+  PathCounts counts;
+  int64_t first_hits = 0, light = 0;
+  Brightness surfaces;
+  std::vector<PixelWave> waves;
+  CellWaves cells;
+};
+
+/// √light in the direction of a phasor.
+std::complex<double> amplitude_of(double light, std::complex<double> phasor) {
+  const double size = std::abs(phasor);
+  return size > 0 ? std::sqrt(light) / size * phasor : 0.0;
+}
+
+/// The rays that the pixels send, and the light that each stands for.
+Grid accepting_panel(const Grid& panel, const TraceParams& params) {
+  Grid accepting = panel;
+  // A panel of a pitch too fine for any period takes light from all sides.
+  if (params.directions == Directions::hemisphere) accepting.pitch = std::numeric_limits<double>::min();
+  return accepting;
+}
+
 /// Ray j of S from a pixel.
-void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, PixelSums& sums, Found& found) {
+void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, Found& found) {
   const int64_t samples = g.params.pixel_samples;
   CounterRandom random(uint64_t(g.params.seed), 0, sample);
   const double u = random.uniform(), v = random.uniform();
   const Vec2 sines = stratum(j, samples, u, v);
-  const auto direction = accepted_direction(2 * sines.x - 1, 2 * sines.y - 1, g.panel, g.widest);
+  const auto direction = accepted_direction(2 * sines.x - 1, 2 * sines.y - 1, g.accepting, g.widest);
   if (!direction) return;
   const std::vector<RayWave> waves = find_waves(g.scene, g.params, g.side, {pixel, *direction}, sample, found.counts);
   found.first_hits += !waves.empty();
-  const double limit = acceptance_sine(g.widest, g.panel.pitch), share = 4 * limit * limit / double(samples);
+  const double limit = acceptance_sine(g.widest, g.accepting.pitch), share = 4 * limit * limit / double(samples);
   for (const RayWave& wave : waves)
     for (size_t i = 0; i < g.sets.size(); ++i) {
       const WaveSet& set = g.sets[i];
-      if (!is_accepted(*direction, g.panel, set.cone())) continue;
+      if (!is_accepted(*direction, g.accepting, set.cone())) continue;
       const SetLight light = light_of(set, wave.light, wave.leaf.weight);
       if (!(light.radiance > 0)) continue;
-      const double amplitude = std::sqrt(squared_amplitude_of(light.radiance, g.params.amplitude) * share);
+      const double squared = squared_amplitude_of(light.radiance, g.params.amplitude) * share;
       const double phase = phase_beyond(wave, 0, set.wavelength, set.line) + light.phase;
-      add_wave(g, i, amplitude, phase / (2 * pi), key_in(set, g.params.phase, wave.key, sample), sums);
-      ++found.waves;
+      const uint64_t key = key_in(set, g.params.phase, wave.key, sample);
+      const bool is_alone = wave.cell.key == WaveCell::alone || key != wave.key || !g.params.one_wave_per_cell;
+      const size_t next = found.waves.size();
+      // Sets are told apart by a turn of the key; the waves of one set by theirs.
+      const size_t number =
+          is_alone ? next : found.cells.find_or_add(std::rotl(wave.cell.key, int(i % 64)) ^ i, wave.origin, next);
+      if (number == next) found.waves.push_back({i, key, {}});
+      HalfWave& half = found.waves[number].halves[size_t(j % 2)];
+      half.light += squared;
+      half.phasor += squared * cis_cycles(phase / (2 * pi));
+      ++found.light;
       found.surfaces.add(squared_amplitude_of(light.radiance, g.params.amplitude));
     }
+}
+
+/// Adds up the waves that a pixel's rays have found, and forgets them.
+void add_waves(const Gathering& g, Found& found, PixelSums& sums) {
+  const size_t frames = size_t(g.params.frames);
+  const double samples = g.params.pixel_samples;
+  const double shares[2] = {std::ceil(samples / 2) / samples, std::floor(samples / 2) / samples};
+  for (const PixelWave& wave : found.waves) {
+    const std::complex<double> whole =
+        amplitude_of(wave.halves[0].light + wave.halves[1].light, wave.halves[0].phasor + wave.halves[1].phasor);
+    for (size_t frame = 0; frame < frames; ++frame) {
+      const double random =
+          wave.key == Sources::no_phase_key ? 0 : random_phase(uint64_t(g.params.seed), uint32_t(frame), wave.key);
+      const std::complex<double> turn = cis_cycles(random / (2 * pi));
+      sums.whole[wave.set * frames + frame] += whole * turn;
+      for (size_t h = 0; h < 2; ++h)
+        if (wave.halves[h].light > 0)
+          sums.halves[h][wave.set * frames + frame] +=
+              amplitude_of(wave.halves[h].light / shares[h], wave.halves[h].phasor) * turn;
+    }
+  }
+  found.waves.clear();
+  found.cells.clear();
 }
 
 /// The luminous points: U = a·(d₀/r)·exp(i(kr + φ₀)) inside their boxes, a as point_strength.h says.
 void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
   const std::vector<ScenePoint>& points = g.scene.scene.points;
+  const size_t frames = size_t(g.params.frames);
   for (size_t p = 0; p < points.size(); ++p) {
     const ScenePoint& point = points[p];
     const Vec3 way = point.position - pixel;
@@ -92,19 +155,25 @@ void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
       if (!g.sets[i].has_points || std::abs(way.x) > radius || std::abs(way.y) > radius) continue;
       const double cycles = cycle_fraction(distance, g.sets[i].wavelength) + point.phase / (2 * pi);
       const uint64_t key = point_key(g.scene.scene, g.params, g.sets[i], p, g.side);
-      add_wave(g, i, g.point_amplitude * point.amplitude * depth / distance, cycles, key, sums);
+      for (size_t frame = 0; frame < frames; ++frame) {
+        const double random =
+            key == Sources::no_phase_key ? 0 : random_phase(uint64_t(g.params.seed), uint32_t(frame), key);
+        const std::complex<double> wave =
+            g.point_amplitude * point.amplitude * depth / distance * cis_cycles(cycles + random / (2 * pi));
+        for (auto* sum : {&sums.whole, &sums.halves[0], &sums.halves[1]}) (*sum)[i * frames + frame] += wave;
+      }
     }
   }
 }
 
-/// Powers that tell waves from noise: of the whole, and of what two halves of the rays share.
+/// Powers that tell waves from noise: of what halves of the rays make, and of what the two share.
 struct Agreement {
   double power = 0, shared = 0;
 
-  /// Adds a pixel: U_A and U_B of the halves, whose noise is independent, so that 4·Re(U_A·U_B*) has the mean |E U|².
-  void add(std::complex<double> whole, std::complex<double> half) {
-    power += std::norm(whole);
-    shared += 4 * std::real(half * std::conj(whole - half));
+  /// Adds a pixel: the noise of U_A and U_B is independent, so that Re(U_A·U_B*) has the mean |E U_A|².
+  void add(std::complex<double> a, std::complex<double> b) {
+    power += (std::norm(a) + std::norm(b)) / 2;
+    shared += std::real(a * std::conj(b));
   }
 };
 
@@ -116,10 +185,10 @@ void report(const std::vector<Agreement>& rows, int samples, const Observer& obs
     all.shared += row.shared;
   }
   if (!(all.power > 0)) return;
-  const double part = all.shared / all.power;
+  // Waves grow with the rays as far as each cell has few, and the noise stays: twice the rays, twice the odds.
+  const double of_half = std::clamp(all.shared / all.power, 0.0, 1.0), part = 2 * of_half / (1 + of_half);
   observer.fact("coherent_fraction", Fact(part));
   if (part >= 0.5) return;
-  // The waves' power grows as S and the noise stays.
   const std::string need = part > 0.01 ? fmt::format("about {:.0f} or more", samples * (1 - part) / part)
                                        : fmt::format("a hundred times {} or more", samples);
   observer.warn(
@@ -141,31 +210,30 @@ void gather_group(const Gathering& g, const Observer& observer, Found& total, st
       made.emplace_back(panel, set.wavelength);
       made.back().cone_wavelength = set.cone_wavelength;
     }
-  std::vector<Found> found(size_t(panel.ny), Found{});
+  std::vector<Found> found(size_t(panel.ny), Found(g.side));
   const uint64_t points = g.scene.scene.points.size();  // whose numbers come first
   const auto gather_row = [&](int64_t row) {
-    PixelSums sums(made.size()), half(made.size());
+    PixelSums sums{std::vector<std::complex<double>>(made.size()), {}};
+    sums.halves = {sums.whole, sums.whole};
+    Found& here = found[size_t(row)];
     for (int column = 0; column < panel.nx; ++column) {
       const Vec3 pixel{panel.x(column), panel.y(double(row)), 0};
-      std::fill(sums.begin(), sums.end(), 0.0);
+      for (auto* sum : {&sums.whole, &sums.halves[0], &sums.halves[1]}) std::fill(sum->begin(), sum->end(), 0.0);
       add_points(g, pixel, sums);
-      for (size_t i = 0; i < made.size(); ++i) half[i] = 0.5 * sums[i];
       const uint64_t first =
           points + (uint64_t(row) * uint64_t(panel.nx) + uint64_t(column)) * uint64_t(g.params.pixel_samples);
-      for (int64_t j = 1; j < g.params.pixel_samples; j += 2)
-        add_sample(g, pixel, j, first + uint64_t(j), half, found[size_t(row)]);
-      for (size_t i = 0; i < made.size(); ++i) sums[i] = 0.5 * sums[i] + half[i];
-      for (int64_t j = 0; j < g.params.pixel_samples; j += 2)
-        add_sample(g, pixel, j, first + uint64_t(j), sums, found[size_t(row)]);
-      for (size_t i = 0; i < made.size(); i += frames) agreement[size_t(row)].add(sums[i], half[i]);
-      for (size_t i = 0; i < made.size(); ++i) made[i].samples(int(row), column) = std::complex<float>(sums[i]);
+      for (int64_t j = 0; j < g.params.pixel_samples; ++j) add_sample(g, pixel, j, first + uint64_t(j), here);
+      add_waves(g, here, sums);
+      for (size_t i = 0; i < made.size(); i += frames) agreement[size_t(row)].add(sums.halves[0][i], sums.halves[1][i]);
+      for (size_t i = 0; i < made.size(); ++i) made[i].samples(int(row), column) = std::complex<float>(sums.whole[i]);
     }
+    here.cells = CellWaves(g.side);
   };
   parallel_for(0, panel.ny, gather_row, observer);
   for (const Found& row : found) {
     total.counts += row.counts;
     total.first_hits += row.first_hits;
-    total.waves += row.waves;
+    total.light += row.light;
     total.surfaces += row.surfaces;
   }
   const bool is_whole = !g.params.separate_layers && !g.params.separate_lights;
@@ -176,16 +244,12 @@ void gather_group(const Gathering& g, const Observer& observer, Found& total, st
 
 }  // namespace
 
-void check_gather(const TraceParams& params) {
-  require(params.phase != SourcePhase::random && params.phase != SourcePhase::constant,
-          "expected the phase surface, path or laser with the strategy gather, got {}: every pixel finds points of its "
-          "own, so phases that are not the surface's would make noise of the field, not waves",
-          params.phase == SourcePhase::random ? "random" : "constant");
-  check_ranges(params);
-}
+void check_gather(const TraceParams& params) { check_ranges(params); }
 
 std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
-                          const TraceParams& params, const Observer& observer) {
+                          const TraceParams& asked, const Observer& observer) {
+  TraceParams params = asked;
+  params.strategy = Strategy::gather;
   check_scene(scene);
   check_grid(panel);
   require(!wavelengths.empty(), "expected at least one wavelength, got none");
@@ -195,7 +259,7 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   const Cones cones = cones_of(wavelengths, params);
 
   std::vector<Field> fields;
-  Found found;
+  Found found(side);
   bool has_laser = false;
   std::vector<Agreement> agreement(size_t(panel.ny), Agreement{});
   const auto groups = group_wavelengths(scene, wavelengths);
@@ -203,18 +267,17 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : sets) has_laser |= set.has_laser;
-    gather_group({path_scene, params, panel, sets, cones.of_rays, side, point_amplitude(panel, wavelengths.front())},
+    gather_group({path_scene, params, panel, sets, accepting_panel(panel, params), cones.of_rays, side,
+                  point_amplitude(panel, wavelengths.front())},
                  part_of(observer, int(g), int(groups.size())), found, agreement, fields);
   }
   report(found.counts, params.max_depth, observer);
   observer.fact("first_hits", Fact(found.first_hits));
   const int64_t rays = panel.pixels() * params.pixel_samples * int64_t(groups.size());
-  TraceParams gathering = params;
-  gathering.strategy = Strategy::gather;
   Brightness points;
   for (const ScenePoint& point : scene.points) points.add(double(point.amplitude) * point.amplitude);
-  warn_of_findings({rays, found.first_hits, found.waves == 0, has_laser, points, found.surfaces}, scene, panel,
-                   cones.of_rays, gathering, observer);
+  warn_of_findings({rays, found.first_hits, found.light == 0, has_laser, points, found.surfaces}, scene, panel,
+                   cones.of_rays, params, observer);
   report(cones, wavelengths, panel, observer);
   if (params.pixel_samples > 1) report(agreement, params.pixel_samples, observer);
   return fields;

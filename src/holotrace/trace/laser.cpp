@@ -34,6 +34,7 @@ class PhasorSink {
   void start(const PathStart& start) {
     const SurfacePoint& point = start.point;
     path_ = phase_ = {};
+    move_ = start.phase_move;
     branches_ = 1;
     index_ = Vec3{1, 1, 1} * start.index;
     const Material& material = scene_.scene.materials[size_t(point.material)];
@@ -49,7 +50,12 @@ class PhasorSink {
     phase_ += next.phase;
     const Material& material = scene_.scene.materials[size_t(point.material)];
     if (is_solid_glass(material)) index_ = indices(material, point, next.is_transmission);
+    path_ = path_ - index_ * dot(move_, next.direction);
+    move_ = {};
   }
+
+  /// Where light that lights `point` is taken to arrive, for its phase.
+  Vec3 place_of_phase(Vec3 point) const { return point + move_; }
 
   void add(uint32_t accepted, int group, Vec3 radiance) {
     const int layers = scene_.automaton.layers(), first = scene_.params.separate_lights ? group * layers : 0;
@@ -132,6 +138,7 @@ class PhasorSink {
 
   // Of the path so far, at the lines.
   Vec3 path_, phase_, index_{1, 1, 1};  // [m], [rad], of the medium that the path is in
+  Vec3 move_;                           // PathStart::phase_move, while the path is still there
   uint64_t branches_ = 1;  // a 1, then a bit for each specular surface, 1 for a transmission; 0 after a random bounce
   int group_ = 0;
   bool is_clamped_ = false;

@@ -16,6 +16,7 @@ struct PathParams {
   int max_depth = 8;             ///< surfaces on a path
   double clamp = 0;              ///< most radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
   bool separate_lights = false;  ///< sums of their own for each light
+  bool asks_at_end = false;      ///< lights are asked by the last surface of a path alone
   uint64_t seed = 1;
   Acceleration accelerator = Acceleration::embree;
 };

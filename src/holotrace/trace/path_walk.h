@@ -17,6 +17,7 @@
 //   end_way(laser_path)                        all the light of one way has been added; from a laser: its optical path
 //                                              from there to the surface, else none
 //   start(start), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
+//   place_of_phase(point)                      where on that surface light is taken to arrive, for its phase
 
 namespace holotrace {
 
@@ -110,29 +111,37 @@ class PathWalk {
             throughput_ * light.radiance * (pdf_ > 0 ? shared_weight(pdf_, pdf(light, distance_, cosine)) : 1));
   }
 
-  /// Asks the lights, then draws how the path goes on; nothing where it ends.
+  /// Asks the lights, and draws how the path goes on; nothing where it ends.
   template <class B>
   std::optional<BsdfSample> scatter(const B& bsdf, LowDiscrepancy& numbers) {
-    add_direct_light(bsdf, numbers);
+    const LobeSet has = lobes(bsdf);
+    const bool asks_at_end = scene_.params.asks_at_end && depth_ < scene_.params.max_depth;
+    if (!asks_at_end) add_direct_light(bsdf, numbers, has, 1);
     const Vec2 choices = numbers.two(), u = numbers.two();  // of the lobe, and between going on and not
+    const Vec3 before = throughput_;
     auto next = sample(bsdf, outgoing_, choices.x, u);
     if (next) {
       throughput_ *= next->weight;
       scale_ *= next->squared_index_ratio;
     }
     // Radiance is n² times as much inside glass, which is no less light: roulette looks past that.
-    const double goes_on = next ? std::min(1.0, max_component(throughput_) / scale_) : 0;
+    double goes_on = next ? std::min(1.0, max_component(throughput_) / scale_) : 0;
+    constexpr double most = 0.9;  // at an end that is rare, light would weigh much
+    if (asks_at_end && (has.has_diffuse || has.has_glossy)) goes_on = std::min(goes_on, most);
     if (!(choices.y < goes_on)) {
       ++counts_.absorbed;
+      throughput_ = before;
+      if (asks_at_end) add_direct_light(bsdf, numbers, has, 1 / (1 - goes_on));
       return std::nullopt;
     }
     throughput_ *= 1 / goes_on;
     return next;
   }
 
+  /// Asks the lights; what they bring counts `weight` times.
   template <class B>
-  void add_direct_light(const B& bsdf, LowDiscrepancy& numbers) {
-    const LobeSet has = lobes(bsdf);
+  void add_direct_light(const B& bsdf, LowDiscrepancy& numbers, LobeSet has, double weight) {
+    direct_weight_ = weight;
     diffuse_state_ = has.has_diffuse ? automaton_.step(state_, PathEvent::diffuse) : PathAutomaton::State{};
     glossy_state_ = has.has_glossy ? automaton_.step(state_, PathEvent::glossy) : PathAutomaton::State{};
     diffuse_layers_ = automaton_.accepted(diffuse_state_);
@@ -164,7 +173,7 @@ class PathWalk {
       if (is_black(f)) return Vec3{};
       // The weight over the density, p/(p² + p′²), without a division of its own.
       const double other = is_shared ? pdf(bsdf, outgoing_, way.direction, lobe) : 0;
-      return throughput_ * f * way.radiance * (way.pdf / (way.pdf * way.pdf + other * other));
+      return throughput_ * f * way.radiance * (direct_weight_ * way.pdf / (way.pdf * way.pdf + other * other));
     };
     // Paths go through panes by chance, and meet there all lights that they can meet; the others have to be asked.
     const bool passes_panes = scene_.has_panes && !is_shared;
@@ -182,7 +191,8 @@ class PathWalk {
     }
     if (diffuse_layers) sink_.add(diffuse_layers, group, diffuse);
     if (glossy_layers) sink_.add(glossy_layers, group, glossy);
-    if constexpr (Sink::follows_phase) sink_.end_way(light ? laser_path(*light, point_.position) : std::nullopt);
+    if constexpr (Sink::follows_phase)
+      sink_.end_way(light ? laser_path(*light, sink_.place_of_phase(point_.position)) : std::nullopt);
   }
 
   bool is_occluded(const LightSample& way) const {
@@ -283,6 +293,7 @@ class PathWalk {
   SurfacePoint& point_ = hit_.point;
   Vec3 outgoing_, throughput_{1, 1, 1};
   int depth_ = 1;
+  double direct_weight_ = 1;       // of the light that lights are asked for
   double scale_ = 1;               // of the throughput by the indices of the media
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: by a specular way, or the path begins here
   PathAutomaton::State diffuse_state_ = 0, glossy_state_ = 0;  // after those lobes of this surface; 0: it has none

@@ -1,6 +1,7 @@
 #include "holotrace/trace/ray_waves.h"
 
 #include <cmath>
+#include <utility>
 #include <variant>
 
 #include "holotrace/base/cycles.h"
@@ -65,18 +66,30 @@ LeafLight light_from(const PathScene& scene, const TraceParams& params, const Sp
   return light;
 }
 
-uint64_t key_of(const SpecularLeaf& leaf, SourcePhase phase, double side, uint64_t sample) {
-  switch (phase) {
-    case SourcePhase::random:
-      return sample;
-    case SourcePhase::surface:
-    case SourcePhase::path:
-      return leaf.kind == LeafKind::beyond ? sample : surface_phase_key(leaf.start.point.position, side);
-    case SourcePhase::constant:
-    case SourcePhase::laser:
-      break;
-  }
-  return Sources::no_phase_key;
+/// Takes the phase of the wave to the place that stands for the cell: its middle, dropped onto the surface.
+void move_phase(SpecularLeaf& leaf, const Ray& ray, Vec3 middle) {
+  const SurfacePoint& point = leaf.start.point;
+  const Vec3 way = middle - point.position;
+  const Vec3 move = way - point.geometric_normal * dot(way, point.geometric_normal);
+  leaf.start.phase_move = move;
+  if (leaf.chain.empty())
+    leaf.optical_path = leaf.distance = length(point.position + move - ray.origin);
+  else
+    leaf.optical_path -= leaf.start.index * dot(move, leaf.start.outgoing);
+}
+
+/// The key of a leaf's random phase, and the cell that it shares it with. Under the strategy gather the leaf's phase
+/// becomes that of the cell.
+std::pair<uint64_t, WaveCell> place_in_cell(SpecularLeaf& leaf, const TraceParams& params, double side, const Ray& ray,
+                                            uint64_t sample) {
+  const bool is_constant = params.phase == SourcePhase::constant;
+  if (params.phase == SourcePhase::random || leaf.kind == LeafKind::beyond)
+    return {is_constant ? Sources::no_phase_key : sample, {}};
+  const Vec3 place = leaf.start.point.position;
+  const SurfaceCell cell = surface_cell(place, side);
+  const WaveCell own{image_key(cell.key, leaf.chain), length(cell.centre - place)};
+  if (params.strategy == Strategy::gather && params.one_wave_per_cell) move_phase(leaf, ray, cell.centre);
+  return {is_constant ? Sources::no_phase_key : cell.key, own};
 }
 
 bool looks_alike_from_everywhere(const PathScene& scene, const PathStart& start) {
@@ -109,10 +122,10 @@ std::vector<RayWave> find_waves(const PathScene& scene, const TraceParams& param
   std::vector<RayWave> waves;
   for (SpecularLeaf& leaf : leaves) {
     const Vec3 origin = leaf.chain.empty() ? leaf.start.point.position : ray.origin + ray.direction * leaf.distance;
-    const uint64_t key = key_of(leaf, params.phase, side, sample);
+    const auto [key, cell] = place_in_cell(leaf, params, side, ray, sample);
     LeafLight light = light_from(scene, params, leaf, sample, counts);
     const bool is_diffuse = leaf.kind == LeafKind::surface && looks_alike_from_everywhere(scene, leaf.start);
-    waves.push_back({std::move(leaf), origin, key, std::move(light), is_diffuse});
+    waves.push_back({std::move(leaf), origin, key, cell, std::move(light), is_diffuse});
   }
   return waves;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/data/params/trace.h"
+#include "holotrace/trace/merge_waves.h"
 #include "holotrace/trace/path.h"
 #include "holotrace/trace/specular.h"
 
@@ -23,12 +24,17 @@ struct RayWave {
   SpecularLeaf leaf;
   Vec3 origin;       ///< where it seems to come from [m]
   uint64_t key = 0;  ///< of its random phase, or Sources::no_phase_key
+  WaveCell cell;     ///< that it shares its phase with
   LeafLight light;
   bool is_diffuse = false;  ///< its surface alone is diffuse, and so looks alike from everywhere
 };
 
 /// The waves that a ray finds: one from its first hit or, where phases follow mirrors (follows_mirrors), one from
 /// each leaf of the tree that begins there (specular.h). None where the ray meets nothing.
+///
+/// Under the strategy gather phases are those of one place for each cell, so that rays of different pixels agree: the
+/// middle of the cell, dropped onto the plane of the surface. Their path from the panel is exact where the surface is
+/// seen directly, and right to first order in the cell's side behind mirrors and glass.
 ///
 /// @param side    of the cells of equal surface phase [m]
 /// @param sample  number of the ray: of its phase, and of the numbers of its light paths

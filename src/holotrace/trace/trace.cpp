@@ -17,6 +17,7 @@
 #include "holotrace/data/point_strength.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/light_surfaces.h"
+#include "holotrace/trace/merge_waves.h"
 #include "holotrace/trace/path.h"
 #include "holotrace/trace/ray_waves.h"
 #include "holotrace/trace/source_phase.h"
@@ -43,22 +44,18 @@ struct Tracing {
   double point_amplitude;  // on the panel, of a luminous point of 1 W/m²/sr
 };
 
-/// Waves of one set.
-struct Waves {
-  std::vector<Source> waves;
-  std::vector<uint64_t> keys;
-  std::vector<float> tiles;  // tiles[wave·tiles + tile]
-
-  void add(const Tracing& t, Vec3 origin, double amplitude, double phase, uint64_t key) {
-    if (key != Sources::no_phase_key) phase += random_phase(uint64_t(t.params.seed), 0, key);
-    waves.push_back({origin, float(amplitude), float(phase)});
-    if (key != Sources::no_phase_key) keys.push_back(key);  // all waves of a set have one, or none
-  }
-};
+/// Adds a wave to a set. `key` is that of its random phase.
+void add_wave(const Tracing& t, TracedWaves& set, Source wave, double phase, uint64_t key, WaveCell cell) {
+  if (key != Sources::no_phase_key) phase += random_phase(uint64_t(t.params.seed), 0, key);
+  wave.phase = float(phase);
+  set.waves.push_back(wave);
+  set.keys.push_back(key);
+  set.cells.push_back(cell);
+}
 
 /// What one task finds.
 struct Block {
-  std::vector<Waves> sets;
+  std::vector<TracedWaves> sets;
   PathCounts counts;
   int64_t first_hits = 0, far_waves = 0;
   Brightness surfaces;
@@ -66,6 +63,16 @@ struct Block {
 
 /// The angle in [0, 2π), where a float keeps it best.
 double wrapped(double phase) { return phase - 2 * pi * std::floor(phase / (2 * pi)); }
+
+/// Adds the wave that a ray has found to a set. Its tiles' amplitudes are there.
+void add_ray_wave(const Tracing& t, size_t s, const RayWave& wave, double amplitude, double light_phase,
+                  uint64_t sample, Block& block) {
+  const WaveSet& set = t.sets[s];
+  const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light_phase);
+  const uint64_t key = key_in(set, t.params.phase, wave.key, sample);
+  const bool is_alone = !t.params.one_wave_per_cell || key != wave.key;
+  add_wave(t, block.sets[s], {wave.origin, float(amplitude)}, phase, key, is_alone ? WaveCell{} : wave.cell);
+}
 
 /// Adds the waves that a ray has found to the sets, each with one amplitude for the whole panel.
 void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t sample, Block& block) {
@@ -76,9 +83,8 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t 
     const double brightness = squared_amplitude_of(light.radiance, t.params.amplitude);
     const double squared = brightness * t.pattern->squared_amplitude(ray, wave.origin, set.cone());
     block.surfaces.add(brightness);
-    const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light.phase);
     if (const double amplitude = std::sqrt(squared); amplitude > 0)
-      block.sets[i].add(t, wave.origin, amplitude, phase, key_in(set, t.params.phase, wave.key, sample));
+      add_ray_wave(t, i, wave, amplitude, light.phase, sample, block);
   }
 }
 
@@ -111,22 +117,21 @@ void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t s
     const auto amplitude_of = [&](const SetLight& l) {
       return std::sqrt(squared_amplitude_of(l.radiance, t.params.amplitude) * per_radiance);
     };
-    Waves& waves = block.sets[i];
-    const size_t first = waves.tiles.size();
+    std::vector<float>& tiles = block.sets[i].tiles;
+    const size_t first = tiles.size();
     bool is_lit = false;
     for (const auto& toward : seen) {
       const double amplitude =
           toward ? amplitude_of(light_of(set, toward->light ? *toward->light : wave.light, toward->weight)) : 0;
-      waves.tiles.push_back(float(amplitude));
+      tiles.push_back(float(amplitude));
       is_lit = is_lit || amplitude > 0;
     }
     if (!is_lit) {
-      waves.tiles.resize(first);
+      tiles.resize(first);
       continue;
     }
     block.surfaces.add(squared_amplitude_of(light.radiance, t.params.amplitude));
-    const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light.phase);
-    waves.add(t, wave.origin, amplitude_of(light), phase, key_in(set, t.params.phase, wave.key, sample));
+    add_ray_wave(t, i, wave, amplitude_of(light), light.phase, sample, block);
   }
 }
 
@@ -149,7 +154,7 @@ void trace_sample(const Tracing& t, int64_t index, Block& block) {
 }
 
 /// The luminous points that the panel's centre or, tiled, any tile sees.
-void add_points(const Tracing& t, std::vector<Waves>& sets, Brightness& brightness) {
+void add_points(const Tracing& t, std::vector<TracedWaves>& sets, Brightness& brightness) {
   const std::vector<ScenePoint>& points = t.scene.scene.points;
   for (size_t i = 0; i < points.size(); ++i) {
     const ScenePoint& point = points[i];
@@ -163,7 +168,8 @@ void add_points(const Tracing& t, std::vector<Waves>& sets, Brightness& brightne
     brightness.add(double(point.amplitude) * point.amplitude);
     for (size_t s = 0; s < sets.size(); ++s) {
       if (!t.sets[s].has_points) continue;
-      sets[s].add(t, point.position, amplitude, point.phase, point_key(t.scene.scene, t.params, t.sets[s], i, t.side));
+      add_wave(t, sets[s], {point.position, float(amplitude)}, point.phase,
+               point_key(t.scene.scene, t.params, t.sets[s], i, t.side), {});
       sets[s].tiles.insert(sets[s].tiles.end(), amplitudes.begin(), amplitudes.end());
     }
   }
@@ -176,38 +182,53 @@ struct Totals {
   Brightness points, surfaces;
 };
 
-/// The blocks' waves of set `s` after those of the points, which are in `points`; takes the blocks' memory.
-Sources join(const Tracing& t, size_t s, Waves& points, std::vector<Block>& blocks) {
+template <class T>
+void append(std::vector<T>& to, std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+  from = {};
+}
+
+/// The blocks' waves of set `s` after those of the points, which are in `points`, merged where they share a cell; takes
+/// the blocks' memory.
+Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>& blocks) {
+  TracedWaves all = std::move(points);
+  size_t most = all.waves.size();
+  for (const Block& block : blocks) most += block.sets[s].waves.size();
+  all.waves.reserve(most);
+  all.keys.reserve(most);
+  all.cells.reserve(most);
+  all.tiles.reserve(most * t.tiles.size());
+  for (Block& block : blocks) {
+    TracedWaves& from = block.sets[s];
+    append(all.waves, from.waves);
+    append(all.keys, from.keys);
+    append(all.cells, from.cells);
+    append(all.tiles, from.tiles);
+  }
+  const size_t tiles = t.tiles.size();
+  if (t.params.phase != SourcePhase::random) merge_waves(all, t.side, tiles);
   Sources sources;
   sources.wavelength = t.sets[s].wavelength;
   sources.cone_wavelength = t.sets[s].cone_wavelength;
   sources.name = t.sets[s].name;
   sources.seed = uint64_t(t.params.seed);
-  size_t count = points.waves.size();
-  for (const Block& block : blocks) count += block.sets[s].waves.size();
-  sources.waves.reserve(count);
-  const size_t tiles = t.tiles.size();
+  const size_t count = all.waves.size();
   if (tiles > 0) sources.tiles = {t.params.tile_columns, t.params.tile_rows, std::vector<float>(tiles * count)};
-  const auto take = [&](Waves& from) {
-    for (size_t i = 0; i < from.tiles.size(); ++i)
-      sources.tiles.values[i % tiles * count + sources.waves.size() + i / tiles] = from.tiles[i];
-    sources.waves.insert(sources.waves.end(), from.waves.begin(), from.waves.end());
-    sources.phase_keys.insert(sources.phase_keys.end(), from.keys.begin(), from.keys.end());
-    from = {};
-  };
-  take(points);
-  for (Block& block : blocks) take(block.sets[s]);
+  for (size_t i = 0; i < all.tiles.size(); ++i) sources.tiles.values[i % tiles * count + i / tiles] = all.tiles[i];
+  sources.waves = std::move(all.waves);
+  const auto is_random = [](uint64_t key) { return key != Sources::no_phase_key; };
+  if (std::any_of(all.keys.begin(), all.keys.end(), is_random)) sources.phase_keys = std::move(all.keys);
   return sources;
 }
 
 /// Traces one group of wavelengths; sets of lights or layers that have no wave are left out.
 void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std::vector<Sources>& sets) {
   const int64_t count = t.pattern ? t.pattern->count() : 0;
-  const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(float) * double(t.tiles.size());
+  const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(WaveCell) + sizeof(float) * double(t.tiles.size());
   require_memory(2 * bytes * double(count) * double(t.sets.size()),
                  fmt::format("{} sets of waves of {} first hits", t.sets.size(), count));
   std::atomic<int64_t> found{0};  // behind mirrors and glass rays find several waves
-  std::vector<Waves> points(t.sets.size());
+  std::vector<TracedWaves> points(t.sets.size());
   add_points(t, points, totals.points);
   std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
   const auto trace_block = [&](int64_t b) {
@@ -216,7 +237,7 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
     const int64_t end = std::min(count, (b + 1) * block_size);
     for (int64_t i = b * block_size; i < end; ++i) trace_sample(t, i, block);
     int64_t waves = 0;
-    for (const Waves& set : block.sets) waves += int64_t(set.waves.size());
+    for (const TracedWaves& set : block.sets) waves += int64_t(set.waves.size());
     waves += found.fetch_add(waves);
     require_memory(2 * bytes * double(waves), "the waves that rays find behind mirrors and glass");
   };
@@ -228,7 +249,7 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
     totals.first_hits += block.first_hits;
     totals.far_waves += block.far_waves;
     totals.surfaces += block.surfaces;
-    for (const Waves& set : block.sets) totals.mesh_waves += int64_t(set.waves.size());
+    for (const TracedWaves& set : block.sets) totals.mesh_waves += int64_t(set.waves.size());
   }
   const bool is_whole = !t.params.separate_layers && !t.params.separate_lights;
   for (size_t s = 0; s < t.sets.size(); ++s) {

@@ -47,6 +47,11 @@ namespace holotrace {
 /// the mean of a smaller by Var(L)/8L², relative: `paths` is what makes that small. Luminous points keep their
 /// amplitude.
 ///
+/// **One wave per cell.** First hits in one cell of equal phase (source_phase.h), seen by way of the same mirrors and
+/// glass, make one wave of the squared amplitude Σa² (merge_waves.h): |U|² is the irradiance whatever the raster and
+/// the grain. With `one_wave_per_cell = false` each first hit keeps a wave of its own; n in a cell then are n times too
+/// bright where they are in step.
+///
 /// **Phases**: source_phase.h. Under `random`, `constant` and `surface` waves begin at the first hit, even where
 /// that is a mirror; under `path` and `laser` behind mirrors and glass (specular.h), where the optical path puts them,
 /// as many as there are ways. Luminous points add their own phase; under `laser` they have no other. Random parts are
@@ -65,7 +70,7 @@ namespace holotrace {
 /// of visible lights are first hits as those of meshes are.
 ///
 /// Random numbers are counted, i counting the points and then the rays; the waves are in that
-/// order, so the result is the same on any number of threads.
+/// order, a merged one at the place of its first, so the result is the same on any number of threads.
 ///
 /// @param scene        at z < 0 [m]
 /// @param panel        pixels: nx, ny, pitch [m]
@@ -79,8 +84,8 @@ namespace holotrace {
 ///
 /// Cost: one ray per first hit, then mean_path_length·(1 + lights) rays per path; tiled, a shadow ray more per wave and
 /// tile, and paths again for each tile where surfaces are not diffuse alone. Memory: 40 bytes per wave and set, and
-/// 4 per tile; twice that while tracing. One wave per ray and set is checked for before, more behind mirrors and glass
-/// as they come.
+/// 4 per tile; twice that and 32 bytes while tracing. One wave per ray and set is checked for before, more behind
+/// mirrors and glass as they come.
 std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
                            const TraceParams& params, const Observer& observer = {});
 
