@@ -7,7 +7,8 @@
 namespace holotrace {
 namespace {
 
-double psnr_of(Slm slm, EncodeParams params, const std::vector<std::string>& effects = {}) {
+double psnr_of(Slm slm, EncodeParams params, const std::vector<std::string>& effects = {},
+               PixelSampling sampling = PixelSampling::integrate) {
   params.target_distances = {0.01};
   params.target_columns = 208;
   params.target_rows = 152;
@@ -15,7 +16,7 @@ double psnr_of(Slm slm, EncodeParams params, const std::vector<std::string>& eff
   const Field field = field_of_target(targets[0], slm, params);
   const bool is_iteration = params.method == Encoding::sgd || params.method == Encoding::gerchberg_saxton;
   const Hologram h = is_iteration ? encode_targets(targets, field, slm, params) : encode(field, slm, params);
-  return encoder_quality(targets[0], h, slm, {.effects = effects}).psnr;
+  return encoder_quality(targets[0], h, slm, {.effects = effects}, sampling).psnr;
 }
 
 Slm panel() { return make_panel(256, 192); }
@@ -23,7 +24,10 @@ Slm panel() { return make_panel(256, 192); }
 TEST(Quality, AComplexPanelShowsThePictureToItsLevels) {
   Slm slm = panel();
   slm.modulation = Modulation::complex;
-  EXPECT_GT(psnr_of(slm, {.method = Encoding::complex}), 40);  // 8 bits of a field that rarely nears its maximum
+  // At the pixels' middles: 8 bits of a field that rarely nears its maximum. The picture is told at the middles, so
+  // that even the exact field differs from it by what a mean over a pixel loses of the finest detail: measured 33.9 dB.
+  EXPECT_GT(psnr_of(slm, {.method = Encoding::complex}, {}, PixelSampling::point), 40);
+  EXPECT_GT(psnr_of(slm, {.method = Encoding::complex}), 32);
 }
 
 TEST(Quality, DoublePhaseAndErrorDiffusionKeepTheModulus) {
