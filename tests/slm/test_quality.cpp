@@ -38,12 +38,17 @@ TEST(Quality, DoublePhaseAndErrorDiffusionKeepTheModulus) {
 }
 
 TEST(Quality, DescentIsTheBestOfPhasePanels) {
-  EncodeParams params{.method = Encoding::sgd};
-  params.iterations = 60;
-  const double descent = psnr_of(panel(), params);
-  EXPECT_GT(descent, 28);  // double-phase's figure in full HD is 26 and more; full runs reach 35 and more there
-  params.method = Encoding::gerchberg_saxton;
-  EXPECT_GT(descent, psnr_of(panel(), params) + 3);
+  EncodeParams descent{.method = Encoding::sgd}, projections{.method = Encoding::gerchberg_saxton};
+  descent.iterations = 60;
+  // At the pixels' middles, which is where both iterations look: double-phase's figure in full HD is 26 and more, full
+  // runs of descent reach 35 and more there.
+  const double at_middles = psnr_of(panel(), descent, {}, PixelSampling::point);
+  EXPECT_GT(at_middles, 28);
+  EXPECT_GT(at_middles, psnr_of(panel(), projections, {}, PixelSampling::point) + 3);
+  // Over the pixels' area both are worse, by what they leave between the middles: measured 26.5 dB and 25.0 dB.
+  const double integrated = psnr_of(panel(), descent);
+  EXPECT_GT(integrated, 25.5);
+  EXPECT_GT(integrated, psnr_of(panel(), projections) + 1);
 }
 
 TEST(Quality, DescentThatKnowsThePanelIsBetterByThreeDecibels) {
