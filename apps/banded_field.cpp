@@ -18,10 +18,10 @@
 #include "band_messages.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/io/field_bands.h"
-#include "holotrace/io/output.h"
+#include "holotrace/io/field/field_bands.h"
+#include "holotrace/io/files/output.h"
 #include "holotrace/wave/bands.h"
-#include "holotrace/wave/cost_model.h"
+#include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -107,7 +107,7 @@ void warn_of_missed_waves(const BandedField& job, const Observer& observer) {
   for (const Sources& set : job.sets)
     if (const int64_t missed = missed_waves(set, job.panel); missed > 0)
       observer.warn(
-          fmt::format("{} of {} waves reach no pixel at an angle that the panel can hold; move them nearer "
+          fmt::format("{} of {} waves light no pixel: they are outside the panel's diffraction cone; move them nearer "
                       "to the axis or farther from the panel",
                       missed, set.waves.size()));
 }

@@ -11,7 +11,7 @@
 
 namespace holotrace {
 
-/// What `holotrace field` makes band by band (wave/bands.h, io/field_bands.h).
+/// What `holotrace field` makes band by band (wave/bands.h, io/field/field_bands.h).
 struct BandedField {
   std::string output;         ///< .h5; one per name of the sets: NAME, NAME_2, …
   std::vector<Sources> sets;  ///< in the frame asked for, one per wavelength and name

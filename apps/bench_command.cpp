@@ -14,8 +14,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/estimate/ceilings.h"
-#include "holotrace/io/chart_file.h"
-#include "holotrace/io/output.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/picture/chart_file.h"
 
 namespace holotrace {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "bench.h"
 #include "holotrace/estimate/timed_jobs.h"
-#include "holotrace/wave/sum_layers.h"
-#include "holotrace/wave/sum_triangles.h"
+#include "holotrace/wave/layers/sum_layers.h"
+#include "holotrace/wave/triangles/sum_triangles.h"
 
 namespace holotrace {
 namespace {

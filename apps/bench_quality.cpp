@@ -8,10 +8,10 @@
 #include "holotrace/estimate/encoder_quality.h"
 #include "holotrace/estimate/test_picture.h"
 #include "holotrace/estimate/timed_jobs.h"
-#include "holotrace/io/slm_file.h"
-#include "holotrace/slm/encode.h"
-#include "holotrace/slm/iterations.h"
-#include "holotrace/slm/target.h"
+#include "holotrace/io/scene/slm_file.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/encode/iterations.h"
+#include "holotrace/slm/encode/target.h"
 #include "median_seconds.h"
 
 namespace holotrace {

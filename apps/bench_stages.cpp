@@ -8,11 +8,11 @@
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/ceilings.h"
 #include "holotrace/estimate/timed_jobs.h"
-#include "holotrace/io/slm_file.h"
-#include "holotrace/slm/encode.h"
-#include "holotrace/slm/show.h"
-#include "holotrace/wave/cost_model.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/io/scene/slm_file.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/shared/cost_model.h"
 
 namespace holotrace {
 namespace {

@@ -15,13 +15,12 @@
 #include "holotrace/estimate/bf16_peak.h"
 #include "holotrace/estimate/multiply_add_peak.h"
 #include "holotrace/estimate/timed_jobs.h"
-#include "holotrace/wave/packed_product.h"
 #include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/synthesize.h"
-#include "holotrace/wave/tile_error.h"
-#include "holotrace/wave/tile_sum.h"
+#include "holotrace/wave/tiles/packed_product.h"
+#include "holotrace/wave/tiles/tile_error.h"
+#include "holotrace/wave/tiles/tile_sum.h"
 
 namespace holotrace {
 namespace {
@@ -71,7 +70,7 @@ BenchRow bench_sum(const BenchOptions& options, const std::string& stage, const 
       options, [&] { field = sum(sources, keep_facts(facts)); }, amount, tile_ceiling);
   const std::string name = fmt::format("{}, {:g}", job.name(), tolerance);
   BenchRow row =
-      make_row(stage, name, timing, amount, "waves·pixels", "multiply-adds " + sum_tiled_instruction_set() + " / 4");
+      make_row(stage, name, timing, amount, "waves·pixels", "multiply-adds " + tile_sum_instruction_set() + " / 4");
   row.error = sampled_error(field, sources, compared_pixels(job));
   row.facts = facts;
   return row;

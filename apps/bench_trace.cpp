@@ -8,7 +8,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
-#include "holotrace/io/slm_file.h"
+#include "holotrace/io/scene/slm_file.h"
 #include "holotrace/trace/first_hits.h"
 #include "holotrace/trace/path.h"
 #include "holotrace/trace/trace.h"

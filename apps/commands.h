@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/io/scene_file.h"
-#include "holotrace/io/slm_file.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "holotrace/io/scene/slm_file.h"
 
 namespace holotrace {
 

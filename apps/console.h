@@ -4,7 +4,7 @@
 #include <string>
 
 #include "holotrace/data/report.h"
-#include "holotrace/stage.h"
+#include "holotrace/run/stage.h"
 
 namespace holotrace {
 

@@ -5,7 +5,7 @@
 
 #include "console.h"
 #include "holotrace/base/error.h"
-#include "holotrace/io/chart_file.h"
+#include "holotrace/io/picture/chart_file.h"
 
 namespace holotrace {
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "holotrace/base/units.h"
-#include "holotrace/io/depth_image_file.h"
-#include "holotrace/wave/depth_layers.h"
+#include "holotrace/io/picture/depth_image_file.h"
+#include "holotrace/wave/layers/depth_layers.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {

@@ -6,9 +6,9 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/pipeline.h"
-#include "holotrace/slm/iterations.h"
-#include "holotrace/viewing.h"
+#include "holotrace/run/pipeline.h"
+#include "holotrace/run/viewing.h"
+#include "holotrace/slm/encode/iterations.h"
 #include "median_seconds.h"
 
 namespace holotrace {

@@ -12,7 +12,7 @@
 #include "holotrace/base/thread_count.h"
 #include "holotrace/estimate/cost.h"
 #include "holotrace/estimate/multiply_add_peak.h"
-#include "holotrace/io/scene_file.h"
+#include "holotrace/io/scene/scene_file.h"
 #include "job_estimate.h"
 
 namespace holotrace {

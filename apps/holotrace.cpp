@@ -14,7 +14,7 @@
 #include "holotrace/estimate/calibrate.h"
 #include "holotrace/io/rates_file.h"
 #include "holotrace/io/wisdom_file.h"
-#include "holotrace/wave/cost_model.h"
+#include "holotrace/wave/shared/cost_model.h"
 #include "ranks.h"
 
 namespace {

@@ -13,7 +13,7 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/estimate/grid_cost.h"
 #include "holotrace/estimate/probes.h"
-#include "holotrace/pipeline.h"
+#include "holotrace/run/pipeline.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/uniform_grid.h"
 #include "holotrace/wave/synthesize.h"

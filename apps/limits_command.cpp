@@ -14,8 +14,8 @@
 #include "holotrace/estimate/alias_free.h"
 #include "holotrace/estimate/limits.h"
 #include "holotrace/estimate/vision.h"
-#include "holotrace/io/chart_file.h"
-#include "holotrace/io/output.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/picture/chart_file.h"
 #include "limits_table.h"
 #include "save_views.h"
 

@@ -7,9 +7,9 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
-#include "holotrace/io/field_file.h"
-#include "holotrace/io/output.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace {
 namespace {

@@ -5,11 +5,11 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/io/animation.h"
-#include "holotrace/io/chart_file.h"
-#include "holotrace/io/file.h"
-#include "holotrace/io/image_file.h"
-#include "holotrace/io/output.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/picture/animation.h"
+#include "holotrace/io/picture/chart_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "holotrace/view/stereo.h"
 
 namespace holotrace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/viewing.h"
+#include "holotrace/run/viewing.h"
 
 namespace holotrace {
 

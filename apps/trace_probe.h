@@ -5,7 +5,7 @@
 
 #include "holotrace/data/job.h"
 #include "holotrace/estimate/probes.h"
-#include "holotrace/pipeline.h"
+#include "holotrace/run/pipeline.h"
 
 namespace holotrace {
 

@@ -2,9 +2,9 @@
 //   build/release/bench/holotrace_bench --benchmark_filter='iteration|one_propagation'
 
 #include "holotrace/estimate/test_picture.h"
-#include "holotrace/slm/encode.h"
-#include "holotrace/slm/target.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/encode/target.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "jobs.h"
 
 namespace holotrace {

@@ -1,11 +1,11 @@
 // Propagation, encoding and the virtual SLM on their own.
 
 #include "holotrace/estimate/ceilings.h"
-#include "holotrace/io/slm_file.h"
-#include "holotrace/slm/encode.h"
-#include "holotrace/slm/show.h"
-#include "holotrace/wave/cost_model.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/io/scene/slm_file.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/shared/cost_model.h"
 #include "jobs.h"
 
 namespace holotrace {

@@ -5,7 +5,7 @@
 
 #include "holotrace/estimate/timed_jobs.h"
 #include "holotrace/wave/sum_tiled.h"
-#include "holotrace/wave/sum_triangles.h"
+#include "holotrace/wave/triangles/sum_triangles.h"
 
 namespace holotrace {
 namespace {

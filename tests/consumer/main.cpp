@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "holotrace/base/units.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/synthesize.h"
 
 using namespace holotrace;

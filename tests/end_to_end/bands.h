@@ -11,7 +11,7 @@
 
 #include "end_to_end/scenes.h"
 #include "holotrace/base/random.h"
-#include "holotrace/io/sources_file.h"
+#include "holotrace/io/field/sources_file.h"
 #include "support/program.h"
 
 // Fields made band by band, by the program: a panel of 16 bands and some waves near it.

@@ -1,4 +1,5 @@
-// The arrows of the design: which room may include which (CONTRIBUTING.md lists them).
+// The rooms of the library and the arrows between them. CONTRIBUTING.md has the table; these tests read it and hold the
+// code to it.
 
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include <regex>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "support/build_paths.h"
 
@@ -15,69 +17,115 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path library = fs::path(HOLOTRACE_SOURCE_DIR) / "src" / "holotrace";
+const fs::path source = HOLOTRACE_SOURCE_DIR;
+const fs::path library = source / "src" / "holotrace";
 
-// Room → the rooms that its files may include besides their own. `estimate` may also see what it times.
-const std::map<std::string, std::set<std::string>> arrows{
-    {"base", {}},
-    {"data", {"base"}},
-    {"io", {"base", "data"}},
-    {"trace", {"base", "data"}},
-    {"wave", {"base", "data"}},
-    {"slm", {"base", "data", "wave"}},
-    {"view", {"base", "data", "wave"}},
-    {"estimate", {"base", "data", "trace", "wave", "slm", "view"}},
-    {"cuda", {"base", "data", "trace", "wave", "slm", "view"}},
-};
+using Arrows = std::map<std::string, std::set<std::string>>;  // room → the rooms that it may include besides itself
 
-// The room of "holotrace/wave/propagate.h" is "wave"; files beside the rooms, as pipeline.h, are in "top".
-std::string room_of(const std::string& include) {
-  const size_t slash = include.find('/');
-  return slash == std::string::npos ? "top" : include.substr(0, slash);
+// Names in backticks, as `wave/tiles/`, without the last slash.
+std::vector<std::string> names_in(const std::string& text) {
+  static const std::regex name("`([a-z0-9_/]+?)/?`");
+  std::vector<std::string> names;
+  for (std::sregex_iterator i(text.begin(), text.end(), name), end; i != end; ++i) names.push_back((*i)[1]);
+  return names;
+}
+
+// The rows "| `room/` | what it holds | `room/`, `room/` |" of CONTRIBUTING.md.
+Arrows table_of_rooms() {
+  static const std::regex row(R"(^\| (`[a-z0-9_/]+/`) \|[^|]*\|([^|]*)\|$)");
+  Arrows arrows;
+  std::ifstream in(source / "CONTRIBUTING.md");
+  std::string line;
+  std::smatch match;
+  while (std::getline(in, line))
+    if (std::regex_match(line, match, row)) {
+      const std::vector<std::string> below = names_in(match[2]);
+      arrows[names_in(match[1]).front()] = {below.begin(), below.end()};
+    }
+  return arrows;
+}
+
+// The room of "wave/tiles/tile_sum.h" is "wave/tiles"; folders that are no room belong to the one around them.
+std::string room_of(const Arrows& arrows, const fs::path& file) {
+  fs::path folder = file.parent_path();
+  while (!folder.empty() && !arrows.contains(folder.string())) folder = folder.parent_path();
+  return folder.string();
 }
 
 struct Include {
-  std::string file, room, included;
+  std::string file, included;
   int line = 0;
 };
 
-std::vector<Include> includes_of(const fs::path& folder) {
+std::vector<fs::path> source_files() {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(library))
+    if (entry.path().extension() == ".cpp" || entry.path().extension() == ".h") files.push_back(entry.path());
+  return files;
+}
+
+std::vector<Include> all_includes() {
   static const std::regex pattern("^\\s*#\\s*include\\s*[\"<]holotrace/([^\">]+)[\">].*");
   std::vector<Include> found;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file() || entry.path().filename() == "CMakeLists.txt") continue;
-    const std::string file = fs::relative(entry.path(), library).string();
-    std::ifstream in(entry.path());
+  for (const fs::path& path : source_files()) {
+    std::ifstream in(path);
     std::string line;
     std::smatch match;
     for (int number = 1; std::getline(in, line); ++number)
-      if (std::regex_match(line, match, pattern)) found.push_back({file, room_of(file), match[1], number});
+      if (std::regex_match(line, match, pattern))
+        found.push_back({fs::relative(path, library).string(), match[1], number});
   }
   return found;
 }
 
-TEST(Architecture, EveryRoomIncludesOnlyTheRoomsBelowIt) {
-  const auto includes = includes_of(library);
-  ASSERT_GT(includes.size(), 100U) << "a scan that finds fewer includes than there are files reads the wrong folder";
+TEST(Architecture, EveryRoomIncludesOnlyTheRoomsThatItsRowOfTheTableNames) {
+  const Arrows arrows = table_of_rooms();
+  ASSERT_GT(arrows.size(), 15U) << "the table of CONTRIBUTING.md was not found";
+  const std::vector<Include> includes = all_includes();
+  ASSERT_GT(includes.size(), 300U) << "a scan that finds fewer includes than there are files reads the wrong folder";
   for (const Include& i : includes) {
-    if (i.room == "top") continue;
-    ASSERT_TRUE(arrows.contains(i.room)) << "the room " << i.room << " has no arrows in this test; add them";
-    const std::string target = room_of(i.included);
-    EXPECT_TRUE(target == i.room || arrows.at(i.room).contains(target))
-        << "src/holotrace/" << i.file << ":" << i.line << " includes " << i.included << ": " << i.room
-        << " may not see " << target;
+    const std::string room = room_of(arrows, i.file), target = room_of(arrows, i.included);
+    EXPECT_TRUE(target == room || arrows.at(room).contains(target))
+        << "src/holotrace/" << i.file << ":" << i.line << " includes " << i.included << ": " << room
+        << "/ may not include " << target << "/ (table of CONTRIBUTING.md)";
   }
 }
 
+TEST(Architecture, EveryFileIsInARoomAndEveryRoomHasItsReadme) {
+  const Arrows arrows = table_of_rooms();
+  for (const fs::path& path : source_files())
+    EXPECT_FALSE(room_of(arrows, fs::relative(path, library)).empty()) << path << " is in no room of CONTRIBUTING.md";
+  for (const auto& [room, below] : arrows) {
+    std::ifstream readme(library / room / "README.md");
+    std::string title;
+    EXPECT_TRUE(std::getline(readme, title)) << "src/holotrace/" << room << " has no README.md";
+    EXPECT_EQ(title, "# `" + room + "/`");
+    for (const std::string& name : below) EXPECT_TRUE(arrows.contains(name)) << room << " names " << name;
+  }
+}
+
+TEST(Architecture, ArrowsBetweenRoomsMakeNoCycle) {
+  Arrows left = table_of_rooms();
+  // Rooms that include no room that is left are taken away, again and again: those of a cycle stay.
+  for (size_t before = 0; before != left.size();) {
+    before = left.size();
+    std::erase_if(left, [&](const auto& entry) {
+      return std::none_of(entry.second.begin(), entry.second.end(),
+                          [&](const std::string& below) { return left.contains(below); });
+    });
+  }
+  for (const auto& [room, below] : left) ADD_FAILURE() << room << " is in a cycle of arrows, or above one";
+}
+
 TEST(Architecture, OnlyTheProgramOpensFiles) {
-  // io is used by apps/ and nowhere else in the library: not even by pipeline.
-  for (const Include& i : includes_of(library))
-    EXPECT_FALSE(room_of(i.included) == "io" && i.room != "io")
+  // io is used by apps/ and nowhere else in the library: not even by run.
+  for (const Include& i : all_includes())
+    EXPECT_FALSE(i.included.starts_with("io/") && !i.file.starts_with("io/"))
         << "src/holotrace/" << i.file << ":" << i.line << " includes " << i.included;
 }
 
 TEST(Architecture, EveryIncludedHeaderExists) {
-  for (const Include& i : includes_of(library))
+  for (const Include& i : all_includes())
     EXPECT_TRUE(fs::exists(library / i.included)) << i.file << ":" << i.line << " includes " << i.included;
 }
 
@@ -85,13 +133,12 @@ TEST(Architecture, TheLibraryNeitherPrintsNorExits) {
   // Rule 8 of the style: errors are thrown and doubts go to the observer.
   static const std::regex pattern(
       "(std::cout|std::cerr|\\bprintf\\(|fmt::print\\(|std::exit\\(|\\bexit\\(|std::abort\\()");
-  for (const auto& entry : fs::recursive_directory_iterator(library)) {
-    if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
-    std::ifstream in(entry.path());
+  for (const fs::path& path : source_files()) {
+    std::ifstream in(path);
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {
       const std::string code = line.substr(0, line.find("//"));
-      EXPECT_FALSE(std::regex_search(code, pattern)) << entry.path() << ":" << number << ": " << line;
+      EXPECT_FALSE(std::regex_search(code, pattern)) << path << ":" << number << ": " << line;
     }
   }
 }

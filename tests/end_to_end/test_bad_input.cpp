@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "end_to_end/scenes.h"
-#include "holotrace/io/field_file.h"
+#include "holotrace/io/field/field_file.h"
 #include "support/program.h"
 
 namespace holotrace::test {

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "end_to_end/bands.h"
-#include "holotrace/io/field_file.h"
+#include "holotrace/io/field/field_file.h"
 #include "holotrace/view/compare.h"
 
 namespace holotrace::test {

@@ -11,7 +11,7 @@
 #include "holotrace/trace/gather.h"
 #include "holotrace/trace/source_phase.h"
 #include "holotrace/trace/trace.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/synthesize.h"
 #include "support/fields.h"
 #include "trace/scenes.h"
@@ -134,7 +134,7 @@ TEST(Coherence, SharedAndGatheredFieldsHaveOneMean) {
   EXPECT_NEAR(projection(dense, mean.field), 1, 4 * of_dense / std::sqrt(2.0 * 4096) + 1e-2);
 }
 
-// physics.md 16: E|Û_N|² = |M|² + Var/N; halves of independent rays have no bias.
+// closed_forms.md 16: E|Û_N|² = |M|² + Var/N; halves of independent rays have no bias.
 TEST(Coherence, IntensityIsBiasedByOneOverNAndTheCrossEstimatorIsNot) {
   const MeanField& mean = mean_field();
   const double pixels = double(small.pixels());

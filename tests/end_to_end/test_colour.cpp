@@ -9,7 +9,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/data/spectrum.h"
-#include "holotrace/pipeline.h"
+#include "holotrace/run/pipeline.h"
 
 namespace holotrace::test {
 namespace {

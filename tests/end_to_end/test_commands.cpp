@@ -8,11 +8,11 @@
 
 #include "end_to_end/scenes.h"
 #include "holotrace/base/units.h"
-#include "holotrace/io/field_file.h"
-#include "holotrace/io/hologram_file.h"
-#include "holotrace/io/image_file.h"
-#include "holotrace/io/sources_file.h"
-#include "holotrace/wave/direct_sum.h"
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/wave/propagate/direct_sum.h"
 #include "support/program.h"
 
 namespace holotrace::test {
@@ -235,7 +235,7 @@ TEST(Commands, LimitsAreThePapers) {
   const Workplace work;
   const auto panel = nlohmann::json::parse(
       succeed(work, {"limits", "--slm", "pluto", "--wavelength", "532 nm", "--distance", "200 mm", "--json"}));
-  EXPECT_NEAR(panel.at("half_angle_deg").get<double>(), 1.905, 5e-4);         // physics.md, section 1
+  EXPECT_NEAR(panel.at("half_angle_deg").get<double>(), 1.905, 5e-4);         // closed_forms.md, section 1
   EXPECT_NEAR(panel.at("alias_free_radius_m").get<double>() / 8e-6, 832, 1);  // the same: 832 px
   const auto wanted =
       nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "632.8 nm", "--angle", "15 deg", "--json"}));

@@ -11,7 +11,7 @@
 #include "holotrace/trace/gather.h"
 #include "holotrace/trace/shade_triangles.h"
 #include "holotrace/trace/trace.h"
-#include "holotrace/wave/spherical_wave_kernel.h"
+#include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/synthesize.h"
 #include "trace/scenes.h"

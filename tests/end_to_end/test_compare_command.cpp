@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "holotrace/data/image.h"
-#include "holotrace/io/image_file.h"
-#include "holotrace/view/align_image.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/view/register/align_image.h"
 #include "support/program.h"
 
 namespace holotrace::test {

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "end_to_end/scenes.h"
-#include "holotrace/io/field_file.h"
-#include "holotrace/io/image_file.h"
-#include "holotrace/io/sources_file.h"
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "support/program.h"
 
 namespace holotrace::test {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "holotrace/estimate/test_picture.h"
-#include "holotrace/io/image_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "support/program.h"
 
 namespace holotrace::test {

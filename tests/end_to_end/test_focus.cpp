@@ -6,8 +6,8 @@
 
 #include "end_to_end/scenes.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/io/field_file.h"
-#include "holotrace/io/image_file.h"
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/view_sum.h"
 #include "support/program.h"

@@ -25,14 +25,14 @@ nlohmann::json json_of(const Workplace& work, std::vector<std::string> flags) {
 TEST(LimitsCommand, TellsOrdersZonesAndWhatAnEyeNeeds) {
   const Workplace work;
   const auto gaea = json_of(work, {"--slm", "gaea", "--wavelength", "633 nm", "--frames", "60", "--colours", "3"});
-  EXPECT_NEAR(gaea.at("half_angle_deg").get<double>(), 4.854, 5e-4);  // physics.md, section 1
+  EXPECT_NEAR(gaea.at("half_angle_deg").get<double>(), 4.854, 5e-4);  // closed_forms.md, section 1
   ASSERT_EQ(gaea.at("orders").size(), 11U);
   EXPECT_EQ(gaea.at("orders")[6].at("order"), 1);
   EXPECT_NEAR(gaea.at("orders")[6].at("offset_m").get<double>(), gaea.at("order_spacing_m").get<double>(), 1e-15);
   EXPECT_EQ(gaea.at("vision").size(), 5U);
   EXPECT_TRUE(gaea.at("vision")[0].at("is_met").get<bool>());  // resolution, of a panel wider than 2.2 mm
   const auto pluto = json_of(work, {"--wavelength", "532 nm"});
-  EXPECT_NEAR(pluto.at("alias_free_distance_m").get<double>(), 0.4617, 5e-5);  // z* of physics.md, section 2
+  EXPECT_NEAR(pluto.at("alias_free_distance_m").get<double>(), 0.4617, 5e-5);  // z* of closed_forms.md, section 2
 }
 
 TEST(LimitsCommand, HasAColumnForEachWavelength) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "holotrace/io/image_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "support/program.h"
 
 namespace holotrace::test {

@@ -6,7 +6,7 @@
 
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/trace.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/synthesize.h"
 #include "trace/scenes.h"
 

@@ -3,7 +3,7 @@
 #include "flags.h"
 #include "holotrace/data/depth_image.h"
 #include "holotrace/data/job.h"
-#include "holotrace/view/register.h"
+#include "holotrace/view/register/register.h"
 #include "support/bounds.h"
 #include "support/program.h"
 #include "support/temporary.h"

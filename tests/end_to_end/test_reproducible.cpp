@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "end_to_end/scenes.h"
-#include "holotrace/io/field_file.h"
-#include "holotrace/io/image_file.h"
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "support/fields.h"
 #include "support/program.h"
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "holotrace/io/hologram_file.h"
-#include "holotrace/io/slm_file.h"
-#include "holotrace/slm/encode.h"
-#include "holotrace/slm/show.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/scene/slm_file.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "support/panels.h"
 #include "support/program.h"
 
@@ -40,7 +40,7 @@ Field ramp(const Slm& slm, int period) {
 }
 
 TEST(SlmChain, BlazedGratingsHaveTheEfficiencyOfTheirLevels) {
-  // physics.md, section 3: η₁ = sinc²(1/M) to the digits there, orders 1 + qM with sinc²(m/M), no other. Single
+  // closed_forms.md, section 3: η₁ = sinc²(1/M) to the digits there, orders 1 + qM with sinc²(m/M), no other. Single
   // precision holds 1e-6.
   const Workplace here;
   struct Case {

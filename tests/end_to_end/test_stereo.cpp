@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "end_to_end/scenes.h"
-#include "holotrace/io/image_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "support/program.h"
 
 namespace holotrace::test {

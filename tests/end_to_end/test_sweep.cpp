@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "end_to_end/scenes.h"
-#include "holotrace/io/image_file.h"
-#include "holotrace/viewing.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/run/viewing.h"
 #include "support/program.h"
 #include "support/temporary.h"
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "end_to_end/scenes.h"
-#include "holotrace/pipeline.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/run/pipeline.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "support/program.h"
 
 namespace holotrace::test {

@@ -10,15 +10,15 @@
 #include <thread>
 
 #include "end_to_end/scenes.h"
-#include "holotrace/io/hologram_file.h"
-#include "holotrace/io/image_file.h"
-#include "holotrace/io/scene_file.h"
-#include "holotrace/moment_plan.h"
-#include "holotrace/pipeline.h"
-#include "holotrace/slm/show.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "holotrace/run/moment_plan.h"
+#include "holotrace/run/pipeline.h"
+#include "holotrace/run/viewing.h"
+#include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
-#include "holotrace/viewing.h"
 #include "support/program.h"
 #include "support/temporary.h"
 

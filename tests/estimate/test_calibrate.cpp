@@ -4,8 +4,8 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/estimate/calibrate.h"
-#include "holotrace/wave/cost_model.h"
-#include "holotrace/wave/sum_tiled.h"
+#include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/tiles/tile_sum.h"
 
 namespace holotrace {
 namespace {
@@ -66,7 +66,7 @@ TEST(Calibrate, TimesEveryKindOnceAtLeastAndGivesCoarseRates) {
 }
 
 TEST(Calibrate, KeyNamesTheInstructionSet) {
-  EXPECT_NE(calibration_key().find(sum_tiled_instruction_set()), std::string::npos) << calibration_key();
+  EXPECT_NE(calibration_key().find(tile_sum_instruction_set()), std::string::npos) << calibration_key();
   EXPECT_EQ(calibration_key(), calibration_key());
 }
 

@@ -7,7 +7,7 @@
 #include "holotrace/base/instruction_set.h"
 #include "holotrace/base/thread_count.h"
 #include "holotrace/estimate/ceilings.h"
-#include "holotrace/wave/sum_tiled.h"
+#include "holotrace/wave/tiles/tile_sum.h"
 
 namespace holotrace {
 namespace {
@@ -36,14 +36,14 @@ TEST(Ceilings, AreMeasuredForAllThatTheMachineHas) {
 }
 
 TEST(InstructionSet, IsTheOneAskedForWhileItIsHeld) {
-  const std::string usual = sum_tiled_instruction_set();
+  const std::string usual = tile_sum_instruction_set();
   ASSERT_FALSE(instruction_sets().empty());
   EXPECT_EQ(usual, instruction_sets().front()) << "the best there is";
   for (const std::string& name : instruction_sets()) {
     const OnInstructionSet alone(name);
-    EXPECT_EQ(sum_tiled_instruction_set(), name);
+    EXPECT_EQ(tile_sum_instruction_set(), name);
   }
-  EXPECT_EQ(sum_tiled_instruction_set(), usual);
+  EXPECT_EQ(tile_sum_instruction_set(), usual);
 }
 
 TEST(InstructionSet, UnknownNamesAreRefused) { EXPECT_THROW(OnInstructionSet("AVX4096"), Error); }

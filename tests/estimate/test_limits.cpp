@@ -4,7 +4,7 @@
 #include "holotrace/estimate/limits.h"
 #include "support/panels.h"
 
-// Numbers are those of physics.md; a tolerance is half of the last digit printed there.
+// Numbers are those of closed_forms.md; a tolerance is half of the last digit printed there.
 
 namespace holotrace {
 namespace {
@@ -29,7 +29,7 @@ TEST(Limits, HalfDiffractionAngles) {
 }
 
 TEST(Limits, BoxOfASource) {
-  // In pixels of 8 µm, as physics.md counts them.
+  // In pixels of 8 µm, as closed_forms.md counts them.
   EXPECT_NEAR(limits(pluto, 532_nm, 0.1_m).box_radius / 8e-6, 416, 0.5);
   EXPECT_NEAR(limits(pluto, 532_nm, 0.2_m).box_radius / 8e-6, 832, 0.5);
   EXPECT_NEAR(limits(pluto, 532_nm, 0.3_m).box_radius / 8e-6, 1248, 0.5);
@@ -96,7 +96,7 @@ TEST(Limits, OrdersOfPlutoAndGaea) {
 }
 
 TEST(Limits, AliasFreeDistances) {
-  // physics.md, section 2: z* of 1920 × 1080 pixels of 8 µm at 532 nm.
+  // closed_forms.md, section 2: z* of 1920 × 1080 pixels of 8 µm at 532 nm.
   EXPECT_NEAR(limits(pluto, 532_nm, 1).alias_free_distance, 0.4617, 5e-5);
   EXPECT_NEAR(limits({1080, 1080, 8e-6}, 532_nm, 1).alias_free_distance, 0.2597, 5e-5);
   // There the box of a point behind the panel's edge reaches its other edge: R = S.

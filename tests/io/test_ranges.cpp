@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/data/params/check_ranges.h"
-#include "holotrace/io/scene_file.h"
+#include "holotrace/io/scene/scene_file.h"
 #include "support/bounds.h"
 #include "support/temporary.h"
 

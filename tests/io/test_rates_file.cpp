@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "holotrace/io/file.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/rates_file.h"
 #include "support/temporary.h"
 

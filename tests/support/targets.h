@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "holotrace/estimate/test_picture.h"
-#include "holotrace/slm/encode.h"
-#include "holotrace/slm/target.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/encode/target.h"
 #include "support/panels.h"
 
 namespace holotrace {

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/base/error.h"
-#include "holotrace/slm/show.h"
+#include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/sum_exact.h"
 #include "support/panels.h"
 
@@ -236,7 +236,7 @@ TEST(Camera, ALensMagnifiesByItsFormulaAndKeepsTheLight) {
   }
 }
 
-// First zero of Airy's pattern, 1.2197·λ·s'/D, s' the distance of the sensor (physics.md: test value 8).
+// First zero of Airy's pattern, 1.2197·λ·s'/D, s' the distance of the sensor (closed_forms.md: test value 8).
 TEST(Camera, APointInFocusIsAirysDisc) {
   const Slm slm = make_panel(256, 256);
   CameraParams camera;

@@ -1,4 +1,4 @@
-#include "holotrace/slm/show.h"
+#include "holotrace/slm/panel/show.h"
 #include "holotrace/view/order_efficiency.h"
 #include "support/panels.h"
 

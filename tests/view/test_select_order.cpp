@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "holotrace/slm/encode.h"
-#include "holotrace/slm/show.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/panel/show.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/select_order.h"
 #include "support/panels.h"

@@ -47,8 +47,7 @@ TEST(Stereo, RedIsTheLeftLuminanceAndCyanTheRightPicture) {
 TEST(Stereo, PairsThatCannotBeAreRefused) {
   RenderParams params;
   params.eye_separation = -1e-3;
-  EXPECT_EQ(error_of([&] { stereo_pair(params); }),
-            "expected eyes more than 0 m apart for a stereo pair, got -1 mm");
+  EXPECT_EQ(error_of([&] { stereo_pair(params); }), "expected eyes more than 0 m apart for a stereo pair, got -1 mm");
   params.eye_separation = 6e-3;
   params.lens = Lens::panel;
   EXPECT_EQ(error_of([&] { stereo_pair(params); }),

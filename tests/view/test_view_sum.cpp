@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "holotrace/data/spectrum.h"
-#include "holotrace/slm/encode.h"
-#include "holotrace/slm/show.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/view_sum.h"

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/base/random.h"
-#include "holotrace/wave/direct_sum.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/propagate/direct_sum.h"
+#include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace::testing {
 

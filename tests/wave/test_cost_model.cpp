@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
-#include "holotrace/wave/cost_model.h"
+#include "holotrace/wave/shared/cost_model.h"
 
 namespace holotrace {
 namespace {

@@ -6,11 +6,11 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/wave/spherical_wave_kernel.h"
+#include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/synthesize.h"
-#include "holotrace/wave/tile_error.h"
+#include "holotrace/wave/tiles/tile_error.h"
 #include "support/fields.h"
 
 namespace holotrace {
@@ -50,7 +50,7 @@ double phase_at(const Sources& sources, double x, double y) {
   return phase < 0 ? phase + 2 * pi : phase;
 }
 
-// physics.md section 5, case 1; digits as given there: 1e-7.
+// closed_forms.md section 5, case 1; digits as given there: 1e-7.
 TEST(SphericalWave, HasThePhasesOfCase1) {
   EXPECT_NEAR(phase_at(one_wave({0, 0, -0.2_m}), 1_mm, 0.5_mm), 4.5467537, 1e-7);
   EXPECT_NEAR(phase_at(one_wave({0, 0, -0.3_m}), 7.68_mm, 4.32_mm), 6.0954139, 1e-7);
@@ -75,7 +75,7 @@ TEST(SphericalWave, IsAmplitudeTimesDepthOverDistance) {
   EXPECT_NEAR(std::abs(wave_at(wave, 4_mm, 0, green)), 2.0 * 3 / 5, 1e-15);  // a 3-4-5 triangle
 }
 
-// Boxes of physics.md section 1: R in pixels of 8 µm.
+// Boxes of closed_forms.md section 1: R in pixels of 8 µm.
 TEST(LitBox, HasTheRadiusOfTheGratingEquation) {
   const struct {
     double wavelength, depth;
@@ -228,7 +228,7 @@ TEST(Synthesize, WarnsOfWavesThatMissThePanel) {
   Observer observer;
   observer.on_warning = [&](const std::string& text) { warning = text; };
   synthesize(sources, grid, {}, observer);
-  EXPECT_EQ(warning.rfind("1 of 2 waves reach no pixel", 0), 0U) << warning;
+  EXPECT_EQ(warning.rfind("1 of 2 waves light no pixel", 0), 0U) << warning;
 }
 
 // --- amplitudes of their own in each tile of the panel -------------------------------------------

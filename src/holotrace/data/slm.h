@@ -56,7 +56,7 @@ struct Slm {
   double design_wavelength = 0;            ///< [m] where level M would show the phase range; 0: the wavelength in use
   double phase_range = 6.283185307179586;  ///< what level M would show at the design wavelength [rad]
   SlmEffects effects{};
-  std::string preset{};  ///< name or file that it was read from (io/slm_file.h); "": none
+  std::string preset{};  ///< name or file that it was read from (io/scene/slm_file.h); "": none
   std::string source{};  ///< where its figures are from, for people
 
   double lit_x() const { return fill_x > 0 ? fill_x : std::sqrt(fill_factor); }

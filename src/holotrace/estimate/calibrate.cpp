@@ -12,12 +12,11 @@
 #include "holotrace/base/fft.h"
 #include "holotrace/estimate/peak_rate.h"
 #include "holotrace/estimate/timed_jobs.h"
-#include "holotrace/wave/cost_model.h"
-#include "holotrace/wave/packed_product.h"
-#include "holotrace/wave/plane_plan.h"
+#include "holotrace/wave/planes/plane_plan.h"
+#include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_tiled.h"
-#include "holotrace/wave/tile_sum.h"
+#include "holotrace/wave/tiles/packed_product.h"
+#include "holotrace/wave/tiles/tile_sum.h"
 
 namespace holotrace {
 namespace {
@@ -118,7 +117,7 @@ SummationRates calibrate_summation() {
 }
 
 std::string calibration_key() {
-  return fmt::format("holotrace {}; {}; {}; {}{}", HOLOTRACE_VERSION, cpu_name(), sum_tiled_instruction_set(),
+  return fmt::format("holotrace {}; {}; {}; {}{}", HOLOTRACE_VERSION, cpu_name(), tile_sum_instruction_set(),
                      has_avx512_bf16() ? "AVX512_BF16 " : "", enable_amx_bf16() ? "AMX_BF16" : "");
 }
 

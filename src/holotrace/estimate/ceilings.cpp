@@ -15,7 +15,7 @@
 #include "holotrace/estimate/bf16_peak.h"
 #include "holotrace/estimate/multiply_add_peak.h"
 #include "holotrace/estimate/peak_rate.h"
-#include "holotrace/wave/cost_model.h"
+#include "holotrace/wave/shared/cost_model.h"
 
 namespace holotrace {
 namespace {

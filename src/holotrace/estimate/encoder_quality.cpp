@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/slm/moments.h"
-#include "holotrace/slm/show.h"
+#include "holotrace/slm/panel/moments.h"
+#include "holotrace/slm/panel/show.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/select_order.h"
 #include "holotrace/view/sensor.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace {
 

@@ -12,7 +12,7 @@ struct TimedWork {
   double seconds = 0;
 };
 
-/// The rates by which the cost model (wave/cost_model.h) comes nearest to what was timed:
+/// The rates by which the cost model (wave/shared/cost_model.h) comes nearest to what was timed:
 ///
 ///     min over x ≥ 0 of Σᵢ (Σₖ countᵢₖ·xₖ/tᵢ − 1)²,   rateₖ = 1/xₖ
 ///

@@ -25,11 +25,11 @@ struct Limits {
                                     ///< dark, for their fringes would alias there [m]
   double alias_free_distance = 0;  ///< z* = S·√((2p/λ)² − 1): from here on every point right behind the panel lights
                                    ///< all of it [m]
-  double whole_panel_x = 0;  ///< 2(R − Sx/2) or 0: width of what lights the whole panel at that distance [m]
-  double whole_panel_y = 0;  ///< its height [m]
-  double replica_free = 0;   ///< side of the largest scene there whose replicas do not overlap: order_spacing [m]
-  double eyebox_x = 0;       ///< width of the place as far before the panel to which every pixel sends light,
-  double eyebox_y = 0;       ///< and its height: whole_panel_x, _y mirrored in the panel [m]
+  double whole_panel_x = 0;        ///< 2(R − Sx/2) or 0: width of what lights the whole panel at that distance [m]
+  double whole_panel_y = 0;        ///< its height [m]
+  double replica_free = 0;         ///< side of the largest scene there whose replicas do not overlap: order_spacing [m]
+  double eyebox_x = 0;             ///< width of the place as far before the panel to which every pixel sends light,
+  double eyebox_y = 0;             ///< and its height: whole_panel_x, _y mirrored in the panel [m]
 };
 
 /// Limits of a panel. Resolution and depth of focus are paraxial, the angles and spacings exact.

@@ -7,15 +7,15 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/io/field_file.h"
-#include "holotrace/io/file.h"
-#include "holotrace/io/hologram_file.h"
-#include "holotrace/io/image_file.h"
-#include "holotrace/io/mesh_file.h"
-#include "holotrace/io/metadata.h"
-#include "holotrace/io/ply.h"
-#include "holotrace/io/scene_file.h"
-#include "holotrace/io/sources_file.h"
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/field/metadata.h"
+#include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/ply.h"
+#include "holotrace/io/mesh/mesh_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_file.h"
 
 namespace holotrace {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "holotrace/base/error.h"
-#include "holotrace/io/cache_folder.h"
-#include "holotrace/io/file.h"
+#include "holotrace/io/files/cache_folder.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 namespace {

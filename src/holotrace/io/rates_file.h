@@ -7,7 +7,7 @@
 
 namespace holotrace {
 
-/// The rates of this machine, measured once and kept in the user's cache folder (io/cache_folder.h) as
+/// The rates of this machine, measured once and kept in the user's cache folder (io/files/cache_folder.h) as
 /// summation_rates.json: an object that has, by `key`, the rates of each machine that shares the folder.
 ///
 /// A file that is damaged or has nothing under the key is mended: `calibrate` is called and its rates are kept.

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "holotrace/base/fft.h"
-#include "holotrace/io/file.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 

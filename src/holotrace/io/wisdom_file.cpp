@@ -6,8 +6,8 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
-#include "holotrace/io/cache_folder.h"
-#include "holotrace/io/file.h"
+#include "holotrace/io/files/cache_folder.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 

@@ -37,9 +37,8 @@ struct LoggedRay {
 /// that triangle and the ray, for a wave's origin must be good to a small part of a wavelength.
 class Accelerator {
  public:
-  /// @throws Error if Embree gives no device or cannot build; as UniformGrid does; if lights, materials or textures
-  /// cannot be used, naming
-  ///         them.
+  /// @throws Error if Embree gives no device or cannot build; as UniformGrid does; for lights, materials or textures
+  ///         that cannot be used, naming them
   explicit Accelerator(const Scene& scene, Acceleration kind = Acceleration::embree);
   ~Accelerator();
   Accelerator(Accelerator&&) noexcept;

@@ -18,9 +18,8 @@ namespace holotrace {
 ///
 /// **Lens.** A pixel is the mean of `paths` light paths along rays q → X, X stratified over the pixel:
 /// - `pinhole`: q = eye. With the eye at the origin the focus does not matter.
-/// - `round`: q even over a disc of diameter `pupil` about the eye, parallel to the panel. A point of depth d, seen by
-/// an
-///   eye on the panel, blurs in the plane in focus to a disc of diameter pupil·|d − f|/d.
+/// - `round`: q even over a disc of diameter `pupil` about the eye, parallel to the panel. A point of depth d, seen
+///   from an eye on the panel, blurs in the plane in focus to a disc of diameter pupil·|d − f|/d.
 /// - `panel`: q even over the part of the panel that can send light to X: |q − X| ≤ f·acceptance_tangent in x and in y,
 ///   the box of every point on the ray. What a lensless camera at f finds in the hologram's image, but for speckle. The
 ///   eye does not matter; a pixel without such a part is black.

@@ -6,8 +6,7 @@ namespace holotrace {
 
 /// What path tracing asks of a scene beyond check_scene: that its lights, materials, textures, background and
 /// environment can be used. Lights and materials are numbered from 0.
-/// @throws Error, naming the light, material or mesh, for strengths below 0 or not finite; positions that are not
-/// finite;
+/// @throws Error, naming the light, material or mesh, for strengths below 0 or not finite; positions not finite;
 ///         directions that are no unit vectors; spot angles other than 0 ≤ inner ≤ outer ≤ 180°; beams and rectangles
 ///         without size; colours outside [0, 1], reflectance and transmittance above 1 together; roughness or metallic
 ///         outside [0, 1]; indices without samples, n of 0 or less, k below 0, glass that absorbs; textures without

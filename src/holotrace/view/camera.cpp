@@ -14,7 +14,7 @@
 #include "holotrace/view/select_order.h"
 #include "holotrace/view/sensor.h"
 #include "holotrace/view/source_image.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace {
 namespace {

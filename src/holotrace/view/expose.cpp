@@ -8,7 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/view/sensor.h"
-#include "holotrace/wave/propagate.h"
+#include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace {
 namespace {

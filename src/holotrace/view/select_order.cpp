@@ -8,7 +8,7 @@
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/wave/spherical_wave_kernel.h"
+#include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {

@@ -6,7 +6,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/wave/spherical_wave_kernel.h"
+#include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {

@@ -1,7 +1,7 @@
 #include "holotrace/wave/sum_exact.h"
 
 #include "holotrace/base/threads.h"
-#include "holotrace/wave/spherical_wave_kernel.h"
+#include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {
 

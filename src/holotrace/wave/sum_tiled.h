@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/sources.h"
@@ -18,7 +16,7 @@ namespace holotrace {
 /// waves turn out to cancel, so that their errors weigh more, the sum is made again with smaller tiles.
 ///
 /// With tile amplitudes (TileAmplitudes) aⱼ is that of the panel's tile that p lies in: the sum is made one of
-/// those tiles after the other, each of them to the tolerance, and the fact "tile" is that of the worst.
+/// those tiles after the other, each of them to the tolerance.
 ///
 /// @param sources    spherical waves at z < 0 [m]
 /// @param grid       panel pixels: nx, ny, pitch [m]
@@ -26,11 +24,10 @@ namespace holotrace {
 /// @return           complex amplitude, shape (ny, nx) [√(W/m²)]; the same bytes on any number of threads
 /// @throws Error     for a source not behind the panel, naming it, and a tolerance that no tile meets
 ///
+/// Facts: those of try_sum (summation.h).
+///
 /// Cost: 3 multiply-adds per wave and pixel in its box, and a sine and cosine per wave and per column
 /// and row of the tiles it meets.
 Field sum_tiled(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer = {});
-
-/// Name of the instruction set that sum_tiled runs on here: "AVX3", "AVX2", "SSE4", …
-std::string sum_tiled_instruction_set();
 
 }  // namespace holotrace

@@ -8,10 +8,10 @@
 #include "holotrace/base/memory.h"
 #include "holotrace/base/thread_count.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/wave/cost_model.h"
-#include "holotrace/wave/packed_product.h"
-#include "holotrace/wave/plane_plan.h"
-#include "holotrace/wave/sum_tiled.h"
+#include "holotrace/wave/planes/plane_plan.h"
+#include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/tiles/packed_product.h"
+#include "holotrace/wave/tiles/tile_sum.h"
 
 namespace holotrace {
 namespace {
@@ -135,7 +135,7 @@ double coherence_of(const Field& field, const PixelBox& bounds, double energy_of
 }
 
 std::string name_of(TileProducts products) {
-  if (products == TileProducts::single) return "single precision on " + sum_tiled_instruction_set();
+  if (products == TileProducts::single) return "single precision on " + tile_sum_instruction_set();
   return (products == TileProducts::bf16 ? "bf16 on " : "bf16 in two parts on ") + packed_unit_name();
 }
 

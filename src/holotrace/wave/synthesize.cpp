@@ -6,9 +6,9 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/data/params/check_ranges.h"
-#include "holotrace/wave/spherical_wave_kernel.h"
+#include "holotrace/wave/layers/sum_layers.h"
+#include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_layers.h"
 #include "holotrace/wave/sum_planes.h"
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/summation.h"
@@ -44,9 +44,8 @@ void report_boxes(const Sources& sources, const Grid& grid, const Observer& obse
   observer.fact("waves_pixels", sum);
   if (missed > 0)
     observer.warn(fmt::format(
-        "{} of {} waves reach no pixel at an angle that the panel can hold (half angle {}); move them nearer to the "
-        "axis "
-        "or farther from the panel",
+        "{} of {} waves light no pixel: they are outside the panel's diffraction cone (half angle {}); move them "
+        "nearer to the axis or farther from the panel",
         missed, sources.waves.size(),
         format_angle(std::asin(acceptance_sine(sources.acceptance_wavelength(), grid.pitch)))));
 }

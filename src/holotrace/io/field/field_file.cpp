@@ -1,0 +1,185 @@
+#include "holotrace/io/field/field_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/field/field_formats.h"
+#include "holotrace/io/field/metadata.h"
+#include "holotrace/io/field/npy.h"
+#include "holotrace/io/files/file.h"
+
+namespace holotrace {
+namespace {
+
+[[noreturn]] void fail_extension(const std::string& path) {
+  fail("expected a field file .npy, .h5 or .exr, got {}; change its extension", path);
+}
+
+template <class Real>
+std::string field_metadata(const std::vector<BasicField<Real>>& stack) {
+  const BasicField<Real>& field = stack.front();
+  std::vector<double> wavelengths;
+  for (const auto& one : stack) wavelengths.push_back(one.wavelength);
+  nlohmann::ordered_json json{{"pitch_m", field.grid.pitch},
+                              {"wavelengths_m", wavelengths},
+                              {"z_m", field.z},
+                              {"image", image_side_name(field.image)}};
+  if (field.grid.centre_x != 0) json["centre_x_m"] = field.grid.centre_x;
+  if (field.grid.centre_y != 0) json["centre_y_m"] = field.grid.centre_y;
+  if (!field.name.empty()) json["name"] = field.name;
+  if (field.frame > 0) json["frame"] = field.frame;
+  if (field.cone_wavelength > 0) json["cone_wavelength_m"] = field.cone_wavelength;
+  if (field.filter) json["filter"] = filter_to_json(*field.filter);
+  return json.dump(2) + "\n";
+}
+
+std::vector<double> wavelengths_of(const nlohmann::json& json, size_t count, const std::string& path) {
+  const auto found = json.find("wavelengths_m");
+  require(found != json.end(), "{}: expected the key \"wavelengths_m\", which is missing; add it, in SI units", path);
+  const bool are_numbers = found->is_array() && std::all_of(found->begin(), found->end(),
+                                                            [](const auto& value) { return value.is_number(); });
+  require(are_numbers && found->size() == count,
+          "{}: expected {} number(s) in \"wavelengths_m\", one per field of the stack, got {}", path, count,
+          found->dump());
+  return found->template get<std::vector<double>>();
+}
+
+template <class Real>
+std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
+  std::vector<Array2D<std::complex<Real>>> planes = read_npy<Real>(path);
+  const std::string sidecar = sidecar_path(path);
+  check_file_exists(sidecar, "the field's metadata {pitch_m, wavelengths_m, z_m, image}");
+  const nlohmann::json json = read_metadata(sidecar);
+  BasicField<Real> field;
+  field.grid = {planes.front().nx, planes.front().ny, metadata_number(json, sidecar, "pitch_m")};
+  field.grid.centre_x = metadata_number(json, sidecar, "centre_x_m", 0.0);
+  field.grid.centre_y = metadata_number(json, sidecar, "centre_y_m", 0.0);
+  const std::vector<double> wavelengths = wavelengths_of(json, planes.size(), sidecar);
+  field.z = metadata_number(json, sidecar, "z_m", 0.0);
+  field.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
+  field.name = metadata_text(json, sidecar, "name", "");
+  field.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
+  field.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);
+  field.filter = filter_from_json(json, sidecar);
+  std::vector<BasicField<Real>> stack;
+  for (size_t n = 0; n < planes.size(); ++n) {
+    field.wavelength = wavelengths[n];
+    stack.push_back(field);
+    stack.back().samples = std::move(planes[n]);
+  }
+  return stack;
+}
+
+template <class Real>
+void check_loaded(const std::string& path, const BasicField<Real>& field) {
+  try {
+    check_grid(field.grid);
+    check_wavelength(field.wavelength);
+  } catch (const Error& e) {
+    fail("{}: {}; correct its metadata", path, e.what());
+  }
+  require(std::isfinite(field.z), "{}: expected a finite z, got {} m", path, field.z);
+  require(std::isfinite(field.grid.centre_x) && std::isfinite(field.grid.centre_y),
+          "{}: expected a finite centre, got ({}, {}) m; correct its metadata", path, field.grid.centre_x,
+          field.grid.centre_y);
+  for (int j = 0; j < field.grid.ny; ++j)
+    for (int i = 0; i < field.grid.nx; ++i) {
+      const std::complex<Real> u = field.samples(j, i);
+      require(std::isfinite(u.real()) && std::isfinite(u.imag()),
+              "{}: expected finite samples, got {} + {}i at row {}, column {}", path, u.real(), u.imag(), j, i);
+    }
+}
+
+template <class Real>
+std::vector<BasicField<Real>> load(const std::string& path) {
+  check_file_exists(path, "a field");
+  const std::string extension = extension_of(path);
+  std::vector<BasicField<Real>> stack;
+  if (extension == ".npy") {
+    stack = read_fields_npy<Real>(path);
+  } else if (extension == ".h5") {
+    stack = read_fields_hdf5<Real>(path);
+  } else if (extension == ".exr") {
+    stack.push_back(convert<Real>(read_field_exr(path)));
+  } else {
+    fail_extension(path);
+  }
+  for (const auto& field : stack) check_loaded(path, field);
+  return stack;
+}
+
+template <class Real>
+BasicField<Real> the_only_one(const std::string& path, std::vector<BasicField<Real>>&& stack) {
+  require(stack.size() == 1, "{}: expected a field of one wavelength, got {}; save each as its own field", path,
+          stack.size());
+  return std::move(stack.front());
+}
+
+template <class Real>
+void check_stack(const std::string& path, const std::vector<BasicField<Real>>& stack) {
+  require(!stack.empty(), "expected at least one field to save as {}, got none", path);
+  const BasicField<Real>& first = stack.front();
+  check_grid(first.grid);
+  for (const BasicField<Real>& field : stack) {
+    require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
+            "expected {} × {} samples in the field to save as {}, got {} × {}", field.grid.nx, field.grid.ny, path,
+            field.samples.nx, field.samples.ny);
+    require(field.grid == first.grid && field.z == first.z && field.image == first.image &&
+                field.filter == first.filter && field.name == first.name && field.frame == first.frame,
+            "expected fields that differ in wavelength alone to save as {}, got other grids, planes, image sides, "
+            "filters, names or frames; save each as its own field",
+            path);
+  }
+}
+
+}  // namespace
+
+template <class Real>
+void save_fields(const std::string& path, const std::vector<BasicField<Real>>& stack) {
+  check_stack(path, stack);
+  const std::string extension = extension_of(path);
+  if (extension == ".npy") {
+    write_atomically(path, [&](const std::string& temporary) {
+      std::vector<const Array2D<std::complex<Real>>*> planes;
+      for (const auto& field : stack) planes.push_back(&field.samples);
+      write_npy(temporary, planes);
+      write_text(sidecar_path(path), field_metadata(stack));
+    });
+  } else if (extension == ".h5") {
+    write_atomically(path, [&](const std::string& temporary) { write_fields_hdf5(temporary, stack); });
+  } else if (extension == ".exr") {
+    require(stack.size() == 1, "expected .npy or .h5 for a field of {} wavelengths, got {}; .exr holds one",
+            stack.size(), path);
+    if constexpr (std::is_same_v<Real, float>)
+      write_atomically(path, [&](const std::string& temporary) { write_field_exr(temporary, stack.front()); });
+    else
+      fail("expected .npy or .h5 for a field in double precision, got {}; .exr holds single precision", path);
+  } else {
+    fail_extension(path);
+  }
+}
+
+template <class Real>
+void save_field(const std::string& path, const BasicField<Real>& field) {
+  save_fields(path, std::vector<BasicField<Real>>{field});
+}
+
+bool is_field_file(const std::string& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".npy" || extension == ".h5" || (extension == ".exr" && is_field_exr(path));
+}
+
+std::vector<Field> load_fields(const std::string& path) { return load<float>(path); }
+std::vector<FieldDouble> load_fields_double(const std::string& path) { return load<double>(path); }
+Field load_field(const std::string& path) { return the_only_one(path, load<float>(path)); }
+FieldDouble load_field_double(const std::string& path) { return the_only_one(path, load<double>(path)); }
+
+template void save_fields(const std::string&, const std::vector<Field>&);
+template void save_fields(const std::string&, const std::vector<FieldDouble>&);
+template void save_field(const std::string&, const Field&);
+template void save_field(const std::string&, const FieldDouble&);
+
+}  // namespace holotrace

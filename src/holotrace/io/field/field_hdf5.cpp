@@ -1,0 +1,285 @@
+#include <hdf5.h>
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/field/field_formats.h"
+#include "holotrace/io/field/metadata.h"
+
+namespace holotrace {
+namespace {
+
+// An HDF5 identifier, closed with its own function.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  Handle(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+  bool valid() const { return id_ >= 0; }
+  herr_t close() { return close_(std::exchange(id_, -1)); }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+// HDF5 prints its errors unless told not to; here they become an Error.
+class Silence {
+ public:
+  Silence() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  Silence(const Silence&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+constexpr const char* filter_names[] = {"filter_u0_per_m", "filter_v0_per_m", "filter_half_u_per_m",
+                                        "filter_half_v_per_m"};
+
+hid_t complex_type(size_t bytes, hid_t real) {
+  const hid_t type = H5Tcreate(H5T_COMPOUND, 2 * bytes);
+  H5Tinsert(type, "r", 0, real);
+  H5Tinsert(type, "i", bytes, real);
+  return type;
+}
+
+void require_written(bool holds, const std::string& path) {
+  require(holds, "expected to write {}, but HDF5 could not; check the room and the permissions there", path);
+}
+
+void write_numbers(hid_t object, const char* name, const double* values, hid_t shape, const std::string& path) {
+  const Handle space(shape, H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require_written(attribute.valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, values) >= 0, path);
+}
+
+void write_number(hid_t object, const char* name, double value, const std::string& path) {
+  write_numbers(object, name, &value, H5Screate(H5S_SCALAR), path);
+}
+
+void write_word(hid_t object, const char* name, const std::string& value, const std::string& path) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, H5T_VARIABLE);  // h5py reads it as str
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const char* text = value.c_str();
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require_written(attribute.valid() && H5Awrite(attribute, type, &text) >= 0, path);
+}
+
+std::vector<double> read_numbers(hid_t object, const char* name, hssize_t wanted, const std::string& path) {
+  require(H5Aexists(object, name) > 0,
+          "{}: expected the attribute \"{}\" of \"field\", which is missing; add it, in SI units", path, name);
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  require(count == wanted, "{}: expected {} number(s) in \"{}\", as many as the dataset has fields, got {}", path,
+          wanted, name, count);
+  std::vector<double> values(size_t(wanted), 0.0);
+  require(H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0,
+          "{}: expected a number for \"{}\", got another kind", path, name);
+  return values;
+}
+
+double read_number(hid_t object, const char* name, const std::string& path) {
+  return read_numbers(object, name, 1, path).front();
+}
+
+std::string read_word(hid_t object, const char* name, const std::string& path) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  require(H5Tget_class(type) == H5T_STRING, "{}: expected a text for \"{}\", got another kind", path, name);
+  if (H5Tis_variable_str(type) > 0) {  // as h5py writes str
+    const Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(memory, H5T_VARIABLE);
+    H5Tset_cset(memory, H5Tget_cset(type));
+    char* text = nullptr;
+    require(H5Aread(attribute, memory, &text) >= 0 && text, "{}: expected a text for \"{}\", got none", path, name);
+    const std::string value(text);
+    H5free_memory(text);
+    return value;
+  }
+  std::vector<char> text(H5Tget_size(type) + 1, '\0');
+  require(H5Aread(attribute, type, text.data()) >= 0, "{}: expected a text for \"{}\", got none", path, name);
+  return text.data();
+}
+
+template <class Real>
+hid_t native_real() {
+  return sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
+}
+
+// The file layout since HDF5 1.8 has checksums: damage is found instead of followed.
+hid_t create_file(const std::string& path) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  H5Pset_obj_track_times(creation, false);  // the same field gives the same bytes
+  return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access);
+}
+
+// The dataset "field" with its metadata, of the fields' grid and wavelengths, without samples.
+template <class Real>
+hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid_t properties,
+                     const std::string& path) {
+  const BasicField<Real>& field = stack.front();
+  const Handle stored(complex_type(sizeof(Real), sizeof(Real) == 4 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE), H5Tclose);
+  const std::array<hsize_t, 3> shape{stack.size(), hsize_t(field.grid.ny), hsize_t(field.grid.nx)};
+  const bool is_one = stack.size() == 1;
+  const Handle space(H5Screate_simple(is_one ? 2 : 3, shape.data() + (is_one ? 1 : 0), nullptr), H5Sclose);
+  H5Pset_obj_track_times(properties, false);
+  const hid_t data = H5Dcreate2(file, "field", stored, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+  require_written(data >= 0, path);
+  std::vector<double> wavelengths;
+  for (const auto& one : stack) wavelengths.push_back(one.wavelength);
+  const hsize_t count = wavelengths.size();
+  write_number(data, "pitch_m", field.grid.pitch, path);
+  write_numbers(data, "wavelengths_m", wavelengths.data(), H5Screate_simple(1, &count, nullptr), path);
+  write_number(data, "z_m", field.z, path);
+  if (field.grid.centre_x != 0) write_number(data, "centre_x_m", field.grid.centre_x, path);
+  if (field.grid.centre_y != 0) write_number(data, "centre_y_m", field.grid.centre_y, path);
+  write_word(data, "image", image_side_name(field.image), path);
+  if (!field.name.empty()) write_word(data, "name", field.name, path);
+  if (field.frame > 0) write_number(data, "frame", field.frame, path);
+  if (field.cone_wavelength > 0) write_number(data, "cone_wavelength_m", field.cone_wavelength, path);
+  if (field.filter) {
+    const SpectralFilter& f = *field.filter;
+    const double values[] = {f.u0, f.v0, f.half_u, f.half_v};
+    for (int i = 0; i < 4; ++i) write_number(data, filter_names[i], values[i], path);
+  }
+  return data;
+}
+
+}  // namespace
+
+template <class Real>
+void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Real>>& stack) {
+  const Silence silence;
+  const Grid& grid = stack.front().grid;
+  const Handle file(create_file(path), H5Fclose);
+  require_written(file.valid(), path);
+  {
+    const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    const Handle data(create_dataset(file, stack, properties, path), H5Dclose);
+    const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
+    const std::array<hsize_t, 3> block{1, hsize_t(grid.ny), hsize_t(grid.nx)};
+    for (hsize_t n = 0; n < stack.size(); ++n) {
+      const std::array<hsize_t, 3> start{n, 0, 0};
+      const Handle plane(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
+      const Handle place(H5Dget_space(data), H5Sclose);
+      if (stack.size() > 1) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+      require_written(H5Dwrite(data, memory, plane, place, H5P_DEFAULT, stack[n].samples.values.data()) >= 0, path);
+    }
+  }
+  require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
+}
+
+void create_fields_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows) {
+  const Silence silence;
+  Handle file(create_file(path), H5Fclose);
+  require_written(file.valid(), path);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const std::array<hsize_t, 3> chunk{1, hsize_t(chunk_rows), hsize_t(headers.front().grid.nx)};
+  const bool is_one = headers.size() == 1;
+  H5Pset_chunk(properties, is_one ? 2 : 3, chunk.data() + (is_one ? 1 : 0));
+  H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY);  // every chunk has its place from the start
+  H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);
+  { const Handle data(create_dataset(file, headers, properties, path), H5Dclose); }
+  require_written(file.close() >= 0, path);
+}
+
+std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows) {
+  const Silence silence;
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  const Handle data(file.valid() ? H5Dopen2(file, "field", H5P_DEFAULT) : -1, H5Dclose);
+  require(data.valid(), "{}: expected an unfinished HDF5 field, got other bytes; delete it", path);
+  const size_t first = headers.size() == 1 ? 1 : 0;  // a field alone has no axis of wavelengths
+  std::vector<uint64_t> offsets;
+  for (hsize_t n = 0; n < headers.size(); ++n)
+    for (hsize_t row = 0; row < hsize_t(headers.front().grid.ny); row += hsize_t(chunk_rows)) {
+      const std::array<hsize_t, 3> at{n, row, 0};
+      haddr_t address = HADDR_UNDEF;
+      hsize_t size = 0;
+      require(
+          H5Dget_chunk_info_by_coord(data, at.data() + first, nullptr, &address, &size) >= 0 && address != HADDR_UNDEF,
+          "{}: expected a place for row {}, got none; delete the file", path, row);
+      offsets.push_back(address);
+    }
+  return offsets;
+}
+
+template <class Real>
+std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
+  const Silence silence;
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  require(file.valid(), "{}: expected an HDF5 file, got other bytes or a truncated file; write it again", path);
+  const Handle data(H5Dopen2(file, "field", H5P_DEFAULT), H5Dclose);
+  require(data.valid(), "{}: expected a dataset \"field\", which is missing", path);
+
+  const Handle type(H5Dget_type(data), H5Tclose);
+  require(H5Tget_class(type) == H5T_COMPOUND && H5Tget_nmembers(type) == 2 && H5Tget_member_index(type, "r") >= 0 &&
+              H5Tget_member_index(type, "i") >= 0,
+          "{}: expected complex samples {{r, i}} in \"field\", got another kind of number; convert them to complex64",
+          path);
+  const Handle space(H5Dget_space(data), H5Sclose);
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::array<hsize_t, 3> shape{};
+  if (rank == 2 || rank == 3) H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  const bool has_planes = rank == 3;
+  const hsize_t count = has_planes ? shape[0] : 1, ny = shape[has_planes], nx = shape[size_t(has_planes) + 1];
+  require((rank == 2 || rank == 3) && count > 0 && ny > 0 && nx > 0 && count < (1u << 30) && ny < (1u << 30) &&
+              nx < (1u << 30),
+          "{}: expected the shape (ny, nx) or (wavelengths, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
+
+  const Handle properties(H5Dget_create_plist(data), H5Pclose);
+  const hsize_t stored = H5Dget_storage_size(data);
+  require(H5Pget_layout(properties) != H5D_CONTIGUOUS ||
+              double(stored) == double(H5Tget_size(type)) * double(count) * double(ny * nx),
+          "{}: expected {} × {} samples, got {} bytes of them; the file is truncated or damaged", path, nx, ny, stored);
+
+  const std::vector<double> wavelengths = read_numbers(data, "wavelengths_m", hssize_t(count), path);
+  BasicField<Real> field;
+  field.grid = {int(nx), int(ny), read_number(data, "pitch_m", path)};
+  if (H5Aexists(data, "z_m") > 0) field.z = read_number(data, "z_m", path);
+  if (H5Aexists(data, "centre_x_m") > 0) field.grid.centre_x = read_number(data, "centre_x_m", path);
+  if (H5Aexists(data, "centre_y_m") > 0) field.grid.centre_y = read_number(data, "centre_y_m", path);
+  if (H5Aexists(data, "image") > 0) field.image = image_side_from(read_word(data, "image", path), path);
+  if (H5Aexists(data, "name") > 0) field.name = read_word(data, "name", path);
+  if (H5Aexists(data, "frame") > 0) field.frame = frame_from(read_number(data, "frame", path), path);
+  if (H5Aexists(data, "cone_wavelength_m") > 0) field.cone_wavelength = read_number(data, "cone_wavelength_m", path);
+  if (H5Aexists(data, filter_names[0]) > 0)
+    field.filter = SpectralFilter{read_number(data, filter_names[0], path), read_number(data, filter_names[1], path),
+                                  read_number(data, filter_names[2], path), read_number(data, filter_names[3], path)};
+  const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
+  std::vector<BasicField<Real>> stack;
+  for (hsize_t n = 0; n < count; ++n) {
+    field.wavelength = wavelengths[n];
+    BasicField<Real>& one = stack.emplace_back(field);
+    one.samples = Array2D<std::complex<Real>>(one.grid.ny, one.grid.nx);
+    const std::array<hsize_t, 3> start{n, 0, 0}, block{1, ny, nx};
+    const Handle plane(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
+    const Handle place(H5Dget_space(data), H5Sclose);
+    if (has_planes) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+    require(H5Dread(data, memory, plane, place, H5P_DEFAULT, one.samples.values.data()) >= 0,
+            "{}: expected {} × {} complex samples, but they cannot be read; the file is truncated or damaged", path, nx,
+            ny);
+  }
+  return stack;
+}
+
+template void write_fields_hdf5(const std::string&, const std::vector<Field>&);
+template void write_fields_hdf5(const std::string&, const std::vector<FieldDouble>&);
+template std::vector<Field> read_fields_hdf5(const std::string&);
+template std::vector<FieldDouble> read_fields_hdf5(const std::string&);
+
+}  // namespace holotrace

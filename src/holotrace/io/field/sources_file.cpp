@@ -1,0 +1,158 @@
+#include "holotrace/io/field/sources_file.h"
+
+#include <charconv>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <string_view>
+
+#include "holotrace/base/error.h"
+#include "holotrace/data/grid.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/ply.h"
+
+namespace holotrace {
+namespace {
+
+// The text of a comment "key …", nothing where there is none.
+std::optional<std::string_view> comment_of(const PlyVertices& vertices, std::string_view key) {
+  for (const std::string& comment : vertices.comments)
+    if (comment.starts_with(key) && comment.size() > key.size() && comment[key.size()] == ' ')
+      return std::string_view(comment).substr(key.size() + 1);
+  return std::nullopt;
+}
+
+// Numbers separated by single spaces.
+template <class Number>
+void parse_comment(const PlyVertices& vertices, const char* key, const char* expected, std::string_view text,
+                   std::initializer_list<Number*> values) {
+  const char *at = text.data(), *end = at + text.size();
+  for (Number* value : values) {
+    const auto [next, error] = std::from_chars(at, end, *value);
+    const bool is_last = value == *(values.end() - 1);
+    require(error == std::errc() && (is_last ? next == end : next < end && *next == ' '),
+            "{}: expected {} in \"comment {}\", got \"{}\"", vertices.path, expected, key, text);
+    at = next + 1;
+  }
+}
+
+// The keys of phases, as two halves: doubles, as which columns are read, hold 32 bits exactly and not 64.
+std::vector<uint64_t> phase_keys_of(const PlyVertices& vertices) {
+  const auto *low = vertices.find("phase_key_low"), *high = vertices.find("phase_key_high");
+  if (!low && !high) return {};
+  require(low && high, "{}: expected both properties \"phase_key_low\" and \"phase_key_high\", got one of them",
+          vertices.path);
+  std::vector<uint64_t> keys(vertices.count);
+  for (size_t i = 0; i < keys.size(); ++i) {
+    for (const double half : {(*low)[i], (*high)[i]})
+      require(half >= 0 && half < 0x1p32 && half == std::floor(half),
+              "{}: expected halves of phase keys in 0 … 4294967295, got {} at source {}", vertices.path, half, i);
+    keys[i] = uint64_t((*high)[i]) << 32 | uint64_t((*low)[i]);
+  }
+  return keys;
+}
+
+TileAmplitudes tiles_of(const PlyVertices& vertices) {
+  TileAmplitudes tiles;
+  const auto text = comment_of(vertices, "tiles");
+  if (!text) return tiles;
+  parse_comment<int>(vertices, "tiles", "columns and rows", *text, {&tiles.columns, &tiles.rows});
+  constexpr int most = 1 << 12;
+  require(tiles.columns >= 1 && tiles.rows >= 1 && tiles.columns <= most && tiles.rows <= most,
+          "{}: expected 1 to {} columns and rows of tiles, got {} × {}", vertices.path, most, tiles.columns,
+          tiles.rows);
+  for (int tile = 0; tile < tiles.columns * tiles.rows; ++tile)
+    for (const double amplitude : vertices.column(fmt::format("amplitude_{}", tile))) {
+      require(std::isfinite(amplitude), "{}: expected finite amplitudes of tile {}, got {}", vertices.path, tile,
+              amplitude);
+      tiles.values.push_back(float(amplitude));
+    }
+  return tiles;
+}
+
+// The name is a line of the header.
+void check_name(const std::string& path, const Sources& sources) {
+  require(sources.name.find_first_of("\r\n") == std::string::npos,
+          "expected a name of one line for the sources to save as {}, got \"{}\"", path, sources.name);
+}
+
+std::string header_of(const Sources& sources) {
+  std::string text =
+      fmt::format("ply\nformat binary_little_endian 1.0\ncomment wavelength_m {:.17g}\n", sources.wavelength);
+  const TileAmplitudes& tiles = sources.tiles;
+  if (sources.cone_wavelength > 0) text += fmt::format("comment cone_wavelength_m {:.17g}\n", sources.cone_wavelength);
+  if (!sources.name.empty()) text += fmt::format("comment name {}\n", sources.name);
+  if (!sources.phase_keys.empty())
+    text += fmt::format("comment seed {}\ncomment frame {}\n", sources.seed, sources.frame);
+  if (tiles.columns > 0) text += fmt::format("comment tiles {} {}\n", tiles.columns, tiles.rows);
+  text += fmt::format(
+      "element vertex {}\nproperty double x\nproperty double y\nproperty double z\nproperty float amplitude\n"
+      "property float phase\n",
+      sources.waves.size());
+  if (!sources.phase_keys.empty()) text += "property uint phase_key_low\nproperty uint phase_key_high\n";
+  for (int tile = 0; tile < tiles.columns * tiles.rows; ++tile)
+    text += fmt::format("property float amplitude_{}\n", tile);
+  return text + "end_header\n";
+}
+
+}  // namespace
+
+void save_sources(const std::string& path, const Sources& sources) {
+  require(extension_of(path) == ".ply", "expected a file of sources .ply, got {}; change its extension", path);
+  check_sources(sources);
+  check_name(path, sources);
+  std::string bytes = header_of(sources);
+  const auto put = [&bytes](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  const size_t count = sources.waves.size(), tiles = size_t(sources.tiles.columns) * size_t(sources.tiles.rows);
+  bytes.reserve(bytes.size() + count * (40 + 4 * tiles));
+  for (size_t i = 0; i < count; ++i) {
+    const Source& s = sources.waves[i];
+    for (const double x : {s.origin.x, s.origin.y, s.origin.z}) put(x);
+    put(s.amplitude);
+    put(s.phase);
+    if (!sources.phase_keys.empty()) {
+      put(uint32_t(sources.phase_keys[i]));
+      put(uint32_t(sources.phase_keys[i] >> 32));
+    }
+    for (size_t tile = 0; tile < tiles; ++tile) put(sources.tiles.values[tile * count + i]);
+  }
+  write_atomically(path, [&](const std::string& temporary) { write_bytes(temporary, bytes.data(), bytes.size()); });
+}
+
+Sources load_sources(const std::string& path, double default_wavelength) {
+  const PlyVertices vertices = read_ply(path);
+  Sources sources;
+  if (const auto text = comment_of(vertices, "wavelength_m"))
+    parse_comment<double>(vertices, "wavelength_m", "a number of metres", *text, {&sources.wavelength});
+  if (sources.wavelength == 0) sources.wavelength = default_wavelength;
+  if (sources.wavelength == 0)
+    fail(
+        "{}: expected a line \"comment wavelength_m …\", got none; pass the wavelength, such as --wavelength \"532 "
+        "nm\"",
+        path);
+  if (const auto text = comment_of(vertices, "cone_wavelength_m"))
+    parse_comment<double>(vertices, "cone_wavelength_m", "a number of metres", *text, {&sources.cone_wavelength});
+  if (const auto text = comment_of(vertices, "name")) sources.name = *text;
+  if (const auto text = comment_of(vertices, "seed"))
+    parse_comment<uint64_t>(vertices, "seed", "a whole number", *text, {&sources.seed});
+  if (const auto text = comment_of(vertices, "frame"))
+    parse_comment<uint32_t>(vertices, "frame", "a whole number", *text, {&sources.frame});
+  const auto& x = vertices.column("x");
+  const auto& y = vertices.column("y");
+  const auto& z = vertices.column("z");
+  const auto& amplitude = vertices.column("amplitude");
+  const auto& phase = vertices.column("phase");
+  sources.waves.resize(vertices.count);
+  for (size_t i = 0; i < vertices.count; ++i)
+    sources.waves[i] = {{x[i], y[i], z[i]}, float(amplitude[i]), float(phase[i])};
+  sources.phase_keys = phase_keys_of(vertices);
+  sources.tiles = tiles_of(vertices);
+  try {
+    check_sources(sources);
+  } catch (const Error& e) {
+    fail("{}: {}", path, e.what());
+  }
+  return sources;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,46 @@
+#include "holotrace/io/files/output.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/files/file.h"
+
+namespace holotrace {
+namespace fs = std::filesystem;
+
+void check_output(const std::string& path, const std::vector<std::string>& extensions) {
+  const bool is_known = std::find(extensions.begin(), extensions.end(), extension_of(path)) != extensions.end();
+  require(extensions.empty() || is_known, "expected an output file {}, got {}; change its extension",
+          fmt::join(extensions, " or "), path);
+  std::error_code error;
+  require(!fs::is_directory(path, error), "expected a file to write, {} is a folder; name a file in it", path);
+  const fs::path parent = fs::path(path).parent_path();
+  const fs::path folder = parent.empty() ? fs::path(".") : parent;
+  require(fs::is_directory(folder, error), "cannot write {}: the folder {} does not exist; create it first", path,
+          folder.string());
+  require(access(folder.c_str(), W_OK) == 0, "cannot write {}: the folder {} is not writable; choose another place",
+          path, folder.string());
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  require(!error && fs::is_directory(path), "cannot create the folder {}: {}; choose another place", path,
+          error ? error.message() : "a file of that name exists");
+  check_output((fs::path(path) / "file").string());
+}
+
+void remove_numbered(const std::string& path, size_t i) {
+  for (; fs::remove(numbered_path(path, i)); ++i) fs::remove(sidecar_path(numbered_path(path, i)));
+}
+
+std::string numbered_path(const std::string& path, size_t i) {
+  if (i == 0) return path;
+  const fs::path p(path);
+  return (p.parent_path() / fmt::format("{}_{}{}", p.stem().string(), i + 1, p.extension().string())).string();
+}
+
+}  // namespace holotrace

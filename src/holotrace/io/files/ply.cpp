@@ -1,0 +1,298 @@
+#include "holotrace/io/files/ply.h"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/files/file.h"
+
+namespace holotrace {
+namespace {
+
+enum class Kind { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+enum class Format { ascii, little_endian, big_endian };
+
+struct Property {
+  std::string name;
+  Kind kind = Kind::float32;
+  std::optional<Kind> list_count;  // the kind of a list's length
+};
+
+struct Element {
+  std::string name;
+  uint64_t count = 0;
+  std::vector<Property> properties;
+};
+
+size_t size_of(Kind kind) {
+  constexpr std::array<size_t, 8> sizes{1, 1, 2, 2, 4, 4, 4, 8};
+  return sizes[size_t(kind)];
+}
+
+// The largest value of an integer; 1, the most of a colour, for numbers with a fraction.
+double largest_of(Kind kind) {
+  constexpr std::array<double, 8> values{127, 255, 32767, 65535, 2147483647, 4294967295, 1, 1};
+  return values[size_t(kind)];
+}
+
+std::optional<Kind> kind_from(std::string_view name) {
+  struct Name {
+    std::string_view old_name, name;
+  };
+  constexpr std::array<Name, 8> names{{{"char", "int8"},
+                                       {"uchar", "uint8"},
+                                       {"short", "int16"},
+                                       {"ushort", "uint16"},
+                                       {"int", "int32"},
+                                       {"uint", "uint32"},
+                                       {"float", "float32"},
+                                       {"double", "float64"}}};
+  for (size_t i = 0; i < names.size(); ++i)
+    if (name == names[i].old_name || name == names[i].name) return Kind(i);
+  return std::nullopt;
+}
+
+struct Header {
+  Format format = Format::ascii;
+  std::vector<std::string> comments;
+  std::vector<Element> elements;
+  size_t data_begin = 0;
+  size_t lines = 0;
+};
+
+Property read_property(std::istringstream& words, const std::string& path, size_t line) {
+  const auto next_kind = [&] {
+    std::string word;
+    words >> word;
+    const auto kind = kind_from(word);
+    if (!kind) fail("{}:{}: expected a PLY type such as float or uchar, got \"{}\"", path, line, word);
+    return *kind;
+  };
+  Property property;
+  const auto begin = words.tellg();
+  std::string word;
+  words >> word;
+  if (word == "list") {
+    property.list_count = next_kind();
+  } else {
+    words.seekg(begin);
+  }
+  property.kind = next_kind();
+  if (!(words >> property.name)) fail("{}:{}: expected the name of a PLY property, got none", path, line);
+  return property;
+}
+
+Header read_header(const std::string& bytes, const std::string& path) {
+  Header header;
+  bool has_format = false;
+  for (size_t at = 0; at < bytes.size();) {
+    const size_t end = bytes.find('\n', at);
+    if (end == std::string::npos) break;
+    std::string text = bytes.substr(at, end - at);
+    if (!text.empty() && text.back() == '\r') text.pop_back();
+    at = end + 1;
+    const size_t line = ++header.lines;
+    if (line == 1) {
+      require(text == "ply", "{}:1: expected a PLY file, got other bytes; its first line must be \"ply\"", path);
+      continue;
+    }
+    std::istringstream words(text);
+    std::string word;
+    words >> word;
+    if (word == "comment" || word == "obj_info") {
+      header.comments.push_back(text.size() > word.size() ? text.substr(word.size() + 1) : "");
+    } else if (word == "format") {
+      words >> word;
+      has_format = true;
+      if (word == "ascii")
+        header.format = Format::ascii;
+      else if (word == "binary_little_endian")
+        header.format = Format::little_endian;
+      else if (word == "binary_big_endian")
+        header.format = Format::big_endian;
+      else
+        fail("{}:{}: expected the format ascii, binary_little_endian or binary_big_endian, got \"{}\"", path, line,
+             word);
+    } else if (word == "element") {
+      Element element;
+      if (!(words >> element.name >> element.count))
+        fail("{}:{}: expected \"element NAME COUNT\", got \"{}\"", path, line, text);
+      header.elements.push_back(element);
+    } else if (word == "property") {
+      require(!header.elements.empty(), "{}:{}: expected an element before the first property", path, line);
+      header.elements.back().properties.push_back(read_property(words, path, line));
+    } else if (word == "end_header") {
+      require(has_format, "{}: expected a line \"format …\" in the PLY header, which is missing", path);
+      header.data_begin = at;
+      return header;
+    } else if (!word.empty()) {
+      fail("{}:{}: expected a line of a PLY header, got \"{}\"", path, line, text);
+    }
+  }
+  if (header.lines == 0 || bytes.compare(0, 3, "ply") != 0)
+    fail("{}:1: expected a PLY file, got other bytes; its first line must be \"ply\"", path);
+  fail("{}: expected \"end_header\" in the PLY header, but the file ends before it; write it again", path);
+}
+
+// The numbers after the header, one after the other, whatever the format.
+class Numbers {
+ public:
+  Numbers(const std::string& bytes, const Header& header, const std::string& path)
+      : at_(bytes.data() + header.data_begin),
+        end_(bytes.data() + bytes.size()),
+        format_(header.format),
+        line_(header.lines + 1),
+        path_(path) {}
+
+  double next(Kind kind) { return format_ == Format::ascii ? next_word() : next_bytes(kind); }
+  size_t bytes_left() const { return size_t(end_ - at_); }
+
+ private:
+  [[noreturn]] void fail_truncated() const {
+    fail("{}: expected more numbers than the file holds; it is truncated or its header promises too much", path_);
+  }
+
+  double next_word() {
+    for (; at_ < end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\n' || *at_ == '\r'); ++at_) line_ += *at_ == '\n';
+    if (at_ == end_) fail_truncated();
+    if (*at_ == '+') ++at_;
+    double value = 0;
+    const auto [next, error] = std::from_chars(at_, end_, value);
+    const bool ends = next == end_ || *next == ' ' || *next == '\t' || *next == '\n' || *next == '\r';
+    // A number too small or large for a double is left to the checks of what it means.
+    if ((error != std::errc() && error != std::errc::result_out_of_range) || !ends) {
+      const char* stop = at_;
+      while (stop < end_ && stop < at_ + 40 && *stop > ' ') ++stop;
+      fail("{}:{}: expected a number, got \"{}\"", path_, line_, std::string_view(at_, size_t(stop - at_)));
+    }
+    at_ = next;
+    return value;
+  }
+
+  template <class T>
+  static double as(const unsigned char* bytes) {
+    T value;
+    std::memcpy(&value, bytes, sizeof value);
+    return double(value);
+  }
+
+  double next_bytes(Kind kind) {
+    const size_t size = size_of(kind);
+    if (bytes_left() < size) fail_truncated();
+    std::array<unsigned char, 8> bytes{};
+    const bool swap = (format_ == Format::big_endian) == (std::endian::native == std::endian::little);
+    for (size_t i = 0; i < size; ++i) bytes[swap ? size - 1 - i : i] = static_cast<unsigned char>(at_[i]);
+    at_ += size;
+    switch (kind) {
+      case Kind::int8:
+        return as<int8_t>(bytes.data());
+      case Kind::uint8:
+        return as<uint8_t>(bytes.data());
+      case Kind::int16:
+        return as<int16_t>(bytes.data());
+      case Kind::uint16:
+        return as<uint16_t>(bytes.data());
+      case Kind::int32:
+        return as<int32_t>(bytes.data());
+      case Kind::uint32:
+        return as<uint32_t>(bytes.data());
+      case Kind::float32:
+        return as<float>(bytes.data());
+      case Kind::float64:
+        return as<double>(bytes.data());
+    }
+    return 0;
+  }
+
+  const char* at_;
+  const char* end_;
+  Format format_;
+  size_t line_;
+  const std::string& path_;
+};
+
+// The fewest bytes an element's row can take.
+size_t least_row_size(const Element& element, Format format) {
+  size_t size = 0;
+  for (const Property& p : element.properties)
+    size += format == Format::ascii ? 1 : size_of(p.list_count.value_or(p.kind));
+  return size;
+}
+
+}  // namespace
+
+const std::vector<double>* PlyVertices::find(const std::string& name) const {
+  for (size_t i = 0; i < names.size(); ++i)
+    if (names[i] == name) return &columns[i];
+  return nullptr;
+}
+
+const std::vector<double>& PlyVertices::column(const std::string& name) const {
+  const std::vector<double>* found = find(name);
+  if (!found) fail("{}: expected the property \"{}\" of the element \"vertex\", which is missing", path, name);
+  return *found;
+}
+
+double PlyVertices::largest_of(const std::string& name) const {
+  for (size_t i = 0; i < names.size(); ++i)
+    if (names[i] == name) return largest[i];
+  return 0;
+}
+
+PlyVertices read_ply(const std::string& path, bool with_faces) {
+  check_file_exists(path, "a PLY file");
+  const std::string bytes = read_text(path);
+  const Header header = read_header(bytes, path);
+  PlyVertices vertices;
+  vertices.path = path;
+  vertices.comments = header.comments;
+
+  bool has_vertices = false;
+  Numbers numbers(bytes, header, path);
+  for (const Element& element : header.elements) {
+    const size_t row = least_row_size(element, header.format);
+    if (row == 0) continue;
+    require(element.count <= numbers.bytes_left() / row,
+            "{}: expected {} of the element \"{}\", but the file is truncated or its header promises too much", path,
+            element.count, element.name);
+    const bool wanted = element.name == "vertex";
+    has_vertices = has_vertices || wanted;
+    if (wanted) {
+      vertices.count = element.count;
+      for (const Property& p : element.properties)
+        if (!p.list_count) {
+          vertices.names.push_back(p.name);
+          vertices.largest.push_back(largest_of(p.kind));
+          vertices.columns.emplace_back().reserve(element.count);
+        }
+    }
+    for (uint64_t i = 0; i < element.count; ++i) {
+      size_t column = 0;
+      for (const Property& p : element.properties) {
+        const double value = numbers.next(p.list_count.value_or(p.kind));
+        if (p.list_count) {
+          require(value >= 0 && value <= double(numbers.bytes_left()),
+                  "{}: expected the length of a list in the element \"{}\", got {}", path, element.name, value);
+          const bool is_face = with_faces && element.name == "face" && p.name.starts_with("vertex_ind");
+          if (is_face) vertices.faces.emplace_back();
+          for (auto n = uint64_t(value); n > 0; --n) {
+            const double item = numbers.next(p.kind);
+            if (is_face) vertices.faces.back().push_back(item);
+          }
+        } else if (wanted) {
+          vertices.columns[column++].push_back(value);
+        }
+      }
+    }
+    if (has_vertices && !with_faces) return vertices;
+  }
+  if (has_vertices) return vertices;
+  fail("{}: expected an element \"vertex\" in the PLY file, got none", path);
+}
+
+}  // namespace holotrace

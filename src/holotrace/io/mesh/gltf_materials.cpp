@@ -1,0 +1,230 @@
+#include "holotrace/io/mesh/gltf_materials.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+#include "holotrace/base/error.h"
+
+namespace holotrace {
+namespace {
+
+using Json = nlohmann::json;
+using Texture = std::shared_ptr<const Image>;
+
+const Json& member(const Json& parent, const char* key) {
+  static const Json none = Json::object();
+  const auto found = parent.find(key);
+  return found == parent.end() ? none : *found;
+}
+
+class Materials {
+ public:
+  Materials(const GltfFile& gltf, const WarnOnce& warn) : gltf_(gltf), warn_(warn) {}
+
+  FileMaterial read(const Json& source, const std::string& name) {
+    result_ = {};
+    coordinates_.reset();
+    name_ = name;
+    const Json& extensions = member(source, "extensions");
+    const Json& core = member(source, "pbrMetallicRoughness");
+    MetallicRoughnessMaterial surface;
+    surface.base_color = colour(core, "baseColorFactor");
+    surface.base_texture = texture(core, "baseColorTexture", ImageContent::colour);
+    surface.metallic = clip(core.value("metallicFactor", 1.0));
+    surface.roughness = clip(core.value("roughnessFactor", 1.0));
+    surface.metallic_texture = texture(core, "metallicRoughnessTexture", ImageContent::data);
+    if (extensions.contains("KHR_materials_pbrSpecularGlossiness"))
+      surface = specular_glossiness(extensions["KHR_materials_pbrSpecularGlossiness"]);
+
+    Material& material = result_.material;
+    material.emission_texture = texture(source, "emissiveTexture", ImageContent::colour);
+    material.emission = vector(source, "emissiveFactor", {0, 0, 0}) *
+                        member(extensions, "KHR_materials_emissive_strength").value("emissiveStrength", 1.0);
+    require(
+        is_finite(material.emission) && std::min({material.emission.x, material.emission.y, material.emission.z}) >= 0,
+        "{}: expected emissive factors of 0 or more in material \"{}\"", gltf_.path, name_);
+    material.normal_map = texture(source, "normalTexture", ImageContent::data);
+    material.normal_scale = member(source, "normalTexture").value("scale", 1.0);
+    warn_of_alpha(source, core);
+
+    const double index = member(extensions, "KHR_materials_ior").value("ior", 1.5);
+    const Json& transmission = member(extensions, "KHR_materials_transmission");
+    const double transmitted = transmission.value("transmissionFactor", 0.0);
+    if (extensions.contains("KHR_materials_unlit")) {
+      material.surface = DiffuseMaterial{{0, 0, 0}};
+      material.emission = surface.base_color;
+      material.emission_texture = surface.base_texture;
+    } else if (transmitted == 1 && !transmission.contains("transmissionTexture") && index > 0) {
+      material.surface = glass(surface, index, member(extensions, "KHR_materials_volume"));
+    } else {
+      if (transmitted > 0) warn("partly see-through", "is partly see-through, it is shown opaque");
+      if (index != 1.5) warn("index", "has a coat of another index than 1.5, it is shown with 1.5");
+      material.surface = surface;
+    }
+    warn_of_extensions(extensions);
+    return std::move(result_);
+  }
+
+ private:
+  void warn(const std::string& feature, const std::string& what) {
+    warn_(feature, fmt::format("material \"{}\" {}", name_, what));
+  }
+
+  static double clip(double value) { return value > 0 ? std::min(value, 1.0) : 0.0; }
+
+  static Vec3 vector(const Json& parent, const char* key, Vec3 otherwise) {
+    if (!parent.contains(key)) return otherwise;
+    const Json& v = parent[key];
+    return {v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>()};
+  }
+
+  Vec3 colour(const Json& parent, const char* key) {
+    const Vec3 given = vector(parent, key, {1, 1, 1}), clipped{clip(given.x), clip(given.y), clip(given.z)};
+    if (!(given == clipped)) warn("colour", "has a colour outside [0, 1], which is clipped");
+    return clipped;
+  }
+
+  // The image that a texture shows; -1 for one of a format that is not known here.
+  int image_of(const Json& texture) {
+    if (texture.contains("source")) return texture["source"].get<int>();
+    return member(member(texture, "extensions"), "EXT_texture_webp").value("source", -1);
+  }
+
+  Texture texture(const Json& parent, const char* key, ImageContent content) {
+    if (!parent.contains(key)) return nullptr;
+    const Json& info = parent[key];
+    const Json& source = gltf_.document.at("textures").at(info.at("index").get<size_t>());
+    const Texture image = load(image_of(source), content);
+    if (!image) return nullptr;
+    place(info);
+    if (source.contains("sampler")) {
+      const Json& sampler = gltf_.document.at("samplers").at(source["sampler"].get<size_t>());
+      constexpr int repeat = 10497;
+      result_.repeats =
+          result_.repeats && sampler.value("wrapS", repeat) == repeat && sampler.value("wrapT", repeat) == repeat;
+    }
+    result_.has_textures = true;
+    return image;
+  }
+
+  // Where the texture is read; a mesh has one set of coordinates, so the first texture of a material says.
+  void place(const Json& info) {
+    const Json& transform = member(member(info, "extensions"), "KHR_texture_transform");
+    TextureCoordinates t;
+    t.set = transform.value("texCoord", info.value("texCoord", 0));
+    t.rotation = transform.value("rotation", 0.0);
+    if (transform.contains("offset")) {
+      t.offset_u = transform["offset"].at(0).get<double>();
+      t.offset_v = transform["offset"].at(1).get<double>();
+    }
+    if (transform.contains("scale")) {
+      t.scale_u = transform["scale"].at(0).get<double>();
+      t.scale_v = transform["scale"].at(1).get<double>();
+    }
+    if (!coordinates_) coordinates_ = result_.coordinates = t;
+    if (!(t == *coordinates_))
+      warn("coordinates", "has textures at different coordinates, all are shown at those of the first");
+  }
+
+  Texture load(int image, ImageContent content) {
+    if (image < 0) {
+      warn("texture", "has a texture in a format that is not known here, its plain colour is shown");
+      return nullptr;
+    }
+    Texture& loaded = images_[{image, content}];
+    if (loaded) return loaded;
+    std::string label;
+    const std::string bytes = gltf_image(gltf_, image, label);
+    if (bytes.empty()) {
+      warn_("missing " + label, fmt::format("the texture {} is missing, the plain colour is shown", label));
+      return nullptr;
+    }
+    Image decoded = decode_image(bytes.data(), bytes.size(), label, content);
+    if (content == ImageContent::data) decoded = with_three_channels(std::move(decoded));
+    return loaded = std::make_shared<Image>(std::move(decoded));
+  }
+
+  DielectricMaterial glass(const MetallicRoughnessMaterial& surface, double index, const Json& volume) {
+    if (!(surface.base_color == Vec3{1, 1, 1}) || surface.base_texture || volume.contains("attenuationColor"))
+      warn("tint", "is of tinted glass, it is shown clear");
+    if (surface.metallic_texture)
+      warn("rough glass", "is of glass with a roughness texture, its factor alone is shown");
+    return {constant_index(index), surface.roughness, volume.value("thicknessFactor", 0.0) == 0};
+  }
+
+  MetallicRoughnessMaterial specular_glossiness(const Json& source) {
+    warn("specular-glossiness", "is of the specular-glossiness kind, its specular colour is not shown");
+    MetallicRoughnessMaterial surface;
+    surface.base_color = colour(source, "diffuseFactor");
+    surface.base_texture = texture(source, "diffuseTexture", ImageContent::colour);
+    surface.metallic = 0;
+    surface.roughness = 1 - clip(source.value("glossinessFactor", 1.0));
+    return surface;
+  }
+
+  void warn_of_alpha(const Json& source, const Json& core) {
+    const std::string mode = source.value("alphaMode", "OPAQUE");
+    if (mode == "MASK") warn("mask", "is cut out by the alpha of its texture, it is shown whole");
+    const bool has_alpha = core.contains("baseColorFactor") && core["baseColorFactor"].at(3).get<double>() < 1;
+    if (mode == "BLEND" && (has_alpha || core.contains("baseColorTexture")))
+      warn("see-through", "is see-through, it is shown opaque");
+  }
+
+  void warn_of_extensions(const Json& extensions) {
+    constexpr std::array known{"KHR_materials_pbrSpecularGlossiness",
+                               "KHR_materials_emissive_strength",
+                               "KHR_materials_ior",
+                               "KHR_materials_transmission",
+                               "KHR_materials_volume",
+                               "KHR_materials_unlit"};
+    for (const auto& [name, content] : extensions.items())
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        warn(name, fmt::format("has the extension {}, which is not shown", name));
+  }
+
+  const GltfFile& gltf_;
+  const WarnOnce& warn_;
+  std::string name_;
+  FileMaterial result_;
+  std::optional<TextureCoordinates> coordinates_;
+  std::map<std::pair<int, ImageContent>, Texture> images_;
+};
+
+}  // namespace
+
+std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& warn) {
+  std::vector<FileMaterial> materials;
+  Materials reader(gltf, warn);
+  try {
+    for (const Json& source : gltf.document.value("materials", Json::array()))
+      materials.push_back(reader.read(source, source.value("name", std::to_string(materials.size()))));
+    materials.push_back(reader.read(Json::object(), "default"));
+  } catch (const Json::exception& e) {
+    fail("{}: expected a glTF model, but material {} is damaged ({}); export it again", gltf.path, materials.size(),
+         e.what());
+  }
+  return materials;
+}
+
+void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn) try {
+  const Json& document = gltf.document;
+  if (!member(document, "animations").empty()) warn("animations", "the animations are not shown, the model is at rest");
+  if (!member(document, "cameras").empty()) warn("cameras", "the cameras are not used");
+  if (!member(document, "skins").empty()) warn("skins", "the model has bones, it is shown at rest");
+  for (const Json& mesh : member(document, "meshes"))
+    for (const Json& primitive : member(mesh, "primitives"))
+      if (primitive.contains("targets")) warn("morph", "the model has morph targets, which are not shown");
+  for (const Json& item : member(document, "extensionsUsed")) {
+    const std::string name = item.get<std::string>();
+    if (name == "KHR_lights_punctual")
+      warn("lights", "the lights are not used; place them in the scene");
+    else if (!name.starts_with("KHR_materials_") && name != "KHR_texture_transform" && name != "EXT_texture_webp")
+      warn(name, fmt::format("the extension {} is not used", name));
+  }
+} catch (const Json::exception& e) {
+  fail("{}: expected a glTF model, but it is damaged ({}); export it again", gltf.path, e.what());
+}
+
+}  // namespace holotrace

@@ -1,0 +1,175 @@
+#include "holotrace/io/picture/chart_file.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/files/file.h"
+
+extern "C" char** environ;
+
+namespace holotrace {
+namespace {
+
+// M. Okabe and K. Ito, "Color Universal Design" (2008), without the yellow, which is lost on white.
+constexpr std::array palette{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"};
+constexpr std::array markers{7, 5, 9, 13, 11, 6, 4};  // gnuplot's shapes: a disc, a square, triangles, a diamond, …
+
+// Text for gnuplot, in which nothing has a meaning of its own.
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) {
+    if (c == '\'') result += '\'';
+    result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return result + "'";
+}
+
+// The scale of an axis. gnuplot finds its range by itself unless all points share one coordinate.
+std::string axis_script(const char* axis, const Chart& chart, std::vector<double> Series::*coordinate, bool is_log) {
+  double low = INFINITY, high = -INFINITY;
+  for (const Series& s : chart.series)
+    for (const double v : s.*coordinate) low = std::min(low, v), high = std::max(high, v);
+  std::string script;
+  if (is_log) {
+    const bool has_powers = low < 1e-3 || high > 1e4;  // else plain numbers are read more easily
+    script += fmt::format("set logscale {0}\nset format {0} '{1}'\n", axis, has_powers ? "10^{%L}" : "%g");
+  }
+  if (low < high) return script;
+  if (is_log) return script + fmt::format("set {}range [{}:{}]\n", axis, low / 10, high * 10);
+  const double margin = low == 0 ? 1 : std::abs(low) / 2;
+  return script + fmt::format("set {}range [{}:{}]\n", axis, low - margin, high + margin);
+}
+
+std::string axes_script(const Chart& chart) {
+  std::string script;
+  if (!chart.title.empty()) script += fmt::format("set title {} noenhanced font ',20'\n", quoted(chart.title));
+  script += fmt::format("set xlabel {} noenhanced\n", quoted(chart.x_label));
+  script += fmt::format("set ylabel {} noenhanced\n", quoted(chart.y_label));
+  if (chart.is_equal_aspect) script += "set size ratio -1\n";
+  script += axis_script("x", chart, &Series::x, chart.is_log_x);
+  script += axis_script("y", chart, &Series::y, chart.is_log_y);
+  for (const ChartLabel& label : chart.labels)
+    script +=
+        fmt::format("set label {} at {},{} noenhanced offset 0.6,0.6 front\n", quoted(label.text), label.x, label.y);
+  return script;
+}
+
+std::string style_of(const Series& s, size_t n) {
+  const size_t place = s.colour < 0 ? n : size_t(s.colour);
+  const char* kind = s.has_line && s.has_markers ? "linespoints" : s.has_line ? "lines" : "points";
+  std::string style = fmt::format("with {} lc rgb '{}'", kind, palette[place % palette.size()]);
+  // Beyond the palette lines of one colour differ by their dashes.
+  if (s.has_line) style += fmt::format(" lw 2.5 dt {}", s.is_dashed ? 2 : 1 + n / palette.size() * 3);
+  if (s.has_markers) style += fmt::format(" pt {} ps 1.3", markers[place % markers.size()]);
+  return style;
+}
+
+std::string gnuplot_script(const Chart& chart, const std::string& extension) {
+  std::string script = extension == ".png"
+                           ? "set terminal pngcairo size 1200,800 font 'DejaVu Sans,17' background '#ffffff'\n"
+                           : "set terminal svg size 1200,800 font 'DejaVu Sans,17' background '#ffffff'\n";
+  script +=
+      "set encoding utf8\n"
+      "set border 3 lc rgb '#444444'\n"
+      "set tics nomirror out\n"
+      "set grid xtics ytics back lt 1 lc rgb '#d8d8d8' lw 1\n"
+      "set key tmargin center horizontal Left reverse\n"
+      "set rmargin 4\n";
+  script += axes_script(chart);
+  std::string plots;
+  for (size_t n = 0; n < chart.series.size(); ++n) {
+    const Series& s = chart.series[n];
+    if (s.x.empty()) continue;
+    script += fmt::format("$series{} << END_OF_SERIES\n", n);
+    for (size_t i = 0; i < s.x.size(); ++i) script += fmt::format("{} {}\n", s.x[i], s.y[i]);
+    script += "END_OF_SERIES\n";
+    if (s.is_filled)
+      plots += fmt::format(
+          "{}$series{} using 1:2 with filledcurves closed fs transparent solid 0.15 noborder lc rgb "
+          "'{}' notitle",
+          plots.empty() ? "" : ", ", n, palette[(s.colour < 0 ? n : size_t(s.colour)) % palette.size()]);
+    plots += fmt::format("{}$series{} using 1:2 {} {}", plots.empty() ? "" : ", ", n, style_of(s, n),
+                         s.name.empty() ? "notitle" : "title " + quoted(s.name) + " noenhanced");
+  }
+  return script + "plot " + plots + "\n";
+}
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+File temporary_file(const std::string& path) {
+  File file(std::tmpfile(), std::fclose);
+  require(file != nullptr, "expected room for temporary files to draw {} with, got \"{}\"", path, std::strerror(errno));
+  return file;
+}
+
+// Runs gnuplot with the script as its input, no settings of the user's, and the picture as its output. What it says
+// goes to `messages`. Files, not pipes: neither side can wait for the other.
+int run_gnuplot(std::FILE* script, const std::string& picture, std::FILE* messages) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, fileno(script), STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, picture.c_str(), O_WRONLY | O_TRUNC, 0666);
+  posix_spawn_file_actions_adddup2(&actions, fileno(messages), STDERR_FILENO);
+  std::array<std::string, 2> words{"gnuplot", "--default-settings"};
+  const std::array<char*, 3> arguments{words[0].data(), words[1].data(), nullptr};
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, words[0].c_str(), &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  require(error == 0,
+          "expected the program gnuplot to draw {} with, got \"{}\"; install it (Debian: gnuplot-nox), or leave the "
+          "picture out",
+          picture, std::strerror(error));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    require(errno == EINTR, "expected gnuplot to draw {}, got \"{}\"", picture, std::strerror(errno));
+  return status;
+}
+
+// The last line with words on it: gnuplot repeats the faulty line before it says what is wrong.
+std::string last_words(std::FILE* messages) {
+  std::rewind(messages);
+  std::string words, line;
+  for (int c = 0; (c = std::fgetc(messages)) != EOF;) {
+    if (c != '\n') {
+      line += char(c);
+      continue;
+    }
+    if (line.find_first_not_of(" \t^") != std::string::npos) words = line;
+    line.clear();
+  }
+  return words.empty() ? "no word of why" : words;
+}
+
+}  // namespace
+
+void save_chart(const std::string& path, const Chart& chart) {
+  const std::string extension = extension_of(path);
+  require(extension == ".png" || extension == ".svg",
+          "expected a chart file .png or .svg, got {}; change its extension", path);
+  check_chart(chart);
+  const std::string text = gnuplot_script(chart, extension);
+  write_atomically(path, [&](const std::string& temporary) {
+    const File script = temporary_file(path), messages = temporary_file(path);
+    const bool written = std::fwrite(text.data(), 1, text.size(), script.get()) == text.size();
+    require(written && std::fflush(script.get()) == 0, "expected room for temporary files to draw {} with, got \"{}\"",
+            path, std::strerror(errno));
+    std::rewind(script.get());
+    const int status = run_gnuplot(script.get(), temporary, messages.get());
+    std::error_code unknown;
+    require(status == 0 && std::filesystem::file_size(temporary, unknown) > 0,
+            "expected gnuplot to draw {}, got \"{}\"; check the room in its folder", path, last_words(messages.get()));
+  });
+}
+
+}  // namespace holotrace

@@ -1,0 +1,55 @@
+#include "holotrace/io/picture/depth_image_file.h"
+
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/picture/image_file.h"
+
+namespace holotrace {
+namespace {
+
+// Depth pictures are often saved in three channels that are alike.
+float grey(const Image& image, int row, int column, const std::string& path) {
+  const float value = image(row, column);
+  for (int c = 1; c < image.channels; ++c)
+    require(image(row, column, c) == value,
+            "{}: expected a grey picture of depths, got a colour at row {}, column {}; is it the picture itself?", path,
+            row, column);
+  return value;
+}
+
+}  // namespace
+
+DepthImage load_depth_image(const std::string& picture_path, const std::string& depth_path, double near, double far) {
+  const bool has_metres = extension_of(depth_path) == ".exr";
+  if (has_metres)
+    require(near == 0 && far == 0, "{}: expected no near and far with a depth EXR, which has metres, got {} and {}",
+            depth_path, format_length(near), format_length(far));
+  else
+    require(near > 0 && far > near && std::isfinite(far),
+            "{}: expected 0 m < near < far, the depths of its white and black, got near {} and far {}; give --near and "
+            "--far",
+            depth_path, format_length(near), format_length(far));
+  DepthImage image;
+  image.picture = load_image(picture_path);
+  const Image depth = load_image(depth_path, ImageContent::data);
+  require(depth.nx == image.picture.nx && depth.ny == image.picture.ny,
+          "{}: expected depths for {} × {} pixels, as {} has, got {} × {}; make both pictures one size", depth_path,
+          image.picture.nx, image.picture.ny, picture_path, depth.nx, depth.ny);
+  image.depth = Array2D<float>(depth.ny, depth.nx);
+  for (int j = 0; j < depth.ny; ++j)
+    for (int i = 0; i < depth.nx; ++i) {
+      const double value = grey(depth, j, i, depth_path);
+      image.depth(j, i) = float(has_metres ? value : far + (near - far) * value);
+    }
+  try {
+    check_depth_image(image);
+  } catch (const Error& error) {
+    throw Error(picture_path + " with " + depth_path + ": " + error.what());
+  }
+  return image;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,166 @@
+#include "holotrace/io/scene/scene_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/path_expression.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/scene/model_job.h"
+#include "holotrace/io/scene/params_toml.h"
+#include "holotrace/io/scene/scene_lights.h"
+#include "holotrace/io/scene/scene_materials.h"
+#include "holotrace/io/scene/scene_objects.h"
+#include "holotrace/io/scene/slm_file.h"
+
+namespace holotrace {
+namespace {
+
+// Path expressions that cannot be read, each at its own place in the list.
+void check_layers(TomlTable& root, const char* section, const std::vector<std::string>& layers) {
+  const auto table = root.table(section);
+  if (!table || layers.empty()) return;
+  const toml::array* list = table->toml().get("layers")->as_array();
+  for (size_t i = 0; i < layers.size(); ++i) try {
+      const PathAutomaton alone({layers[i]});
+    } catch (const Error& e) {
+      throw Error((list ? table->place(list->get(i)->source()) : table->where("layers")) + e.what());
+    }
+  table->locate("layers", [&] { const PathAutomaton together(layers); });
+}
+
+std::vector<double> read_wavelengths(TomlTable& root) {
+  std::vector<double> wavelengths(1);
+  if (root.toml().get("wavelength")->is_array())
+    root.lengths("wavelength", wavelengths, range::positive);
+  else
+    root.length("wavelength", wavelengths.front(), range::positive);
+  for (const double wavelength : wavelengths)
+    require(std::count(wavelengths.begin(), wavelengths.end(), wavelength) == 1,
+            "{}expected each wavelength once, got {} twice", root.where("wavelength"), format_length(wavelength));
+  return wavelengths;
+}
+
+// Effects that the scene's own [slm] tells of are on where [show] and [encode] say nothing of effects.
+void turn_on(const std::vector<std::string>& own, TomlTable& root, Job& job) {
+  const auto says_nothing = [&](const char* section) {
+    const auto table = root.table(section);
+    return !table || !table->has("effects");
+  };
+  if (says_nothing("show")) job.show.effects = own;
+  const bool has_calibration = std::find(own.begin(), own.end(), "calibration") != own.end();
+  if (has_calibration && says_nothing("encode")) job.encode.effects = {"calibration"};
+}
+
+Job read_job(TomlTable& root, const std::string& path) {
+  Job job;
+  for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
+                              "render", "synthesize", "encode", "show", "propagate", "camera"})
+    root.know(section);
+  root.require_key("wavelength");
+  root.refuse_unknown_keys();
+
+  job.wavelengths = read_wavelengths(root);
+  root.colour("background", job.scene.background, std::numeric_limits<double>::infinity());
+  std::vector<std::string> own_effects;
+  const auto slm = root.table("slm");
+  job.slm = slm ? read_slm(*slm, "pluto", own_effects) : slm_preset("pluto");
+  if (!own_effects.empty()) job.slm.preset = path;  // which has them, where the preset has not
+
+  SceneObjects objects(job);
+  std::vector<std::string> names;
+  const auto materials = root.named_tables("materials", names);
+  for (size_t i = 0; i < materials.size(); ++i) objects.add_material(names[i], read_material(materials[i]));
+  for (const TomlTable& light : root.tables("light")) job.scene.lights.push_back(read_light(light));
+  if (const auto environment = root.table("environment")) job.scene.environment = read_environment(*environment);
+  if (auto shapes = root.table("shape")) objects.add_shapes(*shapes);
+  for (const TomlTable& object : root.tables("object")) objects.add_object(object);
+  objects.check_unused_shapes();
+
+  read_params(root, "trace", job.trace);
+  read_params(root, "render", job.render);
+  read_params(root, "synthesize", job.synthesize);
+  read_params(root, "encode", job.encode);
+  read_params(root, "show", job.show);
+  read_params(root, "propagate", job.propagate);
+  read_params(root, "camera", job.camera);
+  turn_on(own_effects, root, job);
+  check_layers(root, "trace", job.trace.layers);
+  check_layers(root, "render", job.render.layers);
+  root.locate("", [&] { check_scene(job.scene); });
+  return job;
+}
+
+toml::table parse_file(const std::string& path) {
+  const std::string text = read_text(path);
+  try {
+    return toml::parse(text, path);
+  } catch (const toml::parse_error& e) {
+    const auto at = e.source().begin;
+    fail("{}:{}:{}: expected valid TOML, but: {}", path, at.line, at.column, e.description());
+  }
+}
+
+// Puts the keys of `over` into `base`: tables key by key; all else (lists of tables, and tables that say their type,
+// such as another kind of material) as a whole.
+void overrule(toml::table& base, toml::table&& over) {
+  for (auto&& [key, node] : over) {
+    toml::node* present = base.get(key);
+    if (present && present->is_table() && node.is_table() && !node.as_table()->contains("type")) {
+      overrule(*present->as_table(), std::move(*node.as_table()));
+      continue;
+    }
+    base.erase(key);
+    base.insert(key, std::move(node));  // moved, not copied: a node keeps its place in its file
+  }
+}
+
+// The tables of a scene file over those of the file that it extends, and the names of all files read.
+toml::table read_scene(const std::string& path, std::vector<std::string>& files) {
+  files.push_back(path);
+  toml::table scene = parse_file(path);
+  if (!scene.contains("extends")) return scene;
+  TomlTable root(scene, files, "the scene file");
+  std::string name;
+  root.text("extends", name);
+  const std::string extended = root.beside("extends", name);
+  require(std::find(files.begin(), files.end(), extended) == files.end(),
+          "{}expected a scene that does not extend itself, but \"{}\" is being read", root.where("extends"), extended);
+  root.locate("extends", [&] { check_file_exists(extended, "a scene file"); });
+  toml::table base = read_scene(extended, files);
+  scene.erase("extends");
+  overrule(base, std::move(scene));
+  return base;
+}
+
+}  // namespace
+
+Slm load_slm(const std::string& name) {
+  if (extension_of(name) != ".toml") return slm_preset(name);
+  check_file_exists(name, "a scene or panel file");
+  std::vector<std::string> files, own_effects;
+  const toml::table parsed = read_scene(name, files);
+  const bool is_panel = !parsed.contains("wavelength") && !parsed.contains("slm");
+  TomlTable root(parsed, files, is_panel ? "the panel file" : "the scene file");
+  const auto table = is_panel ? std::optional(root) : root.table("slm");
+  Slm slm = table ? read_slm(*table, is_panel ? "" : "pluto", own_effects) : slm_preset("pluto");
+  if (is_panel && !root.has("name")) slm.name = std::filesystem::path(name).stem().string();
+  if (is_panel || !own_effects.empty()) slm.preset = name;
+  return slm;
+}
+
+Job load_job(const std::string& path) {
+  if (is_mesh_file(path)) return job_for_model(path);
+  check_file_exists(path, "a scene file");
+  std::vector<std::string> files;
+  const toml::table parsed = read_scene(path, files);
+  TomlTable root(parsed, files, "the scene file");
+  return read_job(root, path);
+}
+
+}  // namespace holotrace

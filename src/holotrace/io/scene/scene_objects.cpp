@@ -1,0 +1,321 @@
+#include "holotrace/io/scene/scene_objects.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/suggest.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/shapes.h"
+#include "holotrace/data/spectrum.h"
+#include "holotrace/io/mesh/point_file.h"
+#include "holotrace/io/picture/image_file.h"
+
+namespace holotrace {
+namespace {
+
+const std::vector<std::string> object_types{"box",        "extrusion",     "lathe",          "mesh",
+                                            "point_quad", "points",        "quad",           "shape",
+                                            "sphere",     "textured_quad", "wireframe_cube", "wireframe_sphere"};
+
+bool is_point_type(const std::string& type) {
+  return type == "points" || type == "point_quad" || type == "textured_quad" || type == "wireframe_cube" ||
+         type == "wireframe_sphere";
+}
+
+struct Bounds {
+  Vec3 low{1, 1, 1}, high{-1, -1, -1};
+  bool empty = true;
+
+  void add(Vec3 p) {
+    if (empty) low = high = p;
+    empty = false;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+};
+
+template <class Geometry>
+Bounds bounds_of(const Geometry& geometry) {
+  Bounds bounds;
+  for (const Mesh& mesh : geometry.meshes)
+    for (Vec3 p : mesh.positions) bounds.add(p);
+  for (const ScenePoint& point : geometry.points) bounds.add(point.position);
+  return bounds;
+}
+
+template <class Geometry>
+void transform(const Frame& frame, Geometry& geometry) {
+  for (Mesh& mesh : geometry.meshes) transform_mesh(frame, mesh);
+  for (ScenePoint& point : geometry.points) point.position = transform_point(frame, point.position);
+}
+
+Frame scaling(double factor) { return {{factor, 0, 0}, {0, factor, 0}, {0, 0, factor}, {}}; }
+
+// The uniform scale and shift that centre the bounds at the origin, their largest side being `size`.
+Frame fitting(const Bounds& bounds, double size, const std::string& where) {
+  const double largest = max_component(bounds.high - bounds.low);
+  require(largest > 0, "{}expected an object with an extent for \"fit\", got a single point", where);
+  return compose(scaling(size / largest), Frame{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, (bounds.low + bounds.high) * -0.5});
+}
+
+double read_required_length(TomlTable& object, const char* key) {
+  object.require_key(key);
+  double value = 0;
+  object.length(key, value, range::positive);
+  return value;
+}
+
+bool has_texture(const Material& material) {
+  const auto* diffuse = std::get_if<DiffuseMaterial>(&material.surface);
+  const auto* metallic = std::get_if<MetallicRoughnessMaterial>(&material.surface);
+  return material.emission_texture || material.normal_map || (diffuse && diffuse->texture) ||
+         (metallic && (metallic->base_texture || metallic->metallic_texture));
+}
+
+}  // namespace
+
+void SceneObjects::add_material(const std::string& name, const Material& material) {
+  materials_[name] = int(job_.scene.materials.size());
+  job_.scene.materials.push_back(material);
+}
+
+void SceneObjects::add_shapes(TomlTable& shapes) {
+  for (auto&& [name, node] : shapes.toml()) {
+    const std::string key(name.str());
+    shapes_[key] = shapes.tables(key.c_str());
+  }
+}
+
+void SceneObjects::add_object(TomlTable object) {
+  Geometry geometry = read_object(object);
+  const Bounds bounds = bounds_of(geometry);
+  require(!bounds.empty, "{}expected an object with triangles or points, got an empty one", object.where(""));
+  require(
+      bounds.high.z < 0,
+      "{}expected the object behind the panel (z < 0), but it reaches z = {}; move it to negative z with \"position\"",
+      object.where(""), format_length(bounds.high.z));
+  for (Mesh& mesh : geometry.meshes) {
+    if (mesh.material < 0) {
+      if (default_material_ < 0) {
+        default_material_ = int(job_.scene.materials.size());
+        job_.scene.materials.push_back(DiffuseMaterial{});
+      }
+      mesh.material = default_material_;
+    }
+    require(!mesh.texture_coordinates.empty() || !has_texture(job_.scene.materials[size_t(mesh.material)]),
+            "{}expected a mesh with texture coordinates for a material with a texture, got \"{}\" without; export it "
+            "with them, or use a material without a texture",
+            object.where("material"), mesh.name);
+    job_.scene.meshes.push_back(std::move(mesh));
+  }
+  job_.scene.points.insert(job_.scene.points.end(), geometry.points.begin(), geometry.points.end());
+}
+
+// place · rotate · scale of what the type says, once per place.
+SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
+  std::string type, name;
+  object.require_key("type");
+  object.text("type", type);
+  if (std::find(object_types.begin(), object_types.end(), type) == object_types.end())
+    throw Error(object.where("type") + unknown_name_message("object type", type, object_types));
+  object.text("name", name);
+  double scale = 1, fit = 0;
+  object.number("scale", scale, range::positive);
+  object.length("fit", fit, range::positive);
+  require(!(object.has("fit") && object.has("scale")), "{}expected either \"fit\" or \"scale\", got both",
+          object.where("fit"));
+  Frame rotation;
+  object.rotation("rotation", rotation);
+  Vec3 position;
+  object.length_vector("position", position);
+  std::vector<Vec3> positions{position};
+  require(!(object.has("position") && object.has("positions")),
+          "{}expected either \"position\" or \"positions\", got both", object.where("positions"));
+  object.length_vectors("positions", positions);
+  double distance = 0;
+  object.length("distance", distance, range::not_negative);
+
+  Geometry local;
+  object.locate("", [&] { local = read_type(object, type); });
+  if (is_point_type(type)) {
+    double amplitude = 1, phase = 0;
+    object.number("amplitude", amplitude, range::not_negative);
+    object.angle("phase", phase, range::any);
+    for (ScenePoint& point : local.points) {
+      point.amplitude = float(point.amplitude * amplitude);
+      point.phase = float(point.phase + phase);
+    }
+  } else {
+    const int material = read_material_name(object);
+    for (Mesh& mesh : local.meshes)
+      if (mesh.material < 0) mesh.material = material;
+  }
+  object.refuse_unknown_keys();
+  if (!name.empty())
+    for (Mesh& mesh : local.meshes) mesh.name = name;
+
+  const Frame size = fit > 0 ? fitting(bounds_of(local), fit, object.where("fit")) : scaling(scale);
+  Geometry placed;
+  for (Vec3 place : positions) {
+    Frame frame = compose(rotation, size);
+    frame.origin += place - Vec3{0, 0, distance};
+    Geometry copy = local;
+    transform(frame, copy);
+    std::move(copy.meshes.begin(), copy.meshes.end(), std::back_inserter(placed.meshes));
+    placed.points.insert(placed.points.end(), copy.points.begin(), copy.points.end());
+  }
+  return placed;
+}
+
+SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::string& type) {
+  const auto from_mesh = [](Mesh mesh) {
+    mesh.material = -1;
+    return Geometry{{std::move(mesh)}, {}};
+  };
+  if (type == "mesh") return read_mesh_file(object);
+  if (type == "shape") return read_shape(object);
+  if (type == "points") {
+    PointChannel channel = PointChannel::luminance;
+    object.choice("channel", channel,
+                  {{"luminance", PointChannel::luminance},
+                   {"red", PointChannel::red},
+                   {"green", PointChannel::green},
+                   {"blue", PointChannel::blue}});
+    const std::string file = read_file_name(object, "file");
+    Geometry geometry;
+    object.locate("file", [&] { geometry.points = load_points(file, channel); });
+    return geometry;
+  }
+  if (type == "wireframe_cube") {
+    int per_edge = 20;
+    object.count("points_per_edge", per_edge, range::at_least(2));
+    return {{}, make_wireframe_cube(read_required_length(object, "size"), per_edge)};
+  }
+  if (type == "wireframe_sphere") {
+    int meridians = 12, parallels = 7, per_circle = 64;
+    object.count("meridians", meridians, range::at_least(1));
+    object.count("parallels", parallels, range::not_negative);
+    object.count("points_per_circle", per_circle, range::at_least(3));
+    return {{}, make_wireframe_sphere(read_required_length(object, "size"), meridians, parallels, per_circle)};
+  }
+  if (type == "point_quad" || type == "textured_quad") {
+    int columns = 64, rows = 64;
+    object.count("columns", columns, range::at_least(2));
+    object.count("rows", rows, range::at_least(2));
+    const double width = read_required_length(object, "width"), height = read_required_length(object, "height");
+    if (type == "textured_quad" || object.has("texture")) {
+      const std::string file = read_file_name(object, "texture");
+      Image texture;
+      object.locate("texture", [&] { texture = load_image(file); });
+      if (job_.wavelengths.size() > 1 && texture.channels > 1)
+        job_.warnings.push_back(
+            fmt::format("{}points have one amplitude at all wavelengths, the texture is taken at {}",
+                        object.where("texture"), format_length(job_.wavelengths.front())));
+      return {{}, make_point_quad(width, height, columns, rows, &texture, channel_weights(job_.wavelengths.front()))};
+    }
+    std::string none;
+    object.text("texture", none);  // makes the key known
+    return {{}, make_point_quad(width, height, columns, rows)};
+  }
+  if (type == "quad") {
+    const double width = read_required_length(object, "width"), height = read_required_length(object, "height");
+    return from_mesh(make_quad(width, height));
+  }
+  if (type == "box") {
+    object.require_key("size");
+    Vec3 size;
+    object.length_vector("size", size, range::positive);
+    return from_mesh(make_box(size));
+  }
+  int segments = 64;
+  if (type == "sphere") {
+    object.count("segments", segments, range::at_least(3));
+    return from_mesh(make_sphere(read_required_length(object, "size"), segments));
+  }
+  std::vector<Vec2> outline;
+  if (type == "lathe") {
+    object.count("segments", segments, range::at_least(3));
+    object.require_key("profile");
+    object.outline("profile", outline);
+    return from_mesh(make_lathe(outline, segments));
+  }
+  object.require_key("outline");
+  object.outline("outline", outline);
+  return from_mesh(make_extrusion(outline, read_required_length(object, "depth")));
+}
+
+SceneObjects::Geometry SceneObjects::read_shape(TomlTable& object) {
+  object.require_key("shape");
+  std::string name;
+  object.text("shape", name);
+  const auto found = shapes_.find(name);
+  if (found == shapes_.end()) {
+    std::vector<std::string> names;
+    for (const auto& [known, parts] : shapes_) names.push_back(known);
+    throw Error(object.where("shape") + unknown_name_message("shape", name, names));
+  }
+  require(open_shapes_.insert(name).second, "{}expected a shape of other shapes, but \"{}\" holds itself",
+          object.where("shape"), name);
+  Geometry whole = read_parts(name);
+  open_shapes_.erase(name);
+  return whole;
+}
+
+SceneObjects::Geometry SceneObjects::read_parts(const std::string& shape) {
+  used_shapes_.insert(shape);
+  Geometry whole;
+  for (TomlTable part : shapes_[shape]) {
+    Geometry geometry = read_object(part);
+    std::move(geometry.meshes.begin(), geometry.meshes.end(), std::back_inserter(whole.meshes));
+    whole.points.insert(whole.points.end(), geometry.points.begin(), geometry.points.end());
+  }
+  return whole;
+}
+
+void SceneObjects::check_unused_shapes() {
+  for (const auto& [name, parts] : shapes_)
+    if (!used_shapes_.contains(name)) read_parts(name);
+}
+
+SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
+  const std::string file = read_file_name(object, "file");
+  if (!models_.contains(file)) {
+    object.locate("file", [&] { models_[file].loaded = load_meshes(file); });
+    const auto& warnings = models_[file].loaded.warnings;
+    job_.warnings.insert(job_.warnings.end(), warnings.begin(), warnings.end());
+  }
+  Model& model = models_[file];
+  const bool has_own_material = object.has("material");
+  if (!has_own_material && model.first_material < 0) {
+    model.first_material = int(job_.scene.materials.size());
+    const auto& materials = model.loaded.materials;
+    job_.scene.materials.insert(job_.scene.materials.end(), materials.begin(), materials.end());
+  }
+  Geometry geometry{model.loaded.meshes, {}};
+  for (Mesh& mesh : geometry.meshes) {
+    mesh.material = has_own_material ? -1 : mesh.material + model.first_material;
+    if (has_own_material) mesh.colours.clear();
+  }
+  return geometry;
+}
+
+int SceneObjects::read_material_name(TomlTable& object) {
+  std::string name;
+  object.text("material", name);
+  if (name.empty()) return -1;
+  const auto found = materials_.find(name);
+  if (found != materials_.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [known, index] : materials_) names.push_back(known);
+  throw Error(object.where("material") + unknown_name_message("material", name, names));
+}
+
+std::string SceneObjects::read_file_name(TomlTable& object, const char* key) {
+  object.require_key(key);
+  std::string name;
+  object.text(key, name);
+  return object.beside(key, name);
+}
+
+}  // namespace holotrace

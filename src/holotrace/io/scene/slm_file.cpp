@@ -1,0 +1,247 @@
+#include "holotrace/io/scene/slm_file.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/suggest.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/picture/image_file.h"
+
+namespace holotrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The calibration of other levels: level ℓ of M is level ℓ·L/M of L.
+std::vector<CalibrationPoint> with_levels(const std::vector<CalibrationPoint>& points, int levels) {
+  if (points.empty() || points.size() == size_t(levels)) return points;
+  std::vector<CalibrationPoint> out;
+  for (int level = 0; level < levels; ++level) {
+    const double place = double(level) * double(points.size()) / levels;
+    const size_t below = std::min(size_t(place), points.size() - 2);
+    const double t = place - double(below);
+    const CalibrationPoint &a = points[below], &b = points[below + 1];
+    out.push_back({a.phase + t * (b.phase - a.phase), a.amplitude + std::min(t, 1.0) * (b.amplitude - a.amplitude)});
+  }
+  return out;
+}
+
+std::vector<ZernikeTerm> read_aberration(TomlTable& table) {
+  std::vector<ZernikeTerm> terms;
+  const toml::node* node = table.find("aberration");
+  const char* expected = "a list of terms [{ n = 2, m = 0, rms = \"0.3 rad\" }, …]";
+  if (!node->is_array()) table.fail_kind("aberration", expected, *node);
+  for (const toml::node& item : *node->as_array()) {
+    const toml::table* term = item.as_table();
+    if (!term) table.fail_kind("aberration", expected, item);
+    for (auto&& [key, value] : *term)
+      if (key != "n" && key != "m" && key != "rms")
+        throw Error(table.place(key.source()) + unknown_name_message("key", std::string(key.str()), {"n", "m", "rms"}));
+    const auto n = (*term)["n"].value_exact<int64_t>(), m = (*term)["m"].value_exact<int64_t>();
+    const auto rms = (*term)["rms"].value_exact<std::string>();
+    if (!n || !m || !rms) table.fail_kind("aberration", expected, item);
+    double radians = 0;
+    try {
+      radians = parse_angle(*rms);
+    } catch (const Error& e) {
+      throw Error(table.place(item.source()) + e.what());
+    }
+    const auto in_int = [](int64_t value) { return int(std::clamp<int64_t>(value, -1000, 1000)); };
+    terms.push_back({in_int(*n), in_int(*m), radians});
+  }
+  return terms;
+}
+
+std::vector<DeadPixel> read_dead_pixels(TomlTable& table) {
+  std::vector<DeadPixel> pixels;
+  const toml::node* node = table.find("dead_pixels");
+  const char* expected = "a list of pixels [[column, row, level], …]";
+  if (!node->is_array()) table.fail_kind("dead_pixels", expected, *node);
+  for (const toml::node& item : *node->as_array()) {
+    const toml::array* numbers = item.as_array();
+    if (!numbers || numbers->size() != 3) table.fail_kind("dead_pixels", expected, item);
+    int values[3] = {};
+    for (size_t i = 0; i < 3; ++i) {
+      const auto value = numbers->get(i)->value_exact<int64_t>();
+      if (!value) table.fail_kind("dead_pixels", expected, item);
+      values[i] = int(std::clamp<int64_t>(*value, -1, 1 << 30));
+    }
+    pixels.push_back({values[0], values[1], values[2]});
+  }
+  return pixels;
+}
+
+std::shared_ptr<const Array2D<float>> load_phase_map(const std::string& path, double range) {
+  const Image image = load_image(path, ImageContent::data);
+  auto map = std::make_shared<Array2D<float>>(image.ny, image.nx);
+  for (int j = 0; j < image.ny; ++j)
+    for (int i = 0; i < image.nx; ++i) (*map)(j, i) = float(range * double(image(j, i, 0)));
+  return map;
+}
+
+// The effects that the table itself says something of, over those of the preset.
+void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<std::string>& names) {
+  SlmEffects& effects = slm.effects;
+  const auto has_any = [&](std::initializer_list<const char*> keys) {
+    return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return table.has(key); });
+  };
+  std::string calibration, map;
+  double map_range = 2 * pi;
+  table.text("calibration", calibration);
+  if (!calibration.empty())
+    table.locate("calibration",
+                 [&] { effects.calibration = load_calibration(table.beside("calibration", calibration), slm.levels); });
+  else if (has_new_levels)
+    effects.calibration = with_levels(effects.calibration, slm.levels);
+  table.number("crosstalk", effects.crosstalk, range::from_to(0, 8));
+  table.number("gap_amplitude", effects.gap_amplitude, range::fraction);
+  table.angle("gap_phase", effects.gap_phase, range::any);
+  table.number("flicker", effects.flicker, range::below(0, 1));
+  if (table.has("aberration")) effects.aberration = read_aberration(table);
+  table.text("phase_map", map);
+  table.angle("phase_map_range", map_range, range::any);
+  if (!map.empty())
+    table.locate("phase_map", [&] { effects.phase_map = load_phase_map(table.beside("phase_map", map), map_range); });
+  table.number("dead_fraction", effects.dead_fraction, range::fraction);
+  table.count("dead_seed", effects.dead_seed, range::not_negative);
+  if (table.has("dead_pixels")) effects.dead_pixels = read_dead_pixels(table);
+
+  if (has_any({"calibration"})) names.push_back("calibration");
+  if (has_any({"crosstalk"})) names.push_back("crosstalk");
+  if (has_any({"gap_amplitude", "gap_phase"})) names.push_back("gaps");
+  if (has_any({"flicker"})) names.push_back("flicker");
+  if (has_any({"aberration"})) names.push_back("aberration");
+  if (has_any({"phase_map", "phase_map_range"})) names.push_back("phase-map");
+  if (has_any({"dead_fraction", "dead_seed", "dead_pixels"})) names.push_back("dead-pixels");
+  const std::vector<std::string> on = effects_of(slm);  // one of 0 is told off
+  std::erase_if(names, [&](const std::string& name) { return std::find(on.begin(), on.end(), name) == on.end(); });
+}
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+[[noreturn]] void fail_unknown(const std::string& name) {
+  const std::vector<std::string> known = slm_preset_names();
+  std::string sentence = unknown_name_message("SLM", name, known);
+  // Where a near name is suggested, the others are told, too.
+  if (!nearest_name(name, known).empty()) sentence += fmt::format(" (known: {})", fmt::join(known, ", "));
+  throw Error(sentence);
+}
+
+// The file of a panel, or "".
+std::string panel_file(const std::string& name) {
+  for (const std::string& folder : panel_folders()) {
+    const fs::path file = fs::path(folder) / (name + ".toml");
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored)) return file.string();
+  }
+  return "";
+}
+
+}  // namespace
+
+namespace {
+
+Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain,
+              std::vector<std::string>& effects);
+
+// A panel by name, on the way from those in `chain`, each a change of the next.
+Slm load_panel(const std::string& name, std::vector<std::string> chain) {
+  require(std::find(chain.begin(), chain.end(), name) == chain.end(),
+          "expected a panel that is no change of itself, got \"{}\"", name);
+  chain.push_back(name);
+  const bool is_plain = !name.empty() && name.find('/') == std::string::npos;
+  const std::string path = is_plain ? panel_file(name) : "";
+  if (path.empty()) fail_unknown(name);
+  const std::string text = read_text(path);
+  toml::table parsed;
+  try {
+    parsed = toml::parse(text, path);
+  } catch (const toml::parse_error& e) {
+    const auto at = e.source().begin;
+    fail("{}:{}:{}: expected valid TOML, but: {}", path, at.line, at.column, e.description());
+  }
+  std::vector<std::string> ignored;
+  Slm slm = read_over(TomlTable(parsed, {path}, "the panel"), "", chain, ignored);
+  if (!parsed.contains("name")) slm.name = name;
+  slm.preset = name;
+  return slm;
+}
+
+Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain,
+              std::vector<std::string>& effects) {
+  std::string base = preset;
+  table.text("preset", base);
+  Slm slm;
+  if (!base.empty()) table.locate("preset", [&] { slm = load_panel(base, chain); });
+  const Slm standard = slm;
+  table.count("columns", slm.grid.nx, range::at_least(1));
+  table.count("rows", slm.grid.ny, range::at_least(1));
+  table.length("pitch", slm.grid.pitch, range::positive);
+  table.count("levels", slm.levels, range::from_to(2, 65536));
+  table.number("fill_factor", slm.fill_factor, range::above_to(0, 1));
+  if (table.has("fill_factor")) slm.fill_x = slm.fill_y = 0;
+  table.number("fill_x", slm.fill_x, range::above_to(0, 1));
+  table.number("fill_y", slm.fill_y, range::above_to(0, 1));
+  if (table.has("fill_x") || table.has("fill_y")) slm.fill_factor = slm.fill_x * slm.fill_y;
+  table.choice("modulation", slm.modulation,
+               {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}, {"complex", Modulation::complex}});
+  table.length("design_wavelength", slm.design_wavelength, range::not_negative);
+  table.angle("phase_range", slm.phase_range, range::positive);
+  if (!(slm.grid == standard.grid)) slm.name = "custom";
+  table.text("name", slm.name);
+  table.text("source", slm.source);
+  read_effects(table, slm, slm.levels != standard.levels, effects);
+  table.refuse_unknown_keys();
+  table.locate("", [&] { check_slm(slm); });
+  return slm;
+}
+
+}  // namespace
+
+std::vector<std::string> panel_folders() {
+  std::vector<fs::path> wanted;
+  const std::string own = environment("HOLOTRACE_PANELS"), settings = environment("XDG_CONFIG_HOME"),
+                    home = environment("HOME");
+  if (!own.empty()) wanted.emplace_back(own);
+  if (!settings.empty())
+    wanted.push_back(fs::path(settings) / "holotrace" / "panels");
+  else if (!home.empty())
+    wanted.push_back(fs::path(home) / ".config" / "holotrace" / "panels");
+  std::error_code ignored;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
+  if (!program.empty()) wanted.push_back(program.parent_path().parent_path() / "share" / "holotrace" / "panels");
+  wanted.emplace_back(HOLOTRACE_PANELS_INSTALLED);
+  wanted.emplace_back(HOLOTRACE_PANELS_SOURCE);
+  std::vector<std::string> folders;
+  for (const fs::path& folder : wanted)
+    if (fs::is_directory(folder, ignored)) folders.push_back(folder.string());
+  return folders;
+}
+
+std::vector<std::string> slm_preset_names() {
+  std::set<std::string> names;
+  for (const std::string& folder : panel_folders()) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
+  }
+  return {names.begin(), names.end()};
+}
+
+Slm slm_preset(const std::string& name) { return load_panel(name, {}); }
+
+Slm read_slm(TomlTable table, const std::string& preset, std::vector<std::string>& effects) {
+  return read_over(std::move(table), preset, {}, effects);
+}
+
+}  // namespace holotrace

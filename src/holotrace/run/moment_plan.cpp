@@ -1,0 +1,103 @@
+#include "holotrace/run/moment_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/view/camera.h"
+
+namespace holotrace {
+namespace {
+
+constexpr int most_moments = 256, of_flicker = 16, least_of_spectrum = 8;
+
+int counted(double number) { return int(std::ceil(std::clamp(number, 1.0, 1e6))); }
+
+// Parts of the source whose light a pupil or a pass band bounds alike.
+int parts_of_source(const Slm& slm, const ShowParams& params, double wavelength, const std::vector<Viewpoint>& from,
+                    const std::optional<SpectralFilter>& filter) {
+  double band = params.subpixels / slm.grid.pitch;  // [1/m]
+  if (filter) band = std::min({band, 2 * filter->half_u, 2 * filter->half_v});
+  double moved = params.source_angle / (wavelength * band);  // in widths of what bounds the light
+  for (const Viewpoint& view : from)
+    if (view.camera.pupil > 0) moved = std::max(moved, params.source_angle * view.camera.eye.z / view.camera.pupil);
+  return counted(pi / 4 * 64 * moved * moved);
+}
+
+int steps_of_spectrum(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
+                      const std::vector<Viewpoint>& from) {
+  const double side = std::max(slm.grid.width(), slm.grid.height()), pitch = slm.grid.pitch;
+  double steps = least_of_spectrum;
+  for (const Viewpoint& view : from) {
+    const double z = view.distance;
+    if (z == 0) continue;
+    const CameraParams& camera = view.camera;
+    const double pixel = camera.pixel > 0 ? camera.pixel / magnification(camera, z, image)
+                                          : std::max(camera.binning, 1) * pitch / params.subpixels;
+    double resolved = std::max(pixel, wavelength * z / side);
+    if (camera.pupil > 0) {
+      const double travelled = image == ImageSide::real_image ? z - camera.eye.z : z + camera.eye.z;
+      resolved = std::max(resolved, wavelength * std::abs(travelled) / camera.pupil);
+    }
+    const double steepest = std::min(params.subpixels / (2 * pitch), side / (wavelength * z));
+    steps = std::max(steps, 2 * steepest * z * params.bandwidth / resolved);
+  }
+  return counted(steps);
+}
+
+}  // namespace
+
+MomentPlan plan_moments(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
+                        const std::vector<Viewpoint>& from, const std::optional<SpectralFilter>& filter) {
+  check_ranges(params);
+  const Slm with = with_effects(slm, params.effects);
+  const bool has_flicker = with.effects.flicker > 0;
+  MomentPlan plan;
+  const auto need = [&](int count, const std::string& why) {
+    plan.why += (plan.why.empty() ? "" : "; ") + why;
+    plan.needed = std::max(plan.needed, count);
+  };
+  int parts = 1;
+  if (params.source_angle > 0) {
+    parts = parts_of_source(slm, params, wavelength, from, filter);
+    if (parts == 1)
+      need(1, fmt::format("the irradiance is convolved with the source of {}", format_angle(params.source_angle)));
+    else
+      need(parts, fmt::format("{} parts of the source of {}, by which its light moves an eighth of the pupil or stop",
+                              parts, format_angle(params.source_angle)));
+  }
+  if (params.bandwidth > 0) {
+    const int steps = steps_of_spectrum(slm, params, wavelength, image, from);
+    need(steps, fmt::format("{} wavelengths of the spectrum of {}, by which light moves half of what the view resolves",
+                            steps, format_length(params.bandwidth)));
+  }
+  if (has_flicker) need(of_flicker, fmt::format("{} instants of the flicker", of_flicker));
+
+  const bool is_given = params.moments > 0;
+  ShowParams taken = params;
+  taken.moments = is_given ? params.moments : std::min(plan.needed, most_moments);
+  // One part is the whole source, whatever else there is to average over; moments that are asked for share it out.
+  const bool is_shared = parts > 1 || (is_given && params.bandwidth == 0 && !has_flicker);
+  if (!is_shared) taken.source_angle = 0;
+  plan.moments = moments(with, taken, wavelength);
+  if (!is_shared)
+    for (Moment& moment : plan.moments) moment.source.angle = params.source_angle;
+  return plan;
+}
+
+std::string doubt_of(const MomentPlan& plan, const ShowParams& params) {
+  const int taken = int(plan.moments.size());
+  if (taken >= plan.needed) return {};
+  if (params.moments == 0)
+    return fmt::format(
+        "this light needs {} moments to blur evenly, of which {} are taken, the most: {}; expect grains, or give "
+        "moments",
+        plan.needed, taken, plan.why);
+  return fmt::format("{} moments are too few for this light, which needs {}: {}; leave moments out, or give more",
+                     taken, plan.needed, plan.why);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "holotrace/data/hologram.h"
+#include "holotrace/data/params/show.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/run/viewing.h"
+#include "holotrace/slm/panel/moments.h"
+
+namespace holotrace {
+
+/// The moments that the light and the panel are averaged over for some views, and why as many.
+struct MomentPlan {
+  std::vector<Moment> moments;
+  int needed = 1;   ///< for an even blur of the finest point that the views resolve
+  std::string why;  ///< empty for coherent light
+};
+
+/// The moments of partly coherent light (slm/panel/moments.h), as many as the views need where params.moments is 0.
+///
+/// A source of full angle α blurs the plane at z over a disc of diameter α·z: a convolution of the irradiance
+/// (view/source_image.h), done in one moment where all the light goes on alike. What bounds it on its way does not move
+/// with it: of a pupil D at z_e a part of the source may move the light by D/8, of a pass band of the full angle β
+/// (the encoder's stop, or the orders that the samples hold) by β/8,
+///
+///     N = π/4·max((8α·z_e/D)², (8α/β)²)
+///
+/// A spectrum of the full width Δλ moves light of the frequency f by f·z·Δλ in the plane at z; the steepest that gets
+/// there has f = min(n/2p, S/λz), for n samples per pixel p on a panel of side S. Steps of half the resolution r, which
+/// is the largest of the sensor's pixel, λz/S and λ|z − z_e|/D, blend:
+///
+///     N = 2·f·z·Δλ/r   (8 at least, for what the panel itself does at other wavelengths)
+///
+/// Flicker takes 16. All together the largest, and 256 at most, beyond which a warning says what is left out.
+///
+/// @param filter  the encoder's stop, where it is known
+/// @throws Error  as moments does
+MomentPlan plan_moments(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
+                        const std::vector<Viewpoint>& from, const std::optional<SpectralFilter>& filter = {});
+
+/// The doubt to tell of a plan: moments that were asked for, or the most that are taken, are too few. Empty: none.
+std::string doubt_of(const MomentPlan& plan, const ShowParams& params);
+
+}  // namespace holotrace

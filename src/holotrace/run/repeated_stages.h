@@ -1,0 +1,76 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "holotrace/run/stage.h"
+
+namespace holotrace {
+
+/// The stages that every hologram of a run passes, at every moment of its light. With one of each they are stages like
+/// any other. With more, a caller watches one stage "N holograms" (or "N moments"), whose progress is that of them all,
+/// and the report gets one entry per name: the seconds of all, the facts and curves of the first, the counts "waves"
+/// and "waves_pixels" summed, each warning once.
+class RepeatedStages {
+ public:
+  /// @param holograms  that pass
+  /// @param moments    of the light on each
+  /// @param calls      that will be made, for progress
+  RepeatedStages(int64_t holograms, int64_t moments, int64_t calls, Report& report, const StageObserver& watch)
+      : holograms_(holograms), moments_(moments), calls_(calls), report_(report), watch_(watch) {
+    if (!is_repeated() || !watch) return;
+    caller_ = watch(holograms > 1 ? fmt::format("{} holograms", holograms) : fmt::format("{} moments", moments));
+  }
+
+  /// Runs `work(observer)` as a stage of that name and returns its result.
+  template <class Work>
+  auto operator()(const std::string& name, const Work& work) {
+    Report once;
+    auto result = run_stage(
+        name, once, [&](const std::string&) { return observer_of(name); }, work);
+    merge(std::move(once.stages.front()));
+    ++done_;
+    return result;
+  }
+
+  /// Whether a stage of that name has run.
+  bool has_run(const std::string& name) const;
+
+  /// Runs `work(observer)` as the end of a stage that has run: its facts, curves, warnings and seconds are added to the
+  /// entry.
+  template <class Work>
+  void finish(const std::string& name, const Work& work) {
+    Report once;
+    const auto quiet = [&](const std::string&) { return Observer{}; };
+    run_stage(name, once, quiet, [&](const Observer& o) {
+      work(o);
+      return true;
+    });
+    merge(std::move(once.stages.front()));
+  }
+
+ private:
+  Observer observer_of(const std::string& name) {
+    if (!is_repeated()) return watch_ ? watch_(name) : Observer{};
+    Observer observer;
+    observer.on_progress = [this](double fraction) { caller_.progress((double(done_) + fraction) / double(calls_)); };
+    observer.on_warning = [this, name](const std::string& sentence) {
+      if (told_.insert(sentence).second) caller_.warn(name + ": " + sentence);
+    };
+    return observer;
+  }
+
+  bool is_repeated() const { return holograms_ * moments_ > 1; }
+  void merge(StageReport&& once);
+
+  int64_t holograms_, moments_, calls_, done_ = 0;
+  Report& report_;
+  const StageObserver& watch_;
+  Observer caller_;
+  std::set<std::string> told_;
+};
+
+}  // namespace holotrace

@@ -1,0 +1,275 @@
+#include "holotrace/slm/encode/encode.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/slm/encode/binary.h"
+#include "holotrace/slm/encode/double_phase.h"
+#include "holotrace/slm/encode/error_diffusion.h"
+#include "holotrace/slm/encode/gerchberg_saxton.h"
+#include "holotrace/slm/encode/gradient_descent.h"
+#include "holotrace/slm/encode/iteration_arrays.h"
+#include "holotrace/slm/encode/iterations.h"
+#include "holotrace/slm/encode/kinoform.h"
+#include "holotrace/slm/encode/off_axis.h"
+#include "holotrace/slm/encode/phase_levels.h"
+#include "holotrace/slm/encode/plane_sums.h"
+#include "holotrace/slm/encode/target.h"
+#include "holotrace/slm/panel/checks.h"
+
+namespace holotrace {
+namespace {
+
+const char* name_of(Encoding method) {
+  switch (method) {
+    case Encoding::phase:
+      return "phase";
+    case Encoding::amplitude:
+      return "amplitude";
+    case Encoding::off_axis:
+      return "off-axis";
+    case Encoding::complex:
+      return "complex";
+    case Encoding::double_phase:
+      return "double-phase";
+    case Encoding::error_diffusion:
+      return "error-diffusion";
+    case Encoding::gerchberg_saxton:
+      return "gerchberg-saxton";
+    case Encoding::weighted_gerchberg_saxton:
+      return "weighted-gerchberg-saxton";
+    case Encoding::sgd:
+      return "sgd";
+    case Encoding::binary:
+      return "binary";
+  }
+  fail("expected an encoding that this version knows, got number {}", int(method));
+}
+
+void check_samples(const Field& field) {
+  require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
+          "expected {} × {} samples, as the field's grid says, got {} × {}", field.grid.nx, field.grid.ny,
+          field.samples.nx, field.samples.ny);
+  for (int j = 0; j < field.grid.ny; ++j)
+    for (int i = 0; i < field.grid.nx; ++i) {
+      const std::complex<float> u = field.samples(j, i);
+      require(std::isfinite(u.real()) && std::isfinite(u.imag()),
+              "expected finite samples in the field, got {}{:+}i at row {}, column {}", u.real(), u.imag(), j, i);
+    }
+}
+
+// What the pixels of a hologram differ in.
+Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
+  switch (params.method) {
+    case Encoding::amplitude:
+    case Encoding::off_axis:
+      return Modulation::amplitude;
+    case Encoding::complex:
+      return Modulation::complex;
+    case Encoding::binary:
+      if (params.binary_levels == BinaryLevels::phase) return Modulation::phase;
+      if (params.binary_levels == BinaryLevels::amplitude) return Modulation::amplitude;
+      return slm.modulation == Modulation::amplitude ? Modulation::amplitude : Modulation::phase;
+    default:
+      return Modulation::phase;
+  }
+}
+
+void check_panel(const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  const Modulation modulation = modulation_of(params, slm);
+  const char* name = name_of(params.method);
+  require(modulation != Modulation::phase || slm.modulation != Modulation::amplitude,
+          "expected an encoding for an amplitude panel, which \"{}\" is, got \"{}\"; use \"amplitude\" or \"off-axis\"",
+          slm.name, name);
+  require(modulation != Modulation::complex || slm.modulation == Modulation::complex,
+          "expected an encoding for a panel of phase or amplitude alone, as \"{}\" is, got \"{}\"; use "
+          "\"double-phase\" or \"off-axis\", or a panel whose modulation is complex",
+          slm.name, name);
+  if (modulation == Modulation::amplitude && slm.modulation == Modulation::phase)
+    observer.warn(
+        fmt::format("the SLM \"{}\" modulates phase and the encoding \"{}\" amplitude: it is shown as if "
+                    "behind a crossed polariser that turns phase into amplitude",
+                    slm.name, name));
+}
+
+bool can_allow_for(const std::string& effect, const EncodeParams& params, const Slm& slm) {
+  if (params.method == Encoding::sgd) return effect != "flicker";
+  return effect == "calibration" && modulation_of(params, slm) != Modulation::amplitude;
+}
+
+// Those of the panel's effects that are named and that the levels allow for.
+std::vector<std::string> allowed_effects(const Slm& slm, const EncodeParams& params) {
+  std::vector<std::string> allowed = effects_of(with_effects(slm, params.effects));
+  std::erase_if(allowed, [&](const std::string& effect) { return !can_allow_for(effect, params, slm); });
+  return allowed;
+}
+
+// Says which of the effects that are named take no part in the levels.
+void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  const std::vector<std::string> has = effects_of(slm);
+  for (const std::string& name : params.effects) {
+    if (name == "all" || name == "none") continue;
+    if (!can_allow_for(name, params, slm))
+      observer.warn(
+          fmt::format("the encoding \"{}\" cannot allow for {}: it is left out; sgd allows for all but flicker",
+                      name_of(params.method), name));
+    else if (std::find(has.begin(), has.end(), name) == has.end())
+      observer.warn(
+          fmt::format("the SLM \"{}\" has no {} to allow for; write its figures in the panel's file", slm.name, name));
+  }
+}
+
+void check_params(const Slm& slm, const EncodeParams& params) {
+  check_slm(slm);
+  check_ranges(params);
+  with_effects(slm, params.effects);  // refuses unknown names before anything is told
+  require(params.levels <= slm.levels,
+          "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
+          params.levels);
+}
+
+void check_field(const Field& field, const Slm& slm, const Observer& observer) {
+  check_wavelength(field.wavelength);
+  require_grid_of(slm, field.grid, "field");
+  check_samples(field);
+  if (field.z != 0)
+    observer.warn(fmt::format("the field is at z = {} and is shown at the panel, z = 0; propagate it there first",
+                              format_length(field.z)));
+  if (field.grid.centre_x != 0 || field.grid.centre_y != 0)
+    observer.warn(fmt::format("the field is centred on ({}, {}) and is shown on the axis",
+                              format_length(field.grid.centre_x), format_length(field.grid.centre_y)));
+  const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
+  if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark))
+    observer.warn("the field is dark everywhere and the hologram holds nothing; is a source inside the panel's view?");
+}
+
+// What the panel is to show: the field, or its conjugate for the real image.
+Field shown_side(const Field& field, ImageSide image) {
+  Field shown = field;
+  if (image == ImageSide::real_image)
+    for (std::complex<float>& u : shown.samples.values) u = std::conj(u);
+  return shown;
+}
+
+Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  Hologram hologram;
+  hologram.slm = slm;
+  hologram.grid = slm.grid;
+  hologram.level = Array2D<uint16_t>(slm.grid.ny, slm.grid.nx);
+  hologram.levels = params.levels == 0 ? slm.levels : params.levels;
+  hologram.wavelength = field.wavelength;
+  hologram.image = params.image;
+  hologram.name = field.name;
+  hologram.frame = field.frame;
+  hologram.cone_wavelength = field.cone_wavelength;
+  hologram.encoder = name_of(params.method);
+  hologram.modulation = modulation_of(params, slm);
+  hologram.effects = allowed_effects(slm, params);
+  observer.fact("encoder", hologram.encoder);
+  observer.fact("levels", hologram.levels);
+  return hologram;
+}
+
+// The encoders that look at the panel alone.
+void encode_directly(const Field& shown, const EncodeParams& params, const PhaseLevels& levels,
+                     const Observer& observer, Hologram& hologram) {
+  switch (params.method) {
+    case Encoding::phase:
+      return encode_phase(shown, levels, hologram);
+    case Encoding::amplitude:
+      return encode_amplitude(shown, observer, hologram);
+    case Encoding::off_axis:
+      return encode_off_axis(shown, params, observer, hologram);
+    case Encoding::complex:
+      return encode_complex(shown, levels, observer, hologram);
+    case Encoding::double_phase:
+      return encode_double_phase(shown, levels, params, observer, hologram);
+    case Encoding::error_diffusion:
+      return encode_error_diffusion(shown, levels, params, observer, hologram);
+    case Encoding::binary:
+      return encode_binary(shown, levels, params, observer, hologram);
+    default:
+      fail("expected an encoding without iterations, got \"{}\"", name_of(params.method));
+  }
+}
+
+// What iterations begin with: the phase of the field, or a random one.
+Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params) {
+  Array2D<std::complex<float>> pattern = shown_side(field, params.image).samples;
+  parallel_for(0, pattern.ny, [&](int64_t j) {
+    std::complex<float>* u = pattern.row(int(j));
+    if (params.start == StartPhase::random)
+      for (int i = 0; i < pattern.nx; ++i)
+        u[i] = std::complex<float>(
+            cis_cycles(CounterRandom(uint64_t(params.seed), field.frame, uint64_t(j * pattern.nx + i)).uniform()));
+    else
+      make_unit_modulus(u, size_t(pattern.nx));
+  });
+  return pattern;
+}
+
+}  // namespace
+
+double short_range_efficiency(double range) {
+  const double amplitude = range < 1 ? range + std::sin(pi * range) / pi : 1;
+  return amplitude * amplitude;
+}
+
+Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  check_params(slm, params);
+  require_grid_of(slm, field.grid, "field");
+  if (aims_at_targets(params.method)) return encode_targets(targets_of(field, params), field, slm, params, observer);
+  check_panel(slm, params, observer);
+  tell_effects(slm, params, observer);
+  check_field(field, slm, observer);
+  Hologram hologram = blank_hologram(field, slm, params, observer);
+  const Slm known = with_effects(slm, params.effects);
+  const PhaseLevels levels(known, hologram.levels, field.wavelength);
+  if (hologram.modulation != Modulation::amplitude) tell_phase_range(known, levels.range(), field.wavelength, observer);
+  encode_directly(shown_side(field, params.image), params, levels, observer, hologram);
+  observer.fact("illumination", Fact(hologram.illumination));
+  observer.progress(1);
+  return hologram;
+}
+
+Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
+                        const EncodeParams& params, const Observer& observer) {
+  check_params(slm, params);
+  require(aims_at_targets(params.method),
+          "expected a method that aims at targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
+          name_of(params.method));
+  check_panel(slm, params, observer);
+  tell_effects(slm, params, observer);
+  check_field(start, slm, observer);
+  check_targets(targets, slm.grid);
+  Hologram hologram = blank_hologram(start, slm, params, observer);
+  if (std::none_of(targets.begin(), targets.end(), [](const TargetPlane& t) { return target_power(t) > 0; })) {
+    observer.warn(fmt::format("the target at {} is dark where it counts, and the hologram holds nothing",
+                              format_length(start.wavelength)));
+    hologram.illumination = 0;
+    return hologram;
+  }
+  const Slm known = with_effects(slm, params.effects);
+  const PhaseLevels levels(known, hologram.levels, start.wavelength);
+  tell_phase_range(known, levels.range(), start.wavelength, observer);
+  Array2D<std::complex<float>> pattern = start_pattern(start, params);
+  if (params.method == Encoding::sgd) {
+    write_phase_levels(pattern, false, levels, hologram.level);
+    descend(targets, known, params, observer, hologram);
+  } else {
+    write_phase_levels(project_in_turn(targets, std::move(pattern), slm, params, observer), false, levels,
+                       hologram.level);
+    judge(targets, known, observer, hologram);
+  }
+  observer.fact("illumination", Fact(hologram.illumination));
+  observer.progress(1);
+  return hologram;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,70 @@
+#include "holotrace/slm/encode/phase_levels.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/panel/pixel_kernel.h"
+
+namespace holotrace {
+
+PhaseLevels::PhaseLevels(const Slm& known, int levels, double wavelength) : levels_(levels) {
+  const double stretch = known.design_wavelength > 0 ? known.design_wavelength / wavelength : 1;
+  range_ = stretch * known.phase_range / (2 * pi);
+  if (!known.effects.calibration.empty()) {
+    table_.emplace(known, levels, stretch);
+    range_ = table_->range() * levels / (levels - 1.0);
+  }
+  for (int level = 0; level < levels; ++level)
+    phasors_.push_back(cis_cycles(table_ ? table_->cycles_of(level) : range_ * level / levels));
+}
+
+int PhaseLevels::level_of(double real, double imaginary) const {
+  if (!table_) return phase_level(real, imaginary, levels_, range_);
+  return table_->level_of(real == 0 && imaginary == 0 ? 0 : std::atan2(imaginary, real) / (2 * pi));
+}
+
+namespace {
+
+// What to do about a range [turns] short of one: by what makes it short.
+std::string advice_on(const Slm& slm, double range, double wavelength) {
+  const double stretch = slm.design_wavelength > 0 ? slm.design_wavelength / wavelength : 1, own = range / stretch;
+  if (own >= 1 - 1e-6)
+    return fmt::format("give the panel a design wavelength of {} or more, now it is {}",
+                       format_length(wavelength / own), format_length(slm.design_wavelength));
+  if (!slm.effects.calibration.empty())
+    return fmt::format(
+        "its calibration ends {:.4g}π above where it begins, one more step counted: give it one that reaches 2π",
+        2 * own);
+  return fmt::format("its phase_range is {:.4g}π: give it one of 2π, where the panel has it", 2 * own);
+}
+
+}  // namespace
+
+void tell_phase_range(const Slm& slm, double range, double wavelength, const Observer& observer) {
+  observer.fact("phase_range", Fact(2 * pi * range));
+  if (!slm.effects.calibration.empty()) observer.fact("calibrated", Fact(std::string("yes")));
+  if (range < 1 - 1e-6)
+    observer.warn(fmt::format(
+        "the SLM \"{}\" reaches a phase of {:.4g}π at {}, short of 2π: phases in the gap take its nearer end, which "
+        "leaves {:.3g} % of the light in the image; {}",
+        slm.name, 2 * range, format_length(wavelength), 100 * short_range_efficiency(range),
+        advice_on(slm, range, wavelength)));
+}
+
+void write_phase_levels(const Array2D<std::complex<float>>& samples, bool is_conjugate, const PhaseLevels& levels,
+                        Array2D<uint16_t>& to) {
+  const float sign = is_conjugate ? -1.0F : 1.0F;
+  parallel_for(0, samples.ny, [&](int64_t j) {
+    const std::complex<float>* u = samples.row(int(j));
+    uint16_t* level = to.row(int(j));
+    for (int i = 0; i < samples.nx; ++i) level[i] = uint16_t(levels.level_of(u[i].real(), sign * u[i].imag()));
+  });
+}
+
+}  // namespace holotrace

@@ -1,0 +1,165 @@
+#include "holotrace/slm/encode/target.h"
+
+#include <cmath>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/slm/encode/iterations.h"
+#include "holotrace/slm/encode/plane_optics.h"
+#include "holotrace/slm/encode/plane_sums.h"
+#include "holotrace/wave/propagate/propagate.h"
+
+namespace holotrace {
+namespace {
+
+double place(double distance, ImageSide image) { return image == ImageSide::real_image ? distance : -distance; }
+
+void check_distances(const std::vector<double>& distances) {
+  require(!distances.empty(),
+          "expected a distance that the image is made for, got none; give target_distances (--target-distances)");
+  for (const double distance : distances)
+    require(std::isfinite(distance) && distance >= 0, "expected target distances of 0 m or more, got {}",
+            format_length(distance));
+}
+
+// 1 in the middle, 0 around it; empty where that is all.
+Array2D<float> weight_of(const Grid& panel, TargetSize size) {
+  if (size.columns == panel.nx && size.rows == panel.ny) return {};
+  Array2D<float> weight(panel.ny, panel.nx);
+  const int left = (panel.nx - size.columns) / 2, top = (panel.ny - size.rows) / 2;
+  for (int j = 0; j < size.rows; ++j)
+    for (int i = 0; i < size.columns; ++i) weight(top + j, left + i) = 1;
+  return weight;
+}
+
+// The target's modulus with the phase that the parameters name.
+Field target_field(const TargetPlane& target, const Grid& panel, const EncodeParams& params) {
+  Field field(panel, target.wavelength, target.z);
+  parallel_for(0, panel.ny, [&](int64_t j) {
+    for (int i = 0; i < panel.nx; ++i) {
+      std::complex<double> turn = 1;
+      if (params.start == StartPhase::random)
+        turn = cis_cycles(CounterRandom(uint64_t(params.seed), 0, uint64_t(j * panel.nx + i)).uniform());
+      field.samples(int(j), i) = std::complex<float>(double(target.amplitude(int(j), i)) * turn);
+    }
+  });
+  return field;
+}
+
+// u ← u + momentum·(u − before), before ← u.
+void go_on(double momentum, Field& before, Field& u) {
+  const float m = float(momentum);
+  parallel_for(
+      0, u.grid.ny,
+      [&](int64_t j) {
+        std::complex<float>*now = u.samples.row(int(j)), *last = before.samples.row(int(j));
+        for (int i = 0; i < u.grid.nx; ++i) {
+          const std::complex<float> here = now[i];
+          now[i] = here + m * (here - last[i]);
+          last[i] = here;
+        }
+      },
+      {}, 16);
+}
+
+}  // namespace
+
+TargetSize target_size(const Grid& panel, const EncodeParams& params) {
+  const int columns = params.target_columns, rows = params.target_rows;
+  require(columns >= 0 && rows >= 0 && columns <= panel.nx && rows <= panel.ny,
+          "expected a target of at most {} × {} pixels, as many as the panel has, or 0 for all of them, got {} × {}",
+          panel.nx, panel.ny, columns, rows);
+  return {columns > 0 ? columns : panel.nx, rows > 0 ? rows : panel.ny};
+}
+
+std::vector<TargetPlane> targets_of(const Field& field, const EncodeParams& params) {
+  check_distances(params.target_distances);
+  const TargetSize size = target_size(field.grid, params);
+  std::vector<TargetPlane> targets;
+  for (const double distance : params.target_distances) {
+    // |conj(U)| at +d is |U| at −d.
+    const Field there = propagate(field, -distance);
+    TargetPlane target{place(distance, params.image), field.wavelength, Array2D<float>(field.grid.ny, field.grid.nx),
+                       weight_of(field.grid, size)};
+    for (size_t i = 0; i < there.samples.size(); ++i) target.amplitude.values[i] = std::abs(there.samples.values[i]);
+    targets.push_back(std::move(target));
+  }
+  return targets;
+}
+
+std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& panel, double wavelength,
+                                            const EncodeParams& params) {
+  check_distances(params.target_distances);
+  const TargetSize size = target_size(panel, params);
+  require(light.channels == 1, "expected the light of one wavelength in a target picture, got {} channels",
+          light.channels);
+  require(light.nx == size.columns && light.ny == size.rows,
+          "expected a target picture of {} × {} pixels, as target_columns and target_rows or the panel say, got {} × "
+          "{}; give its size by those, or resample it (--resample true)",
+          size.columns, size.rows, light.nx, light.ny);
+  TargetPlane target{0, wavelength, Array2D<float>(panel.ny, panel.nx), weight_of(panel, size)};
+  const int left = (panel.nx - size.columns) / 2, top = (panel.ny - size.rows) / 2;
+  for (int j = 0; j < size.rows; ++j)
+    for (int i = 0; i < size.columns; ++i) target.amplitude(top + j, left + i) = std::sqrt(std::max(0.0F, light(j, i)));
+  std::vector<TargetPlane> targets;
+  for (const double distance : params.target_distances) {
+    target.z = place(distance, params.image);
+    targets.push_back(target);
+  }
+  check_targets(targets, panel);
+  return targets;
+}
+
+Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  const bool has_stop = params.method == Encoding::double_phase || params.method == Encoding::error_diffusion;
+  const PlaneOptics optics =
+      make_plane_optics(slm, target.wavelength, target.z, PixelAperture::included, has_stop ? params.stop : 1);
+  const double power = target_power(target);
+  const int steps = aims_at_targets(params.method) || power == 0 ? 0 : params.iterations > 0 ? params.iterations : 30;
+  Field u = optics.to_panel(target_field(target, slm.grid, params));
+  Field before = u;
+  std::vector<double> convergence;
+  for (int step = 0, since = 0; step < steps; ++step, ++since) {
+    Field shown = optics.to_plane(u);
+    convergence.push_back(leave_residual(target, 1, shown) / power);
+    if (step > 0 && convergence[size_t(step)] > convergence[size_t(step) - 1]) since = 0;  // too fast: begin again
+    add_part(optics.to_panel(shown), 1, u);
+    go_on(double(since) / (since + 3.0), before, u);
+    observer.progress((step + 1.0) / steps);
+  }
+  if (steps > 0) {
+    observer.fact("iterations", steps);
+    observer.fact("error_first", Fact(convergence.front()));
+    observer.fact("error_last", Fact(convergence.back()));
+    observer.curve("convergence", convergence);
+  }
+  u.z = 0;
+  if (params.image == ImageSide::real_image)
+    for (std::complex<float>& sample : u.samples.values) sample = std::conj(sample);
+  return u;
+}
+
+void check_targets(const std::vector<TargetPlane>& targets, const Grid& panel) {
+  require(!targets.empty(), "expected a target for the image, got none");
+  for (const TargetPlane& target : targets) {
+    check_wavelength(target.wavelength);
+    require(std::isfinite(target.z), "expected a finite place of the target, got {}", format_length(target.z));
+    const auto fits = [&](const Array2D<float>& values) { return values.nx == panel.nx && values.ny == panel.ny; };
+    require(fits(target.amplitude), "expected a target of {} × {} pixels, as many as the panel has, got {} × {}",
+            panel.nx, panel.ny, target.amplitude.nx, target.amplitude.ny);
+    require(target.weight.size() == 0 || fits(target.weight),
+            "expected weights of {} × {} pixels, as many as the panel has, got {} × {}", panel.nx, panel.ny,
+            target.weight.nx, target.weight.ny);
+    for (size_t i = 0; i < target.amplitude.size(); ++i) {
+      const float a = target.amplitude.values[i], w = target.weight.size() == 0 ? 1.0F : target.weight.values[i];
+      require(std::isfinite(a) && a >= 0 && w >= 0 && w <= 1,
+              "expected amplitudes of 0 or more and weights in [0, 1] in a target, got {} and {} at row {}, column {}",
+              a, w, i / size_t(panel.nx), i % size_t(panel.nx));
+    }
+  }
+}
+
+}  // namespace holotrace

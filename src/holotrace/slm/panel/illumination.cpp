@@ -1,0 +1,101 @@
+#include "holotrace/slm/panel/illumination.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/complex_arrays.h"
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/vec.h"
+
+namespace holotrace {
+namespace {
+
+using Complex = std::complex<float>;
+
+void require_held(double steepest_u, double steepest_v, const Grid& grid, double wavelength) {
+  const double nyquist = 1 / (2 * grid.pitch), steepest = std::max(steepest_u, steepest_v);
+  require(
+      steepest < nyquist,
+      "expected light that meets the panel below {}, the steepest that samples of {} hold at {}, got {}; ask for more "
+      "subpixels, or for less tilt or curvature",
+      format_angle(std::asin(std::min(1.0, nyquist * wavelength))), format_length(grid.pitch),
+      format_length(wavelength), format_angle(std::asin(std::min(1.0, steepest * wavelength))));
+}
+
+// exp(2πi·u·x − x²/w²) of the samples along one axis.
+template <class Position>
+AlignedVector<Complex> line(int count, double u, double beam_radius, const Position& position) {
+  AlignedVector<Complex> out(static_cast<size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const double x = position(i), profile = beam_radius > 0 ? std::exp(-std::pow(x / beam_radius, 2)) : 1;
+    out[size_t(i)] = Complex(profile * cis_cycles(u * x));
+  }
+  return out;
+}
+
+Array2D<Complex> spherical(const Grid& grid, Vec3 centre, double distance, double wavelength) {
+  Array2D<Complex> out(grid.ny, grid.nx);
+  const double reach = std::abs(distance), sign = distance > 0 ? 1 : -1;
+  parallel_for(0, grid.ny, [&](int64_t j) {
+    for (int i = 0; i < grid.nx; ++i) {
+      const Vec3 p{grid.x(i), grid.y(double(j)), 0};
+      const double r = length(p - centre);
+      // r − |d| without cancellation: |p − c|² − |c|² = p·(p − 2c).
+      const double beyond = dot(p, p - 2 * centre) / (r + reach);
+      out(int(j), i) = Complex(reach / r * cis_cycles(sign * beyond / wavelength));
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
+Illumination illuminate(const Grid& grid, const ShowParams& params, const Moment& moment) {
+  require(std::isfinite(moment.tilt_x) && std::isfinite(moment.tilt_y) &&
+              std::max(std::abs(moment.tilt_x), std::abs(moment.tilt_y)) < pi / 2,
+          "expected light tilted by less than 90°, got {} in x, {} in y", format_angle(moment.tilt_x),
+          format_angle(moment.tilt_y));
+  const double sx = std::sin(moment.tilt_x), sy = std::sin(moment.tilt_y), wavelength = moment.wavelength;
+  require(sx * sx + sy * sy < 1, "expected light that meets the panel, got tilts of {} in x and {} in y together",
+          format_angle(moment.tilt_x), format_angle(moment.tilt_y));
+  Illumination light;
+  if (params.light == Wavefront::spherical) {
+    const double d = params.source_distance;
+    require(std::isfinite(d) && d != 0,
+            "expected a source distance other than 0 m for spherical light, got {}; below 0 m it converges",
+            format_length(d));
+    const Vec3 centre = -d * Vec3{sx, sy, std::sqrt(1 - sx * sx - sy * sy)};
+    double steepest_u = 0, steepest_v = 0;
+    // At the edges, and nearest to the centre along the other axis.
+    const double right = grid.x(grid.nx - 1), top = grid.y(0);
+    const double near_x = std::clamp(centre.x, -right, right), near_y = std::clamp(centre.y, -top, top);
+    for (const double sign : {-1.0, 1.0}) {
+      const Vec3 along_x = Vec3{sign * right, near_y, 0} - centre, along_y = Vec3{near_x, sign * top, 0} - centre;
+      steepest_u = std::max(steepest_u, std::abs(along_x.x) / length(along_x) / wavelength);
+      steepest_v = std::max(steepest_v, std::abs(along_y.y) / length(along_y) / wavelength);
+    }
+    require_held(steepest_u, steepest_v, grid, wavelength);
+    light.samples = spherical(grid, centre, d, wavelength);
+    return light;
+  }
+  const bool is_beam = params.light == Wavefront::gaussian;
+  require(!is_beam || (std::isfinite(params.beam_radius) && params.beam_radius > 0),
+          "expected a beam radius above 0 m for Gaussian light, got {}", format_length(params.beam_radius));
+  require_held(std::abs(sx) / wavelength, std::abs(sy) / wavelength, grid, wavelength);
+  if (!is_beam && sx == 0 && sy == 0) return light;
+  const double radius = is_beam ? params.beam_radius : 0;
+  light.along_x = line(grid.nx, sx / wavelength, radius, [&](int i) { return grid.x(i); });
+  light.along_y = line(grid.ny, sy / wavelength, radius, [&](int j) { return grid.y(j); });
+  return light;
+}
+
+double mean_irradiance(const Illumination& light) {
+  if (light.is_even()) return 1;
+  const auto mean = [](const auto& values) { return energy(values.data(), values.size()) / double(values.size()); };
+  if (light.samples.size() > 0) return mean(light.samples.values);
+  return mean(light.along_x) * mean(light.along_y);
+}
+
+}  // namespace holotrace

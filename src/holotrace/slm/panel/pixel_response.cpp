@@ -1,0 +1,111 @@
+#include "holotrace/slm/panel/pixel_response.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/units.h"
+
+namespace holotrace {
+namespace {
+
+// The calibration at a fractional level: straight between points, the phase beyond the last as before it.
+CalibrationPoint interpolate(const std::vector<CalibrationPoint>& points, double level) {
+  const size_t below = std::min(size_t(level), points.size() - 2);
+  const double t = level - double(below);
+  const CalibrationPoint &a = points[below], &b = points[below + 1];
+  return {a.phase + t * (b.phase - a.phase), a.amplitude + std::min(t, 1.0) * (b.amplitude - a.amplitude)};
+}
+
+float wrap(double cycles) {
+  constexpr double magic = 6755399441055744;  // 1.5·2⁵²: adding it rounds to whole numbers
+  return float(cycles - ((cycles + magic) - magic));
+}
+
+}  // namespace
+
+PixelResponse::PixelResponse(const Slm& slm, Modulation modulation, int levels, double stretch, double ripple) {
+  const bool shows_phase = modulation != Modulation::amplitude;
+  const std::vector<CalibrationPoint>& points = slm.effects.calibration;
+  const double turns = stretch * (1 + ripple);
+  has_phase_ = shows_phase;
+  has_amplitude_ = !shows_phase;
+  if (!points.empty() && (shows_phase || slm.modulation == Modulation::amplitude)) {
+    has_phase_ = has_amplitude_ = true;
+    for (int level = 0; level <= levels; ++level) {
+      const double place = shows_phase ? double(level) * slm.levels / levels
+                                       : std::min(1.0, double(level) / (levels - 1)) * (slm.levels - 1);
+      const CalibrationPoint point = interpolate(points, place);
+      knots_.push_back({turns * point.phase / (2 * pi), point.amplitude, 0, 0});
+    }
+    for (size_t k = 0; k + 1 < knots_.size(); ++k) {
+      knots_[k].cycles_slope = knots_[k + 1].cycles - knots_[k].cycles;
+      knots_[k].amplitude_slope = knots_[k + 1].amplitude - knots_[k].amplitude;
+    }
+  } else if (shows_phase) {
+    cycles_per_level_ = turns * slm.phase_range / (2 * pi) / levels;
+  } else {
+    amplitude_per_level_ = 1.0 / (levels - 1);
+  }
+}
+
+const PixelResponse::Knot& PixelResponse::knot_at(double& drive) const {
+  const size_t k = size_t(std::clamp(drive, 0.0, double(knots_.size() - 1)));
+  drive = std::clamp(drive - double(k), 0.0, 1.0);
+  return knots_[k];
+}
+
+void PixelResponse::cycles(const float* drive, int count, float* to) const {
+  if (knots_.empty()) {
+    for (int i = 0; i < count; ++i) to[i] = float(cycles_per_level_ * drive[i]);
+    return;
+  }
+  for (int i = 0; i < count; ++i) {
+    double rest = drive[i];
+    const Knot& knot = knot_at(rest);
+    to[i] = float(knot.cycles + rest * knot.cycles_slope);
+  }
+}
+
+double PixelResponse::cycles_at(double drive) const {
+  if (knots_.empty()) return cycles_per_level_ * drive;
+  const Knot& knot = knot_at(drive);
+  return knot.cycles + drive * knot.cycles_slope;
+}
+
+void PixelResponse::wrapped_cycles(const float* drive, int count, float* to) const {
+  if (knots_.empty()) {
+    for (int i = 0; i < count; ++i) to[i] = wrap(cycles_per_level_ * drive[i]);
+    return;
+  }
+  for (int i = 0; i < count; ++i) {
+    double rest = drive[i];
+    const Knot& knot = knot_at(rest);
+    to[i] = wrap(knot.cycles + rest * knot.cycles_slope);
+  }
+}
+
+void PixelResponse::amplitudes(const float* drive, int count, float* to) const {
+  for (int i = 0; i < count; ++i) {
+    if (!knots_.empty()) {
+      double rest = drive[i];
+      const Knot& knot = knot_at(rest);
+      to[i] = float(knot.amplitude + rest * knot.amplitude_slope);
+    } else {
+      to[i] = has_amplitude_ ? float(amplitude_per_level_ * drive[i]) : 1.0F;
+    }
+  }
+}
+
+void PixelResponse::slopes(float drive, float& cycles, float& amplitude) const {
+  if (knots_.empty()) {
+    cycles = float(cycles_per_level_);
+    amplitude = float(amplitude_per_level_);
+    return;
+  }
+  double rest = drive;
+  const Knot& knot = knot_at(rest);
+  cycles = float(knot.cycles_slope);
+  amplitude = float(knot.amplitude_slope);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,166 @@
+#include "holotrace/slm/panel/show.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "holotrace/base/complex_arrays.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/slm/panel/checks.h"
+#include "holotrace/slm/panel/panel_model.h"
+
+namespace holotrace {
+namespace {
+
+void check_levels_of(const Hologram& hologram, const Array2D<uint16_t>& level) {
+  for (int j = 0; j < level.ny; ++j)
+    for (int i = 0; i < level.nx; ++i)
+      require(level(j, i) < hologram.levels, "expected levels below {}, got {} at row {}, column {}", hologram.levels,
+              level(j, i), j, i);
+}
+
+void check_hologram(const Hologram& hologram, const Slm& slm) {
+  check_levels(hologram.levels);
+  check_wavelength(hologram.wavelength);
+  require_grid_of(slm, hologram.grid, "hologram");
+  require(hologram.level.nx == hologram.grid.nx && hologram.level.ny == hologram.grid.ny,
+          "expected {} × {} levels, as the hologram's grid says, got {} × {}", hologram.grid.nx, hologram.grid.ny,
+          hologram.level.nx, hologram.level.ny);
+  check_levels_of(hologram, hologram.level);
+  const bool is_complex = hologram.modulation == Modulation::complex;
+  require(
+      !is_complex || (hologram.modulus_level.nx == hologram.grid.nx && hologram.modulus_level.ny == hologram.grid.ny),
+      "expected levels of amplitude beside those of phase in a complex hologram of {} × {} pixels, got {} × {}",
+      hologram.grid.nx, hologram.grid.ny, hologram.modulus_level.nx, hologram.modulus_level.ny);
+  if (is_complex) check_levels_of(hologram, hologram.modulus_level);
+}
+
+// As encode refuses and warns; the hologram's own panel has been warned of there.
+void check_modulation(const Hologram& hologram, const Slm& slm, const Observer& observer) {
+  require(hologram.modulation != Modulation::phase || slm.modulation != Modulation::amplitude,
+          "expected a hologram of amplitudes for the amplitude panel \"{}\", got one of phases; encode with "
+          "\"amplitude\" or \"off-axis\", or show it on a phase panel",
+          slm.name);
+  require(
+      hologram.modulation != Modulation::complex || slm.modulation == Modulation::complex,
+      "expected a hologram of phase or of amplitude alone for the panel \"{}\", which has no more, got one of both; "
+      "encode with \"double-phase\" or \"off-axis\", or show it on a panel whose modulation is complex",
+      slm.name);
+  const bool was_told = hologram.slm && hologram.slm->modulation == Modulation::phase;
+  if (hologram.modulation == Modulation::amplitude && slm.modulation == Modulation::phase && !was_told)
+    observer.warn(
+        fmt::format("the SLM \"{}\" modulates phase and the hologram amplitude: it is shown as if behind a crossed "
+                    "polariser that turns phase into amplitude",
+                    slm.name));
+}
+
+void check_light(const ShowParams& params) {
+  require(params.beam_radius == 0 || params.light == Wavefront::gaussian,
+          "expected a beam radius with Gaussian light alone, got {}; set light to gaussian, or leave out beam_radius",
+          format_length(params.beam_radius));
+  require(params.source_distance == 0 || params.light == Wavefront::spherical,
+          "expected a source distance with spherical light alone, got {}; set light to spherical, or leave out "
+          "source_distance",
+          format_length(params.source_distance));
+}
+
+// The stop stands in the middle of the light that the encoder's order is to take: light that is tilted moves the order,
+// and the stop with it. It does not follow a moment's own tilt.
+SpectralFilter under_tilt(SpectralFilter stop, const ShowParams& params, double wavelength) {
+  stop.u0 += std::sin(params.tilt_x) / wavelength;
+  stop.v0 += std::sin(params.tilt_y) / wavelength;
+  return stop;
+}
+
+Array2D<float> drive_of(const Array2D<uint16_t>& level) {
+  Array2D<float> drive(level.ny, level.nx);
+  for (size_t i = 0; i < level.size(); ++i) drive.values[i] = float(level.values[i]);
+  return drive;
+}
+
+// The names of `names` that are not in `others`.
+std::string missing_in(const std::vector<std::string>& others, const std::vector<std::string>& names) {
+  std::vector<std::string> missing;
+  for (const std::string& name : names)
+    if (std::find(others.begin(), others.end(), name) == others.end()) missing.push_back(name);
+  return fmt::format("{}", fmt::join(missing, ", "));
+}
+
+// Where levels allow for effects, they are right for the panel that has those and no others. Flicker is left out: its
+// mean is the level's own phase, which no level can make steady.
+void warn_other_effects(const Hologram& hologram, const Slm& with, const Observer& observer) {
+  if (hologram.effects.empty()) return;
+  std::vector<std::string> on = effects_of(with);
+  std::erase(on, "flicker");
+  const std::string allowed = fmt::format("{}", fmt::join(hologram.effects, ", "));
+  const std::string unknown = missing_in(hologram.effects, on), off = missing_in(on, hologram.effects);
+  if (!unknown.empty())
+    observer.warn(
+        fmt::format("the hologram allows for {} and not for {}, which the SLM \"{}\" is shown with; sgd can "
+                    "allow for all but flicker, where [encode] effects names them",
+                    allowed, unknown, with.name));
+  if (!off.empty())
+    observer.warn(
+        fmt::format("the hologram allows for {}, which the SLM \"{}\" is shown without; name {} in [show] "
+                    "effects, or encode without",
+                    off, with.name, off));
+}
+
+void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, const Observer& observer) {
+  const std::vector<std::string> has = effects_of(slm), on = effects_of(with);
+  for (const std::string& name : params.effects)
+    if (name != "all" && name != "none" && std::find(has.begin(), has.end(), name) == has.end())
+      observer.warn(fmt::format("the SLM \"{}\" has no {} to turn on; write its figures in [slm] or the panel's file",
+                                slm.name, name));
+  std::vector<std::string> off;
+  for (const std::string& name : has)
+    if (std::find(on.begin(), on.end(), name) == on.end()) off.push_back(name);
+  if (!on.empty()) observer.fact("effects", Fact(fmt::format("{}", fmt::join(on, ", "))));
+  if (!off.empty()) observer.fact("effects_off", Fact(fmt::format("{}", fmt::join(off, ", "))));
+}
+
+}  // namespace
+
+Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Moment& moment,
+           const Observer& observer) {
+  check_slm(slm);
+  check_hologram(hologram, slm);
+  check_modulation(hologram, slm, observer);
+  check_light(params);
+  if (hologram.levels > slm.levels)
+    observer.warn(fmt::format("the hologram has {} levels and the SLM \"{}\" {}: it is shown as if it had {}",
+                              hologram.levels, slm.name, slm.levels, hologram.levels));
+  const Slm with = with_effects(slm, params.effects);
+  const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
+  const PanelModel panel(with, params, hologram.modulation, hologram.levels, design, moment);
+  Field field;
+  if (hologram.modulation == Modulation::complex) {
+    const Array2D<float> modulus = drive_of(hologram.modulus_level);
+    field = panel.leave(drive_of(hologram.level), &modulus);
+  } else {
+    field = panel.leave(drive_of(hologram.level));
+  }
+  field.image = hologram.image;
+  if (hologram.filter) field.filter = under_tilt(*hologram.filter, params, moment.wavelength);
+
+  const double power_in = panel.power_in();
+  const double power_out =
+      energy(field.samples.values.data(), field.samples.size()) * field.grid.pitch * field.grid.pitch;
+  observer.fact("power_in", Fact(power_in));
+  observer.fact("power_out", Fact(power_out));
+  observer.fact("efficiency", Fact(power_in > 0 ? power_out / power_in : 0.0));
+  tell_effects(slm, with, params, observer);
+  warn_other_effects(hologram, with, observer);
+  return field;
+}
+
+Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer) {
+  const double wavelength = params.wavelength == 0 ? hologram.wavelength : params.wavelength;
+  return show(hologram, slm, params, Moment{wavelength, params.tilt_x, params.tilt_y}, observer);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,78 @@
+#include "holotrace/view/register/align_image.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/view/register/plane.h"
+
+namespace holotrace {
+namespace {
+
+// One channel as it is to be sampled once per `scale` pixels.
+Plane channel_for_scale(const Image& image, int channel, double scale) {
+  Plane plane(image.ny, image.nx);
+  for (size_t i = 0; i < plane.values.size(); ++i)
+    plane.values[i] = image.values[i * size_t(image.channels) + size_t(channel)];
+  return scale > 1 ? reduced(plane, 1, std::sqrt((scale * scale - 1) / 12)) : plane;
+}
+
+// Row by row, how far up each column is covered; the largest rectangle under such a skyline is as high as one of its
+// columns, and ends where lower ones stand.
+PixelRectangle largest_rectangle(const std::vector<char>& is_covered, int ny, int nx) {
+  PixelRectangle best;
+  std::vector<int> height(size_t(nx) + 1, 0), open;  // beyond the last column: 0
+  for (int row = 0; row < ny; ++row) {
+    open.clear();  // columns of rising height
+    for (int column = 0; column <= nx; ++column) {
+      if (column < nx)
+        height[size_t(column)] = is_covered[size_t(row) * size_t(nx) + size_t(column)] ? height[size_t(column)] + 1 : 0;
+      while (!open.empty() && height[size_t(open.back())] >= height[size_t(column)]) {
+        const int rows = height[size_t(open.back())];
+        open.pop_back();
+        const int first = open.empty() ? 0 : open.back() + 1, columns = column - first;
+        if (int64_t(rows) * columns > int64_t(best.rows) * best.columns) best = {row - rows + 1, first, rows, columns};
+      }
+      open.push_back(column);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+AlignedImage align_image(const Image& moving, const Registration& registration, int ny, int nx) {
+  AlignedImage aligned{Image(ny, nx, moving.channels), {}};
+  std::vector<char> is_covered(size_t(nx) * size_t(ny));
+  for (int channel = 0; channel < moving.channels; ++channel) {
+    const Plane plane = channel_for_scale(moving, channel, registration.scale);
+    parallel_for(0, ny, [&](int64_t row) {
+      for (int column = 0; column < nx; ++column) {
+        const auto [x, y] = registration(column - (nx - 1) / 2.0, (ny - 1) / 2.0 - double(row));
+        const double at_column = plane.u_centre() + x, at_row = plane.v_centre() - y;
+        if (!holds_cubic(plane, at_column, at_row)) continue;
+        const double value = sample_cubic(plane, at_column, at_row).value;
+        aligned.image(int(row), column, channel) = float((value - registration.offset) / registration.gain);
+        is_covered[size_t(row) * size_t(nx) + size_t(column)] = 1;
+      }
+    });
+  }
+  aligned.covered = largest_rectangle(is_covered, ny, nx);
+  require(aligned.covered.rows >= 8 && aligned.covered.columns >= 8,
+          "expected a photograph that covers 8 × 8 pixels of the simulation or more, got {} × {}; show more of it",
+          aligned.covered.columns, aligned.covered.rows);
+  return aligned;
+}
+
+Image cropped(const Image& image, const PixelRectangle& r) {
+  Image out(r.rows, r.columns, image.channels);
+  out.pitch = image.pitch;
+  for (int row = 0; row < r.rows; ++row)
+    for (int column = 0; column < r.columns; ++column)
+      for (int c = 0; c < image.channels; ++c)
+        out(row, column, c) = image(r.first_row + row, r.first_column + column, c);
+  return out;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "holotrace/base/observer.h"
+#include "holotrace/data/depth_image.h"
+#include "holotrace/data/params/synthesize.h"
+#include "holotrace/wave/layers/sum_layers.h"
+
+namespace holotrace {
+
+/// A picture with depth as slices of space on the panel's raster, made one at a time.
+///
+/// A slice holds the samples whose pixel has its depth: amplitude √L, L the picture's light at the wavelength
+/// (radiance_at of its channels), bilinear between pixels and averaged over them where they are finer than samples;
+/// depths are those of the nearest pixel, so that edges stay edges. Orthographic: the picture is params.width wide at
+/// every depth. Perspective: a pixel lies on the ray from the panel's centre through it, params.field_of_view to the
+/// middle of either side of the picture. Pixels are square. Random phases are 2π·u(seed, frame, sample), one for each
+/// sample and slice.
+///
+/// Slices: as many as synthesis.slices, or as few as keep the phase of an even wave at the panel within 0.8 times the
+/// tolerance (slice.h); with silhouettes a slice hides what lies behind its samples, dark ones too.
+///
+/// @param image  must outlive the stack
+/// @throws Error  as check_depth_image does; for a phase that is neither random nor constant, a width or angle below 0,
+///                and a picture whose slices hold no sample
+SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, double wavelength,
+                             const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame = 0,
+                             const Observer& observer = {});
+
+/// The field on the panel of a picture with depth: sum_layers of those slices.
+Field sum_depth_image(const DepthImage& image, const Grid& panel, double wavelength, const DepthImageParams& params,
+                      const SynthesizeParams& synthesis, uint32_t frame = 0, const Observer& observer = {});
+
+}  // namespace holotrace

@@ -1,0 +1,126 @@
+#include "holotrace/wave/layers/silhouette.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "holotrace/base/threads.h"
+
+namespace holotrace {
+namespace {
+
+constexpr int neighbours = 4;
+constexpr double most_over_median = 3;
+constexpr double least_radius = 0.5;  // samples
+
+// Points in square cells of about two points each.
+struct Cells {
+  double left = 0, top = 0, side = 1;
+  int columns = 1, rows = 1;
+  std::vector<uint32_t> start, order;
+
+  int column(const PointOnSlice& p) const { return std::min(int((p.column - left) / side), columns - 1); }
+  int row(const PointOnSlice& p) const { return std::min(int((p.row - top) / side), rows - 1); }
+};
+
+Cells make_cells(const std::vector<PointOnSlice>& points) {
+  Cells cells;
+  double right = points[0].column, bottom = points[0].row;
+  cells.left = right, cells.top = bottom;
+  for (const PointOnSlice& p : points) {
+    cells.left = std::min(cells.left, p.column), right = std::max(right, p.column);
+    cells.top = std::min(cells.top, p.row), bottom = std::max(bottom, p.row);
+  }
+  const double width = right - cells.left, height = bottom - cells.top, count = double(points.size());
+  // By area, or where the points lie on a line by its length.
+  cells.side = std::max({std::sqrt(width * height * 2 / count), (width + height) * 2 / count, 1e-3});
+  cells.columns = int(width / cells.side) + 1, cells.rows = int(height / cells.side) + 1;
+  const auto cell_of = [&](const PointOnSlice& p) {
+    return size_t(cells.row(p)) * size_t(cells.columns) + size_t(cells.column(p));
+  };
+  cells.start.resize(size_t(cells.columns) * size_t(cells.rows) + 1);
+  for (const PointOnSlice& p : points) ++cells.start[cell_of(p) + 1];
+  for (size_t c = 1; c < cells.start.size(); ++c) cells.start[c] += cells.start[c - 1];
+  std::vector<uint32_t> next(cells.start.begin(), cells.start.end() - 1);
+  cells.order.resize(points.size());
+  for (size_t i = 0; i < points.size(); ++i) cells.order[next[cell_of(points[i])]++] = uint32_t(i);
+  return cells;
+}
+
+// Of the four points that are nearest in space (or of fewer), the distance in the plane to the farthest; 0 for a lone
+// point, and where four are so near that the disc is the least.
+double neighbour_distance(const std::vector<PointOnSlice>& points, const std::vector<double>& depths,
+                          const Cells& cells, size_t index) {
+  struct Neighbour {
+    double space, plane;  // squared
+    bool operator<(const Neighbour& other) const { return space < other.space; }
+  };
+  const PointOnSlice& p = points[index];
+  const size_t wanted = std::min<size_t>(neighbours, points.size() - 1);
+  if (wanted == 0) return 0;
+  std::vector<Neighbour> found;
+  size_t close = 0;
+  const int column = cells.column(p), row = cells.row(p), most = std::max(cells.columns, cells.rows);
+  for (int ring = 0; ring <= most; ++ring) {
+    for (int j = std::max(0, row - ring); j <= std::min(cells.rows - 1, row + ring); ++j)
+      for (int i = std::max(0, column - ring); i <= std::min(cells.columns - 1, column + ring); ++i) {
+        if (std::max(std::abs(j - row), std::abs(i - column)) != ring) continue;
+        const size_t cell = size_t(j) * size_t(cells.columns) + size_t(i);
+        for (uint32_t n = cells.start[cell]; n < cells.start[cell + 1]; ++n) {
+          const uint32_t other = cells.order[n];
+          if (other == index) continue;
+          const PointOnSlice& q = points[other];
+          const double dz = depths[other] - depths[index];
+          const double plane = (q.column - p.column) * (q.column - p.column) + (q.row - p.row) * (q.row - p.row);
+          found.push_back({plane + dz * dz, plane});
+          close += found.back().space <= 2 * least_radius * least_radius;
+          if (close >= wanted) return 0;
+        }
+      }
+    if (found.size() < wanted) continue;
+    std::nth_element(found.begin(), found.begin() + int64_t(wanted - 1), found.end());
+    const double reached = ring * cells.side;  // all points nearer than this have been seen
+    if (found[wanted - 1].space <= reached * reached) break;
+  }
+  std::nth_element(found.begin(), found.begin() + int64_t(wanted - 1), found.end());
+  double farthest = 0;
+  for (size_t n = 0; n < wanted; ++n) farthest = std::max(farthest, found[n].plane);
+  return std::sqrt(farthest);
+}
+
+}  // namespace
+
+std::vector<double> silhouette_radii(const std::vector<PointOnSlice>& points, const std::vector<double>& depths) {
+  std::vector<double> radii(points.size());
+  if (points.empty()) return radii;
+  const Cells cells = make_cells(points);
+  parallel_for(
+      0, int64_t(points.size()),
+      [&](int64_t i) { radii[size_t(i)] = neighbour_distance(points, depths, cells, size_t(i)) / std::sqrt(2.0); }, {},
+      64);
+  std::vector<double> sorted = radii;
+  std::nth_element(sorted.begin(), sorted.begin() + int64_t(sorted.size() / 2), sorted.end());
+  const double most = std::max(most_over_median * sorted[sorted.size() / 2], least_radius);
+  for (double& radius : radii) radius = std::clamp(radius, least_radius, most);
+  return radii;
+}
+
+Array2D<float> silhouette_of(const std::vector<PointOnSlice>& points, const std::vector<double>& radii, int nx,
+                             int ny) {
+  Array2D<float> mask(ny, nx);
+  const auto wrapped = [](int index, int size) { return ((index % size) + size) % size; };
+  for (size_t n = 0; n < points.size(); ++n) {
+    const PointOnSlice& p = points[n];
+    const double radius = radii[n] * (1 + 1e-9);
+    mask(wrapped(int(std::lround(p.row)), ny), wrapped(int(std::lround(p.column)), nx)) = 1;
+    for (int j = int(std::ceil(p.row - radius)); j <= int(std::floor(p.row + radius)); ++j) {
+      const double half = std::sqrt(std::max(0.0, radius * radius - (j - p.row) * (j - p.row)));
+      for (int i = int(std::ceil(p.column - half)); i <= int(std::floor(p.column + half)); ++i)
+        mask(wrapped(j, ny), wrapped(i, nx)) = 1;
+    }
+  }
+  return mask;
+}
+
+}  // namespace holotrace

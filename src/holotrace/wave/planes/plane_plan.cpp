@@ -1,0 +1,164 @@
+#include "holotrace/wave/planes/plane_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "holotrace/data/acceptance.h"
+#include "holotrace/wave/planes/plane_error.h"
+#include "holotrace/wave/shared/cost_model.h"
+
+namespace holotrace {
+namespace {
+
+constexpr std::array<int, 3> tiles{240, 120, 60};  // sides that divide 1080p and 4K panels, of good FFT length
+
+// A box's pixels over the tile's, the tiles that its edges cut, and those that its corners lie in.
+struct TileCounts {
+  double whole = 0, partial = 0, corners = 0;
+};
+
+TileCounts count_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, int tile) {
+  TileCounts counts;
+  for (const PreparedWave& w : waves) {
+    const double width = w.box.x1 - w.box.x0, height = w.box.y1 - w.box.y0;
+    counts.whole += width * height / (double(tile) * tile);
+    const int edges_x = (w.box.x0 > bounds.x0) + (w.box.x1 < bounds.x1);
+    const int edges_y = (w.box.y0 > bounds.y0) + (w.box.y1 < bounds.y1);
+    counts.corners += edges_x * edges_y;
+    counts.partial += (edges_x * height + edges_y * width) / tile;
+  }
+  return counts;
+}
+
+SummationWork work_of(const PlanesPlan& plan, const TileCounts& counts, double tiles_of_panel, const TilePlan& direct) {
+  const double planes = plan.nodes, m = 2 * plan.tile, cells = m + 2 * PlaneTables::margin;
+  // Grids that the second cache does not hold take three times as long to add to.
+  const double cache = planes * cells * cells * 8 < 2e6 ? 1 : 3;
+  const double per_wave = cache * planes * plan.width * (plan.width <= 4 ? 4 : GriddingKernel::greatest_width);
+  // Half of a tile's strips at most are made up for, a quarter on average, and one more in part.
+  const double entries = !plan.has_strips ? 0 : counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
+  const double transforms = tiles_of_panel * plan.slabs * planes * (plan.is_corrected ? 5 : 1);
+  const double strips = std::min(entries, tiles_of_panel * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
+  const double lines = transforms * 1.5 * m + strips * planes * strip_width;  // that are transformed
+  SummationWork work{.plane_waves = counts.whole + entries,
+                     .spreads = counts.whole * per_wave + entries * planes * plan.width * strip_width,
+                     .fft_operations = lines * fft_operations(m),
+                     .samples = lines * 2 * m};
+  const double in_tiles = counts.corners + (plan.has_strips ? 0 : counts.partial);
+  return work + in_tiles * plan.tile * plan.tile / 2 * tile_work(direct);
+}
+
+constexpr int most_slabs = 64, most_nodes = 8, most_nodes_of_large_tiles = 4;  // whose grids fill the caches
+
+// Of the gridding of a plane wave in both axes.
+double both_axes(int width) {
+  static const auto errors = [] {
+    std::array<double, GriddingKernel::greatest_width + 1> of_width{};
+    for (int w = 2; w <= GriddingKernel::greatest_width; ++w) of_width[size_t(w)] = std::sqrt(2) * gridding_error(w);
+    return of_width;
+  }();
+  return errors[size_t(width)];
+}
+
+// Looks at plans, and keeps the fastest that meets the goal, or the most accurate.
+class PlanSearch {
+ public:
+  PlanSearch(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid, const PixelBox& bounds,
+             double wavelength, double goal, double most_seconds)
+      : waves_(waves),
+        direct_(direct),
+        grid_(grid),
+        bounds_(bounds),
+        wavelength_(wavelength),
+        goal_(goal),
+        most_seconds_(most_seconds),
+        rates_(summation_rates()),
+        depths_(depths_of(waves)) {
+    // Many plans are looked at: an eighth of the pixels tells their errors to a few percent.
+    const std::vector<DrawnPixel> drawn = draw_pixels(waves);
+    constexpr size_t pair = 2, share = 8;  // a pair has one of each kind of draw
+    for (size_t i = 0; i < drawn.size(); ++i)
+      if (i % (pair * share) < pair) {
+        pixels_.push_back(drawn[i]);
+        pixels_.back().density /= share;
+      }
+  }
+
+  const PlanesChoice& best() const { return best_; }
+
+  void look_at_tiles(int tile) {
+    counts_ = count_tiles(waves_, bounds_, tile);
+    tiles_of_panel_ = double(bounds_.x1 - bounds_.x0) * (bounds_.y1 - bounds_.y0) / (double(tile) * tile);
+    for (const auto& [is_corrected, has_strips] : {std::pair{false, true}, {true, true}, {true, false}}) {
+      PlanesPlan plan{tile, 2, 1, 1, is_corrected, has_strips};
+      if (!is_worth(plan)) continue;
+      // What many planes leave is what they cannot mend: more of them would be looked at in vain.
+      most_nodes_ = tile > 120 ? most_nodes_of_large_tiles : most_nodes;
+      plan = {tile, 8, most_nodes_, most_slabs, is_corrected, has_strips};
+      if (!(offer(plan) <= goal_)) continue;
+      for (plan.slabs = 1; plan.slabs <= most_slabs; plan.slabs *= 2) look_at_nodes(plan);
+    }
+  }
+
+ private:
+  bool is_worth(const PlanesPlan& plan) const {
+    return seconds(plan) < (best_.meets_tolerance ? best_.seconds : most_seconds_);
+  }
+
+  SummationWork work(const PlanesPlan& plan) const { return work_of(plan, counts_, tiles_of_panel_, direct_); }
+  double seconds(const PlanesPlan& plan) const { return predict_seconds(work(plan), rates_, 1); }
+
+  void look_at_nodes(PlanesPlan plan) {
+    for (plan.nodes = 1; plan.nodes <= most_nodes_; ++plan.nodes) {
+      plan.width = 2;
+      if (!is_worth(plan) || offer(plan) <= goal_ / 2) return;
+    }
+  }
+
+  // Offers the plan with the narrowest kernel that does. Returns the error of its planes alone.
+  double offer(PlanesPlan plan) {
+    const SplitEnergies energies = measure_planes(pixels_, depths_, grid_, bounds_, wavelength_, plan);
+    const double planes = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
+    const auto error = [&] { return std::hypot(planes, both_axes(plan.width), rounding_error(TileProducts::single)); };
+    while (plan.width < GriddingKernel::greatest_width && error() > goal_) ++plan.width;
+    const PlanesChoice choice{plan, error(), work(plan), seconds(plan), energies, error() <= goal_};
+    const bool is_better = choice.meets_tolerance != best_.meets_tolerance
+                               ? choice.meets_tolerance
+                               : (choice.meets_tolerance ? choice.seconds < best_.seconds : choice.error < best_.error);
+    if (is_better || best_.seconds == 0) best_ = choice;
+    return planes;
+  }
+
+  const std::vector<PreparedWave>& waves_;
+  const TilePlan direct_;
+  const Grid grid_;
+  const PixelBox bounds_;
+  const double wavelength_, goal_, most_seconds_;
+  const SummationRates rates_;
+  const DepthRange depths_;
+  std::vector<DrawnPixel> pixels_;
+  TileCounts counts_;
+  double tiles_of_panel_ = 0;
+  int most_nodes_ = most_nodes;
+  PlanesChoice best_;
+};
+
+}  // namespace
+
+bool suits_planes(const PreparedWave& wave, double wavelength, double pitch) {
+  const double tangent = acceptance_tangent(wavelength, pitch);
+  return tangent < 0.25 && 2 * wave.depth * tangent >= 4 * tiles.back() * pitch;
+}
+
+PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
+                           const PixelBox& bounds, double wavelength, double tolerance, double coherence,
+                           double most_seconds) {
+  PlanSearch search(waves, direct, grid, bounds, wavelength, tolerance * std::sqrt(coherence) / 1.25, most_seconds);
+  for (const int tile : tiles) search.look_at_tiles(tile);
+  PlanesChoice best = search.best();
+  best.error /= std::sqrt(coherence);
+  return best;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,74 @@
+#include "holotrace/wave/planes/plane_slabs.h"
+
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/data/acceptance.h"
+
+namespace holotrace {
+namespace {
+
+struct Range {
+  double least, greatest;
+};
+
+// Curvatures of a wave's light where its box lies: (1 − ρ²/2r²)/λr falls from the axis to the box's corner.
+// With t the tangent there is r = d√(1 + 2t²).
+Range curvatures(double per_depth, double wavelength, double tangent) {
+  const double t2 = tangent * tangent, s = 1 + 2 * t2;
+  return {per_depth * (1 + t2) / (wavelength * s * std::sqrt(s)), per_depth / wavelength};
+}
+
+// Boxes end at the tangent of the panel's acceptance; half a tile beyond a tile's centre may lie within.
+double reach_tangent(double wavelength, double pitch) { return 1.2 * acceptance_tangent(wavelength, pitch); }
+
+}  // namespace
+
+DepthRange depths_of(const std::vector<PreparedWave>& waves) {
+  const auto [nearest, farthest] = std::minmax_element(
+      waves.begin(), waves.end(), [](const PreparedWave& a, const PreparedWave& b) { return a.depth < b.depth; });
+  return {nearest->depth, farthest->depth};
+}
+
+int Slabs::of(double depth) const {
+  return step() > 0 ? std::clamp(int((1 / depths.nearest - 1 / depth) / step()), 0, count - 1) : 0;
+}
+
+Slab Slabs::slab(int index, double wavelength, double pitch) const {
+  const double tangent = reach_tangent(wavelength, pitch), most = 1 / depths.nearest;
+  const double greatest = curvatures(most - index * step(), wavelength, tangent).greatest;
+  const double least = curvatures(std::max(0.0, most - (index + 1) * step()), wavelength, tangent).least;
+  return {0, 0, (greatest + least) / 2, (greatest - least) / 2};
+}
+
+PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch) {
+  const DepthRange depths = depths_of(waves);
+  const Slabs slabs{depths, plan.slabs};
+  // Rows of eight cells of a grid: what a few waves in turn are spread over stays in the cache.
+  const double cell = wavelength * std::sqrt(depths.nearest * depths.farthest) / (2 * plan.tile * pitch);
+  struct Key {
+    int slab, row;
+    double x;
+    uint32_t index;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::vector<Key> keys;
+  for (size_t i = 0; i < waves.size(); ++i)
+    keys.push_back({slabs.of(waves[i].depth), int(std::floor(waves[i].y / (8 * cell))), waves[i].x, uint32_t(i)});
+  tbb::parallel_sort(keys.begin(), keys.end());
+  PlaneWaves sorted;
+  sorted.waves.reserve(waves.size());
+  for (size_t i = 0; i < keys.size(); ++i) {
+    if (i == 0 || keys[i].slab != keys[i - 1].slab) {
+      sorted.slabs.push_back(slabs.slab(keys[i].slab, wavelength, pitch));
+      sorted.slabs.back().first = i;
+    }
+    sorted.slabs.back().last = i + 1;
+    sorted.waves.push_back(waves[keys[i].index]);
+  }
+  return sorted;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/wave/planes/plane_tile.h"
+
+namespace holotrace {
+
+/// Depths of a set of waves [m].
+struct DepthRange {
+  double nearest, farthest;
+};
+
+/// @param waves  at least one
+DepthRange depths_of(const std::vector<PreparedWave>& waves);
+
+/// Slabs of equal steps of 1/depth, from the nearest wave to the farthest.
+struct Slabs {
+  DepthRange depths;
+  int count;
+
+  int of(double depth) const;
+
+  /// The curvatures of slab `index` in the tiles that its waves light; its waves are still to be found.
+  Slab slab(int index, double wavelength, double pitch) const;
+
+ private:
+  double step() const { return (1 / depths.nearest - 1 / depths.farthest) / count; }
+};
+
+/// The waves sorted for a plan: by depth into its slabs, and in a slab by place.
+PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch);
+
+}  // namespace holotrace

@@ -1,0 +1,233 @@
+#include "holotrace/wave/planes/plane_tile.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/fft.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+
+namespace holotrace {
+namespace {
+
+using Complex = std::complex<float>;
+
+// The product without the special cases of infinities that the operator has.
+Complex product(Complex a, Complex b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+// exp(iπκu²)/φ̂ at the tile's pixels along one axis: the curvature of a plane of the slab and the kernel's correction.
+std::vector<Complex> chirp(const PlaneTables& t, double kappa) {
+  std::vector<Complex> values;
+  for (int i = 0; i < t.plan.tile; ++i) {
+    const double u = (i - t.plan.tile / 2) * t.pitch;
+    values.push_back(Complex(cis_cycles(kappa * u * u / 2) * double(t.inverse_phi[size_t(i)])));
+  }
+  return values;
+}
+
+// Where output `pixel` of a tile lies in a transform: outputs are counted from the reference pixel, around.
+int output_at(int pixel, const PlaneTables& t) {
+  const int from_reference = pixel - t.plan.tile / 2;
+  return from_reference < 0 ? from_reference + t.transform : from_reference;
+}
+
+// A line of a grid with its margins folded back on the transform's inputs: cell c is frequency c − margin − M/2.
+int input_of(int cell, const PlaneTables& t) { return (cell - PlaneTables::margin + t.transform / 2) % t.transform; }
+
+// The terms of the expansion that plane waves neglect, as functions of the frequency (f, g): see PlanesPlan.
+enum class Term { wave, cross, difference, along_x, along_y };
+
+float weight_of(Term term, float f, float g) {
+  switch (term) {
+    case Term::cross:
+      return f * g;
+    case Term::difference:
+      return f * f - g * g;
+    case Term::along_x:
+      return f;
+    case Term::along_y:
+      return g;
+    case Term::wave:
+      break;
+  }
+  return 1;
+}
+
+// The grid of one plane, weighted, transformed to the tile's pixels: out[column][row].
+void transform(const float* grid, Term term, const PlaneTables& t, PlaneWorkspace& w, Complex* out) {
+  const int m = t.transform, tile = t.plan.tile;
+  const Fft<float> backward(m, FftDirection::backward);
+  const float cell = float(1 / (m * t.pitch));
+  const auto frequency = [&](int c) { return float(c - PlaneTables::margin - m / 2) * cell; };
+  w.folded.assign(size_t(m) * size_t(m), Complex());
+  for (int j = 0; j < t.cells; ++j) {
+    const float* const from = grid + size_t(j) * 2 * size_t(t.stride());
+    Complex* const to = w.folded.data() + size_t(input_of(j, t)) * size_t(m);
+    const float g = frequency(j);
+    int c = 0;
+    while (c < t.cells) {  // runs of cells that stay together
+      const int input = input_of(c, t), run = std::min(t.cells - c, m - input);
+      for (int i = 0; i < run; ++i) {
+        const float weight = term == Term::wave ? 1.0f : weight_of(term, frequency(c + i), g);
+        to[input + i] += Complex(weight * from[2 * (c + i)], weight * from[2 * (c + i) + 1]);
+      }
+      c += run;
+    }
+  }
+  // Along each line, then along the columns that are wanted.
+  w.turned.resize(size_t(tile) * size_t(m));
+  for (int j = 0; j < m; ++j) backward(w.folded.data() + size_t(j) * size_t(m));
+  constexpr int block = 8;
+  for (int first = 0; first < m; first += block)
+    for (int i = 0; i < tile; ++i) {
+      const size_t from = size_t(output_at(i, t));
+      for (int j = first; j < std::min(first + block, m); ++j)
+        w.turned[size_t(i) * size_t(m) + size_t(j)] = w.folded[size_t(j) * size_t(m) + from];
+    }
+  for (int i = 0; i < tile; ++i) {
+    Complex* const line = w.turned.data() + size_t(i) * size_t(m);
+    backward(line);
+    const int half = tile / 2;
+    std::copy_n(line + m - half, half, out + size_t(i) * size_t(tile));
+    std::copy_n(line, tile - half, out + size_t(i) * size_t(tile) + half);
+  }
+}
+
+// Brings one plane's grid to the tile's pixels and adds it to workspace.tile, [column][row].
+void add_plane(const float* grid, double kappa, const PlaneTables& t, PlaneWorkspace& w) {
+  const int tile = t.plan.tile;
+  const size_t pixels = size_t(tile) * size_t(tile);
+  const std::vector<Complex> bend = chirp(t, kappa);
+  w.terms.resize(pixels * (t.plan.is_corrected ? 5 : 1));
+  transform(grid, Term::wave, t, w, w.terms.data());
+  if (t.plan.is_corrected)
+    for (const Term term : {Term::cross, Term::difference, Term::along_x, Term::along_y})
+      transform(grid, term, t, w, w.terms.data() + size_t(term) * pixels);
+  // With f = x/λr₀, 1/r₀ ≈ λκ: the second-order phase −λf·g/r₀·uv − λ(f² − g²)/4r₀·(u² − v²), the modulus
+  // −λ(f·u + g·v)/r₀ and the third-order phase −(f·u + g·v)(u² + v²)/2r₀², less what is linear in it.
+  const double per_r0 = t.wavelength * kappa, half = tile * t.pitch / 2;
+  const float second = float(-2 * pi * t.wavelength * per_r0), first = float(-t.wavelength * per_r0),
+              third = float(-pi * per_r0 * per_r0), linear = float((0.6 + 1.0 / 3) * half * half);
+  const auto times_i = [](Complex z) { return Complex(-z.imag(), z.real()); };
+  for (int i = 0; i < tile; ++i) {
+    const float u = float((i - tile / 2) * t.pitch), s_u = t.first[size_t(i)], q_u = t.second[size_t(i)];
+    const Complex* const term = w.terms.data() + size_t(i) * size_t(tile);
+    Complex* const to = w.tile.data() + size_t(i) * size_t(tile);
+    const Complex bend_u = bend[size_t(i)];
+    for (int j = 0; j < tile; ++j) {
+      const size_t at = size_t(j);
+      Complex sum = term[at];
+      if (t.plan.is_corrected) {
+        // The terms were weighted by the frequency of the cells: made those of the waves, by the kernel's moments.
+        const float s_v = t.first[at], q_v = t.second[at];
+        const Complex f = term[at + 3 * pixels] - times_i(s_u * sum), g = term[at + 4 * pixels] - times_i(s_v * sum);
+        const Complex cross = term[at + pixels] - times_i(s_u * g + s_v * f) + s_u * s_v * sum;
+        const Complex difference = term[at + 2 * pixels] - 2.0f * times_i(s_u * f - s_v * g) - (q_u - q_v) * sum;
+        const float v = float((j - tile / 2) * t.pitch), cubic = third * (u * u + v * v - linear);
+        sum += times_i(second * (u * v * cross + 0.25f * (u * u - v * v) * difference)) +
+               product(Complex(first, cubic), u * f + v * g);
+      }
+      to[j] += product(product(bend_u, bend[at]), sum);
+    }
+  }
+}
+
+// Brings a strip's lines to the tile's pixels and adds them to workspace.tile.
+void add_strip(const Slab& slab, const PlaneTables& t, bool is_across_rows, int strip, PlaneWorkspace& w) {
+  const int m = t.transform, tile = t.plan.tile, lines = std::min(strip_width, tile - strip * strip_width);
+  const Fft<float> backward(m, FftDirection::backward);
+  w.folded.resize(size_t(m));
+  for (int q = 0; q < t.plan.nodes; ++q) {
+    const std::vector<Complex> bend = chirp(t, slab.centre + slab.half * t.nodes[size_t(q)]);
+    const float* const plane = w.strip.data() + size_t(q) * size_t(t.cells) * 2 * strip_width;
+    for (int l = 0; l < lines; ++l) {
+      std::fill_n(w.folded.begin(), m, Complex());
+      for (int c = 0; c < t.cells; ++c) {
+        const float* const from = plane + size_t(c) * 2 * strip_width + l;
+        w.folded[size_t(input_of(c, t))] += Complex(from[0], from[strip_width]);
+      }
+      backward(w.folded.data());
+      const int line = strip * strip_width + l;
+      for (int j = 0; j < tile; ++j) {
+        const size_t at =
+            is_across_rows ? size_t(j) * size_t(tile) + size_t(line) : size_t(line) * size_t(tile) + size_t(j);
+        w.tile[at] += product(bend[size_t(j)], w.folded[size_t(output_at(j, t))]);
+      }
+    }
+  }
+}
+
+void add_strips(const PlaneWaves& waves, const Slab& slab, const PlaneTables& t, double x, double y,
+                PlaneWorkspace& w) {
+  for (int axis = 0; axis < 2; ++axis)
+    for (int s = 0; s < 16; ++s) {
+      std::vector<StripEntry>& entries = w.entries[axis][s];
+      if (entries.empty()) continue;
+      w.strip.assign(size_t(t.plan.nodes) * size_t(t.cells) * 2 * strip_width, 0.0f);
+      spread_strip(waves.waves, entries, slab, t, x, y, axis == 1, s, w);
+      add_strip(slab, t, axis == 1, s, w);
+      entries.clear();
+    }
+}
+
+// The waves left over, by tiles.
+void sum_direct(const std::vector<PreparedWave>& waves, const TilePlan& plan, const Grid& grid, double wavelength,
+                const PixelBox& box, TileWorkspace& workspace, Array2D<std::complex<float>>& samples) {
+  if (waves.empty()) return;
+  for (int y = box.y0; y < box.y1; y += plan.shape.rows)
+    for (int x = box.x0; x < box.x1; x += plan.shape.columns)
+      sum_tile(waves, grid, wavelength, plan,
+               {x, std::min(x + plan.shape.columns, box.x1), y, std::min(y + plan.shape.rows, box.y1)}, workspace,
+               samples);
+}
+
+}  // namespace
+
+PlaneTables::PlaneTables(const PlanesPlan& plan, double wavelength, double pitch)
+    : plan(plan),
+      kernel(plan.width),
+      wavelength(wavelength),
+      pitch(pitch),
+      tangent(1.005 * acceptance_tangent(wavelength, pitch)),
+      transform(2 * plan.tile),
+      cells(transform + 2 * margin) {
+  const double cell = 1 / (transform * pitch);
+  for (int i = 0; i < plan.tile; ++i) {
+    const double xi = double(i - plan.tile / 2) / transform, phi = kernel.transform(xi);
+    inverse_phi.push_back(float(1 / phi));
+    first.push_back(float(kernel.moment(1, xi) / phi * cell));
+    second.push_back(float(kernel.moment(2, xi) / phi * cell * cell));
+  }
+  for (int q = 0; q < plan.nodes; ++q) nodes.push_back(std::cos(pi * (q + 0.5) / plan.nodes));
+  for (int q = 0; q < plan.nodes; ++q) {
+    double denominator = 1;
+    for (int m = 0; m < plan.nodes; ++m)
+      if (m != q) denominator *= nodes[size_t(q)] - nodes[size_t(m)];
+    denominators.push_back(float(denominator));
+  }
+}
+
+void sum_plane_tile(const PlaneWaves& waves, const PlaneTables& t, const TilePlan& direct, const Grid& grid,
+                    const PixelBox& box, PlaneWorkspace& w, TileWorkspace& tile_workspace,
+                    Array2D<std::complex<float>>& samples) {
+  const int tile = t.plan.tile;
+  const double x = grid.x(box.x0 + tile / 2), y = grid.y(box.y0 + tile / 2);
+  const size_t plane = size_t(t.cells) * 2 * size_t(t.stride());
+  w.tile.assign(size_t(tile) * size_t(tile), Complex());
+  w.direct.clear();
+  for (const Slab& slab : waves.slabs) {
+    w.grids.assign(size_t(t.plan.nodes) * plane, 0.0f);
+    const bool any = spread_waves(waves.waves, slab, t, x, y, box, w);
+    for (int q = 0; any && q < t.plan.nodes; ++q)
+      add_plane(w.grids.data() + size_t(q) * plane, slab.centre + slab.half * t.nodes[size_t(q)], t, w);
+    add_strips(waves, slab, t, x, y, w);
+  }
+  sum_direct(w.direct, direct, grid, t.wavelength, box, tile_workspace, samples);
+  for (int j = box.y0; j < box.y1; ++j)
+    for (int i = box.x0; i < box.x1; ++i)
+      samples(j, i) += w.tile[size_t(i - box.x0) * size_t(tile) + size_t(j - box.y0)];
+}
+
+}  // namespace holotrace

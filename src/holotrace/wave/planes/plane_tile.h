@@ -1,0 +1,21 @@
+#pragma once
+
+#include "holotrace/wave/planes/plane_spread.h"
+#include "holotrace/wave/tiles/tile_sum.h"
+
+namespace holotrace {
+
+/// Waves in the order that sum_planes takes them: by slab, and within a slab neighbours after each other.
+struct PlaneWaves {
+  std::vector<PreparedWave> waves;
+  std::vector<Slab> slabs;
+};
+
+/// Adds the waves to the samples of the tile `box` of the panel.
+///
+/// @param direct  how the few waves that light a corner of the tile only are summed (tile_sum.h)
+void sum_plane_tile(const PlaneWaves& waves, const PlaneTables& tables, const TilePlan& direct, const Grid& grid,
+                    const PixelBox& box, PlaneWorkspace& workspace, TileWorkspace& tile_workspace,
+                    Array2D<std::complex<float>>& samples);
+
+}  // namespace holotrace

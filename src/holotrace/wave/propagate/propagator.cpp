@@ -1,0 +1,132 @@
+#include "holotrace/wave/propagate/propagator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/wave/propagate/convolve.h"
+#include "holotrace/wave/propagate/transfer.h"
+#include "holotrace/wave/propagate/window_transform.h"
+
+namespace holotrace {
+namespace {
+
+// Standard deviations of a tapered kernel's edge: 1e-11 of its light is beyond in double, 1e-6 in float.
+template <class Real>
+constexpr double edge_widths = sizeof(Real) == sizeof(double) ? 7 : 5;
+
+// Windows, axes and method: all but the transfer function.
+template <class Real>
+Propagator<Real> plan(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
+                      const Observer& observer) {
+  check_grid(grid);
+  check_wavelength(wavelength);
+  require(std::isfinite(distance), "expected a finite distance to propagate over, got {} m", distance);
+  Propagator<Real> p;
+  p.input = grid;
+  p.output = propagation_output(grid, params);
+  p.wavelength = wavelength;
+  p.distance = distance;
+  p.x = make_axis_x(p.input, p.output, wavelength, distance);
+  p.y = make_axis_y(p.input, p.output, wavelength, distance);
+  if (params.is_periodic) {
+    // A window that repeats has a spectrum of lines at the frequencies of the DFT: the transfer function there is all
+    // there is to know, without padding or band limit.
+    require(params.method == PropagationMethod::automatic || params.method == PropagationMethod::angular_spectrum,
+            "expected the method angular-spectrum for a periodic window, got {}", method_name(params.method));
+    p.method = PropagationMethod::angular_spectrum;
+    observer.fact("method", std::string("angular-spectrum, periodic"));
+    set_periodic_sampling(p.x);
+    set_periodic_sampling(p.y);
+    p.padded_nx = p.x.padded;
+    p.padded_ny = p.y.padded;
+    return p;
+  }
+  p.method = choose_method(p.x, p.y, params.method, observer);
+  observer.fact("method", std::string(method_name(p.method)));
+  for (PropagationAxis* axis : {&p.x, &p.y}) {
+    const bool is_kernel = p.method == PropagationMethod::rayleigh_sommerfeld ||
+                           (p.method == PropagationMethod::fresnel && takes_fresnel_kernel(*axis));
+    set_sampling(*axis, p.method, is_kernel, edge_widths<Real>);
+  }
+  p.padded_nx = p.x.padded;
+  p.padded_ny = p.y.padded;
+  return p;
+}
+
+template <class Real>
+double bytes_needed(const Propagator<Real>& p) {
+  const PropagationAxis &x = p.x, &y = p.y;
+  const bool is_on_lattice = p.is_on_lattice();
+  const double columns = is_on_lattice ? y.padded : y.frequencies();
+  const double transfer = 2.0 * sizeof(Real) * x.slots() * columns;
+  const double rows = !is_on_lattice ? y.kernel_samples : y.is_even ? y.padded / 2.0 + 1 : y.padded;
+  const double kernel =
+      p.method == PropagationMethod::rayleigh_sommerfeld ? sizeof(std::complex<double>) * x.slots() * rows : 0;
+  const double use = is_on_lattice ? convolution_bytes(x, y, sizeof(Real)) : window_transform_bytes(x, y, sizeof(Real));
+  return transfer + std::max(kernel, use);
+}
+
+}  // namespace
+
+Grid propagation_output(const Grid& input, const PropagateParams& params) {
+  check_ranges(params);
+  Grid out{params.columns > 0 ? params.columns : input.nx, params.rows > 0 ? params.rows : input.ny, input.pitch,
+           params.centre_x, params.centre_y};
+  // A pitch that was written in another unit is the input's all the same.
+  if (params.pitch > 0 && std::abs(params.pitch - input.pitch) > 1e-13 * input.pitch) out.pitch = params.pitch;
+  return out;
+}
+
+double propagation_bytes(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
+                         size_t bytes_per_real) {
+  return bytes_per_real == sizeof(float) ? bytes_needed(plan<float>(grid, wavelength, distance, params, {}))
+                                         : bytes_needed(plan<double>(grid, wavelength, distance, params, {}));
+}
+
+template <class Real>
+Propagator<Real> make_propagator(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
+                                 const Observer& observer) {
+  Propagator<Real> p = plan<Real>(grid, wavelength, distance, params, observer);
+  require_memory(bytes_needed(p), fmt::format("a propagation of {} × {} samples, padded to {} × {},", grid.nx, grid.ny,
+                                              p.x.padded, p.y.padded));
+  switch (p.method) {
+    case PropagationMethod::rayleigh_sommerfeld:
+      fill_rayleigh_sommerfeld(p);
+      break;
+    case PropagationMethod::fresnel:
+      fill_fresnel(p);
+      break;
+    default:
+      fill_angular_spectrum(p);
+      break;
+  }
+  return p;
+}
+
+template <class Real>
+BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>& p, const Observer& observer) {
+  require(
+      field.grid == p.input && field.wavelength == p.wavelength,
+      "expected a field of {} × {} samples of {} at {}, centred at {}, {}, as the propagator was made for, got {} × "
+      "{} of {} at {}, centred at {}, {}",
+      p.input.nx, p.input.ny, format_length(p.input.pitch), format_length(p.wavelength),
+      format_length(p.input.centre_x), format_length(p.input.centre_y), field.grid.nx, field.grid.ny,
+      format_length(field.grid.pitch), format_length(field.wavelength), format_length(field.grid.centre_x),
+      format_length(field.grid.centre_y));
+  BasicField<Real> out = p.is_on_lattice() ? convolve(field, p, observer) : transform_to_window(field, p, observer);
+  out.image = field.image;
+  out.filter = field.filter;
+  return out;
+}
+
+template Propagator<float> make_propagator(const Grid&, double, double, const PropagateParams&, const Observer&);
+template Propagator<double> make_propagator(const Grid&, double, double, const PropagateParams&, const Observer&);
+template Field propagate(const Field&, const Propagator<float>&, const Observer&);
+template FieldDouble propagate(const FieldDouble&, const Propagator<double>&, const Observer&);
+
+}  // namespace holotrace

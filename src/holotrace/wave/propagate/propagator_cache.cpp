@@ -1,0 +1,108 @@
+#include "holotrace/wave/propagate/propagator_cache.h"
+
+#include <algorithm>
+#include <list>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "holotrace/base/memory.h"
+
+namespace holotrace {
+namespace {
+
+// What make_propagator was asked, and what it made and said.
+template <class Real>
+struct Entry {
+  Grid grid;
+  double wavelength, distance;
+  PropagateParams params;
+  std::shared_ptr<const Propagator<Real>> propagator;
+  std::vector<std::pair<std::string, Fact>> facts;
+  std::vector<std::string> warnings;
+
+  bool is_for(const Grid& g, double lambda, double z, const PropagateParams& p) const {
+    return grid == g && wavelength == lambda && distance == z && params.method == p.method &&
+           params.columns == p.columns && params.rows == p.rows && params.pitch == p.pitch &&
+           params.centre_x == p.centre_x && params.centre_y == p.centre_y && params.is_periodic == p.is_periodic;
+  }
+};
+
+template <class Real>
+struct Cache {
+  std::mutex mutex;
+  std::list<Entry<Real>> entries;  // the one used last in front
+};
+
+template <class Real>
+Cache<Real>& cache() {
+  static auto& kept = *new Cache<Real>;  // never destroyed: threads may propagate until the program ends
+  return kept;
+}
+
+template <class Real>
+Entry<Real> make_entry(const Grid& grid, double wavelength, double distance, const PropagateParams& params) {
+  Entry<Real> entry{grid, wavelength, distance, params, nullptr, {}, {}};
+  Observer notes;
+  notes.on_fact = [&](const std::string& name, const Fact& value) { entry.facts.emplace_back(name, value); };
+  notes.on_warning = [&](const std::string& sentence) { entry.warnings.push_back(sentence); };
+  entry.propagator =
+      std::make_shared<const Propagator<Real>>(make_propagator<Real>(grid, wavelength, distance, params, notes));
+  return entry;
+}
+
+template <class Real>
+void keep(Entry<Real> entry) {
+  Cache<Real>& kept = cache<Real>();
+  const std::lock_guard lock(kept.mutex);
+  double bytes = entry.propagator->bytes();
+  if (bytes > propagator_cache_bytes()) return;
+  kept.entries.push_front(std::move(entry));
+  for (auto at = std::next(kept.entries.begin()); at != kept.entries.end(); ++at) {
+    bytes += at->propagator->bytes();
+    if (bytes <= propagator_cache_bytes()) continue;
+    kept.entries.erase(at, kept.entries.end());
+    break;
+  }
+}
+
+template <class Real>
+void tell(const Entry<Real>& entry, const Observer& observer) {
+  for (const auto& [name, value] : entry.facts)
+    if (observer.on_fact) observer.on_fact(name, value);
+  for (const std::string& warning : entry.warnings) observer.warn(warning);
+}
+
+}  // namespace
+
+double propagator_cache_bytes() { return std::min(512.0 * 1024 * 1024, physical_memory() / 16); }
+
+template <class Real>
+std::shared_ptr<const Propagator<Real>> cached_propagator(const Grid& grid, double wavelength, double distance,
+                                                          const PropagateParams& params, const Observer& observer) {
+  {
+    Cache<Real>& kept = cache<Real>();
+    const std::lock_guard lock(kept.mutex);
+    const auto found = std::find_if(kept.entries.begin(), kept.entries.end(), [&](const Entry<Real>& entry) {
+      return entry.is_for(grid, wavelength, distance, params);
+    });
+    if (found != kept.entries.end()) {
+      kept.entries.splice(kept.entries.begin(), kept.entries, found);
+      tell(*found, observer);
+      return found->propagator;
+    }
+  }
+  Entry<Real> entry = make_entry<Real>(grid, wavelength, distance, params);
+  tell(entry, observer);
+  const auto propagator = entry.propagator;
+  keep(std::move(entry));
+  return propagator;
+}
+
+template std::shared_ptr<const Propagator<float>> cached_propagator(const Grid&, double, double, const PropagateParams&,
+                                                                    const Observer&);
+template std::shared_ptr<const Propagator<double>> cached_propagator(const Grid&, double, double,
+                                                                     const PropagateParams&, const Observer&);
+
+}  // namespace holotrace

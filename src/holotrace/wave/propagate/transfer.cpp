@@ -1,0 +1,169 @@
+#include "holotrace/wave/propagate/transfer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/wave/propagate/kernel_transform.h"
+#include "holotrace/wave/propagate/propagation_kernel.h"
+
+namespace holotrace {
+namespace {
+
+using Complex = std::complex<double>;
+
+int wrapped(int index, int size) { return (index % size + size) % size; }
+
+template <class Real>
+void make_table(Propagator<Real>& p) {
+  p.transfer = Array2D<std::complex<Real>>(p.x.slots(), p.is_on_lattice() ? p.y.padded : p.y.frequencies());
+}
+
+// Where the frequency k of y stands in a row of the table.
+template <class Real>
+int place(const Propagator<Real>& p, int k) {
+  if (!p.is_on_lattice()) return k - p.y.first;
+  const int bin = wrapped(k, p.y.padded);
+  return bin % p.y.parts * p.y.part_length() + bin / p.y.parts;
+}
+
+template <class Real>
+int frequency_of_slot(const Propagator<Real>& p, int slot) {
+  return p.x.is_even ? slot : p.x.first + slot;
+}
+
+// What moves an output by a part of a pitch, on a lattice: exp(i2πu·rest). At the middle of an even spectrum both
+// frequencies ±1/2p have one sample: their mean.
+Complex part_of_pitch(const PropagationAxis& axis, int k) {
+  if (axis.rest == 0 || !axis.is_on_lattice()) return 1;
+  const Complex turn = cis_cycles(k * axis.rest / axis.period());
+  return 2 * std::abs(k) == axis.padded ? Complex(turn.real()) : turn;
+}
+
+// What passes the smooth edges of the band.
+double passing(const PropagationAxis& axis, int k) {
+  const double u = k / axis.period();
+  const auto passing_edge = [](const BandEdge& edge, double beyond) {
+    return edge.deviation > 0 ? std::erfc(beyond / (std::sqrt(2.0) * edge.deviation)) / 2 : 1.0;
+  };
+  return passing_edge(axis.low, axis.low.at - u) * passing_edge(axis.high, u - axis.high.at);
+}
+
+// The factors of an axis that go beside the transfer function, at the frequencies held.
+std::vector<Complex> beside_transfer(const PropagationAxis& axis) {
+  std::vector<Complex> factors;
+  for (int k = axis.first; k <= axis.last; ++k) factors.push_back(passing(axis, k) * part_of_pitch(axis, k));
+  return factors;
+}
+
+// One factor of the paraxial kernel, at the frequencies held.
+std::vector<Complex> fresnel_axis(const PropagationAxis& axis) {
+  const double lambda = axis.wavelength, z = axis.z, du = 1 / axis.period();
+  std::vector<Complex> factor;
+  if (!takes_fresnel_kernel(axis)) {
+    factor = beside_transfer(axis);
+    for (int k = axis.first; k <= axis.last; ++k)
+      factor[size_t(k - axis.first)] *= cis_cycles(-lambda * z / 2 * (k * du) * (k * du));
+    return factor;
+  }
+  const KernelSamples samples = kernel_samples(axis);
+  const int n = samples.size();
+  const double inverse = 1 / (lambda * z), ratio = double(axis.padded) / n;
+  const Complex scale = std::polar(ratio * axis.input_pitch * std::sqrt(std::abs(inverse)), -std::copysign(pi / 4, z));
+  AlignedVector<Complex> kernel;
+  for (size_t i = 0; i < size_t(n); ++i)
+    kernel.push_back(scale * samples.weight[i] * cis_cycles(samples.place[i] * samples.place[i] * inverse / 2));
+  Fft<double>(n, FftDirection::forward)(kernel.data());
+  for (int k = axis.first; k <= axis.last; ++k) factor.push_back(kernel[size_t(wrapped(k, n))]);
+  return factor;
+}
+
+}  // namespace
+
+KernelSamples kernel_samples(const PropagationAxis& axis) {
+  KernelSamples samples;
+  if (axis.is_on_lattice()) {
+    const int least = axis.shift - (axis.inputs - 1);
+    for (int n = 0; n < axis.padded; ++n) {
+      const int step = axis.is_even ? std::min(n, axis.padded - n) : least + wrapped(n - least, axis.padded);
+      samples.place.push_back(step * axis.input_pitch + axis.rest);
+    }
+    samples.weight.assign(samples.place.size(), 1);
+    return samples;
+  }
+  const int size = axis.kernel_samples;
+  const double pitch = axis.period() / size;
+  const int least = int(std::ceil((axis.middle() - axis.period() / 2) / pitch));
+  for (int n = 0; n < size; ++n) {
+    const double x = (least + wrapped(n - least, size)) * pitch, unit = std::sqrt(2.0) * axis.edge;
+    samples.place.push_back(x);
+    samples.weight.push_back(std::erfc((x - axis.farthest() - axis.taper / 2) / unit) / 2 *
+                             std::erfc((axis.nearest() - axis.taper / 2 - x) / unit) / 2);
+  }
+  return samples;
+}
+
+template <class Real>
+void fill_angular_spectrum(Propagator<Real>& p) {
+  const double z = p.distance, du = 1 / p.x.period(), dv = 1 / p.y.period();
+  const double start = cycle_fraction(z, p.wavelength);
+  const std::vector<Complex> beside = beside_transfer(p.y);
+  // Even in v: each |v| once.
+  const int least = p.y.first <= 0 && p.y.last >= 0 ? 0 : std::min(std::abs(p.y.first), std::abs(p.y.last));
+  const int most = std::max(std::abs(p.y.first), std::abs(p.y.last));
+  make_table(p);
+  parallel_for(0, p.x.slots(), [&](int64_t slot) {
+    const int i = frequency_of_slot(p, int(slot));
+    const Complex turn = passing(p.x, i) * part_of_pitch(p.x, i);
+    std::vector<Complex> column;
+    for (int j = least; j <= most; ++j)
+      column.push_back(turn * angular_spectrum_transfer(i * du, j * dv, p.wavelength, z, start));
+    std::complex<Real>* row = p.transfer.row(int(slot));
+    for (int k = p.y.first; k <= p.y.last; ++k)
+      row[place(p, k)] = std::complex<Real>(beside[size_t(k - p.y.first)] * column[size_t(std::abs(k) - least)]);
+  });
+}
+
+template <class Real>
+void fill_rayleigh_sommerfeld(Propagator<Real>& p) {
+  const double start = cycle_fraction(std::abs(p.distance), p.wavelength);
+  const int nx = p.is_on_lattice() ? p.x.padded : p.x.kernel_samples;
+  const int ny = p.is_on_lattice() ? p.y.padded : p.y.kernel_samples;
+  const double scale = p.input.pitch * p.input.pitch * (double(p.x.padded) / nx) * (double(p.y.padded) / ny);
+  make_table(p);
+  transform_kernel(
+      p.x, p.y,
+      [&](double x, double y) {
+        return scale * rayleigh_sommerfeld_kernel(x * x + y * y, p.wavelength, p.distance, start);
+      },
+      [&](int slot, const Complex* column) {
+        std::complex<Real>* row = p.transfer.row(slot);
+        for (int k = p.y.first; k <= p.y.last; ++k) row[place(p, k)] = std::complex<Real>(column[wrapped(k, ny)]);
+      });
+}
+
+template <class Real>
+void fill_fresnel(Propagator<Real>& p) {
+  const std::vector<Complex> along_x = fresnel_axis(p.x), along_y = fresnel_axis(p.y);
+  const Complex axial = cis_cycles(cycle_fraction(p.distance, p.wavelength));
+  make_table(p);
+  for (int slot = 0; slot < p.x.slots(); ++slot) {
+    // Of an even axis the frequency −slot is held, also where +slot, the middle of the spectrum, is not.
+    const int i = p.x.is_even ? -slot : p.x.first + slot;
+    for (int k = p.y.first; k <= p.y.last; ++k)
+      p.transfer(slot, place(p, k)) =
+          std::complex<Real>(axial * along_x[size_t(i - p.x.first)] * along_y[size_t(k - p.y.first)]);
+  }
+}
+
+template void fill_angular_spectrum(Propagator<float>&);
+template void fill_angular_spectrum(Propagator<double>&);
+template void fill_rayleigh_sommerfeld(Propagator<float>&);
+template void fill_rayleigh_sommerfeld(Propagator<double>&);
+template void fill_fresnel(Propagator<float>&);
+template void fill_fresnel(Propagator<double>&);
+
+}  // namespace holotrace

@@ -1,0 +1,79 @@
+#include "holotrace/wave/shared/gridding_kernel.h"
+
+#include <cmath>
+#include <complex>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+
+namespace holotrace {
+namespace {
+
+// Coefficients of the polynomial in s ∈ [−½, ½] that meets f at the Chebyshev points, by divided differences.
+template <class Function>
+std::vector<double> interpolate(const Function& f, int degree) {
+  std::vector<double> points(size_t(degree) + 1), differences(size_t(degree) + 1);
+  for (int i = 0; i <= degree; ++i) {
+    points[size_t(i)] = 0.5 * std::cos(pi * (i + 0.5) / (degree + 1));
+    differences[size_t(i)] = f(points[size_t(i)]);
+  }
+  for (int order = 1; order <= degree; ++order)
+    for (int i = degree; i >= order; --i)
+      differences[size_t(i)] =
+          (differences[size_t(i)] - differences[size_t(i - 1)]) / (points[size_t(i)] - points[size_t(i - order)]);
+  std::vector<double> powers(size_t(degree) + 1, 0.0);
+  for (int i = degree; i >= 0; --i) {  // Horner: powers ← powers·(s − pointᵢ) + differenceᵢ
+    for (int k = degree; k > 0; --k) powers[size_t(k)] = powers[size_t(k - 1)] - points[size_t(i)] * powers[size_t(k)];
+    powers[0] = differences[size_t(i)] - points[size_t(i)] * powers[0];
+  }
+  return powers;
+}
+
+}  // namespace
+
+GriddingKernel::GriddingKernel(int width)
+    : kernel_{width, 2.30 * width}, coefficients_((degree + 1) * greatest_width, 0.0f) {
+  require(width >= 2 && width <= greatest_width, "expected a kernel 2 to {} cells wide, got {}", greatest_width, width);
+  for (int l = 0; l < width; ++l) {
+    const auto powers = interpolate([&](double s) { return value(s + 0.5 - width / 2.0 + l); }, degree);
+    for (int k = 0; k <= degree; ++k) coefficients_[size_t(k * greatest_width + l)] = float(powers[size_t(k)]);
+  }
+}
+
+double SemicircleKernel::value(double x) const {
+  const double z = 2 * x / width, inside = 1 - z * z;
+  return inside <= 0 ? 0 : std::exp(beta * (std::sqrt(inside) - 1));
+}
+
+double SemicircleKernel::moment(int n, double xi) const {
+  // With x = (w/2)·sin θ the integrand is smooth, and small at the ends: the midpoint rule converges fast.
+  constexpr int points = 200;
+  double sum = 0;
+  for (int i = 0; i < points; ++i) {
+    const double theta = pi * ((i + 0.5) / points - 0.5), x = width / 2.0 * std::sin(theta);
+    const double wave = n % 2 == 0 ? std::cos(2 * pi * xi * x) : std::sin(2 * pi * xi * x);
+    sum += (n == 0 ? 1 : std::pow(x, n)) * std::exp(beta * (std::cos(theta) - 1)) * wave * std::cos(theta);
+  }
+  return sum * pi / points * width / 2;
+}
+
+double gridding_error(int width) {
+  const GriddingKernel kernel(width);
+  constexpr int outputs = 32, fractions = 16;
+  double error = 0;
+  for (int i = 0; i < outputs; ++i) {
+    const double xi = ((i + 0.5) / outputs - 0.5) / 2, scale = 1 / kernel.transform(xi);  // half of the FFT's outputs
+    for (int j = 0; j < fractions; ++j) {
+      const double t = (j + 0.5) / fractions;
+      std::complex<double> sum = 0;
+      for (int l = 0; l < width; ++l) {
+        const double x = t - width / 2.0 + l;
+        sum += kernel.value(x) * std::polar(1.0, 2 * pi * xi * x);
+      }
+      error += std::norm(sum * scale - 1.0);
+    }
+  }
+  return std::sqrt(error / (outputs * fractions));
+}
+
+}  // namespace holotrace

@@ -1,0 +1,145 @@
+// The factors of waves in a tile: one number for each of its columns and rows. Highway compiles them once for every
+// instruction set: include this inside a file that foreach_target.h repeats.
+
+#if defined(HOLOTRACE_TILE_FACTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef HOLOTRACE_TILE_FACTORS_INL_H
+#undef HOLOTRACE_TILE_FACTORS_INL_H
+#else
+#define HOLOTRACE_TILE_FACTORS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "holotrace/wave/shared/wave_lanes-inl.h"
+#include "holotrace/wave/tiles/tile_sum.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace holotrace {
+namespace HWY_NAMESPACE {
+
+using Floats = hn::ScalableTag<float>;
+using V = hn::Vec<Floats>;
+using Words = hn::RebindToUnsigned<Floats>;
+
+constexpr int planes = 3;   // a, b and a + b of a factor a + ib
+constexpr int batch = 128;  // waves whose factors are held at once: they stay in the caches between products
+
+// What the factors of a batch's waves in one tile need. The tile's centre lies at (x, y) from a wave's origin, at the
+// distance r₀.
+struct TileBatch {
+  int count = 0;
+  bool has_row_edges = false;  // a wave ends between two rows of the tile
+  alignas(64) double x[batch], y[batch], depth[batch], start[batch], amplitude[batch];
+  alignas(64) float twice_x[batch], twice_y[batch], inverse_r0_squared[batch],
+      r0_over_wavelength[batch], phase[batch], scale[batch], greatest_t[batch];
+  alignas(64) float first_row[batch], last_row[batch];
+  int first_column[batch], last_column[batch];
+};
+
+inline void add_wave(TileBatch& b, const PreparedWave& wave, double x_centre, double y_centre, const PixelBox& box,
+                     int rows) {
+  const int k = b.count++;
+  b.x[k] = x_centre - wave.x;
+  b.y[k] = y_centre - wave.y;
+  b.depth[k] = wave.depth;
+  b.start[k] = wave.start_cycles;
+  b.amplitude[k] = wave.amplitude;
+  b.first_column[k] = wave.box.x0 - box.x0;
+  b.last_column[k] = wave.box.x1 - box.x0;
+  b.first_row[k] = float(wave.box.y0 - box.y0);
+  b.last_row[k] = float(wave.box.y1 - box.y0);
+  if (wave.box.y0 > box.y0 || wave.box.y1 < box.y0 + rows) b.has_row_edges = true;
+}
+
+// Waves of amplitude 0 up to a whole number of vectors, or of pairs of vectors for packed products.
+inline void pad(TileBatch& b) {
+  for (int k = b.count; k % 32 != 0; ++k) {
+    b.x[k] = b.y[k] = b.start[k] = b.amplitude[k] = 0;
+    b.depth[k] = 1;
+    b.first_column[k] = b.last_column[k] = 0;
+    b.first_row[k] = b.last_row[k] = 0;
+  }
+}
+
+inline int padded(int count) { return (count + 31) / 32 * 32; }
+
+// Distances in double: r₀ is up to 10⁶ waves long. half_x, half_y: from the tile's centre to its edges.
+inline void prepare(TileBatch& b, double wavelength, double half_x, double half_y) {
+  const hn::ScalableTag<double> d;
+  const hn::Rebind<float, decltype(d)> df;
+  const auto one = hn::Set(d, 1.0), per_wavelength = hn::Set(d, 1 / wavelength);
+  for (int k = 0; k < padded(b.count); k += int(hn::Lanes(d))) {
+    const auto x = hn::Load(d, b.x + k), y = hn::Load(d, b.y + k), depth = hn::Load(d, b.depth + k);
+    const auto rho2 = hn::MulAdd(x, x, hn::Mul(y, y));
+    const auto r0 = hn::Sqrt(hn::MulAdd(depth, depth, rho2));
+    const auto inverse = hn::Div(one, r0);
+    const auto cycles = hn::MulAdd(hn::Div(rho2, hn::Add(r0, depth)), per_wavelength, hn::Load(d, b.start + k));
+    const auto inverse_squared = hn::Mul(inverse, inverse);
+    // The greatest |t| of either axis, see growth().
+    const auto t_x = hn::Mul(hn::Set(d, half_x), hn::MulAdd(hn::Set(d, 2.0), hn::Abs(x), hn::Set(d, half_x)));
+    const auto t_y = hn::Mul(hn::Set(d, half_y), hn::MulAdd(hn::Set(d, 2.0), hn::Abs(y), hn::Set(d, half_y)));
+    const auto store = [&](auto v, float* to) { hn::Store(hn::DemoteTo(df, v), df, to + k); };
+    store(hn::Add(x, x), b.twice_x);
+    store(hn::Add(y, y), b.twice_y);
+    store(inverse_squared, b.inverse_r0_squared);
+    store(hn::Mul(r0, per_wavelength), b.r0_over_wavelength);
+    store(hn::Sub(cycles, hn::Floor(cycles)), b.phase);
+    store(hn::Mul(hn::Mul(hn::Load(d, b.amplitude + k), depth), inverse), b.scale);
+    store(hn::Mul(hn::Max(t_x, t_y), inverse_squared), b.greatest_t);
+  }
+}
+
+// Pixels of a tile, from its centre.
+struct Offsets {
+  AlignedVector<float> u, v, index;  // [m], [m], pixels from the first; v falls as the row grows
+
+  Offsets(TileShape tile, double pitch) {
+    for (int i = 0; i < std::max(tile.columns, tile.rows); ++i) {
+      index.push_back(float(i));
+      u.push_back(float((i - (tile.columns - 1) / 2.0) * pitch));
+      v.push_back(float(((tile.rows - 1) / 2.0 - i) * pitch));
+    }
+  }
+};
+
+// Factors (r₀/r)·exp(2πi·Δr/λ) of one row, a lane for each wave.
+template <Series series>
+HWY_INLINE void row_factor(const TileBatch& b, int k, float v, float row, V& re, V& im) {
+  const Floats d;
+  const V vs = hn::Set(d, v);
+  const V t = hn::Mul(hn::Mul(vs, hn::Add(vs, hn::Load(d, b.twice_y + k))), hn::Load(d, b.inverse_r0_squared + k));
+  V beyond, modulus;
+  growth<series>(d, t, beyond, modulus);
+  cis_lanes(d, hn::Mul(beyond, hn::Load(d, b.r0_over_wavelength + k)), re, im);
+  if (b.has_row_edges) {
+    const V at = hn::Set(d, row);
+    const auto is_lit = hn::And(hn::Ge(at, hn::Load(d, b.first_row + k)), hn::Lt(at, hn::Load(d, b.last_row + k)));
+    modulus = hn::IfThenElseZero(is_lit, modulus);
+  }
+  re = hn::Mul(re, modulus);
+  im = hn::Mul(im, modulus);
+}
+
+// Factors a·(d₀/r)·exp(2πi(r₀ + Δr)/λ + iφ) of one wave, a lane for each column.
+template <Series series>
+HWY_INLINE void column_factor(const TileBatch& b, int k, V u, V index, bool has_edges, V& re, V& im) {
+  const Floats d;
+  const V t = hn::Mul(hn::Mul(u, hn::Add(u, hn::Set(d, b.twice_x[k]))), hn::Set(d, b.inverse_r0_squared[k]));
+  V beyond, modulus;
+  growth<series>(d, t, beyond, modulus);
+  cis_lanes(d, hn::MulAdd(beyond, hn::Set(d, b.r0_over_wavelength[k]), hn::Set(d, b.phase[k])), re, im);
+  modulus = hn::Mul(modulus, hn::Set(d, b.scale[k]));
+  if (has_edges) {
+    const auto is_lit = hn::And(hn::Ge(index, hn::Set(d, float(b.first_column[k]))),
+                                hn::Lt(index, hn::Set(d, float(b.last_column[k]))));
+    modulus = hn::IfThenElseZero(is_lit, modulus);
+  }
+  re = hn::Mul(re, modulus);
+  im = hn::Mul(im, modulus);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace holotrace
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,158 @@
+#include "holotrace/wave/triangles/triangle_error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "holotrace/base/random.h"
+#include "holotrace/data/acceptance.h"
+
+namespace holotrace {
+namespace {
+
+// From fast to accurate; 32 columns suit every vector width.
+constexpr std::array<TileShape, 6> shapes{{{64, 64}, {64, 32}, {32, 32}, {32, 16}, {32, 8}, {32, 4}}};
+
+// Single precision in the factors, the moments and the sum.
+constexpr double float_rounding = 1e-5;
+
+// A place where a part's light is compared; `weight` turns a value there into its share of a sum over all pixels.
+struct Draw {
+  const TrianglePart* part;
+  int column, row;
+  double weight;
+  std::complex<double> envelope;  // of the part cut finely
+};
+
+// The pixels about where a part's light goes, half of the first zero of its transform to each side, within its box.
+PixelBox lobe_of(const TrianglePart& part, const Grid& grid, double wavelength) {
+  double most = 0;
+  for (size_t j = 0; j < 3; ++j) most = std::max(most, length(part.offsets[j] - part.offsets[(j + 1) % 3]));
+  // The slope of the triangle's own phase is the direction of its light: along = e·offset.
+  const Vec3 a = part.offsets[1] - part.offsets[0], b = part.offsets[2] - part.offsets[0];
+  const double along_a = part.along[1] - part.along[0] - a.z, along_b = part.along[2] - part.along[0] - b.z;
+  const double turn = a.x * b.y - a.y * b.x, small = 1e-3 * most * most;
+  const double sx = std::abs(turn) > small ? (along_a * b.y - along_b * a.y) / turn : 0;
+  const double sy = std::abs(turn) > small ? (along_b * a.x - along_a * b.x) / turn : 0;
+  const double column = (part.centroid.x + sx * part.depth - grid.x(0)) / grid.pitch;
+  const double row = (grid.y(0) - part.centroid.y - sy * part.depth) / grid.pitch;
+  const double reach = wavelength * part.depth / most / grid.pitch + 1;
+  const auto clamp = [](double v, int low, int high) { return int(std::clamp(v, double(low), double(high))); };
+  const PixelBox& box = part.box;
+  const PixelBox lobe{clamp(column - reach, box.x0, box.x1), clamp(column + reach, box.x0, box.x1),
+                      clamp(row - reach, box.y0, box.y1), clamp(row + reach, box.y0, box.y1)};
+  return lobe.is_empty() ? box : lobe;
+}
+
+std::vector<Draw> draw_places(const std::vector<TrianglePart>& parts, const Grid& grid, double wavelength) {
+  constexpr int draws = 2048;
+  std::vector<double> sums;  // parts are drawn by their power
+  double sum = 0;
+  const auto power_of = [](const TrianglePart& part) {
+    double squares = 0;
+    for (const double w : part.weights) squares += w * w;
+    const double area = length(cross(part.offsets[1] - part.offsets[0], part.offsets[2] - part.offsets[0]));
+    return squares / std::max(area, std::numeric_limits<double>::min());
+  };
+  for (const TrianglePart& part : parts) sums.push_back(sum += power_of(part));
+  CounterRandom random(0, 0, 0);
+  std::vector<Draw> places;
+  if (!(sum > 0)) return places;
+  for (int s = 0; s < draws; ++s) {
+    const double u = (s / 2 + random.uniform()) / (draws / 2) * sum;
+    const size_t index =
+        std::min(size_t(std::upper_bound(sums.begin(), sums.end(), u) - sums.begin()), parts.size() - 1);
+    const TrianglePart& part = parts[index];
+    const PixelBox lobe = lobe_of(part, grid, wavelength), &from = s % 2 == 0 ? part.box : lobe;
+    const int column = from.x0 + int(random.uniform() * (from.x1 - from.x0));
+    const int row = from.y0 + int(random.uniform() * (from.y1 - from.y0));
+    const bool in_lobe = column >= lobe.x0 && column < lobe.x1 && row >= lobe.y0 && row < lobe.y1;
+    const double density = draws / 2 * (power_of(part) / sum) *
+                           (1 / double(part.box.pixels()) + (in_lobe ? 1 / double(lobe.pixels()) : 0));
+    places.push_back(
+        {&part, column, row, 1 / density, fine_envelope_at(part, grid.x(column), grid.y(row), wavelength, 4)});
+  }
+  return places;
+}
+
+// What one shape of tile does at one place: the energies of its error and of its rows' coefficients there.
+struct Outcome {
+  double error;
+  std::array<double, envelope_nodes> rows;
+};
+
+Outcome outcome_of(const Draw& draw, const Grid& grid, double wavelength, TileShape tile) {
+  const TrianglePart& part = *draw.part;
+  const double xc = grid.x(draw.column - draw.column % tile.columns + (tile.columns - 1) / 2.0);
+  const double yc = grid.y(draw.row - draw.row % tile.rows + (tile.rows - 1) / 2.0);
+  const double half_x = tile.columns * grid.pitch / 2, half_y = tile.rows * grid.pitch / 2;
+  const PartInTile p = part_in_tile(part, xc, yc, half_x, half_y, wavelength);
+  if (p.gap_change > most_phase_change) return {std::numeric_limits<double>::infinity(), {}};
+  EnvelopeCoefficients c;
+  expand_envelope(p, half_x, half_y, c);
+  const double u = (grid.x(draw.column) - xc) / half_x, v = (grid.y(draw.row) - yc) / half_y;
+  const double tu[] = {1, u, 2 * u * u - 1, (4 * u * u - 3) * u}, tv[] = {1, v, 2 * v * v - 1, (4 * v * v - 3) * v};
+  std::complex<double> envelope = 0;
+  const double x0 = xc - part.centroid.x, y0 = yc - part.centroid.y, d2 = part.depth * part.depth;
+  const double x = grid.x(draw.column) - part.centroid.x, y = grid.y(draw.row) - part.centroid.y;
+  const double r = std::sqrt(x * x + y * y + d2), r0 = std::sqrt(x0 * x0 + y0 * y0 + d2);
+  Outcome outcome{};
+  for (int l = 0; l < envelope_nodes; ++l)
+    for (int k = 0; k < envelope_nodes; ++k) {
+      envelope += c[l][k] * tu[k] * tv[l];
+      outcome.rows[size_t(l)] += std::norm(c[l][k]) / (r0 * r0);
+    }
+  const double along_column = std::sqrt(x * x + y0 * y0 + d2), along_row = std::sqrt(x0 * x0 + y * y + d2);
+  const double phase = 2 * pi / wavelength * ((r - along_column) - (along_row - r0));
+  const std::complex<double> split = std::polar(r * r0 / (along_column * along_row), -phase);
+  outcome.error = std::norm(split * envelope - draw.envelope) / (r * r);
+  return outcome;
+}
+
+}  // namespace
+
+TriangleChoice choose_triangle_tile(const std::vector<TrianglePart>& parts, const Grid& grid, double wavelength,
+                                    double tolerance, double coherence) {
+  const std::vector<Draw> draws = draw_places(parts, grid, wavelength);
+  TriangleChoice choice{shapes.back(), 0, 0, 0, true};
+  for (const Draw& d : draws) {
+    const double x = grid.x(d.column) - d.part->centroid.x, y = grid.y(d.row) - d.part->centroid.y;
+    choice.energy += d.weight * std::norm(d.envelope) / (x * x + y * y + d.part->depth * d.part->depth);
+  }
+  if (!(choice.energy > 0)) return choice;
+  const double tangent = acceptance_tangent(wavelength, grid.pitch);
+  double widest = 0;  // change of phase between corners [rad/m]
+  for (const TrianglePart& part : parts)
+    for (size_t j = 0; j < 3; ++j)
+      widest = std::max(widest, 2 * pi / wavelength / part.depth *
+                                    length_across(part.offsets[j] - part.offsets[(j + 1) % 3], tangent));
+  for (const TileShape tile : shapes) {
+    if (widest * std::hypot(tile.columns, tile.rows) * grid.pitch / 2 > most_phase_change) continue;
+    double error = 0;
+    std::vector<std::pair<double, double>> rows;  // squared size, share of all pixels
+    for (const Draw& d : draws) {
+      const Outcome outcome = outcome_of(d, grid, wavelength, tile);
+      error += d.weight * outcome.error;
+      for (const double squares : outcome.rows) rows.emplace_back(squares, d.weight);
+    }
+    std::sort(rows.begin(), rows.end());
+    const double allowed = tolerance * tolerance * coherence * choice.energy / 4 / 1.5625;
+    double dropped = 0, faint = 0;
+    for (const auto& [squares, weight] : rows) {
+      if (dropped + squares * weight > allowed) break;
+      dropped += squares * weight;
+      faint = squares;
+    }
+    choice.tile = tile;
+    choice.faint = std::sqrt(faint);
+    choice.error = (std::sqrt((error + dropped) / choice.energy) + float_rounding) / std::sqrt(coherence);
+    choice.meets_tolerance = 1.25 * choice.error <= tolerance;
+    if (choice.meets_tolerance) return choice;
+  }
+  choice.meets_tolerance = false;
+  if (choice.error == 0) choice.error = 1;  // parts so large that no tile holds their phases
+  return choice;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+using test::make_file;
+using test::temporary;
+
+// Every level, row after row.
+Hologram all_levels(int levels, Modulation modulation) {
+  Hologram hologram;
+  const int nx = levels <= 256 ? levels : 256, ny = (levels + nx - 1) / nx;
+  hologram.grid = {nx, ny, 8e-6};
+  hologram.level = Array2D<uint16_t>(ny, nx);
+  for (size_t i = 0; i < hologram.level.size(); ++i) hologram.level.values[i] = uint16_t(i % size_t(levels));
+  hologram.levels = levels;
+  hologram.modulation = modulation;
+  hologram.wavelength = 632.8e-9;
+  hologram.image = ImageSide::real_image;
+  hologram.encoder = "off-axis";
+  hologram.filter = SpectralFilter{31250, 0, 15625, 62500};
+  return hologram;
+}
+
+TEST(HologramFile, EveryLevelComesBackAsSaved) {
+  for (Modulation modulation : {Modulation::phase, Modulation::amplitude})
+    for (int levels : {2, 3, 200, 255, 256, 257, 1000, 65536}) {
+      const std::string path = temporary("h.png");
+      const Hologram hologram = all_levels(levels, modulation);
+      save_hologram(path, hologram);
+      const Hologram loaded = load_hologram(path);
+      EXPECT_EQ(loaded.level.values, hologram.level.values) << levels;
+      EXPECT_EQ(loaded.grid, hologram.grid);
+      EXPECT_EQ(loaded.levels, levels);
+      EXPECT_EQ(loaded.modulation, modulation);
+      EXPECT_EQ(loaded.wavelength, hologram.wavelength);
+      EXPECT_EQ(loaded.image, hologram.image);
+      EXPECT_EQ(loaded.encoder, hologram.encoder);
+      EXPECT_EQ(loaded.filter, hologram.filter);
+    }
+}
+
+TEST(HologramFile, IlluminationNameAndFrameComeBackAsSaved) {
+  const std::string path = temporary("h.png");
+  Hologram hologram = all_levels(16, Modulation::phase);
+  hologram.illumination = 0.1 + 0.2;
+  hologram.name = "ES*L";
+  hologram.frame = 12;
+  save_hologram(path, hologram);
+  const Hologram loaded = load_hologram(path);
+  EXPECT_EQ(loaded.illumination, hologram.illumination);
+  EXPECT_EQ(loaded.name, "ES*L");
+  EXPECT_EQ(loaded.frame, 12u);
+  // Files from before, and bare ones, are alike in brightness.
+  std::filesystem::remove(sidecar_path(path));
+  EXPECT_EQ(load_hologram(path).illumination, 1);
+}
+
+// Grey g shows 2πg/256: level 1 of 2 is half a turn, grey 128. Amplitude level 1 of 2 is all, grey 255.
+TEST(HologramFile, GreysAreRawAndMeanTheSameForAnyLevels) {
+  const auto greys = [](Modulation modulation, int levels) {
+    const std::string path = temporary("h.png");
+    save_hologram(path, all_levels(levels, modulation));
+    std::filesystem::remove(sidecar_path(path));
+    return load_hologram(path);
+  };
+  EXPECT_EQ(greys(Modulation::phase, 2).level(0, 1), 128);
+  EXPECT_EQ(greys(Modulation::phase, 3).level(0, 2), 171);  // round(2·256/3)
+  EXPECT_EQ(greys(Modulation::amplitude, 2).level(0, 1), 255);
+  EXPECT_EQ(greys(Modulation::phase, 1024).level(0, 1), 64);  // of 65536
+}
+
+TEST(HologramFile, WithoutASidecarTheCallerSaysTheRest) {
+  const std::string path = temporary("h.png");
+  save_hologram(path, all_levels(256, Modulation::amplitude));
+  std::filesystem::remove(sidecar_path(path));
+  const Hologram loaded = load_hologram(path);
+  EXPECT_EQ(loaded.levels, 256);
+  EXPECT_EQ(loaded.modulation, Modulation::phase);
+  EXPECT_EQ(loaded.grid, (Grid{256, 1, 0}));
+  EXPECT_EQ(loaded.wavelength, 0);
+  save_hologram(path, all_levels(1024, Modulation::phase));
+  std::filesystem::remove(sidecar_path(path));
+  EXPECT_EQ(load_hologram(path).levels, 65536);
+}
+
+TEST(HologramFile, GreysThatAreNoLevelAreRefused) {
+  const std::string path = temporary("h.png");
+  save_hologram(path, all_levels(256, Modulation::phase));
+  const std::string sidecar = sidecar_path(path);
+  write_text(sidecar, R"({"pitch_m": 8e-6, "wavelength_m": 532e-9, "levels": 2})");
+  EXPECT_EQ(error_of([&] { load_hologram(path); }),
+            path + ": expected the greys of 2 levels, got 1 at row 0, column 1; correct \"levels\" in " + sidecar +
+                " or write the hologram again, without scaling or compression loss");
+}
+
+TEST(HologramFile, WhatIsNoHologramIsRefused) {
+  const std::string text = make_file("h.png", "only text");
+  EXPECT_EQ(error_of([&] { load_hologram(text); }),
+            text + ": expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG");
+  const std::string coloured = temporary("c.png");
+  Image image(1, 2, 3);
+  image.values = {0, 0, 0, 1, 0, 0};
+  save_image(coloured, image, 1, 8);
+  EXPECT_EQ(error_of([&] { load_hologram(coloured); }),
+            coloured + ": expected a grey hologram, got a coloured pixel at row 0, column 1");
+  EXPECT_EQ(error_of([] { save_hologram("h.jpg", all_levels(2, Modulation::phase)); }),
+            "expected a hologram file .png, got h.jpg; change its extension");
+  Hologram wrong = all_levels(2, Modulation::phase);
+  wrong.level(0, 0) = 2;
+  EXPECT_EQ(error_of([&] { save_hologram("h.png", wrong); }),
+            "expected levels below 2 in the hologram to save as h.png, got 2");
+}
+
+}  // namespace
+}  // namespace holotrace

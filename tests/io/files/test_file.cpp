@@ -1,0 +1,85 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "holotrace/io/files/file.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+namespace fs = std::filesystem;
+using test::error_of;
+using test::temporary;
+
+size_t files_in(const fs::path& folder) {
+  return size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST(File, TextComesBackAsWritten) {
+  const std::string path = temporary("text.txt"), text("one\r\ntwo\0three", 14);
+  write_text(path, text);
+  EXPECT_EQ(read_text(path), text);
+}
+
+TEST(File, AWriteThatFailsLeavesTheOldFileAndNothingElse) {
+  const std::string path = temporary("data.bin");
+  write_text(path, "old");
+  const size_t before = files_in(fs::path(path).parent_path());
+  std::string temporary_name;
+  const std::string error = error_of([&] {
+    write_atomically(path, [&](const std::string& name) {
+      temporary_name = name;
+      write_bytes(name, "half", 4);
+      fail("expected to write {}, got a power cut", name);
+    });
+  });
+  EXPECT_EQ(error, "expected to write " + path + ", got a power cut");  // the name that the user knows
+  EXPECT_EQ(read_text(path), "old");
+  EXPECT_EQ(files_in(fs::path(path).parent_path()), before);
+  EXPECT_EQ(fs::path(temporary_name).extension(), ".bin");
+  EXPECT_EQ(fs::path(temporary_name).parent_path(), fs::path(path).parent_path());
+}
+
+TEST(File, UnwritablePathsAreNamed) {
+  const std::string folder = temporary("folder");
+  fs::create_directory(folder);
+  EXPECT_EQ(error_of([&] { write_text(folder, ""); }),
+            "expected a file to write at " + folder + ", got a folder; add a file name");
+  EXPECT_EQ(error_of([&] { write_text(folder + "/none/x.txt", ""); }),
+            "expected the folder " + folder + "/none to write " + folder +
+                "/none/x.txt into, but it does not exist; make it first");
+}
+
+TEST(File, AFolderWithoutPermissionIsNamed) {
+  if (geteuid() == 0) GTEST_SKIP() << "the superuser may write everywhere";
+  const std::string folder = temporary("locked");
+  fs::create_directory(folder);
+  fs::permissions(folder, fs::perms::owner_read | fs::perms::owner_exec);
+  EXPECT_EQ(error_of([&] { write_text(folder + "/x.txt", ""); }),
+            "expected to write " + folder +
+                "/x.txt, got \"Permission denied\"; choose a path in a folder with room where you may write");
+  fs::permissions(folder, fs::perms::owner_all);
+}
+
+TEST(File, AFullDiskIsNamed) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
+  EXPECT_EQ(error_of([] { write_bytes("/dev/full", "x", 1); }),
+            "expected to write /dev/full, got \"No space left on device\"; choose a path in a folder with room where "
+            "you may write");
+}
+
+TEST(File, MissingFilesAndFoldersAreNamed) {
+  const std::string path = temporary("none.txt");
+  EXPECT_EQ(error_of([&] { read_text(path); }),
+            "expected a file at " + path + ", but there is no such file; check the path");
+  const std::string folder = fs::path(path).parent_path();
+  EXPECT_EQ(error_of([&] { read_text(folder); }), "expected a file at " + folder + ", got a folder; name a file in it");
+}
+
+TEST(File, ASidecarReplacesTheExtension) {
+  EXPECT_EQ(sidecar_path("out/f.npy"), "out/f.json");
+  EXPECT_EQ(extension_of("out/F.NPY"), ".npy");
+}
+
+}  // namespace
+}  // namespace holotrace

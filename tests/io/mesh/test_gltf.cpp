@@ -1,0 +1,285 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/base/units.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/mesh/gltf_materials.h"
+#include "holotrace/io/mesh/mesh_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "support/gltf.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+using test::GltfTriangle;
+using test::make_file;
+
+LoadedModel load(const GltfTriangle& triangle) { return load_meshes(make_file("m.gltf", triangle.text())); }
+
+// The material of a triangle whose file has these materials, the first of which it names.
+Material material(const std::string& json, LoadedModel* whole = nullptr) {
+  GltfTriangle triangle;
+  triangle.materials = json;
+  LoadedModel model = load(triangle);
+  if (whole) *whole = model;
+  return model.materials[size_t(model.meshes[0].material)];
+}
+
+const MetallicRoughnessMaterial& metallic_roughness(const Material& material) {
+  return std::get<MetallicRoughnessMaterial>(material.surface);
+}
+
+Vec3 face_normal(const Mesh& mesh) {
+  const auto [a, b, c] = mesh.triangles[0];
+  return normalize(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+}
+
+// A picture of one colour, 188 in red, 128 in green, 0 in blue, as a PNG's bytes.
+std::string small_png() {
+  Image image(1, 1, 3);
+  image.values = {float(srgb_decode(188 / 255.)), float(srgb_decode(128 / 255.)), 0};
+  const std::string path = test::temporary("small.png");
+  save_image(path, image, 1, 8);
+  return read_text(path);
+}
+
+TEST(Gltf, AMaterialHasTheFactorsOfItsFileAndTheDefaultsOfTheStandard) {
+  const Material plain = material("[{}]");
+  EXPECT_EQ(metallic_roughness(plain).base_color, (Vec3{1, 1, 1}));
+  EXPECT_EQ(metallic_roughness(plain).metallic, 1);
+  EXPECT_EQ(metallic_roughness(plain).roughness, 1);
+  EXPECT_EQ(plain.emission, (Vec3{0, 0, 0}));
+  EXPECT_TRUE(plain.two_sided);
+  const Material full = material(R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 1],
+    "metallicFactor": 0.125, "roughnessFactor": 0.75}, "emissiveFactor": [1, 0.5, 0], "doubleSided": false,
+    "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}}])");
+  EXPECT_EQ(metallic_roughness(full).base_color, (Vec3{0.5, 0.25, 1}));
+  EXPECT_EQ(metallic_roughness(full).metallic, 0.125);
+  EXPECT_EQ(metallic_roughness(full).roughness, 0.75);
+  EXPECT_EQ(full.emission, (Vec3{4, 2, 0}));
+  EXPECT_TRUE(full.two_sided);  // the back is not left out
+}
+
+// Primitives name materials in any order, and need not name one.
+TEST(Gltf, EachPrimitiveHasTheMaterialThatItNames) {
+  GltfTriangle triangle;
+  triangle.primitives = R"([{"attributes": {"POSITION": 0}, "indices": 4, "material": 2},
+    {"attributes": {"POSITION": 0}, "indices": 4}, {"attributes": {"POSITION": 0}, "indices": 4, "material": 0}])";
+  triangle.materials = R"([{"name": "same", "pbrMetallicRoughness": {"roughnessFactor": 0}}, {"name": "same"},
+    {"name": "same", "pbrMetallicRoughness": {"roughnessFactor": 0.25}}])";
+  const LoadedModel model = load(triangle);
+  ASSERT_EQ(model.meshes.size(), 3u);
+  const auto roughness = [&](size_t mesh) {
+    return metallic_roughness(model.materials[size_t(model.meshes[mesh].material)]).roughness;
+  };
+  EXPECT_EQ(roughness(0), 0.25);
+  EXPECT_EQ(roughness(1), 1);  // the standard's
+  EXPECT_EQ(roughness(2), 0);
+}
+
+const std::string textured = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+  "metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 0, "scale": 0.5},
+  "emissiveTexture": {"index": 0}, "emissiveFactor": [1, 1, 1]}])";
+
+// Colours are decoded from sRGB; the numbers of normal maps and of metal and roughness are not.
+void expect_textures(const Material& material) {
+  const MetallicRoughnessMaterial& surface = metallic_roughness(material);
+  for (const auto& colour : {surface.base_texture, material.emission_texture}) {
+    ASSERT_TRUE(colour);
+    EXPECT_EQ(colour->values, (std::vector<float>{float(srgb_decode(188 / 255.)), float(srgb_decode(128 / 255.)), 0}));
+  }
+  for (const auto& data : {surface.metallic_texture, material.normal_map}) {
+    ASSERT_TRUE(data);
+    EXPECT_EQ(data->values, (std::vector<float>{188 / 255.f, 128 / 255.f, 0}));
+  }
+  EXPECT_EQ(surface.metallic_texture, material.normal_map);  // read once
+  EXPECT_EQ(material.normal_scale, 0.5);
+}
+
+TEST(Gltf, TexturesBesideTheFileInItsTextAndInAGlbAreTheSame) {
+  const std::string png = small_png();
+  GltfTriangle triangle;
+  triangle.materials = textured;
+  const auto with = [&](const std::string& image) {
+    triangle.more = R"("textures": [{"source": 0}], "images": [{)" + image + "}], ";
+  };
+  with(R"("uri": "small%2Epng")");
+  expect_textures(load(triangle).materials[0]);
+  with(R"("uri": "data:image/png;base64,)" + test::base64(png) + "\"");
+  expect_textures(load(triangle).materials[0]);
+  with(R"("mimeType": "image/png", "bufferView": 5)");
+  const LoadedModel model = load_meshes(make_file("m.glb", triangle.glb(png)));
+  expect_textures(model.materials[0]);
+  EXPECT_EQ(model.meshes[0].positions.size(), 3u);
+  EXPECT_TRUE(model.warnings.empty());
+}
+
+TEST(Gltf, AMissingTextureIsNamedOnce) {
+  GltfTriangle triangle;
+  triangle.materials = textured;
+  triangle.more = R"("textures": [{"source": 0}], "images": [{"uri": "none.png"}], )";
+  const LoadedModel model = load(triangle);
+  EXPECT_FALSE(metallic_roughness(model.materials[0]).base_texture);
+  ASSERT_EQ(model.warnings.size(), 1u);
+  EXPECT_NE(model.warnings[0].find("none.png is missing, the plain colour is shown"), std::string::npos);
+}
+
+// Texture coordinates with v up: 1 − v of the file's.
+TEST(Gltf, TheFirstTextureSaysAtWhichCoordinatesAllAreRead) {
+  small_png();
+  GltfTriangle triangle;
+  triangle.primitives =
+      R"([{"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 2}, "indices": 4, "material": 0}])";
+  triangle.more = R"("textures": [{"source": 0}], "images": [{"uri": "small.png"}], )";
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])";
+  EXPECT_EQ(load(triangle).meshes[0].texture_coordinates, (std::vector<Vec2>{{0.25, 1}, {1, 1}, {0.25, 0.25}}));
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}}])";
+  EXPECT_EQ(load(triangle).meshes[0].texture_coordinates, (std::vector<Vec2>{{0.5, 0.5}, {1, 1}, {0, 0}}));
+  // (u, v) → (2u + 0.5, v) of the file's.
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
+    {"KHR_texture_transform": {"scale": [2, 1], "offset": [0.5, 0]}}}}, "normalTexture": {"index": 0}}])";
+  const LoadedModel model = load(triangle);
+  EXPECT_EQ(model.meshes[0].texture_coordinates, (std::vector<Vec2>{{1, 1}, {2.5, 1}, {1, 0.25}}));
+  ASSERT_EQ(model.warnings.size(), 1u);  // of the normal map
+  EXPECT_NE(model.warnings[0].find("different coordinates, all are shown at those of the first"), std::string::npos);
+  // Counter-clockwise as seen, v being down: u turns to −v.
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
+    {"KHR_texture_transform": {"rotation": 1.5707963267948966}}}}}])";
+  const Vec2 turned = load(triangle).meshes[0].texture_coordinates[1];  // (1, 0), v down
+  EXPECT_NEAR(turned.x, 0, 1e-15);
+  EXPECT_NEAR(turned.y, 1 + 1, 1e-15);
+}
+
+TEST(Gltf, ATextureThatDoesNotRepeatIsNamedWhereItMatters) {
+  small_png();
+  GltfTriangle triangle;
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])";
+  triangle.more = R"("textures": [{"source": 0, "sampler": 0}], "samplers": [{"wrapS": 33071}],
+    "images": [{"uri": "small.png"}], )";
+  EXPECT_TRUE(load(triangle).warnings.empty());  // inside [0, 1] it is the same
+  triangle.set_0[0] = 1.5f;
+  const LoadedModel model = load(triangle);
+  ASSERT_EQ(model.warnings.size(), 1u);
+  EXPECT_NE(model.warnings[0].find("ends or is mirrored at its border, it is repeated"), std::string::npos);
+}
+
+TEST(Gltf, VertexColoursAreLinear) {
+  GltfTriangle triangle;
+  triangle.primitives = R"([{"attributes": {"POSITION": 0, "COLOR_0": 3}, "indices": 4, "material": 0}])";
+  const Mesh mesh = load(triangle).meshes[0];
+  ASSERT_EQ(mesh.colours.size(), 3u);
+  EXPECT_EQ(mesh.colours[0], (Vec3{1, 0, 0}));
+  EXPECT_EQ(mesh.colours[1], (Vec3{0, 1, 0}));
+  EXPECT_FLOAT_EQ(float(mesh.colours[2].z), 188 / 255.f);
+  EXPECT_TRUE(mesh.normals.empty());  // flat, as the standard asks of models without
+}
+
+// The triangle is counter-clockwise about +z. A mirror in x leaves it facing +z, with its corners in another order.
+TEST(Gltf, AMirroringNodeKeepsTheFrontInFront) {
+  GltfTriangle triangle;
+  triangle.nodes = R"([{"children": [1], "translation": [0, 0, 5]}, {"mesh": 0, "scale": [-2, 1, 1]}])";
+  const Mesh mesh = load(triangle).meshes[0];
+  double least = 0;
+  for (Vec3 p : mesh.positions) {
+    least = std::fmin(least, p.x);
+    EXPECT_EQ(p.z, 5);
+  }
+  EXPECT_EQ(least, -2);
+  EXPECT_NEAR(face_normal(mesh).z, 1, 1e-15);
+  triangle.nodes = R"([{"mesh": 0, "scale": [-2, -1, 1]}])";  // half a turn, no mirror
+  EXPECT_NEAR(face_normal(load(triangle).meshes[0]).z, 1, 1e-15);
+}
+
+TEST(Gltf, WhatLetsAllLightThroughIsGlass) {
+  LoadedModel model;
+  const Material pane = material(R"([{"pbrMetallicRoughness": {"roughnessFactor": 0.25}, "extensions":
+    {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.25}}}])",
+                                 &model);
+  EXPECT_TRUE(model.warnings.empty());
+  const auto& glass = std::get<DielectricMaterial>(pane.surface);
+  EXPECT_EQ(index_at(glass.index, 532e-9), std::complex<double>(1.25));
+  EXPECT_EQ(glass.roughness, 0.25);
+  EXPECT_TRUE(glass.is_thin);  // without a volume
+  const Material solid = material(R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1},
+    "KHR_materials_volume": {"thicknessFactor": 0.5}}}])");
+  EXPECT_FALSE(std::get<DielectricMaterial>(solid.surface).is_thin);
+  EXPECT_EQ(index_at(std::get<DielectricMaterial>(solid.surface).index, 532e-9), std::complex<double>(1.5));
+  const Material partly =
+      material(R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.5}}}])", &model);
+  EXPECT_TRUE(std::holds_alternative<MetallicRoughnessMaterial>(partly.surface));
+  ASSERT_EQ(model.warnings.size(), 1u);
+  EXPECT_NE(model.warnings[0].find("partly see-through, it is shown opaque"), std::string::npos);
+}
+
+TEST(Gltf, AnUnlitSurfaceShinesInItsColour) {
+  const Material unlit = material(
+      R"([{"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0, 1]}, "extensions": {"KHR_materials_unlit": {}}}])");
+  EXPECT_EQ(unlit.emission, (Vec3{1, 0.5, 0}));
+  EXPECT_EQ(std::get<DiffuseMaterial>(unlit.surface).reflectance, (Vec3{0, 0, 0}));
+}
+
+TEST(Gltf, WhatIsNotShownIsNamedOnce) {
+  GltfTriangle triangle;
+  triangle.materials = R"([{"name": "a", "alphaMode": "MASK", "extensions": {"KHR_materials_clearcoat": {}}},
+    {"name": "b", "alphaMode": "MASK", "extensions": {"KHR_materials_clearcoat": {}}},
+    {"name": "c", "alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}}])";
+  triangle.more = R"("extensionsUsed": ["KHR_lights_punctual", "KHR_materials_clearcoat", "EXT_mesh_gpu_instancing"],
+    "animations": [{"channels": [], "samplers": []}], "cameras": [{"type": "perspective"}], "skins": [{"joints": [0]}], )";
+  const LoadedModel model = load(triangle);
+  std::vector<std::string> expected{"material \"a\" is cut out by the alpha of its texture, it is shown whole",
+                                    "material \"a\" has the extension KHR_materials_clearcoat, which is not shown",
+                                    "material \"c\" is see-through, it is shown opaque",
+                                    "the animations are not shown, the model is at rest",
+                                    "the cameras are not used",
+                                    "the model has bones, it is shown at rest",
+                                    "the lights are not used; place them in the scene",
+                                    "the extension EXT_mesh_gpu_instancing is not used"};
+  const std::string path = test::temporary("m.gltf");
+  for (std::string& sentence : expected) sentence = path + ": " + sentence;
+  EXPECT_EQ(model.warnings, expected);
+}
+
+TEST(Gltf, AModelThatNeedsAnExtensionIsRefused) {
+  GltfTriangle triangle;
+  triangle.more = R"("extensionsRequired": ["KHR_draco_mesh_compression"], )";
+  const std::string path = make_file("m.gltf", triangle.text());
+  EXPECT_EQ(error_of([&] { load_meshes(path); }),
+            path +
+                ": expected a glTF model that can be read without extensions, but it needs "
+                "KHR_draco_mesh_compression; export it without compression");
+}
+
+TEST(Gltf, OtherVersionsAndDamageAreRefused) {
+  const std::string old = make_file("m.gltf", R"({"asset": {"version": "1.0"}})");
+  EXPECT_EQ(error_of([&] { load_meshes(old); }),
+            old + ": expected a glTF model of version 2, got version 1.0; export it again as glTF 2.0");
+  const GltfTriangle triangle;
+  const std::string whole = triangle.glb("");
+  for (const size_t length : {size_t(0), size_t(3), size_t(11), size_t(40), whole.size() / 2, whole.size() - 1}) {
+    const std::string path = make_file("m.glb", whole.substr(0, length));
+    const std::string error = error_of([&] { load_meshes(path); });
+    EXPECT_TRUE(error.starts_with(path + ":")) << length << error;
+  }
+  GltfTriangle wrong;
+  for (const char* nodes : {R"([{"children": [0]}])", R"([{"children": [1]}, {"children": [0]}])",
+                            R"([{"children": [7]}])", R"([{"children": [1, 1]}, {"mesh": 0}])"}) {
+    wrong.nodes = nodes;
+    const std::string path = make_file("m.gltf", wrong.text());
+    const std::string error = error_of([&] { load_meshes(path); });
+    EXPECT_TRUE(error.starts_with(path + ": expected ")) << nodes << error;
+  }
+  wrong.nodes = GltfTriangle().nodes;
+  for (const char* materials : {"3", "[3]", R"([{"pbrMetallicRoughness": {"baseColorFactor": "red"}}])",
+                                R"([{"normalTexture": {"index": 7}}])", R"([{"emissiveFactor": [1]}])"}) {
+    wrong.materials = materials;
+    const std::string path = make_file("m.gltf", wrong.text());
+    const std::string error = error_of([&] { load_meshes(path); });
+    EXPECT_TRUE(error.starts_with(path + ":")) << materials << error;
+  }
+}
+
+}  // namespace
+}  // namespace holotrace

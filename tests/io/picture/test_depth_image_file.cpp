@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+
+#include "holotrace/io/picture/depth_image_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+using test::temporary;
+
+std::string picture_file(const std::string& name, int ny, int nx, int channels, float value = 0.5F) {
+  Image image(ny, nx, channels);
+  for (float& v : image.values) v = value;
+  const std::string path = temporary(name);
+  save_image(path, image, 1, 8);
+  return path;
+}
+
+// Codes of the depth file as numbers in [0, 1], whatever curve the picture's have: brighter is nearer.
+std::string depth_file(const std::string& name, int bits, int channels = 1) {
+  Image image(2, 3, channels);
+  for (int c = 0; c < channels; ++c) {
+    image(0, 0, c) = 0;
+    image(0, 1, c) = 1;
+    image(1, 2, c) = float(srgb_decode(0.2));  // the code 51 of 255, 13107 of 65535
+  }
+  const std::string path = temporary(name);
+  save_image(path, image, 1, bits);
+  return path;
+}
+
+TEST(DepthImageFile, BrighterIsNearerEvenlyInMetres) {
+  const std::string picture = picture_file("p.png", 2, 3, 3);
+  for (const int bits : {8, 16})
+    for (const int channels : {1, 3}) {
+      const DepthImage image = load_depth_image(picture, depth_file("d.png", bits, channels), 0.1, 0.2);
+      EXPECT_EQ(image.picture.channels, 3);
+      EXPECT_FLOAT_EQ(image.depth(0, 0), 0.2F);
+      EXPECT_FLOAT_EQ(image.depth(0, 1), 0.1F);
+      EXPECT_FLOAT_EQ(image.depth(1, 2), 0.2F - 0.2F * 0.1F);
+    }
+}
+
+TEST(DepthImageFile, AnExrHasMetres) {
+  Image metres(2, 3, 1);
+  metres(1, 1) = 0.25F;
+  const std::string path = temporary("d.exr");
+  save_image(path, metres, 1, 8);
+  const DepthImage image = load_depth_image(picture_file("p.png", 2, 3, 1), path, 0, 0);
+  EXPECT_EQ(image.depth(1, 1), 0.25F);
+  EXPECT_EQ(image.depth(0, 0), 0);
+}
+
+TEST(DepthImageFile, ErrorsNameTheFileAndSayWhatToDo) {
+  const std::string picture = picture_file("p.png", 2, 3, 3), depth = depth_file("d.png", 8);
+  const auto error = [&](const std::string& p, const std::string& d, double near, double far) {
+    return error_of([&] { load_depth_image(p, d, near, far); });
+  };
+  const std::string range = depth + ": expected 0 m < near < far, the depths of its white and black, got near ";
+  EXPECT_EQ(error(picture, depth, 0, 0), range + "0 m and far 0 m; give --near and --far");
+  EXPECT_EQ(error(picture, depth, 0.2, 0.1), range + "200 mm and far 100 mm; give --near and --far");
+  EXPECT_EQ(error(picture, depth, -0.1, 0.1), range + "-100 mm and far 100 mm; give --near and --far");
+  const std::string small = picture_file("s.png", 2, 2, 1);
+  EXPECT_EQ(error(picture, small, 0.1, 0.2), small + ": expected depths for 3 × 2 pixels, as " + picture +
+                                                 " has, got 2 × 2; make both pictures one size");
+  EXPECT_EQ(error(picture, "none.png", 0.1, 0.2),
+            "expected an image at none.png, but there is no such file; check the path");
+  Image coloured(2, 3, 3);
+  coloured(1, 2, 1) = 1;
+  const std::string colours = temporary("c.png");
+  save_image(colours, coloured, 1, 8);
+  EXPECT_EQ(
+      error(picture, colours, 0.1, 0.2),
+      colours + ": expected a grey picture of depths, got a colour at row 1, column 2; is it the picture itself?");
+  const std::string metres = temporary("d.exr");
+  save_image(metres, Image(2, 3, 1), 1, 8);
+  EXPECT_EQ(error(picture, metres, 0.1, 0.2),
+            metres + ": expected no near and far with a depth EXR, which has metres, got 100 mm and 200 mm");
+  EXPECT_EQ(error(picture, metres, 0, 0),
+            picture + " with " + metres + ": expected a pixel with a depth above 0 m, got none");
+}
+
+}  // namespace
+}  // namespace holotrace

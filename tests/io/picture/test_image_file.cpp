@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <ctime>
+
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "support/data_files.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+using test::make_file;
+using test::temporary;
+
+// Every 8-bit code once, as linear light.
+Image ramp(int channels) {
+  Image image(16, 16, channels);
+  for (size_t i = 0; i < image.values.size(); ++i) image.values[i] = float(srgb_decode(double(i % 256) / 255));
+  return image;
+}
+
+TEST(ImageFile, SrgbHasItsStandardValues) {
+  // IEC 61966-2-1: linear 0.18 is coded 0.4614, code 0.5 is linear 0.2140; to the digits given.
+  EXPECT_NEAR(srgb_encode(0.18), 0.4614, 5e-5);
+  EXPECT_NEAR(srgb_decode(0.5), 0.2140, 5e-5);
+  for (double code : {0.0, 0.04, 0.041, 0.5, 1.0}) EXPECT_NEAR(srgb_encode(srgb_decode(code)), code, 1e-7);
+}
+
+TEST(ImageFile, EightBitCodesComeBackExactly) {
+  for (int channels : {1, 3}) {
+    const std::string path = temporary("i.png");
+    const Image image = ramp(channels);
+    save_image(path, image, 1, 8);
+    const Image loaded = load_image(path);
+    EXPECT_EQ(loaded.channels, channels);
+    EXPECT_EQ(loaded.values, image.values);  // the same codes, decoded alike
+  }
+}
+
+TEST(ImageFile, SixteenBitsKeepHalfAStep) {
+  const std::string path = temporary("i.png");
+  const Image image = ramp(3);
+  save_image(path, image, 2, 16);
+  const Image loaded = load_image(path);
+  ASSERT_EQ(loaded.values.size(), image.values.size());
+  for (size_t i = 0; i < image.values.size(); ++i)
+    EXPECT_NEAR(loaded.values[i], image.values[i] / 2, 2.3 * 0.5 / 65535 + 1e-7);  // slope of the decoding ≤ 2.4/1.055
+}
+
+TEST(ImageFile, ValuesOutsideBlackAndWhiteAreClipped) {
+  const std::string path = temporary("i.png");
+  Image image(1, 3, 1);
+  image.values = {-1, 5, std::nanf("")};
+  save_image(path, image, 2, 8);
+  EXPECT_EQ(load_image(path).values, (std::vector<float>{0, 1, 0}));
+}
+
+TEST(ImageFile, ExrKeepsRadiometricValues) {
+  for (int channels : {1, 3}) {
+    const std::string path = temporary("i.exr");
+    Image image = ramp(channels);
+    for (float& value : image.values) value *= 1234.5f;
+    image.pitch = 8e-6;
+    save_image(path, image, 1, 8);
+    const Image loaded = load_image(path);
+    EXPECT_EQ(loaded.channels, channels);
+    EXPECT_EQ(loaded.values, image.values);
+    EXPECT_EQ(loaded.pitch, 8e-6);
+  }
+}
+
+TEST(ImageFile, TheSameImageGivesTheSameBytes) {
+  for (const char* name : {".png", ".exr"}) {
+    const std::string a = temporary(std::string("a") + name), b = temporary(std::string("b") + name);
+    save_image(a, ramp(3), 1, 8);
+    save_image(b, ramp(3), 1, 8);
+    EXPECT_EQ(read_text(a), read_text(b));
+    // Neither a time in the text, as "2001:02:03", nor a PNG chunk of one: both would differ a second later.
+    const std::time_t now = std::time(nullptr);
+    EXPECT_EQ(read_text(a).find(fmt::format("{}:", 1900 + std::localtime(&now)->tm_year)), std::string::npos);
+    EXPECT_EQ(read_text(a).find("tIME"), std::string::npos);
+  }
+}
+
+TEST(ImageFile, WhatIsNoImageIsRefused) {
+  const std::string path = make_file("i.png", "only text");
+  EXPECT_EQ(
+      error_of([&] { load_image(path); }),
+      path + ": expected an image, but it is not an image in a format known here; convert it to PNG, JPEG or EXR");
+  const std::string none = temporary("none.png");
+  EXPECT_EQ(error_of([&] { load_image(none); }),
+            "expected an image at " + none + ", but there is no such file; check the path");
+}
+
+TEST(ImageFile, ATruncatedImageIsRefused) {
+  const std::string path = temporary("i.png");
+  Image noise(64, 64, 3);
+  for (size_t i = 0; i < noise.values.size(); ++i) noise.values[i] = 0.5f + 0.5f * std::sin(float(i * i));
+  save_image(path, noise, 1, 8);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  const std::string error = error_of([&] { load_image(path); });
+  EXPECT_TRUE(error.starts_with(path + ": expected an image of 64 × 64 pixels, but it is truncated or damaged"))
+      << error;
+}
+
+TEST(ImageFile, WhatOtherProgramsAddAfterAPictureIsNoFault) {
+  const std::string path = temporary("i.png");
+  save_image(path, ramp(3), 1, 8);
+  const Image plain = load_image(path);
+  std::ofstream(path, std::ios::binary | std::ios::app) << std::string(100, 'x');
+  EXPECT_EQ(load_image(path).values, plain.values);
+}
+
+TEST(ImageFile, AFieldIsNoImage) {
+  const std::string path = temporary("f.exr");
+  save_field(path, Field({2, 2, 8e-6}, 532e-9));
+  EXPECT_EQ(error_of([&] { load_image(path); }),
+            path + ": expected an image, got a field (channels \"real\" and \"imag\"); pass it where a field is due");
+}
+
+TEST(ImageFile, BadRequestsAreRefused) {
+  EXPECT_EQ(error_of([] { save_image("i.bmp", Image(1, 1, 1), 1, 8); }),
+            "expected an image file .png or .exr, got i.bmp; change its extension");
+  EXPECT_EQ(error_of([] { save_image("i.png", Image(1, 1, 1), 0, 8); }),
+            "expected a white level above 0 for i.png, got 0");
+  EXPECT_EQ(error_of([] { save_image("i.png", Image(1, 1, 1), 1, 12); }), "expected 8 or 16 bits for i.png, got 12");
+  EXPECT_EQ(error_of([] { save_image("i.png", Image(), 1, 8); }),
+            "expected an image with pixels of 1 or 3 channels to save as i.png, got 0 × 0 of 1");
+}
+
+// Written by another program, by all of PNG's filters: red 255·i/95, green 255·j/63, blue 7i + 13j, in sRGB.
+TEST(ImageFile, APictureOfOthersIsRead) {
+  const Image image = load_image(test::data_file("ramp.png"));
+  ASSERT_EQ(image.nx, 96);
+  ASSERT_EQ(image.ny, 64);
+  ASSERT_EQ(image.channels, 3);
+  const auto linear = [](int value) {  // IEC 61966-2-1
+    const double s = value / 255.0;
+    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  };
+  for (int j = 0; j < image.ny; ++j)
+    for (int i = 0; i < image.nx; ++i) {
+      ASSERT_NEAR(image(j, i, 0), linear(i * 255 / 95), 1e-5) << i << " " << j;
+      ASSERT_NEAR(image(j, i, 1), linear(j * 255 / 63), 1e-5) << i << " " << j;
+      ASSERT_NEAR(image(j, i, 2), linear((i * 7 + j * 13) % 256), 1e-5) << i << " " << j;
+    }
+}
+
+}  // namespace
+}  // namespace holotrace

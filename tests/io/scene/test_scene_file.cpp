@@ -1,0 +1,431 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/base/units.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "support/data_files.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+using test::make_file;
+
+const std::string cube =
+    "[[object]]\ntype = \"wireframe_cube\"\nsize = \"20 mm\"\npoints_per_edge = 3\nposition = \"0 0 -300 mm\"\n";
+
+Job load(const std::string& text) { return load_job(make_file("scene.toml", text)); }
+
+// The error without the folder: "3:9: expected …".
+std::string scene_error(const std::string& text) {
+  const std::string path = make_file("scene.toml", text);
+  const std::string error = error_of([&] { load_job(path); });
+  return error.starts_with(path + ":") ? error.substr(path.size() + 1) : error;
+}
+
+std::string error_with(const std::string& rest) { return scene_error("wavelength = \"532 nm\"\n" + rest); }
+
+TEST(SceneFile, ASmallSceneTakesEveryDefault) {
+  const Job job = load("wavelength = \"632.8 nm\"\n" + cube);
+  EXPECT_EQ(job.wavelengths.front(), 632.8e-9);
+  EXPECT_EQ(job.slm.name, "pluto");
+  EXPECT_EQ(job.slm.grid, (Grid{1920, 1080, 8e-6}));
+  ASSERT_EQ(job.scene.points.size(), 20u);  // 12·3 − 16
+  EXPECT_EQ(job.scene.points[0].position, (Vec3{-0.01, -0.01, -0.3 - 0.01}));
+  EXPECT_EQ(job.trace.columns, TraceParams{}.columns);
+  EXPECT_EQ(job.camera.distances, CameraParams{}.distances);
+}
+
+TEST(SceneFile, ThePanelIsAPresetWithChanges) {
+  const Job job =
+      load("wavelength = \"532 nm\"\n[slm]\npreset = \"gaea\"\nlevels = 16\nmodulation = \"amplitude\"\n" + cube);
+  EXPECT_EQ(job.slm.grid, (Grid{4160, 2464, 3.74e-6}));
+  EXPECT_EQ(job.slm.levels, 16);
+  EXPECT_EQ(job.slm.modulation, Modulation::amplitude);
+  EXPECT_EQ(job.slm.name, "gaea");
+  const Job own = load(
+      "wavelength = \"532 nm\"\n[slm]\ncolumns = 512\nrows = 256\npitch = \"10 um\"\nfill_factor = 1\n"
+      "design_wavelength = \"633 nm\"\n" +
+      cube);
+  EXPECT_EQ(own.slm.grid, (Grid{512, 256, 10e-6}));
+  EXPECT_EQ(own.slm.fill_factor, 1);
+  EXPECT_EQ(own.slm.design_wavelength, 633e-9);
+  EXPECT_EQ(own.slm.name, "custom");
+}
+
+TEST(SceneFile, EveryStageReadsItsTable) {
+  const Job job = load(R"(wavelength = "532 nm"
+background = [0.1, 0.2, 0.3]
+[trace]
+pattern = "random"
+samples = 1000
+phase = "constant"
+field_of_view = "2 deg"
+seed = 7
+[render]
+rows = 100
+[synthesize]
+method = "exact"
+tolerance = 1e-4
+[encode]
+method = "off-axis"
+image = "real"
+with_bias = false
+reference_angle_x = "-1 deg"
+[show]
+subpixels = 3
+wavelength = "633 nm"
+[propagate]
+method = "fresnel"
+[camera]
+distances = "290 300 mm"
+bits = 16
+exposure = 2
+)" + cube);
+  EXPECT_EQ(job.scene.background, (Vec3{0.1, 0.2, 0.3}));
+  EXPECT_EQ(job.trace.pattern, Pattern::random);
+  EXPECT_EQ(job.trace.samples, 1000);
+  EXPECT_EQ(job.trace.phase, SourcePhase::constant);
+  EXPECT_DOUBLE_EQ(job.trace.field_of_view, 2 * pi / 180);
+  EXPECT_EQ(job.trace.seed, 7);
+  EXPECT_EQ(job.render.rows, 100);
+  EXPECT_EQ(job.synthesize.method, SynthesisMethod::exact);
+  EXPECT_EQ(job.synthesize.tolerance, 1e-4);
+  EXPECT_EQ(job.encode.method, Encoding::off_axis);
+  EXPECT_EQ(job.encode.image, ImageSide::real_image);
+  EXPECT_FALSE(job.encode.with_bias);
+  EXPECT_DOUBLE_EQ(job.encode.reference_angle_x, -pi / 180);
+  EXPECT_EQ(job.show.subpixels, 3);
+  EXPECT_EQ(job.show.wavelength, 633e-9);
+  EXPECT_EQ(job.propagate.method, PropagationMethod::fresnel);
+  EXPECT_EQ(job.camera.distances, (std::vector<double>{0.29, 0.3}));
+  EXPECT_EQ(job.camera.bits, 16);
+}
+
+TEST(SceneFile, LightsAndMaterialsAreRead) {
+  const std::string texture = test::temporary("white.png");
+  Image white(1, 1, 3);
+  white.values = {1, 1, 1};
+  save_image(texture, white, 1, 8);
+  const Job job = load(R"(wavelength = "532 nm"
+[materials.paper]
+texture = "white.png"
+[materials.lamp]
+type = "diffuse"
+reflectance = 0.5
+emission = [1, 2, 3]
+[[light]]
+type = "point"
+position = ["1 mm", "2 mm", "3 m"]
+intensity = 4
+[[light]]
+type = "rectangle"
+corner = "0 0 -100 mm"
+edge_u = "10 0 0 mm"
+edge_v = "0 10 0 mm"
+radiance = [1, 2, 3]
+[[light]]
+type = "rectangle"
+visible = false
+corner = "0 0 -100 mm"
+edge_u = "10 0 0 mm"
+edge_v = "0 10 0 mm"
+radiance = 1
+[[object]]
+type = "quad"
+width = "10 mm"
+height = "20 mm"
+material = "lamp"
+position = "0 0 -300 mm"
+)");
+  ASSERT_EQ(job.scene.materials.size(), 2u);
+  ASSERT_EQ(job.scene.lights.size(), 3u);
+  const auto& point = std::get<PointLight>(job.scene.lights[0]);
+  EXPECT_EQ(point.position, (Vec3{1e-3, 2e-3, 3}));
+  EXPECT_EQ(point.intensity, (Vec3{4, 4, 4}));
+  const auto& rectangle = std::get<RectangleLight>(job.scene.lights[1]);
+  EXPECT_EQ(rectangle.corner, (Vec3{0, 0, -0.1}));
+  EXPECT_EQ(rectangle.radiance, (Vec3{1, 2, 3}));
+  EXPECT_TRUE(rectangle.is_visible);
+  EXPECT_FALSE(std::get<RectangleLight>(job.scene.lights[2]).is_visible);
+  const Material& lamp = job.scene.materials[size_t(job.scene.meshes[0].material)];
+  EXPECT_EQ(std::get<DiffuseMaterial>(lamp.surface).reflectance, (Vec3{0.5, 0.5, 0.5}));
+  EXPECT_EQ(lamp.emission, (Vec3{1, 2, 3}));
+  int with_texture = 0;
+  for (const Material& material : job.scene.materials)
+    with_texture += std::get<DiffuseMaterial>(material.surface).texture != nullptr;
+  EXPECT_EQ(with_texture, 1);
+}
+
+// A quarter turn about x takes y to z, then one about y takes z to x; then the place is added.
+TEST(SceneFile, ObjectsAreScaledThenTurnedInOrderThenPlaced) {
+  const Job job = load(
+      "wavelength = \"532 nm\"\n[[object]]\ntype = \"box\"\nsize = \"1 2 3 mm\"\nscale = 2\n"
+      "rotation = [\"x 90 deg\", \"y 90 deg\"]\nposition = \"10 20 -300 mm\"\n");
+  Vec3 low{1, 1, 1}, high{-1, -1, -1};
+  for (Vec3 p : job.scene.meshes[0].positions) {
+    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
+    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+  }
+  // x → z, y → x, z → y: sides 2·(2, 3, 1) mm; a few ulps of 0.3.
+  EXPECT_NEAR(high.x - low.x, 4e-3, 1e-15);
+  EXPECT_NEAR(high.y - low.y, 6e-3, 1e-15);
+  EXPECT_NEAR(high.z - low.z, 2e-3, 1e-15);
+  EXPECT_NEAR(high.x + low.x, 20e-3, 1e-15);
+  EXPECT_NEAR(high.z + low.z, -600e-3, 1e-15);
+}
+
+TEST(SceneFile, FitGivesTheLargestSideAndCentres) {
+  make_file("m.obj", "v 5 5 5\nv 7 5 5\nv 5 6 5\nf 1 2 3\n");
+  const Job job = load(
+      "wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = \"m.obj\"\nfit = \"8 mm\"\n"
+      "position = \"0 0 -300 mm\"\nname = \"leaf\"\n");
+  const auto& p = job.scene.meshes[0].positions;
+  EXPECT_EQ(job.scene.meshes[0].name, "leaf");
+  EXPECT_NEAR(p[0].x, -4e-3, 1e-17);
+  EXPECT_NEAR(p[1].x, 4e-3, 1e-17);
+  EXPECT_NEAR(p[0].y, -2e-3, 1e-17);
+  EXPECT_EQ(p[0].z, -0.3);
+}
+
+TEST(SceneFile, PositionsGiveCopies) {
+  const Job job = load(
+      "wavelength = \"532 nm\"\n[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nsegments = 8\n"
+      "positions = [\"0 0 -100 mm\", \"0 0 -200 mm\", \"5 0 -200 mm\"]\n");
+  EXPECT_EQ(job.scene.meshes.size(), 3u);
+  EXPECT_EQ(job.scene.materials.size(), 1u);  // the default, once
+}
+
+TEST(SceneFile, AShapeIsPlacedWithTheMaterialOfWhoeverUsesIt) {
+  const Job job = load(R"(wavelength = "532 nm"
+[materials.ivory]
+[materials.gold]
+[[shape.king]]
+type = "lathe"
+profile = { unit = "mm", points = [[0, 0], [5, 0], [3, 10], [0, 10]] }
+segments = 12
+[[shape.king]]
+type = "extrusion"
+outline = { unit = "mm", points = [[-1, 0], [1, 0], [1, 4], [-1, 4]] }
+depth = "1 mm"
+position = "0 10 0 mm"
+material = "gold"
+[[object]]
+type = "shape"
+shape = "king"
+material = "ivory"
+scale = 2
+position = "0 0 -300 mm"
+[[object]]
+type = "shape"
+shape = "king"
+position = "50 0 -300 mm"
+)");
+  ASSERT_EQ(job.scene.meshes.size(), 4u);
+  EXPECT_EQ(job.scene.meshes[0].material, job.scene.meshes[0].material);
+  EXPECT_NE(job.scene.meshes[0].material, job.scene.meshes[1].material);
+  EXPECT_EQ(job.scene.meshes[1].material, job.scene.meshes[3].material);  // gold in both
+  EXPECT_NE(job.scene.meshes[0].material, job.scene.meshes[2].material);  // ivory and the default
+  double top = 0;
+  for (Vec3 p : job.scene.meshes[1].positions) top = std::fmax(top, p.y);
+  EXPECT_DOUBLE_EQ(top, 28e-3);  // 2·(10 + 4) mm
+}
+
+TEST(SceneFile, PointObjectsHaveAmplitudeAndPhase) {
+  save_image(
+      test::temporary("quarter.exr"),
+      [] {
+        Image image(1, 1, 1);
+        image.values = {0.25f};
+        return image;
+      }(),
+      1, 8);
+  for (const char* type : {"point_quad", "textured_quad"}) {
+    const Job job = load(std::string("wavelength = \"532 nm\"\n[[object]]\ntype = \"") + type +
+                         "\"\nwidth = \"4 mm\"\nheight = \"2 mm\"\ncolumns = 3\nrows = 2\ntexture = \"quarter.exr\"\n"
+                         "amplitude = 3\nphase = \"90 deg\"\nposition = \"0 0 -300 mm\"\n");
+    ASSERT_EQ(job.scene.points.size(), 6u);
+    EXPECT_FLOAT_EQ(job.scene.points[0].amplitude, 1.5f);  // 3·√0.25
+    EXPECT_FLOAT_EQ(job.scene.points[0].phase, float(pi / 2));
+  }
+}
+
+TEST(SceneFile, PointsOfAFileStandWhereScaleAndDistancePutThem) {
+  const Job job =
+      load("wavelength = \"532 nm\"\n[[object]]\ntype = \"points\"\nfile = '" + test::data_file("helix_points.ply") +
+           "'\nscale = 0.01\ndistance = \"100 mm\"\nchannel = \"green\"\n");
+  ASSERT_EQ(job.scene.points.size(), 500u);
+  // The first is at (0.5, −0.5, 0) in the file's unit, of green 255; the last has none.
+  EXPECT_LT(length(job.scene.points[0].position - Vec3{0.005, -0.005, -0.1}), 1e-15);
+  EXPECT_FLOAT_EQ(job.scene.points[0].amplitude, 1);
+  EXPECT_FLOAT_EQ(job.scene.points[499].amplitude, 0);
+}
+
+TEST(SceneFile, WarningsOfModelsReachTheJob) {
+  const std::string file = test::data_file("pump.glb");
+  const Job job = load("wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = '" + file +
+                       "'\nfit = \"20 mm\"\nposition = \"0 0 -300 mm\"\n");
+  EXPECT_EQ(job.warnings, (std::vector<std::string>{file + ": the cameras are not used"}));
+  for (const Mesh& mesh : job.scene.meshes) EXPECT_LT(size_t(mesh.material), job.scene.materials.size());
+}
+
+TEST(SceneFileErrors, AMissingFileIsNamed) {
+  const std::string path = test::temporary("none.toml");
+  EXPECT_EQ(error_of([&] { load_job(path); }),
+            "expected a scene file at " + path + ", but there is no such file; check the path");
+}
+
+TEST(SceneFileErrors, BrokenTomlIsPlaced) {
+  const std::string error = scene_error("wavelength = \"532 nm\"\n[slm\n");
+  EXPECT_TRUE(error.starts_with("2:5: expected valid TOML, but: ")) << error;
+}
+
+TEST(SceneFileErrors, EveryDamageToTomlIsAnError) {
+  for (const char* text : {"[+a]\n", "[=]\n", "[[", "[a.]\n", "a={=1}", "a.=1\n", "\xff\xfe", "a=\"\n", "a = [1,\n"}) {
+    const std::string error = scene_error(text);
+    EXPECT_NE(error.find("expected valid TOML, but: "), std::string::npos) << text << error;
+  }
+}
+
+TEST(SceneFileErrors, UnknownKeysAreRefusedEverywhere) {
+  EXPECT_EQ(scene_error("wavelenght = \"532 nm\"\n"), "1:1: unknown key \"wavelenght\"; did you mean \"wavelength\"?");
+  EXPECT_EQ(error_with("[slm]\nptich = \"8 um\"\n"), "3:1: unknown key \"ptich\"; did you mean \"pitch\"?");
+  EXPECT_EQ(error_with("[camera]\nbits = 8\ndistance = \"1 m\"\n" + cube),
+            "4:1: unknown key \"distance\"; did you mean \"distances\"?");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"box\"\nsize = \"1 1 1 mm\"\ncolor = 1\n"),
+            "5:1: unknown key \"color\"; known: distance, fit, material, name, position, positions, rotation, scale, "
+            "size, type");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"wireframe_cube\"\nsize = \"1 mm\"\nmaterial = \"x\"\n").substr(0, 24),
+            "5:1: unknown key \"materi");
+  EXPECT_EQ(error_with("[[light]]\ntype = \"point\"\nposition = \"0 0 0 m\"\nintensty = 1\n"),
+            "5:1: unknown key \"intensty\"; did you mean \"intensity\"?");
+  EXPECT_EQ(error_with("[materials.a]\nreflectence = 1\n"),
+            "3:1: unknown key \"reflectence\"; did you mean \"reflectance\"?");
+  EXPECT_EQ(error_with("[[shape.a]]\ntype = \"sphere\"\nsize = \"1 mm\"\nsegmnts = 8\n" + cube),
+            "5:1: unknown key \"segmnts\"; did you mean \"segments\"?");
+  EXPECT_EQ(error_with("[scene]\n"),
+            "2:2: unknown key \"scene\"; known: background, camera, encode, environment, light, materials, object, "
+            "propagate, "
+            "render, shape, show, slm, synthesize, trace, wavelength");
+}
+
+TEST(SceneFileErrors, UnknownNamesAreRefused) {
+  EXPECT_EQ(error_with("[slm]\npreset = \"plto\"\n"),
+            "3:10: unknown SLM \"plto\"; did you mean \"pluto\"? (known: gaea, ideal, leto, luna, pluto)");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"shpere\"\n"),
+            "3:8: unknown object type \"shpere\"; did you mean \"sphere\"?");
+  EXPECT_EQ(error_with("[[light]]\ntype = \"sun\"\n"),
+            "3:8: unknown light type \"sun\"; known: point, spot, directional, rectangle, laser-point, laser-beam");
+  EXPECT_EQ(error_with("[trace]\npattern = \"gird\"\n" + cube),
+            "3:11: unknown pattern \"gird\"; did you mean \"grid\"?");
+  EXPECT_EQ(error_with("[materials.ivory]\n[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nmaterial = \"ivori\"\n"),
+            "6:12: unknown material \"ivori\"; did you mean \"ivory\"?");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"shape\"\nshape = \"king\"\n"), "4:9: unknown shape \"king\"; known: ");
+}
+
+TEST(SceneFileErrors, ABareNumberIsNoLength) {
+  EXPECT_EQ(scene_error("wavelength = 632.8\n"),
+            "1:14: expected a length with its unit, such as \"300 mm\", for \"wavelength\", got the bare number 632.8");
+  EXPECT_EQ(
+      scene_error("wavelength = \"632.8\"\n"),
+      "1:14: expected a length with its unit, such as \"300 mm\", got \"632.8\" without a unit for \"wavelength\"");
+  EXPECT_EQ(error_with("[slm]\npitch = 8\n"),
+            "3:9: expected a length with its unit, such as \"300 mm\", for \"pitch\", got the bare number 8");
+  EXPECT_EQ(error_with("[camera]\ndistances = [0.3]\n" + cube),
+            "3:14: expected a length with its unit, such as \"300 mm\", for \"distances\", got the bare number 0.3");
+  EXPECT_EQ(
+      error_with("[encode]\nreference_angle_x = 1\n" + cube),
+      "3:21: expected an angle with its unit, such as \"15 deg\", for \"reference_angle_x\", got the bare number 1");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nposition = \"0 -300 mm\"\n"),
+            "5:12: expected three lengths for \"position\", such as \"0 0 -300 mm\", got 2");
+}
+
+TEST(SceneFile, CentresMayBeOfEitherSign) {
+  const Job job = load("wavelength = \"532 nm\"\n" + cube +
+                       "[propagate]\ncentre_x = \"-2 mm\"\npitch = \"4 um\"\n"
+                       "[camera]\ncentre_y = \"-30 um\"\ncentre_x = \"1 mm\"\n");
+  EXPECT_DOUBLE_EQ(job.propagate.centre_x, -2e-3);
+  EXPECT_DOUBLE_EQ(job.camera.centre_y, -30e-6);
+  EXPECT_DOUBLE_EQ(job.camera.centre_x, 1e-3);
+  EXPECT_EQ(error_with("[camera]\ncentre_x = 3\n" + cube),
+            "3:12: expected a length with its unit, such as \"300 mm\", for \"centre_x\", got the bare number 3");
+  EXPECT_EQ(error_with("[camera]\npixel = \"-3 um\"\n" + cube),
+            "3:9: expected a length of 0 m or more for \"pixel\", got -3 µm");
+}
+
+TEST(SceneFileErrors, NumbersThatAreNotFiniteAreRefused) {
+  EXPECT_EQ(scene_error("wavelength = \"nan nm\"\n"),
+            "1:14: expected a length that is finite, got \"nan nm\" for \"wavelength\"");
+  EXPECT_EQ(error_with("[synthesize]\ntolerance = inf\n" + cube),
+            "3:13: expected a number above 0 and below 1 for \"tolerance\", got inf");
+  EXPECT_EQ(error_with("background = [0, nan, 0]\n"),
+            "2:18: expected finite numbers of 0 or more for \"background\", got nan");
+  EXPECT_EQ(error_with("[materials.a]\nreflectance = 1.5\n"),
+            "3:15: expected finite numbers from 0 to 1 for \"reflectance\", got 1.5");
+}
+
+TEST(SceneFileErrors, ImpossiblePanelsAndLightAreRefused) {
+  EXPECT_EQ(scene_error("wavelength = \"0 nm\"\n"), "1:14: expected a length above 0 m for \"wavelength\", got 0 m");
+  EXPECT_EQ(scene_error("wavelength = \"-5 nm\"\n"), "1:14: expected a length above 0 m for \"wavelength\", got -5 nm");
+  EXPECT_EQ(error_with("[slm]\npitch = \"-8 um\"\n"), "3:9: expected a length above 0 m for \"pitch\", got -8 µm");
+  EXPECT_EQ(error_with("[slm]\npitch = \"0 um\"\n"), "3:9: expected a length above 0 m for \"pitch\", got 0 m");
+  EXPECT_EQ(error_with("[slm]\ncolumns = 0\n"), "3:11: expected a whole number of 1 or more for \"columns\", got 0");
+  EXPECT_EQ(error_with("[slm]\nrows = -1\n"), "3:8: expected a whole number of 1 or more for \"rows\", got -1");
+  EXPECT_EQ(error_with("[slm]\nrows = 3000000000\n"), "3:8: expected at most 2147483647 for \"rows\", got 3000000000");
+  EXPECT_EQ(error_with("[slm]\nlevels = 1\n"), "3:10: expected a whole number from 2 to 65536 for \"levels\", got 1");
+  EXPECT_EQ(error_with("[slm]\nrows = 10.5\n"), "3:8: expected a whole number for \"rows\", got the bare number 10.5");
+}
+
+TEST(SceneFileErrors, ImpossibleParametersAreRefused) {
+  EXPECT_EQ(error_with("[trace]\ncolumns = 0\n" + cube),
+            "3:11: expected a whole number of 1 or more for \"columns\", got 0");
+  EXPECT_EQ(error_with("[camera]\nbits = 12\n" + cube), "3:8: expected 8 or 16 for \"bits\", got 12");
+  EXPECT_EQ(error_with("[synthesize]\ntolerance = 0\n" + cube),
+            "3:13: expected a number above 0 and below 1 for \"tolerance\", got 0");
+}
+
+TEST(SceneFileErrors, ObjectsInFrontOfThePanelAreNamed) {
+  EXPECT_EQ(error_with("[[object]]\ntype = \"wireframe_cube\"\nsize = \"20 mm\"\nposition = \"0 0 5 mm\"\n"),
+            "2:1: expected the object behind the panel (z < 0), but it reaches z = 15 mm; move it to negative z with "
+            "\"position\"");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"quad\"\nwidth = \"1 mm\"\nheight = \"1 mm\"\n").substr(0, 51),
+            "2:1: expected the object behind the panel (z < 0), ");
+}
+
+TEST(SceneFileErrors, AnEmptySceneIsRefused) {
+  EXPECT_EQ(error_with(""), "1:1: expected at least one object in the scene, got none");
+  EXPECT_EQ(scene_error(""), "1:1: expected the key \"wavelength\" in the scene file, which is missing");
+}
+
+TEST(SceneFileErrors, WhatShapesAndFilesRefuseIsPlaced) {
+  EXPECT_EQ(error_with("[[object]]\ntype = \"sphere\"\n"),
+            "2:1: expected the key \"size\" in [[object]], which is missing");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nsegments = 2\n"),
+            "5:12: expected a whole number of 3 or more for \"segments\", got 2");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"lathe\"\nprofile = { unit = \"furlong\", points = [[0, 1], [1, 2]] }\n"),
+            "4:20: expected a length in one of the units nm, um, µm, mm, cm, m, got \"0 furlong\"");
+  EXPECT_EQ(
+      error_with(
+          "[[object]]\ntype = \"extrusion\"\ndepth = \"1 mm\"\noutline = { unit = \"mm\", points = [[0, 1, 2]] }\n"),
+      "5:36: expected a list of pairs [[1, 2], …] for \"points\", got a list");
+  const std::string missing = error_with("[[object]]\ntype = \"mesh\"\nfile = \"none.obj\"\n");
+  EXPECT_TRUE(missing.starts_with("4:8: expected a mesh at ")) << missing;
+  const std::string text = make_file("text.png", "only text");
+  EXPECT_EQ(error_with("[materials.a]\ntexture = \"text.png\"\n"),
+            "3:11: " + text +
+                ": expected an image, but it is not an image in a format known here; convert it to PNG, JPEG or EXR");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"box\"\nsize = \"1 1 1 mm\"\nrotation = \"w 3 deg\"\n"),
+            "5:12: expected an axis and an angle, such as \"y 30 deg\", for \"rotation\", got \"w 3 deg\"");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"box\"\nsize = \"1 1 1 mm\"\nrotation = [\"y 3\"]\n"),
+            "5:13: expected an angle with its unit, such as \"15 deg\", got \"3\" without a unit for \"rotation\"");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"box\"\nsize = \"1 1 1 mm\"\nfit = \"1 mm\"\nscale = 2\n"),
+            "5:7: expected either \"fit\" or \"scale\", got both");
+  EXPECT_EQ(error_with("[[shape.a]]\ntype = \"shape\"\nshape = \"a\"\n[[object]]\ntype = \"shape\"\nshape = \"a\"\n"),
+            "4:9: expected a shape of other shapes, but \"a\" holds itself");
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,82 @@
+#include <gtest/gtest.h>
+
+#include <variant>
+
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "support/build_paths.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+// What docs/scene_format.md says is what load_job does.
+class SceneFormat : public ::testing::Test {
+ protected:
+  std::string text_ = read_text(std::string(HOLOTRACE_SOURCE_DIR) + "/docs/scene_format.md");
+};
+
+TEST_F(SceneFormat, ItsExampleLoads) {
+  const std::string fence = "```toml\n";
+  const size_t begin = text_.find(fence) + fence.size();
+  const std::string example = text_.substr(begin, text_.find("```\n", begin) - begin);
+  const Job job = load_job(test::make_file("example.toml", example));
+  EXPECT_EQ(job.scene.meshes.size(), 6u);  // two pawns of two parts, the board and the crystal
+  ASSERT_EQ(job.scene.lights.size(), 2u);
+  const auto& lamp = std::get<RectangleLight>(job.scene.lights[0]);
+  EXPECT_LT(cross(lamp.edge_u, lamp.edge_v).y, 0);  // as its comment says
+  EXPECT_EQ(job.scene.points.size(), 12u * 20 - 16);
+  EXPECT_EQ(job.encode.image, ImageSide::real_image);
+}
+
+// A visitor that looks for each key in its section.
+struct KeysInText {
+  const std::string& section;
+  std::vector<std::string> missing;
+
+  void look(const char* key) {
+    if (section.find(fmt::format("`{}`", key)) == std::string::npos) missing.push_back(key);
+  }
+  template <class T>
+  void count(const char* key, T&, const Range&, const char*) {
+    look(key);
+  }
+  void number(const char* key, double&, const Range&, const char*) { look(key); }
+  void flag(const char* key, bool&, const char*) { look(key); }
+  void length(const char* key, double&, const Range&, const char*) { look(key); }
+  void lengths(const char* key, std::vector<double>&, const Range&, const char*) { look(key); }
+  void angle(const char* key, double&, const Range&, const char*) { look(key); }
+  void position(const char* key, Vec3&, const Range&, const char*) { look(key); }
+  void texts(const char* key, std::vector<std::string>&, const char*) { look(key); }
+  template <class Enum>
+  void choice(const char* key, Enum&, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices, const char*) {
+    look(key);
+    for (const Choice<Enum>& choice : choices)
+      if (section.find(choice.name) == std::string::npos) missing.push_back(choice.name);
+  }
+};
+
+template <class Params>
+std::vector<std::string> undocumented(const std::string& text, const std::string& name) {
+  const size_t begin = text.find("### `[" + name + "]`");
+  if (begin == std::string::npos) return {"the section [" + name + "]"};
+  const std::string section = text.substr(begin, text.find("\n###", begin + 3) - begin);
+  KeysInText visitor{section, {}};
+  Params params;
+  describe(visitor, params);
+  return visitor.missing;
+}
+
+TEST_F(SceneFormat, EveryParameterOfEveryStageIsThere) {
+  const std::vector<std::string> none;
+  EXPECT_EQ(undocumented<TraceParams>(text_, "trace"), none);
+  EXPECT_EQ(undocumented<RenderParams>(text_, "render"), none);
+  EXPECT_EQ(undocumented<SynthesizeParams>(text_, "synthesize"), none);
+  EXPECT_EQ(undocumented<EncodeParams>(text_, "encode"), none);
+  EXPECT_EQ(undocumented<ShowParams>(text_, "show"), none);
+  EXPECT_EQ(undocumented<PropagateParams>(text_, "propagate"), none);
+  EXPECT_EQ(undocumented<CameraParams>(text_, "camera"), none);
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,185 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/base/units.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+using test::make_file;
+
+const std::string cube =
+    "[[object]]\ntype = \"wireframe_cube\"\nsize = \"20 mm\"\npoints_per_edge = 3\nposition = \"0 0 -300 mm\"\n";
+
+Scene scene(const std::string& lines) {
+  return load_job(make_file("scene.toml", "wavelength = \"532 nm\"\n" + lines + "\n" + cube)).scene;
+}
+
+template <class Kind>
+Kind light(const std::string& lines) {
+  return std::get<Kind>(scene("[[light]]\n" + lines).lights.at(0));
+}
+
+// The error without the folder: "3:9: expected …".
+std::string scene_error(const std::string& text) {
+  const std::string path = make_file("scene.toml", text + "\n" + cube);
+  const std::string sentence = error_of([&] { load_job(path); });
+  return sentence.starts_with(path + ":") ? sentence.substr(path.size() + 1) : sentence;
+}
+
+std::string error(const std::string& lines) { return scene_error("wavelength = \"532 nm\"\n" + lines); }
+
+TEST(SceneLights, ASpotPointsAlongADirectionOrToATarget) {
+  const auto spot = light<SpotLight>(
+      "type = \"spot\"\nposition = \"0 0 100 mm\"\ndirection = [0, -3, -4]\nintensity = [1, 2, 3]\n"
+      "inner_angle = \"10 deg\"\nouter_angle = \"20 deg\"");
+  EXPECT_EQ(spot.position, (Vec3{0, 0, 0.1}));
+  EXPECT_NEAR(length(spot.direction - Vec3{0, -0.6, -0.8}), 0, 1e-15);
+  EXPECT_EQ(spot.intensity, (Vec3{1, 2, 3}));
+  EXPECT_DOUBLE_EQ(spot.inner_angle, pi / 18);
+  EXPECT_DOUBLE_EQ(spot.outer_angle, pi / 9);
+  const auto aimed = light<SpotLight>(
+      "type = \"spot\"\nposition = \"0 0 100 mm\"\ntarget = \"0 -30 60 mm\"\nintensity = 1\nouter_angle = \"20 deg\"");
+  EXPECT_NEAR(length(aimed.direction - Vec3{0, -0.6, -0.8}), 0, 1e-15);
+  EXPECT_EQ(aimed.inner_angle, 0);
+}
+
+TEST(SceneLights, ParallelLightAndLasersAreRead) {
+  const auto sun = light<DirectionalLight>("type = \"directional\"\ndirection = [0, -2, 0]\nirradiance = 3");
+  EXPECT_EQ(sun.direction, (Vec3{0, -1, 0}));
+  EXPECT_EQ(sun.irradiance, (Vec3{3, 3, 3}));
+  EXPECT_FALSE(sun.is_laser);
+  EXPECT_TRUE(std::isinf(sun.radius));
+  const auto beam = light<DirectionalLight>(
+      "type = \"laser-beam\"\nposition = \"0 0 1 m\"\ntarget = \"0 0 -1 m\"\nirradiance = 3\nradius = \"2 mm\"");
+  EXPECT_EQ(beam.direction, (Vec3{0, 0, -1}));
+  EXPECT_EQ(beam.position, (Vec3{0, 0, 1}));
+  EXPECT_EQ(beam.radius, 2e-3);
+  EXPECT_TRUE(beam.is_laser);
+  EXPECT_TRUE(light<PointLight>("type = \"laser-point\"\nposition = \"0 0 -1 m\"\nintensity = 3").is_laser);
+}
+
+TEST(SceneLights, WrongDirectionsArePlaced) {
+  const auto directional = [](const std::string& direction) {
+    return error("[[light]]\ntype = \"directional\"\nirradiance = 1\n" + direction);
+  };
+  EXPECT_EQ(directional("direction = [0, 0, 0]"),
+            "5:13: expected a direction for \"direction\", got [0, 0, 0], which points nowhere");
+  EXPECT_EQ(directional("direction = \"0 0 -1 m\""),
+            "5:13: expected a direction [x, y, z] of three plain numbers for \"direction\", got \"0 0 -1 m\"");
+  EXPECT_EQ(directional("direction = [1, 2]"),
+            "5:13: expected a direction [x, y, z] of three plain numbers for \"direction\", got a list");
+  EXPECT_EQ(directional("direction = [1, nan, 2]"), "5:17: expected finite numbers for \"direction\", got nan");
+  EXPECT_EQ(directional("direction = [1, 0, 0]\ntarget = \"0 0 -1 m\""),
+            "6:10: expected either \"direction\" or \"target\", got both");
+  EXPECT_EQ(directional("target = \"0 0 0 m\""),
+            "5:10: expected a target away from the light's position, got the same place");
+  EXPECT_EQ(directional(""), "2:1: expected the key \"direction\" in [[light]], which is missing");
+}
+
+TEST(SceneLights, AnglesOfASpotAreInOrder) {
+  const auto spot = [](const std::string& angles) {
+    return error("[[light]]\ntype = \"spot\"\nposition = \"0 0 0 m\"\ndirection = [0, 0, -1]\nintensity = 1\n" +
+                 angles);
+  };
+  EXPECT_EQ(spot("outer_angle = \"10 deg\"\ninner_angle = \"20 deg\""),
+            "8:15: expected an inner angle from 0 deg to the outer angle of 10°, got 20°");
+  EXPECT_EQ(spot("outer_angle = \"200 deg\""),
+            "7:15: expected an angle above 0 deg, up to 180 deg for \"outer_angle\", got 200 deg");
+  EXPECT_EQ(spot(""), "2:1: expected the key \"outer_angle\" in [[light]], which is missing");
+}
+
+TEST(SceneLights, UnknownTypesAndKeysSuggestTheNearest) {
+  EXPECT_EQ(error("[[light]]\ntype = \"spott\""), "3:8: unknown light type \"spott\"; did you mean \"spot\"?");
+  EXPECT_EQ(error("[[light]]\ntype = \"laser-beem\""),
+            "3:8: unknown light type \"laser-beem\"; did you mean \"laser-beam\"?");
+  EXPECT_EQ(error("[[light]]\ntype = \"directional\"\ndirection = [0, 0, -1]\nirradience = 1"),
+            "5:1: unknown key \"irradience\"; did you mean \"irradiance\"?");
+}
+
+void save_map(const char* name, int ny, int nx, int channels, float value = 0.5f) {
+  Image map(ny, nx, channels);
+  std::fill(map.values.begin(), map.values.end(), value);
+  save_image(test::temporary(name), map, 1, 8);
+}
+
+TEST(SceneLights, AnEnvironmentIsAMapWithAScaleAndATurn) {
+  save_map("sky.exr", 2, 4, 3);
+  const auto sky = scene("[environment]\nmap = \"sky.exr\"\nscale = [1, 2, 3]\nturn = \"-90 deg\"").environment;
+  ASSERT_TRUE(sky);
+  EXPECT_EQ(sky->map->nx, 4);
+  EXPECT_EQ(sky->map->values[0], 0.5f);
+  EXPECT_EQ(sky->scale, (Vec3{1, 2, 3}));
+  EXPECT_DOUBLE_EQ(sky->turn, -pi / 2);
+  EXPECT_FALSE(scene("").environment);
+  // A grey map is grey in all three colours; a PNG is decoded from sRGB.
+  save_map("grey.png", 2, 4, 1, float(srgb_decode(188 / 255.)));
+  const auto grey = scene("[environment]\nmap = \"grey.png\"").environment;
+  ASSERT_TRUE(grey);
+  EXPECT_EQ(grey->map->values, std::vector<float>(24, float(srgb_decode(188 / 255.))));
+}
+
+TEST(SceneLights, AMapThatIsNoneIsNamed) {
+  save_map("square.png", 4, 4, 3);
+  EXPECT_EQ(error("[environment]\nmap = \"square.png\""),
+            "3:7: " + (std::filesystem::path(make_file("scene.toml", "")).parent_path() / "square.png").string() +
+                ": expected an environment map, equirectangular and so twice as wide as high, got 4 × 4 pixels");
+  save_map("dark.exr", 1, 2, 3, -1);
+  EXPECT_NE(error("[environment]\nmap = \"dark.exr\"")
+                .find("dark.exr: expected an environment map with light of 0 or more, got -1 at row 0, column 0"),
+            std::string::npos);
+  const std::string text = make_file("text.png", "only text");
+  EXPECT_EQ(error("[environment]\nmap = \"text.png\""),
+            "3:7: " + text +
+                ": expected an image, but it is not an image in a format known here; convert it to PNG, JPEG or EXR");
+  EXPECT_EQ(error("[environment]\nmap = \"none.exr\"").substr(0, 24), "3:7: expected an image a");
+  EXPECT_EQ(error("[environment]\nscale = 2"), "2:1: expected the key \"map\" in [environment], which is missing");
+  EXPECT_EQ(error("[environment]\nmap = \"square.png\"\nturn = 90"),
+            "4:8: expected an angle with its unit, such as \"15 deg\", for \"turn\", got the bare number 90");
+}
+
+TEST(SceneWavelengths, OneOrSeveralInTheOrderOfTheFile) {
+  const auto wavelengths = [](const std::string& text) {
+    return load_job(make_file("scene.toml", "wavelength = " + text + "\n" + cube)).wavelengths;
+  };
+  EXPECT_EQ(wavelengths("\"532 nm\""), (std::vector<double>{532e-9}));
+  EXPECT_EQ(wavelengths("[\"638 nm\", \"520 nm\", \"450 nm\"]"), (std::vector<double>{638e-9, 520e-9, 450e-9}));
+}
+
+TEST(SceneWavelengths, WrongListsArePlaced) {
+  EXPECT_EQ(scene_error("wavelength = []"), "1:14: expected one length or more for \"wavelength\", got none");
+  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"0.52 um\"]"),
+            "1:14: expected each wavelength once, got 520 nm twice");
+  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"0 nm\"]"),
+            "1:14: expected a length above 0 m for \"wavelength\", got 0 m");
+  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", 450]"),
+            "1:25: expected a length with its unit, such as \"300 mm\", for \"wavelength\", got the bare number 450");
+  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"-450 nm\"]"),
+            "1:14: expected a length above 0 m for \"wavelength\", got -450 nm");
+}
+
+TEST(SceneParameters, OutOfRangeOnesArePlaced) {
+  EXPECT_EQ(error("[trace]\nframes = 0"), "3:10: expected a whole number of 1 or more for \"frames\", got 0");
+  EXPECT_EQ(error("[trace]\ntile_columns = 0"),
+            "3:16: expected a whole number of 1 or more for \"tile_columns\", got 0");
+  EXPECT_EQ(error("[trace]\ntile_rows = 0"), "3:13: expected a whole number of 1 or more for \"tile_rows\", got 0");
+  EXPECT_EQ(error("[trace]\npixel_samples = 0"),
+            "3:17: expected a whole number of 1 or more for \"pixel_samples\", got 0");
+  EXPECT_EQ(error("[trace]\nclamp = -1"), "3:9: expected a number of 0 or more for \"clamp\", got -1");
+  EXPECT_EQ(error("[trace]\nfield_of_view = \"90 deg\""),
+            "3:17: expected an angle from 0 deg to less than 90 deg for \"field_of_view\", got 90 deg");
+  EXPECT_EQ(error("[trace]\nlayers = [\"EDL\", 3]"),
+            "3:18: expected a text in quotes, or a list of them, for \"layers\", got the bare number 3");
+  EXPECT_EQ(error("[render]\neye = \"0 0 -1 mm\""),
+            "3:7: expected a length of 0 m or more for z of \"eye\", got -1 mm");
+  EXPECT_EQ(error("[render]\npupil = \"0 mm\""), "3:9: expected a length above 0 m for \"pupil\", got 0 m");
+  EXPECT_EQ(error("[render]\nfocus = \"0 mm\""), "3:9: expected a length above 0 m for \"focus\", got 0 m");
+}
+
+}  // namespace
+}  // namespace holotrace

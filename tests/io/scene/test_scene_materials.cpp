@@ -1,0 +1,190 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "holotrace/io/scene/scene_index.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+using test::make_file;
+
+constexpr double green = 532e-9;
+
+const std::string cube =
+    "[[object]]\ntype = \"wireframe_cube\"\nsize = \"20 mm\"\npoints_per_edge = 3\nposition = \"0 0 -300 mm\"\n";
+
+// The material of a scene whose file has these lines in it.
+Material material(const std::string& lines) {
+  const Job job = load_job(make_file("scene.toml", "wavelength = \"532 nm\"\n[materials.m]\n" + lines + "\n" + cube));
+  return job.scene.materials.at(0);
+}
+
+template <class Surface>
+Surface surface(const std::string& lines) {
+  return std::get<Surface>(material(lines).surface);
+}
+
+// The error without the folder: "3:9: expected …".
+std::string error(const std::string& lines) {
+  const std::string path = make_file("scene.toml", "wavelength = \"532 nm\"\n[materials.m]\n" + lines + "\n" + cube);
+  const std::string sentence = error_of([&] { load_job(path); });
+  return sentence.starts_with(path + ":") ? sentence.substr(path.size() + 1) : sentence;
+}
+
+std::string texture(const char* name, int channels = 3) {
+  Image image(1, 1, channels);
+  for (float& value : image.values) value = float(srgb_decode(188 / 255.));
+  const std::string path = test::temporary(name);
+  save_image(path, image, 1, 8);
+  return path;
+}
+
+TEST(SceneMaterials, ADiffuseOneReflectsAndLetsThrough) {
+  const auto leaf = surface<DiffuseMaterial>("reflectance = [0.1, 0.5, 0.1]\ntransmittance = 0.25");
+  EXPECT_EQ(leaf.reflectance, (Vec3{0.1, 0.5, 0.1}));
+  EXPECT_EQ(leaf.transmittance, (Vec3{0.25, 0.25, 0.25}));
+  // Without a reflectance, what the transmittance leaves of the default.
+  EXPECT_EQ(surface<DiffuseMaterial>("transmittance = 0.75").reflectance, (Vec3{0.25, 0.25, 0.25}));
+  EXPECT_EQ(surface<DiffuseMaterial>("transmittance = 0.1").reflectance, (Vec3{0.8, 0.8, 0.8}));
+  EXPECT_EQ(error("reflectance = 0.75\ntransmittance = [0, 0, 0.5]"),
+            "4:17: expected a reflectance and a transmittance of at most 1 together, got 1.25");
+}
+
+TEST(SceneMaterials, AConductorIsOfAMetalOrAnIndex) {
+  const auto silver = surface<ConductorMaterial>("type = \"conductor\"\nmetal = \"Ag\"\nroughness = 0.5");
+  EXPECT_EQ(index_at(silver.index, green), index_at(metal_index("Ag"), green));
+  EXPECT_EQ(silver.roughness, 0.5);
+  const auto own = surface<ConductorMaterial>("type = \"conductor\"\nindex = { n = 0.5, k = 3 }");
+  EXPECT_EQ(index_at(own.index, green), (std::complex<double>(0.5, 3)));
+  // Half way between two samples, which the file has in falling order.
+  const auto listed =
+      surface<ConductorMaterial>("type = \"conductor\"\nindex = [[\"632 nm\", 1.5, 4], [\"432 nm\", 0.5, 2]]");
+  EXPECT_NEAR(std::abs(index_at(listed.index, green) - std::complex<double>(1, 3)), 0, 1e-12);
+  make_file("index.txt", "# my metal\n432 nm  0.5  2\n632 nm, 1.5, 4  # red\n");
+  const auto filed = surface<ConductorMaterial>("type = \"conductor\"\nindex = \"index.txt\"");
+  EXPECT_NEAR(std::abs(index_at(filed.index, green) - std::complex<double>(1, 3)), 0, 1e-12);
+}
+
+TEST(SceneMaterials, ADielectricIsOfAGlassOrAnIndex) {
+  const auto glass = surface<DielectricMaterial>("type = \"dielectric\"\nglass = \"BK7\"");
+  EXPECT_EQ(index_at(glass.index, green), index_at(glass_index("BK7"), green));
+  EXPECT_FALSE(glass.is_thin);
+  const auto pane = surface<DielectricMaterial>("type = \"dielectric\"\nindex = 1.25\nthin = true\nroughness = 0.1");
+  EXPECT_EQ(index_at(pane.index, green), std::complex<double>(1.25));
+  EXPECT_TRUE(pane.is_thin);
+  EXPECT_EQ(pane.roughness, 0.1);
+  const auto listed =
+      surface<DielectricMaterial>("type = \"dielectric\"\nindex = [[\"432 nm\", 1.75], [\"632 nm\", 1.25]]");
+  EXPECT_NEAR(index_at(listed.index, green).real(), 1.5, 1e-12);
+  EXPECT_TRUE(is_dispersive(listed.index));
+}
+
+// Colours are decoded from sRGB, the numbers of normal maps and of metal and roughness are not.
+TEST(SceneMaterials, TexturesOfColourAreDecodedAndThoseOfNumbersAreNot) {
+  texture("t.png");
+  const Material m = material(
+      "type = \"metallic-roughness\"\nbase_color = [1, 0.5, 0]\nmetallic = 0.25\nroughness = 0.75\n"
+      "base_texture = \"t.png\"\nmetallic_texture = \"t.png\"\nemission_texture = \"t.png\"\nnormal_map = \"t.png\"\n"
+      "normal_scale = 0.5\ntwo_sided = false");
+  const auto& s = std::get<MetallicRoughnessMaterial>(m.surface);
+  EXPECT_EQ(s.base_color, (Vec3{1, 0.5, 0}));
+  EXPECT_EQ(s.metallic, 0.25);
+  EXPECT_EQ(s.roughness, 0.75);
+  EXPECT_EQ(s.base_texture->values[0], float(srgb_decode(188 / 255.)));
+  EXPECT_EQ(m.emission_texture->values[0], float(srgb_decode(188 / 255.)));
+  EXPECT_EQ(s.metallic_texture->values[0], 188 / 255.f);
+  EXPECT_EQ(m.normal_map->values[0], 188 / 255.f);
+  EXPECT_EQ(m.emission, (Vec3{1, 1, 1}));  // the texture alone
+  EXPECT_EQ(m.normal_scale, 0.5);
+  EXPECT_FALSE(m.two_sided);
+}
+
+TEST(SceneMaterials, UnknownNamesSuggestTheNearest) {
+  EXPECT_EQ(error("type = \"dielectrik\""), "3:8: unknown material type \"dielectrik\"; did you mean \"dielectric\"?");
+  EXPECT_EQ(error("type = \"principled\""),
+            "3:8: unknown material type \"principled\"; known: diffuse, conductor, dielectric, metallic-roughness");
+  EXPECT_EQ(error("type = \"conductor\"\nmetal = \"Agg\""), "4:9: unknown metal \"Agg\"; did you mean \"Ag\"?");
+  EXPECT_EQ(error("type = \"dielectric\"\nglass = \"BK8\""), "4:9: unknown glass \"BK8\"; did you mean \"BK7\"?");
+  EXPECT_EQ(error("type = \"dielectric\"\nrougness = 1"), "4:1: unknown key \"rougness\"; did you mean \"roughness\"?");
+  // Each type has its own keys.
+  EXPECT_EQ(error("type = \"dielectric\"\nmetallic = 1").substr(0, 29), "4:1: unknown key \"metallic\"; ");
+}
+
+TEST(SceneMaterials, NumbersOutOfRangeArePlaced) {
+  EXPECT_EQ(error("type = \"conductor\"\nroughness = 1.5"),
+            "4:13: expected a number from 0 to 1 for \"roughness\", got 1.5");
+  EXPECT_EQ(error("type = \"metallic-roughness\"\nmetallic = -1"),
+            "4:12: expected a number from 0 to 1 for \"metallic\", got -1");
+  EXPECT_EQ(error("type = \"dielectric\"\nindex = 0"), "4:9: expected an index n above 0, got 0");
+  EXPECT_EQ(error("type = \"conductor\"\nindex = { k = 2 }"),
+            "4:9: expected the key \"n\" in [index], which is missing");
+  EXPECT_EQ(error("type = \"conductor\"\nmetal = \"Ag\"\nindex = { n = 1, k = 2 }"),
+            "5:9: expected either \"metal\" or \"index\", got both");
+  EXPECT_EQ(error("type = \"dielectric\"\nindex = [[\"500 nm\", 1.5], [\"500 nm\", 1.6]]"),
+            "4:9: expected each wavelength once, got 500 nm twice");
+  EXPECT_EQ(
+      error("type = \"dielectric\"\nindex = [[500, 1.5]]"),
+      "4:11: expected a number such as 1.5, a list [[\"450 nm\", 1.526], …] or a table file for \"index\", got the "
+      "bare number 500");
+  EXPECT_EQ(error("type = \"dielectric\"\nindex = [[\"500 nm\", 1.5, 0.1]]"),
+            "4:9: expected a glass without absorption (k = 0), got k = 0.1; a metal is a \"conductor\"");
+  EXPECT_EQ(error("emission = -1"), "3:12: expected finite numbers of 0 or more for \"emission\", got -1");
+}
+
+TEST(SceneMaterials, FilesThatAreMissingOrOfAnotherKindAreNamed) {
+  const std::string none = test::temporary("none.png"), grey = texture("grey.png", 1);
+  for (const char* key : {"texture", "emission_texture", "normal_map"})
+    EXPECT_EQ(error(std::string(key) + " = \"none.png\""),
+              fmt::format("3:{}: expected an image at {}, but there is no such file; check the path",
+                          std::string(key).size() + 4, none));
+  EXPECT_EQ(error("normal_map = \"grey.png\""),
+            "3:14: expected an image of red, green and blue for \"normal_map\", got the grey one " + grey);
+  const std::string table = make_file("index.txt", "500 nm 1.5\n\n600 1.6\n");
+  EXPECT_EQ(error("type = \"dielectric\"\nindex = \"index.txt\""),
+            "4:9: " + table +
+                ":3: expected a wavelength with its unit, n and k, such as \"450 nm 0.04 2.6\", got \"600 1.6\"");
+}
+
+TEST(SceneMaterials, ATextureNeedsTextureCoordinatesAndNoLightBelowZero) {
+  texture("t.png");
+  make_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(
+      error("texture = \"t.png\"\n[[object]]\ntype = \"mesh\"\nfile = \"m.obj\"\nfit = \"1 mm\"\n"
+            "distance = \"1 m\"\nname = \"leaf\"\nmaterial = \"m\""),
+      "10:12: expected a mesh with texture coordinates for a material with a texture, got \"leaf\" without; export "
+      "it with them, or use a material without a texture");
+  Image dark(1, 1, 3);
+  dark.values = {1, -2, 1};
+  const std::string path = test::temporary("dark.exr");
+  save_image(path, dark, 1, 8);
+  EXPECT_EQ(error("texture = \"dark.exr\""), "3:11: " + path + ": expected a texture of values of 0 or more, got -2");
+}
+
+TEST(SceneMaterials, AnObjectsOwnMaterialTakesThePlaceOfItsFiles) {
+  make_file("m.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+            "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+            "property list uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n"
+            "3 0 1 2\n");
+  const std::string object = "[[object]]\ntype = \"mesh\"\nfile = \"m.ply\"\nfit = \"8 mm\"\ndistance = \"300 mm\"\n";
+  const Job job = load_job(make_file("scene.toml", "wavelength = \"532 nm\"\n[materials.m]\ntype = \"conductor\"\n" +
+                                                       object + "material = \"m\"\n" + object));
+  ASSERT_EQ(job.scene.meshes.size(), 2u);
+  const auto is_metal = [&](size_t mesh) {
+    return std::holds_alternative<ConductorMaterial>(
+        job.scene.materials[size_t(job.scene.meshes[mesh].material)].surface);
+  };
+  EXPECT_TRUE(is_metal(0));
+  EXPECT_TRUE(job.scene.meshes[0].colours.empty());
+  EXPECT_FALSE(is_metal(1));
+  EXPECT_EQ(job.scene.meshes[1].colours.size(), 3u);
+  EXPECT_EQ(job.scene.meshes[1].positions[0], (Vec3{-4e-3, -4e-3, -0.3}));  // its middle 300 mm behind the panel
+}
+
+}  // namespace
+}  // namespace holotrace

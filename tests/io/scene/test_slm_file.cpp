@@ -1,0 +1,317 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "holotrace/io/describe_file.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "holotrace/io/scene/slm_file.h"
+#include "support/panels.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder of the user's panels for one test.
+class UserPanels {
+ public:
+  explicit UserPanels(const std::string& folder) { setenv("HOLOTRACE_PANELS", folder.c_str(), 1); }
+  ~UserPanels() { unsetenv("HOLOTRACE_PANELS"); }
+};
+
+std::string file_in(const std::string& folder, const std::string& name, const std::string& text) {
+  fs::create_directories(folder);
+  write_text(folder + "/" + name, text);
+  return folder + "/" + name;
+}
+
+std::string fresh_folder(const std::string& name) {
+  const std::string folder = fs::path(test::make_file("slm_file_" + name + ".txt", "")).replace_extension("").string();
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+// The sentence of an error, without the folder of the file at fault.
+std::string sentence_in(const std::string& folder, const std::function<void()>& call) {
+  std::string sentence = error_of(call);
+  for (size_t at; (at = sentence.find(folder + "/")) != std::string::npos;) sentence.erase(at, folder.size() + 1);
+  return sentence;
+}
+
+TEST(SlmFile, ThePanelsThatComeWithItAreThere) {
+  for (const char* name : {"gaea", "ideal", "leto", "luna", "pluto"}) {
+    const Slm slm = slm_preset(name);
+    EXPECT_EQ(slm.name, name);
+    EXPECT_EQ(slm.preset, name);
+    EXPECT_FALSE(slm.source.empty());
+    EXPECT_EQ(error_of([&] { check_slm(slm); }), "no error");
+  }
+  const Slm pluto = slm_preset("pluto");
+  EXPECT_EQ(pluto.grid, (Grid{1920, 1080, 8e-6}));
+  EXPECT_EQ(pluto.levels, 256);
+  EXPECT_EQ(pluto.fill_factor, 0.93);
+  EXPECT_EQ(effects_of(pluto), (std::vector<std::string>{"calibration", "crosstalk", "gaps", "flicker", "aberration"}));
+  EXPECT_EQ(slm_preset("gaea").grid, (Grid{4160, 2464, 3.74e-6}));
+  EXPECT_EQ(slm_preset("leto").grid.pitch, 6.4e-6);
+  EXPECT_EQ(slm_preset("luna").grid.pitch, 4.5e-6);
+  const Slm ideal = slm_preset("ideal");
+  EXPECT_EQ(ideal.levels, 65536);
+  EXPECT_EQ(ideal.fill_factor, 1);
+  EXPECT_TRUE(effects_of(ideal).empty());
+}
+
+TEST(SlmFile, AnUnknownOneIsRefusedWithThoseKnown) {
+  EXPECT_EQ(error_of([] { slm_preset("plutto"); }),
+            "unknown SLM \"plutto\"; did you mean \"pluto\"? (known: gaea, ideal, leto, luna, pluto)");
+  EXPECT_EQ(error_of([] { slm_preset("xyzzyx"); }), "unknown SLM \"xyzzyx\"; known: gaea, ideal, leto, luna, pluto");
+}
+
+TEST(SlmFile, AUserAddsPanelsAndChangesThem) {
+  const std::string folder = fresh_folder("user");
+  const UserPanels here(folder);
+  file_in(folder, "mine.toml", R"(
+preset = "pluto"
+pitch = "10 um"
+fill_x = 0.98
+fill_y = 0.9
+phase_range = "400 deg"
+modulation = "complex"
+levels = 64
+dead_fraction = 0.001
+dead_seed = 5
+dead_pixels = [[1, 2, 3], [4, 5, 6]]
+aberration = [{ n = 2, m = -2, rms = "0.25 rad" }]
+)");
+  const std::vector<std::string> names = slm_preset_names();
+  EXPECT_NE(std::find(names.begin(), names.end(), "mine"), names.end());
+  const Slm slm = slm_preset("mine");
+  EXPECT_EQ(slm.name, "mine");
+  EXPECT_EQ(slm.grid, (Grid{1920, 1080, 10e-6}));
+  EXPECT_EQ(slm.lit_x(), 0.98);
+  EXPECT_EQ(slm.lit_y(), 0.9);
+  EXPECT_DOUBLE_EQ(slm.fill_factor, 0.98 * 0.9);
+  EXPECT_DOUBLE_EQ(slm.phase_range, 400 * pi / 180);
+  EXPECT_EQ(slm.modulation, Modulation::complex);
+  ASSERT_EQ(slm.effects.calibration.size(), 64u);  // pluto's, at every fourth level
+  EXPECT_EQ(slm.effects.calibration[16].phase, slm_preset("pluto").effects.calibration[64].phase);
+  EXPECT_EQ(slm.effects.dead_fraction, 0.001);
+  EXPECT_EQ(slm.effects.dead_seed, 5);
+  ASSERT_EQ(slm.effects.dead_pixels.size(), 2u);
+  EXPECT_EQ(slm.effects.dead_pixels[1].level, 6);
+  ASSERT_EQ(slm.effects.aberration.size(), 1u);
+  EXPECT_EQ(slm.effects.aberration[0].m, -2);
+  EXPECT_EQ(slm.effects.crosstalk, 0.2);
+
+  file_in(folder, "a.toml", "preset = \"b\"\n");
+  file_in(folder, "b.toml", "preset = \"a\"\n");
+  EXPECT_EQ(sentence_in(folder, [] { slm_preset("a"); }),
+            "a.toml:1:10: b.toml:1:10: expected a panel that is no change of itself, got \"a\"");
+  file_in(folder, "c.toml", "columns = 10\nrows = 10\npitch = \"8 um\"\nfil_factor = 1\n");
+  EXPECT_EQ(sentence_in(folder, [] { slm_preset("c"); }),
+            "c.toml:4:1: unknown key \"fil_factor\"; did you mean \"fill_factor\"?");
+  file_in(folder, "d.toml", "columns = 10\nrows = 10\npitch = \"8 um\"\ndead_pixels = [[10, 0, 1]]\n");
+  EXPECT_EQ(sentence_in(folder, [] { slm_preset("d"); }),
+            "d.toml:1:1: expected dead pixels on the panel of 10 × 10 pixels, got column 10, row 0");
+}
+
+TEST(SlmFile, ACalibrationIsStraightBetweenItsLevels) {
+  const std::string path = test::make_file(
+      "calibration.csv", "# measured\ngrey, phase_pi, amplitude\n0, 0.1, 1\n2, 0.5, 0.9\n\n5, 2, 0.6\n");
+  const std::vector<CalibrationPoint> points = load_calibration(path, 6);
+  ASSERT_EQ(points.size(), 6u);
+  EXPECT_DOUBLE_EQ(points[0].phase, 0.1 * pi);
+  EXPECT_DOUBLE_EQ(points[1].phase, 0.3 * pi);
+  EXPECT_DOUBLE_EQ(points[1].amplitude, 0.95);
+  EXPECT_DOUBLE_EQ(points[4].phase, 1.5 * pi);
+  EXPECT_DOUBLE_EQ(points[5].amplitude, 0.6);
+  const std::string degrees = test::make_file("degrees.csv", "level,phase_deg\n0,0\n1,180\n");
+  EXPECT_DOUBLE_EQ(load_calibration(degrees, 2)[1].phase, pi);
+  EXPECT_EQ(load_calibration(degrees, 2)[1].amplitude, 1);
+}
+
+TEST(SlmFile, ABadCalibrationIsRefusedWithItsLine) {
+  const std::string folder = fresh_folder("calibrations");
+  const auto error = [&](const std::string& text) {
+    const std::string path = file_in(folder, "c.csv", text);
+    return sentence_in(folder, [&] { load_calibration(path, 4); });
+  };
+  EXPECT_EQ(error("level,phase\n0,0\n1,1\n2,2\n"),
+            "c.csv:4: expected a calibration up to level 3, the last of the panel's 4, got levels up to 2");
+  EXPECT_EQ(error(""), "c.csv: expected a calibration up to level 3, the last of the panel's 4, got none");
+  EXPECT_EQ(
+      error("level,phase\n0,0\n1,2\n2,1\n3,3\n"),
+      "c.csv:4: expected a calibration whose phase never falls, got 1 rad after 2 rad; a phase that wraps is to be "
+      "written on beyond 2π");
+  EXPECT_EQ(error("level,phase,amplitude\n0,0,1\n1,2,1.2\n"), "c.csv:3: expected an amplitude in [0, 1], got 1.2");
+  EXPECT_EQ(error("level,phase\n1,0\n"), "c.csv:2: expected a calibration that begins at level 0, got level 1");
+  EXPECT_EQ(error("level,phase\n0,0\n2,1\n1,2\n"), "c.csv:4: expected levels in rising order, got 1 after 2");
+  EXPECT_EQ(error("level,phase\n0,zero\n"), "c.csv:2: expected a number, got \"zero\"");
+  EXPECT_EQ(error("level,phase\n0,0,1\n"), "c.csv:2: expected 2 values, as there are headings, got 3");
+  EXPECT_EQ(error("level,phase_ra\n0,0\n"), "c.csv:1: unknown column \"phase_ra\"; did you mean \"phase_rad\"?");
+  EXPECT_EQ(error("0,0\n1,1\n2,2\n3,3\n").substr(0, 25), "c.csv:1: unknown column \"");
+}
+
+// A panel's own calibration, of 4 levels, taken by one of 6: level l is its level 4l/6, straight between and beyond.
+TEST(SlmFile, ACalibrationOfAnotherNumberOfLevelsIsReadBetween) {
+  const std::string folder = fresh_folder("levels");
+  const UserPanels here(folder);
+  file_in(folder, "four.csv", "level,phase,amplitude\n0,0,1\n1,1,0.9\n2,2.5,0.6\n3,4,0.5\n");
+  file_in(folder, "four.toml", "columns = 10\nrows = 10\npitch = \"8 um\"\nlevels = 4\ncalibration = \"four.csv\"\n");
+  file_in(folder, "six.toml", "preset = \"four\"\nlevels = 6\n");
+  const std::vector<CalibrationPoint> points = slm_preset("six").effects.calibration;
+  ASSERT_EQ(points.size(), 6u);
+  const double phases[] = {0, 2.0 / 3, 1.5, 2.5, 3.5, 4.5};
+  const double amplitudes[] = {1, 1 - 0.1 * 2 / 3, 0.8, 0.6, 0.6 - 0.1 * 2 / 3, 0.5};  // none beyond the last
+  for (size_t l = 0; l < 6; ++l) {
+    EXPECT_NEAR(points[l].phase, phases[l], 1e-12) << l;
+    EXPECT_NEAR(points[l].amplitude, amplitudes[l], 1e-12) << l;
+  }
+}
+
+TEST(SlmFile, EffectsOfTheSceneItselfAreOn) {
+  const std::string body =
+      "wavelength = \"532 nm\"\n[[object]]\ntype = \"wireframe_cube\"\nsize = \"1 mm\"\nposition = \"0 0 -100 mm\"\n";
+  const auto job_of = [&](const std::string& rest) { return load_job(test::make_file("effects.toml", body + rest)); };
+  EXPECT_TRUE(job_of("").show.effects.empty());  // those of the preset wait to be named
+  test::make_file("ramp.csv", "level,phase_pi\n0,0\n255,2\n");
+  const Job own = job_of("[slm]\ncrosstalk = 0.3\ncalibration = \"ramp.csv\"\n");
+  EXPECT_EQ(own.show.effects, (std::vector<std::string>{"calibration", "crosstalk"}));
+  EXPECT_EQ(own.encode.effects, (std::vector<std::string>{"calibration"}));
+  EXPECT_DOUBLE_EQ(own.slm.effects.calibration[255].phase, 2 * pi);
+  EXPECT_EQ(effects_of(own.slm).size(), 5u);  // pluto's others are there, and off
+  EXPECT_TRUE(job_of("[slm]\ncrosstalk = 0\n").show.effects.empty());
+  const Job told = job_of("[slm]\ncrosstalk = 0.3\n[show]\neffects = \"gaps\"\n");
+  EXPECT_EQ(told.show.effects, (std::vector<std::string>{"gaps"}));
+}
+
+// Every effect, none of them the panel file's own figure.
+Slm panel_of_all_effects() {
+  Slm slm = slm_preset("pluto");
+  slm.grid = {8, 4, 8e-6};
+  slm.levels = 16;
+  slm.phase_range = 6.5;
+  slm.effects.calibration.clear();
+  for (int level = 0; level < 16; ++level) slm.effects.calibration.push_back({level / 3.0, 1 - level / 70.0});
+  slm.effects.gap_phase = 0.1;
+  slm.effects.dead_fraction = 0.01;
+  slm.effects.dead_seed = (int64_t(1) << 60) + 1;  // beyond what a double holds
+  slm.effects.dead_pixels = {{7, 3, 15}, {0, 1, 2}};
+  Array2D<float> map(4, 8);
+  for (size_t i = 0; i < map.size(); ++i) map.values[i] = 0.1F * float(i) - 1;
+  slm.effects.phase_map = std::make_shared<const Array2D<float>>(map);
+  return slm;
+}
+
+TEST(SlmFile, AHologramKeepsItsPanelsEffectsWhereverItGoes) {
+  Slm slm = panel_of_all_effects();
+  slm.effects.crosstalk = 0;  // the panel file has some
+  slm.preset = "gone.toml";
+  Hologram hologram = make_hologram(slm, Modulation::phase, [](int i) { return i; });
+  hologram.slm = slm;
+  hologram.effects = {"calibration", "phase-map"};
+  const std::string here = fresh_folder("here"), there = fresh_folder("there");
+  save_hologram(here + "/h.png", hologram);
+  for (const char* file : {"h.png", "h.json", "h_phase_map.exr"}) fs::rename(here + "/" + file, there + "/" + file);
+  const Hologram again = load_hologram(there + "/h.png");
+  EXPECT_EQ(again.effects, hologram.effects);
+  ASSERT_TRUE(again.slm);
+  EXPECT_EQ(again.slm->phase_range, 6.5);
+  EXPECT_EQ(again.slm->source, slm.source);
+  const SlmEffects &was = slm.effects, &is = again.slm->effects;
+  ASSERT_EQ(is.calibration.size(), 16u);
+  for (size_t i = 0; i < 16; ++i) {
+    EXPECT_EQ(is.calibration[i].phase, was.calibration[i].phase);
+    EXPECT_EQ(is.calibration[i].amplitude, was.calibration[i].amplitude);
+  }
+  EXPECT_EQ(is.crosstalk, 0);
+  EXPECT_EQ(is.gap_amplitude, was.gap_amplitude);
+  EXPECT_EQ(is.gap_phase, was.gap_phase);
+  EXPECT_EQ(is.flicker, was.flicker);
+  ASSERT_EQ(is.aberration.size(), was.aberration.size());
+  ASSERT_FALSE(was.aberration.empty());
+  for (size_t i = 0; i < was.aberration.size(); ++i) {
+    EXPECT_EQ(is.aberration[i].n, was.aberration[i].n);
+    EXPECT_EQ(is.aberration[i].m, was.aberration[i].m);
+    EXPECT_EQ(is.aberration[i].rms, was.aberration[i].rms);
+  }
+  EXPECT_EQ(is.dead_fraction, was.dead_fraction);
+  EXPECT_EQ(is.dead_seed, was.dead_seed);
+  ASSERT_EQ(is.dead_pixels.size(), 2u);
+  EXPECT_EQ(is.dead_pixels[0].column, 7);
+  EXPECT_EQ(is.dead_pixels[0].row, 3);
+  EXPECT_EQ(is.dead_pixels[0].level, 15);
+  ASSERT_TRUE(is.phase_map);
+  EXPECT_EQ(is.phase_map->values, was.phase_map->values);
+  EXPECT_EQ(effects_of(*again.slm), effects_of(slm));
+}
+
+TEST(SlmFile, AnEffectThatIsLostWithItsFileIsTold) {
+  const Slm slm = panel_of_all_effects();
+  Hologram hologram = make_hologram(slm, Modulation::phase, [](int i) { return i; });
+  hologram.slm = slm;
+  const std::string folder = fresh_folder("lost"), path = folder + "/h.png";
+  save_hologram(path, hologram);
+  fs::remove(folder + "/h_phase_map.exr");
+  EXPECT_NE(sentence_in(folder, [&] { load_hologram(path); }).find("h_phase_map.exr"), std::string::npos);
+  save_hologram(path, hologram);
+  nlohmann::json json = nlohmann::json::parse(read_text(folder + "/h.json"));
+  json["slm"]["effects"]["calibration"]["amplitude"].erase(0);
+  write_text(folder + "/h.json", json.dump());
+  EXPECT_EQ(sentence_in(folder, [&] { load_hologram(path); }),
+            "h.json: expected as many calibrated amplitudes as phases, got 15 and 16; write the hologram again");
+}
+
+TEST(SlmFile, AComplexHologramIsTwoImages) {
+  Slm slm = make_panel(8, 4);
+  slm.modulation = Modulation::complex;
+  Hologram hologram = make_hologram(slm, Modulation::complex, [](int i) { return 3 * i; });
+  hologram.modulus_level = Array2D<uint16_t>(4, 8);
+  for (size_t i = 0; i < 32; ++i) hologram.modulus_level.values[i] = uint16_t(255 - 2 * i);
+  const std::string path = test::make_file("complex.png", "");
+  save_hologram(path, hologram);
+  const Hologram again = load_hologram(path);
+  EXPECT_EQ(again.modulation, Modulation::complex);
+  EXPECT_EQ(again.level.values, hologram.level.values);
+  EXPECT_EQ(again.modulus_level.values, hologram.modulus_level.values);
+}
+
+TEST(SlmFile, APhaseMapIsAnImageOfThePanel) {
+  Image image(2, 3, 1);
+  for (int i = 0; i < 6; ++i) image.values[size_t(i)] = float(i) / 4;
+  const std::string map = test::make_file("map.exr", "");
+  save_image(map, image, 1, 8);
+  const std::string panel = test::make_file(
+      "mapped.toml", "columns = 3\nrows = 2\npitch = \"8 um\"\nphase_map = \"map.exr\"\nphase_map_range = \"2 rad\"\n");
+  const Slm slm = load_slm(panel);
+  EXPECT_EQ(slm.name, "mapped");
+  ASSERT_TRUE(slm.effects.phase_map);
+  EXPECT_FLOAT_EQ((*slm.effects.phase_map)(1, 2), 2 * 5 / 4.0F);
+}
+
+TEST(SlmFile, FillFactorsOfTheAxesBelongTogether) {
+  const std::string folder = fresh_folder("fill");
+  const std::string file = file_in(folder, "p.toml", "columns = 4\nrows = 4\npitch = \"8 um\"\nfill_x = 0.9\n");
+  EXPECT_NE(sentence_in(folder, [&] { load_slm(file); })
+                .find("expected fill_x and fill_y, which belong together, got 0.9 in x, 0 in y; give both"),
+            std::string::npos);
+}
+
+TEST(SlmFile, AnswersWhatAPanelIs) {
+  const nlohmann::ordered_json json = describe_slm(slm_preset("pluto"));
+  EXPECT_EQ(json["pixels"], "1920x1080");
+  EXPECT_EQ(json["pitch"], "8 µm");
+  EXPECT_EQ(json["size"], "15.36 mm x 8.64 mm");
+  EXPECT_EQ(json["crosstalk"], "0.2 pixels (1.6 µm)");
+  EXPECT_EQ(json["flicker"], "±3 % of the phase");
+  EXPECT_EQ(describe_slm(slm_preset("ideal"))["effects"], "none");
+}
+
+}  // namespace
+}  // namespace holotrace

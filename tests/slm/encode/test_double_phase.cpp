@@ -1,0 +1,102 @@
+#include <cmath>
+
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/encode/low_pass.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/view/select_order.h"
+#include "support/targets.h"
+
+namespace holotrace {
+namespace {
+
+TEST(DoublePhase, PlaneWavesWithinTheStopComeOutAsTheyWentIn) {
+  // A sum of slow waves whose modulus stays below its maximum: exp(iφ±) holds them exactly, and the noise stands at the
+  // corner, beyond the stop. Left: the pixels' roll-off (sinc of at most 3/64), 65536 levels, the noise's own band.
+  const Slm slm = make_panel(64, 64, 65536);
+  const std::vector<PlaneWave> waves{{0, 0, 1.0}, {3, 0, 0.3}, {-2, 3, {0, 0.3}}};
+  const Field field = sum_of(waves, slm.grid);
+  Heard heard;
+  const Hologram h = encode(field, slm, {.method = Encoding::double_phase}, heard.observer());
+  ASSERT_TRUE(h.filter);
+  EXPECT_DOUBLE_EQ(h.filter->half_u, 0.2 / test_pitch);  // 0.4 of 1/2p
+  EXPECT_LT(heard.number("clipped_part"), 1e-3);
+  const Field shown = select_order(show(h, slm, {.irradiance = h.illumination}), *h.filter);
+  for (const PlaneWave& w : waves) {
+    const double roll_off = sinc(w.a / 64.0) * sinc(w.b / 64.0);
+    EXPECT_LT(std::abs(wave_in(shown, w.a, w.b) - roll_off * w.amplitude), 0.01) << w.a << ", " << w.b;
+  }
+}
+
+TEST(DoublePhase, NeighboursDifferByTheModulus) {
+  // Of a constant field a tenth below the maximum of a spot: cos of half the difference of neighbours is |U|/A.
+  const Slm slm = make_panel(32, 32, 65536);
+  const Hologram h = encode(sum_of({{0, 0, 1}}, slm.grid), slm, {.method = Encoding::double_phase});
+  for (int i = 0; i + 1 < 32; ++i) EXPECT_EQ(h.level(5, i), h.level(5, i + 1));  // |U| = A: one phase
+}
+
+TEST(DoublePhase, SignsAlternateAsOnAChessboard) {
+  // Of a field that is real, A·(0.75 + 0.25·cos x), the phases are ±arccos(U/A): + where row and column are even
+  // together, so that the noise goes to the corners of the spectrum, the farthest there is.
+  const Slm slm = make_panel(32, 24, 65536);
+  const Field field = sum_of({{0, 0, 0.75}, {1, 0, 0.125}, {-1, 0, 0.125}}, slm.grid);
+  Heard heard;
+  const Hologram h = encode(field, slm, {.method = Encoding::double_phase}, heard.observer());
+  const double top = heard.number("modulus_max");
+  for (int j = 0; j < 24; ++j)
+    for (int i = 0; i < 32; ++i) {
+      const double modulus = std::abs(std::complex<double>(field.samples(j, i))) / top;
+      if (modulus > 0.95) continue;  // where arccos is steep, floats show
+      const double phase = 2 * pi * h.level(j, i) / 65536, expected = std::acos(modulus) * ((i + j) % 2 ? -1 : 1);
+      EXPECT_NEAR(std::remainder(phase - expected, 2 * pi), 0, 1e-4) << j << " " << i;  // half a level is 5e-5
+    }
+}
+
+TEST(LowPass, KeepsWavesOnItsEdgeAndNoneBeyond) {
+  // A stop of half the band, 1/4p: on 64 pixels the wave of 16 cycles is on its edge.
+  const Slm slm = make_panel(64, 64);
+  const SpectralFilter stop = low_pass_stop({.stop = 0.5}, slm.grid);
+  for (const int sign : {-1, 1}) {
+    const auto kept = [&](int a, int b) {
+      Heard heard;
+      within_stop(sum_of({{a, b, 1}}, slm.grid), stop, heard.observer());
+      return heard.number("band_power");
+    };
+    EXPECT_NEAR(kept(sign * 16, 3), 1, 1e-6);  // floats
+    EXPECT_NEAR(kept(3, sign * 16), 1, 1e-6);
+    EXPECT_NEAR(kept(sign * 17, 3), 0, 1e-6);
+    EXPECT_NEAR(kept(3, sign * 17), 0, 1e-6);
+  }
+}
+
+TEST(LowPass, ModulusOfTheGivenPartOfPixelsIsOne) {
+  // Moduli 1/1000 … 1: all but a hundredth have less than 0.99, to 1/4096 and a pixel.
+  Field field({100, 10, test_pitch}, test_wavelength);
+  for (size_t i = 0; i < 1000; ++i) field.samples.values[i] = std::complex<float>(float(i + 1) / 1000, 0);
+  Heard heard;
+  const double top = normalise_modulus(0.01, heard.observer(), field);
+  EXPECT_NEAR(top, 0.99, 0.001 + 1.0 / 4096);
+  double cut = 0, all = 0;
+  for (int i = 1; i <= 1000; ++i) {
+    const double a = i / 1000.0;
+    cut += std::max(0.0, a * a - top * top);
+    all += a * a;
+    EXPECT_NEAR(std::abs(field.samples.values[size_t(i - 1)]), std::min(1.0, a / top), 1e-6);
+  }
+  EXPECT_NEAR(heard.number("clipped_part"), cut / all, 1e-6);
+}
+
+TEST(DoublePhase, SaysWhatIsWrong) {
+  const Slm slm = make_panel(8, 8);
+  const Field field = random_field(slm.grid, 1);
+  for (const Encoding method : {Encoding::double_phase, Encoding::error_diffusion})
+    EXPECT_EQ(error_of([&] { encode(field, slm, {.method = method, .stop = 0}); }),
+              "expected a number above 0, up to 1 for \"stop\", got 0");
+  EXPECT_EQ(error_of([&] { encode(field, slm, {.method = Encoding::double_phase, .stop = 1.1}); }),
+            "expected a number above 0, up to 1 for \"stop\", got 1.1");
+  EXPECT_EQ(error_of([&] { encode(field, slm, {.method = Encoding::complex}); }),
+            "expected an encoding for a panel of phase or amplitude alone, as \"test\" is, got \"complex\"; use "
+            "\"double-phase\" or \"off-axis\", or a panel whose modulation is complex");
+}
+
+}  // namespace
+}  // namespace holotrace

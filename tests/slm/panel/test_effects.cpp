@@ -1,0 +1,379 @@
+#include <cmath>
+
+#include "holotrace/slm/panel/dead_pixels.h"
+#include "holotrace/slm/panel/moments.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/slm/panel/static_errors.h"
+#include "support/panels.h"
+
+// The panel's effects one by one, each against its closed form or a quadrature. Efficiencies are fractions of the light
+// on the panel; a field of single precision holds them to some 1e-7, and 1e-6 leaves room for the sum over samples.
+
+namespace holotrace {
+namespace {
+
+constexpr double tolerance = 1e-6;
+
+ShowParams with(const std::vector<std::string>& effects, int subpixels = 3, int fine_samples = 0) {
+  return {.subpixels = subpixels, .fine_samples = fine_samples, .effects = effects};
+}
+
+// --- calibration --------------------------------------------------------------------------------
+
+TEST(Calibration, IsWhatAPixelShows) {
+  Slm slm = make_panel(1, 1, 4);
+  slm.effects.calibration = {{0, 1}, {1, 0.9}, {2.5, 0.8}, {4, 0.95}};
+  for (int level = 0; level < 4; ++level) {
+    const Hologram h = make_hologram(slm, Modulation::phase, [&](int) { return level; });
+    const CalibrationPoint& point = slm.effects.calibration[size_t(level)];
+    const std::complex<double> u(show(h, slm, with({"calibration"}, 1)).samples(0, 0));
+    EXPECT_LT(std::abs(u - std::polar(point.amplitude, point.phase)), tolerance) << level;
+    const std::complex<double> ideal(show(h, slm, with({}, 1)).samples(0, 0));
+    EXPECT_LT(std::abs(ideal - std::polar(1.0, 2 * pi * level / 4)), tolerance) << level;
+  }
+  // The phase is a length: at two thirds of the wavelength it is half as large again.
+  slm.design_wavelength = test_wavelength;
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 2; });
+  ShowParams params = with({"calibration"}, 1);
+  params.wavelength = test_wavelength / 1.5;
+  EXPECT_LT(std::abs(std::complex<double>(show(h, slm, params).samples(0, 0)) - std::polar(0.8, 2.5 * 1.5)), tolerance);
+}
+
+TEST(Calibration, OfARangeAsideOf2PiIsARampOfThatDepth) {
+  // A ramp of depth 2π(1+e) from the panel's phase range: η₁ = sinc²(e), with P steps as in RampThatTurnsTooFar….
+  const int steps = 256;
+  for (const double e : {-0.1, 0.05}) {
+    Slm slm = make_panel(steps, 2, steps);
+    slm.phase_range = 2 * pi * (1 + e);
+    const Field f = show(make_hologram(slm, Modulation::phase, [](int i) { return i; }), slm, with({}));
+    EXPECT_NEAR(efficiency_of(f, 1), std::pow(sinc(e), 2), 1e-4);  // π²/3P² = 5e-5 from the smooth ramp's
+    EXPECT_NEAR(efficiency_of(f, 0), std::pow(sinc(1 + e), 2), 1e-4);
+  }
+}
+
+// --- crosstalk ----------------------------------------------------------------------------------
+
+// Order ±1 of a grating 0, π, 0, π, … whose phase is blurred: |½∫₀² exp(iφ(x))·exp(−iπx) dx|², φ the blur of a square
+// wave by a Gaussian: π·(½ + (2/π)·Σ over odd m of sin(πmx)/m·exp(−(πmσ)²/2)) as a Fourier series, which is exact.
+double blurred_binary_efficiency(double sigma) {
+  const int points = 20000;  // the periodic midpoint rule is exact to rounding for what is smooth
+  std::complex<double> sum = 0;
+  for (int k = 0; k < points; ++k) {
+    const double x = 2 * (k + 0.5) / points;
+    double wave = 0.5;
+    for (int m = 1; m < 2000; m += 2) {
+      const double damped = std::exp(-std::pow(pi * m * sigma, 2) / 2);
+      wave += 2 / pi * std::sin(pi * m * x) / m * damped;
+      if (damped < 1e-12) break;
+    }
+    sum += std::polar(1.0, pi * wave - pi * x);
+  }
+  return std::norm(sum / double(points));
+}
+
+TEST(Crosstalk, LowersABinaryGratingAsItsQuadratureSays) {
+  const Slm plain = make_panel(16, 4, 2);
+  const Hologram h = make_hologram(plain, Modulation::phase, [](int i) { return i % 2; });
+  double last = 4 / (pi * pi);  // 0.4053 of a sharp grating
+  for (const double sigma : {0.05, 0.1, 0.2, 0.3}) {
+    Slm slm = plain;
+    slm.effects.crosstalk = sigma;
+    const double expected = blurred_binary_efficiency(sigma);
+    // 32 cells per pixel: φ falls by up to π/(√(2π)·σ) per pixel, and even cells of 1/32 pixel err by the square of
+    // that over 24 per cell in the edge's width 2σ: (π/2.5σ)²·2σ/(24·32²) < 1.3e-3/σ·1e-1 = 5e-4 for all σ ≥ 0.05.
+    const double fine = efficiency_of(show(h, slm, with({"crosstalk"}, 3, 32)), 8);
+    EXPECT_NEAR(fine, expected, 5e-4) << sigma;
+    // What is taken by itself is within 2 % of the light for this pattern, the worst there is. Where cells are narrower
+    // than the edge, the error falls as 1/s²: by 4 for twice the cells, 3 with terms of higher order.
+    const auto error = [&](int s) {
+      return std::abs(efficiency_of(show(h, slm, with({"crosstalk"}, 3, s)), 8) - expected);
+    };
+    if (sigma > 0.15) {
+      EXPECT_LT(error(8), error(4) / 3) << sigma;
+    }
+    EXPECT_LT(error(0), 0.02) << sigma;
+    EXPECT_LT(fine, last) << sigma;
+    last = fine;
+    EXPECT_NEAR(efficiency_of(show(h, slm, with({})), 8), 4 / (pi * pi), tolerance);  // off: as ever
+  }
+}
+
+TEST(Crosstalk, VanishesWithItsWidthAndLeavesEvenPhasesAlone) {
+  Slm slm = make_panel(12, 10, 256, 0.9);
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return i * i * 37 % 256; });
+  const Field sharp = show(h, slm, with({}));
+  double last = 1;
+  for (const double sigma : {0.2, 0.05, 0.01}) {
+    slm.effects.crosstalk = sigma;
+    const Field blurred = show(h, slm, with({"crosstalk"}, 3, 8));
+    double difference = 0;
+    for (size_t i = 0; i < sharp.samples.size(); ++i)
+      difference = std::max(difference, double(std::abs(sharp.samples.values[i] - blurred.samples.values[i])));
+    EXPECT_LT(difference, last);
+    last = difference;
+  }
+  // Cells end w/2·(1 − 1/8) = 0.415 from the centre, 8.5 σ from the neighbour: nothing is left but rounding.
+  EXPECT_LT(last, 2e-6);
+  slm.effects.crosstalk = 0.4;
+  const Hologram even = make_hologram(slm, Modulation::phase, [](int) { return 77; });
+  const Field a = show(even, slm, with({"crosstalk"})), b = show(even, slm, with({}));
+  for (size_t i = 0; i < a.samples.size(); ++i)
+    EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of 4 × 4 cells
+}
+
+// The same where pixels are lit on a part w of their pitch, about their middles: the light is that of the blurred phase
+// there, |½·Σ over two pixels of ∫ exp(iφ(x))·exp(−iπx) dx over w|², and a factor w² for the rows.
+TEST(Crosstalk, IsLightOfTheLitPartOfAPixel) {
+  Slm slm = make_panel(16, 4, 2, 0.5);
+  const double w = std::sqrt(0.5);
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return i % 2; });
+  for (const double sigma : {0.15, 0.3}) {
+    slm.effects.crosstalk = sigma;
+    const int points = 20000;
+    std::complex<double> sum = 0;
+    for (int k = 0; k < points; ++k) {
+      const double x = 2 * (k + 0.5) / points, from_middle = std::abs(x - std::floor(x) - 0.5);
+      if (from_middle > w / 2) continue;
+      double wave = 0.5;
+      for (int m = 1; m < 60; m += 2)  // exp(−(59π·0.15)²/2) is 0 to a double
+        wave += 2 / pi * std::sin(pi * m * x) / m * std::exp(-std::pow(pi * m * sigma, 2) / 2);
+      sum += std::polar(1.0, pi * wave - pi * x);
+    }
+    // The cells' midpoint rule errs as 5e-4 above; cells as if the pixel were lit throughout see more of the edges.
+    EXPECT_NEAR(efficiency_of(show(h, slm, with({"crosstalk"}, 3, 32)), 8), std::norm(sum / double(points)) * w * w,
+                5e-4)
+        << sigma;
+  }
+}
+
+// --- gaps ---------------------------------------------------------------------------------------
+
+TEST(Gaps, ShineOnWhatPixelsLeave) {
+  // A flat panel under gap light γ: order (0, 0) has F·t + (1 − F)·γ, order (1, 0) w·sinc(w)·w·(t − γ).
+  Slm slm = make_panel(9, 9, 4, 0.8);  // odd: the orders' waves are 1 at the pixels' centres
+  slm.effects.gap_amplitude = 0.6;
+  slm.effects.gap_phase = 0.7;
+  const std::complex<double> gap = std::polar(0.6, 0.7), t(0, 1);
+  const double w = std::sqrt(0.8);
+  for (const double sigma : {0.0, 0.2}) {
+    slm.effects.crosstalk = sigma;
+    const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 1; });
+    const Field f = show(h, slm, with({"gaps", "crosstalk"}, 5));
+    EXPECT_LT(std::abs(wave_in(f, 0, 0) - (0.8 * t + 0.2 * gap)), tolerance);
+    EXPECT_LT(std::abs(wave_in(f, 9, 0) - w * sinc(w) * w * (t - gap)), tolerance);
+    EXPECT_LT(std::abs(wave_in(f, 9, -18) - w * sinc(w) * w * sinc(2 * w) * (t - gap)), tolerance);
+  }
+}
+
+TEST(Gaps, OfFullAmplitudeKeepAllEnergy) {
+  // |t| = 1 everywhere: the panel sends on all light that falls on it. 65 orders per axis hold all but the tails of the
+  // edges between pixels and gaps, at most 2·2/(π²·65/2)·|t − γ|² = 1.3 % times |t − γ|² ≤ 4 per axis.
+  Slm slm = make_panel(6, 6, 256, 0.7);
+  slm.effects.gap_amplitude = 1;
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return 40 * i; });
+  Heard heard;
+  show(h, slm, with({"gaps"}, 65), heard.observer());
+  EXPECT_LT(heard.number("efficiency"), 1 + tolerance);
+  EXPECT_GT(heard.number("efficiency"), 1 - 2 * 4 * 0.013);
+  EXPECT_EQ(std::get<std::string>(heard.facts.at("effects")), "gaps");
+}
+
+// --- static errors ------------------------------------------------------------------------------
+
+TEST(StaticErrors, ZernikeTermsAreOrthonormalOverTheDisc) {
+  // The mean of Z·Z' over the disc: Gauss's rule is not needed, 400 rings and 64 angles leave (1/400)² of each ring.
+  const std::vector<std::pair<int, int>> terms{{0, 0}, {1, -1}, {1, 1}, {2, 0}, {2, 2}, {3, -1}, {4, 0}, {6, 0}};
+  for (const auto& a : terms)
+    for (const auto& b : terms) {
+      double sum = 0;
+      for (int r = 0; r < 400; ++r)
+        for (int t = 0; t < 64; ++t) {
+          const double rho = std::sqrt((r + 0.5) / 400), theta = 2 * pi * (t + 0.5) / 64;
+          sum += zernike(a.first, a.second, rho, theta) * zernike(b.first, b.second, rho, theta);
+        }
+      EXPECT_NEAR(sum / (400 * 64), a == b ? 1 : 0, 2e-4) << a.first << " " << a.second << ", " << b.first;
+    }
+  EXPECT_DOUBLE_EQ(zernike(2, 0, 1, 0), std::sqrt(3.0));  // √3·(2ρ² − 1)
+  EXPECT_NEAR(zernike(2, -2, 1, pi / 4), std::sqrt(6.0), 1e-15);
+}
+
+TEST(StaticErrors, TurnTheFieldPixelByPixel) {
+  Slm slm = make_panel(9, 7, 4);
+  slm.effects.aberration = {{1, 1, 0.5}};  // 2ρ·cos θ: a tilt by 2·0.5/R [rad/m], R the corner's distance
+  auto map = std::make_shared<Array2D<float>>(7, 9);
+  for (int j = 0; j < 7; ++j)
+    for (int i = 0; i < 9; ++i) (*map)(j, i) = float(0.1 * j);
+  slm.effects.phase_map = map;
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
+  // 21 samples per pixel: its middle shows it, but for the ringing of the edges, which weak phase steps keep small.
+  const Field f = show(h, slm, with({"aberration", "phase-map"}, 21));
+  const double radius = std::hypot(slm.grid.width(), slm.grid.height()) / 2;
+  for (int j = 0; j < 7; ++j)
+    for (int i = 1; i < 8; ++i) {
+      const double expected = slm.grid.x(i) / radius + 0.1 * j;
+      const std::complex<double> u(f.samples(21 * j + 10, 21 * i + 10));
+      EXPECT_NEAR(std::arg(u * std::polar(1.0, -expected)), 0, 0.03) << j << ", " << i;
+    }
+}
+
+TEST(StaticErrors, MoveTheGapsToo) {
+  // A mirror of even phase that is tilted by its map is one, whatever part of it is gap.
+  Slm slm = make_panel(8, 8, 4, 0.6);
+  auto map = std::make_shared<Array2D<float>>(8, 8);
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 8; ++i) (*map)(j, i) = float(0.2 * ((i * 5 + j * 3) % 7));
+  slm.effects.phase_map = map;
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
+  Slm full = slm;
+  full.fill_factor = 1;
+  slm.effects.gap_amplitude = 1;
+  const Field a = show(h, slm, with({"all"})), b = show(h, full, with({"all"}));
+  for (size_t i = 0; i < a.samples.size(); ++i)
+    EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // two transforms' rounding
+}
+
+// --- dead pixels --------------------------------------------------------------------------------
+
+TEST(DeadPixels, ShowTheirLevelWhateverTheyAreSent) {
+  Slm slm = make_panel(6, 5, 8);
+  slm.effects.dead_pixels = {{4, 3, 5}, {0, 0, 2}};
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 1; });
+  Hologram stuck = h;
+  stuck.level(3, 4) = 5;
+  stuck.level(0, 0) = 2;
+  EXPECT_EQ(show(h, slm, with({"dead-pixels"})).samples.values, show(stuck, slm, with({})).samples.values);
+}
+
+TEST(DeadPixels, TakeTheirFractionFromTheImageAndScatterIt) {
+  // A fraction f at random levels: order 0 keeps the amplitude 1 − k/N, k of N pixels dead, plus k random phasors: its
+  // mean over levels is 0 and its rms √k/N. k is binomial.
+  const int nx = 256, ny = 256;
+  const double f = 0.02, pixels = double(nx) * ny;
+  Slm slm = make_panel(nx, ny, 256);
+  slm.effects.dead_fraction = f;
+  const double dead = double(stuck_pixels(slm).size());
+  EXPECT_NEAR(dead, f * pixels, 4 * std::sqrt(pixels * f * (1 - f)));  // 4 σ
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
+  const Field field = show(h, slm, with({"dead-pixels"}, 1));
+  EXPECT_LT(std::abs(wave_in(field, 0, 0) - (1 - dead / pixels)), 4 * std::sqrt(dead) / pixels);
+  // Another seed, other pixels; the same one, the same.
+  Slm other = slm;
+  other.effects.dead_seed = 2;
+  EXPECT_EQ(show(h, slm, with({"dead-pixels"}, 1)).samples.values, field.samples.values);
+  EXPECT_NE(show(h, other, with({"dead-pixels"}, 1)).samples.values, field.samples.values);
+}
+
+// --- flicker ------------------------------------------------------------------------------------
+
+TEST(Flicker, AveragesARampOverItsDepths) {
+  // A ramp that ripples by ±q: its mean η₁ is that of sinc²(e) over e = q·sin θ. 16 even steps of θ integrate a smooth
+  // periodic function to rounding; 64 pixels to a period cost sinc²(1/64) and π²/3·64² = 8e-4 of the ripple's loss.
+  const int steps = 64;
+  Slm slm = make_panel(steps, 1, steps);
+  slm.effects.flicker = 0.2;
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return i; });
+  const ShowParams params = with({"flicker"});
+  double mean = 0, expected = 0;
+  const std::vector<Moment> all = moments(with_effects(slm, params.effects), params, test_wavelength);
+  EXPECT_EQ(all.size(), 16u);
+  for (const Moment& m : all) mean += m.weight * efficiency_of(show(h, slm, params, m), 1);
+  const int points = 1000;
+  for (int k = 0; k < points; ++k) {
+    const double e = 0.2 * std::sin(2 * pi * (k + 0.5) / points);
+    expected += std::pow(sinc(e), 2) / points;
+  }
+  EXPECT_LT(expected, 0.94);  // the loss is worth measuring: π²q²/6 = 6.6 %
+  EXPECT_NEAR(mean, expected * std::pow(sinc(1.0 / steps), 2), 1e-4);
+  // The mean moment has no ripple.
+  EXPECT_NEAR(efficiency_of(show(h, slm, params), 1), std::pow(sinc(1.0 / steps), 2), tolerance);
+}
+
+// --- complex modulation -------------------------------------------------------------------------
+
+TEST(ComplexModulation, ShowsPhaseAndAmplitudeIndependently) {
+  Slm slm = make_panel(8, 6, 256, 0.9);
+  slm.modulation = Modulation::complex;
+  Hologram h = make_hologram(slm, Modulation::complex, [](int i) { return i * 31 % 256; });
+  h.modulus_level = Array2D<uint16_t>(6, 8);
+  for (size_t i = 0; i < h.modulus_level.size(); ++i) h.modulus_level.values[i] = uint16_t(i * 53 % 256);
+  const Field f = show(h, slm, with({}, 1));
+  // As the sum of one hologram per pixel would be: by linearity in a·exp(iφ).
+  Field sum(f.grid, f.wavelength);
+  Hologram one = h;
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < 8; ++i) {
+      std::fill(one.modulus_level.values.begin(), one.modulus_level.values.end(), uint16_t(0));
+      one.modulus_level(j, i) = 255;
+      const Field pixel = show(one, slm, with({}, 1));
+      for (size_t k = 0; k < sum.samples.size(); ++k)
+        sum.samples.values[k] += pixel.samples.values[k] * (float(h.modulus_level(j, i)) / 255.0F);
+    }
+  for (size_t k = 0; k < sum.samples.size(); ++k)
+    EXPECT_LT(std::abs(sum.samples.values[k] - f.samples.values[k]), 1e-5);  // 48 terms of rounding 1e-7
+  h.modulus_level = {};
+  EXPECT_EQ(error_of([&] { show(h, slm, with({}, 1)); }),
+            "expected levels of amplitude beside those of phase in a complex hologram of 8 × 6 pixels, got 0 × 0");
+}
+
+// --- facts and errors ---------------------------------------------------------------------------
+
+TEST(Effects, AreToldOnAndOff) {
+  Slm slm = make_panel(8, 8, 4, 0.8);
+  slm.effects.gap_amplitude = 0.6;
+  slm.effects.flicker = 0.1;
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 1; });
+  Heard heard;
+  show(h, slm, with({"gaps"}), heard.observer());
+  EXPECT_EQ(std::get<std::string>(heard.facts.at("effects")), "gaps");
+  EXPECT_EQ(std::get<std::string>(heard.facts.at("effects_off")), "flicker");
+  EXPECT_TRUE(heard.warnings.empty());
+  show(h, slm, with({"crosstalk"}), heard.observer());
+  ASSERT_EQ(heard.warnings.size(), 1u);
+  EXPECT_EQ(heard.warnings[0],
+            "the SLM \"test\" has no crosstalk to turn on; write its figures in [slm] or the panel's file");
+  EXPECT_EQ(error_of([&] { show(h, slm, with({"crostalk"})); }),
+            "unknown effect \"crostalk\"; did you mean \"crosstalk\"?");
+}
+
+TEST(Effects, OutOfRangeAreRefused) {
+  const auto error = [](const std::function<void(Slm&)>& change) {
+    Slm slm = make_panel(8, 4, 3);
+    change(slm);
+    return error_of([&] { check_slm(slm); });
+  };
+  EXPECT_EQ(error([](Slm& s) {
+              s.effects.calibration = {{0, 1}, {1, 1}};
+            }),
+            "expected a calibration of 3 levels, as many as the panel has, got 2");
+  EXPECT_EQ(error([](Slm& s) {
+              s.effects.calibration = {{0, 1}, {2, 1}, {1.5, 1}};
+            }),
+            "expected a calibration whose phase never falls, got 1.5 rad after 2 rad at level 2");
+  EXPECT_EQ(error([](Slm& s) {
+              s.effects.calibration = {{0, 1}, {2, 1.5}, {3, 1}};
+            }),
+            "expected calibrated amplitudes in [0, 1], got 1.5 at level 1");
+  EXPECT_EQ(error([](Slm& s) {
+              s.effects.dead_pixels = {{8, 1, 0}};
+            }),
+            "expected dead pixels on the panel of 8 × 4 pixels, got column 8, row 1");
+  EXPECT_EQ(error([](Slm& s) {
+              s.effects.dead_pixels = {{7, 1, 3}};
+            }),
+            "expected dead pixels at a level below 3, got 3 at column 7, row 1");
+  EXPECT_EQ(error([](Slm& s) { s.effects.dead_fraction = 1.5; }),
+            "expected a fraction of dead pixels in [0, 1], got 1.5");
+  EXPECT_EQ(error([](Slm& s) {
+              s.effects.aberration = {{2, 1, 0.1}};
+            }),
+            "expected Zernike terms with 0 ≤ n ≤ 20, |m| ≤ n and n − |m| even, got n = 2, m = 1");
+  EXPECT_EQ(error([](Slm& s) { s.fill_x = 0.9; }),
+            "expected fill_x and fill_y, which belong together, got 0.9 in x, 0 in y; give both");
+  EXPECT_EQ(error([](Slm& s) { s.fill_x = s.fill_y = 1.5; }),
+            "expected fill factors of both axes in (0, 1], or of neither, got 1.5 in x, 1.5 in y");
+  EXPECT_EQ(error([](Slm& s) { s.effects.phase_map = std::make_shared<Array2D<float>>(4, 7); }),
+            "expected a phase map of 8 × 4 pixels, as the panel has, got 7 × 4");
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,264 @@
+// Pictures with depths as slices of space.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/base/units.h"
+#include "holotrace/wave/layers/depth_layers.h"
+#include "holotrace/wave/propagate/propagate.h"
+#include "support/fields.h"
+#include "support/panels.h"
+
+namespace holotrace {
+namespace {
+
+using namespace literals;
+using testing::relative_error;
+
+constexpr double green = 532_nm;
+
+DepthImage make_depth_image(int nx, int ny, double depth, int channels = 1) {
+  DepthImage image{Image(ny, nx, channels), Array2D<float>(ny, nx, float(depth))};
+  for (size_t i = 0; i < image.picture.values.size(); ++i) image.picture.values[i] = float(i % 7) / 7;
+  return image;
+}
+
+DepthImageParams constant_phase() {
+  DepthImageParams params;
+  params.phase = SourcePhase::constant;
+  return params;
+}
+
+SynthesizeParams slices(int count, bool has_silhouettes = false) {
+  SynthesizeParams params;
+  params.slices = count;
+  params.has_silhouettes = has_silhouettes;
+  return params;
+}
+
+// Pixels as large as the panel's are samples, of amplitude √L to a few roundings of a float; the field is free space
+// over the depth. Light up to the raster's Nyquist frequency ends at its box: 0.03 m·tan = 1 mm, the panel's half side
+// is 0.25 mm and the light's window as large, so that what rings beyond the box, 1/(√2·π·v) with v = 0.5 mm·√(2/(λ·0.03
+// m)) = 5.6, may differ by 4 % at its edge between propagators and by far less in the sum.
+TEST(DepthLayers, OfPixelsLikeThePanelsAreFreeSpace) {
+  const Grid panel{64, 48, 8_um};
+  const DepthImage image = make_depth_image(64, 48, 0.03_m);
+  const SliceStack stack = slice_depth_image(image, panel, green, constant_phase(), {});
+  ASSERT_EQ(stack.depths.size(), 1U);
+  const Slice slice = stack.make(0);
+  ASSERT_EQ(slice.light.grid, panel);
+  for (size_t i = 0; i < slice.light.samples.size(); ++i)
+    EXPECT_NEAR(std::abs(slice.light.samples.values[i] - std::sqrt(image.picture.values[i])), 0, 5e-7) << i;
+  const Field field = sum_depth_image(image, panel, green, constant_phase(), {});
+  EXPECT_EQ(field.z, 0);
+  EXPECT_LT(relative_error(field, propagate(slice.light, 0.03_m)), 0.02);
+}
+
+TEST(DepthLayers, PutEachPixelIntoTheSliceOfItsDepth) {
+  DepthImage image = make_depth_image(60, 40, 0.2_m);
+  for (int j = 0; j < 40; ++j)
+    for (int i = 0; i < 60; ++i) {
+      image.picture(j, i) = 1;
+      image.depth(j, i) = i < 20 ? 0.0F : i < 40 ? 0.19F : 0.21F;  // nothing, near, far
+    }
+  const Grid panel{60, 40, 8_um};
+  const SliceStack stack = slice_depth_image(image, panel, green, {}, slices(0, true));
+  ASSERT_EQ(stack.depths.size(), 2U);
+  EXPECT_FLOAT_EQ(float(stack.depths[0]), 0.21F);
+  EXPECT_FLOAT_EQ(float(stack.depths[1]), 0.19F);
+  const Slice far = stack.make(0), near = stack.make(1);
+  for (int i = 0; i < 60; ++i) {
+    EXPECT_NEAR(std::abs(far.light.samples(17, i)), i >= 40, 1e-6);
+    EXPECT_NEAR(std::abs(near.light.samples(17, i)), i >= 20 && i < 40, 1e-6);
+    EXPECT_EQ(near.mask(17, i), float(i >= 20 && i < 40));
+  }
+  EXPECT_EQ(slice_depth_image(image, panel, green, {}, slices(1)).depths.size(), 1U);
+  for (float& light : image.picture.values) light = 0;  // what is dark hides too
+  EXPECT_EQ(slice_depth_image(image, panel, green, {}, slices(0, true)).make(1).mask(17, 30), 1);
+}
+
+// Slices as thick as the tolerance allows: the fact is the largest error of even light, and no more slices than depths.
+TEST(DepthLayers, AreAsManyAsTheToleranceNeeds) {
+  DepthImage image = make_depth_image(256, 2, 0.2_m);
+  for (int i = 0; i < 256; ++i) image.depth(0, i) = image.depth(1, i) = float(0.195 + 0.01 * i / 255);
+  const Grid panel{128, 100, 8_um};
+  for (const double tolerance : {1e-1, 1e-2}) {
+    SynthesizeParams params;
+    params.tolerance = tolerance;
+    Heard heard;
+    const SliceStack stack = slice_depth_image(image, panel, green, {}, params, 0, heard.observer());
+    EXPECT_LE(heard.number("largest_depth_error"), 0.8 * tolerance);
+    EXPECT_LT(stack.depths.size(), 256U);
+  }
+  SynthesizeParams fine;
+  fine.tolerance = 1e-6;
+  EXPECT_EQ(slice_depth_image(image, panel, green, {}, fine).depths.size(), 256U);
+}
+
+// A bright pixel off the axis stands at its place: on a slide at the same place at every depth, in perspective on its
+// ray.
+TEST(DepthLayers, PlacePixelsByTheirProjection) {
+  const Grid panel{201, 151, 8_um};
+  for (const double depth : {0.02_m, 0.04_m}) {
+    DepthImage image = make_depth_image(41, 31, depth);
+    for (float& light : image.picture.values) light = 0;
+    image.picture(5, 30) = 1;  // 10 pixels right of the middle, 10 above
+    const auto middle_of_light = [&](const DepthImageParams& params) {
+      const Slice slice = slice_depth_image(image, panel, green, params, {}).make(0);
+      Vec2 sum{0, 0};
+      double weight = 0;
+      for (int j = 0; j < slice.light.grid.ny; ++j)
+        for (int i = 0; i < slice.light.grid.nx; ++i) {
+          const double light = std::norm(std::complex<double>(slice.light.samples(j, i)));
+          sum.x += light * slice.light.grid.x(i), sum.y += light * slice.light.grid.y(j);
+          weight += light;
+        }
+      return Vec2{sum.x / weight, sum.y / weight};
+    };
+    DepthImageParams params = constant_phase();
+    params.width = 41 * 32_um;
+    // A triangle of light 2 pixels wide on samples of a quarter of a pixel: its middle is right to a part of a sample.
+    Vec2 at = middle_of_light(params);
+    EXPECT_NEAR(at.x, 320_um, 2_um);
+    EXPECT_NEAR(at.y, 320_um, 2_um);
+    params.width = 0;
+    params.projection = Projection::perspective;
+    params.field_of_view = 0.02;
+    at = middle_of_light(params);
+    const double pixel = 2 * depth * std::tan(0.02) / 41;
+    EXPECT_NEAR(at.x, 10 * pixel, 2_um);
+    EXPECT_NEAR(at.y, 10 * pixel, 2_um);
+  }
+}
+
+TEST(DepthLayers, AverageWhatIsFinerThanSamples) {
+  DepthImage image = make_depth_image(40, 40, 0.1_m);
+  for (int j = 0; j < 40; ++j)
+    for (int i = 0; i < 40; ++i) image.picture(j, i) = float(i % 2);  // fine stripes: half the light
+  const Grid panel{20, 20, 8_um};
+  const Slice slice = slice_depth_image(image, panel, green, constant_phase(), {}).make(0);
+  for (const auto& u : slice.light.samples.values) EXPECT_NEAR(std::norm(u), 0.5, 1e-6);
+}
+
+// Of pixels four samples wide, light between their middles is bilinear.
+TEST(DepthLayers, AreSmoothBetweenPixelsThatAreCoarserThanSamples) {
+  const Grid panel{32, 24, 8_um};
+  const DepthImage image = make_depth_image(8, 6, 0.03_m);
+  DepthImageParams params = constant_phase();
+  params.projection = Projection::orthographic;
+  params.width = panel.width();
+  const Slice slice = slice_depth_image(image, panel, green, params, {}).make(0);
+  ASSERT_EQ(slice.light.grid, panel);
+  for (int j = 2; j < 22; ++j)  // half a pixel from the picture's edges, where it has no neighbours
+    for (int i = 2; i < 30; ++i) {
+      const double x = (i + 0.5) / 4 - 0.5, y = (j + 0.5) / 4 - 0.5;
+      const int k = int(x), l = int(y);
+      const double s = x - k, t = y - l;
+      const auto pixel = [&](int row, int column) { return double(image.picture(row, column)); };
+      const double light = (1 - t) * ((1 - s) * pixel(l, k) + s * pixel(l, k + 1)) +
+                           t * ((1 - s) * pixel(l + 1, k) + s * pixel(l + 1, k + 1));
+      EXPECT_NEAR(std::norm(std::complex<double>(slice.light.samples(j, i))), light, 1e-6) << j << " " << i;  // floats
+    }
+}
+
+TEST(DepthLayers, HaveRandomPhasesOfTheSeedAndTheFrame) {
+  const Grid panel{100, 80, 8_um};
+  DepthImage image = make_depth_image(100, 80, 0.1_m);
+  for (float& light : image.picture.values) light = 1;
+  const auto light = [&](int64_t seed, uint32_t frame) {
+    DepthImageParams params;
+    params.seed = seed;
+    return slice_depth_image(image, panel, green, params, {}, frame).make(0).light.samples.values;
+  };
+  const auto first = light(1, 0);
+  EXPECT_EQ(first, light(1, 0));
+  EXPECT_NE(first, light(2, 0));
+  EXPECT_NE(first, light(1, 1));
+  std::complex<double> sum = 0;
+  for (size_t i = 0; i < first.size(); ++i) {
+    EXPECT_NEAR(std::abs(first[i]), 1, 1e-6);
+    sum += std::complex<double>(first[i]);
+  }
+  EXPECT_LT(std::abs(sum), 4 * std::sqrt(double(first.size())));  // a random walk; exp(−16) to be further
+}
+
+TEST(DepthLayers, TakeTheLightOfTheirWavelength) {
+  DepthImage image = make_depth_image(4, 4, 0.1_m, 3);
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i)
+      image.picture(j, i, 0) = 0.9F, image.picture(j, i, 1) = 0.4F, image.picture(j, i, 2) = 0.1F;
+  const Grid panel{4, 4, 8_um};
+  const auto light = [&](double wavelength) {
+    return std::norm(slice_depth_image(image, panel, wavelength, constant_phase(), {}).make(0).light.samples(1, 2));
+  };
+  EXPECT_NEAR(light(630_nm), 0.9, 1e-6);
+  EXPECT_NEAR(light(532_nm), 0.4, 1e-6);
+  EXPECT_NEAR(light(460_nm), 0.1, 1e-6);
+  EXPECT_NEAR(light(581_nm), 0.65, 1e-6);  // half way between red and green
+}
+
+// Two shapes at two depths: light propagated back to a depth is in focus where the shape of that depth stands. In focus
+// a shape's samples hold their light and the dark samples beside it hold none.
+TEST(DepthLayers, FocusAtTheirDepths) {
+  const Grid panel{256, 192, 8_um};
+  DepthImage image = make_depth_image(256, 192, 0);
+  for (float& light : image.picture.values) light = 0;
+  const auto stripe = [&](int from, float depth) {  // of fine bars, 4 samples wide
+    for (int j = 60; j < 132; ++j)
+      for (int i = from; i < from + 64; ++i) {
+        image.picture(j, i) = float(i / 4 % 2);
+        image.depth(j, i) = depth;
+      }
+  };
+  stripe(40, 0.03F);
+  stripe(150, 0.05F);
+  const Field field = sum_depth_image(image, panel, green, {}, {});
+  const auto contrast = [&](int from, double distance) {  // light of bars over light between them
+    const Field back = propagate(field, -distance);
+    double bright = 0, dark = 0;
+    for (int j = 60; j < 132; ++j)
+      for (int i = from; i < from + 64; ++i) (i / 4 % 2 ? bright : dark) += std::norm(back.samples(j, i));
+    return bright / dark;
+  };
+  // A panel of 2 × 1.5 mm resolves λd/S = 8 … 18 µm of bars of 32 µm; 20 mm out of focus they are spread over 1.3 mm.
+  EXPECT_GT(contrast(40, 0.03), 4);
+  EXPECT_GT(contrast(150, 0.05), 3);
+  EXPECT_LT(contrast(40, 0.05), 1.2);
+  EXPECT_LT(contrast(150, 0.03), 1.2);
+  EXPECT_GT(contrast(40, 0.03), 2 * contrast(40, 0.0305));  // depth of focus 2λd²/S² = 0.24 mm
+}
+
+TEST(DepthLayers, RefuseWhatIsNoPictureWithDepths) {
+  const Grid panel{16, 12, 8_um};
+  DepthImage image = make_depth_image(8, 6, 0.1_m);
+  const auto error = [&](DepthImageParams params, SynthesizeParams synthesis = {}) {
+    return error_of([&] { sum_depth_image(image, panel, green, params, synthesis); });
+  };
+  DepthImageParams params;
+  EXPECT_EQ(error(params), "no error");
+  params.phase = SourcePhase::path;
+  EXPECT_EQ(error(params), "expected the phase random or constant for a picture with depth");
+  params = {};
+  params.width = -1_mm;
+  EXPECT_EQ(error(params), "expected a length of 0 m or more for \"width\", got -1 mm");
+  params = {};
+  params.field_of_view = 0.1;
+  EXPECT_EQ(error(params).rfind("expected no field of view with the projection orthographic", 0), 0U);
+  params.projection = Projection::perspective;
+  params.width = 1_mm;
+  EXPECT_EQ(error(params).rfind("expected no width with the projection perspective, got 1 mm", 0), 0U);
+  EXPECT_EQ(error({}, slices(-1)), "expected a whole number of 0 or more for \"slices\", got -1");
+  image.depth(2, 3) = -0.1F;
+  EXPECT_EQ(error({}).rfind("expected depths of 0 m (nothing there) or more, got -0.1 m at row 2, column 3", 0), 0U);
+  for (float& depth : image.depth.values) depth = 0;
+  EXPECT_EQ(error({}), "expected a pixel with a depth above 0 m, got none");
+  image.depth = Array2D<float>(6, 7);
+  EXPECT_EQ(error({}), "expected a depth for each of 8 × 6 pixels, got 7 × 6; make both pictures one size");
+  image = make_depth_image(8, 6, 0.1_m);
+  image.picture(1, 2) = -1;
+  EXPECT_EQ(error({}), "expected light of 0 or more in a picture, got -1 at row 1, column 2");
+}
+
+}  // namespace
+}  // namespace holotrace
