@@ -18,6 +18,8 @@ TEST(TimeLeft, OfAWorkTakenUpAgainCountsFromThere) {
   // Half was done before; a tenth of the whole takes 10 s.
   TimeLeft left;
   EXPECT_FALSE(left.estimate(0.1, 0.5));
+  EXPECT_FALSE(left.estimate(0.9, 0.508)) << "less than a fiftieth of the rest";
+  EXPECT_TRUE(left.estimate(1.3, 0.512)) << "more than a fiftieth of the rest, though not of the whole";
   EXPECT_NEAR(*left.estimate(10.1, 0.6), 40, 1e-9);
   EXPECT_NEAR(*left.estimate(20.1, 0.7), 30, 1e-9);
 }

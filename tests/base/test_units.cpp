@@ -62,6 +62,7 @@ TEST(Units, SizesHaveUnitsOfAThousandOr1024) {
   EXPECT_EQ(parse_size("1.5kB"), 1500);
   EXPECT_EQ(parse_size("256 MiB"), 256.0 * 1024 * 1024);
   EXPECT_EQ(parse_size("1 TiB"), 0x1p40);
+  EXPECT_EQ(parse_size("3 TB"), 3e12);
   EXPECT_EQ(parse_size("7 B"), 7);
   EXPECT_EQ(error_of([] { parse_size("2"); }),
             "expected a size with its unit, such as \"2 GB\", got \"2\" without a unit");
@@ -69,6 +70,13 @@ TEST(Units, SizesHaveUnitsOfAThousandOr1024) {
             "expected a size in one of the units B, kB, MB, GB, TB, KiB, MiB, GiB, TiB, got \"2 GHz\"");
   EXPECT_EQ(error_of([] { parse_size("0 GB"); }), "expected a size above 0 B, got \"0 GB\"");
   EXPECT_EQ(error_of([] { parse_size("1 GB 2 GB"); }), "expected one size, got 2 in \"1 GB 2 GB\"");
+}
+
+TEST(Units, PeopleReadSizesInTheUnitThatSuits) {
+  EXPECT_EQ(format_bytes(1023), "1023 B");
+  EXPECT_EQ(format_bytes(1024), "1 KiB");
+  EXPECT_EQ(format_bytes(2.5 * 1024 * 1024), "2.5 MiB");
+  EXPECT_EQ(format_bytes(0x1p50), "1024 TiB");  // the largest unit goes on
 }
 
 TEST(Units, PeopleReadLengthsInTheUnitThatSuits) {

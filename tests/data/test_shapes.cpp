@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -163,14 +164,30 @@ TEST(Shapes, ALatheOfAClosedProfileIsARing) {
   EXPECT_NEAR(volume(ring), 3 * polygon_area(16), 1e-13);  // (2² − 1²)·1
 }
 
+TEST(Shapes, ALatheOfAThinShellTurnsOutwardEitherWayRound) {
+  // A slanted shell: ten short steps outside, one long step inside. Its volume is small, so that a sum which is not
+  // exactly that of cones would have the wrong sign.
+  std::vector<Vec2> profile;
+  for (int i = 0; i <= 10; ++i) profile.push_back({1 + 0.1 * i + 0.02 * (i > 0 && i < 10), 0.1 * i});
+  profile.push_back(profile.front());
+  for (int turn = 0; turn < 2; ++turn) {
+    const Mesh shell = make_lathe(profile, 16);
+    EXPECT_TRUE(is_closed(shell));
+    EXPECT_GT(volume(shell), 0);
+    std::reverse(profile.begin(), profile.end());
+  }
+}
+
 TEST(Shapes, ALatheKeepsCreasesAndSmoothsTheRest) {
-  // 20° is smooth: the two steps share the normal between theirs. 90° is a crease.
+  // 20° is smooth: the two steps share the normal between theirs. 40° and 90° are creases: the limit is 30°.
   const double turn = 20 * pi / 180;
   const Mesh bend = make_lathe({{1, 0}, {1, 1}, {1 - std::sin(turn), 1 + std::cos(turn)}}, 8);
   EXPECT_EQ(bend.positions.size(), 3u * 9);  // one ring per point, the seam twice
   EXPECT_NEAR(bend.normals[9].y, std::sin(turn / 2), 1e-15);
   const Mesh corner = make_lathe({{1, 0}, {1, 1}, {0, 1}}, 8);
   EXPECT_EQ(corner.positions.size(), 4u * 9);  // the crease has two rings
+  const double sharp = 40 * pi / 180;
+  EXPECT_EQ(make_lathe({{1, 0}, {1, 1}, {1 - std::sin(sharp), 1 + std::cos(sharp)}}, 8).positions.size(), 4u * 9);
 }
 
 TEST(Shapes, AnExtrusionOfAConcaveOutlineHasItsVolumeEitherWayRound) {

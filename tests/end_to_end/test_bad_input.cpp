@@ -114,7 +114,7 @@ TEST(BadInput, NumbersThatAreNotFiniteOrOutOfRangeAreRefused) {
       {"\"532 nm\"", "\"-532 nm\"", {"wavelength", "-532"}},
       {"\"8 um\"", "\"-8 um\"", {"pitch", "-8"}},
       {"\"8 um\"", "\"0 um\"", {"pitch", "above 0"}},
-      {"columns = 256", "columns = 0", {"1 × 1 pixels", "0 × 192"}},
+      {"columns = 256", "columns = 0", {"1 or more", "columns", "got 0"}},
       {"columns = 256", "columns = -5", {"columns", "-5"}},
       {"columns = 256", "columns = 25.5", {"whole number", "25.5"}},
       {"paths = 4", "paths = 0", {"paths", "1 or more"}},
@@ -368,7 +368,7 @@ TEST(BadInput, FlagsOfTheWrongKindAreNamed) {
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--method", "tield"}, {"did you mean \"tiled\""});
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "small"},
                {"--tolerance:", "number", "small"});
-  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "-1"}, {"tolerance", "(0, 1)", "-1"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "-1"}, {"tolerance", "above 0 and below 1", "-1"});
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--wavelength", "-1 nm"}, {"wavelength", "above 0"});
   expect_error(work, {"encode", f, "-o", "h.png", "--method", "phaze"}, {"did you mean \"phase\""});
   expect_error(work, {"encode", f, "-o", "h.png", "--levels", "1"}, {"levels", "2 to"});
@@ -405,8 +405,8 @@ TEST(BadInput, FlagsThatWouldBeIgnoredAreRefused) {
   expect_error(work, with(angle, {"--frames", "30"}), {"--frames", "--size"});
   expect_error(work, {"limits", "--order", "2"}, {"--order", "--period"});
   expect_error(work, {"limits", "--colours", "3"}, {"--colours", "--frames"});
-  expect_error(work, {"limits", "--frames", "-30"}, {"frames per second", "-30"});
-  expect_error(work, {"limits", "--frames", "30", "--colours", "0"}, {"1 colour or more", "0"});
+  expect_error(work, {"limits", "--frames", "-30"}, {"--frames", "above 0", "-30"});
+  expect_error(work, {"limits", "--frames", "30", "--colours", "0"}, {"--colours", "1 or more", "0"});
 }
 
 TEST(BadInput, AFieldIsNotComparedWithAnImage) {

@@ -95,9 +95,6 @@ TEST(BadScene, NumbersAndPlacesTellWhatCame) {
                   "--eye: expected a length of 0 m or more for z, got -1 mm");
   expect_sentence(work, {"field", "scene.toml", "-o", "f.exr", "--wavelength", "638 nm, 532 nm, 450 nm"},
                   "expected .npy or .h5 for a field of 3 wavelengths, got f.exr; .exr holds one");
-  expect_sentence(work, {"run", "scene.toml", "-o", "out", "--phase", "random", "--strategy", "gather"},
-                  "expected the phase surface, path or laser with the strategy gather, got random: every pixel finds "
-                  "points of its own, so phases that are not the surface's would make noise of the field, not waves");
 }
 
 TEST(BadScene, ALightInsideAWallIsBlackAndNoError) {

@@ -298,13 +298,14 @@ TEST(Commands, EstimateProbesTheScene) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
-  // The scene's 48×48 rays are fewer than the probe's 64×64: what it finds is what the run finds.
+  // A probe of fewer rays than the scene's 48×48 knows where surfaces end to a column and a row of its raster, of 23 or
+  // more: 2/23 of each count.
   succeed(work, {"run", "scene.toml", "-o", "out"});
   const auto report = nlohmann::json::parse(work.read("out/report.json"));
   for (const auto& stage : report.at("stages")) {
     if (stage.at("stage") != "trace") continue;
     for (const char* name : {"paths", "rays", "shadow_rays", "waves"})
-      EXPECT_EQ(cost.at(name).get<double>(), stage.at(name).get<double>()) << name;
+      EXPECT_NEAR(cost.at(name).get<double>() / stage.at(name).get<double>(), 1, 2.0 / 23) << name;
   }
   for (const char* name : {"trace_seconds", "synthesis_seconds", "simulation_seconds"})
     EXPECT_GT(cost.at(name).get<double>(), 0) << name;

@@ -24,7 +24,8 @@ std::vector<std::string> encode_arguments(const std::string& method) {
           "--method", method,        "-o",    "h.png",      "--target-columns", "160",    "--target-rows",      "96"};
 }
 
-// How near the picture comes, on both sides of the panel. Floors: what was measured less 2 dB, rounded down; a view of
+// How near the picture comes, on both sides of the panel. Floors: what was measured less 2 dB, rounded down, with light
+// integrated over the pixels (sgd looks at their middles alone, where it has 33 dB; over the pixels 27.3). A view of
 // nothing, or of noise, has less than 12 dB, as the picture's own spread says.
 TEST(EncodePicture, EveryEncoderShowsItOnBothSides) {
   const Workplace work;
@@ -34,7 +35,7 @@ TEST(EncodePicture, EveryEncoderShowsItOnBothSides) {
                                              {"error-diffusion", 19},
                                              {"gerchberg-saxton", 22},
                                              {"weighted-gerchberg-saxton", 20},
-                                             {"sgd", 30}};
+                                             {"sgd", 25}};
   for (const auto& [method, floor] : floors)
     for (const char* side : {"virtual", "real"}) {
       std::vector<std::string> arguments = encode_arguments(method);

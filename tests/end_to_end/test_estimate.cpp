@@ -125,11 +125,10 @@ TEST(EstimateCommand, HasAllStagesOfAnObjectThatACoarseRasterMisses) {
 // Where the stages of the display cannot run there is no total.
 TEST(EstimateCommand, HasNoTotalOfAPart) {
   const Workplace work;
-  std::string scene = mesh_scene();
-  scene.replace(scene.find("\"30 mm\""), 7, "\"30 mm\"\nbinning = 5000");  // the panel has 256
-  work.write("scene.toml", scene);
+  // Steeper than the panel's fringes, which only the encoder finds.
+  work.write("scene.toml", mesh_scene() + "[encode]\nmethod = \"off-axis\"\nreference_angle_x = \"30 deg\"\n");
   const auto cost = json_of(work, {"estimate", "scene.toml", "--json"});
-  EXPECT_NE(cost.at("why_no_simulation").get<std::string>().find("binning"), std::string::npos);
+  EXPECT_NE(cost.at("why_no_simulation").get<std::string>().find("reference"), std::string::npos);
   for (const char* key : {"seconds", "simulation_seconds", "render_seconds"})
     EXPECT_TRUE(cost.at(key).is_null()) << key;
   EXPECT_GT(cost.at("trace_seconds").get<double>(), 0);

@@ -122,11 +122,11 @@ TEST(Irradiance, OfAWallUnderAPointIsTheMeanIntensityByEveryStrategy) {
 }
 
 TEST(Irradiance, OfAWallUnderASquareLampIsTheMeanIntensityByEveryStrategy) {
-  // u × v points to −z: it shines onto the wall and is not seen.
-  expect_irradiance(
-      RectangleLight{
-          {-half_lamp, -half_lamp, -depth + height}, {0, 2 * half_lamp, 0}, {2 * half_lamp, 0, 0}, {1, 1, 1}},
-      under_a_square);
+  // u × v points to −z: it shines onto the wall. It does not hide the wall, so that the panel sees all of it.
+  RectangleLight lamp{
+      {-half_lamp, -half_lamp, -depth + height}, {0, 2 * half_lamp, 0}, {2 * half_lamp, 0, 0}, {1, 1, 1}};
+  lamp.is_visible = false;
+  expect_irradiance(lamp, under_a_square);
 }
 
 }  // namespace

@@ -111,7 +111,8 @@ TEST(Recognisable, TheMoreTheMoreFramesAreShown) {
   const Image picture = render(job.scene, job.slm.grid, test_wavelength, as_lens);
   const std::vector<Sources> sources = trace(job.scene, job.slm.grid, job.wavelengths, job.trace);
   CameraParams camera = job.camera;
-  camera.binning = 1;  // unbinned: all the speckle
+  camera.binning = 1;
+  camera.sampling = PixelSampling::point;  // all the speckle: pixels that integrate average some of it
   ViewSum by_field, by_hologram;
   std::vector<double> of_field, of_hologram;
   for (uint32_t frame = 0; frame < 16; ++frame) {

@@ -124,6 +124,11 @@ TEST(Limits, ThePapersFigures) {
   EXPECT_NEAR(pixel_rate(std::pow(0.1 / 1.58e-6, 2), 3, 30), 3.6e11, 0.01e11);
 }
 
+TEST(WantedPixels, OfASizeThatDividesEvenlyAreNoneTooMany) {
+  EXPECT_EQ(wanted_pixels(1.1, 0.1), 11);  // 11.000000000000002 in double
+  EXPECT_EQ(wanted_pixels(1.11, 0.1), 12);
+}
+
 TEST(WantedSize, ResolvesWhatIsWanted) {
   const double side = wanted_size(532_nm, 0.3_m, 10_um);
   EXPECT_DOUBLE_EQ(side, 532e-9 * 0.3 / 1e-5);

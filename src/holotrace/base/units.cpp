@@ -156,7 +156,7 @@ std::string format_bytes(double bytes) {
     bytes /= 1024;
     ++i;
   }
-  return fmt::format("{:.3g} {}", bytes, names[i]);
+  return fmt::format("{:.{}g} {}", bytes, bytes < 1000 ? 3 : 4, names[i]);
 }
 
 }  // namespace holotrace

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
+#include "holotrace/data/acceptance.h"
 #include "holotrace/data/grid.h"
 
 namespace holotrace {
@@ -9,17 +11,20 @@ namespace holotrace {
 /// Amplitude on the panel, head-on, of the wave of a luminous point whose radiance is 1 W/m²/sr [√(W/m²)].
 ///
 /// A point stands for a patch of that radiance as large as the smallest spot that the panel can show at its depth d:
-/// λd/W by λd/H, for a panel of W × H. Its solid angle is Ω = λ²/(W·H) at every depth, and so
+/// λd/W' by λd/H', W' × H' being the part of the panel that the point's wave lights, W' = min(W, 2R) (box_radius). The
+/// solid angle of the patch is Ω = λ²/(W'·H'), and so
 ///
-///     |U|² = L·Ω = L·λ²/(W·H)                              (L·dΩ, as every patch of a surface brings)
+///     |U|² = L·Ω = L·λ²/(W'·H')                            (L·dΩ, as every patch of a surface brings)
 ///
-/// In a view in focus the spot of such a point is as bright at its peak, |U|²·(W·H)²/(λd)² = L·W·H/d², as a surface of
-/// the radiance L, whose image has the irradiance L·W·H/d². Points nearer to each other than that spot add up.
+/// In a view in focus the spot of such a point is as bright at its peak, |U|²·(W'·H')²/(λd)² = L·W'·H'/d², as a surface
+/// of the radiance L there. Points nearer to each other than that spot add up.
 ///
 /// @param panel       W × H [m]
-/// @param wavelength  λ [m]; of several, the first of the scene: a point has one strength for all of them
-inline double point_amplitude(const Grid& panel, double wavelength) {
-  return wavelength / std::sqrt(panel.width() * panel.height());
+/// @param wavelength  λ [m]; of several, that of the view (view_wavelength): a point has one strength for all of them
+/// @param depth       d of the point [m], above 0
+inline double point_amplitude(const Grid& panel, double wavelength, double depth) {
+  const double box = 2 * box_radius(depth, wavelength, panel.pitch);
+  return wavelength / std::sqrt(std::min(panel.width(), box) * std::min(panel.height(), box));
 }
 
 }  // namespace holotrace

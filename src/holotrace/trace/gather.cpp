@@ -36,7 +36,7 @@ struct Gathering {
   Grid accepting;          // a panel that accepts the rays' directions
   double widest;           // wavelength whose acceptance the rays fill
   double side;             // of the cells of equal surface phase
-  double point_amplitude;  // on the panel, of a luminous point of 1 W/m²/sr
+  double view_wavelength;  // of the strength of luminous points
 };
 
 /// Rays of one half of a pixel's (the even or the odd ones) that have found one cell: their squared amplitudes, and the
@@ -150,6 +150,7 @@ void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
     const Vec3 way = point.position - pixel;
     const double depth = -point.position.z, distance = length(way);
     if (g.scene.accelerator.is_occluded(pixel, point.position)) continue;
+    const double amplitude = point_amplitude(g.panel, g.view_wavelength, depth) * point.amplitude;
     for (size_t i = 0; i < g.sets.size(); ++i) {
       const double radius = box_radius(depth, g.sets[i].cone(), g.panel.pitch);
       if (!g.sets[i].has_points || std::abs(way.x) > radius || std::abs(way.y) > radius) continue;
@@ -158,8 +159,7 @@ void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
       for (size_t frame = 0; frame < frames; ++frame) {
         const double random =
             key == Sources::no_phase_key ? 0 : random_phase(uint64_t(g.params.seed), uint32_t(frame), key);
-        const std::complex<double> wave =
-            g.point_amplitude * point.amplitude * depth / distance * cis_cycles(cycles + random / (2 * pi));
+        const std::complex<double> wave = amplitude * depth / distance * cis_cycles(cycles + random / (2 * pi));
         for (auto* sum : {&sums.whole, &sums.halves[0], &sums.halves[1]}) (*sum)[i * frames + frame] += wave;
       }
     }
@@ -268,7 +268,7 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : sets) has_laser |= set.has_laser;
     gather_group({path_scene, params, panel, sets, accepting_panel(panel, params), cones.of_rays, side,
-                  point_amplitude(panel, wavelengths.front())},
+                  view_wavelength(wavelengths, params.has_common_cone)},
                  part_of(observer, int(g), int(groups.size())), found, agreement, fields);
   }
   report(found.counts, params.max_depth, observer);

@@ -96,9 +96,8 @@ void add_between(Image& image, double column, double row, Vec3 light) {
     }
 }
 
-/// Adds the luminous points that fall into the picture and that no mesh hides. One of 1 W/m²/sr has the amplitude
-/// `unit` on the panel.
-void draw_points(const Accelerator& scene, const Eye& eye, double unit, Image& image) {
+/// Adds the luminous points that fall into the picture and that no mesh hides.
+void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, double wavelength, Image& image) {
   const Vec3 from = eye.lens == Lens::panel ? Vec3{} : eye.position;
   for (const ScenePoint& point : scene.scene().points) {
     const Vec3 way = point.position - from;
@@ -110,7 +109,8 @@ void draw_points(const Accelerator& scene, const Eye& eye, double unit, Image& i
     if (!is_inside || scene.is_occluded(from, point.position)) continue;
     const double distance = length(way), cosine = -way.z / distance;
     const double side = eye.pixel * eye.focus / (eye.focus + from.z), share = -point.position.z / distance;
-    const double amplitude = unit * point.amplitude, irradiance = amplitude * amplitude * share * share;
+    const double amplitude = point_amplitude(panel, wavelength, -point.position.z) * point.amplitude;
+    const double irradiance = amplitude * amplitude * share * share;
     const double radiance = irradiance / (side * side * cosine * cosine * cosine * cosine);
     add_between(image, column, row, Vec3{1, 1, 1} * radiance);
   }
@@ -151,7 +151,7 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
       add(image, int(row), column, render_pixel(path_scene, eye, int(row), column, params, sums, counts[size_t(row)]));
   };
   parallel_for(0, rows, render_row, observer);
-  draw_points(path_scene.accelerator, eye, point_amplitude(panel, wavelength), image);
+  draw_points(path_scene.accelerator, eye, panel, wavelength, image);
 
   PathCounts total;
   for (const PathCounts& row : counts) total += row;

@@ -41,7 +41,7 @@ struct Tracing {
   double side;  // of the cells of equal surface phase
   const Grid& panel;
   double widest;           // wavelength whose acceptance all boxes lie in
-  double point_amplitude;  // on the panel, of a luminous point of 1 W/m²/sr
+  double view_wavelength;  // of the strength of luminous points
 };
 
 /// Adds a wave to a set. `key` is that of its random phase.
@@ -159,7 +159,7 @@ void add_points(const Tracing& t, std::vector<TracedWaves>& sets, Brightness& br
   for (size_t i = 0; i < points.size(); ++i) {
     const ScenePoint& point = points[i];
     const auto is_seen = [&](Vec3 place) { return !t.scene.accelerator.is_occluded(place, point.position); };
-    const double amplitude = t.point_amplitude * point.amplitude;
+    const double amplitude = point_amplitude(t.panel, t.view_wavelength, -point.position.z) * point.amplitude;
     std::vector<float> amplitudes;
     for (const PanelTile& tile : t.tiles) amplitudes.push_back(is_seen(tile.centre) ? float(amplitude) : 0);
     const bool is_lit =
@@ -290,7 +290,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
     const Tracing tracing{path_scene, params,        pattern ? &*pattern : nullptr,
                           tiles,      wave_sets,     side,
-                          panel,      cones.of_rays, point_amplitude(panel, wavelengths.front())};
+                          panel,      cones.of_rays, view_wavelength(wavelengths, params.has_common_cone)};
     const Observer part = part_of(observer, int(g), int(groups.size()));
     trace_group(tracing, part, totals, sets);
   }

@@ -1,10 +1,9 @@
 #include "holotrace/wave/planes/plane_slabs.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "holotrace/base/parallel_sort.h"
 #include "holotrace/data/acceptance.h"
 
 namespace holotrace {
@@ -57,7 +56,7 @@ PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, d
   std::vector<Key> keys;
   for (size_t i = 0; i < waves.size(); ++i)
     keys.push_back({slabs.of(waves[i].depth), int(std::floor(waves[i].y / (8 * cell))), waves[i].x, uint32_t(i)});
-  tbb::parallel_sort(keys.begin(), keys.end());
+  parallel_sort(keys.begin(), keys.end());
   PlaneWaves sorted;
   sorted.waves.reserve(waves.size());
   for (size_t i = 0; i < keys.size(); ++i) {
