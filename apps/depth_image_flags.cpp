@@ -1,9 +1,11 @@
 #include "depth_image_flags.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
 #include "holotrace/io/picture/depth_image_file.h"
 #include "holotrace/wave/layers/depth_layers.h"
 #include "holotrace/wave/synthesize.h"
@@ -63,6 +65,10 @@ std::vector<Field> DepthImageFlags::fields(const std::string& picture, const Gri
           "--method: expected layers for a picture with depths, got {}; leave it out", method_name(synthesize.method));
   const DepthImage image = load_depth_image(picture, depth_, params.near, params.far);
   if (wavelengths.empty()) wavelengths = {532_nm};
+  // One field of view for all colours, the common cone's: each colour's own would show the picture at another size.
+  if (params.projection == Projection::perspective && params.field_of_view == 0 && wavelengths.size() > 1)
+    params.field_of_view =
+        std::asin(acceptance_sine(*std::min_element(wavelengths.begin(), wavelengths.end()), panel.pitch));
   std::vector<Field> fields;
   for (size_t i = 0; i < wavelengths.size(); ++i)
     fields.push_back(sum_depth_image(image, panel, wavelengths[i], params, synthesize, frame,

@@ -60,7 +60,10 @@ std::vector<Sources> read_sources(const std::vector<std::string>& paths, const s
   for (size_t i = 0; i < paths.size(); ++i) {
     const double given = wavelengths.empty() ? 0 : wavelengths[std::min(i, wavelengths.size() - 1)];
     sets.push_back(load_sources(paths[i], given));
-    if (given > 0) sets.back().wavelength = given;
+    if (given > 0) {
+      sets.back().wavelength = given;
+      if (sets.back().cone_wavelength > given) sets.back().cone_wavelength = 0;  // the panel holds less of them
+    }
     for (size_t j = 0; j < i; ++j)
       require(sets[j].wavelength != sets[i].wavelength || sets[j].name != sets[i].name,
               "expected sources of different wavelengths or names, got {} and {} at {}; make one file of them if they "

@@ -31,6 +31,17 @@ TEST(Checks, GridsWithoutPixelsOrPitchAreRefused) {
   EXPECT_EQ(error_of([] { check_wavelength(0); }), "expected a wavelength above 0 m, got 0 m");
 }
 
+TEST(Checks, WavesKeepToAConeThatThePanelHolds) {
+  Sources sources{532e-9, {{{0, 0, -0.1}, 1, 0}}};
+  for (const double cone : {0.0, 450e-9, 532e-9}) {
+    sources.cone_wavelength = cone;
+    EXPECT_EQ(error_of([&] { check_sources(sources); }), "no error") << cone;
+  }
+  sources.cone_wavelength = 633e-9;
+  EXPECT_EQ(error_of([&] { check_sources(sources); }),
+            "expected a cone_wavelength from 0 m to the waves' own of 532 nm, which the panel can hold, got 633 nm");
+}
+
 TEST(Checks, PanelsOutOfRangeAreRefused) {
   const Slm good{.name = "test", .grid = {16, 8, 8e-6}};
   EXPECT_EQ(error_of([&] { check_slm(good); }), "no error");

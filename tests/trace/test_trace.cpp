@@ -216,6 +216,26 @@ TEST(Trace, LuminousPointsBecomeSourcesOfTheirRadiance) {
   EXPECT_EQ(sources.waves[0].phase, float(2 * pi * first.uniform() + 0.25));
 }
 
+TEST(Trace, LuminousPointsOfOneCellAreNotInStep) {
+  // In step, n points would bring n² times the light of one; with phases of their own they bring n times.
+  Scene scene;
+  for (int i = 0; i < 4; ++i) scene.points.push_back({{i * 1e-6, 0, -0.2}, 1, 0});
+  for (const SourcePhase phase : {SourcePhase::surface, SourcePhase::path, SourcePhase::laser}) {
+    const Sources sources = trace(scene, panel, green_light, {.phase = phase, .grain = 100e-6});
+    ASSERT_EQ(sources.waves.size(), 4U);
+    EXPECT_EQ(std::set<uint64_t>(sources.phase_keys.begin(), sources.phase_keys.end()).size(), 4U);
+  }
+}
+
+TEST(Trace, LuminousPointsAreWhite) {
+  // |U|² of a point over that of a white surface is the same at every wavelength (|U|² = L·λ²/WH where the panel is
+  // smaller than the box): amplitudes are as wavelengths.
+  Scene scene;
+  scene.points = {{{0, 0, -0.2}, 1, 0}};
+  const std::vector<Sources> sets = trace(scene, panel, std::vector<double>{630e-9, 450e-9}, {});
+  EXPECT_FLOAT_EQ(sets[0].waves[0].amplitude / sets[1].waves[0].amplitude, 630.0F / 450.0F);
+}
+
 // A wall of radiance 1 beside points of radiance a²: nothing is said from 1/1000 to 1000.
 TEST(Trace, PointsAndSurfacesThatOutshineEachOtherAreWarnedOf) {
   Scene scene;

@@ -23,10 +23,15 @@ void check_wavelength(double wavelength) {
   require(std::isfinite(wavelength) && wavelength > 0, "expected a wavelength above 0 m, got {} m", wavelength);
 }
 
+void check_cone(double cone_wavelength, double wavelength) {
+  require(cone_wavelength >= 0 && cone_wavelength <= wavelength,
+          "expected a cone_wavelength from 0 m to the waves' own of {}, which the panel can hold, got {}",
+          format_length(wavelength), format_length(cone_wavelength));
+}
+
 void check_sources(const Sources& sources) {
-  require(std::isfinite(sources.cone_wavelength) && sources.cone_wavelength >= 0,
-          "expected a cone_wavelength of 0 m or more, got {} m", sources.cone_wavelength);
   check_wavelength(sources.wavelength);
+  check_cone(sources.cone_wavelength, sources.wavelength);
   for (size_t j = 0; j < sources.waves.size(); ++j) {
     const Source& s = sources.waves[j];
     require(is_finite(s.origin) && std::isfinite(s.amplitude) && std::isfinite(s.phase),

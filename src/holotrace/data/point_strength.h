@@ -20,10 +20,11 @@ namespace holotrace {
 /// of the radiance L there. Points nearer to each other than that spot add up.
 ///
 /// @param panel       W × H [m]
-/// @param wavelength  λ [m]; of several, that of the view (view_wavelength): a point has one strength for all of them
+/// @param wavelength  λ of the wave [m]: points are white, of one radiance at all wavelengths
+/// @param cone        wavelength whose acceptance the wave keeps to (Sources::acceptance_wavelength) [m]
 /// @param depth       d of the point [m], above 0
-inline double point_amplitude(const Grid& panel, double wavelength, double depth) {
-  const double box = 2 * box_radius(depth, wavelength, panel.pitch);
+inline double point_amplitude(const Grid& panel, double wavelength, double cone, double depth) {
+  const double box = 2 * box_radius(depth, cone, panel.pitch);
   return wavelength / std::sqrt(std::min(panel.width(), box) * std::min(panel.height(), box));
 }
 

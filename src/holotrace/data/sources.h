@@ -60,4 +60,7 @@ void set_frame(Sources& sources, uint32_t frame);
 ///         behind the panel (z < 0), and tile amplitudes and phase keys are as many as the waves need.
 void check_sources(const Sources& sources);
 
+/// @throws Error unless the wavelength whose acceptance waves keep to is 0 (their own) or at most their own [m]
+void check_cone(double cone_wavelength, double wavelength);
+
 }  // namespace holotrace

@@ -33,10 +33,9 @@ struct Gathering {
   const TraceParams& params;
   const Grid& panel;
   const std::vector<WaveSet>& sets;
-  Grid accepting;          // a panel that accepts the rays' directions
-  double widest;           // wavelength whose acceptance the rays fill
-  double side;             // of the cells of equal surface phase
-  double view_wavelength;  // of the strength of luminous points
+  Grid accepting;  // a panel that accepts the rays' directions
+  double widest;   // wavelength whose acceptance the rays fill
+  double side;     // of the cells of equal surface phase
 };
 
 /// Rays of one half of a pixel's (the even or the odd ones) that have found one cell: their squared amplitudes, and the
@@ -150,12 +149,13 @@ void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
     const Vec3 way = point.position - pixel;
     const double depth = -point.position.z, distance = length(way);
     if (g.scene.accelerator.is_occluded(pixel, point.position)) continue;
-    const double amplitude = point_amplitude(g.panel, g.view_wavelength, depth) * point.amplitude;
     for (size_t i = 0; i < g.sets.size(); ++i) {
       const double radius = box_radius(depth, g.sets[i].cone(), g.panel.pitch);
       if (!g.sets[i].has_points || std::abs(way.x) > radius || std::abs(way.y) > radius) continue;
+      const double amplitude =
+          point_amplitude(g.panel, g.sets[i].wavelength, g.sets[i].cone(), depth) * point.amplitude;
       const double cycles = cycle_fraction(distance, g.sets[i].wavelength) + point.phase / (2 * pi);
-      const uint64_t key = point_key(g.scene.scene, g.params, g.sets[i], p, g.side);
+      const uint64_t key = point_key(g.params, g.sets[i], p);
       for (size_t frame = 0; frame < frames; ++frame) {
         const double random =
             key == Sources::no_phase_key ? 0 : random_phase(uint64_t(g.params.seed), uint32_t(frame), key);
@@ -256,7 +256,9 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   for (const double wavelength : wavelengths) check_wavelength(wavelength);
   check_gather(params);
   const double side = cell_side(params, panel);
-  const Cones cones = cones_of(wavelengths, params);
+  const bool has_cone = params.directions == Directions::acceptance;
+  const Cones cones =
+      has_cone ? cones_of(wavelengths, params) : Cones{*std::max_element(wavelengths.begin(), wavelengths.end()), 0};
 
   std::vector<Field> fields;
   Found found(side);
@@ -267,8 +269,7 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
     const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : sets) has_laser |= set.has_laser;
-    gather_group({path_scene, params, panel, sets, accepting_panel(panel, params), cones.of_rays, side,
-                  view_wavelength(wavelengths, params.has_common_cone)},
+    gather_group({path_scene, params, panel, sets, accepting_panel(panel, params), cones.of_rays, side},
                  part_of(observer, int(g), int(groups.size())), found, agreement, fields);
   }
   report(found.counts, params.max_depth, observer);
@@ -278,7 +279,7 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   for (const ScenePoint& point : scene.points) points.add(double(point.amplitude) * point.amplitude);
   warn_of_findings({rays, found.first_hits, found.light == 0, has_laser, points, found.surfaces}, scene, panel,
                    cones.of_rays, params, observer);
-  report(cones, wavelengths, panel, observer);
+  if (has_cone) report(cones, wavelengths, panel, observer);
   if (params.pixel_samples > 1) report(agreement, params.pixel_samples, observer);
   return fields;
 }

@@ -23,7 +23,7 @@ namespace holotrace {
 /// acceptance alias. Lⱼ is the radiance of the first hit or, under `path` and `laser`, of each leaf behind mirrors and
 /// glass (specular.h) along the ray. Rays that meet one cell of equal phase make one wave, as in `trace`, whose optical
 /// path OPL_c is that of the cell (find_waves of ray_waves.h), so that all pixels agree on it. Irradiance is
-/// ∫ L ds_x ds_y, and so is E|U|², whatever S and the grain. `amplitude = linear` puts L²/(1 W/m²/sr) for L.
+/// ∫ L ds_x ds_y, and so is E|U|² where cells have random phases, whatever S and the grain. `amplitude = linear` puts L²/(1 W/m²/sr) for L.
 ///
 /// With `one_wave_per_cell = false` each ray makes a wave from the very place of its hit: waves in step add up to a
 /// field whose mean grows as √S.
@@ -34,8 +34,8 @@ namespace holotrace {
 ///
 /// **Noise.** Neighbouring pixels hold waves only where their rays meet the same cells of the surface. With S far below
 /// the number of cells in view, and with random phases, the field is noise of the right irradiance: the fact
-/// "coherent_fraction" tells which part is waves, estimated from two halves of the rays (case 16 of the cross
-/// estimator), and a warning how many rays it takes. The strategies shared and tiled have no such noise, for all pixels
+/// "coherent_fraction" tells which part is waves, estimated from two halves of the rays (docs/closed_forms.md,
+/// case 16), and a warning how many rays it takes. The strategies shared and tiled have no such noise, for all pixels
 /// share their points.
 ///
 /// Luminous points add their wave, exact, to the pixels in their box (box_radius) from which no mesh hides them.
@@ -45,8 +45,7 @@ namespace holotrace {
 /// @param wavelengths  [m], any number; up to three share their rays, which fill the acceptance of the longest of
 ///                     all: each takes those inside its own
 /// @param asked        strategy and pattern are not looked at
-/// @param observer     hears the facts of `report`, "first_hits" and "coherent_fraction"; warnings of noise, and those
-/// of
+/// @param observer     hears the facts of `report`, "first_hits" and "coherent_fraction"; warnings of noise, and those of
 ///                     `trace` where the rays miss the scene or find it dark
 /// @return             complex amplitudes [√(W/m²)], the sets in the order and number of `trace` (sets of lights and
 ///                     layers without any light left out), for each of them params.frames frames with phases of their

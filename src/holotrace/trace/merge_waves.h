@@ -10,7 +10,8 @@
 
 // One wave for each cell of equal phase. Waves of one cell are in step: n of them of squared amplitude a² each, which
 // is n·a² of light, would add up to n²·a². One wave of squared amplitude Σa² in their place brings the light that they
-// stand for to every pixel, however many rays have met the cell: E|U|² = Σ a² over all waves.
+// stand for to every pixel, however many rays have met the cell: E|U|² = Σ a² over all waves, where cells have random
+// phases.
 
 namespace holotrace {
 

@@ -109,7 +109,7 @@ void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, do
     if (!is_inside || scene.is_occluded(from, point.position)) continue;
     const double distance = length(way), cosine = -way.z / distance;
     const double side = eye.pixel * eye.focus / (eye.focus + from.z), share = -point.position.z / distance;
-    const double amplitude = point_amplitude(panel, wavelength, -point.position.z) * point.amplitude;
+    const double amplitude = point_amplitude(panel, wavelength, wavelength, -point.position.z) * point.amplitude;
     const double irradiance = amplitude * amplitude * share * share;
     const double radiance = irradiance / (side * side * cosine * cosine * cosine * cosine);
     add_between(image, column, row, Vec3{1, 1, 1} * radiance);

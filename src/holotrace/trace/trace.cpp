@@ -40,8 +40,7 @@ struct Tracing {
   const std::vector<WaveSet>& sets;
   double side;  // of the cells of equal surface phase
   const Grid& panel;
-  double widest;           // wavelength whose acceptance all boxes lie in
-  double view_wavelength;  // of the strength of luminous points
+  double widest;  // wavelength whose acceptance all boxes lie in
 };
 
 /// Adds a wave to a set. `key` is that of its random phase.
@@ -159,18 +158,18 @@ void add_points(const Tracing& t, std::vector<TracedWaves>& sets, Brightness& br
   for (size_t i = 0; i < points.size(); ++i) {
     const ScenePoint& point = points[i];
     const auto is_seen = [&](Vec3 place) { return !t.scene.accelerator.is_occluded(place, point.position); };
-    const double amplitude = point_amplitude(t.panel, t.view_wavelength, -point.position.z) * point.amplitude;
-    std::vector<float> amplitudes;
-    for (const PanelTile& tile : t.tiles) amplitudes.push_back(is_seen(tile.centre) ? float(amplitude) : 0);
-    const bool is_lit =
-        t.tiles.empty() ? is_seen({}) : std::any_of(amplitudes.begin(), amplitudes.end(), [](float a) { return a; });
+    std::vector<char> seen;  // by tile
+    for (const PanelTile& tile : t.tiles) seen.push_back(is_seen(tile.centre));
+    const bool is_lit = t.tiles.empty() ? is_seen({}) : std::count(seen.begin(), seen.end(), 1) > 0;
     if (!is_lit) continue;
     brightness.add(double(point.amplitude) * point.amplitude);
     for (size_t s = 0; s < sets.size(); ++s) {
-      if (!t.sets[s].has_points) continue;
-      add_wave(t, sets[s], {point.position, float(amplitude)}, point.phase,
-               point_key(t.scene.scene, t.params, t.sets[s], i, t.side), {});
-      sets[s].tiles.insert(sets[s].tiles.end(), amplitudes.begin(), amplitudes.end());
+      const WaveSet& set = t.sets[s];
+      if (!set.has_points) continue;
+      const float amplitude =
+          float(point_amplitude(t.panel, set.wavelength, set.cone(), -point.position.z) * point.amplitude);
+      add_wave(t, sets[s], {point.position, amplitude}, point.phase, point_key(t.params, t.sets[s], i), {});
+      for (const char is_seen_from : seen) sets[s].tiles.push_back(is_seen_from ? amplitude : 0);
     }
   }
 }
@@ -225,7 +224,9 @@ Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>
 void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std::vector<Sources>& sets) {
   const int64_t count = t.pattern ? t.pattern->count() : 0;
   const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(WaveCell) + sizeof(float) * double(t.tiles.size());
-  require_memory(2 * bytes * double(count) * double(t.sets.size()),
+  // A hash table of the cells of one set after the other (merge_waves.h): about 100 bytes per wave.
+  const double cells = t.params.phase != SourcePhase::random && t.params.one_wave_per_cell ? 100 : 0;
+  require_memory((2 * bytes * double(t.sets.size()) + cells) * double(count),
                  fmt::format("{} sets of waves of {} first hits", t.sets.size(), count));
   std::atomic<int64_t> found{0};  // behind mirrors and glass rays find several waves
   std::vector<TracedWaves> points(t.sets.size());
@@ -288,9 +289,8 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     if (!pattern && has_surfaces(scene)) pattern.emplace(params, panel, cones.of_rays);
     const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
-    const Tracing tracing{path_scene, params,        pattern ? &*pattern : nullptr,
-                          tiles,      wave_sets,     side,
-                          panel,      cones.of_rays, view_wavelength(wavelengths, params.has_common_cone)};
+    const Tracing tracing{path_scene, params,       pattern ? &*pattern : nullptr, tiles, wave_sets, side,
+                          panel,      cones.of_rays};
     const Observer part = part_of(observer, int(g), int(groups.size()));
     trace_group(tracing, part, totals, sets);
   }

@@ -48,8 +48,8 @@ namespace holotrace {
 /// amplitude.
 ///
 /// **One wave per cell.** First hits in one cell of equal phase (source_phase.h), seen by way of the same mirrors and
-/// glass, make one wave of the squared amplitude Σa² (merge_waves.h): |U|² is the irradiance whatever the raster and
-/// the grain. With `one_wave_per_cell = false` each first hit keeps a wave of its own; n in a cell then are n times too
+/// glass, make one wave of the squared amplitude Σa² (merge_waves.h): where cells have random phases, E|U|² is the
+/// irradiance whatever the raster and the grain. With `one_wave_per_cell = false` each first hit keeps a wave of its own; n in a cell then are n times too
 /// bright where they are in step.
 ///
 /// **Phases**: source_phase.h. Under `random`, `constant` and `surface` waves begin at the first hit, even where

@@ -118,15 +118,14 @@ uint64_t key_in(const WaveSet& set, SourcePhase phase, uint64_t key, uint64_t sa
   return phase == SourcePhase::laser && !set.has_laser ? sample : key;
 }
 
-uint64_t point_key(const Scene& scene, const TraceParams& params, const WaveSet& set, size_t i, double side) {
+uint64_t point_key(const TraceParams& params, const WaveSet& set, size_t i) {
   switch (params.phase) {
     case SourcePhase::random:
+    case SourcePhase::surface:
+    case SourcePhase::path:
       return i;
     case SourcePhase::laser:
       return key_in(set, params.phase, Sources::no_phase_key, i);
-    case SourcePhase::surface:
-    case SourcePhase::path:
-      return surface_phase_key(scene.points[i].position, side);
     case SourcePhase::constant:
       break;
   }

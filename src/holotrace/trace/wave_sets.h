@@ -64,9 +64,9 @@ struct SetLight {
 /// which has no phase to follow, the number of its sample.
 uint64_t key_in(const WaveSet& set, SourcePhase phase, uint64_t key, uint64_t sample);
 
-/// The same of luminous point i: random where rays are, by the number of the point (those of rays come after); of its
-/// cell of that side [m] where surfaces have phases.
-uint64_t point_key(const Scene& scene, const TraceParams& params, const WaveSet& set, size_t i, double side);
+/// The same of luminous point i: by the number of the point (those of rays come after) wherever rays have random parts
+/// of their phases. A point is no part of a surface's cell: points near each other are not in step.
+uint64_t point_key(const TraceParams& params, const WaveSet& set, size_t i);
 
 /// Share of a leaf's light that is a set's, through mirrors and glass of that weight.
 SetLight light_of(const WaveSet& set, const LeafLight& light, Vec3 weight);

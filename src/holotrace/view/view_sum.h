@@ -18,8 +18,8 @@ namespace holotrace {
 ///
 /// So the brightest hologram is lit fully and every other one in proportion: colours, layers and lights keep their
 /// ratios. The last factor is the camera's white balance, taken on the axis where it looks: a panel accepts a cone that
-/// grows with the wavelength, so of a near white it would see more red. Off the axis, where a cone leaves the panel,
-/// long waves still reach farther than short ones.
+/// grows with the wavelength, so of a near white it would see more red. Colours that keep to
+/// no common cone (TraceParams::has_common_cone) are off balance away from the axis: long waves reach farther.
 class ViewSum {
  public:
   /// @param wavelengths  of the light that all holograms together would show [m]; one of which no hologram comes is

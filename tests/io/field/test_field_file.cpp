@@ -21,6 +21,7 @@ BasicField<Real> some_field(bool with_filter = true) {
   for (int i = 0; i < 6; ++i) field.samples.values[size_t(i)] = {Real(0.1) * Real(i), Real(-1) / Real(i + 3)};
   field.image = ImageSide::real_image;
   if (with_filter) field.filter = SpectralFilter{31250.5, 0, 1e4, 62500};
+  if (with_filter) field.cone_wavelength = 450.7e-9;  // else its own, as in files from before there was one
   return field;
 }
 
@@ -32,6 +33,7 @@ void expect_equal(const BasicField<Real>& a, const BasicField<Real>& b) {
   EXPECT_EQ(a.z, b.z);
   EXPECT_EQ(a.image, b.image);
   EXPECT_EQ(a.filter, b.filter);
+  EXPECT_EQ(a.cone_wavelength, b.cone_wavelength);
   EXPECT_EQ(a.samples.values, b.samples.values);
 }
 

@@ -54,10 +54,12 @@ TEST(HologramFile, IlluminationNameAndFrameComeBackAsSaved) {
   hologram.illumination = 0.1 + 0.2;
   hologram.name = "ES*L";
   hologram.frame = 12;
+  hologram.cone_wavelength = 450.7e-9;
   save_hologram(path, hologram);
   const Hologram loaded = load_hologram(path);
   EXPECT_EQ(loaded.illumination, hologram.illumination);
   EXPECT_EQ(loaded.name, "ES*L");
+  EXPECT_EQ(loaded.cone_wavelength, 450.7e-9);
   EXPECT_EQ(loaded.frame, 12u);
   // Files from before, and bare ones, are alike in brightness.
   std::filesystem::remove(sidecar_path(path));

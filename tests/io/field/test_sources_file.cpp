@@ -42,6 +42,7 @@ TEST(SourcesFile, KeysTilesNameAndFrameComeBackAsSaved) {
   sources.phase_keys = {0x123456789abcdef0, Sources::no_phase_key};  // 64 bits, more than a double holds
   sources.seed = ~uint64_t(0) - 5;
   sources.frame = 3000000000u;
+  sources.cone_wavelength = 450.7e-9;
   sources.tiles = {3, 2, {}};
   for (int i = 0; i < 12; ++i) sources.tiles.values.push_back(std::sqrt(float(i)));
   save_sources(path, sources);
@@ -51,6 +52,7 @@ TEST(SourcesFile, KeysTilesNameAndFrameComeBackAsSaved) {
   EXPECT_EQ(loaded.phase_keys, sources.phase_keys);
   EXPECT_EQ(loaded.seed, sources.seed);
   EXPECT_EQ(loaded.frame, sources.frame);
+  EXPECT_EQ(loaded.cone_wavelength, sources.cone_wavelength);
   EXPECT_EQ(loaded.tiles, sources.tiles);
   const std::string bytes = read_text(path);
   save_sources(path, loaded);

@@ -61,7 +61,7 @@ void describe(Visitor& v, CameraParams& p) {
   v.number("exposure", p.exposure, range::not_negative, "irradiance that is white in W/m2; 0: the 99.9th percentile");
   v.count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "of a PNG, 8 or 16");
   v.number("electrons", p.electrons, range::from_to(0, 1e12),
-           "that a white pixel holds, with their shot noise; 0: no noise");
+           "full-well capacity in electrons; adds shot noise; 0: no noise");
   v.number("read_noise", p.read_noise, range::not_negative, "of a pixel, rms, in electrons");
   v.count("noise_seed", p.noise_seed, range::not_negative, "seed of the noise");
   v.choice("sweep", p.sweep, {{"none", Sweep::none}, {"focus", Sweep::focus}, {"parallax", Sweep::parallax}},

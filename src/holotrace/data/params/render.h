@@ -53,7 +53,7 @@ void describe(Visitor& v, RenderParams& p) {
   v.flag("background", p.has_background, "shown where no surface is; the pictures that run compares with leave it out");
   v.choice("accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
            "of the rays: Embree's trees, or a uniform grid of cells (the paper's appendix)");
-  v.count("seed", p.seed, range::not_negative, "seed of every random number");
+  v.count("seed", p.seed, range::not_negative, "seed for all random numbers");
 }
 
 }  // namespace holotrace

@@ -12,14 +12,15 @@
 namespace holotrace {
 
 /// What a traced sample lights: every pixel in its box; the same, with visibility and radiance of each tile of the
-/// panel; or one pixel alone (the paper's Steps 0–5 to the letter), which makes no waves but the field itself.
+/// panel; or one pixel alone (the paper's algorithm; docs/path_tracing.md has the differences), which makes
+/// no waves but the field itself.
 enum class Strategy { shared, tiled, gather };
 
 /// Which rays look for first hits: a raster seen from the panel's centre, or random ones over the panel's acceptance.
 enum class Pattern { grid, random };
 
 /// The phase of a wave: even over the circle; 0; a fixed function of the surface point; that plus k times the optical
-/// path from the last diffuse or glossy surface; k times the whole optical path from a laser.
+/// path from the last diffuse or glossy surface; that plus k times the optical path from a laser to the surface.
 enum class SourcePhase { random, constant, surface, path, laser };
 
 /// Directions that the rays of `gather` fill: those that the panel accepts, or the whole hemisphere before each pixel.
@@ -102,7 +103,7 @@ void describe(Visitor& v, TraceParams& p) {
   v.count("frames", p.frames, range::at_least(1), "holograms with independent phases, shown one after the other");
   v.choice("accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
            "of the rays: Embree's trees, or a uniform grid of cells (the paper's appendix)");
-  v.count("seed", p.seed, range::not_negative, "seed of every random number");
+  v.count("seed", p.seed, range::not_negative, "seed for all random numbers");
 }
 
 }  // namespace holotrace
