@@ -91,6 +91,15 @@ TEST(Architecture, EveryRoomIncludesOnlyTheRoomsThatItsRowOfTheTableNames) {
   }
 }
 
+TEST(Architecture, TheTableNamesNoRoomThatIsNotIncluded) {
+  const Arrows arrows = table_of_rooms();
+  Arrows used;
+  for (const Include& i : all_includes()) used[room_of(arrows, i.file)].insert(room_of(arrows, i.included));
+  for (const auto& [room, below] : arrows)
+    for (const std::string& name : below)
+      EXPECT_TRUE(used[room].contains(name)) << room << "/ includes nothing of " << name << "/: leave it out";
+}
+
 TEST(Architecture, EveryFileIsInARoomAndEveryRoomHasItsReadme) {
   const Arrows arrows = table_of_rooms();
   for (const fs::path& path : source_files())
@@ -100,6 +109,12 @@ TEST(Architecture, EveryFileIsInARoomAndEveryRoomHasItsReadme) {
     std::string title;
     EXPECT_TRUE(std::getline(readme, title)) << "src/holotrace/" << room << " has no README.md";
     EXPECT_EQ(title, "# `" + room + "/`");
+    const std::string key = "**May include:** ";
+    std::string line, included;
+    while (std::getline(readme, line))
+      if (line.starts_with(key)) included = line.substr(key.size(), line.find('.') - key.size());
+    const std::vector<std::string> told = names_in(included);
+    EXPECT_EQ((std::set<std::string>{told.begin(), told.end()}), below) << "src/holotrace/" << room << "/README.md";
     for (const std::string& name : below) EXPECT_TRUE(arrows.contains(name)) << room << " names " << name;
   }
 }
