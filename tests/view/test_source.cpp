@@ -149,7 +149,7 @@ TEST(Source, ALargePictureIsEven) {
 // A part to the right of its point blurs to the right before the panel, and to the left behind it, where light is
 // traced back; one above its point to above.
 TEST(Source, APartMovesLightToItsSide) {
-  const auto points = std::make_shared<const SourcePart::Points>(SourcePart::Points{{0.002, 0.001}, {-0.003, -0.003}});
+  const auto points = std::make_shared<const SourcePart::Points>(SourcePart::Points{{0.002, 0.002}, {-0.003, -0.003}});
   const SourcePart part{0.01, points, 0};
   for (const double z : {0.05, -0.05}) {
     const int reach = int(std::ceil(std::abs(z) * part.reach() / 4_um));
@@ -160,13 +160,14 @@ TEST(Source, APartMovesLightToItsSide) {
         const double weight = kernel(j + reach, i + reach);
         all += weight, x += weight * i * 4_um, y -= weight * j * 4_um;
         const double ax = i * 1e-4, ay = j * 1e-4;  // directions themselves, up to where the part ends
-        if (std::hypot(0.002 + ax, 0.001 + ay) > 0.005 || std::hypot(ax, ay) > std::hypot(ax + 0.005, ay + 0.004))
+        if (std::hypot(0.002 + ax, 0.002 + ay) > 0.005 || std::hypot(ax, ay) > std::hypot(ax + 0.005, ay + 0.005))
           continue;
         count += 1, of_part_x += ax, of_part_y += ay;
       }
     EXPECT_NEAR(x / all, z * of_part_x / count, 2_um);  // half a sample
     EXPECT_NEAR(y / all, z * of_part_y / count, 2_um);
     EXPECT_GT(std::abs(x / all), 10_um);
+    EXPECT_GT(std::abs(y / all), 10_um);
   }
 }
 
