@@ -6,6 +6,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/run/moment_plan.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/iterations.h"
@@ -55,6 +56,11 @@ double transform_work(const Grid& grid) {
 
 Job on_small_panel(const Job& job, double side) {
   Job small = job;
+  // Shorter distances need fewer wavelengths of a spectrum. A source needs as many parts at any scale, and flicker, too.
+  if (job.show.moments == 0 && job.show.bandwidth > 0)
+    small.show.moments = int(
+        plan_moments(job.slm, job.show, job.wavelengths.front(), job.encode.image, viewpoints(job.camera, job.render))
+            .moments.size());
   Grid& panel = small.slm.grid;
   const auto fewer = [&](int& count) {
     if (count > 0) count = std::max(2, int(std::lround(count * side)));
@@ -104,52 +110,61 @@ double DisplayProbe::first_part() const {
 }
 
 ProbeResult DisplayProbe::run(double part) {
-  const double side = std::sqrt(part);
-  Job small = on_small_panel(job, side);
+  ProbeResult result;
+  // What does not fit the small panel may fit a larger one, and that is tried once.
+  const auto attempt = [&](double of_panel) {
+    try {
+      result.predicted = predict(of_panel);
+      why_none.clear();
+    } catch (const Error& error) {
+      stages.clear();
+      why_none = error.what();
+    }
+    return why_none.empty();
+  };
+  result.seconds = median_seconds(1, [&] {
+    if (!attempt(part) && part < 1) attempt(std::min(1.0, 4 * part));
+  });
+  return result;
+}
+
+double DisplayProbe::predict(double part) {
+  Job small = on_small_panel(job, std::sqrt(part));
   const int iterations = iterations_of(job.encode), few = std::min(iterations, 2), more = std::min(iterations, 6);
   if (iterations > 0) small.encode.iterations = few;
   const double scale = transform_work(job.slm.grid) / transform_work(small.slm.grid);
   const double times = holograms / double(job.wavelengths.size());
-  ProbeResult result;
-  try {
-    result.seconds = median_seconds(1, [&] {
-      holotrace::run(at_other_distances(small, 0.999));  // plans transforms
-      const std::vector<StageReport> one = stages_after_sum(small);
-      std::vector<StageReport> two, longer;
-      if (times > 1) {
-        Job again = small;
-        again.trace.frames = 2;
-        two = stages_after_sum(at_other_distances(again, 1.001));
-      }
-      if (more > few) {
-        Job again = small;
-        again.encode.iterations = more;
-        longer = stages_after_sum(at_other_distances(again, 1.002));
-      }
-      // Views are named by their distance.
-      std::map<std::string, std::string> names;
-      const auto from = viewpoints(job.camera, job.render), small_from = viewpoints(small.camera, small.render);
-      for (size_t i = 0; i < from.size(); ++i) names[small_from[i].stage] = from[i].stage;
-      stages.clear();
-      for (size_t i = 0; i < one.size(); ++i) {
-        const StageReport& stage = one[i];
-        double seconds = seconds_for(times, stage.seconds, seconds_of(two, i, 2 * stage.seconds));
-        if (stage.stage == "encode" && more > few) {
-          const double each = std::max(0.0, seconds_of(longer, i, 0) - stage.seconds) / (more - few);
-          seconds += times * (iterations - few) * each;
-        }
-        const auto name = names.find(stage.stage);
-        stages.push_back({name == names.end() ? stage.stage : name->second, scale * seconds, {}, {}, {}});
-        result.predicted += stages.back().seconds;
-      }
-    });
-    why_none.clear();
-  } catch (const Error& error) {
-    if (part < 1) return run(std::min(1.0, 4 * part));  // what does not fit the small panel may fit the job's own
-    stages.clear();
-    why_none = error.what();
+  holotrace::run(at_other_distances(small, 0.999));  // plans transforms
+  const std::vector<StageReport> one = stages_after_sum(small);
+  std::vector<StageReport> two, longer;
+  if (times > 1) {
+    Job again = small;
+    again.trace.frames = 2;
+    two = stages_after_sum(at_other_distances(again, 1.001));
   }
-  return result;
+  if (more > few) {
+    Job again = small;
+    again.encode.iterations = more;
+    longer = stages_after_sum(at_other_distances(again, 1.002));
+  }
+  // Views are named by their distance.
+  std::map<std::string, std::string> names;
+  const auto from = viewpoints(job.camera, job.render), small_from = viewpoints(small.camera, small.render);
+  for (size_t i = 0; i < from.size(); ++i) names[small_from[i].stage] = from[i].stage;
+  stages.clear();
+  double predicted = 0;
+  for (size_t i = 0; i < one.size(); ++i) {
+    const StageReport& stage = one[i];
+    double seconds = seconds_for(times, stage.seconds, seconds_of(two, i, 2 * stage.seconds));
+    if (stage.stage == "encode" && more > few) {
+      const double each = std::max(0.0, seconds_of(longer, i, 0) - stage.seconds) / (more - few);
+      seconds += times * (iterations - few) * each;
+    }
+    const auto name = names.find(stage.stage);
+    stages.push_back({name == names.end() ? stage.stage : name->second, scale * seconds, {}, {}, {}});
+    predicted += stages.back().seconds;
+  }
+  return predicted;
 }
 
 }  // namespace holotrace

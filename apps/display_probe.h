@@ -11,7 +11,7 @@ namespace holotrace {
 
 /// The job in the small: a panel of `side` times the columns and rows, of the same pixels, before which all lengths of
 /// the camera, of targets and of the light are as much shorter. Transforms, windows and their sampling conditions are
-/// the job's own at that size. Its scene is one luminous point, which lights all of the panel.
+/// the job's own at that size, and it has as many moments as the job where a spectrum needs them. Its scene is one luminous point, which lights all of the panel.
 Job on_small_panel(const Job& job, double side);
 
 /// What the stages after the sum should take, from a run of the job in the small: one frame; where there are more
@@ -20,7 +20,9 @@ Job on_small_panel(const Job& job, double side);
 struct DisplayProbe {
   explicit DisplayProbe(const Job& job) : job(job) {}
 
-  ProbeResult run(double part);  ///< of the panel's pixels
+  /// Of the panel's pixels. A panel on which the job cannot be run is followed by one of four times as many, once.
+  ProbeResult run(double part);
+  double predict(double part);  ///< seconds of all stages; sets `stages`; throws Error where the job cannot be run
   double first_part() const;
 
   Job job;

@@ -143,7 +143,7 @@ JobEstimate estimate_job(const Job& job) {
     SynthesisProbe sum(job, all_waves(job, trace));
     const SceneLight other = trace.light;  // of triangles; gathered fields are there already
     const auto times = [](double factor, ProbeResult result) {
-      return ProbeResult{result.seconds, factor * result.predicted};
+      return ProbeResult{result.seconds, factor * result.predicted, result.next};
     };
     std::vector<Probe> probes(4);
     probes[0] = {[&](double part) { return trace.run(part); }, trace_part};

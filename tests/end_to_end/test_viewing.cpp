@@ -137,6 +137,16 @@ TEST(Viewing, AsManyMomentsAsTheViewsNeed) {
   // at 20 mm f = 62500/m: 25 µm in steps of a pixel.
   EXPECT_EQ(plan({.bandwidth = 10e-9}).moments.size(), 8U);
   EXPECT_EQ(plan({.bandwidth = 100e-9}).moments.size(), 30U);  // 770/26.0 = 29.7
+  // At 20 mm three samples per pixel hold the 187 500/m of their band: 2·187500·20e-3·60e-9 m = 450 µm. A sensor pixel
+  // is a panel pixel of 8 µm by itself, and a sample of 8/3 µm with a binning of 1, where λz/S = 5.2 µm resolves less.
+  camera.distances = {0.02};
+  EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).moments.size(), 57U);  // 450/8 = 56.25
+  camera.binning = 1;
+  EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).moments.size(), 87U);  // 450/5.195 = 86.6
+  camera.binning = 3;
+  EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).moments.size(), 57U);
+  camera.binning = 0;
+  camera.distances = {0.1};
   // One moment per wavelength holds the whole source where it can.
   EXPECT_EQ(plan({.bandwidth = 10e-9, .source_angle = 5e-3}).moments[3].source.angle, 5e-3);
   EXPECT_EQ(plan({.bandwidth = 10e-9, .source_angle = 5e-3}).moments[3].tilt_x, 0);
@@ -146,8 +156,28 @@ TEST(Viewing, AsManyMomentsAsTheViewsNeed) {
   EXPECT_EQ(plan({.source_angle = 10e-3}).moments.size(), 51U);  // π/4·64·1
   EXPECT_EQ(plan({.source_angle = 5e-3}).moments.size(), 13U);
   EXPECT_EQ(plan({.source_angle = 50e-3}).moments.size(), 256U);
-  EXPECT_NE(doubt_of(plan({.source_angle = 50e-3}), {.source_angle = 50e-3}), "");
+  EXPECT_EQ(doubt_of(plan({.source_angle = 50e-3}), {.source_angle = 50e-3}),  // π/4·64·25 = 1256.6
+            "this light needs 1257 moments, the limit is 256: the view will look grainy; use a smaller source, or set "
+            "moments to 1257");
+  EXPECT_EQ(
+      doubt_of(plan({.source_angle = 5e-3, .moments = 1}), {.source_angle = 5e-3, .moments = 1}),
+      "this light needs 13 moments, 1 is given: the view will look grainy; set moments to 13, or to 0 for as many "
+      "as the view needs");
   EXPECT_EQ(doubt_of(plan({.source_angle = 5e-3}), {.source_angle = 5e-3}), "");
+  // Moments and samples that no memory holds are refused by their lists.
+  const std::string many = error_of([&] { plan({.moments = 65537}); });
+  EXPECT_NE(many.find("65536"), std::string::npos) << many;
+  const std::string fine = error_of([&] { plan({.subpixels = 65}); });
+  EXPECT_NE(fine.find("64"), std::string::npos) << fine;
+  EXPECT_EQ(plan({.subpixels = 64, .source_angle = 5e-3, .moments = 65}).moments.size(), 65U);
+}
+
+// 40e6 pixels a side in 64 samples each: 2.56e9 are more than an int counts.
+TEST(Viewing, SamplesBeyondAnIntAreRefused) {
+  const Slm slm{.name = "test", .grid = {40000000, 4, 8e-6}};
+  EXPECT_EQ(
+      error_of([&] { viewing_need(slm, 64, {532e-9}, ImageSide::virtual_image, {}, viewpoints(CameraParams{}), 0); }),
+      "expected at most 2147483647 samples a side, got 2560000000 × 256; use fewer subpixels");
 }
 
 TEST(Viewing, TooFewMomentsAreTold) {
@@ -161,7 +191,9 @@ TEST(Viewing, TooFewMomentsAreTold) {
     return stages_of(work.read("show.json")).at("show").value("warnings", nlohmann::json::array());
   };
   ASSERT_EQ(warnings_of("3").size(), 1U);
-  EXPECT_EQ(warnings_of("3")[0].get<std::string>().find("3 moments are too few for this light, which needs 8: "), 0U);
+  EXPECT_EQ(warnings_of("3")[0].get<std::string>(),
+            "this light needs 8 moments, 3 are given: the view will look grainy; set moments to 8, or to 0 for as many "
+            "as the view needs");
   EXPECT_TRUE(warnings_of("8").empty());
 }
 

@@ -14,18 +14,33 @@ Probe work_of(double whole, double first, std::vector<double>& parts) {
           first};
 }
 
-// 10 s and 1 s of work from a thousandth of each: the budget is 0.8 s, a work grows to 0.064 of itself, and the next
-// step of the longer one, to 0.256, would take 2.56 s.
+// 10 s and 1 s of work from a thousandth of each: the budget is 0.08 · 11 = 0.88 s. The longer work takes 0.01 + 0.04 +
+// 0.16 + 0.64 = 0.85 s, and 2.56 s more are too much. The shorter one takes 0.001 + 0.004 + 0.016 = 0.021 s: 0.871 s
+// together, to which 0.064 s are too much.
 TEST(Probes, StayWithinTheirShareOfWhatTheyPredict) {
   std::vector<double> of_long, of_short;
   std::vector<Probe> probes{work_of(10, 0.001, of_long), work_of(1, 0.001, of_short)};
-  const double spent = refine_probes(probes, 0.08, 1e9);
-  EXPECT_LE(spent, 0.08 * 11);
-  const std::vector<double> expected{0.001, 0.004, 0.016};  // 0.01 + 0.04 + 0.16 s; 0.64 s more would be 0.85 + 0.001
-  ASSERT_GE(of_long.size(), 3u);
-  for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(of_long[i], expected[i], 1e-12);
-  EXPECT_GT(of_short.size(), 1u) << "what the long one leaves is for the short one";
+  EXPECT_NEAR(refine_probes(probes, 0.08, 1e9), 0.871, 1e-12);
+  EXPECT_EQ(of_long, (std::vector<double>{0.001, 0.004, 0.016, 0.064}));  // powers of 4 times 0.001 are exact
+  EXPECT_EQ(of_short, (std::vector<double>{0.001, 0.004, 0.016}));
   EXPECT_NEAR(probes[0].last.predicted, 10, 1e-12);
+}
+
+// A forecast of 0.5 s that runs no part of 10 s of work, from 1/64: the next part of 1/16 costs what it says, 0.625 s, and
+// not 4 · 0.5 s. The
+// budget of 1.2 s holds 0.5 + 0.625 s.
+TEST(Probes, AForecastTellsWhatTheNextProbeTakes) {
+  for (const double next : {0.625, 0.8}) {
+    std::vector<double> parts;
+    std::vector<Probe> probes{{[&](double part) {
+                                 parts.push_back(part);
+                                 return parts.size() == 1 ? ProbeResult{0.5, 10, next} : ProbeResult{10 * part, 10};
+                               },
+                               1.0 / 64}};
+    refine_probes(probes, 0.12, 0.2);
+    // A forecast is not long enough by itself; 0.5 + 0.8 s are beyond the 1.2 s.
+    EXPECT_EQ(parts, next < 0.7 ? (std::vector<double>{1.0 / 64, 1.0 / 16}) : (std::vector<double>{1.0 / 64}));
+  }
 }
 
 TEST(Probes, AreMadeOnceInAnyCase) {

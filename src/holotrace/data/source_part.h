@@ -22,16 +22,26 @@ struct SourcePart {
   size_t count() const { return points ? points->size() : 1; }
   std::array<double, 2> place() const { return points ? (*points)[own] : std::array<double, 2>{}; }
 
+  /// Whether its own point is the nearest of all points to the direction (x, y) from the middle of the disc. Of points
+  /// at the same distance the first is the nearest, so that exactly one part has each direction.
+  bool is_nearest(double x, double y) const {
+    const auto squared = [&](size_t i) {
+      const double dx = x - (*points)[i][0], dy = y - (*points)[i][1];
+      return dx * dx + dy * dy;
+    };
+    if (count() < 2) return true;
+    const double own_squared = squared(own);
+    for (size_t i = 0; i < count(); ++i) {
+      const double other = squared(i);
+      if (other < own_squared || (other == own_squared && i < own)) return false;
+    }
+    return true;
+  }
+
   /// Whether the direction (x, y) from its own point is in the part.
   bool holds(double x, double y) const {
     const auto [x0, y0] = place();
-    if (std::hypot(x0 + x, y0 + y) > angle / 2) return false;
-    const double squared = x * x + y * y;
-    for (size_t i = 0; count() > 1 && i < count(); ++i) {
-      const double dx = x0 + x - (*points)[i][0], dy = y0 + y - (*points)[i][1];
-      if (i != own && dx * dx + dy * dy < squared) return false;
-    }
-    return true;
+    return std::hypot(x0 + x, y0 + y) <= angle / 2 && is_nearest(x0 + x, y0 + y);
   }
 
   /// The largest angle from its own point to a direction in it, or a little more [rad].

@@ -5,7 +5,6 @@
 namespace holotrace {
 
 double refine_probes(std::vector<Probe>& probes, double share, double long_enough) {
-  constexpr double growth = 4;
   double spent = 0;
   const auto run = [&](Probe& probe) {
     probe.last = probe.run(probe.part);
@@ -17,12 +16,14 @@ double refine_probes(std::vector<Probe>& probes, double share, double long_enoug
     for (const Probe& probe : probes) predicted += probe.last.predicted;
     Probe* next = nullptr;
     for (Probe& probe : probes) {
-      const bool is_told = probe.part >= 1 || probe.last.seconds >= long_enough;
-      const bool has_room = spent + growth * probe.last.seconds <= share * predicted;
+      const bool has_run = probe.last.next == 0;
+      const bool is_told = probe.part >= 1 || (has_run && probe.last.seconds >= long_enough);
+      const double cost = has_run ? probe_growth * probe.last.seconds : probe.last.next;
+      const bool has_room = spent + cost <= share * predicted;
       if (!is_told && has_room && (!next || probe.last.predicted > next->last.predicted)) next = &probe;
     }
     if (!next) return spent;
-    next->part = std::min(1.0, growth * next->part);
+    next->part = std::min(1.0, probe_growth * next->part);
     run(*next);
   }
 }

@@ -10,6 +10,7 @@ namespace holotrace {
 struct ProbeResult {
   double seconds = 0;    ///< that the probe took
   double predicted = 0;  ///< of the whole work
+  double next = 0;       ///< that the next probe should take, where this one ran no part of the work; else 0
 };
 
 /// A piece of work that is predicted from parts of itself: each further probe is of a larger part and tells more.
@@ -19,10 +20,13 @@ struct Probe {
   ProbeResult last{};
 };
 
+/// Each further probe is of a part as many times as large.
+constexpr double probe_growth = 4;
+
 /// Probes all works once, then again in larger parts, always the work that is predicted to take longest of those that
 /// the budget still has room for: a share of what all are predicted to take, which the growing probes tell ever better.
 ///
-/// A part grows fourfold, and a probe of it is expected to take four times as long. A work is left alone when it was
+/// A part grows fourfold, and a probe of it is expected to take four times as long, or what `next` says. A work is left alone when it was
 /// probed whole or for `long_enough`.
 ///
 /// @param share        of the predicted time that all probes together may take; the first ones are made in any case

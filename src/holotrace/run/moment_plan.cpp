@@ -13,6 +13,7 @@ namespace holotrace {
 namespace {
 
 constexpr int most_moments = 256, of_flicker = 16, least_of_spectrum = 8;
+constexpr int most_given = 65536;  // the range of ShowParams::moments
 
 int counted(double number) { return int(std::ceil(std::clamp(number, 1.0, 1e6))); }
 
@@ -35,8 +36,9 @@ int steps_of_spectrum(const Slm& slm, const ShowParams& params, double wavelengt
     const double z = view.distance;
     if (z == 0) continue;
     const CameraParams& camera = view.camera;
-    const double pixel = camera.pixel > 0 ? camera.pixel / magnification(camera, z, image)
-                                          : std::max(camera.binning, 1) * pitch / params.subpixels;
+    const double pixel = camera.pixel > 0     ? camera.pixel / magnification(camera, z, image)
+                         : camera.binning > 0 ? camera.binning * pitch / params.subpixels
+                                              : pitch;
     double resolved = std::max(pixel, wavelength * z / side);
     if (camera.pupil > 0) {
       const double travelled = image == ImageSide::real_image ? z - camera.eye.z : z + camera.eye.z;
@@ -57,22 +59,25 @@ MomentPlan plan_moments(const Slm& slm, const ShowParams& params, double wavelen
   const bool has_flicker = with.effects.flicker > 0;
   MomentPlan plan;
   const auto need = [&](int count, const std::string& why) {
-    plan.why += (plan.why.empty() ? "" : "; ") + why;
+    if (!plan.why.empty()) plan.why += "; ";
+    plan.why += why;
     plan.needed = std::max(plan.needed, count);
   };
   int parts = 1;
   if (params.source_angle > 0) {
     parts = parts_of_source(slm, params, wavelength, from, filter);
     if (parts == 1)
-      need(1, fmt::format("the irradiance is convolved with the source of {}", format_angle(params.source_angle)));
+      need(1, fmt::format("one convolution with the picture of the source of {}", format_angle(params.source_angle)));
     else
-      need(parts, fmt::format("{} parts of the source of {}, by which its light moves an eighth of the pupil or stop",
-                              parts, format_angle(params.source_angle)));
+      need(parts,
+           fmt::format("{} parts of the source of {}, each of which moves light by an eighth of the pupil or stop",
+                       parts, format_angle(params.source_angle)));
   }
   if (params.bandwidth > 0) {
     const int steps = steps_of_spectrum(slm, params, wavelength, image, from);
-    need(steps, fmt::format("{} wavelengths of the spectrum of {}, by which light moves half of what the view resolves",
-                            steps, format_length(params.bandwidth)));
+    need(steps, fmt::format(
+                    "{} wavelengths of the spectrum of {}, each of which moves light by half of what the view resolves",
+                    steps, format_length(params.bandwidth)));
   }
   if (has_flicker) need(of_flicker, fmt::format("{} instants of the flicker", of_flicker));
 
@@ -91,13 +96,16 @@ MomentPlan plan_moments(const Slm& slm, const ShowParams& params, double wavelen
 std::string doubt_of(const MomentPlan& plan, const ShowParams& params) {
   const int taken = int(plan.moments.size());
   if (taken >= plan.needed) return {};
-  if (params.moments == 0)
-    return fmt::format(
-        "this light needs {} moments to blur evenly, of which {} are taken, the most: {}; expect grains, or give "
-        "moments",
-        plan.needed, taken, plan.why);
-  return fmt::format("{} moments are too few for this light, which needs {}: {}; leave moments out, or give more",
-                     taken, plan.needed, plan.why);
+  const std::string limit = params.moments == 0 ? fmt::format("the limit is {}", taken)
+                                                : fmt::format("{} {} given", taken, taken == 1 ? "is" : "are");
+  std::string advice = params.source_angle > 0 && params.bandwidth > 0 ? "use a smaller source and a narrower spectrum"
+                       : params.source_angle > 0                       ? "use a smaller source"
+                                                                       : "use a narrower spectrum";
+  if (params.moments > 0 && plan.needed <= most_moments)
+    advice = fmt::format("set moments to {}, or to 0 for as many as the view needs", plan.needed);
+  else if (plan.needed <= most_given)
+    advice += fmt::format(", or set moments to {}", plan.needed);
+  return fmt::format("this light needs {} moments, {}: the view will look grainy; {}", plan.needed, limit, advice);
 }
 
 }  // namespace holotrace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -225,7 +227,11 @@ ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double
   require(subpixels >= 1, "expected at least 1 sample per pixel, got {}", subpixels);
   const Grid& panel = slm.grid;
   const double n = subpixels, pixels = double(panel.pixels());
-  const Grid sampled{panel.nx * subpixels, panel.ny * subpixels, panel.pitch / n};
+  const int64_t columns = int64_t(panel.nx) * subpixels, rows = int64_t(panel.ny) * subpixels;
+  constexpr int64_t most = std::numeric_limits<int>::max();
+  require(columns <= most && rows <= most, "expected at most {} samples a side, got {} × {}; use fewer subpixels", most,
+          columns, rows);
+  const Grid sampled{int(columns), int(rows), panel.pitch / n};
   const CameraParams& camera = from.front().camera;
   const double m = magnification(camera, from.front().distance, image);
   const double pixel = camera.pixel > 0     ? camera.pixel

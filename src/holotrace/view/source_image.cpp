@@ -3,43 +3,82 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numeric>
+#include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/base/units.h"
 
 namespace holotrace {
+
+namespace {
+
+// Directions of the disc at (a + 1/2, b + 1/2)·step from its middle, for integers a and b. All parts of a source take
+// the same ones, and each direction belongs to one part, so that the shares of the parts sum to 1 exactly.
+struct DiscLattice {
+  double radius = 0;  // of the disc, in steps
+  double step = 0;    // [rad]
+
+  // The directions in row b have −n ≤ a < n.
+  int64_t half_row(int64_t b) const {
+    const double y = double(b) + 0.5;
+    return std::abs(y) > radius ? 0 : int64_t(std::sqrt((radius - y) * (radius + y)) + 0.5);
+  }
+  int64_t half_rows() const { return int64_t(radius + 0.5); }
+  double directions() const {
+    double all = 0;
+    for (int64_t b = -half_rows(); b < half_rows(); ++b) all += 2 * double(half_row(b));
+    return all;
+  }
+};
+
+// A whole number of steps per sample keeps the sum of linear weights even inside the picture. At least 4 steps a sample
+// resolve the rim of a large picture, and at least 64·√N across the disc the parts of a small one.
+DiscLattice lattice_of(const SourcePart& part, double samples_per_angle) {
+  const double samples = part.angle * samples_per_angle;  // of the disc's diameter
+  const double per_sample = std::max(4.0, std::ceil(64 * std::sqrt(double(part.count())) / samples));
+  return {samples * per_sample / 2, 1 / (samples_per_angle * per_sample)};
+}
+
+}  // namespace
 
 Array2D<float> source_image(const SourcePart& part, double z, double pitch, int reach) {
   const int side = 2 * reach + 1;
   Array2D<float> kernel(side, side);
-  if (reach == 0 || z == 0) {
+  const double to_samples = z / pitch;  // from angles
+  // 1e-9 samples are a point.
+  if (reach == 0 || part.angle * std::abs(to_samples) < 1e-9) {
     kernel(reach, reach) = 1;
     return kernel;
   }
-  // Directions per sample and axis: some 64 along the radius of a small picture, and 4 of a large one.
-  const int parts = std::clamp(64 / reach, 4, 32);
-  const double step = pitch / z;
+  const DiscLattice lattice = lattice_of(part, std::abs(to_samples));
+  const auto [x0, y0] = part.place();
+  const auto angle_of = [&](int64_t n) { return (double(n) + 0.5) * lattice.step; };
+  // Directions of the part are no farther from its point than this, in steps.
+  const double around = (reach + 1) / (std::abs(to_samples) * lattice.step);
+  const auto first = [&](double place) { return int64_t(std::floor(place / lattice.step - around)); };
+  const auto last = [&](double place) { return int64_t(std::ceil(place / lattice.step + around)); };
+  const double scale = double(part.count()) / lattice.directions();
   parallel_for(0, side, [&](int64_t row) {
-    for (int column = 0; column < side; ++column) {
-      int inside = 0;
-      for (int b = 0; b < parts; ++b)
-        for (int a = 0; a < parts; ++a) {
-          const double right = column - reach + (a + 0.5) / parts - 0.5;
-          const double up = reach - double(row) + (b + 0.5) / parts - 0.5;
-          inside += part.holds(right * step, up * step);
-        }
-      kernel(int(row), column) = float(inside);
+    std::vector<double> line(size_t(side), 0.0);
+    const int64_t top = std::min(lattice.half_rows(), last(y0));
+    for (int64_t b = std::max(-lattice.half_rows(), first(y0)); b < top; ++b) {
+      const double y = angle_of(b), place = std::clamp(reach - (y - y0) * to_samples, 0.0, side - 1.0);
+      const double weight = 1 - std::abs(place - double(row));
+      if (weight <= 0) continue;
+      const int64_t half = lattice.half_row(b), end = std::min(half, last(x0));
+      for (int64_t a = std::max(-half, first(x0)); a < end; ++a) {
+        const double x = angle_of(a);
+        if (!part.is_nearest(x, y)) continue;
+        const double column = std::clamp(reach + (x - x0) * to_samples, 0.0, side - 1.0);
+        const int left = std::min(int(column), side - 2);
+        line[size_t(left)] += weight * (left + 1 - column);
+        line[size_t(left) + 1] += weight * (column - left);
+      }
     }
+    for (int i = 0; i < side; ++i) kernel(int(row), i) = float(line[size_t(i)] * scale);
   });
-  const double radius = part.angle / 2 / std::abs(step);  // in samples
-  double all = pi * radius * radius * parts * parts / double(part.count());
-  if (part.count() == 1) all = std::accumulate(kernel.values.begin(), kernel.values.end(), 0.0);
-  require(all > 0, "expected a source image of at least a sample, got one of {:.3g}", radius);
-  for (float& weight : kernel.values) weight = float(double(weight) / all);
   return kernel;
 }
 

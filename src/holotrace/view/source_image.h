@@ -15,6 +15,10 @@ namespace holotrace {
 /// parts are then to be small beside what it lets through. Without a stop the picture's own aberration is left: light
 /// that leaves the panel at θ moves by z·α·(1 + 3θ²/2).
 ///
+/// Directions on a grid over the source, which all its parts share, are each spread linearly over the four samples next
+/// to where they move light: 64·√N or more across the disc of N parts, and 4 or more per sample. A picture smaller than
+/// a sample stays whole, and the pictures of all parts sum to the disc exactly.
+///
 /// @param pitch  of the samples [m]
 /// @param reach  R, samples that hold |z|·part.reach() or more
 /// @return       weights, shape (2R + 1, 2R + 1), row 0 is the top; their sum is the part's share of the source's area

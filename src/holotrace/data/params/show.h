@@ -31,7 +31,7 @@ struct ShowParams {
 
 template <class Visitor>
 void describe(Visitor& v, ShowParams& p) {
-  v.count("subpixels", p.subpixels, range::at_least(1), "samples per pixel and axis; 3 shows the orders -1, 0, 1");
+  v.count("subpixels", p.subpixels, range::from_to(1, 64), "samples per pixel and axis; 3 shows the orders -1, 0, 1");
   v.count("fine_samples", p.fine_samples, range::from_to(0, 64), "per pixel and axis, for crosstalk; 0: as it needs");
   v.length("wavelength", p.wavelength, range::not_negative, "of the light on the SLM; 0 m: the hologram's own");
   v.number("irradiance", p.irradiance, range::not_negative, "of that light, on the axis, in W/m2");
@@ -48,7 +48,7 @@ void describe(Visitor& v, ShowParams& p) {
            "of the light's spectrum, full width at half maximum; 0 m: one line");
   v.angle("source_angle", p.source_angle, range::below(0, std::numbers::pi),
           "full angle that the light's source is seen under; 0 deg: a point");
-  v.count("moments", p.moments, range::not_negative,
+  v.count("moments", p.moments, range::from_to(0, 65536),
           "instants that partly coherent light and flicker are averaged over; 0: as many as the views need");
   v.texts(
       "effects", p.effects,
