@@ -255,7 +255,7 @@ TEST(Moments, SayWhatIsWrong) {
   EXPECT_EQ(error_of([&] { moments(slm, {.bandwidth = -1e-9}, 500e-9); }),
             "expected a length of 0 m or more for \"bandwidth\", got -1 nm");
   EXPECT_EQ(error_of([&] { moments(slm, {.moments = -1}, 500e-9); }),
-            "expected a whole number of 0 or more for \"moments\", got -1");
+            "expected a whole number from 0 to 65536 for \"moments\", got -1");
   EXPECT_EQ(error_of([&] { moments(slm, {.bandwidth = 1e-6, .moments = 64}, 500e-9); }),
             "expected a bandwidth narrow beside the wavelength 500 nm, got 1 µm: its spectrum reaches 0 m");
 }

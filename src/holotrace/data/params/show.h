@@ -31,7 +31,7 @@ struct ShowParams {
 
 template <class Visitor>
 void describe(Visitor& v, ShowParams& p) {
-  v.count("subpixels", p.subpixels, range::from_to(1, 64), "samples per pixel and axis; 3 shows the orders -1, 0, 1");
+  v.count("subpixels", p.subpixels, range::from_to(1, 65536), "samples per pixel and axis; 3 shows the orders -1, 0, 1");
   v.count("fine_samples", p.fine_samples, range::from_to(0, 64), "per pixel and axis, for crosstalk; 0: as it needs");
   v.length("wavelength", p.wavelength, range::not_negative, "of the light on the SLM; 0 m: the hologram's own");
   v.number("irradiance", p.irradiance, range::not_negative, "of that light, on the axis, in W/m2");
