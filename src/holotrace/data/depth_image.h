@@ -39,7 +39,7 @@ void describe(Visitor& v, DepthImageParams& p) {
           "perspective: half angle over the width; 0 deg: the panel's acceptance asin(lambda/2p)");
   v.choice("phase", p.phase, {{"random", SourcePhase::random}, {"constant", SourcePhase::constant}},
            "of the light: random (scatters everywhere, with speckle) or 0 (smooth, sent straight ahead)");
-  v.count("seed", p.seed, range::not_negative, "of random phases");
+  v.count("seed", p.seed, range::not_negative, "seed for random phases");
 }
 
 /// @throws Error  for sizes that differ or are none, and depths or light that are negative or not finite

@@ -59,17 +59,17 @@ void describe(Visitor& v, CameraParams& p) {
       "sampling", p.sampling, {{"integrate", PixelSampling::integrate}, {"point", PixelSampling::point}},
       "what a sensor pixel reads: the irradiance over its area (integrate), or at its field samples alone (point)");
   v.number("exposure", p.exposure, range::not_negative, "irradiance that is white in W/m2; 0: the 99.9th percentile");
-  v.count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "of a PNG, 8 or 16");
+  v.count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "bits of a PNG's channel, 8 or 16");
   v.number("electrons", p.electrons, range::from_to(0, 1e12),
            "full-well capacity in electrons; adds shot noise; 0: no noise");
-  v.number("read_noise", p.read_noise, range::not_negative, "of a pixel, rms, in electrons");
+  v.number("read_noise", p.read_noise, range::not_negative, "read noise of a pixel, rms, in electrons");
   v.count("noise_seed", p.noise_seed, range::not_negative, "seed of the noise");
   v.choice("sweep", p.sweep, {{"none", Sweep::none}, {"focus", Sweep::focus}, {"parallax", Sweep::parallax}},
            "a series of views and its animation: through distances, or with the eye moving along x");
   v.count("sweep_views", p.sweep_views, range::at_least(2), "of the series");
   v.length("sweep_from", p.sweep_from, range::any, "first distance (focus), or first x of the eye (parallax)");
   v.length("sweep_to", p.sweep_to, range::any, "last distance, or last x of the eye");
-  v.number("sweep_seconds", p.sweep_seconds, range::positive, "of the animation, there and back");
+  v.number("sweep_seconds", p.sweep_seconds, range::positive, "duration of the animation in seconds, there and back");
 }
 
 }  // namespace holotrace

@@ -99,7 +99,7 @@ void describe(Visitor& v, EncodeParams& p) {
   v.number("step", p.step, range::not_negative, "sgd: of the phase in an iteration, in radians; 0: 0.4");
   v.choice("start", p.start, {{"field", StartPhase::field}, {"random", StartPhase::random}},
            "of iterations and of target pictures: the field's own phase (a picture's is 0), or a random one");
-  v.count("seed", p.seed, range::not_negative, "of random starts");
+  v.count("seed", p.seed, range::not_negative, "seed for random starts");
   v.texts("effects", p.effects,
           "of the panel that the levels allow for: calibration; sgd: crosstalk, gaps, aberration, phase-map, "
           "dead-pixels, too; or all");

@@ -31,21 +31,24 @@ struct ShowParams {
 
 template <class Visitor>
 void describe(Visitor& v, ShowParams& p) {
-  v.count("subpixels", p.subpixels, range::from_to(1, 65536), "samples per pixel and axis; 3 shows the orders -1, 0, 1");
+  v.count("subpixels", p.subpixels, range::from_to(1, 65536),
+          "samples per pixel and axis; 3 shows the orders -1, 0, 1");
   v.count("fine_samples", p.fine_samples, range::from_to(0, 64), "per pixel and axis, for crosstalk; 0: as it needs");
-  v.length("wavelength", p.wavelength, range::not_negative, "of the light on the SLM; 0 m: the hologram's own");
-  v.number("irradiance", p.irradiance, range::not_negative, "of that light, on the axis, in W/m2");
+  v.length("wavelength", p.wavelength, range::not_negative,
+           "wavelength of the light on the SLM; 0 m: the hologram's own");
+  v.number("irradiance", p.irradiance, range::not_negative,
+           "irradiance of the light on the panel, on the axis, in W/m2");
   v.choice("light", p.light,
            {{"plane", Wavefront::plane}, {"spherical", Wavefront::spherical}, {"gaussian", Wavefront::gaussian}},
            "its wavefront and profile");
-  v.angle("tilt_x", p.tilt_x, range::tilt, "of the light from the panel's axis, toward x");
-  v.angle("tilt_y", p.tilt_y, range::tilt, "of the light from the panel's axis, toward y");
+  v.angle("tilt_x", p.tilt_x, range::tilt, "tilt of the light from the panel's axis, toward x");
+  v.angle("tilt_y", p.tilt_y, range::tilt, "tilt of the light from the panel's axis, toward y");
   v.length("source_distance", p.source_distance, range::any,
            "spherical: from the point that the light comes from to the panel; below 0: to which it converges");
   v.length("beam_radius", p.beam_radius, range::not_negative,
            "gaussian: of the beam on the panel, at 1/e2 of its irradiance");
   v.length("bandwidth", p.bandwidth, range::not_negative,
-           "of the light's spectrum, full width at half maximum; 0 m: one line");
+           "width of the light's spectrum, full width at half maximum; 0 m: one line");
   v.angle("source_angle", p.source_angle, range::below(0, std::numbers::pi),
           "full angle that the light's source is seen under; 0 deg: a point");
   v.count("moments", p.moments, range::from_to(0, 65536),
