@@ -11,7 +11,7 @@
 #include "bench.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/estimate/grid_cost.h"
-#include "holotrace/trace/accelerator.h"
+#include "holotrace/trace/geometry/accelerator.h"
 #include "median_seconds.h"
 
 namespace holotrace {

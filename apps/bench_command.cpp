@@ -13,7 +13,7 @@
 #include "holotrace/base/cpu.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
-#include "holotrace/estimate/ceilings.h"
+#include "holotrace/estimate/machine/ceilings.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
 

@@ -9,8 +9,8 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/io/scene/slm_file.h"
-#include "holotrace/trace/first_hits.h"
-#include "holotrace/trace/path.h"
+#include "holotrace/trace/geometry/first_hits.h"
+#include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/trace.h"
 #include "median_seconds.h"
 

@@ -9,7 +9,7 @@
 #include "holotrace/run/moment_plan.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/viewing.h"
-#include "holotrace/slm/encode/iterations.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
 #include "median_seconds.h"
 
 namespace holotrace {

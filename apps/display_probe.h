@@ -5,7 +5,7 @@
 
 #include "holotrace/data/job.h"
 #include "holotrace/data/report.h"
-#include "holotrace/estimate/probes.h"
+#include "holotrace/estimate/machine/probes.h"
 
 namespace holotrace {
 

@@ -17,9 +17,9 @@
 #include "holotrace/io/report_file.h"
 #include "holotrace/run/stage.h"
 #include "holotrace/slm/encode/encode.h"
-#include "holotrace/slm/encode/iterations.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/target.h"
-#include "holotrace/view/view_sum.h"
+#include "holotrace/view/combine_views.h"
 
 namespace holotrace {
 namespace {

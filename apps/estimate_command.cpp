@@ -11,7 +11,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/thread_count.h"
 #include "holotrace/estimate/cost.h"
-#include "holotrace/estimate/multiply_add_peak.h"
+#include "holotrace/estimate/machine/multiply_add_peak.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "job_estimate.h"
 

@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
-#include "holotrace/estimate/calibrate.h"
+#include "holotrace/estimate/machine/calibrate.h"
 #include "holotrace/io/rates_file.h"
 #include "holotrace/io/wisdom_file.h"
 #include "holotrace/wave/shared/cost_model.h"

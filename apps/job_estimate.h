@@ -15,7 +15,7 @@ struct StageEstimate {
   double seconds = 0;
 };
 
-/// What a job should cost, from short probes of its own stages on this machine (estimate/probes.h): a part of the rays,
+/// What a job should cost, from short probes of its own stages on this machine (estimate/machine/probes.h): a part of the rays,
 /// of the render's pixels, of the waves and the panel that they are summed on, and all that follows on a smaller panel.
 /// Parts grow as long as all probes together take a small share of what they predict. A job of less than half a second
 /// is over sooner than the smallest probes.

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "holotrace/data/job.h"
-#include "holotrace/estimate/probes.h"
+#include "holotrace/estimate/machine/probes.h"
 #include "holotrace/run/pipeline.h"
 
 namespace holotrace {

@@ -1,6 +1,6 @@
 // Propagation, encoding and the virtual SLM on their own.
 
-#include "holotrace/estimate/ceilings.h"
+#include "holotrace/estimate/machine/ceilings.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/panel/show.h"

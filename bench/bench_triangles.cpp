@@ -3,7 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "holotrace/estimate/timed_jobs.h"
+#include "holotrace/estimate/machine/timed_jobs.h"
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/triangles/sum_triangles.h"
 

@@ -2,7 +2,7 @@
 //   build/release/bench/holotrace_bench --benchmark_filter=tiled --benchmark_repetitions=5
 
 #include "holotrace/base/instruction_set.h"
-#include "holotrace/estimate/multiply_add_peak.h"
+#include "holotrace/estimate/machine/multiply_add_peak.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/synthesize.h"

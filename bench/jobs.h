@@ -5,7 +5,7 @@
 #include <string>
 
 #include "holotrace/base/units.h"
-#include "holotrace/estimate/timed_jobs.h"
+#include "holotrace/estimate/machine/timed_jobs.h"
 
 // The jobs of the benchmarks, and how their counters are made. Ceilings are those of holotrace bench
 // (docs/performance.md).

@@ -9,7 +9,7 @@
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/view/camera.h"
-#include "holotrace/view/view_sum.h"
+#include "holotrace/view/combine_views.h"
 #include "support/program.h"
 
 namespace holotrace::test {

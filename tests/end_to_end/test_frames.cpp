@@ -16,8 +16,8 @@
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
+#include "holotrace/view/combine_views.h"
 #include "holotrace/view/compare.h"
-#include "holotrace/view/view_sum.h"
 #include "support/program.h"
 
 namespace holotrace::test {

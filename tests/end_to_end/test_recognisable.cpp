@@ -17,8 +17,8 @@
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
+#include "holotrace/view/combine_views.h"
 #include "holotrace/view/compare.h"
-#include "holotrace/view/view_sum.h"
 #include "support/data_files.h"
 #include "support/program.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/trace/path.h"
+#include "holotrace/trace/paths/path.h"
 #include "trace/scenes.h"
 
 // Light paths in tests, one by one.

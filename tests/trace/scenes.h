@@ -11,7 +11,7 @@
 #include "holotrace/data/grid.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/data/sources.h"
-#include "holotrace/trace/accelerator.h"
+#include "holotrace/trace/geometry/accelerator.h"
 
 // Small scenes with known answers, and what tests measure on them.
 

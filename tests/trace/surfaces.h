@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "holotrace/base/units.h"
-#include "holotrace/trace/bsdf.h"
+#include "holotrace/trace/materials/bsdf.h"
 
 // BSDFs of every kind at a point of the plane z = 0, seen from z > 0.
 

@@ -7,8 +7,8 @@
 #include "holotrace/base/cycles.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/gather.h"
-#include "holotrace/trace/source_phase.h"
 #include "holotrace/trace/trace.h"
+#include "holotrace/trace/waves/source_phase.h"
 #include "trace/scenes.h"
 
 namespace holotrace {

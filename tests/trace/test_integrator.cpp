@@ -4,9 +4,9 @@
 
 #include "holotrace/base/random.h"
 #include "holotrace/data/shapes.h"
-#include "holotrace/trace/bsdf.h"
-#include "holotrace/trace/environment.h"
-#include "holotrace/trace/fresnel.h"
+#include "holotrace/trace/lights/environment.h"
+#include "holotrace/trace/materials/bsdf.h"
+#include "holotrace/trace/materials/fresnel.h"
 #include "trace/follow.h"
 
 namespace holotrace {

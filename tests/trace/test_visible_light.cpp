@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "holotrace/trace/gather.h"
+#include "holotrace/trace/paths/specular.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/shade_triangles.h"
-#include "holotrace/trace/specular.h"
 #include "holotrace/trace/trace.h"
 #include "trace/follow.h"
 

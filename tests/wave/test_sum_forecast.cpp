@@ -4,7 +4,7 @@
 #include <string>
 #include <variant>
 
-#include "holotrace/estimate/timed_jobs.h"
+#include "holotrace/estimate/machine/timed_jobs.h"
 #include "holotrace/wave/summation.h"
 
 namespace holotrace {

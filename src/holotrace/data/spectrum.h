@@ -31,7 +31,7 @@ inline Vec3 channel_weights(double wavelength) {
 /// rank 3 (as for 638, 520 and 450 nm), M·W is the identity: every colour comes back, and equal light at all
 /// wavelengths is white, (1, 1, 1). Two wavelengths, or more that tell no three colours apart, give the nearest that
 /// they can: M·W·rgb is the part of rgb in the span of the rows of W, so a white is not white. Pictures of one
-/// wavelength are left monochrome instead (view/view_sum.h).
+/// wavelength are left monochrome instead (view/combine_views.h).
 ///
 /// Singular values below 1e-5 of the largest count as 0: wavelengths that near are one colour.
 ///

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/slm/panel/moments.h"
+#include "holotrace/slm/panel/illumination_states.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/expose.h"
-#include "holotrace/view/select_order.h"
+#include "holotrace/view/order_stop.h"
 #include "holotrace/view/sensor.h"
 #include "holotrace/wave/propagate/propagate.h"
 

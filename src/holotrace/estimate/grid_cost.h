@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "holotrace/data/scene.h"
-#include "holotrace/trace/uniform_grid.h"
+#include "holotrace/trace/geometry/uniform_grid.h"
 
 namespace holotrace {
 

@@ -8,7 +8,7 @@
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/run/viewing.h"
-#include "holotrace/slm/panel/moments.h"
+#include "holotrace/slm/panel/illumination_states.h"
 
 namespace holotrace {
 
@@ -19,7 +19,7 @@ struct MomentPlan {
   std::string why;  ///< empty for coherent light
 };
 
-/// The moments of partly coherent light (slm/panel/moments.h), as many as the views need where params.moments is 0.
+/// The moments of partly coherent light (slm/panel/illumination_states.h), as many as the views need where params.moments is 0.
 ///
 /// A source of full angle α blurs the plane at z over a disc of diameter α·z: a convolution of the irradiance
 /// (view/source_image.h), done in one moment where all the light goes on alike. What bounds it on its way does not move

@@ -12,7 +12,7 @@
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/order_efficiency.h"
-#include "holotrace/view/read_out.h"
+#include "holotrace/view/sensor_noise.h"
 #include "holotrace/view/stereo.h"
 
 namespace holotrace {

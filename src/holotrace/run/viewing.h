@@ -12,7 +12,7 @@
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/run/repeated_stages.h"
-#include "holotrace/view/view_sum.h"
+#include "holotrace/view/combine_views.h"
 
 namespace holotrace {
 
@@ -79,7 +79,7 @@ struct ViewSeries {
   double white = 1;           ///< [W/m²]
 };
 
-/// The views of one kind, in one exposure, as the camera's sensor reads them (view/read_out.h).
+/// The views of one kind, in one exposure, as the camera's sensor reads them (view/sensor_noise.h).
 ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<ViewSum>& sums, ViewKind kind,
                          const CameraParams& camera);
 

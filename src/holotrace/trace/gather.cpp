@@ -17,12 +17,12 @@
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/data/point_strength.h"
 #include "holotrace/data/sources.h"
-#include "holotrace/trace/first_hits.h"
-#include "holotrace/trace/merge_waves.h"
-#include "holotrace/trace/ray_waves.h"
-#include "holotrace/trace/source_phase.h"
+#include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/trace_report.h"
-#include "holotrace/trace/wave_sets.h"
+#include "holotrace/trace/waves/merge_waves.h"
+#include "holotrace/trace/waves/ray_waves.h"
+#include "holotrace/trace/waves/source_phase.h"
+#include "holotrace/trace/waves/wave_sets.h"
 
 namespace holotrace {
 

@@ -14,9 +14,9 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/data/point_strength.h"
-#include "holotrace/trace/bsdf.h"
-#include "holotrace/trace/first_hits.h"
-#include "holotrace/trace/path.h"
+#include "holotrace/trace/geometry/first_hits.h"
+#include "holotrace/trace/materials/bsdf.h"
+#include "holotrace/trace/paths/path.h"
 
 namespace holotrace {
 

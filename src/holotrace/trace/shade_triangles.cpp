@@ -13,11 +13,11 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/data/sources.h"
-#include "holotrace/trace/bsdf.h"
-#include "holotrace/trace/first_hits.h"
-#include "holotrace/trace/light_surfaces.h"
-#include "holotrace/trace/path.h"
-#include "holotrace/trace/wave_sets.h"
+#include "holotrace/trace/geometry/first_hits.h"
+#include "holotrace/trace/geometry/light_surfaces.h"
+#include "holotrace/trace/materials/bsdf.h"
+#include "holotrace/trace/paths/path.h"
+#include "holotrace/trace/waves/wave_sets.h"
 
 namespace holotrace {
 namespace {

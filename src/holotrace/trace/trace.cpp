@@ -15,15 +15,15 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/data/point_strength.h"
-#include "holotrace/trace/first_hits.h"
-#include "holotrace/trace/light_surfaces.h"
-#include "holotrace/trace/merge_waves.h"
-#include "holotrace/trace/path.h"
-#include "holotrace/trace/ray_waves.h"
-#include "holotrace/trace/source_phase.h"
+#include "holotrace/trace/geometry/first_hits.h"
+#include "holotrace/trace/geometry/light_surfaces.h"
+#include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/tiles.h"
 #include "holotrace/trace/trace_report.h"
-#include "holotrace/trace/wave_sets.h"
+#include "holotrace/trace/waves/merge_waves.h"
+#include "holotrace/trace/waves/ray_waves.h"
+#include "holotrace/trace/waves/source_phase.h"
+#include "holotrace/trace/waves/wave_sets.h"
 
 namespace holotrace {
 

@@ -9,7 +9,7 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/trace/light_surfaces.h"
+#include "holotrace/trace/geometry/light_surfaces.h"
 
 namespace holotrace {
 

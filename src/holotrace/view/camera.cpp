@@ -11,7 +11,7 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/view/expose.h"
-#include "holotrace/view/select_order.h"
+#include "holotrace/view/order_stop.h"
 #include "holotrace/view/sensor.h"
 #include "holotrace/view/source_image.h"
 #include "holotrace/wave/propagate/propagate.h"

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "holotrace/slm/panel/dead_pixels.h"
-#include "holotrace/slm/panel/moments.h"
+#include "holotrace/slm/panel/illumination_states.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/slm/panel/static_errors.h"
 #include "support/panels.h"

@@ -2,7 +2,7 @@
 
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/slm/panel/show.h"
-#include "holotrace/view/select_order.h"
+#include "holotrace/view/order_stop.h"
 #include "support/panels.h"
 
 // Efficiencies are fractions of the light on the panel (1 W/m²), closed_forms.md section 3. A field of single

@@ -7,9 +7,9 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/iterations.h"
-#include "holotrace/slm/encode/plane_optics.h"
-#include "holotrace/slm/encode/plane_sums.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
+#include "holotrace/slm/encode/iterate/target_sums.h"
 #include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace {

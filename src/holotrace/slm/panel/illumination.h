@@ -5,7 +5,7 @@
 #include "holotrace/base/array.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/params/show.h"
-#include "holotrace/slm/panel/moments.h"
+#include "holotrace/slm/panel/illumination_states.h"
 
 namespace holotrace {
 

@@ -7,7 +7,7 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
-#include "holotrace/slm/panel/moments.h"
+#include "holotrace/slm/panel/illumination_states.h"
 
 namespace holotrace {
 

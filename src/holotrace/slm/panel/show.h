@@ -4,7 +4,7 @@
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
-#include "holotrace/slm/panel/moments.h"
+#include "holotrace/slm/panel/illumination_states.h"
 
 namespace holotrace {
 

@@ -8,8 +8,8 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/check_ranges.h"
-#include "holotrace/view/register/fit_planes.h"
-#include "holotrace/view/register/match_planes.h"
+#include "holotrace/view/register/coarse_search.h"
+#include "holotrace/view/register/refine.h"
 
 namespace holotrace {
 namespace {

@@ -1,0 +1,124 @@
+#include "holotrace/estimate/machine/calibrate.h"
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <complex>
+#include <functional>
+#include <limits>
+
+#include "holotrace/base/cpu.h"
+#include "holotrace/base/fft.h"
+#include "holotrace/estimate/machine/peak_rate.h"
+#include "holotrace/estimate/machine/timed_jobs.h"
+#include "holotrace/wave/planes/plane_plan.h"
+#include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/tiles/packed_product.h"
+#include "holotrace/wave/tiles/tile_sum.h"
+
+namespace holotrace {
+namespace {
+
+constexpr double wavelength = timed_wavelength, pitch = timed_full_hd.pitch;
+
+// The fastest of many runs: whatever else the machine does can only slow one down.
+TimedWork fastest(const SummationWork& work, const std::function<void()>& run) {
+  run();
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 9; ++i) best = std::min(best, seconds_of(run));
+  return {work, best};
+}
+
+TimedWork time_exact() {
+  const Grid panel{64, 64, pitch};
+  const Sources sources = timed_waves(panel, 32, 0.19, 0.21);
+  return fastest({.exact_terms = 32.0 * 64 * 64}, [&] { sum_exact(sources, panel); });
+}
+
+// One tile alone.
+TimedWork time_tile(const TilePlan& plan, int count) {
+  const Grid panel{plan.shape.columns, plan.shape.rows, pitch};
+  const std::vector<PreparedWave> waves = prepare_waves(timed_waves(panel, count, 0.19, 0.21), panel);
+  Array2D<std::complex<float>> samples(panel.ny, panel.nx);
+  TileWorkspace workspace;
+  return fastest(count * double(panel.pixels()) * tile_work(plan), [&] {
+    sum_tile(waves, panel, wavelength, plan, {0, panel.nx, 0, panel.ny}, workspace, samples);
+  });
+}
+
+// Waves spread over the planes of a tile that they all light as a whole.
+TimedWork time_spreading(int nodes, int width) {
+  const PlanesPlan plan{.tile = 120, .width = width, .nodes = nodes};
+  const Grid panel{plan.tile, plan.tile, pitch};
+  constexpr int count = 2048;
+  const PlaneWaves waves =
+      sort_waves(prepare_waves(timed_waves(panel, count, 0.19, 0.21), panel), plan, wavelength, pitch);
+  const PlaneTables tables(plan, wavelength, pitch);
+  PlaneWorkspace workspace;
+  workspace.grids.assign(size_t(nodes) * size_t(tables.cells) * 2 * size_t(tables.stride()), 0.0F);
+  const SummationWork work{
+      .plane_waves = double(count),
+      .spreads = double(count) * nodes * width * (width <= 4 ? 4 : GriddingKernel::greatest_width)};
+  return fastest(work, [&] {
+    spread_waves(waves.waves, waves.slabs.front(), tables, panel.x(plan.tile / 2), panel.y(plan.tile / 2),
+                 {0, panel.nx, 0, panel.ny}, workspace);
+  });
+}
+
+// Lines of a tile's transform, in cache.
+TimedWork time_fft() {
+  constexpr int length = 256, lines = 256;
+  const Fft<float> transform(length, FftDirection::forward);
+  AlignedVector<std::complex<float>> data(length * lines, 0.0F);
+  return fastest({.fft_operations = lines * fft_operations(length)}, [&] {
+    for (int line = 0; line < lines; ++line) transform(data.data() + line * length);
+  });
+}
+
+TimedWork time_samples() {
+  constexpr size_t count = 1 << 16;
+  AlignedVector<std::complex<float>> a(count, {1.0F, 0.0F});
+  const AlignedVector<std::complex<float>> b(count, {0.6F, 0.8F});
+  return fastest({.samples = double(count)}, [&] {
+    for (size_t i = 0; i < count; ++i)
+      a[i] = {a[i].real() * b[i].real() - a[i].imag() * b[i].imag(),
+              a[i].real() * b[i].imag() + a[i].imag() * b[i].real()};
+  });
+}
+
+}  // namespace
+
+std::vector<TimedWork> time_summation() {
+  std::vector<TimedWork> timed;
+  tbb::task_arena one_thread(1);
+  one_thread.execute([&] {
+    timed.push_back(time_exact());
+    // Tiles of many shapes tell products from factors, and both from what each wave costs alone.
+    for (const TileShape& tile : {TileShape{128, 120}, {64, 60}, {32, 30}, {32, 12}})
+      timed.push_back(time_tile({tile}, 512));
+    if (packed_unit() != PackedUnit::none)
+      for (const TileShape& tile : {TileShape{128, 120}, {64, 60}, {32, 30}})
+        for (const TileProducts products : {TileProducts::bf16, TileProducts::split_bf16})
+          timed.push_back(time_tile({tile, products}, 512));
+    for (const int width : {4, 5, 8})
+      for (const int nodes : {1, 3, 5}) timed.push_back(time_spreading(nodes, width));
+    timed.push_back(time_fft());
+    timed.push_back(time_samples());
+  });
+  return timed;
+}
+
+SummationRates calibrate_summation() {
+  SummationRates rates = fit_rates(time_summation());
+  for (const SummationTerm& term : summation_terms) rates.*term.rate = coarse_rate(rates.*term.rate);
+  return rates;
+}
+
+std::string calibration_key() {
+  return fmt::format("holotrace {}; {}; {}; {}{}", HOLOTRACE_VERSION, cpu_name(), tile_sum_instruction_set(),
+                     has_avx512_bf16() ? "AVX512_BF16 " : "", enable_amx_bf16() ? "AMX_BF16" : "");
+}
+
+}  // namespace holotrace

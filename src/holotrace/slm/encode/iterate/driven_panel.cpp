@@ -1,0 +1,74 @@
+#include "holotrace/slm/encode/iterate/driven_panel.h"
+
+#include <cmath>
+
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/slm/encode/iterate/iteration_kernels.h"
+#include "holotrace/slm/panel/phasors.h"
+#include "holotrace/slm/panel/pixel_response.h"
+
+namespace holotrace {
+
+namespace {
+
+// The drive at which the phase has gone once around, 0 where it does not.
+double drive_of_turn(const PixelResponse& response, int levels) {
+  const double start = response.cycles_at(0);
+  double low = 0, high = levels;
+  if (response.cycles_at(high) - start < 1 - 1e-6) return 0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (response.cycles_at(middle) - start < 1 ? low : high) = middle;
+  }
+  return std::abs(high - levels) < 1e-5 * levels ? levels : high;
+}
+
+}  // namespace
+
+DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavelength) {
+  const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
+  cycles_per_level_ = slm.phase_range / (2 * pi) * design / wavelength / hologram.levels;
+  const PixelResponse response(slm, hologram.modulation, hologram.levels, design / wavelength, 0);
+  turn_ = drive_of_turn(response, hologram.levels);
+  levels_per_radian_ = hologram.levels / (2 * pi * (response.cycles_at(hologram.levels) - response.cycles_at(0)));
+  if (effects_of(slm).empty()) return;
+  Moment moment;
+  moment.wavelength = wavelength;
+  model_.emplace(slm, ShowParams{}, hologram.modulation, hologram.levels, design, moment);
+}
+
+void DrivenPanel::leave(const Array2D<float>& drive, Field& u) const {
+  if (model_) {
+    model_->leave(drive, u);
+    return;
+  }
+  parallel_for(
+      0, drive.ny,
+      [&](int64_t j) {
+        AlignedVector<float> cycles(size_t(drive.nx));
+        const float* level = drive.row(int(j));
+        for (size_t i = 0; i < cycles.size(); ++i) cycles[i] = float(cycles_per_level_) * level[i];
+        phasors(cycles.data(), nullptr, cycles.size(), u.samples.row(int(j)));
+      },
+      {}, 16);
+}
+
+void DrivenPanel::add_slope(const Array2D<float>& drive, const Field& u, const Field& g, double factor,
+                            Array2D<float>& slope) const {
+  if (model_) {
+    const Array2D<float> part = model_->pull_back(drive, g.samples);
+    for (size_t i = 0; i < slope.size(); ++i) slope.values[i] += float(factor) * part.values[i];
+    return;
+  }
+  const float radians_per_level = float(factor * 2 * pi * cycles_per_level_);
+  parallel_for(
+      0, drive.ny,
+      [&](int64_t j) {
+        add_phase_gradient(g.samples.row(int(j)), u.samples.row(int(j)), radians_per_level, slope.row(int(j)),
+                           size_t(drive.nx));
+      },
+      {}, 16);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,89 @@
+#include "holotrace/slm/panel/illumination_states.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/grid.h"
+#include "holotrace/data/params/check_ranges.h"
+
+namespace holotrace {
+namespace {
+
+// Fraction of point i along each axis: the additive recurrence of the generalised golden ratio in four dimensions,
+// x⁵ = x + 1, centred, so that one point is the middle of all.
+struct Sequence {
+  double operator()(int point, int count, int axis) const {
+    if (axis == 0) return (point + 0.5) / count;  // the first may be even: the count is known
+    const double g = 1.2207440846057596;          // x⁴ = x + 1, for the three that follow
+    const double turned = 0.5 + (point + 0.5 - count / 2.0) * std::pow(1 / g, axis);
+    return turned - std::floor(turned);
+  }
+};
+
+// x of the standard normal distribution below which the fraction p lies: Newton's steps on erfc.
+double normal_quantile(double p) {
+  double x = 0;
+  for (int step = 0; step < 60; ++step) {
+    const double error = 0.5 * std::erfc(-x / std::sqrt(2.0)) - p;
+    const double slope = std::exp(-x * x / 2) / std::sqrt(2 * pi);
+    const double move = std::clamp(error / slope, -1.0, 1.0);
+    x -= move;
+    if (std::abs(move) < 1e-14) break;
+  }
+  return x;
+}
+
+// Of few points the middle is not that of what they stand for: moved there, one point is the middle itself.
+void centre(std::vector<Moment>& all, double Moment::*value, double middle) {
+  double sum = 0;
+  for (const Moment& moment : all) sum += moment.*value - middle;
+  for (Moment& moment : all) moment.*value -= sum / double(all.size());
+}
+
+}  // namespace
+
+std::vector<Moment> moments(const Slm& slm, const ShowParams& params, double wavelength) {
+  check_wavelength(wavelength);
+  check_ranges(params);
+  const double ripple = slm.effects.flicker;
+  const bool is_one = params.bandwidth == 0 && params.source_angle == 0 && !(ripple > 0);
+  const int count = is_one ? 1 : params.moments > 0 ? params.moments : 16;
+  const double sigma = params.bandwidth / (2 * std::sqrt(2 * std::log(2.0)));
+  std::vector<Moment> all;
+  const Sequence at;
+  for (int i = 0; i < count; ++i) {
+    // The axis that is in use alone takes the even steps.
+    int axis = 0;
+    Moment moment{wavelength, params.tilt_x, params.tilt_y, 0, 1.0 / count};
+    if (params.bandwidth > 0) moment.wavelength += sigma * normal_quantile(at(i, count, axis++));
+    if (params.source_angle > 0) {
+      const double radius = params.source_angle / 2 * std::sqrt(at(i, count, axis)),
+                   turn = 2 * pi * at(i, count, axis + 1);
+      moment.tilt_x += radius * std::cos(turn);
+      moment.tilt_y += radius * std::sin(turn);
+      axis += 2;
+    }
+    if (ripple > 0) moment.flicker = std::sin(2 * pi * at(i, count, axis));
+    all.push_back(moment);
+  }
+  if (params.bandwidth > 0) centre(all, &Moment::wavelength, wavelength);
+  if (params.source_angle > 0) {
+    centre(all, &Moment::tilt_x, params.tilt_x);
+    centre(all, &Moment::tilt_y, params.tilt_y);
+    SourcePart::Points points;
+    for (const Moment& moment : all) points.push_back({moment.tilt_x - params.tilt_x, moment.tilt_y - params.tilt_y});
+    const auto shared = std::make_shared<const SourcePart::Points>(std::move(points));
+    for (size_t i = 0; i < all.size(); ++i) all[i].source = {params.source_angle, shared, i};
+  }
+  for (const Moment& moment : all)
+    require(moment.wavelength > 0,
+            "expected a bandwidth narrow beside the wavelength {}, got {}: its spectrum reaches 0 m",
+            format_length(wavelength), format_length(params.bandwidth));
+  return all;
+}
+
+}  // namespace holotrace

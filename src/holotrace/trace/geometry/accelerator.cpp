@@ -1,0 +1,244 @@
+#include "holotrace/trace/geometry/accelerator.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/trace/geometry/light_surfaces.h"
+#include "holotrace/trace/geometry/scene_checks.h"
+#include "holotrace/trace/geometry/uniform_grid.h"
+
+namespace holotrace {
+
+namespace {
+
+using Device = std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)>;
+using EmbreeScene = std::unique_ptr<RTCSceneTy, decltype(&rtcReleaseScene)>;
+using Geometry = std::unique_ptr<RTCGeometryTy, decltype(&rtcReleaseGeometry)>;
+
+void require_no_error(RTCDevice device, const char* what) {
+  const RTCError error = rtcGetDeviceError(device);
+  require(error == RTC_ERROR_NONE, "Embree could not {}: error {}{}", what, int(error),
+          error == RTC_ERROR_OUT_OF_MEMORY ? " (out of memory); use fewer triangles" : "");
+}
+
+}  // namespace
+
+struct Accelerator::Implementation {
+  const Scene& scene;
+  Device device{nullptr, rtcReleaseDevice};
+  EmbreeScene embree{nullptr, rtcReleaseScene};
+  std::optional<UniformGrid> grid;  // in place of Embree
+  std::vector<LightSurface> lamps;  // numbered after the meshes
+  Vec3 centre;
+  double radius = 1, per_radius = 1;
+
+  const Mesh& mesh_of(uint32_t id) const {
+    return id < scene.meshes.size() ? scene.meshes[id] : lamps[id - scene.meshes.size()].mesh;
+  }
+
+  void add(const Mesh& mesh, unsigned id) {
+    const Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE), rtcReleaseGeometry);
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0,
+                                                                 RTC_FORMAT_FLOAT3, 12, mesh.positions.size()));
+    auto* indices = static_cast<uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangles.size()));
+    require_no_error(device.get(), "hold the triangles");
+    for (const Vec3& position : mesh.positions) {
+      const Vec3 p = (position - centre) / radius;
+      for (double value : {p.x, p.y, p.z}) *vertices++ = float(value);
+    }
+    for (const auto& triangle : mesh.triangles) {
+      const auto [i, j, k] = triangle;
+      const Vec3 a = mesh.positions[i];
+      const bool has_area = length(cross(mesh.positions[j] - a, mesh.positions[k] - a)) > 0;
+      // A triangle without area has no normal: shrunk to one vertex, no ray meets it.
+      for (uint32_t index : {i, has_area ? j : i, has_area ? k : i}) *indices++ = index;
+    }
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometryByID(embree.get(), geometry.get(), id);
+  }
+
+  /// The part of a ray inside the sphere in Embree's coordinates, and what comes before it, in radii.
+  /// False for a ray that misses the sphere.
+  bool enter(const Ray& ray, double limit, RTCRay& out, double& skipped) const {
+    constexpr double size = 1.001;  // of the sphere: triangles may reach 1
+    Vec3 origin = (ray.origin - centre) * per_radius;
+    double end = limit * per_radius;
+    skipped = 0;
+    // Rays between surfaces start inside.
+    if (const double outside = dot(origin, origin) - size * size; outside > 0) {
+      const double along = dot(origin, ray.direction), discriminant = along * along - outside;
+      if (along >= 0 || discriminant < 0) return false;
+      skipped = -along - std::sqrt(discriminant);
+      end -= skipped;
+      if (end <= 0) return false;
+      origin += ray.direction * skipped;
+    }
+    out.org_x = float(origin.x), out.org_y = float(origin.y), out.org_z = float(origin.z);
+    out.dir_x = float(ray.direction.x), out.dir_y = float(ray.direction.y), out.dir_z = float(ray.direction.z);
+    out.tnear = 0, out.tfar = float(end);
+    out.time = 0, out.mask = ~0U, out.id = 0, out.flags = 0;
+    return true;
+  }
+
+  /// What a ray has met, from the triangle that was found, in what coordinates of it and at what distance [m].
+  void describe(const Ray& ray, const GridHit& found, Hit& hit) const {
+    const Mesh& mesh = mesh_of(found.mesh);
+    const auto [i, j, k] = mesh.triangles[found.triangle];
+    const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
+    const double b1 = found.b1, b2 = found.b2, b0 = 1 - b1 - b2;
+    const Vec3 area = cross(ab, ac);
+
+    SurfacePoint& point = hit.point;
+    // Where the ray meets the plane of the triangle, in double. Planes of slivers are not well defined: one that
+    // Embree's answer is not near to is not used.
+    const double along = dot(area, ray.direction), precise = dot(area, a - ray.origin) / along;
+    if (std::abs(precise - found.distance) < 1e-3 * radius) {
+      hit.distance = precise;
+      point.position = ray.origin + ray.direction * precise;
+    } else {
+      point.position = a + ab * b1 + ac * b2;
+      hit.distance = dot(point.position - ray.origin, ray.direction);
+    }
+    point.is_front = along <= 0;
+    point.geometric_normal = area * ((point.is_front ? 1 : -1) / length(area));
+    point.normal = point.geometric_normal;
+    point.uv = {};
+    point.tangent_u = point.tangent_v = {};
+    point.colour = {1, 1, 1};
+    if (!mesh.normals.empty()) {
+      const Vec3 smooth = mesh.normals[i] * b0 + mesh.normals[j] * b1 + mesh.normals[k] * b2;
+      if (const double squared = dot(smooth, smooth); squared > 0)
+        point.normal = smooth * (std::copysign(1.0, dot(smooth, point.geometric_normal)) / std::sqrt(squared));
+    }
+    if (!mesh.texture_coordinates.empty()) {
+      const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
+      point.uv = {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
+      const double u1 = q.x - p.x, v1 = q.y - p.y, u2 = r.x - p.x, v2 = r.y - p.y;
+      if (const double size = u1 * v2 - u2 * v1; size != 0) {
+        point.tangent_u = (ab * v2 - ac * v1) / size;
+        point.tangent_v = (ac * u1 - ab * u2) / size;
+      }
+    }
+    if (!mesh.colours.empty()) point.colour = mesh.colours[i] * b0 + mesh.colours[j] * b1 + mesh.colours[k] * b2;
+    point.material = mesh.material;
+    point.light = found.mesh < scene.meshes.size() ? -1 : lamps[found.mesh - scene.meshes.size()].light;
+    point.mesh = found.mesh;
+    point.triangle = found.triangle;
+  }
+};
+
+namespace {
+
+void write_down(const RTCRay& ray, bool is_shadow, std::vector<LoggedRay>& log) {
+  log.push_back({{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tfar, is_shadow});
+}
+
+}  // namespace
+
+Accelerator::Accelerator(const Scene& scene, Acceleration kind)
+    : implementation_(new Implementation{.scene = scene, .grid = {}, .lamps = {}, .centre = {}}) {
+  check_light_and_materials(scene);
+  if (!has_surfaces(scene)) return;
+  Implementation& self = *implementation_;
+  const SceneSphere sphere = sphere_around(scene);
+  self.centre = sphere.centre, self.radius = sphere.radius, self.per_radius = 1 / sphere.radius;
+  self.lamps = light_surfaces(scene);
+  clearance_ = sphere.clearance();
+  if (kind == Acceleration::grid) {
+    self.grid.emplace(scene);
+    return;
+  }
+  self.device.reset(rtcNewDevice(nullptr));
+  if (!self.device) require_no_error(nullptr, "start");
+  self.embree.reset(rtcNewScene(self.device.get()));
+  require_no_error(self.device.get(), "make a scene");
+  rtcSetSceneFlags(self.embree.get(), RTC_SCENE_FLAG_ROBUST);
+  unsigned id = 0;
+  for (const Mesh& mesh : scene.meshes) self.add(mesh, id++);
+  for (const Mesh& lamp : lifted_light_surfaces(scene)) self.add(lamp, id++);
+  rtcCommitScene(self.embree.get());
+  require_no_error(self.device.get(), "build its tree over the triangles");
+}
+
+Accelerator::~Accelerator() = default;
+Accelerator::Accelerator(Accelerator&&) noexcept = default;
+
+const Scene& Accelerator::scene() const { return implementation_->scene; }
+
+std::optional<Hit> Accelerator::closest_hit(const Ray& ray) const {
+  std::optional<Hit> hit(std::in_place);
+  if (!closest_hit(ray, *hit)) hit.reset();
+  return hit;
+}
+
+bool Accelerator::closest_hit(const Ray& ray, Hit& hit) const {
+  const Implementation& self = *implementation_;
+  if (self.grid) {
+    GridHit found;
+    if (!self.grid->closest_hit(ray, std::numeric_limits<double>::infinity(), found)) return false;
+    self.describe(ray, found, hit);
+    return true;
+  }
+  RTCRayHit query;
+  double skipped;
+  if (!self.embree || !self.enter(ray, std::numeric_limits<double>::infinity(), query.ray, skipped)) return false;
+  if (log_) write_down(query.ray, false, *log_);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(self.embree.get(), &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  const double distance = (skipped + double(query.ray.tfar)) * self.radius;
+  self.describe(ray, {distance, query.hit.geomID, query.hit.primID, double(query.hit.u), double(query.hit.v)}, hit);
+  return true;
+}
+
+bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
+  const double distance = length(to - from);
+  return distance > 0 && is_occluded({from, (to - from) / distance}, distance);
+}
+
+bool Accelerator::is_occluded(const Ray& ray, double distance) const {
+  const Implementation& self = *implementation_;
+  if (self.grid) return distance > clearance_ && self.grid->is_occluded(ray, distance - clearance_);
+  RTCRay query;
+  double skipped;
+  if (!self.embree || !(distance > clearance_) || !self.enter(ray, distance - clearance_, query, skipped)) return false;
+  if (log_) write_down(query, true, *log_);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(self.embree.get(), &context, &query);
+  return query.tfar < 0;
+}
+
+int64_t Accelerator::replay(const LoggedRay* rays, int64_t count) const {
+  int64_t found = 0;
+  if (!implementation_->embree) return 0;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  for (const LoggedRay* ray = rays; ray != rays + count; ++ray) {
+    RTCRayHit query{};
+    query.ray.org_x = ray->origin[0], query.ray.org_y = ray->origin[1], query.ray.org_z = ray->origin[2];
+    query.ray.dir_x = ray->direction[0], query.ray.dir_y = ray->direction[1], query.ray.dir_z = ray->direction[2];
+    query.ray.tfar = ray->length;
+    query.ray.mask = ~0U;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    if (ray->is_shadow) {
+      rtcOccluded1(implementation_->embree.get(), &context, &query.ray);
+      found += query.ray.tfar < 0;
+    } else {
+      rtcIntersect1(implementation_->embree.get(), &context, &query);
+      found += query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    }
+  }
+  return found;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,180 @@
+#include "holotrace/trace/geometry/scene_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+
+namespace holotrace {
+
+namespace {
+
+bool is_light_value(Vec3 v) { return is_finite(v) && v.x >= 0 && v.y >= 0 && v.z >= 0; }
+bool is_share(double v) { return v >= 0 && v <= 1; }
+bool is_colour(Vec3 v) { return is_share(v.x) && is_share(v.y) && is_share(v.z); }
+
+void require_strength(Vec3 value, const char* what, const char* unit, size_t index) {
+  require(is_light_value(value), "expected {} of 0 {} or more in light {}, got ({}, {}, {})", what, unit, index,
+          value.x, value.y, value.z);
+}
+
+void require_direction(Vec3 direction, size_t index) {
+  const double size = length(direction);
+  require(std::abs(size - 1) < 1e-6, "expected a direction of length 1 in light {}, got ({}, {}, {}) of length {}",
+          index, direction.x, direction.y, direction.z, size);
+}
+
+void check_light(const PointLight& light, size_t index) {
+  require(is_finite(light.position), "expected a finite position of light {}", index);
+  require_strength(light.intensity, "an intensity", "W/sr", index);
+}
+
+void check_light(const SpotLight& light, size_t index) {
+  require(is_finite(light.position), "expected a finite position of light {}", index);
+  require_direction(light.direction, index);
+  require_strength(light.intensity, "an intensity", "W/sr", index);
+  require(
+      light.inner_angle >= 0 && light.inner_angle <= light.outer_angle && light.outer_angle <= pi,
+      "expected angles 0 ≤ inner ≤ outer ≤ 180 deg of the cone of light {}, got an inner one of {} deg and an outer "
+      "one of {} deg",
+      index, light.inner_angle * 180 / pi, light.outer_angle * 180 / pi);
+}
+
+void check_light(const DirectionalLight& light, size_t index) {
+  require_direction(light.direction, index);
+  require_strength(light.irradiance, "an irradiance", "W/m²", index);
+  require(is_finite(light.position), "expected a finite position of light {}", index);
+  require(light.radius > 0, "expected a radius above 0 m of the beam of light {}, got {} m", index, light.radius);
+}
+
+void check_light(const RectangleLight& light, size_t index) {
+  require(is_finite(light.corner), "expected a finite corner of light {}", index);
+  const double area = length(cross(light.edge_u, light.edge_v));
+  require(std::isfinite(area) && area > 0, "expected edges of light {} that span an area, got {} m²", index, area);
+  require_strength(light.radiance, "a radiance", "W/m²/sr", index);
+}
+
+void check_texture(const Image* image, const char* what, size_t index) {
+  if (!image) return;
+  const bool is_complete = image->values.size() == size_t(image->nx) * size_t(image->ny) * size_t(image->channels);
+  require(image->nx > 0 && image->ny > 0 && (image->channels == 1 || image->channels == 3) && is_complete,
+          "expected {} of at least 1 × 1 pixels with 1 or 3 channels in material {}, got {} × {} with {}", what, index,
+          image->nx, image->ny, image->channels);
+  const auto is_good = [](float value) { return value >= 0 && std::isfinite(value); };
+  const auto bad = std::find_if_not(image->values.begin(), image->values.end(), is_good);
+  require(bad == image->values.end(), "expected {} of finite values of 0 or more in material {}, got {}", what, index,
+          bad == image->values.end() ? 0 : *bad);
+}
+
+void require_share(double value, const char* what, size_t index) {
+  require(is_share(value), "expected a {} from 0 to 1 in material {}, got {}", what, index, value);
+}
+
+void require_colour(Vec3 value, const char* what, size_t index) {
+  require(is_colour(value), "expected a {} from 0 to 1 in material {}, got ({}, {}, {})", what, index, value.x, value.y,
+          value.z);
+}
+
+void check_index(const RefractiveIndex& refractive, size_t index) {
+  require(!refractive.samples.empty(), "expected a refractive index in material {}, got one without samples", index);
+  for (const auto& [wavelength, n, k] : refractive.samples)
+    require(std::isfinite(wavelength) && wavelength >= 0 && std::isfinite(n) && n > 0 && std::isfinite(k) && k >= 0,
+            "expected a refractive index n + ik with n > 0 and k ≥ 0 in material {}, got {} + {}i at {} m", index, n, k,
+            wavelength);
+}
+
+void check_surface(const DiffuseMaterial& material, size_t index) {
+  require_colour(material.reflectance, "reflectance", index);
+  require_colour(material.transmittance, "transmittance", index);
+  const double sum = max_component(material.reflectance + material.transmittance);
+  require(sum <= 1 + 1e-9, "expected a reflectance and a transmittance of at most 1 together in material {}, got {}",
+          index, sum);
+  check_texture(material.texture.get(), "a texture", index);
+}
+
+void check_surface(const ConductorMaterial& material, size_t index) {
+  check_index(material.index, index);
+  require_share(material.roughness, "roughness", index);
+}
+
+void check_surface(const DielectricMaterial& material, size_t index) {
+  check_index(material.index, index);
+  for (const auto& [wavelength, n, k] : material.index.samples)
+    require(k == 0, "expected glass that does not absorb (k = 0) in material {}, got {} + {}i at {} m", index, n, k,
+            wavelength);
+  require_share(material.roughness, "roughness", index);
+}
+
+void check_surface(const MetallicRoughnessMaterial& material, size_t index) {
+  require_colour(material.base_color, "base colour", index);
+  require_share(material.metallic, "metallic", index);
+  require_share(material.roughness, "roughness", index);
+  check_texture(material.base_texture.get(), "a base texture", index);
+  check_texture(material.metallic_texture.get(), "a metallic-roughness texture", index);
+}
+
+void check_material(const Material& material, size_t index) {
+  std::visit([&](const auto& surface) { check_surface(surface, index); }, material.surface);
+  require(is_light_value(material.emission),
+          "expected an emission of 0 W/m²/sr or more in material {}, got ({}, {}, {})", index, material.emission.x,
+          material.emission.y, material.emission.z);
+  check_texture(material.emission_texture.get(), "an emission texture", index);
+  check_texture(material.normal_map.get(), "a normal map", index);
+  require(!material.normal_map || material.normal_map->channels == 3,
+          "expected a normal map of 3 channels in material {}, got 1", index);
+  require(std::isfinite(material.normal_scale), "expected a finite normal scale in material {}, got {}", index,
+          material.normal_scale);
+}
+
+bool has_texture(const DiffuseMaterial& material) { return material.texture != nullptr; }
+bool has_texture(const MetallicRoughnessMaterial& material) {
+  return material.base_texture || material.metallic_texture;
+}
+bool has_texture(const ConductorMaterial&) { return false; }
+bool has_texture(const DielectricMaterial&) { return false; }
+
+bool has_texture(const Material& material) {
+  return material.emission_texture || material.normal_map ||
+         std::visit([](const auto& surface) { return has_texture(surface); }, material.surface);
+}
+
+void check_environment(const Environment& environment) {
+  require(environment.map != nullptr, "expected a map in the environment, got none");
+  const Image& map = *environment.map;
+  const bool is_complete = map.values.size() == size_t(map.nx) * size_t(map.ny) * size_t(map.channels);
+  require(map.nx > 0 && map.nx == 2 * map.ny && (map.channels == 1 || map.channels == 3) && is_complete,
+          "expected an environment map of all directions, twice as wide as high, with 1 or 3 channels, got {} × {} "
+          "pixels with {}",
+          map.nx, map.ny, map.channels);
+  for (size_t i = 0; i < map.values.size(); ++i) {
+    const size_t pixel = i / size_t(map.channels);
+    require(std::isfinite(map.values[i]) && map.values[i] >= 0,
+            "expected an environment map of finite values of 0 or more, got {} in row {}, column {}", map.values[i],
+            pixel / size_t(map.nx), pixel % size_t(map.nx));
+  }
+  require(is_light_value(environment.scale), "expected an environment scale of 0 W/m²/sr or more, got ({}, {}, {})",
+          environment.scale.x, environment.scale.y, environment.scale.z);
+  require(std::isfinite(environment.turn), "expected a finite turn of the environment, got {} rad", environment.turn);
+}
+
+}  // namespace
+
+void check_light_and_materials(const Scene& scene) {
+  for (size_t i = 0; i < scene.lights.size(); ++i)
+    std::visit([&](const auto& light) { check_light(light, i); }, scene.lights[i]);
+  for (size_t i = 0; i < scene.materials.size(); ++i) check_material(scene.materials[i], i);
+  for (const Mesh& mesh : scene.meshes) {
+    const Material& material = scene.materials[size_t(mesh.material)];
+    require(!has_texture(material) || !mesh.texture_coordinates.empty(),
+            "expected texture coordinates in mesh \"{}\", whose material has a texture, got none; add them or use a "
+            "material without a texture",
+            mesh.name);
+  }
+  require(is_light_value(scene.background), "expected a background of 0 W/m²/sr or more, got ({}, {}, {})",
+          scene.background.x, scene.background.y, scene.background.z);
+  if (scene.environment) check_environment(*scene.environment);
+}
+
+}  // namespace holotrace

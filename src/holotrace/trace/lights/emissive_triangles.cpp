@@ -1,0 +1,102 @@
+#include "holotrace/trace/lights/emissive_triangles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/trace/materials/bsdf.h"
+#include "holotrace/trace/materials/texture.h"
+
+namespace holotrace {
+
+namespace {
+
+double sum(Vec3 v) { return v.x + v.y + v.z; }
+
+/// Mean of a texture over all its pixels.
+Vec3 mean_of(const Image& image) {
+  Vec3 total;
+  for (int row = 0; row < image.ny; ++row)
+    for (int column = 0; column < image.nx; ++column)
+      total += image.channels < 3 ? Vec3{1, 1, 1} * double(image(row, column))
+                                  : Vec3{image(row, column, 0), image(row, column, 1), image(row, column, 2)};
+  return total / (double(image.nx) * image.ny);
+}
+
+/// Mean of the emission texture over the 16 similar triangles that a triangle is cut into.
+Vec3 mean_over(const Image& texture, Vec2 a, Vec2 b, Vec2 c) {
+  Vec3 total;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4 - i; ++j)
+      for (const double third : {1.0, 2.0}) {  // triangles that point up and, inside the border, down
+        const double s = (i + third / 3) / 4, t = (j + third / 3) / 4;
+        if (s + t < 1)
+          total +=
+              eval_texture(texture, {a.x + (b.x - a.x) * s + (c.x - a.x) * t, a.y + (b.y - a.y) * s + (c.y - a.y) * t});
+      }
+  return total / 16;
+}
+
+}  // namespace
+
+EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
+    : scene_(scene), lines_(lines), densities_(scene.meshes.size()) {
+  std::vector<double> means;  // of each material
+  for (const Material& material : scene.materials) {
+    const Vec3 texture = material.emission_texture ? mean_of(*material.emission_texture) : Vec3{1, 1, 1};
+    means.push_back(sum(lines.from_rgb(material.emission * texture)));
+  }
+  double total = 0;
+  for (size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const Material& material = scene.materials[size_t(mesh.material)];
+    const double mean = means[size_t(mesh.material)];
+    if (mean <= 0) continue;
+    densities_[m].resize(mesh.triangles.size());
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto [i, j, k] = mesh.triangles[t];
+      const Vec3 a = mesh.positions[i];
+      const double area = length(cross(mesh.positions[j] - a, mesh.positions[k] - a)) / 2;
+      double radiance = mean;
+      if (material.emission_texture && !mesh.texture_coordinates.empty()) {
+        const auto& uv = mesh.texture_coordinates;
+        const Vec3 texture = mean_over(*material.emission_texture, uv[i], uv[j], uv[k]);
+        radiance = sum(lines.from_rgb(material.emission * texture));
+      }
+      const double density = area > 0 ? radiance + mean / 20 : 0;  // a triangle without area is not met
+      if (!(density * area > 0)) continue;
+      densities_[m][t] = float(density);
+      total += double(densities_[m][t]) * area;
+      triangles_.push_back({uint32_t(m), uint32_t(t)});
+      cumulative_.push_back(total);
+    }
+  }
+  for (double& value : cumulative_) value /= total;
+  for (auto& densities : densities_)
+    for (float& density : densities) density = float(density / total);
+}
+
+LightSample EmissiveTriangles::sample(Vec3 from, double u_triangle, Vec2 u) const {
+  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u_triangle);
+  const Triangle triangle = triangles_[size_t(found - cumulative_.begin())];
+  const Mesh& mesh = scene_.meshes[triangle.mesh];
+  const auto [i, j, k] = mesh.triangles[triangle.index];
+  const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
+  const double root = std::sqrt(u.x), b1 = root * (1 - u.y), b2 = root * u.y;  // even over the triangle
+  const Vec3 way = a + ab * b1 + ac * b2 - from, normal = cross(ab, ac);
+  const double squared = dot(way, way), distance = std::sqrt(squared), projected = dot(normal, way);
+  if (projected == 0) return {};  // on the surface, or in its plane
+
+  const Material& material = scene_.materials[size_t(mesh.material)];
+  SurfacePoint point;
+  point.is_front = projected < 0;
+  if (!mesh.texture_coordinates.empty()) {
+    const auto& uv = mesh.texture_coordinates;
+    const double b0 = 1 - b1 - b2;
+    point.uv = {uv[i].x * b0 + uv[j].x * b1 + uv[k].x * b2, uv[i].y * b0 + uv[j].y * b1 + uv[k].y * b2};
+  }
+  const double cosine = std::abs(projected) / (length(normal) * distance);
+  return {way / distance, distance, emitted_radiance(material, point, lines_),
+          pdf(triangle.mesh, triangle.index, distance, cosine), cosine};
+}
+
+}  // namespace holotrace

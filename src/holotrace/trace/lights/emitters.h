@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "holotrace/base/vec.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/trace/lights/emissive_triangles.h"
+#include "holotrace/trace/lights/environment.h"
+#include "holotrace/trace/shared/lines.h"
+
+namespace holotrace {
+
+/// What sends light in a scene, ready to be asked for it. Light groups are numbered: the lights of Scene::lights in
+/// their order, then the meshes that emit (together), then background and environment (together). Keeps a reference to
+/// the scene.
+class Emitters {
+ public:
+  Emitters(const Scene& scene, const Lines& lines);
+
+  int groups() const { return int(lights_.size()) + 2; }
+  int mesh_group() const { return int(lights_.size()); }
+  int background_group() const { return mesh_group() + 1; }
+
+  /// "light 0", …, "emission", "background": what separate holograms are called.
+  std::string group_name(int group) const;
+
+  /// Scene::lights, with their strengths at the lines in place of red, green and blue.
+  const std::vector<Light>& lights() const { return lights_; }
+
+  /// The triangles that shine.
+  const EmissiveTriangles& triangles() const { return triangles_; }
+  bool is_emissive(int material) const { return is_emissive_[size_t(material)]; }
+
+  /// The environment map, if there is one.
+  const EnvironmentLight* environment() const { return environment_ ? &*environment_ : nullptr; }
+
+  /// Radiance from infinitely far away along a unit direction, at the lines [W/m²/sr]: background and environment.
+  Vec3 background(Vec3 direction) const {
+    return environment_ ? background_ + environment_->radiance(direction) : background_;
+  }
+  /// That of the background alone, the same from everywhere.
+  Vec3 even_background() const { return background_; }
+
+  /// Whether a ray that meets no further mesh can find light: background, environment, or a light with an area.
+  bool shine_beyond_surfaces() const { return shine_beyond_surfaces_; }
+
+  /// The lights with an area that rays meet and go through: indices into lights(). The visible ones are surfaces.
+  const std::vector<int>& lights_on_way() const { return lights_on_way_; }
+
+ private:
+  std::vector<Light> lights_;
+  EmissiveTriangles triangles_;
+  std::vector<char> is_emissive_;  // by material
+  std::optional<EnvironmentLight> environment_;
+  Vec3 background_;
+  std::vector<int> lights_on_way_;
+  bool shine_beyond_surfaces_;
+};
+
+}  // namespace holotrace

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <variant>
+
+#include "holotrace/base/units.h"
+#include "holotrace/base/vec.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/trace/shared/ray.h"
+
+// How a surface point asks a light for its light, and which of it a ray meets by chance. To add a light: give its
+// struct a place in data/scene.h, write its functions here, and std::visit finds them.
+
+namespace holotrace {
+
+/// A way from a surface point to a light. With f·cosθ of the surface toward it, the light reflected is
+/// f·cosθ·radiance/pdf, if nothing stands between.
+struct LightSample {
+  Vec3 direction;       ///< unit, from the surface point to the light
+  double distance = 0;  ///< [m]; infinite for parallel light and an environment
+  Vec3 radiance;        ///< [W/m²/sr]; of a point, spot or directional light its irradiance across the way [W/m²]
+  double pdf = 1;       ///< [1/sr]; of those lights, which no ray meets by chance, 1
+  double cosine = 0;    ///< |cosθ'| where it ends on a surface that shines, else 0
+};
+
+/// Whether a ray that a surface sends out can meet the light: then both ways of finding it share it.
+inline bool has_area(const Light& light) { return std::holds_alternative<RectangleLight>(light); }
+
+/// The irradiance of a point light across the way is I/d².
+inline LightSample sample(const PointLight& light, Vec3 from, Vec2) {
+  const Vec3 way = light.position - from;
+  const double squared = dot(way, way);
+  if (squared == 0) return {};
+  const double distance = std::sqrt(squared), inverse = 1 / distance;
+  return {way * inverse, distance, light.intensity * (inverse * inverse), 1};
+}
+
+/// Share of its full intensity that a spot light sends at an angle off its axis, given the angle's cosine:
+/// x²(3 − 2x), x = (cosθ − cos outer)/(cos inner − cos outer) held to [0, 1].
+inline double spot_falloff(const SpotLight& light, double cosine) {
+  const double inner = std::cos(light.inner_angle), outer = std::cos(light.outer_angle);
+  if (cosine >= inner) return 1;
+  if (cosine <= outer) return 0;
+  const double x = (cosine - outer) / (inner - outer);
+  return x * x * (3 - 2 * x);
+}
+
+inline LightSample sample(const SpotLight& light, Vec3 from, Vec2) {
+  LightSample way = sample(PointLight{light.position, light.intensity}, from, {});
+  way.radiance *= spot_falloff(light, -dot(way.direction, light.direction));
+  return way;
+}
+
+/// Parallel light, within its radius of the axis; the beam has no beginning.
+inline LightSample sample(const DirectionalLight& light, Vec3 from, Vec2) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const Vec3 offset = cross(from - light.position, light.direction);
+  if (std::isfinite(light.radius) && dot(offset, offset) > light.radius * light.radius) return {};
+  return {-light.direction, infinity, light.irradiance, 1};
+}
+
+/// A place evenly over the area A: its density over solid angle is d²/(A·cosθ'), θ' the angle at the light.
+inline LightSample sample(const RectangleLight& light, Vec3 from, Vec2 u) {
+  const Vec3 way = light.corner + light.edge_u * u.x + light.edge_v * u.y - from;
+  const double projected = -dot(cross(light.edge_u, light.edge_v), way);  // A·cosθ'·d
+  if (projected <= 0) return {};
+  const double squared = dot(way, way), distance = std::sqrt(squared);
+  const double area = length(cross(light.edge_u, light.edge_v));
+  return {way * (1 / distance), distance, light.radiance, squared * distance / projected,
+          light.is_visible ? projected / (area * distance) : 0};
+}
+
+/// Draws a way from the point `from` [m] to a light, by two numbers in [0, 1). Radiance 0: the point has no light of
+/// it.
+inline LightSample sample_light(const Light& light, Vec3 from, Vec2 u) {
+  if (const auto* rectangle = std::get_if<RectangleLight>(&light)) return sample(*rectangle, from, u);
+  if (const auto* point = std::get_if<PointLight>(&light)) return sample(*point, from, u);
+  return std::visit([&](const auto& l) { return sample(l, from, u); }, light);
+}
+
+/// The density with which `sample` draws the place that a ray has met at a distance [m] and at cosθ' to the normal
+/// [1/sr].
+inline double pdf(const RectangleLight& light, double distance, double cosine) {
+  return distance * distance / (length(cross(light.edge_u, light.edge_v)) * cosine);
+}
+
+/// Where a ray meets the shining side of a rectangle: the distance [m], and the density with which `sample` draws
+/// that direction from the ray's origin [1/sr].
+struct LightHit {
+  double distance, pdf;
+};
+
+inline std::optional<LightHit> meet(const RectangleLight& light, const Ray& ray) {
+  const Vec3 normal = cross(light.edge_u, light.edge_v), way = light.corner - ray.origin;
+  const double projected = -dot(normal, ray.direction);  // A·cosθ'
+  if (projected <= 0) return std::nullopt;
+  const double distance = -dot(normal, way) / projected;
+  if (!(distance > 0)) return std::nullopt;
+  const Vec3 place = ray.direction * distance - way;
+  const double squared = dot(normal, normal);
+  const double s = dot(cross(place, light.edge_v), normal), t = dot(cross(light.edge_u, place), normal);
+  if (s < 0 || t < 0 || s > squared || t > squared) return std::nullopt;
+  return LightHit{distance, distance * distance / projected};
+}
+
+/// Optical path in vacuum from a laser to a point [m]: from a point light the distance, from a beam the distance to the
+/// plane through its position, across it, below 0 before that plane. Nothing for a light without phase.
+inline std::optional<double> laser_path(const Light& light, Vec3 to) {
+  if (const auto* point = std::get_if<PointLight>(&light); point && point->is_laser)
+    return length(to - point->position);
+  if (const auto* beam = std::get_if<DirectionalLight>(&light); beam && beam->is_laser)
+    return dot(to - beam->position, beam->direction);
+  return std::nullopt;
+}
+
+}  // namespace holotrace

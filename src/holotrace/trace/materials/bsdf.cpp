@@ -1,0 +1,117 @@
+#include "holotrace/trace/materials/bsdf.h"
+
+#include <algorithm>
+#include <array>
+#include <complex>
+
+#include "holotrace/trace/materials/shading_frame.h"
+#include "holotrace/trace/materials/texture.h"
+
+namespace holotrace {
+
+namespace {
+
+double clip(double x) { return std::clamp(x, 0.0, 1.0); }
+Vec3 clip(Vec3 v) { return {clip(v.x), clip(v.y), clip(v.z)}; }
+
+Vec3 textured(const std::shared_ptr<const Image>& texture, const SurfacePoint& point) {
+  return texture ? eval_texture(*texture, point.uv) * point.colour : point.colour;
+}
+
+Bsdf make(const DiffuseMaterial& material, const SurfacePoint& point, const Lines& lines) {
+  const Vec3 colour = textured(material.texture, point);
+  DiffuseBsdf b{point.normal, point.geometric_normal, lines.from_rgb(clip(material.reflectance * colour)),
+                lines.from_rgb(clip(material.transmittance * colour))};
+  b.transmittance = {std::fmin(b.transmittance.x, 1 - b.reflectance.x),  // what a surface does not reflect
+                     std::fmin(b.transmittance.y, 1 - b.reflectance.y),
+                     std::fmin(b.transmittance.z, 1 - b.reflectance.z)};
+  const double reflected = max_component(b.reflectance), transmitted = max_component(b.transmittance);
+  if (transmitted > 0) b.transmission_probability = transmitted / (reflected + transmitted);
+  return b;
+}
+
+Bsdf make(const ConductorMaterial& material, const SurfacePoint& point, const Lines& lines) {
+  std::array<std::complex<double>, 3> index;
+  for (size_t line = 0; line < 3; ++line)
+    index[line] = line > 0 && lines.wavelengths[line] == lines.wavelengths[0]
+                      ? index[0]
+                      : index_at(material.index, lines.wavelengths[line]);
+  const double roughness = clip(material.roughness);
+  return make_conductor_bsdf(point.normal, point.geometric_normal, index, roughness * roughness);
+}
+
+Bsdf make(const DielectricMaterial& material, const SurfacePoint& point, const Lines& lines) {
+  const double n = index_at(material.index, lines.wavelengths[0]).real(), roughness = clip(material.roughness);
+  return make_dielectric_bsdf(point.normal, point.geometric_normal, point.is_front || material.is_thin ? n : 1 / n,
+                              roughness * roughness, material.is_thin);
+}
+
+Bsdf make(const MetallicRoughnessMaterial& material, const SurfacePoint& point, const Lines& lines) {
+  double metallic = material.metallic, roughness = material.roughness;
+  if (material.metallic_texture) {
+    const Vec3 texel = eval_texture(*material.metallic_texture, point.uv);
+    roughness *= texel.y;
+    metallic *= texel.z;
+  }
+  metallic = clip(metallic);
+  roughness = clip(roughness);
+  const Vec3 colour = clip(material.base_color * textured(material.base_texture, point));
+  return make_metallic_roughness_bsdf(point.normal, point.geometric_normal, lines.from_rgb(colour), metallic,
+                                      roughness * roughness);
+}
+
+const DielectricMaterial* solid_dielectric(const Material& material) {
+  const auto* dielectric = std::get_if<DielectricMaterial>(&material.surface);
+  return dielectric && !dielectric->is_thin ? dielectric : nullptr;
+}
+
+}  // namespace
+
+Bsdf make_bsdf(const Material& material, const SurfacePoint& point, const Lines& lines) {
+  if (!material.two_sided && !point.is_front && !solid_dielectric(material))
+    return DiffuseBsdf{point.normal, point.geometric_normal, {}, {}};
+  return std::visit([&](const auto& surface) { return make(surface, point, lines); }, material.surface);
+}
+
+SurfacePoint shading_point(const Material& material, const SurfacePoint& point) {
+  SurfacePoint shaded = point;
+  if (material.normal_map) {
+    const Vec3 front = point.is_front ? point.normal : -point.normal;
+    const Vec3 along = point.tangent_u - front * dot(front, point.tangent_u);
+    const double side = dot(cross(front, along), point.tangent_v);
+    if (length(along) > 0 && side != 0) {
+      const Vec3 tangent = normalize(along), bitangent = cross(front, tangent) * std::copysign(1.0, side);
+      const Vec3 map = eval_texture(*material.normal_map, point.uv) * 2 - Vec3{1, 1, 1};
+      const double scale = material.normal_scale;
+      const Vec3 turned = tangent * (scale * map.x) + bitangent * (scale * map.y) + front * map.z;
+      if (length(turned) > 0) shaded.normal = normalize(point.is_front ? turned : -turned);
+    }
+  }
+  shaded.normal = facing_normal(shaded.normal, point.geometric_normal);
+  return shaded;
+}
+
+bool is_pane(const Material& material) {
+  const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
+  return glass && glass->is_thin;
+}
+
+const Material& material_at(const Scene& scene, const SurfacePoint& point) {
+  static const Material black{DiffuseMaterial{.reflectance = {0, 0, 0}}};
+  return point.material < 0 ? black : scene.materials[size_t(point.material)];
+}
+
+Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines) {
+  if (!material.two_sided && !point.is_front) return {};
+  if (!material.emission_texture) return lines.from_rgb(material.emission);
+  return lines.from_rgb(material.emission * eval_texture(*material.emission_texture, point.uv));
+}
+
+MediumIndices media_at(const Material& material, const SurfacePoint& point, double wavelength) {
+  const DielectricMaterial* dielectric = solid_dielectric(material);
+  if (!dielectric) return {};
+  const double n = index_at(dielectric->index, wavelength).real();
+  return point.is_front ? MediumIndices{1, n} : MediumIndices{n, 1};
+}
+
+}  // namespace holotrace

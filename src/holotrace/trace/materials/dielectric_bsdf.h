@@ -1,0 +1,215 @@
+#pragma once
+
+#include <optional>
+
+#include "holotrace/trace/materials/boundary_loss.h"
+#include "holotrace/trace/materials/fresnel.h"
+#include "holotrace/trace/materials/lobe.h"
+#include "holotrace/trace/materials/microfacet.h"
+#include "holotrace/trace/materials/shading_frame.h"
+
+namespace holotrace {
+
+/// The boundary of glass, water or crystal with air: smooth (specular), or of GGX microfacets (glossy; Walter et al.,
+/// EGSR 2007, with the heights of a reflection correlated); or a thin pane.
+///
+/// Radiance is traced from the viewer, and L/n² is what a lossless boundary keeps: refraction brings
+/// (1 − F)·(n_near/n_far)²·L, as a given flux fills n² as much solid angle. Into glass and out again the factors
+/// cancel; lights inside glass are seen with theirs. In equilibrium the radiance is n², and the two ways bring
+/// F·n_near² + (1 − F)·(n_near/n_far)²·n_far² = n_near².
+///
+/// Light that meets more than one microfacet of a rough boundary leaves it diffusely (after Kulla and Conty,
+/// rough_reflection.h), so that a furnace keeps everything, seen from either side. With ℓ the loss of single scattering
+/// and ℓ̄ its mean over the hemisphere, t the part that goes through (BoundaryLoss),
+///
+///     f_r += (1 − t)·ℓ(o)·ℓ(i)/(π·ℓ̄_near),   f_t += t·ℓ(o)·ℓ(i)/(π·ℓ̄_far)·(n_near/n_far)².
+///
+/// A pane (Born & Wolf 1.5) is smooth and without a thickness: the light goes straight through, and the many
+/// reflections between its faces add up by their power, R' = R + T²R/(1 − R²) = 2R/(1 + R), T' = 1 − R'. Its phases are
+/// those of the first face.
+struct DielectricBsdf {
+  Vec3 normal, geometric_normal;
+  double index = 1;  ///< of the far medium over that of the near one, at the first line
+  double alpha = 0;  ///< below smooth_alpha: smooth
+  bool is_thin = false;
+  const BoundaryLoss* loss = nullptr;  ///< of a rough one
+
+  /// Equal media have no boundary to be rough.
+  bool is_smooth() const { return is_thin || alpha < smooth_alpha || std::fabs(index - 1) < 1e-6; }
+};
+
+/// @param index  of the far medium over that of the near one, at the first line
+/// @param alpha  of the GGX distribution, at most 1
+inline DielectricBsdf make_dielectric_bsdf(Vec3 normal, Vec3 geometric_normal, double index, double alpha,
+                                           bool is_thin) {
+  DielectricBsdf b{normal, geometric_normal, index, alpha, is_thin};
+  if (!b.is_smooth()) b.loss = &boundary_loss(index > 1 ? index : 1 / index, alpha);
+  return b;
+}
+
+inline LobeSet lobes(const DielectricBsdf& b) { return {.has_glossy = !b.is_smooth()}; }
+
+/// The microfacet normal that turns `o` into `i`, both local, on the near side; 0 if there is none.
+inline Vec3 half_vector(const DielectricBsdf& b, Vec3 o, Vec3 i) {
+  if (i.z == 0) return {};
+  if (i.z > 0) return normalize(o + i);
+  const Vec3 sum = o + i * b.index;
+  if (sum.z == 0) return {};
+  const Vec3 h = normalize(sum.z > 0 ? sum : -sum);
+  return dot(o, h) > 0 && dot(i, h) < 0 ? h : Vec3{};
+}
+
+/// dω_h/dω_i of refraction about h: index²·|i·h|/(o·h + index·i·h)² (Walter et al., eq. 17).
+inline double refraction_jacobian(const DielectricBsdf& b, Vec3 o, Vec3 i, Vec3 h) {
+  const double sum = dot(o, h) + b.index * dot(i, h);
+  return b.index * b.index * std::fabs(dot(i, h)) / (sum * sum);
+}
+
+/// The losses as seen from the near side, and the part t of them that goes through.
+struct Boundary {
+  const BoundaryLoss::Side &near, &far;
+  double through;
+  bool has_many;  ///< light worth following meets many microfacets
+
+  explicit Boundary(const DielectricBsdf& b)
+      : near(b.index < 1 ? b.loss->dense : b.loss->thin),
+        far(b.index < 1 ? b.loss->thin : b.loss->dense),
+        through(b.loss->through),
+        has_many(near.mean > 1e-6 && far.mean > 1e-6) {
+    if (b.index < 1) through *= far.mean / near.mean * b.index * b.index;  // reciprocity (BoundaryLoss)
+  }
+};
+
+/// Light of many microfacets between two directions, o.z > 0.
+struct ManyFacets {
+  double probability = 0;  ///< to draw it: what single scattering leaves out
+  double value = 0;        ///< its f·|cosθ_i|
+  double pdf = 0;          ///< [1/sr], without the probability
+};
+
+inline ManyFacets many_facets(const DielectricBsdf& b, Vec3 o, Vec3 i) {
+  const auto [near, far, through, has_many] = Boundary(b);
+  if (!has_many) return {};
+  const double lost = near.at(o.z);
+  if (i.z > 0)
+    return {lost, (1 - through) * lost * near.at(i.z) / near.mean * i.z / pi, (1 - through) * near.density(i.z) * i.z};
+  return {lost, through * lost * far.at(-i.z) / far.mean * -i.z / (pi * b.index * b.index),
+          through * far.density(-i.z) * -i.z};
+}
+
+/// f·|cosθ_i| of all light between two local directions, o.z > 0, and the density with which `sample` draws i [1/sr].
+struct RoughBoundary {
+  double value = 0, pdf = 0;
+};
+
+inline RoughBoundary between(const DielectricBsdf& b, Vec3 o, Vec3 i) {
+  const ManyFacets many = many_facets(b, o, i);
+  RoughBoundary all{many.value, many.probability * many.pdf};
+  const Vec3 h = half_vector(b, o, i);
+  if (h.z <= 0) return all;
+  const double cosine = std::fmin(1, dot(o, h)), density = ggx_density(h, b.alpha);
+  const double reflected = reflectance_dielectric(cosine, b.index), masking = smith_masking(o, b.alpha);
+  const double once = (1 - many.probability) * masking;  // probability, masking of the visible normals
+  if (i.z > 0) {
+    const double common = reflected * density / (4 * o.z);
+    all.value += common * smith_masking_shadowing(o, i, b.alpha);
+    all.pdf += common * once;
+  } else {
+    const double common = (1 - reflected) * density * cosine / o.z * refraction_jacobian(b, o, i, h);
+    all.value += common * masking * smith_masking(i, b.alpha) / (b.index * b.index);
+    all.pdf += common * once;
+  }
+  return all;
+}
+
+/// The same at the surface; nothing for directions that only the shading normal puts on their side.
+inline RoughBoundary between(const DielectricBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lobe) {
+  if (lobe != Lobe::glossy || b.is_smooth()) return {};
+  const ShadingView view(b.normal, outgoing);
+  const Vec3 i = view.local(incoming);
+  if (i.z == 0 || (dot(b.geometric_normal, incoming) > 0) != (i.z > 0)) return {};
+  return between(b, view.outgoing, i);
+}
+
+inline Vec3 eval(const DielectricBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lobe) {
+  const double value = between(b, outgoing, incoming, lobe).value;
+  return {value, value, value};
+}
+
+inline double pdf(const DielectricBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lobe) {
+  return between(b, outgoing, incoming, lobe).pdf;
+}
+
+/// Reflection, then refraction where there is one, each with its whole weight.
+inline SpecularBranches branches(const DielectricBsdf& b, Vec3 outgoing) {
+  SpecularBranches result;
+  if (!b.is_smooth()) return result;
+  const Vec3 normal = facing_normal(b.normal, outgoing);
+  const double cosine = std::fmin(1, dot(outgoing, normal));
+  double reflected = reflectance_dielectric(cosine, b.index), scale = 1 / (b.index * b.index);
+  if (b.is_thin) {
+    reflected = 2 * reflected / (1 + reflected);
+    scale = 1;
+  }
+  const auto add = [&](Vec3 direction, double weight, double squared_index_ratio, bool is_transmission, double phase) {
+    if (weight <= 0 || (dot(b.geometric_normal, direction) < 0) != is_transmission) return;
+    weight *= squared_index_ratio;
+    result.ways[size_t(result.count++)] = {direction,          {weight, weight, weight}, 1,
+                                           Lobe::specular,     is_transmission,          {phase, phase, phase},
+                                           squared_index_ratio};
+  };
+  if (reflected > 0) add(reflect(outgoing, normal), reflected, 1, false, reflection_phase(cosine, b.index));
+  if (reflected < 1) add(b.is_thin ? -outgoing : refract(outgoing, normal, b.index), 1 - reflected, scale, true, 0);
+  return result;
+}
+
+/// A local direction off a rough boundary: for what single scattering leaves out by its cosine alone, else what a
+/// visible microfacet reflects or refracts, by Fresnel's reflectance. Nothing where that is on the wrong side.
+inline std::optional<Vec3> draw(const DielectricBsdf& b, Vec3 o, double u_lobe, Vec2 u) {
+  const Boundary side(b);
+  const double many = side.has_many ? side.near.at(o.z) : 0;
+  if (u_lobe < many) {
+    const bool goes_through = u_lobe < many * side.through;
+    const double cosine = (goes_through ? side.far : side.near).sample(u.x), angle = 2 * pi * u.y;
+    const double sine = std::sqrt(1 - cosine * cosine);
+    return Vec3{sine * std::cos(angle), sine * std::sin(angle), goes_through ? -cosine : cosine};
+  }
+  const double choice = (u_lobe - many) / (1 - many);
+  const Vec3 h = sample_visible_normal(o, b.alpha, u);
+  const double cosine = std::fmin(1, dot(o, h));
+  if (cosine <= 0) return std::nullopt;
+  const bool is_transmission = choice >= reflectance_dielectric(cosine, b.index);
+  const Vec3 i = is_transmission ? refract(o, h, b.index) : reflect(o, h);
+  if ((i.z < 0) != is_transmission) return std::nullopt;
+  return i;
+}
+
+/// Draws reflection or refraction by Fresnel's reflectance, or off a rough boundary.
+inline std::optional<BsdfSample> sample(const DielectricBsdf& b, Vec3 outgoing, double u_lobe, Vec2 u) {
+  if (b.is_smooth()) {
+    const SpecularBranches both = branches(b, outgoing);
+    double passed = 0;
+    for (int k = 0; k < both.count; ++k) {
+      BsdfSample way = both.ways[size_t(k)];
+      way.pdf = way.weight.x / way.squared_index_ratio;
+      passed += way.pdf;
+      if (u_lobe >= passed && !(k + 1 == both.count && passed > 1 - 1e-9)) continue;
+      way.weight = way.weight / way.pdf;
+      return way;
+    }
+    return std::nullopt;
+  }
+  const ShadingView view(b.normal, outgoing);
+  const Vec3 o = view.outgoing;
+  const auto i = draw(b, o, u_lobe, u);
+  if (!i || i->z == 0) return std::nullopt;
+  const bool is_transmission = i->z < 0;
+  const Vec3 direction = view.world(*i);
+  if ((dot(b.geometric_normal, direction) < 0) != is_transmission) return std::nullopt;
+  const RoughBoundary light = between(b, o, *i);
+  if (!(light.pdf > 0)) return std::nullopt;
+  const double weight = light.value / light.pdf, scale = is_transmission ? 1 / (b.index * b.index) : 1;
+  return BsdfSample{direction, {weight, weight, weight}, light.pdf, Lobe::glossy, is_transmission, {}, scale};
+}
+
+}  // namespace holotrace

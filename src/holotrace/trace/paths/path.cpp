@@ -1,0 +1,108 @@
+#include "holotrace/trace/paths/path.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "holotrace/trace/paths/path_walk.h"
+
+namespace holotrace {
+
+namespace {
+
+/// Adds light to sums, and once to `whole`.
+struct RadianceSink {
+  static constexpr bool follows_phase = false;
+  std::span<Vec3> sums;
+  int layers;
+  bool is_by_light;
+  Vec3 whole{};
+
+  void add(uint32_t accepted, int group, Vec3 radiance) {
+    whole += radiance;
+    const size_t first = is_by_light ? size_t(group) * size_t(layers) : 0;
+    for (int layer = 0; layer < layers; ++layer)
+      if (accepted >> layer & 1) sums[first + size_t(layer)] += radiance;
+  }
+  void end_way(std::optional<double>) {}
+};
+
+RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums) {
+  return {sums, scene.automaton.layers(), scene.params.separate_lights};
+}
+
+/// How much of light of this strength a clamp lets through.
+double let_through(double light, double clamp) { return light > clamp ? clamp / light : 1; }
+
+}  // namespace
+
+PathCounts& PathCounts::operator+=(const PathCounts& other) {
+  paths += other.paths;
+  vertices += other.vertices;
+  rays += other.rays;
+  shadow_rays += other.shadow_rays;
+  escaped += other.escaped;
+  absorbed += other.absorbed;
+  cut += other.cut;
+  left_out += other.left_out;
+  clamped += other.clamped;
+  return *this;
+}
+
+void report(const PathCounts& counts, int max_depth, const Observer& observer) {
+  observer.fact("rays", Fact(counts.rays));
+  observer.fact("shadow_rays", Fact(counts.shadow_rays));
+  observer.fact("paths", Fact(counts.paths));
+  observer.fact("mean_path_length", Fact(counts.mean_path_length()));
+  observer.fact("escaped", Fact(counts.escaped));
+  observer.fact("absorbed", Fact(counts.absorbed));
+  observer.fact("cut", Fact(counts.cut));
+  observer.fact("left_out", Fact(counts.left_out));
+  observer.fact("clamped", Fact(counts.clamped));
+  // A cut path still had the light of its first max_depth surfaces: below 5 % the loss is not seen.
+  constexpr double visible = 0.05;
+  if (double(counts.cut) > visible * double(counts.paths))
+    observer.warn(
+        fmt::format("{:.0f} % of the light paths were cut after {} surfaces, which darkens corners and "
+                    "interiors; raise max_depth",
+                    100.0 * double(counts.cut) / double(counts.paths), max_depth));
+}
+
+void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
+                  PathCounts& counts) {
+  const double clamp = scene.params.clamp;
+  if (clamp <= 0) {
+    RadianceSink sink = make_sink(scene, sums);
+    PathWalk(scene, sink, counts).follow(start, numbers);
+    return;
+  }
+  std::vector<Vec3> path(sums.size());
+  RadianceSink sink = make_sink(scene, path);
+  PathWalk(scene, sink, counts).follow(start, numbers);
+  const Vec3 scale{let_through(sink.whole.x, clamp), let_through(sink.whole.y, clamp),
+                   let_through(sink.whole.z, clamp)};
+  counts.clamped += scale != Vec3{1, 1, 1};
+  for (size_t i = 0; i < sums.size(); ++i) sums[i] += path[i] * scale;
+}
+
+void add_light_on_way(const PathScene& scene, const Ray& ray, double distance, PathAutomaton::State state,
+                      std::span<Vec3> sums) {
+  RadianceSink sink = make_sink(scene, sums);
+  PathCounts unused;
+  PathWalk(scene, sink, unused).add_light_on_way(ray, distance, state, 0, {1, 1, 1});
+}
+
+void mean_radiance(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Vec3> sums,
+                   PathCounts& counts) {
+  std::fill(sums.begin(), sums.end(), Vec3{});
+  LowDiscrepancy numbers(scene.params.seed, 0, sample);
+  for (int path = 0; path < paths; ++path) {
+    numbers.start(uint32_t(path));
+    add_radiance(scene, start, numbers, sums, counts);
+  }
+  for (Vec3& sum : sums) sum = sum / paths;
+}
+
+}  // namespace holotrace

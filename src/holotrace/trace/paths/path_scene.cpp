@@ -1,0 +1,26 @@
+#include "holotrace/trace/paths/path_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/trace/materials/bsdf.h"
+
+namespace holotrace {
+
+PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& layers,
+                     const PathParams& params)
+    : scene(scene),
+      accelerator(scene, params.accelerator),
+      emitters(scene, lines),
+      automaton(layers),
+      lines(lines),
+      params(params),
+      has_panes(std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                            [&](const Mesh& mesh) { return is_pane(scene.materials[size_t(mesh.material)]); })) {
+  require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
+  require(std::isfinite(params.clamp) && params.clamp >= 0, "expected a clamp of 0 W/m²/sr or more, got {}",
+          params.clamp);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+
+#include "holotrace/data/params/acceleration.h"
+#include "holotrace/data/path_expression.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/trace/geometry/accelerator.h"
+#include "holotrace/trace/lights/emitters.h"
+#include "holotrace/trace/shared/lines.h"
+
+namespace holotrace {
+
+/// How far and which light paths are followed.
+struct PathParams {
+  int max_depth = 8;             ///< surfaces on a path
+  double clamp = 0;              ///< most radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
+  bool separate_lights = false;  ///< sums of their own for each light
+  bool asks_at_end = false;      ///< lights are asked by the last surface of a path alone
+  uint64_t seed = 1;
+  Acceleration accelerator = Acceleration::embree;
+};
+
+/// A scene made ready for light paths at three wavelengths. Keeps a reference to the scene; calls may run on several
+/// threads at once.
+struct PathScene {
+  const Scene& scene;
+  Accelerator accelerator;
+  Emitters emitters;
+  PathAutomaton automaton;  ///< of the layers
+  Lines lines;
+  PathParams params;
+  bool has_panes;  ///< a mesh is of thin glass, which light goes straight through
+
+  /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth below 1 or a clamp below 0
+  PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& layers, const PathParams& params);
+
+  /// Sums that paths make: one per layer, and for each of them one per light group where lights are separate. Sum
+  /// g·layers + l is that of layer l and light group g.
+  int sums() const { return automaton.layers() * (params.separate_lights ? emitters.groups() : 1); }
+};
+
+}  // namespace holotrace

@@ -1,0 +1,303 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <variant>
+
+#include "holotrace/trace/geometry/light_surfaces.h"
+#include "holotrace/trace/lights/light.h"
+#include "holotrace/trace/materials/bsdf.h"
+#include "holotrace/trace/paths/path.h"
+
+// The one loop along a light path (formulas: path.h, add_radiance). What the path finds goes to a Sink:
+//
+//   static constexpr bool follows_phase        whether start, scatter and travel are called
+//   add(layers, group, radiance)               light of a group for the layers whose bits are set
+//   end_way(laser_path)                        all the light of one way has been added; from a laser: its optical path
+//                                              from there to the surface, else none
+//   start(start), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
+//   place_of_phase(point)                      where on that surface light is taken to arrive, for its phase
+
+namespace holotrace {
+
+inline bool is_black(Vec3 v) { return v.x <= 0 && v.y <= 0 && v.z <= 0; }
+
+/// The power heuristic: the weight of light found with density `own` that another way finds with density `other`.
+inline double shared_weight(double own, double other) {
+  const double ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+
+inline PathEvent event_of(Lobe lobe) {
+  return lobe == Lobe::diffuse ? PathEvent::diffuse : lobe == Lobe::glossy ? PathEvent::glossy : PathEvent::specular;
+}
+
+template <class Sink>
+class PathWalk {
+ public:
+  PathWalk(const PathScene& scene, Sink& sink, PathCounts& counts)
+      : scene_(scene), automaton_(scene.automaton), emitters_(scene.emitters), sink_(sink), counts_(counts) {}
+
+  void follow(const PathStart& start, LowDiscrepancy& numbers) {
+    ++counts_.paths;
+    state_ = start.state;
+    point_ = start.point;
+    outgoing_ = start.outgoing;
+    if (point_.light >= 0) {
+      add_lamp();
+      return;
+    }
+    if constexpr (Sink::follows_phase) sink_.start(start);
+    for (depth_ = start.depth;; ++depth_) {
+      ++counts_.vertices;
+      const Material& material = scene_.scene.materials[size_t(point_.material)];
+      if (emitters_.is_emissive(point_.material)) add_emission(material);
+      const Bsdf bsdf = make_bsdf(material, point_, scene_.lines);
+      // One visit per surface: below it, the functions of the kind of surface are called by themselves.
+      const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
+      if (!next || !leave(*next)) return;
+    }
+  }
+
+  /// Light on a ray up to `distance` and not on a surface, from which a path in `state` has come with density `pdf`
+  /// [1/sr]; 0: by a specular way.
+  void add_light_on_way(const Ray& ray, double distance, PathAutomaton::State state, double pdf, Vec3 throughput) {
+    const uint32_t layers = automaton_.accepted(state);
+    if (!layers) return;
+    for (const int i : emitters_.lights_on_way()) {
+      const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(i)]);
+      const auto met = meet(light, ray);
+      // A lamp in the plane of a wall is before it, as it is for those who ask it.
+      if (!met || met->distance >= distance + scene_.accelerator.clearance()) continue;
+      add_met(layers, i, throughput * light.radiance * (pdf > 0 ? shared_weight(pdf, met->pdf) : 1));
+    }
+    if (distance < std::numeric_limits<double>::infinity()) return;
+    Vec3 radiance = emitters_.even_background();
+    if (const EnvironmentLight* environment = emitters_.environment())
+      radiance +=
+          environment->radiance(ray.direction) * (pdf > 0 ? shared_weight(pdf, environment->pdf(ray.direction)) : 1);
+    add_met(layers, emitters_.background_group(), throughput * radiance);
+  }
+
+ private:
+  void add_met(uint32_t layers, int group, Vec3 light) {
+    if (is_black(light)) return;
+    sink_.add(layers, group, light);
+    sink_.end_way(std::nullopt);
+  }
+
+  /// What the surface sends out by itself.
+  void add_emission(const Material& material) {
+    const uint32_t layers = automaton_.accepted(state_);
+    if (!layers) return;
+    Vec3 light = throughput_ * emitted_radiance(material, point_, scene_.lines);
+    if (pdf_ > 0) {
+      const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
+      light *= shared_weight(pdf_, emitters_.triangles().pdf(point_.mesh, point_.triangle, distance_, cosine));
+    }
+    add_met(layers, emitters_.mesh_group(), light);
+  }
+
+  /// The light of a visible rectangle, at whose surface the path ends. Like the other lights it is none of the
+  /// surfaces that max_depth counts.
+  void add_lamp() {
+    ++counts_.absorbed;
+    const uint32_t layers = automaton_.accepted(state_);
+    if (!layers || !point_.is_front) return;
+    const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(point_.light)]);
+    const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
+    add_met(layers, point_.light,
+            throughput_ * light.radiance * (pdf_ > 0 ? shared_weight(pdf_, pdf(light, distance_, cosine)) : 1));
+  }
+
+  /// Asks the lights, and draws how the path goes on; nothing where it ends.
+  template <class B>
+  std::optional<BsdfSample> scatter(const B& bsdf, LowDiscrepancy& numbers) {
+    const LobeSet has = lobes(bsdf);
+    const bool asks_at_end = scene_.params.asks_at_end && depth_ < scene_.params.max_depth;
+    if (!asks_at_end) add_direct_light(bsdf, numbers, has, 1);
+    const Vec2 choices = numbers.two(), u = numbers.two();  // of the lobe, and between going on and not
+    const Vec3 before = throughput_;
+    auto next = sample(bsdf, outgoing_, choices.x, u);
+    if (next) {
+      throughput_ *= next->weight;
+      scale_ *= next->squared_index_ratio;
+    }
+    // Radiance is n² times as much inside glass, which is no less light: roulette looks past that.
+    double goes_on = next ? std::min(1.0, max_component(throughput_) / scale_) : 0;
+    constexpr double most = 0.9;  // at an end that is rare, light would weigh much
+    if (asks_at_end && (has.has_diffuse || has.has_glossy)) goes_on = std::min(goes_on, most);
+    if (!(choices.y < goes_on)) {
+      ++counts_.absorbed;
+      throughput_ = before;
+      if (asks_at_end) add_direct_light(bsdf, numbers, has, 1 / (1 - goes_on));
+      return std::nullopt;
+    }
+    throughput_ *= 1 / goes_on;
+    return next;
+  }
+
+  /// Asks the lights; what they bring counts `weight` times.
+  template <class B>
+  void add_direct_light(const B& bsdf, LowDiscrepancy& numbers, LobeSet has, double weight) {
+    direct_weight_ = weight;
+    diffuse_state_ = has.has_diffuse ? automaton_.step(state_, PathEvent::diffuse) : PathAutomaton::State{};
+    glossy_state_ = has.has_glossy ? automaton_.step(state_, PathEvent::glossy) : PathAutomaton::State{};
+    diffuse_layers_ = automaton_.accepted(diffuse_state_);
+    glossy_layers_ = automaton_.accepted(glossy_state_);
+    // Layers that take no light here may take it behind a pane.
+    if (!(diffuse_layers_ | glossy_layers_) && !(scene_.has_panes && (diffuse_state_ | glossy_state_))) return;
+    const auto& lights = emitters_.lights();
+    for (size_t i = 0; i < lights.size(); ++i) {
+      const bool is_shared = has_area(lights[i]);
+      add_way(bsdf, sample_light(lights[i], point_.position, is_shared ? numbers.two() : Vec2{}), is_shared, int(i),
+              &lights[i]);
+    }
+    // Light of a mesh comes from a surface, which counts as one.
+    if (depth_ < scene_.params.max_depth && !emitters_.triangles().is_empty()) {
+      const double u = numbers.one();
+      add_way(bsdf, emitters_.triangles().sample(point_.position, u, numbers.two()), true, emitters_.mesh_group());
+    }
+    if (const EnvironmentLight* environment = emitters_.environment())
+      add_way(bsdf, environment->sample(numbers.two()), true, emitters_.background_group());
+  }
+
+  /// Light by one way that a light was asked for; `is_shared` if the path can find it by chance too.
+  template <class B>
+  void add_way(const B& bsdf, const LightSample& way, bool is_shared, int group, const Light* light = nullptr) {
+    constexpr double most = 1e150;  // whose square is finite; such light comes at a vanishing angle to its surface
+    if (is_black(way.radiance) || !(way.pdf < most)) return;
+    const auto reflected = [&](Lobe lobe) {
+      const Vec3 f = eval(bsdf, outgoing_, way.direction, lobe);
+      if (is_black(f)) return Vec3{};
+      // The weight over the density, p/(p² + p′²), without a division of its own.
+      const double other = is_shared ? pdf(bsdf, outgoing_, way.direction, lobe) : 0;
+      return throughput_ * f * way.radiance * (direct_weight_ * way.pdf / (way.pdf * way.pdf + other * other));
+    };
+    // Paths go through panes by chance, and meet there all lights that they can meet; the others have to be asked.
+    const bool passes_panes = scene_.has_panes && !is_shared;
+    Vec3 diffuse = diffuse_layers_ || (passes_panes && diffuse_state_) ? reflected(Lobe::diffuse) : Vec3{};
+    Vec3 glossy = glossy_layers_ || (passes_panes && glossy_state_) ? reflected(Lobe::glossy) : Vec3{};
+    if (is_black(diffuse) && is_black(glossy)) return;
+    ++counts_.shadow_rays;
+    uint32_t diffuse_layers = diffuse_layers_, glossy_layers = glossy_layers_;
+    if (is_occluded(way)) {
+      const auto panes = passes_panes ? panes_on(way) : std::nullopt;
+      if (!panes) return;
+      diffuse *= panes->share, glossy *= panes->share;
+      diffuse_layers = layers_behind(panes->count, diffuse_state_);
+      glossy_layers = layers_behind(panes->count, glossy_state_);
+    }
+    if (diffuse_layers) sink_.add(diffuse_layers, group, diffuse);
+    if (glossy_layers) sink_.add(glossy_layers, group, glossy);
+    if constexpr (Sink::follows_phase)
+      sink_.end_way(light ? laser_path(*light, sink_.place_of_phase(point_.position)) : std::nullopt);
+  }
+
+  bool is_occluded(const LightSample& way) const {
+    const Vec3 from = scene_.accelerator.leave(point_, way.direction);
+    const double clearance = scene_.accelerator.clearance();
+    // The ray starts off the surface, by up to a clearance nearer to the light.
+    if (way.cosine == 0) return scene_.accelerator.is_occluded({from, way.direction}, way.distance - clearance);
+    // What shines is itself in the way: the ray aims at its very place and ends before its plane, at grazing angles
+    // sooner.
+    const Vec3 rest = point_.position + way.direction * way.distance - from;
+    const double distance = length(rest);
+    return scene_.accelerator.is_occluded({from, rest * (1 / distance)},
+                                          distance - (light_lift + 1) * clearance / std::max(way.cosine, 0.01));
+  }
+
+  /// What stands between the point and a light, if all of it is panes and the path may be that long.
+  struct Panes {
+    int count = 0;
+    Vec3 share{1, 1, 1};  // of the light that they let straight through
+  };
+
+  std::optional<Panes> panes_on(const LightSample& way) {
+    const double clearance = scene_.accelerator.clearance();
+    Ray ray{scene_.accelerator.leave(point_, way.direction), way.direction};
+    double left = way.distance - 2 * clearance;  // as is_occluded has it
+    for (Panes panes; depth_ + panes.count <= scene_.params.max_depth; ++panes.count) {
+      ++counts_.rays;
+      const auto hit = scene_.accelerator.closest_hit(ray);
+      if (!hit || hit->distance >= left) return panes;
+      const Material& material = material_at(scene_.scene, hit->point);
+      if (!is_pane(material)) return std::nullopt;
+      const Bsdf pane = make_bsdf(material, shading_point(material, hit->point), scene_.lines);
+      const SpecularBranches branches = specular_branches(pane, -way.direction);
+      const auto last = branches.ways.begin() + branches.count;
+      const auto straight =
+          std::find_if(branches.ways.begin(), last, [](const BsdfSample& branch) { return branch.is_transmission; });
+      if (straight == last) return std::nullopt;
+      panes.share *= straight->weight;
+      const Vec3 next = scene_.accelerator.leave(hit->point, way.direction);
+      left -= dot(next - ray.origin, way.direction);
+      ray.origin = next;
+    }
+    return std::nullopt;
+  }
+
+  /// The layers that take light which has come through panes to a surface that has left the path in `state`.
+  uint32_t layers_behind(int panes, PathAutomaton::State state) const {
+    for (; panes > 0; --panes) state = automaton_.step(state, PathEvent::specular);
+    return automaton_.accepted(state);
+  }
+
+  /// Goes to the next surface; false where the path ends.
+  bool leave(const BsdfSample& next) {
+    state_ = automaton_.step(state_, event_of(next.lobe));
+    if (automaton_.is_dead(state_)) {
+      ++counts_.left_out;
+      return false;
+    }
+    const bool is_last = depth_ >= scene_.params.max_depth;
+    const Ray ray{scene_.accelerator.leave(point_, next.direction), next.direction};
+    if (is_last && !emitters_.shine_beyond_surfaces()) {
+      ++counts_.rays;
+      const bool has_met = scene_.accelerator.is_occluded(ray, std::numeric_limits<double>::infinity());
+      ++(has_met ? counts_.cut : counts_.escaped);
+      return false;
+    }
+    if constexpr (Sink::follows_phase) sink_.scatter(point_, next);
+
+    ++counts_.rays;
+    pdf_ = next.lobe == Lobe::specular ? 0 : next.pdf;
+    const Vec3 here = point_.position;
+    const bool has_hit = scene_.accelerator.closest_hit(ray, hit_);
+    distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
+    if (emitters_.shine_beyond_surfaces()) add_light_on_way(ray, distance_, state_, pdf_, throughput_);
+    outgoing_ = -next.direction;
+    if (has_hit && point_.light >= 0) {
+      add_lamp();
+      return false;
+    }
+    if (!has_hit || is_last) {
+      ++(has_hit ? counts_.cut : counts_.escaped);
+      return false;
+    }
+    const Material& material = scene_.scene.materials[size_t(point_.material)];
+    if constexpr (Sink::follows_phase) sink_.travel(length(point_.position - here));
+    if (material.normal_map) point_ = shading_point(material, point_);
+    return true;
+  }
+
+  const PathScene& scene_;
+  const PathAutomaton& automaton_;
+  const Emitters& emitters_;
+  Sink& sink_;
+  PathCounts& counts_;
+
+  PathAutomaton::State state_ = 0;
+  Hit hit_;
+  SurfacePoint& point_ = hit_.point;
+  Vec3 outgoing_, throughput_{1, 1, 1};
+  int depth_ = 1;
+  double direct_weight_ = 1;       // of the light that lights are asked for
+  double scale_ = 1;               // of the throughput by the indices of the media
+  double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: by a specular way, or the path begins here
+  PathAutomaton::State diffuse_state_ = 0, glossy_state_ = 0;  // after those lobes of this surface; 0: it has none
+  uint32_t diffuse_layers_ = 0, glossy_layers_ = 0;            // that take light by those lobes of this surface
+};
+
+}  // namespace holotrace

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+#include "holotrace/data/sources.h"
+#include "holotrace/trace/paths/specular.h"
+
+// One wave for each cell of equal phase. Waves of one cell are in step: n of them of squared amplitude a² each, which
+// is n·a² of light, would add up to n²·a². One wave of squared amplitude Σa² in their place brings the light that they
+// stand for to every pixel, however many rays have met the cell: E|U|² = Σ a² over all waves, where cells have random
+// phases.
+
+namespace holotrace {
+
+/// The cell and image that a wave belongs to.
+struct WaveCell {
+  /// Of the cell of its surface and the turns of the mirrors and glass that show it (image_key); `alone`: the wave
+  /// shares its phase with no other.
+  uint64_t key = alone;
+  double off_centre = 0;  ///< of the surface point, from the middle of the cell [m]
+
+  static constexpr uint64_t alone = ~uint64_t(0);
+};
+
+/// Key of a surface cell as a chain of mirrors and glass shows it; of the cell alone where it is seen directly. Two
+/// mirrors that show one cell have one key: their images are told apart by their places (CellWaves).
+uint64_t image_key(uint64_t cell, const std::vector<SpecularVertex>& chain);
+
+/// Finds the waves of equal cell and image.
+class CellWaves {
+ public:
+  /// @param side  of the cells [m]
+  explicit CellWaves(double side) : side_(side) {}
+
+  /// The number under which a wave of that key, seen at that place [m], was first added; `next`, and from now on found
+  /// under it, if there was none. Images that are apart by no more than 8 cells, or a thousandth of their
+  /// distance, are one.
+  size_t find_or_add(uint64_t key, Vec3 origin, size_t next);
+
+  void clear();
+
+ private:
+  static constexpr uint32_t none = std::numeric_limits<uint32_t>::max();
+  struct Entry {
+    Vec3 origin;
+    size_t number;
+    uint32_t older;  // entry of the same key
+  };
+  double side_;
+  std::unordered_map<uint64_t, uint32_t> newest_;
+  std::vector<Entry> entries_;
+};
+
+/// Waves of one set while it is traced.
+struct TracedWaves {
+  std::vector<Source> waves;
+  std::vector<uint64_t> keys;   ///< of their phases, or Sources::no_phase_key
+  std::vector<WaveCell> cells;  ///< of each wave
+  std::vector<float> tiles;     ///< tiles[wave·count + tile], for `count` tiles
+};
+
+/// Merges the waves of equal cell and image, in place and in the order of the first of each. Their squared amplitudes
+/// add up, in every tile for itself; origin and phase are those of the wave whose surface point is the nearest to the
+/// middle of the cell, so that many rays find the place that any other many rays find.
+void merge_waves(TracedWaves& waves, double side, size_t tiles);
+
+}  // namespace holotrace

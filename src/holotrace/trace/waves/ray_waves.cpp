@@ -1,0 +1,164 @@
+#include "holotrace/trace/waves/ray_waves.h"
+
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/data/sources.h"
+#include "holotrace/trace/materials/bsdf.h"
+#include "holotrace/trace/waves/source_phase.h"
+
+namespace holotrace {
+
+namespace {
+
+/// Light that no path has to be followed for.
+void add_known_light(const PathScene& scene, const SpecularLeaf& leaf, std::vector<Vec3>& sums) {
+  const PathStart& start = leaf.start;
+  const Emitters& emitters = scene.emitters;
+  int group = leaf.light;
+  Vec3 radiance;
+  switch (leaf.kind) {
+    case LeafKind::surface:
+      return;
+    case LeafKind::glow:
+      group = emitters.mesh_group();
+      radiance = emitted_radiance(scene.scene.materials[size_t(start.point.material)], start.point, scene.lines);
+      break;
+    case LeafKind::light:
+      radiance = std::get<RectangleLight>(emitters.lights()[size_t(group)]).radiance;
+      break;
+    case LeafKind::beyond:
+      group = emitters.background_group();
+      radiance = emitters.background(-start.outgoing);
+      break;
+  }
+  const int layers = scene.automaton.layers();
+  for (int layer = 0; layer < layers; ++layer)
+    if (scene.automaton.accepted(start.state) >> layer & 1)
+      sums[size_t((scene.params.separate_lights ? group * layers : 0) + layer)] += radiance;
+}
+
+LeafLight light_from(const PathScene& scene, const TraceParams& params, const SpecularLeaf& leaf, uint64_t sample,
+                     PathCounts& counts) {
+  LeafLight light;
+  const size_t count = size_t(scene.sums());
+  const bool is_known = leaf.kind != LeafKind::surface;
+  if (params.phase == SourcePhase::laser) {
+    light.phasors.resize(count);
+    if (!is_known) {
+      laser_phasors(scene, leaf.start, params.paths, sample, light.phasors, counts);
+      return light;
+    }
+  }
+  light.radiance.resize(count);
+  if (!is_known) {
+    mean_radiance(scene, leaf.start, params.paths, sample, light.radiance, counts);
+    return light;
+  }
+  add_known_light(scene, leaf, light.radiance);
+  const auto phase = std::polar(1.0, random_phase(scene.params.seed, 0, sample));
+  for (size_t i = 0; i < light.phasors.size(); ++i) {
+    const Vec3 radiance = light.radiance[i];
+    light.phasors[i] = {std::sqrt(radiance.x) * phase, std::sqrt(radiance.y) * phase, std::sqrt(radiance.z) * phase};
+  }
+  return light;
+}
+
+/// Takes the phase of the wave to the place that stands for the cell: its middle, dropped onto the surface.
+void move_phase(SpecularLeaf& leaf, const Ray& ray, Vec3 middle) {
+  const SurfacePoint& point = leaf.start.point;
+  const Vec3 way = middle - point.position;
+  const Vec3 move = way - point.geometric_normal * dot(way, point.geometric_normal);
+  leaf.start.phase_move = move;
+  if (leaf.chain.empty())
+    leaf.optical_path = leaf.distance = length(point.position + move - ray.origin);
+  else
+    leaf.optical_path -= leaf.start.index * dot(move, leaf.start.outgoing);
+}
+
+/// The key of a leaf's random phase, and the cell that it shares it with. Under the strategy gather the leaf's phase
+/// becomes that of the cell.
+std::pair<uint64_t, WaveCell> place_in_cell(SpecularLeaf& leaf, const TraceParams& params, double side, const Ray& ray,
+                                            uint64_t sample) {
+  const bool is_constant = params.phase == SourcePhase::constant;
+  if (params.phase == SourcePhase::random || leaf.kind == LeafKind::beyond)
+    return {is_constant ? Sources::no_phase_key : sample, {}};
+  const Vec3 place = leaf.start.point.position;
+  const SurfaceCell cell = surface_cell(place, side);
+  const WaveCell own{image_key(cell.key, leaf.chain), length(cell.centre - place)};
+  if (params.strategy == Strategy::gather && params.one_wave_per_cell) move_phase(leaf, ray, cell.centre);
+  return {is_constant ? Sources::no_phase_key : cell.key, own};
+}
+
+bool looks_alike_from_everywhere(const PathScene& scene, const PathStart& start) {
+  const Bsdf bsdf = make_bsdf(material_at(scene.scene, start.point), start.point, scene.lines);
+  const LobeSet lobes = lobes_of(bsdf);
+  return lobes.has_diffuse && !lobes.has_glossy && specular_branches(bsdf, start.outgoing).count == 0;
+}
+
+/// The first hit of a ray as a leaf.
+std::optional<SpecularLeaf> first_hit(const PathScene& scene, const Ray& ray, PathCounts& counts) {
+  ++counts.rays;
+  const auto hit = scene.accelerator.closest_hit(ray);
+  if (!hit) return std::nullopt;
+  const Material& material = material_at(scene.scene, hit->point);
+  SpecularLeaf leaf;
+  leaf.start = {shading_point(material, hit->point), -ray.direction, scene.automaton.start(), 1};
+  leaf.optical_path = leaf.distance = hit->distance;
+  return leaf;
+}
+
+}  // namespace
+
+std::vector<RayWave> find_waves(const PathScene& scene, const TraceParams& params, double side, const Ray& ray,
+                                uint64_t sample, PathCounts& counts) {
+  std::vector<SpecularLeaf> leaves;
+  if (follows_mirrors(params.phase))
+    leaves = follow_specular(scene, ray, counts);
+  else if (auto leaf = first_hit(scene, ray, counts))
+    leaves.push_back(std::move(*leaf));
+  std::vector<RayWave> waves;
+  for (SpecularLeaf& leaf : leaves) {
+    const Vec3 origin = leaf.chain.empty() ? leaf.start.point.position : ray.origin + ray.direction * leaf.distance;
+    const auto [key, cell] = place_in_cell(leaf, params, side, ray, sample);
+    LeafLight light = light_from(scene, params, leaf, sample, counts);
+    const bool is_diffuse = leaf.kind == LeafKind::surface && looks_alike_from_everywhere(scene, leaf.start);
+    waves.push_back({std::move(leaf), origin, key, cell, std::move(light), is_diffuse});
+  }
+  return waves;
+}
+
+double phase_beyond(const RayWave& wave, double length, double wavelength, int line) {
+  const Vec3 fresnel = wave.leaf.phase;
+  return 2 * pi * cycle_fraction(wave.leaf.optical_path - length, wavelength) + (line == 0   ? fresnel.x
+                                                                                 : line == 1 ? fresnel.y
+                                                                                             : fresnel.z);
+}
+
+std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams& params, const RayWave& wave,
+                                      Vec3 place, uint64_t sample, PathCounts& counts) {
+  const SpecularLeaf& model = wave.leaf;
+  SpecularLeaf leaf;
+  if (model.chain.empty()) {
+    const SurfacePoint& point = model.start.point;
+    const Vec3 way = place - point.position;
+    if (dot(way, point.geometric_normal) <= 0) return std::nullopt;
+    ++counts.shadow_rays;
+    // At grazing angles the surface itself would be in the way of a ray to its very place.
+    if (scene.accelerator.is_occluded(place, scene.accelerator.leave(point))) return std::nullopt;
+    if (wave.is_diffuse) return SeenLight{std::nullopt, model.weight};
+    leaf = model;
+    leaf.start.outgoing = normalize(way);
+  } else {
+    const Ray ray{place, normalize(wave.origin - place)};
+    auto found = follow_like(scene, ray, model, counts);
+    if (!found || !shows_the_same(scene, *found, model, ray)) return std::nullopt;
+    if (wave.is_diffuse) return SeenLight{std::nullopt, found->weight};
+    leaf = std::move(*found);
+  }
+  return SeenLight{light_from(scene, params, leaf, sample, counts), leaf.weight};
+}
+
+}  // namespace holotrace

@@ -1,0 +1,124 @@
+#include "holotrace/view/combine_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "holotrace/base/error.h"
+#include "holotrace/data/spectrum.h"
+
+namespace holotrace {
+
+void ViewSum::add(double wavelength, const std::string& name, double illumination, const Image& view, double reach) {
+  require(std::isfinite(illumination) && illumination >= 0, "expected an illumination of 0 W/m² or more, got {} W/m²",
+          illumination);
+  require(std::isfinite(reach) && reach > 0, "expected a reach above 0, got {}", reach);
+  require(view.channels == 1, "expected a view of one channel, got {}", view.channels);
+  if (groups_.empty()) {
+    nx_ = view.nx;
+    ny_ = view.ny;
+    pitch_ = view.pitch;
+    centre_x_ = view.centre_x;
+    centre_y_ = view.centre_y;
+  }
+  require(view.nx == nx_ && view.ny == ny_ && view.pitch == pitch_ && view.centre_x == centre_x_ &&
+              view.centre_y == centre_y_,
+          "expected views of one size to add up, {} × {} pixels, got {} × {}; show holograms of one panel", nx_, ny_,
+          view.nx, view.ny);
+  auto group = std::find_if(groups_.begin(), groups_.end(),
+                            [&](const Group& g) { return g.wavelength == wavelength && g.name == name; });
+  if (group == groups_.end()) {
+    groups_.push_back({wavelength, reach, name, 0, 0, std::vector<double>(view.values.size())});
+    group = groups_.end() - 1;
+  }
+  ++group->frames;
+  group->illumination += illumination;
+  brightest_ = std::max(brightest_, illumination);
+  for (size_t i = 0; i < view.values.size(); ++i) group->light[i] += illumination * double(view.values[i]);
+}
+
+std::vector<double> ViewSum::wavelengths() const {
+  std::vector<double> found = wavelengths_;
+  for (const Group& group : groups_)
+    if (std::find(found.begin(), found.end(), group.wavelength) == found.end()) found.push_back(group.wavelength);
+  return found;
+}
+
+Image ViewSum::irradiance(double wavelength) const {
+  std::vector<double> sum(size_t(nx_) * size_t(ny_));
+  for (const Group& group : groups_)
+    if (group.wavelength == wavelength)
+      for (size_t i = 0; i < sum.size(); ++i) sum[i] += group.light[i] / group.frames;
+  Image image(ny_, nx_, 1);
+  image.pitch = pitch_;
+  image.centre_x = centre_x_;
+  image.centre_y = centre_y_;
+  for (size_t i = 0; i < sum.size(); ++i) image.values[i] = float(sum[i] / brightest());
+  return image;
+}
+
+Image ViewSum::image() const {
+  const std::vector<double> lines = wavelengths();
+  require(!groups_.empty(), "expected a view to make a picture of, got none");
+  if (lines.size() == 1) return irradiance(lines.front());
+  const std::vector<Vec3> matrix = colour_matrix(lines);
+  const auto reach_of = [&](double wavelength) {  // 0 for a wavelength that no hologram has
+    const auto group =
+        std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) { return g.wavelength == wavelength; });
+    return group == groups_.end() ? 0 : group->reach;
+  };
+  double farthest = 0;
+  for (const double wavelength : lines) farthest = std::max(farthest, reach_of(wavelength));
+  std::vector<Vec3> sum(size_t(nx_) * size_t(ny_));
+  for (size_t n = 0; n < lines.size(); ++n) {
+    if (reach_of(lines[n]) == 0) continue;
+    const Image one = irradiance(lines[n]);
+    const Vec3 weight = matrix[n] * (farthest / reach_of(lines[n]));
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] = sum[i] + weight * double(one.values[i]);
+  }
+  Image image(ny_, nx_, 3);
+  image.pitch = pitch_;
+  image.centre_x = centre_x_;
+  image.centre_y = centre_y_;
+  for (size_t i = 0; i < sum.size(); ++i) {
+    image.values[3 * i] = float(sum[i].x);
+    image.values[3 * i + 1] = float(sum[i].y);
+    image.values[3 * i + 2] = float(sum[i].z);
+  }
+  return image;
+}
+
+double ViewSum::mean_irradiance() const {
+  double sum = 0;
+  for (const Group& group : groups_) sum += std::accumulate(group.light.begin(), group.light.end(), 0.0) / group.frames;
+  return sum / brightest() / (double(nx_) * ny_);
+}
+
+double ViewSum::relative_illumination() const {
+  double sum = 0;
+  for (const Group& group : groups_) sum += group.illumination / group.frames;
+  return sum / brightest();
+}
+
+Image seen_at(const Image& rgb, const std::vector<double>& wavelengths) {
+  const std::vector<Vec3> matrix = colour_matrix(wavelengths);
+  if (rgb.channels == 1 && wavelengths.size() == 1) return rgb;
+  Image out(rgb.ny, rgb.nx, wavelengths.size() == 1 ? 1 : 3);
+  out.pitch = rgb.pitch;
+  for (size_t i = 0; i < size_t(rgb.nx) * size_t(rgb.ny); ++i) {
+    const float* c = &rgb.values[i * size_t(rgb.channels)];
+    const Vec3 colour = rgb.channels == 1 ? Vec3{c[0], c[0], c[0]} : Vec3{c[0], c[1], c[2]};
+    if (wavelengths.size() == 1) {
+      out.values[i] = float(radiance_at(wavelengths.front(), colour));
+      continue;
+    }
+    Vec3 seen;
+    for (size_t n = 0; n < wavelengths.size(); ++n) seen = seen + matrix[n] * radiance_at(wavelengths[n], colour);
+    out.values[3 * i] = float(seen.x);
+    out.values[3 * i + 1] = float(seen.y);
+    out.values[3 * i + 2] = float(seen.z);
+  }
+  return out;
+}
+
+}  // namespace holotrace

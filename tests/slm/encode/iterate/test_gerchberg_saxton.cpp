@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
+#include "holotrace/slm/encode/iterate/target_sums.h"
+#include "holotrace/slm/encode/target.h"
+#include "holotrace/wave/propagate/propagate.h"
+#include "support/panels.h"
+#include "support/targets.h"
+
+namespace holotrace {
+namespace {
+
+// ⟨a, b⟩ over all samples.
+std::complex<double> inner(const Field& a, const Field& b) {
+  std::complex<double> sum = 0;
+  for (size_t i = 0; i < a.samples.size(); ++i)
+    sum += std::conj(std::complex<double>(a.samples.values[i])) * std::complex<double>(b.samples.values[i]);
+  return sum;
+}
+
+TEST(PlaneOptics, WayBackIsTheAdjointOfTheWayThere) {
+  // Angular spectrum (2 mm) and Rayleigh–Sommerfeld kernel (0.2 m), both ways, with aperture and stop: the float sums
+  // of a few thousand products, 1e-5 of the norms.
+  const Slm slm = make_panel(72, 40);
+  const Field u = random_field(slm.grid, 1), g = random_field(slm.grid, 2);
+  for (const double z : {-0.002, 0.002, -0.2, 0.2})
+    for (const double stop : {1.0, 0.4}) {
+      const PlaneOptics optics = make_plane_optics(slm, test_wavelength, z, PixelAperture::included, stop);
+      const std::complex<double> there = inner(g, optics.to_plane(u)), back = inner(optics.to_panel(g), u);
+      EXPECT_LT(std::abs(there - back), 1e-5 * std::sqrt(inner(u, u).real() * inner(g, g).real())) << z << " " << stop;
+    }
+}
+
+TEST(PlaneOptics, NoLightIsGained) {
+  // ‖T‖ ≤ 1: what the error that never grows stands on. 1e-5: float.
+  const Slm slm = make_panel(72, 40);
+  const Field u = random_field(slm.grid, 3);
+  for (const double z : {0.0, 0.002, 0.2})
+    EXPECT_LE(power(make_plane_optics(slm, test_wavelength, z, PixelAperture::included).to_plane(u)),
+              power(u) * (1 + 1e-5))
+        << z;
+}
+
+TEST(GerchbergSaxton, ErrorNeverGrows) {
+  // One plane and three, all of the window or a part, where light leaves the window and where hardly any does. The
+  // theorem is of exact arithmetic: floats may add 1e-6 of the first error.
+  const Slm slm = make_panel(96, 64);
+  for (const std::vector<double>& distances : {std::vector{0.002}, {0.02}, {0.01, 0.015, 0.02}})
+    for (const int columns : {0, 60}) {
+      EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = distances};
+      params.target_columns = columns;
+      params.target_rows = columns * 2 / 3;
+      params.iterations = 40;
+      params.start = StartPhase::random;
+      const std::vector<double> error = convergence_of(slm, params);
+      ASSERT_EQ(error.size(), 41u);
+      for (size_t i = 1; i < error.size(); ++i) EXPECT_LE(error[i], error[i - 1] + 1e-6 * error[0]) << i;
+      EXPECT_LT(error.back(), 0.7 * error.front());  // and it falls
+    }
+}
+
+TEST(GerchbergSaxton, APlaneOfItsOwnLightIsReachedAtOnce) {
+  // The modulus of a phase pattern's own light: the start is the answer, and stays it. 1e-9: squares of float's 1e-5.
+  const Slm slm = make_panel(64, 48, 65536);
+  Field start = random_field(slm.grid, 4);
+  for (auto& u : start.samples.values) u /= std::abs(u);
+  const PlaneOptics optics = make_plane_optics(slm, test_wavelength, -0.01, PixelAperture::included);
+  TargetPlane target{-0.01, test_wavelength, Array2D<float>(48, 64), {}};
+  const Field shown = optics.to_plane(start);
+  for (size_t i = 0; i < shown.samples.size(); ++i) target.amplitude.values[i] = std::abs(shown.samples.values[i]);
+  EncodeParams params{.method = Encoding::gerchberg_saxton};
+  params.iterations = 3;
+  Heard heard;
+  const Hologram hologram = encode_targets({target}, start, slm, params, heard.observer());
+  EXPECT_LT(heard.number("error_last"), 1e-9);
+  EXPECT_GT(heard.number("psnr_db"), 80);  // 65536 levels: rounding of 5e-5/√12 rad, −96 dB of the mean
+  EXPECT_NEAR(hologram.illumination, 1, 1e-3);
+}
+
+TEST(WeightedGerchbergSaxton, MakesSpotsMoreEvenThanTheyBegan) {
+  // Sixteen equal spots of a random start: their moduli differ as those of speckle do at first.
+  const Slm slm = make_panel(96, 64);
+  TargetPlane target{-0.01, test_wavelength, Array2D<float>(64, 96), Array2D<float>(64, 96)};
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i)
+      target.amplitude(14 + 12 * j, 24 + 16 * i) = target.weight(14 + 12 * j, 24 + 16 * i) = 1;
+  EncodeParams params{.method = Encoding::weighted_gerchberg_saxton, .start = StartPhase::random};
+  Heard heard;
+  encode_targets({target}, random_field(slm.grid, 1), slm, params, heard.observer());
+  EXPECT_LT(heard.number("error_last"), heard.number("error_first") / 4);  // half the spread, in amplitude
+}
+
+TEST(WeightedGerchbergSaxton, MakesSpotsMoreEvenThanThePlainKindDoes) {
+  // Spots on a dark plane, all of which counts: the plain kind rests where light beside the spots and what they lack
+  // are in balance, at uneven spots. The weights ask more of the dim ones, up to twice: half of the unevenness goes.
+  const Slm slm = make_panel(96, 64, 65536);
+  TargetPlane target{-0.01, test_wavelength, Array2D<float>(64, 96), {}};
+  std::vector<std::pair<int, int>> spots;
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < 8; ++i) {
+      spots.push_back({9 + 9 * j, 13 + 10 * i});
+      target.amplitude(spots.back().first, spots.back().second) = 1;
+    }
+  const PlaneOptics optics = make_plane_optics(slm, test_wavelength, target.z, PixelAperture::included);
+  const auto unevenness = [&](Encoding method) {  // standard deviation of the spots' moduli over their mean
+    const EncodeParams params{.method = method, .start = StartPhase::random};
+    const Hologram h = encode_targets({target}, random_field(slm.grid, 1), slm, params);
+    Field u(slm.grid, test_wavelength);
+    for (size_t i = 0; i < u.samples.size(); ++i)
+      u.samples.values[i] = std::complex<float>(std::polar(1.0, 2 * pi * h.level.values[i] / 65536));
+    const Field shown = optics.to_plane(u);
+    double sum = 0, square = 0;
+    for (const auto& [j, i] : spots) {
+      sum += std::abs(shown.samples(j, i)) / double(spots.size());
+      square += double(std::norm(shown.samples(j, i))) / double(spots.size());
+    }
+    return std::sqrt(square - sum * sum) / sum;
+  };
+  const double plain = unevenness(Encoding::gerchberg_saxton);
+  const double weighted = unevenness(Encoding::weighted_gerchberg_saxton);
+  EXPECT_GT(plain, 0.1);  // there is something to win
+  EXPECT_LT(weighted, 0.65 * plain);
+}
+
+// A virtual image lies behind the panel, a real one before it.
+TEST(Targets, LieOnTheSideOfTheirImage) {
+  const Slm slm = make_panel(64, 48);
+  EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.004, 0.006}};
+  for (const ImageSide side : {ImageSide::virtual_image, ImageSide::real_image}) {
+    params.image = side;
+    const double sign = side == ImageSide::real_image ? 1 : -1;
+    for (const std::vector<TargetPlane>& targets :
+         {picture_targets(slm, params), targets_of(random_field(slm.grid, 1), params)}) {
+      ASSERT_EQ(targets.size(), 2u);
+      EXPECT_EQ(targets[0].z, sign * 0.004);
+      EXPECT_EQ(targets[1].z, sign * 0.006);
+    }
+  }
+}
+
+// The field for a direct encoder: Nesterov's momentum makes N steps worth some N²/4 plain ones where they crawl, and
+// must make 30 worth more than 60.
+TEST(Targets, AreReachedFasterWithMomentum) {
+  const Slm slm = make_panel(64, 48);
+  EncodeParams params{.method = Encoding::double_phase, .target_distances = {0.01}};
+  params.iterations = 31;
+  const TargetPlane target = picture_targets(slm, params).front();
+  Heard heard;
+  field_of_target(target, slm, params, heard.observer());
+  const PlaneOptics optics = make_plane_optics(slm, test_wavelength, target.z, PixelAperture::included, params.stop);
+  Field wanted(slm.grid, test_wavelength, target.z);
+  for (size_t i = 0; i < wanted.samples.size(); ++i) wanted.samples.values[i] = target.amplitude.values[i];
+  Field u = optics.to_panel(wanted);
+  double plain = 0;
+  for (int step = 0; step <= 60; ++step) {
+    Field shown = optics.to_plane(u);
+    plain = leave_residual(target, 1, shown) / target_power(target);
+    add_part(optics.to_panel(shown), 1, u);
+  }
+  EXPECT_LT(heard.number("error_last"), plain);
+}
+
+TEST(GerchbergSaxton, SaysWhatIsWrong) {
+  const Slm slm = make_panel(8, 6);
+  const Field field = random_field(slm.grid, 1);
+  EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.001}};
+  const auto error = [&] { return error_of([&] { encode(field, slm, params); }); };
+  params.iterations = -1;
+  EXPECT_EQ(error(), "expected a whole number of 0 or more for \"iterations\", got -1");
+  params.iterations = 2;
+  params.target_columns = 9;
+  EXPECT_EQ(error(),
+            "expected a target of at most 8 × 6 pixels, as many as the panel has, or 0 for all of them, got 9 "
+            "× 0");
+  params.target_columns = 0;
+  params.target_distances = {};
+  EXPECT_EQ(error(),
+            "expected a distance that the image is made for, got none; give target_distances (--target-distances)");
+  params.target_distances = {0.001};
+  params.effects = {"crostalk"};
+  EXPECT_NE(error().find("crosstalk"), std::string::npos) << error();
+  params.effects = {};
+  EXPECT_EQ(error_of([&] { targets_of_picture(Image(5, 8, 1), slm.grid, test_wavelength, params); }),
+            "expected a target picture of 8 × 6 pixels, as target_columns and target_rows or the panel say, got 8 × 5; "
+            "give its size by those, or resample it (--resample true)");
+}
+
+// A colour or a layer without light is no fault: the others are shown.
+TEST(GerchbergSaxton, ADarkTargetMakesADarkHologram) {
+  const Slm slm{.name = "test", .grid = {8, 6, 8e-6}};
+  EncodeParams params{.method = Encoding::gerchberg_saxton};
+  params.target_distances = {0.001};
+  for (const Encoding method : {Encoding::gerchberg_saxton, Encoding::weighted_gerchberg_saxton, Encoding::sgd}) {
+    params.method = method;
+    const auto targets = targets_of_picture(Image(6, 8, 1), slm.grid, test_wavelength, params);
+    std::vector<std::string> warnings;
+    Observer observer;
+    observer.on_warning = [&](const std::string& sentence) { warnings.push_back(sentence); };
+    const Hologram hologram = encode_targets(targets, Field(slm.grid, test_wavelength), slm, params, observer);
+    EXPECT_EQ(hologram.illumination, 0);
+    ASSERT_FALSE(warnings.empty());
+    EXPECT_NE(warnings.back().find("dark where it counts"), std::string::npos) << warnings.back();
+  }
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "holotrace/base/random.h"
+#include "holotrace/trace/geometry/accelerator.h"
+#include "holotrace/trace/shared/sampling.h"
+#include "trace/scenes.h"
+
+namespace holotrace {
+namespace {
+
+TEST(Accelerator, HitsAreExactToAHundredthOfAWavelength) {
+  // A tilted plane 0.3 m away: 2 triangles whose plane is x·n = c, seen obliquely. Single precision would be off by
+  // 30 nm; 1e-12 m is some 10 000 roundings of 0.3 m in double, far below a wave.
+  const Vec3 centre{2_mm, -1_mm, -0.3}, u = normalize({1, 0, 0.5}) * 7e-3, v = normalize({0.1, 1, 0.3}) * 5e-3;
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_test_quad(centre, u, v)};
+  const Vec3 normal = normalize(cross(u, v));
+  int hits = 0;
+  for (int i = 0; i < 200; ++i) {
+    CounterRandom random(1, 0, uint64_t(i));
+    const Ray ray{{}, view_direction(0.03 * (random.uniform() - 0.3), 0.03 * (random.uniform() - 0.5))};
+    const double distance = dot(centre, normal) / dot(ray.direction, normal);
+    const Accelerator accelerator(scene);
+    const auto hit = accelerator.closest_hit(ray);
+    if (!hit) continue;
+    ++hits;
+    EXPECT_NEAR(hit->distance, distance, 1e-12);
+    EXPECT_NEAR(length(hit->point.position - ray.direction * distance), 0, 1e-12);
+    EXPECT_GT(dot(hit->point.geometric_normal, -ray.direction), 0);
+  }
+  EXPECT_GT(hits, 100);
+}
+
+TEST(Accelerator, TrianglesWithoutAreaAreNotMet) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_wall(-0.29, 10_mm, 10_mm)};
+  // Three vertices on a slanted line across the view.
+  scene.meshes[1].positions = {{-9_mm, -3_mm, -0.29}, {0, 0, -0.29}, {9_mm, 3_mm, -0.29}, {9_mm, 3_mm, -0.29}};
+  for (int i = -800; i <= 800; ++i) {
+    const Vec3 target{i * 1e-5, i * 1e-5 / 3, -0.29};
+    const Accelerator accelerator(scene);
+    const auto hit = accelerator.closest_hit({{}, normalize(target)});
+    ASSERT_TRUE(hit);
+    ASSERT_NEAR(hit->point.position.z, -0.3, 1e-12);
+    ASSERT_TRUE(is_finite(hit->point.normal));
+  }
+}
+
+TEST(Accelerator, InterpolatesNormalsAndTextureCoordinatesAndTurnsNormalsToTheViewer) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  Mesh quad = make_wall(-0.3, 10_mm, 10_mm);
+  const Vec3 left = normalize({-1, 0, 1}), right = normalize({1, 0, 1});
+  quad.normals = {left, right, right, left};
+  scene.meshes = {quad};
+  const Accelerator accelerator(scene);
+  const auto front = accelerator.closest_hit({{5_mm, -5_mm, 0}, {0, 0, -1}});
+  ASSERT_TRUE(front);
+  // Places inside a triangle come from Embree, in single precision: some 2⁻²³ of the triangle.
+  EXPECT_NEAR(front->point.uv.x, 0.75, 1e-6);
+  EXPECT_NEAR(front->point.uv.y, 0.25, 1e-6);
+  const Vec3 expected = normalize(left * 0.25 + right * 0.75);
+  EXPECT_NEAR(length(front->point.normal - expected), 0, 1e-6);
+  const auto back = accelerator.closest_hit({{5_mm, -5_mm, -0.5}, {0, 0, 1}});
+  ASSERT_TRUE(back);
+  EXPECT_NEAR(length(back->point.normal + expected), 0, 1e-6);
+  EXPECT_EQ(back->point.geometric_normal, (Vec3{0, 0, -1}));
+}
+
+TEST(Accelerator, OcclusionCountsWhatIsBetweenAndNotWhatIsAtTheEnds) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  const Accelerator accelerator(scene);
+  EXPECT_TRUE(accelerator.is_occluded({0, 0, 0}, {0, 0, -0.31}));
+  EXPECT_FALSE(accelerator.is_occluded({0, 0, 0}, {0, 0, -0.29}));
+  EXPECT_FALSE(accelerator.is_occluded({0, 0, 0}, {1_mm, 2_mm, -0.3})) << "a point on the wall is seen";
+  EXPECT_FALSE(accelerator.is_occluded({0, 0, 0}, {0.1, 0, -0.31})) << "beside the wall";
+}
+
+TEST(Accelerator, RefusesWhatItCannotTrace) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  const auto sentence = [&](const std::function<void(Scene&)>& spoil) {
+    Scene bad = scene;
+    spoil(bad);
+    const Accelerator accelerator(scene);
+    return error_of([&] { Accelerator accelerator(bad); });
+  };
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.lights = {RectangleLight{{}, {1, 0, 0}, {2, 0, 0}, {1, 1, 1}}};
+            }),
+            "expected edges of light 0 that span an area, got 0 m²");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.lights = {PointLight{{}, {1, -1, 1}}};
+            }),
+            "expected an intensity of 0 W/sr or more in light 0, got (1, -1, 1)");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.background = {0, 0, -1};
+            }),
+            "expected a background of 0 W/m²/sr or more, got (0, 0, -1)");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.materials = {DiffuseMaterial{{1, 1, 1}, std::make_shared<Image>(2, 2, 3), {}}};
+              s.meshes[0].texture_coordinates.clear();
+            }),
+            "expected texture coordinates in mesh \"quad\", whose material has a texture, got none; add them or use a "
+            "material without a texture");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.materials = {DiffuseMaterial{{1, 1, 1}, std::make_shared<Image>(2, 2, 2), {}}};
+            }),
+            "expected a texture of at least 1 × 1 pixels with 1 or 3 channels in material 0, got 2 × 2 with 2");
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.meshes[0].positions.assign(4, {0, 0, -0.3});
+            }),
+            "expected meshes that fill some space, got all vertices in one place");
+}
+
+}  // namespace
+}  // namespace holotrace

@@ -1,0 +1,256 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/data/acceptance.h"
+#include "holotrace/trace/paths/specular.h"
+#include "holotrace/trace/shared/sampling.h"
+#include "holotrace/trace/trace.h"
+#include "trace/scenes.h"
+
+namespace holotrace {
+namespace {
+
+Material mirror() { return ConductorMaterial{}; }
+Material glass(double n) { return DielectricMaterial{.index = constant_index(n)}; }
+
+PathScene prepared(const Scene& scene, const std::vector<std::string>& layers = {}) {
+  return {scene, make_lines(green_light, green_light, green_light), layers, {.max_depth = 8, .seed = 1}};
+}
+
+std::vector<SpecularLeaf> leaves_of(const Scene& scene, const Ray& ray) {
+  PathCounts counts;
+  const PathScene path_scene = prepared(scene);
+  return follow_specular(path_scene, ray, counts);
+}
+
+/// The leaf whose chain does that: 't' for a transmission, 'r' for a reflection.
+SpecularLeaf leaf_of(const Scene& scene, const Ray& ray, const std::string& chain) {
+  for (const SpecularLeaf& leaf : leaves_of(scene, ray)) {
+    std::string ways;
+    for (const SpecularVertex& vertex : leaf.chain) ways += vertex.is_transmission ? 't' : 'r';
+    if (ways == chain) return leaf;
+  }
+  ADD_FAILURE() << "no leaf " << chain;
+  return {};
+}
+
+/// The cap of a sphere around the pole on its ±z side, `half_width` to each side of it: 200 × 200 cells with the
+/// sphere's normals, counter-clockwise as seen from outside.
+Mesh make_cap(Vec3 centre, double radius, double side, double half_width, int material) {
+  constexpr uint32_t cells = 200;
+  Mesh mesh;
+  mesh.name = "cap";
+  for (uint32_t j = 0; j <= cells; ++j)
+    for (uint32_t i = 0; i <= cells; ++i) {
+      const double x = (2.0 * i / cells - 1) * half_width, y = (2.0 * j / cells - 1) * half_width;
+      const Vec3 from_centre{x, y, side * std::sqrt(radius * radius - x * x - y * y)};
+      mesh.positions.push_back(centre + from_centre);
+      mesh.normals.push_back(from_centre / radius);
+    }
+  for (uint32_t j = 0; j < cells; ++j)
+    for (uint32_t i = 0; i < cells; ++i) {
+      const uint32_t a = j * (cells + 1) + i, b = a + 1, c = a + cells + 1, d = c + 1;
+      if (side > 0) {
+        mesh.triangles.push_back({a, b, d});
+        mesh.triangles.push_back({a, d, c});
+      } else {
+        mesh.triangles.push_back({a, d, b});
+        mesh.triangles.push_back({a, c, d});
+      }
+    }
+  mesh.material = material;
+  return mesh;
+}
+
+/// A closed box, its triangles counter-clockwise as seen from outside.
+void add_box(Scene& scene, Vec3 centre, Vec3 half, int material) {
+  const Vec3 x{half.x, 0, 0}, y{0, half.y, 0}, z{0, 0, half.z};
+  for (double side : {-1.0, 1.0}) {
+    scene.meshes.push_back(make_test_quad(centre + x * side, y * side, z, material));
+    scene.meshes.push_back(make_test_quad(centre + y * side, z * side, x, material));
+    scene.meshes.push_back(make_test_quad(centre + z * side, x * side, y, material));
+  }
+}
+
+/// A mirror at z = −0.2 m, turned by 45°, that shows a wall at x = −60 mm.
+Scene make_mirror_scene() {
+  Scene scene;
+  scene.materials = {grey(0.5, 1), mirror()};
+  scene.meshes = {make_test_quad({-60_mm, 0, -0.2}, {0, 0, 40_mm}, {0, 40_mm, 0}, 0),
+                  make_test_quad({0, 0, -0.2}, {15_mm, 0, 15_mm}, {0, 20_mm, 0}, 1)};
+  return scene;
+}
+
+TEST(Specular, APlaneMirrorShowsAWallAtTheTotalDistance) {
+  const Scene scene = make_mirror_scene();
+  for (const Vec3 origin : {Vec3{0, 0, 0}, Vec3{1_mm, -2_mm, 0}}) {
+    const Ray ray{origin, view_direction(0.01, 0.02)};
+    const SpecularLeaf leaf = leaf_of(scene, ray, "r");
+    // By hand: the mirror is the plane z = x − 0.2 and swaps the x and z of directions; the wall is x = −60 mm.
+    const Vec3 d = ray.direction;
+    const double to_mirror = (-0.2 + origin.x) / (d.z - d.x), x = origin.x + to_mirror * d.x;
+    const double total = to_mirror + std::abs((-60_mm - x) / d.z);
+    EXPECT_NEAR(leaf.optical_path, total, 5e-16);  // some roundings of 0.26 m
+    EXPECT_NEAR(leaf.distance / total, 1, 1e-8);   // differences over 1e-6 of it, in double: 1e-10, and a margin
+    EXPECT_FALSE(leaf.is_far);
+    EXPECT_EQ(leaf.start.depth, 2);
+  }
+}
+
+TEST(Specular, ASlabOfGlassShowsWhatLiesBehindItAtTheApparentDepth) {
+  Scene scene;
+  scene.materials = {grey(0.5, 1), glass(1.5)};
+  scene.meshes = {make_wall(-0.3, 50_mm, 50_mm)};
+  add_box(scene, {0, 0, -0.2}, {30_mm, 30_mm, 10_mm}, 1);
+  const SpecularLeaf axis = leaf_of(scene, {{}, {0, 0, -1}}, "tt");
+  // Paraxial, t = 20 mm: OPL = d + t(n − 1), R = d − t(1 − 1/n), exact on the axis.
+  EXPECT_NEAR(axis.optical_path, 0.3 + 20_mm * 0.5, 1e-15);
+  EXPECT_NEAR(axis.distance, 0.3 - 20_mm / 3, 1e-9);
+  // At normal incidence Fresnel's reflectance is ((n−1)/(n+1))² = 4 %: two faces let 0.96² through.
+  EXPECT_NEAR(axis.weight.x, 0.96 * 0.96, 1e-12);
+
+  // At an angle: OPL = (d−t)/cosθ + nt/cosθ'; the meridional and sagittal image distances of a slab are
+  // R_s = (d−t)/cosθ + t/(n·cosθ'), R_m = (d−t)/cosθ + t·cos²θ/(n·cos³θ'), and R = 2/(1/R_s + 1/R_m).
+  const double angle = 20_deg, c = std::cos(angle), inside = std::asin(std::sin(angle) / 1.5), ci = std::cos(inside);
+  Scene near = scene;
+  near.meshes[0] = make_wall(-0.03, 50_mm, 50_mm);
+  near.meshes.resize(1);
+  add_box(near, {0, 0, -0.02}, {30_mm, 30_mm, 5_mm}, 1);
+  const SpecularLeaf tilted = leaf_of(near, {{}, {std::sin(angle), 0, -c}}, "tt");
+  const double sagittal = 20_mm / c + 10_mm / (1.5 * ci), meridional = 20_mm / c + 10_mm * c * c / (1.5 * ci * ci * ci);
+  EXPECT_NEAR(tilted.optical_path, 20_mm / c + 1.5 * 10_mm / ci, 1e-16 * 10);
+  EXPECT_NEAR(tilted.distance / (2 / (1 / sagittal + 1 / meridional)), 1, 1e-8);
+}
+
+TEST(Specular, ASlabHasItsTreeOfReflectionsDownToAThousandth) {
+  Scene scene;
+  scene.materials = {grey(0.5, 1), glass(1.5)};
+  scene.meshes = {make_wall(-0.3, 50_mm, 50_mm)};
+  add_box(scene, {0, 0, -0.2}, {30_mm, 30_mm, 10_mm}, 1);
+  // Straight through 0.9216; twice to and fro inside 0.9216·0.04² = 1.5e-3; the next is below 1e-3. What is reflected
+  // toward the panel escapes: 0.04 off the front and 0.96²·0.04 off the back, then 0.96²·0.04³ < 1e-3.
+  const auto leaves = leaves_of(scene, {{}, {0, 0, -1}});
+  std::vector<double> through, back;
+  for (const SpecularLeaf& leaf : leaves) (leaf.kind == LeafKind::beyond ? back : through).push_back(leaf.weight.x);
+  std::sort(through.begin(), through.end());
+  std::sort(back.begin(), back.end());
+  ASSERT_EQ(through.size(), 2u);
+  ASSERT_EQ(back.size(), 2u);
+  EXPECT_NEAR(through[0], 0.9216 * 0.0016, 1e-12);
+  EXPECT_NEAR(through[1], 0.9216, 1e-12);
+  EXPECT_NEAR(back[0], 0.9216 * 0.04, 1e-12);
+  EXPECT_NEAR(back[1], 0.04, 1e-12);
+}
+
+/// Distance from a curved mirror to the image of something at `object` from it: 1/object + 1/image = 2/radius, positive
+/// in front of it.
+double mirror_equation(double object, double radius) { return 1 / (2 / radius - 1 / object); }
+
+TEST(Specular, CurvedMirrorsFollowTheMirrorEquation) {
+  // A ball of radius r = 100 mm behind z = −0.2 shows a card at z = −0.15 that stands beside the ray's way in.
+  const double r = 100_mm;
+  Scene scene;
+  scene.materials = {grey(0.5, 1), mirror()};
+  scene.meshes = {make_cap({0, 0, -0.2 - r}, r, 1, 4_mm, 1),
+                  make_test_quad({2.25_mm, 0, -0.15}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0)};
+  // A ray at the tangent 0.005 meets the mirror at x = 1 mm and goes back at x = 1 + 50·(0.005 + 2·0.01) = 2.25 mm.
+  const SpecularLeaf leaf = leaf_of(scene, {{}, view_direction(0.005, 0)}, "r");
+  const double image = mirror_equation(50_mm, -r);  // convex: a virtual image, 25 mm behind the mirror
+  EXPECT_NEAR(image, -25_mm, 1e-15);
+  // Paraxial to O(angle²) with angles of incidence of 0.015: 2.3e-4 of the power 2/r; ten of them, of 25 mm.
+  EXPECT_NEAR(leaf.distance, 0.2 - image, 2e-3 * 25_mm);
+  EXPECT_FALSE(leaf.is_far);
+}
+
+TEST(Specular, AConcaveMirrorsWavesThatConvergeAreMadeFlatAndCounted) {
+  // The inside of a ball of radius 0.2 m around the panel's centre. What stands 50 mm before the mirror, inside its
+  // focal length of 100 mm, has a virtual image 100 mm behind it: 1/50 − 1/100 = 1/100.
+  const double r = 0.2;
+  Scene scene;
+  scene.materials = {grey(0.5, 1), mirror()};
+  scene.meshes = {make_cap({0, 0, -0.2 + r}, r, -1, 10_mm, 1),
+                  make_test_quad({4_mm, 0, -0.15}, {0.7_mm, 0, 0}, {0, 0.7_mm, 0}, 0)};
+  // It meets the mirror at x = 6 mm, where the slope is 0.03, and goes back at 6 + 50·(0.02 − 2·0.03) = 4 mm.
+  const SpecularLeaf virtual_image = leaf_of(scene, {{2_mm, 0, 0}, view_direction(0.02, 0)}, "r");
+  EXPECT_NEAR(virtual_image.distance, 0.2 - mirror_equation(50_mm, r), 5e-3 * 100_mm);
+  // 120 mm before it, outside the focal length: a real image 600 mm before the mirror, 400 mm before the panel.
+  scene.meshes[1] = make_test_quad({-2_mm, 0, -0.08}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0);
+  const SpecularLeaf real_image = leaf_of(scene, {{6_mm, 0, 0}, view_direction(-0.01, 0)}, "r");
+  EXPECT_TRUE(real_image.is_far);
+  EXPECT_EQ(real_image.distance, farthest_origin);
+}
+
+TEST(Specular, ABallLensMagnifiesByItsFocalLength) {
+  // n = 1.5, r = 20 mm: f = nD/(4(n−1)) = 30 mm from its centre. A card 25 mm from the centre is inside f: its image
+  // by 1/25 − 1/30 = 1/150 is 150 mm from the centre, on the card's side.
+  Scene scene;
+  scene.materials = {grey(0.5, 1), glass(1.5)};
+  scene.meshes = {make_cap({0, 0, -0.1}, 20_mm, 1, 2_mm, 1), make_cap({0, 0, -0.1}, 20_mm, -1, 2_mm, 1),
+                  make_wall(-0.125, 20_mm, 20_mm)};
+  const double tangent = 1e-3;
+  const SpecularLeaf leaf = leaf_of(scene, {{}, view_direction(tangent, 0)}, "tt");
+  // Paraxial to the square of (0.1·tangent/r) = 2.5e-5 and of the mesh's own flatness, about (segment/r)² = 2.5e-6,
+  // times the power 1/30 over 1/150: 1e-3 is a margin of eight.
+  EXPECT_NEAR(leaf.distance / 0.25, 1, 1e-3);
+}
+
+TEST(Specular, MirrorsShowLightsWithAnAreaAndTheSky) {
+  Scene scene = make_mirror_scene();
+  scene.meshes.erase(scene.meshes.begin());                                                      // the wall
+  RectangleLight lamp{{-50_mm, -10_mm, -0.21}, {0, 20_mm, 0}, {0, 0, 20_mm}, {3, 3, 3}, false};  // shines to +x
+  scene.lights = {lamp};
+  scene.background = {2, 2, 2};
+  const auto leaves = leaves_of(scene, {{}, {0, 0, -1}});
+  ASSERT_EQ(leaves.size(), 2u);
+  EXPECT_EQ(leaves[0].kind, LeafKind::light);
+  EXPECT_NEAR(leaves[0].distance, 0.25, 1e-9);
+  EXPECT_EQ(leaves[1].kind, LeafKind::beyond);
+  EXPECT_EQ(leaves[1].distance, farthest_origin);
+  const TraceParams params{.columns = 1, .rows = 1, .paths = 1, .phase = SourcePhase::path};
+  const Grid panel{16, 16, 8e-6};
+  const Sources sources = trace(scene, panel, green_light, params);
+  ASSERT_EQ(sources.waves.size(), 2u);
+  // a² = L·dA·cos²θ: the mirror's reflectance is the same for both.
+  EXPECT_NEAR(std::pow(sources.waves[0].amplitude / sources.waves[1].amplitude, 2), 3.0 / 2, 1e-5);
+}
+
+TEST(Specular, WavesKeepTheirPathsPhaseWhereTheRayMeetsThePanel) {
+  // U at the panel's centre has the phase k·OPL + Fresnel + surface phase: here from one wave of the raster.
+  const Scene scene = make_mirror_scene();
+  const TraceParams params{.columns = 1, .rows = 1, .paths = 1, .phase = SourcePhase::path, .grain = 1.0};
+  const Sources sources = trace(scene, {16, 16, 8e-6}, green_light, params);
+  ASSERT_EQ(sources.waves.size(), 1u);
+  const SpecularLeaf leaf = leaf_of(scene, {{}, {0, 0, -1}}, "r");
+  const Source& wave = sources.waves[0];
+  const long double k = 2 * pi / (long double)green_light;
+  const double surface = random_phase(1, 0, sources.phase_keys.at(0));
+  const auto expected = std::polar(1.0, double(std::fmod(k * leaf.optical_path, 2 * pi)) + leaf.phase.x + surface);
+  const auto made = std::polar(1.0, double(std::fmod(k * length(wave.origin), 2 * pi)) + wave.phase);
+  EXPECT_NEAR(std::abs(expected - made), 0, 1e-6);  // the wave's phase is a float: 2e-7, and cycles in double 1e-9
+}
+
+TEST(Specular, OtherPhasesKeepTheFirstHitAsOrigin) {
+  const Scene scene = make_mirror_scene();
+  for (const SourcePhase phase : {SourcePhase::random, SourcePhase::constant, SourcePhase::surface}) {
+    const TraceParams params{.columns = 1, .rows = 1, .paths = 4, .phase = phase};
+    const Sources sources = trace(scene, {16, 16, 8e-6}, green_light, params);
+    ASSERT_EQ(sources.waves.size(), 1u);
+    EXPECT_NEAR(sources.waves[0].origin.z, -0.2, 1e-12);  // on the mirror
+  }
+}
+
+TEST(Specular, PathExpressionsCountTheMirrorsOnTheWay) {
+  const Scene scene = make_mirror_scene();
+  TraceParams params{.columns = 3, .rows = 3, .paths = 1, .phase = SourcePhase::path};
+  const auto waves = [&](const char* layer) {
+    params.layers = {layer};
+    return trace(scene, {16, 16, 8e-6}, green_light, params).waves.size();
+  };
+  EXPECT_EQ(waves("ESL"), 9u);
+  EXPECT_EQ(waves("EL"), 0u);
+}
+
+}  // namespace
+}  // namespace holotrace

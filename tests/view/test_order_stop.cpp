@@ -1,0 +1,136 @@
+#include <cmath>
+
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/view/compare.h"
+#include "holotrace/view/order_stop.h"
+#include "support/panels.h"
+
+namespace holotrace {
+namespace {
+
+constexpr int nx = 128, ny = 64;
+
+// Off-axis hologram of those waves, shown, and its order brought back to the axis.
+Field round_trip(const std::vector<PlaneWave>& waves, const EncodeParams& params, int subpixels) {
+  const Slm slm = make_panel(nx, ny, 65536);
+  const Field shown = show(encode(sum_of(waves, slm.grid), slm, params), slm, {.subpixels = subpixels});
+  return select_order(shown, *shown.filter);
+}
+
+// What must come back: each wave behind the aperture's roll-off at the place where the order carries it.
+Field expected(const std::vector<PlaneWave>& waves, const Field& seen, double carrier_u, double carrier_v) {
+  std::vector<PlaneWave> out = waves;
+  for (PlaneWave& w : out)
+    w.amplitude *= sinc(double(w.a) / nx - carrier_u * test_pitch) * sinc(double(w.b) / ny - carrier_v * test_pitch);
+  return sum_of(out, seen.grid);
+}
+
+// 65536 levels: rms rounding 1/(√12·65535) = 4.4e-6 of full transmittance, of which the stop keeps a part; the
+// order carries at least some 3 % of it, so 2e-4 relative is generous.
+constexpr double rounding = 2e-4;
+
+TEST(SelectOrder, OffAxisHologramWithoutBiasGivesTheFieldBack) {
+  // All of the band: carrier 32 cycles over the panel, waves up to 30. Twin and constant stay outside.
+  const std::vector<PlaneWave> waves = random_waves(30, 12, 5);
+  for (int n : {1, 3}) {
+    const Field seen = round_trip(waves, {.method = Encoding::off_axis, .with_bias = false}, n);
+    EXPECT_FALSE(seen.filter.has_value());
+    const FieldMetrics m = compare(expected(waves, seen, 1 / (4 * test_pitch), 0), seen);
+    EXPECT_LT(m.scaled_error, rounding) << n;
+    EXPECT_NEAR(std::arg(m.scale), 0, rounding);  // no stray phase: U·R* with a reference of phase 0 at the centre
+    // Against the field itself, the roll-off (sinc from 1 to 0.64) costs a few percent.
+    EXPECT_GT(std::abs(compare(sum_of(waves, seen.grid), seen).correlation), 0.97);
+  }
+}
+
+TEST(SelectOrder, OffAxisHologramWithBiasGivesANarrowFieldBack) {
+  // |U|² spreads over twice the field's band: up to 14 cycles, outside of 48 ± 16.
+  const std::vector<PlaneWave> waves = random_waves(7, 12, 6);
+  const Field seen = round_trip(waves, {.method = Encoding::off_axis}, 3);
+  EXPECT_LT(compare(expected(waves, seen, 3 / (8 * test_pitch), 0), seen).scaled_error, rounding);
+}
+
+TEST(SelectOrder, TiltAlongYAndTheRealImage) {
+  // Carrier of 3 cycles over the panel in x, −12 in y: the y axis tells the orders apart, 12 ± 4. conj(U) comes back;
+  // |U|² reaches 4 cycles.
+  std::vector<PlaneWave> waves = random_waves(2, 8, 7);
+  const double u = 3 / (nx * test_pitch), v = -12 / (ny * test_pitch);
+  const EncodeParams params{.method = Encoding::off_axis,
+                            .image = ImageSide::real_image,
+                            .reference_angle_x = std::asin(test_wavelength * u),
+                            .reference_angle_y = std::asin(test_wavelength * v)};
+  for (int n : {1, 3}) {
+    const Field seen = round_trip(waves, params, n);
+    EXPECT_EQ(seen.image, ImageSide::real_image);
+    std::vector<PlaneWave> conjugate = waves;
+    for (PlaneWave& w : conjugate) w = {-w.a, -w.b, std::conj(w.amplitude)};
+    const FieldMetrics m = compare(expected(conjugate, seen, u, v), seen);
+    EXPECT_LT(m.scaled_error, rounding) << n;
+    EXPECT_NEAR(std::arg(m.scale), 0, rounding) << n;
+  }
+}
+
+TEST(SelectOrder, TakesOffACarrierBetweenBins) {
+  // A stop wide enough for all: what comes out is the field without its carrier, to single precision.
+  const Field field = sum_of(random_waves(5, 8, 9), {nx, ny, test_pitch});
+  const double u = 10.37 / (nx * test_pitch), v = -7.81 / (ny * test_pitch);
+  Field carried = field;
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i)
+      carried.samples(j, i) =
+          std::complex<float>(std::complex<double>(field.samples(j, i)) *
+                              std::polar(1.0, 2 * pi * (u * field.grid.x(i) + v * field.grid.y(j))));
+  EXPECT_LT(compare(field, select_order(carried, {u, v, 1e6, 1e6})).relative_error, 1e-6);
+}
+
+TEST(SelectOrder, StrongReferenceDrownsTheBias) {
+  // Waves up to 14 cycles put |U|² up to 28, into the stop 32 ± 10.7, which lets the waves up to 10 through. Its
+  // share falls as 1/ratio.
+  const std::vector<PlaneWave> waves = random_waves(14, 12, 8);
+  std::vector<PlaneWave> passed;
+  for (const PlaneWave& w : waves)
+    if (std::abs(w.a) <= 10) passed.push_back(w);
+  const auto error = [&](double ratio) {
+    const EncodeParams params{.method = Encoding::off_axis,
+                              .reference_angle_x = std::asin(test_wavelength / (4 * test_pitch)),
+                              .reference_ratio = ratio};
+    const Field seen = round_trip(waves, params, 1);
+    return compare(expected(passed, seen, 1 / (4 * test_pitch), 0), seen).scaled_error;
+  };
+  const double at_1 = error(1), at_10 = error(10);
+  EXPECT_GT(at_1, 10 * rounding);  // there is something to drown
+  EXPECT_NEAR(at_10 / at_1, 0.1, 0.01);
+}
+
+TEST(SelectOrder, KeepsTheBandAndItsPower) {
+  const Grid grid{64, 32, test_pitch};
+  const std::vector<PlaneWave> inside = {{10, 5, {1, 2}}, {12, 4, 0.5}}, outside = {{-10, -5, 3}, {10, -5, 2}};
+  std::vector<PlaneWave> all = inside;
+  all.insert(all.end(), outside.begin(), outside.end());
+  const SpectralFilter filter{11 / grid.width(), 5 / grid.height(), 1 / grid.width(), 1 / grid.height()};
+  Heard heard;
+  const Field seen = select_order(sum_of(all, grid), filter, heard.observer());
+  std::vector<PlaneWave> moved = inside;
+  for (PlaneWave& w : moved) w.a -= 11, w.b -= 5;
+  EXPECT_LT(compare(sum_of(moved, grid), seen).relative_error, 1e-6);  // single precision
+  // Plane waves on bins are orthogonal: powers add. |1+2i|² + 0.25 over that plus 9 + 4.
+  EXPECT_NEAR(heard.number("filter_power"), 5.25 / 18.25, 1e-6);
+}
+
+TEST(SelectOrder, SaysWhatIsWrong) {
+  const Field field({16, 16, test_pitch}, test_wavelength);
+  EXPECT_EQ(error_of([&] {
+              select_order(field, {0, 0, 0, 1});
+            }),
+            "expected a pass band with finite centre and half widths above 0, got centre (0, 0) /m, half widths (0, 1) "
+            "/m");
+  EXPECT_EQ(error_of([&] {
+              select_order(field, {1e5, 0, 1e4, 1e4});
+            }),
+            "expected a pass band that begins below 62500 /m, the Nyquist frequency of samples 8 µm apart, got one "
+            "around (100000, 0) /m; show the hologram with more subpixels");
+}
+
+}  // namespace
+}  // namespace holotrace
