@@ -58,19 +58,14 @@ std::vector<std::string> outputs_of(const std::string& output, const std::vector
   return paths;
 }
 
-int64_t moments_of(const Hologram& hologram, const Slm& slm, const ShowParams& params,
-                   const std::vector<Viewpoint>& from, double wavelength) {
-  return int64_t(plan_moments(slm, params, wavelength, hologram.image, from, hologram.filter).moments.size());
-}
-
 // The light that leaves the panel, its way to the sensor, and the sums of all views, for `sets` colours and names.
 void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& params,
                   const PropagateParams& propagation, const std::vector<Viewpoint>& from, double wavelength,
                   size_t sets) {
+  const MomentPlan plan = plan_moments(slm, params, wavelength, hologram.image, from, hologram.filter);
   const ViewingNeed need =
-      viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from, params.source_angle);
-  const double views = viewing_bytes(need.columns * need.rows, from.size(), double(sets),
-                                     moments_of(hologram, slm, params, from, wavelength));
+      viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from, widest_part(plan));
+  const double views = viewing_bytes(need.columns * need.rows, from.size(), double(sets), int64_t(plan.moments.size()));
   require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", from.size(),
                                                                 std::llround(need.columns), std::llround(need.rows)));
 }
@@ -137,7 +132,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
         check_memory(hologram, slm, params, propagation, from, wavelength, kinds.size());
       if (!repeat) {
         const int64_t holograms = int64_t(o->inputs.size()),
-                      moments = moments_of(hologram, slm, params, from, wavelength);
+                      moments = int64_t(
+                          plan_moments(slm, params, wavelength, hologram.image, from, hologram.filter).moments.size());
         repeat.emplace(holograms, moments, holograms * viewing_calls(moments, from), report, watch);
       }
       view_hologram(hologram, slm, params, propagation, from, *repeat, sums);

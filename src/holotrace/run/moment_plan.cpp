@@ -93,6 +93,12 @@ MomentPlan plan_moments(const Slm& slm, const ShowParams& params, double wavelen
   return plan;
 }
 
+SourcePart widest_part(const MomentPlan& plan) {
+  const SourcePart& first = plan.moments.front().source;
+  const SourcePart& last = plan.moments.back().source;
+  return first.reach() > last.reach() ? first : last;
+}
+
 std::string doubt_of(const MomentPlan& plan, const ShowParams& params) {
   const int taken = int(plan.moments.size());
   if (taken >= plan.needed) return {};

@@ -41,6 +41,10 @@ struct MomentPlan {
 MomentPlan plan_moments(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
                         const std::vector<Viewpoint>& from, const std::optional<SpectralFilter>& filter = {});
 
+/// The part of the source that moves light the furthest from its own place, for the memory that blurring by it takes
+/// (looking_bytes): the first or the last, which without a spectrum are the innermost and the outermost.
+SourcePart widest_part(const MomentPlan& plan);
+
 /// The doubt to tell of a plan: moments that were asked for, or the most that are taken, are too few. Empty: none.
 std::string doubt_of(const MomentPlan& plan, const ShowParams& params);
 

@@ -53,8 +53,8 @@ double power_on_panel(const Report& report) {
 }
 
 // For progress and memory; the encoder's stop, which may ask for more, is not known yet.
-int64_t moments_of(const Job& job, const std::vector<Viewpoint>& from) {
-  return int64_t(plan_moments(job.slm, job.show, job.wavelengths.front(), job.encode.image, from).moments.size());
+MomentPlan moments_of(const Job& job, const std::vector<Viewpoint>& from) {
+  return plan_moments(job.slm, job.show, job.wavelengths.front(), job.encode.image, from);
 }
 
 // Refused before the first stage, not in the last: the fields of two frames, all holograms, the light that leaves the
@@ -63,13 +63,14 @@ void check_memory(const Job& job, size_t sets) {
   const Grid& panel = job.slm.grid;
   const double pixels = double(panel.pixels()), frames = job.trace.frames;
   const std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
+  const MomentPlan plan = moments_of(job, from);
   const ViewingNeed need = viewing_need(job.slm, job.show.subpixels, job.wavelengths, job.encode.image, job.propagate,
-                                        from, job.show.source_angle);
+                                        from, widest_part(plan));
   const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
   const double fields = 8 * pixels * double(sets) * kept;
   const double planes = job.encode.method == Encoding::complex ? 2 : 1;  // of levels
   const double holograms = 2 * planes * pixels * double(sets) * frames;
-  const int64_t moments = moments_of(job, from);
+  const auto moments = int64_t(plan.moments.size());
   const bool is_one = sets == 1 && frames == 1 && moments == 1 && from.size() == job.camera.distances.size();
   const double views = is_one ? 0 : viewing_bytes(need.columns * need.rows, from.size(), double(sets), moments);
   require_memory(fields + holograms + need.shown + need.passing + views,
@@ -313,7 +314,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
   const EncodeParams encoding = encoding_of(job);
   b.viewpoints = viewpoints(job.camera, job.render);
   const int64_t holograms = int64_t(light.sets()) * job.trace.frames;
-  const int64_t moments = moments_of(job, b.viewpoints);
+  const auto moments = int64_t(moments_of(job, b.viewpoints).moments.size());
   RepeatedStages repeat(holograms, moments, job.trace.frames + holograms * (1 + viewing_calls(moments, b.viewpoints)),
                         b.report, watch);
   std::vector<ViewSum> sums(b.viewpoints.size(),

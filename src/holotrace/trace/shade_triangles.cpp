@@ -119,7 +119,7 @@ std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place
   const bool is_own = hit->point.mesh == piece.mesh && hit->point.triangle == piece.triangle;
   // The surface itself, though rounding has found the triangle beside: a few times the clearance along the ray.
   const double slope = std::max(1e-3, std::abs(dot(hit->point.geometric_normal, ray.direction)));
-  if (!is_own && hit->distance < distance - 4 * s.scene.accelerator.clearance() / slope) return std::nullopt;
+  if (!is_own && hit->distance < distance - 4 * hit->point.clearance / slope) return std::nullopt;
   const Material& material = material_at(s.scene.scene, hit->point);
   const PathStart start{shading_point(material, hit->point), -ray.direction, s.scene.automaton.start(), 1};
   LeafLight light;
@@ -139,10 +139,12 @@ double solid_angle(Vec3 place, const Grid& panel, double wavelength) {
 
 // Where the light of a place is sent.
 Vec3 direction_from(Vec3 place, const Grid& panel, double wavelength) {
-  const double half_box = box_radius(-place.z, wavelength, panel.pitch) / 2;
+  const double radius = box_radius(-place.z, wavelength, panel.pitch);
+  // At what is nearest of the panel's part in the box, an eighth of it off its ends, beyond which light is lost.
   const auto aim = [&](double from, double centre, double side) {
-    const double nearest = std::clamp(from, centre - side * 3 / 8, centre + side * 3 / 8);
-    return std::clamp(nearest - from, -half_box, half_box);
+    const double low = std::max(centre - side / 2, from - radius), high = std::min(centre + side / 2, from + radius);
+    if (low >= high) return std::clamp(centre - from, -radius, radius);  // the panel does not see it
+    return std::clamp(from, low + (high - low) / 8, high - (high - low) / 8) - from;
   };
   return normalize(
       {aim(place.x, panel.centre_x, panel.width()), aim(place.y, panel.centre_y, panel.height()), -place.z});
@@ -197,7 +199,7 @@ void check_shading(const Scene& scene, const TraceParams& params) {
           "expected the strategy shared with the method triangles, got {}; triangles have one brightness for the whole "
           "panel",
           params.strategy == Strategy::tiled ? "tiled" : "gather");
-  require(!scene.meshes.empty(),
+  require(has_surfaces(scene),
           "expected a scene with meshes for the method triangles, got luminous points alone; add an object that is a "
           "surface, or take another method");
 }
