@@ -106,6 +106,7 @@ struct Shade {
   const Grid& panel;
   const std::vector<WaveSet>& sets;
   Shading shading;
+  double longest;  // wavelength, whose beams are the widest
 };
 
 // Light of a place on a piece toward the panel's centre; none where something hides it.
@@ -137,14 +138,19 @@ double solid_angle(Vec3 place, const Grid& panel, double wavelength) {
   return x1 > x0 && y1 > y0 ? wave_power(depth, x0, x1, y0, y1) / (depth * depth) : 0;
 }
 
-// Where the light of a place is sent.
-Vec3 direction_from(Vec3 place, const Grid& panel, double wavelength) {
-  const double radius = box_radius(-place.z, wavelength, panel.pitch);
-  // At what is nearest of the panel's part in the box, an eighth of it off its ends, beyond which light is lost.
+// Where the light of a piece is sent: by a beam that diffraction makes λ·depth/width wide.
+Vec3 direction_from(const Shade& s, const Corners& corners, double cone_wavelength) {
+  const Grid& panel = s.panel;
+  const Vec3 place = (corners[0] + corners[1] + corners[2]) / 3;
+  const double radius = box_radius(-place.z, cone_wavelength, panel.pitch);
+  const double width = std::sqrt(length(cross(corners[1] - corners[0], corners[2] - corners[0])));
+  const double beam = s.longest * -place.z / width;
+  // At what is nearest of the panel's part in the box, off its ends.
   const auto aim = [&](double from, double centre, double side) {
     const double low = std::max(centre - side / 2, from - radius), high = std::min(centre + side / 2, from + radius);
     if (low >= high) return std::clamp(centre - from, -radius, radius);  // the panel does not see it
-    return std::clamp(from, low + (high - low) / 8, high - (high - low) / 8) - from;
+    const double margin = std::min(std::max((high - low) / 8, beam), (high - low) / 2);
+    return std::clamp(from, low + margin, high - margin) - from;
   };
   return normalize(
       {aim(place.x, panel.centre_x, panel.width()), aim(place.y, panel.centre_y, panel.height()), -place.z});
@@ -169,7 +175,7 @@ void shade_piece(const Shade& s, const Piece& piece, uint64_t index, Block& bloc
   for (size_t i = 0; i < s.sets.size(); ++i) {
     const WaveSet& set = s.sets[i];
     const double angle = solid_angle(centre, s.panel, set.cone());
-    Triangle t{piece.corners, {}, 0, direction_from(centre, s.panel, set.cone())};
+    Triangle t{piece.corners, {}, 0, direction_from(s, piece.corners, set.cone())};
     bool is_lit = false;
     for (size_t j = 0; j < 3; ++j) {
       const auto& light = lights[s.shading == Shading::flat ? 0 : j];
@@ -213,6 +219,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   for (const double wavelength : wavelengths) check_wavelength(wavelength);
   check_shading(scene, params);
   const Cones cones = cones_of(wavelengths, params);
+  const double longest = *std::max_element(wavelengths.begin(), wavelengths.end());
   int64_t of_meshes = 0, shining = 0;
   const std::vector<Piece> pieces =
       list_pieces(scene, panel, acceptance_tangent(cones.of_rays, panel.pitch), of_meshes);
@@ -227,7 +234,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
     if (g == 0) warn_of_left_out(scene, sets, observer);
     require_memory(2 * double(sizeof(Triangle) + 8) * double(pieces.size()) * double(sets.size()),
                    fmt::format("{} sets of {} triangles", sets.size(), pieces.size()));
-    const Shade shade{path_scene, params, panel, sets, shading};
+    const Shade shade{path_scene, params, panel, sets, shading, longest};
     std::vector<Block> blocks((pieces.size() + block_size - 1) / block_size);
     parallel_for(
         0, int64_t(blocks.size()),
