@@ -297,6 +297,21 @@ TEST(Camera, LensesThatCannotImageAreRefused) {
 // A flat panel sends order (1, 0) to z·λ/p = 6.65 mm, with F²·sinc²(√F) of its light. A pupil of 3 mm takes all of a
 // beam of 2 mm but for what its edges spread, λz/(π²·2 mm)·2/0.5 mm = 1 % along each axis, and of order 0, 0.757 of the
 // light, what its edges spread from 5.15 to 8.15 mm: 1.9e-4 of it, or 3.7 % of what is expected.
+TEST(Camera, APupilBetweenSamplesIsToldToGrowAndOneBesideThePanelToMove) {
+  // On a panel of even sides the nearest samples are 4√2 = 5.7 µm off the axis.
+  const Slm slm = make_panel(64, 64);
+  Field field(slm.grid, test_wavelength);
+  CameraParams camera;
+  camera.pupil = 4_um;
+  EXPECT_EQ(error_of([&] { look(field, slm, 0.1, {}, camera); }),
+            "expected a pupil that holds a sample of the field, got one of 4 µm among samples 8 µm apart; take one of "
+            "11.3137 µm or more");
+  camera.eye.x = 1_mm;
+  EXPECT_EQ(
+      error_of([&] { look(field, slm, 0.1, {}, camera); }),
+      "expected a pupil within the panel's window of 512 µm × 512 µm, got one of 4 µm at 1 mm, 0 m; move the eye");
+}
+
 TEST(Camera, AnEyeOutsideTheEyeboxIsToldAndSeesWhatOrdersGoThere) {
   Slm slm = make_panel(252, 252, 256, 0.87);
   const Hologram flat = make_hologram(slm, Modulation::phase, [](int) { return 0; });
