@@ -113,6 +113,24 @@ TEST(Accelerator, ALampFarAwayLeavesTheDetailAsItIs) {
   }
 }
 
+TEST(Accelerator, ALampInThePlaneOfAVastCeilingIsMetBeforeIt) {
+  // Slanting, so that coordinates are rounded: single precision holds the ceiling's corners, 1 km away, to 30 µm.
+  const Vec3 u = normalize({1, 0, 0.3}), v = normalize({0, 1, 0.2}), centre{0, 0, -0.2};
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_test_quad(centre + u * 20 + v * 30, u * 1000, v * 900)};
+  const Vec3 half_u = u * 10_mm, half_v = v * 10_mm;
+  scene.lights = {RectangleLight{centre - half_u - half_v, half_u * 2, half_v * 2, {5, 5, 5}}};
+  const Accelerator accelerator(scene);
+  for (int i = 0; i < 200; ++i) {
+    CounterRandom random(4, 0, uint64_t(i));
+    const double x = 6_mm * (2 * random.uniform() - 1), y = 6_mm * (2 * random.uniform() - 1);
+    const auto hit = accelerator.closest_hit({{x, y, 0}, {0, 0, -1}});
+    ASSERT_TRUE(hit);
+    ASSERT_EQ(hit->point.light, 0) << x << ", " << y;
+  }
+}
+
 TEST(Accelerator, RefusesWhatItCannotTrace) {
   Scene scene;
   scene.materials = {grey(0.5)};
