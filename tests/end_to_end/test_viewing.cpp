@@ -336,12 +336,12 @@ TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
     return sentence.starts_with(path) ? sentence.substr(path.size() - std::string("scene.toml").size()) : sentence;
   };
   EXPECT_EQ(refused("read_noise = 2\n"),
-            "expected the electrons of a white pixel beside a read noise of 2 electrons, got 0; give electrons");
+            "expected electrons above 0 with a read noise of 2 electrons, got 0; set electrons");
   EXPECT_EQ(refused("focal_length = \"20 mm\"\n"),
             "expected a pupil above 0 m for a lens of 20 mm, got 0 m; give its diameter");
   EXPECT_EQ(refused("focal_length = \"50 mm\"\npupil = \"1 mm\"\n"),
-            "expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move the eye "
-            "back, or take a shorter focal length");
+            "expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move the "
+            "eye back, or use a shorter focal length");
   EXPECT_EQ(refused("sweep = \"focus\"\n"),
             "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to");
   const std::string head = scene().substr(0, scene().find("[camera]"));

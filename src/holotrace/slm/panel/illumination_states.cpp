@@ -81,7 +81,7 @@ std::vector<Moment> moments(const Slm& slm, const ShowParams& params, double wav
   }
   for (const Moment& moment : all)
     require(moment.wavelength > 0,
-            "expected a bandwidth narrow beside the wavelength {}, got {}: its spectrum reaches 0 m",
+            "expected a bandwidth much smaller than the wavelength {}, got {}: its spectrum reaches 0 m",
             format_length(wavelength), format_length(params.bandwidth));
   return all;
 }
