@@ -12,7 +12,7 @@
 namespace holotrace {
 
 /// What a traced sample lights: every pixel in its box; the same, with visibility and radiance of each tile of the
-/// panel; or one pixel alone (the paper's algorithm; docs/path_tracing.md has the differences), which makes
+/// panel; or one pixel alone (the paper's algorithm; docs/explanation/path_tracing.md has the differences), which makes
 /// no waves but the field itself.
 enum class Strategy { shared, tiled, gather };
 
