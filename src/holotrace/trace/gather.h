@@ -34,8 +34,9 @@ namespace holotrace {
 ///
 /// **Noise.** Neighbouring pixels hold waves only where their rays meet the same cells of the surface. With S far below
 /// the number of cells in view, and with random phases, the field is noise of the right irradiance: the fact
-/// "coherent_fraction" tells which part is waves, estimated from two halves of the rays (closed_forms.md, case 16), and a warning how many rays it takes. The strategies shared and tiled have no such noise, for all pixels
-/// share their points.
+/// "coherent_fraction" tells which part is waves, estimated from two halves of the rays (closed_forms.md, case 16), and
+/// a warning how many rays it takes. The strategies shared and tiled have no such noise, for all pixels share their
+/// points.
 ///
 /// Luminous points add their wave, exact, to the pixels in their box (box_radius) from which no mesh hides them.
 ///
