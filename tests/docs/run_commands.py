@@ -4,9 +4,9 @@
 Usage: run_commands.py PROGRAM [PAGE…]
 
 Each page has a folder of its own, in which its blocks run in their order, so that a block finds what an earlier one
-wrote. The folder has a small stand-in for each file that a reader brings (INPUTS), and for each example scene one of
-the same name with a small panel and few rays (SMALLER). A ```toml block whose first line is "# NAME.toml" becomes that
-file. Marks behind ```sh:
+wrote. It has a small stand-in for each file that a reader brings (INPUTS). Panels have 1440 x 144 pixels, and each
+example scene has few rays (SMALLER). A ```toml block whose first line is "# NAME.toml" becomes that file. Marks behind
+```sh:
 
   long     takes minutes: each command is started, and ended after two seconds if it still runs; a wrong flag or a
            missing file shows before that
@@ -19,19 +19,17 @@ import os
 import pathlib
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
 import time
+import zlib
 
 from pages import ROOT, blocks_of, pages
 
-# Panels of 144 rows and renders of 36 take a tenth of a second and keep every stage.
+# Few rays, and every stage still runs.
 SMALLER = """extends = "{scene}"
-
-[slm]
-columns = 256
-rows = 144
 
 [trace]
 columns = 48
@@ -46,14 +44,12 @@ rows = 36
 paths = 2
 """
 
-# What the pages call the files that a reader brings, and the file of the tests that stands for each.
+# What the pages call the files that a reader brings, and the file that stands for each in small.
 INPUTS = {
-    "MODEL.glb": "pump.glb",
-    "MODEL.obj": "torus.obj",
-    "torus.mtl": "torus.mtl",
-    "ramp.png": "ramp.png",
-    "POINTS.ply": "helix_points.ply",
-    "PICTURE.png": "ramp.png",
+    "MODEL.glb": "tests/data_files/pump.glb",
+    "PICTURE.png": "tests/data_files/ramp.png",
+    "PHOTOGRAPH.png": "examples/test_chart.png",
+    "SIMULATION.png": "examples/test_chart.png",
 }
 
 # Commands of minutes or gigabytes in the words of the page, and the same in small.
@@ -65,16 +61,40 @@ LONG_SECONDS = 2
 BLOCK_SECONDS = 60
 
 
+def write_depths(path):
+    """A grey picture of 96 x 64 pixels, as large as PICTURE.png, whose depths run from left to right."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + bytes(range(0, 192, 2)) for _ in range(64))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 96, 64, 8, 0, 0, 0, 0)) +
+                     chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
 def make_folder(folder):
     """The files that stand for a reader's own, and the small examples."""
+    write_depths(folder / "DEPTHS.png")
     for name, source in INPUTS.items():
-        shutil.copy(ROOT / "tests" / "data_files" / source, folder / name)
+        shutil.copy(ROOT / source, folder / name)
     (folder / "panels").symlink_to(ROOT / "panels")
-    (folder / "scripts").symlink_to(ROOT / "scripts")
     (folder / "examples").mkdir()
     for scene in sorted((ROOT / "examples").glob("*.toml")):
-        frames = 4 if re.search(r"^frames = ", scene.read_text(), re.M) else 1
-        (folder / "examples" / scene.name).write_text(SMALLER.format(scene=scene, frames=frames))
+        write_smaller(folder / "examples" / scene.name, scene)
+
+
+def write_smaller(path, scene):
+    frames = 4 if re.search(r"^frames = ", scene.read_text(), re.M) else 1
+    path.write_text(SMALLER.format(scene=scene, frames=frames))
+
+
+def make_panels(folder):
+    """The panels of the project under their names, with 1440 x 144 pixels: as wide as eyes 6 mm apart need, and low."""
+    folder.mkdir()
+    for panel in (ROOT / "panels").glob("*.toml"):
+        text = re.sub(r"^columns = .*", "columns = 1440", panel.read_text(), flags=re.M)
+        (folder / panel.name).write_text(re.sub(r"^rows = .*", "rows = 144", text, flags=re.M))
+    for table in (ROOT / "panels").glob("*.csv"):
+        shutil.copy(table, folder)
 
 
 def shorter(text):
@@ -89,12 +109,15 @@ def commands_of(text):
     return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
 
 
+def run(command, folder, environment):
+    done = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, check=False)
+    return done.returncode, done.stdout
+
+
 def run_shell(text, folder, environment):
     """Exit code and output of a block."""
-    done = subprocess.run(["bash", "-euo", "pipefail", "-c", shorter(text)], cwd=folder, env=environment,
-                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                          timeout=BLOCK_SECONDS, check=False)
-    return done.returncode, done.stdout
+    return run(["timeout", str(BLOCK_SECONDS), "bash", "-euo", "pipefail", "-c", shorter(text)], folder, environment)
 
 
 def start_each(text, folder, environment):
@@ -127,13 +150,15 @@ def run_block(block, folder, environment, numpy):
     language, marks = (block.words or [""])[0], block.words[1:]
     if language == "toml":
         name = re.match(r"# (\w+\.toml)\n", block.text)
-        if name:
+        if name and "[trace]" in block.text:
+            scene = folder / ("whole_" + name.group(1))
+            scene.write_text(block.text)
+            write_smaller(folder / name.group(1), scene)
+        elif name:
             (folder / name.group(1)).write_text(block.text)
         return None
     if language == "python" and numpy:
-        done = subprocess.run([numpy, "-c", block.text], cwd=folder, env=environment, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True, timeout=BLOCK_SECONDS, check=False)
-        return done.returncode, done.stdout
+        return run(["timeout", str(BLOCK_SECONDS), numpy, "-c", block.text], folder, environment)
     if language != "sh" or "not-run" in marks:
         return None
     return (start_each if "long" in marks else run_shell)(block.text, folder, environment)
@@ -154,25 +179,26 @@ def main():
         print("python blocks are left out: expected NumPy (Debian: python3-numpy), found none")
     problems, count = [], 0
     with tempfile.TemporaryDirectory(prefix="holotrace-docs-") as top:
-        environment = {**os.environ, "XDG_CACHE_HOME": f"{top}/cache", "XDG_CONFIG_HOME": f"{top}/config",
+        make_panels(pathlib.Path(top) / "panels")
+        environment = {**os.environ, "HOLOTRACE_PANELS": f"{top}/panels", "XDG_CACHE_HOME": f"{top}/cache", "XDG_CONFIG_HOME": f"{top}/config",
                        "PATH": f"{program.parent}:{os.environ['PATH']}", "OMPI_ALLOW_RUN_AS_ROOT": "1",
                        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1"}
         for page in wanted:
-            problems += unmarked_commands(page)
+            for problem in unmarked_commands(page):
+                problems.append(problem)
+                print(problem)
             folder = pathlib.Path(top) / page.stem
             folder.mkdir()
             make_folder(folder)
             start, in_page = time.monotonic(), 0
             for block in blocks_of(page):
-                try:
-                    outcome = run_block(block, folder, environment, numpy)
-                except subprocess.TimeoutExpired:
-                    outcome = 124, f"still ran after {BLOCK_SECONDS} s; make it shorter, or mark the block: sh long"
+                outcome = run_block(block, folder, environment, numpy)
                 if outcome is None:
                     continue
                 in_page += 1
                 if outcome[0] != 0:
-                    problems.append(f"{block.place()}: exit code {outcome[0]}\n{block.text}--> {outcome[1]}")
+                    why = f"still ran after {BLOCK_SECONDS} s; make it shorter, or mark it: sh long" * (outcome[0] == 124)
+                    problems.append(f"{block.place()}: exit code {outcome[0]} {why}\n{block.text}--> {outcome[1]}")
                     print(problems[-1], flush=True)
             if in_page:
                 print(f"{time.monotonic() - start:6.1f} s  {in_page:3d} blocks  {page.relative_to(ROOT)}", flush=True)
