@@ -12,7 +12,7 @@
 namespace holotrace {
 
 /// What a traced sample lights. `shared`: every panel pixel in its box. `tiled`: the same, with visibility and radiance
-/// found for each tile of the panel. `gather`: one panel pixel (the paper's algorithm; docs/path_tracing.md has the
+/// found for each tile of the panel. `gather`: one panel pixel (the paper's algorithm; docs/explanation/path_tracing.md has the
 /// differences); it makes the field itself instead of waves.
 enum class Strategy { shared, tiled, gather };
 
