@@ -16,19 +16,19 @@
 namespace holotrace {
 namespace {
 
-constexpr double from_memory = 1.6;        // rates are of a tile in the caches, and planes read all waves for each
-constexpr double seconds_to_plan = 0.2;    // of planes: what many waves win back
+constexpr double from_memory = 1.6;        // rates are of a tile in the caches, and `planes` reads all waves for each
+constexpr double seconds_to_plan = 0.2;    // of `planes`: what many waves win back
 constexpr double bytes_per_wave = 340;     // made ready, split into far and near, sorted
-constexpr double bytes_per_thread = 15e6;  // grids of a tile of 240 pixels on 4 planes, and its transforms
+constexpr double bytes_per_thread = 15e6;  // grids of a tile of 240 pixels at 4 nodes, and its transforms
 
-// The waves of one part of the panel, those for planes and those for tiles, and how each are summed.
+// The waves of one part of the panel, those for `planes` and those for tiles, and how each are summed.
 struct PartPlan {
   std::vector<PreparedWave> far, near;
   PlanesChoice planes;
   TileChoice tiles;
 
   bool meets_tolerance() const {
-    return (far.empty() || planes.meets_tolerance) && tiles.meets_tolerance;  // planes leave some waves to tiles
+    return (far.empty() || planes.meets_tolerance) && tiles.meets_tolerance;  // `planes` leaves some waves to tiles
   }
   double error() const { return std::max(far.empty() ? 0 : planes.error, near.empty() ? 0 : tiles.error); }
   double energy() const { return planes.energies.waves + (near.empty() ? 0 : tiles.energies.waves); }
@@ -104,16 +104,16 @@ void run_plan(const PartPlan& plan, const PixelBox& bounds, Field& field, const 
     std::fill_n(field.samples.row(j) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
   const int parts = !plan.far.empty() + !plan.near.empty();
   if (!plan.far.empty()) {
-    const PlaneWaves waves = sort_waves(plan.far, plan.planes.plan, field.wavelength, field.grid.pitch);
-    const PlaneTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
+    const SortedWaves waves = sort_waves(plan.far, plan.planes.plan, field.wavelength, field.grid.pitch);
+    const PlanesTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
     struct Buffers {
-      PlaneWorkspace planes;
+      PlanesWorkspace planes;
       TileWorkspace tiles;
     };
     for_each_tile<Buffers>(
         bounds, {tables.plan.tile, tables.plan.tile},
         [&](const PixelBox& box, Buffers& own) {
-          sum_plane_tile(waves, tables, plan.tiles.plan, field.grid, box, own.planes, own.tiles, field.samples);
+          sum_planes_tile(waves, tables, plan.tiles.plan, field.grid, box, own.planes, own.tiles, field.samples);
         },
         part_of(observer, 0, parts));
   }
@@ -143,7 +143,7 @@ std::string describe(const PartPlan& plan) {
   std::string text;
   if (!plan.far.empty()) {
     const PlanesPlan& p = plan.planes.plan;
-    text = fmt::format("tiles of {0}x{0}, {1} slab(s) of {2} planes, kernel of {3} cells{4}", p.tile, p.slabs, p.nodes,
+    text = fmt::format("tiles of {0}x{0}, {1} slab(s) of {2} nodes, kernel of {3} cells{4}", p.tile, p.slabs, p.nodes,
                        p.width, p.is_corrected ? ", corrected" : "");
   }
   if (!plan.near.empty()) {

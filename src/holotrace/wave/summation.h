@@ -9,7 +9,7 @@
 
 namespace holotrace {
 
-/// Which of the fast summations may take part: tiles alone; planes, with tiles for the waves too near for them; or the
+/// Which of the fast summations may take part: tiles alone; `planes`, with tiles for the waves too near for it; or the
 /// one of the two that is expected to take less work.
 enum class Approach { tiled, planes, cheapest };
 

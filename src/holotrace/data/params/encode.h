@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -34,6 +36,10 @@ enum class StartPhase { field, random };
 /// In what the two levels of a binary hologram differ.
 enum class BinaryLevels { panel, phase, amplitude };
 
+/// Iterations, and the step of sgd [rad], where 0 is given.
+inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, target_field_iterations = 30;
+inline constexpr double sgd_step = 0.4;
+
 /// How the field on the panel becomes levels of its pixels.
 struct EncodeParams {
   Encoding method = Encoding::phase;           ///< of making levels
@@ -50,7 +56,7 @@ struct EncodeParams {
   int target_columns = 0, target_rows = 0;  ///< part of those planes that counts, about the axis [pixels]; 0: all
   bool resample = false;                    ///< a target picture of another size to that part
   bool is_joint = false;                    ///< one hologram for all wavelengths, or one for each
-  int iterations = 0;                       ///< 0: 50 of Gerchberg–Saxton, 200 of sgd
+  int iterations = 0;                       ///< 0: as many as the method takes, above
   double step = 0;                          ///< sgd: of the phase in an iteration [rad]; 0: as found best
   StartPhase start = StartPhase::field;     ///< of iterations, and of a target picture
   int64_t seed = 1;                         ///< of random starts
@@ -94,9 +100,12 @@ void describe(Visitor& v, EncodeParams& p) {
           "iterations, pictures: height of the part that counts; 0: the panel's");
   v.flag("resample", p.resample, "a target picture of another size to the part that counts");
   v.flag("joint", p.is_joint, "iterations: one hologram for all wavelengths, or one for each");
-  v.count("iterations", p.iterations, range::not_negative,
-          "0: 50 of gerchberg-saxton, 200 of sgd, 30 for the field of a picture");
-  v.number("step", p.step, range::not_negative, "sgd: of the phase in an iteration, in radians; 0: 0.4");
+  static const std::string iterations =
+      fmt::format("number of iterations; 0: {} of gerchberg-saxton, {} of sgd, {} for the field of a picture",
+                  gerchberg_saxton_iterations, sgd_iterations, target_field_iterations);
+  v.count("iterations", p.iterations, range::not_negative, iterations.c_str());
+  static const std::string step = fmt::format("sgd: step of the phase in an iteration, in radians; 0: {:g}", sgd_step);
+  v.number("step", p.step, range::not_negative, step.c_str());
   v.choice("start", p.start, {{"field", StartPhase::field}, {"random", StartPhase::random}},
            "of iterations and of target pictures: the field's own phase (a picture's is 0), or a random one");
   v.count("seed", p.seed, range::not_negative, "seed for random starts");

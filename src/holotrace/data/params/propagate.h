@@ -16,6 +16,7 @@ struct PropagateParams {
   double pitch = 0;                                         ///< of the output's samples [m]; 0: the input's
   double centre_x = 0, centre_y = 0;                        ///< of the output window [m]
   bool is_periodic = false;  ///< the window repeats for ever: no padding, by the angular spectrum
+  bool operator==(const PropagateParams&) const = default;
 };
 
 template <class Visitor>

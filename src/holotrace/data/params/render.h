@@ -17,18 +17,18 @@ enum class Lens { pinhole, round, panel };
 
 /// The picture of a scene that an eye before the panel takes.
 struct RenderParams {
-  int columns = 0, rows = 512;        ///< of the picture [pixels]; columns 0: square
-  double field_of_view = 0;           ///< half angle over the height [rad]; 0: the panel's acceptance
-  Vec3 eye{0, 0, 0};                  ///< place of the lens [m], on the panel or before it: z ≥ 0
-  Lens lens = Lens::pinhole;          ///< what gathers the light
-  double pupil = 4e-3;                ///< diameter of the round lens [m]
-  double focus = 0.3;                 ///< distance from the panel to the plane in focus [m]
-  double eye_separation = 0;          ///< of two eyes along x, about `eye` [m]: a stereo pair; 0: one eye
-  int paths = 64;                     ///< light paths per pixel
-  int max_depth = 8;                  ///< surfaces on a path
-  double clamp = 0;                   ///< most radiance that one path may bring [W/m²/sr]; 0: no clamp
-  std::vector<std::string> layers{};  ///< light path expressions, added up; none: all light
-  bool has_background = true;         ///< shown where no surface is; the waves of a hologram have none there
+  int columns = 0, rows = 512;                  ///< of the picture [pixels]; columns 0: square
+  double field_of_view = 0;                     ///< half angle over the height [rad]; 0: the panel's acceptance
+  Vec3 eye{0, 0, 0};                            ///< place of the lens [m], on the panel or before it: z ≥ 0
+  Lens lens = Lens::pinhole;                    ///< what gathers the light
+  double pupil = 4e-3;                          ///< diameter of the round lens [m]
+  double focus = 0.3;                           ///< distance from the panel to the plane in focus [m]
+  double eye_separation = 0;                    ///< of two eyes along x, about `eye` [m]: a stereo pair; 0: one eye
+  int paths = 64;                               ///< light paths per pixel
+  int max_depth = 8;                            ///< surfaces on a path
+  double clamp = 0;                             ///< most radiance that one path may bring [W/m²/sr]; 0: no clamp
+  std::vector<std::string> path_expressions{};  ///< light path expressions, added up; none: all light
+  bool has_background = true;                   ///< shown where no surface is; the waves of a hologram have none there
   Acceleration accelerator = Acceleration::embree;  ///< of the rays
   int64_t seed = 1;                                 ///< of every random number
 };
@@ -49,7 +49,7 @@ void describe(Visitor& v, RenderParams& p) {
   v.count("paths", p.paths, range::at_least(1), "light paths per pixel");
   v.count("max_depth", p.max_depth, range::at_least(1), "most surfaces on a path");
   v.number("clamp", p.clamp, range::not_negative, "most radiance that one path may bring; 0: no clamp");
-  v.texts("layers", p.layers, "light path expressions, added up; none: all light");
+  v.texts("path_expressions", p.path_expressions, "light path expressions, added up; none: all light");
   v.flag("background", p.has_background, "shown where no surface is; the pictures that run compares with leave it out");
   v.choice("accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
            "of the rays: Embree's trees, or a uniform grid of cells (the paper's appendix)");

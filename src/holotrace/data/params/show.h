@@ -25,7 +25,7 @@ struct ShowParams {
   double beam_radius = 0;         ///< Gaussian: at 1/e² of the irradiance, on the panel [m]
   double bandwidth = 0;           ///< full width at half maximum of the light's spectrum, a Gaussian [m]
   double source_angle = 0;        ///< full angle that the source is seen under from the panel, a disc [rad]
-  int moments = 0;  ///< that partly coherent light and flicker are averaged over; 0: as many as the views need
+  int illumination_states = 0;    ///< over which partly coherent light and flicker are averaged; 0: as the views need
   std::vector<std::string> effects{};  ///< of the panel that are on; "all"
 };
 
@@ -51,7 +51,7 @@ void describe(Visitor& v, ShowParams& p) {
            "width of the light's spectrum, full width at half maximum; 0 m: one line");
   v.angle("source_angle", p.source_angle, range::below(0, std::numbers::pi),
           "full angle that the light's source is seen under; 0 deg: a point");
-  v.count("moments", p.moments, range::from_to(0, 65536),
+  v.count("illumination_states", p.illumination_states, range::from_to(0, 65536),
           "instants that partly coherent light and flicker are averaged over; 0: as many as the views need");
   v.texts(
       "effects", p.effects,

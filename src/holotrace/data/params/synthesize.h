@@ -6,7 +6,7 @@
 
 namespace holotrace {
 
-/// How light reaches the panel. Of waves: summed one by one in double; tile by tile; by way of planes near each tile;
+/// How light reaches the panel. Of waves: summed one by one in double; tile by tile; by a non-uniform FFT in each tile;
 /// by slices of depth; or by the cheapest of these that meets the tolerance. Of surfaces: as triangles that shine.
 enum class SynthesisMethod { automatic, exact, tiled, planes, layers, triangles };
 
@@ -36,7 +36,7 @@ void describe(Visitor& v, SynthesizeParams& p) {
        {"planes", SynthesisMethod::planes},
        {"layers", SynthesisMethod::layers},
        {"triangles", SynthesisMethod::triangles}},
-      "how waves are summed: one by one in double, tile by tile, by planes near each tile, in slices of depth, the "
+      "how waves are summed: one by one in double, tile by tile, by a non-uniform FFT in each tile, in slices of depth, the "
       "cheapest that meets the tolerance (auto); or a scene's surfaces as triangles that shine");
   v.number("tolerance", p.tolerance, range::between(0, 1), "relative L2 error allowed against exact");
   v.count("slices", p.slices, range::not_negative, "layers: slices of depth; 0: as many as the tolerance needs");

@@ -51,8 +51,8 @@ struct TraceParams {
   double grain = 0;                             ///< side of the cells of equal surface phase [m]; 0: the pixel pitch
   bool one_wave_per_cell = true;                ///< first hits in a cell of equal phase make one wave, or each its own
   AmplitudeLaw amplitude = AmplitudeLaw::sqrt;  ///< from radiance
-  std::vector<std::string> layers{};            ///< light path expressions; none: all light, "E.*L"
-  bool separate_layers = false;                 ///< each layer a hologram of its own, or all in one
+  std::vector<std::string> path_expressions{};  ///< light path expressions; none: all light, "E.*L"
+  bool separate_path_groups = false;            ///< each path group a hologram of its own, or all in one
   bool separate_lights = false;                 ///< each light a hologram of its own: they do not interfere
   int frames = 1;                               ///< M, holograms with independent phases, shown one after the other
   Acceleration accelerator = Acceleration::embree;  ///< of the rays
@@ -97,8 +97,8 @@ void describe(Visitor& v, TraceParams& p) {
          "one wave for all first hits in a cell of equal phase: brightness is radiance; false: a wave for each");
   v.choice("amplitude", p.amplitude, {{"sqrt", AmplitudeLaw::sqrt}, {"linear", AmplitudeLaw::linear}},
            "amplitude from radiance L: its root (brightness is radiance) or L itself (the paper's Step 5)");
-  v.texts("layers", p.layers, "light path expressions, as E(D|G)L; none: all light");
-  v.flag("separate_layers", p.separate_layers, "each layer a hologram of its own, or all in one");
+  v.texts("path_expressions", p.path_expressions, "light path expressions, as E(D|G)L; none: all light");
+  v.flag("separate_path_groups", p.separate_path_groups, "each path group a hologram of its own, or all in one");
   v.flag("separate_lights", p.separate_lights, "each light a hologram of its own, added without interference");
   v.count("frames", p.frames, range::at_least(1), "holograms with independent phases, shown one after the other");
   v.choice("accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},

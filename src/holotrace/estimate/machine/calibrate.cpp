@@ -48,15 +48,15 @@ TimedWork time_tile(const TilePlan& plan, int count) {
   });
 }
 
-// Waves spread over the planes of a tile that they all light as a whole.
+// Waves spread over the grids of a tile that they all light as a whole.
 TimedWork time_spreading(int nodes, int width) {
   const PlanesPlan plan{.tile = 120, .width = width, .nodes = nodes};
   const Grid panel{plan.tile, plan.tile, pitch};
   constexpr int count = 2048;
-  const PlaneWaves waves =
+  const SortedWaves waves =
       sort_waves(prepare_waves(timed_waves(panel, count, 0.19, 0.21), panel), plan, wavelength, pitch);
-  const PlaneTables tables(plan, wavelength, pitch);
-  PlaneWorkspace workspace;
+  const PlanesTables tables(plan, wavelength, pitch);
+  PlanesWorkspace workspace;
   workspace.grids.assign(size_t(nodes) * size_t(tables.cells) * 2 * size_t(tables.stride()), 0.0F);
   const SummationWork work{
       .plane_waves = double(count),

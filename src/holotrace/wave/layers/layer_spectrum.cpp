@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "holotrace/base/complex_product.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
@@ -32,11 +33,6 @@ void free_space_factors(const double* lag, double distance, int count, Complex* 
 }
 
 int folded(int index, int size) { return ((index % size) + size) % size; }
-
-Complex product(Complex a, Complex b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
-
 // One column of a spectrum, l = −L … L, gains a transformed column of ny samples times factors of |l|. Where the
 // raster's Nyquist frequency is at both ends of the band, it is taken once.
 void gain(Complex* column, int reach, const Complex* transformed, int ny, const Complex* factors, int count) {

@@ -10,14 +10,13 @@
 #include "holotrace/base/fft.h"
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/base/wrapped.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {
 
 constexpr int block = 16;  // columns that lie side by side: whole cache lines of either precision
-
-int wrapped(int index, int size) { return (index % size + size) % size; }
 
 // A call of known size, that is in registers.
 template <class Real>
