@@ -31,7 +31,7 @@ namespace {
 void complete(const std::string& path, const Slm& slm, double wavelength, Hologram& hologram) {
   if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;
   if (hologram.wavelength == 0) hologram.wavelength = wavelength;
-  require(hologram.wavelength > 0, "{} has no sidecar that tells its wavelength; give --wavelength", path);
+  require(hologram.wavelength > 0, "{} has no metadata with its wavelength; give --wavelength", path);
 }
 
 // Writing over a hologram, its sidecar or its modulus before or after it is read would lose it.
@@ -40,7 +40,7 @@ void check_outputs(const std::vector<std::string>& inputs, const std::vector<std
     if (!std::filesystem::exists(output)) continue;
     for (const std::string& input : inputs)
       for (const std::string& file : {input, sidecar_path(input), path_with_suffix(input, "_modulus")})
-        require(!is_same_file(file, output), "{} would be written over the hologram {}; give the view another name",
+        require(!is_same_file(file, output), "the view {} would overwrite the hologram {}; give the view another name",
                 output, input);
   }
 }
@@ -78,7 +78,7 @@ void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& pa
 }  // namespace
 
 void add_show_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("show", "holograms to the image that a virtual SLM and camera show");
+  CLI::App* command = app.add_subcommand("show", "camera image of holograms on a virtual SLM");
   struct Options {
     std::vector<std::string> inputs;
     std::string output, slm, report;
@@ -86,17 +86,19 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   command
-      ->add_option("holograms", o->inputs,
-                   "hologram .png; of several, those of one wavelength and name are averaged as frames, names added, "
-                   "and wavelengths make colours")
+      ->add_option(
+          "holograms", o->inputs,
+          "hologram files .png. Several of one wavelength and name are averaged as frames, different names are "
+          "added, and different wavelengths become colours")
       ->required()
       ->type_name("HOLOGRAM.png");
   add_output(*command, o->output,
-             "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; of a sweep also NAME_sweep_01, …, "
-             "NAME_sweep.gif and its chart NAME_sweep.png; .gif: the animation of a sweep alone");
+             "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; a sweep adds NAME_sweep_01, "
+             "…, NAME_sweep.gif and its chart NAME_sweep.png; .gif: only the animation of a sweep");
   command->add_option("--slm", o->slm, "panel by name [the one the hologram was made for, or pluto]")
       ->type_name("NAME|SCENE.toml");
-  command->add_option("--report", o->report, "what each stage did, as in run's report.json")->type_name("FILE.json");
+  command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
+      ->type_name("FILE.json");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
   o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y"});

@@ -203,7 +203,8 @@ TEST(Viewing, TooFewIlluminationStatesAreTold) {
 
 TEST(Viewing, ShowSeesWhatRunSaw) {
   Workplace work;
-  with_points(work).write("scene.toml", scene("[show]\nbandwidth = \"4 nm\"\nmoments = 3\nsubpixels = 3\n") + "");
+  with_points(work).write("scene.toml",
+                          scene("[show]\nbandwidth = \"4 nm\"\nillumination_states = 3\nsubpixels = 3\n") + "");
   ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out", "--electrons", "200", "--read-noise", "3"}).exit_code, 0);
   const Outcome outcome = work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm", "--bandwidth",
                                     "4 nm", "--illumination-states", "3", "--subpixels", "3", "--electrons", "200",
@@ -238,9 +239,10 @@ TEST(Viewing, OrdersAddUpToTheEfficiency) {
 
 TEST(Viewing, ProgressOfManyIlluminationStatesAndViewsGoesOnceFromStartToEnd) {
   Workplace work;
-  with_points(work).write("scene.toml",
-                          scene("eye_separation = \"0.4 mm\"\n[show]\nsource_angle = \"0.1 deg\"\nmoments = 4\n") +
-                              "[trace]\nframes = 2\n[synthesize]\n");
+  with_points(work).write(
+      "scene.toml",
+      scene("eye_separation = \"0.4 mm\"\n[show]\nsource_angle = \"0.1 deg\"\nillumination_states = 4\n") +
+          "[trace]\nframes = 2\n[synthesize]\n");
   std::string text = work.read("scene.toml");
   text.replace(text.find("[trace]\nphase = \"constant\"\n"), 27, "");
   work.write("scene.toml", text);
@@ -340,12 +342,12 @@ TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
     return sentence.starts_with(path) ? sentence.substr(path.size() - std::string("scene.toml").size()) : sentence;
   };
   EXPECT_EQ(refused("read_noise = 2\n"),
-            "expected the electrons of a white pixel beside a read noise of 2 electrons, got 0; give electrons");
+            "expected electrons above 0 with a read noise of 2 electrons, got 0; set electrons");
   EXPECT_EQ(refused("focal_length = \"20 mm\"\n"),
             "expected a pupil above 0 m for a lens of 20 mm, got 0 m; give its diameter");
   EXPECT_EQ(refused("focal_length = \"50 mm\"\npupil = \"1 mm\"\n"),
-            "expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move the eye "
-            "back, or take a shorter focal length");
+            "expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move the "
+            "eye back, or use a shorter focal length");
   EXPECT_EQ(refused("sweep = \"focus\"\n"),
             "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to");
   const std::string head = scene().substr(0, scene().find("[camera]"));

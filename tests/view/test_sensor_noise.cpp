@@ -117,7 +117,7 @@ TEST(SensorNoise, SensorsThatCannotBeAreRefused) {
   camera.electrons = 0;
   camera.read_noise = 3;
   EXPECT_EQ(error_of([&] { add_sensor_noise(view, 1, camera); }),
-            "expected the electrons of a white pixel beside a read noise of 3 electrons, got 0; give electrons");
+            "expected electrons above 0 with a read noise of 3 electrons, got 0; set electrons");
   camera.read_noise = -3;
   EXPECT_EQ(error_of([&] { add_sensor_noise(view, 1, camera); }),
             "expected a number of 0 or more for \"read_noise\", got -3");

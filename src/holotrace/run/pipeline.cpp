@@ -32,7 +32,7 @@ namespace {
 // A point's light may fall between the pixels of a render: without a reference there is nothing to compare.
 void report_metrics(const Image& reference, const Image& view, double efficiency, const Observer& observer) {
   if (std::none_of(reference.values.begin(), reference.values.end(), [](float v) { return v > 0; })) {
-    observer.fact("why_no_metrics", std::string("the render is dark where the sensor looks"));
+    observer.fact("why_no_metrics", std::string("the render is dark in the sensor's area"));
     return;
   }
   const Metrics metrics = compare(reference, view);
@@ -102,7 +102,7 @@ bool is_dark(const SceneLight& light, size_t set) {
 std::vector<Field> fields_of_triangles(const std::vector<Triangles>& sets, uint32_t frame, const Grid& panel,
                                        const SynthesizeParams& params, const Observer& observer) {
   require(std::any_of(sets.begin(), sets.end(), [](const Triangles& set) { return !set.triangles.empty(); }),
-          "expected at least one triangle that shines, got none; is the scene lit and in view?");
+          "expected at least one luminous triangle, got none; is the scene lit and in view?");
   std::vector<Field> fields;
   for (size_t i = 0; i < sets.size(); ++i) {
     Triangles set = sets[i];
@@ -232,7 +232,7 @@ std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, cons
   if (!light.gathered.empty()) {
     std::vector<Field> fields;
     for (const std::vector<Field>& frames : light.gathered) {
-      require(frame < frames.size(), "expected a frame below {}, as many as were gathered, got {}; ask for more frames",
+      require(frame < frames.size(), "expected a frame below {}, as many as were gathered, got {}; use more frames",
               frames.size(), frame);
       fields.push_back(frames[frame]);
     }
@@ -240,10 +240,9 @@ std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, cons
   }
   if (!light.triangles.empty()) return fields_of_triangles(light.triangles, frame, panel, params, observer);
   const std::vector<Sources>& sources = light.sources;
-  require(
-      params.method != SynthesisMethod::triangles,
-      "expected a scene or a mesh for the method triangles, which has surfaces shine, got waves; take another method, "
-      "or the scene that they were traced from");
+  require(params.method != SynthesisMethod::triangles,
+          "expected a scene or a mesh for the method triangles, which needs surfaces, got waves; use another "
+          "method, or the scene that they were traced from");
   const bool has_waves =
       std::any_of(sources.begin(), sources.end(), [](const Sources& set) { return !set.waves.empty(); });
   std::vector<Field> fields;
@@ -304,7 +303,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
     o.fact("sets", traced.sets());
     o.fact("frames", job.trace.frames);
     if (job.trace.frames > 1 && traced.gathered.empty() && !has_random_phase(traced))
-      o.warn(fmt::format("nothing has a random phase: all {} frames are alike; ask for one frame, or for random phases",
+      o.warn(fmt::format("no wave has a random phase, so all {} frames are equal; use one frame, or random phases",
                          job.trace.frames));
     return traced;
   });

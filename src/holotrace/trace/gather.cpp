@@ -192,8 +192,8 @@ void report(const std::vector<Agreement>& rows, int samples, const Observer& obs
   const std::string need = part > 0.01 ? fmt::format("about {:.0f} or more", samples * (1 - part) / part)
                                        : fmt::format("a hundred times {} or more", samples);
   observer.warn(
-      fmt::format("{:.0f} % of the light on the panel is noise of {} rays per pixel that find other points than their "
-                  "neighbours'; take pixel_samples of {}, a wider grain on flat surfaces, or the strategy shared",
+      fmt::format("{:.0f} % of the light on the panel is noise: the {} rays of a pixel hit other points than those of "
+                  "its neighbours; use pixel_samples = {}, a wider grain on flat surfaces, or the strategy shared",
                   100 * std::min(1.0, 1 - part), samples, need));
 }
 

@@ -262,8 +262,8 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
 void check_params(const TraceParams& params) {
   check_ranges(params);
   require(params.strategy != Strategy::gather,
-          "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: take the "
-          "command field or run, or call gather");
+          "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: use "
+          "the command field or run, or call gather");
 }
 
 }  // namespace

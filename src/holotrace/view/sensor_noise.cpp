@@ -27,8 +27,7 @@ struct Bits {
 void check_sensor(const CameraParams& camera) {
   check_ranges(camera);
   require(camera.read_noise == 0 || camera.electrons > 0,
-          "expected the electrons of a white pixel beside a read noise of {} electrons, got 0; give electrons",
-          camera.read_noise);
+          "expected electrons above 0 with a read noise of {} electrons, got 0; set electrons", camera.read_noise);
 }
 
 Image add_sensor_noise(const Image& view, double white, const CameraParams& camera, uint32_t exposure) {

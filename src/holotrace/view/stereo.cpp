@@ -17,7 +17,7 @@ std::array<RenderParams, 2> stereo_pair(const RenderParams& params) {
   require(std::isfinite(params.eye_separation) && params.eye_separation > 0,
           "expected eyes more than 0 m apart for a stereo pair, got {}", format_length(params.eye_separation));
   require(params.lens != Lens::panel,
-          "expected a pinhole or a round lens for a stereo pair, got the panel, which has no eye; take another lens");
+          "expected a pinhole or a round lens for a stereo pair, got the panel, which has no eye; use another lens");
   std::array<RenderParams, 2> pair{params, params};
   const auto eyes = two_eyes(params.eye, params.eye_separation);
   for (size_t i = 0; i < 2; ++i) {

@@ -125,8 +125,8 @@ TEST(Light, SaysWhatSamplesCannotHold) {
   const Slm slm = make_panel(64, 64);
   const auto error = [&](const ShowParams& params) { return error_of([&] { show(flat(slm), slm, params); }); };
   EXPECT_EQ(error({.tilt_x = 0.05}),
-            "expected light that meets the panel below 1.905°, the steepest that samples of 8 µm hold at 532 nm, got "
-            "2.865°; ask for more subpixels, or for less tilt or curvature");
+            "expected light that meets the panel below 1.905°, the steepest that samples of 8 µm hold at 532 nm, "
+            "got 2.865°; use more subpixels, or less tilt or curvature");
   EXPECT_EQ(error({.subpixels = 2, .tilt_x = 0.05}), "no error");
   EXPECT_EQ(error({.light = Wavefront::spherical}),
             "expected a source distance other than 0 m for spherical light, got 0 m; below 0 m it converges");
@@ -258,7 +258,7 @@ TEST(IlluminationStates, SayWhatIsWrong) {
   EXPECT_EQ(error_of([&] { illumination_states(slm, {.illumination_states = -1}, 500e-9); }),
             "expected a whole number from 0 to 65536 for \"illumination_states\", got -1");
   EXPECT_EQ(error_of([&] { illumination_states(slm, {.bandwidth = 1e-6, .illumination_states = 64}, 500e-9); }),
-            "expected a bandwidth narrow beside the wavelength 500 nm, got 1 µm: its spectrum reaches 0 m");
+            "expected a bandwidth much smaller than the wavelength 500 nm, got 1 µm: its spectrum reaches 0 m");
 }
 
 }  // namespace

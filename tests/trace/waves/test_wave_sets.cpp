@@ -165,8 +165,8 @@ TEST(WaveSets, SetsThatAreSeveralAreNoAnswerForOneWavelength) {
   EXPECT_EQ(error_of([] { trace(make_corner(), panel, std::vector<double>{}, {}); }),
             "expected at least one wavelength, got none");
   EXPECT_EQ(error_of([] { trace(make_corner(), panel, green_light, {.strategy = Strategy::gather}); }),
-            "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: "
-            "take the command field or run, or call gather");
+            "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: use "
+            "the command field or run, or call gather");
   EXPECT_EQ(error_of([] { trace(make_corner(), panel, green_light, {.grain = -1}); }),
             "expected a length of 0 m or more for \"grain\", got -1 m");
 }

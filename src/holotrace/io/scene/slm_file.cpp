@@ -152,7 +152,7 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
 // A panel by name, on the way from those in `chain`, each a change of the next.
 Slm load_panel(const std::string& name, std::vector<std::string> chain) {
   require(std::find(chain.begin(), chain.end(), name) == chain.end(),
-          "expected a panel that is no change of itself, got \"{}\"", name);
+          "expected a panel that does not extend itself, got \"{}\"", name);
   chain.push_back(name);
   const bool is_plain = !name.empty() && name.find('/') == std::string::npos;
   const std::string path = is_plain ? panel_file(name) : "";

@@ -19,7 +19,7 @@ double place(double distance, ImageSide image) { return image == ImageSide::real
 
 void check_distances(const std::vector<double>& distances) {
   require(!distances.empty(),
-          "expected a distance that the image is made for, got none; give target_distances (--target-distances)");
+          "expected at least one target distance, got none; give target_distances (--target-distances)");
   for (const double distance : distances)
     require(std::isfinite(distance) && distance >= 0, "expected target distances of 0 m or more, got {}",
             format_length(distance));

@@ -82,7 +82,7 @@ std::vector<IlluminationState> illumination_states(const Slm& slm, const ShowPar
   }
   for (const IlluminationState& state : all)
     require(state.wavelength > 0,
-            "expected a bandwidth narrow beside the wavelength {}, got {}: its spectrum reaches 0 m",
+            "expected a bandwidth much smaller than the wavelength {}, got {}: its spectrum reaches 0 m",
             format_length(wavelength), format_length(params.bandwidth));
   return all;
 }

@@ -60,10 +60,10 @@ void check_modulation(const Hologram& hologram, const Slm& slm, const Observer& 
 
 void check_light(const ShowParams& params) {
   require(params.beam_radius == 0 || params.light == Wavefront::gaussian,
-          "expected a beam radius with Gaussian light alone, got {}; set light to gaussian, or leave out beam_radius",
+          "expected a beam radius only with Gaussian light, got {}; set light to gaussian, or leave out beam_radius",
           format_length(params.beam_radius));
   require(params.source_distance == 0 || params.light == Wavefront::spherical,
-          "expected a source distance with spherical light alone, got {}; set light to spherical, or leave out "
+          "expected a source distance only with spherical light, got {}; set light to spherical, or leave out "
           "source_distance",
           format_length(params.source_distance));
 }
@@ -100,22 +100,22 @@ void warn_other_effects(const Hologram& hologram, const Slm& with, const Observe
   const std::string unknown = missing_in(hologram.effects, on), off = missing_in(on, hologram.effects);
   if (!unknown.empty())
     observer.warn(
-        fmt::format("the hologram allows for {} and not for {}, which the SLM \"{}\" is shown with; sgd can "
-                    "allow for all but flicker, where [encode] effects names them",
+        fmt::format("the hologram compensates {} but not {}, which are modelled on the SLM \"{}\"; sgd compensates all "
+                    "effects but flicker that [encode] effects names",
                     allowed, unknown, with.name));
   if (!off.empty())
-    observer.warn(
-        fmt::format("the hologram allows for {}, which the SLM \"{}\" is shown without; name {} in [show] "
-                    "effects, or encode without",
-                    off, with.name, off));
+    observer.warn(fmt::format(
+        "the hologram compensates {}, which is not modelled on the SLM \"{}\"; name {} in [show] effects, or "
+        "encode without",
+        off, with.name, off));
 }
 
 void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, const Observer& observer) {
   const std::vector<std::string> has = effects_of(slm), on = effects_of(with);
   for (const std::string& name : params.effects)
     if (name != "all" && name != "none" && std::find(has.begin(), has.end(), name) == has.end())
-      observer.warn(fmt::format("the SLM \"{}\" has no {} to turn on; write its figures in [slm] or the panel's file",
-                                slm.name, name));
+      observer.warn(
+          fmt::format("the SLM \"{}\" has no data for {}; add them to [slm] or to the panel's file", slm.name, name));
   std::vector<std::string> off;
   for (const std::string& name : has)
     if (std::find(on.begin(), on.end(), name) == on.end()) off.push_back(name);

@@ -253,12 +253,12 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
   Laid laid = refine_best(moving, fixed, candidates);
   const auto& [pair, fit, map, is_finest] = laid;
   const std::string what_to_do = fmt::format(
-      "crop the photograph to what is simulated, turn it over if a mirror was in the way, or give the scales to try, "
+      "crop the photograph to what is simulated, flip it if a mirror was used, or give the scales to try, "
       "which were {:.3g} to {:.3g} pixels of the photograph per pixel of the simulation",
       smallest, largest);
   require(fit.pixels > 0,
-          "expected a photograph of what the simulation shows, with structure that tells how it lies, got none that "
-          "fits anywhere; {}",
+          "expected a photograph of what the simulation shows, with enough structure to locate it, got none "
+          "that fits anywhere; {}",
           what_to_do);
   Registration r;
   r.scale = scale_of(map);
@@ -270,11 +270,10 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
   r.overlap = fit.pixels / (double(pair.fixed.nx) * pair.fixed.ny);
   r.uncertainty = laid.error();
   const double most_error = most_error_part * long_side(moving);
-  require(
-      r.uncertainty <= most_error,
-      "expected a photograph of what the simulation shows, with structure that tells how it lies, got one whose best "
-      "place has a standard error of {:.2g} pixels, where {:.2g} is the most; {}",
-      r.uncertainty, most_error, what_to_do);
+  require(r.uncertainty <= most_error,
+          "expected a photograph of what the simulation shows, with enough structure to locate it, got one "
+          "whose best place has a standard error of {:.2g} pixels, where {:.2g} is the most; {}",
+          r.uncertainty, most_error, what_to_do);
 
   const Pair plain = at_resolution(moving, fixed, pair.pixel_moving / pair.pixel_fixed, pair.pixel_fixed);
   const Channel plain_moving = laid_upon(plain.moving, plain.fixed, fit.map);

@@ -97,7 +97,7 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
           "expected at least one slice, with a grid for each, got {} depths and {} grids", stack.depths.size(),
           stack.grids.size());
   require(!stack.has_masks || 2 * grid.pitch > stack.wavelength,
-          "expected a pitch above half a wavelength for slices that hide, got {} at {}", format_length(grid.pitch),
+          "expected a pitch above half a wavelength for silhouettes, got {} at {}", format_length(grid.pitch),
           format_length(stack.wavelength));
   const std::vector<PlannedSlice> planned = plan_rasters(stack, grid);
   const LayerWindow window = plan_window(planned, grid, stack.wavelength);

@@ -179,8 +179,7 @@ TEST(GerchbergSaxton, SaysWhatIsWrong) {
             "× 0");
   params.target_columns = 0;
   params.target_distances = {};
-  EXPECT_EQ(error(),
-            "expected a distance that the image is made for, got none; give target_distances (--target-distances)");
+  EXPECT_EQ(error(), "expected at least one target distance, got none; give target_distances (--target-distances)");
   params.target_distances = {0.001};
   params.effects = {"crostalk"};
   EXPECT_NE(error().find("crosstalk"), std::string::npos) << error();
