@@ -22,6 +22,10 @@ enum class Approach { tiled, planes, cheapest };
 std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
                              double& reachable, const Observer& observer);
 
+/// The same where one method is asked for. @throws Error where no plan of it meets the tolerance
+Field sum_within(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
+                 const Observer& observer);
+
 /// What try_sum would do, without the sum: the plan of its first round.
 struct SumForecast {
   double seconds = 0;  ///< by the cost model, without the time that planning takes

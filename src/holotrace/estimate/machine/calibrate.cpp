@@ -44,7 +44,7 @@ TimedWork time_tile(const TilePlan& plan, int count) {
   Array2D<std::complex<float>> samples(panel.ny, panel.nx);
   TileWorkspace workspace;
   return fastest(count * double(panel.pixels()) * tile_work(plan), [&] {
-    sum_tile(waves, panel, wavelength, plan, {0, panel.nx, 0, panel.ny}, workspace, samples);
+    sum_tile(waves, {panel, wavelength}, plan, {0, panel.nx, 0, panel.ny}, workspace, samples);
   });
 }
 
@@ -62,8 +62,8 @@ TimedWork time_spreading(int nodes, int width) {
       .plane_waves = double(count),
       .spreads = double(count) * nodes * width * (width <= 4 ? 4 : GriddingKernel::greatest_width)};
   return fastest(work, [&] {
-    spread_waves(waves.waves, waves.slabs.front(), tables, panel.x(plan.tile / 2), panel.y(plan.tile / 2),
-                 {0, panel.nx, 0, panel.ny}, workspace);
+    spread_waves(waves.waves, waves.slabs.front(), tables,
+                 {{0, panel.nx, 0, panel.ny}, panel.x(plan.tile / 2), panel.y(plan.tile / 2)}, workspace);
   });
 }
 

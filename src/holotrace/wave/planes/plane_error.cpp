@@ -27,9 +27,15 @@ double path_between(double x, double y, double x2, double y2, double depth) {
   return path_beyond_depth(x2 * x2 + y2 * y2, depth) - path_beyond_depth(x * x + y * y, depth);
 }
 
-// What a plan makes of a wave (x, y) from the tile's reference, at (u, v) from there, over what the wave is.
-std::complex<double> in_tile(double x, double y, double depth, double u, double v, const Slab& slab,
-                             const PlanesTables& t) {
+// A pixel at (u, v) from the tile's reference, or from the middle of its strip, which is at (x, y) from a wave of that
+// depth [m].
+struct PixelOfWave {
+  double x, y, depth, u, v;
+};
+
+// What a plan makes of a wave at a pixel, over what the wave is there.
+std::complex<double> in_tile(const PixelOfWave& pixel, const Slab& slab, const PlanesTables& t) {
+  const auto [x, y, depth, u, v] = pixel;
   const double half = t.plan.tile * t.pitch / 2, linear = linear_of_cubic * half * half;
   const double rho2 = x * x + y * y, r0 = std::sqrt(rho2 + depth * depth);
   const double r = std::sqrt((x + u) * (x + u) + (y + v) * (y + v) + depth * depth);
@@ -46,8 +52,8 @@ std::complex<double> in_tile(double x, double y, double depth, double u, double 
 }
 
 // The same in a strip that is across x: u from the strip's middle, v from the tile's reference.
-std::complex<double> in_strip(double x, double y, double depth, double u, double v, const Slab& slab,
-                              const PlanesTables& t) {
+std::complex<double> in_strip(const PixelOfWave& pixel, const Slab& slab, const PlanesTables& t) {
+  const auto [x, y, depth, u, v] = pixel;
   const double half = t.plan.tile * t.pitch / 2, linear = linear_of_cube * half * half;
   const double rest = y * y + depth * depth, r0 = std::sqrt(x * x + rest), across = std::sqrt((x + u) * (x + u) + rest);
   const double r = std::sqrt((x + u) * (x + u) + (y + v) * (y + v) + depth * depth);
@@ -75,14 +81,14 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
     const bool all_x = w.box.x0 <= tile.x0 && w.box.x1 >= tile.x1, all_y = w.box.y0 <= tile.y0 && w.box.y1 >= tile.y1;
     const double dx = grid.x(column) - w.x, dy = w.y - grid.y(row);  // y down
     const double u = (i - plan.tile / 2) * grid.pitch, v = (j - plan.tile / 2) * grid.pitch;
-    const auto tile_error = [&] { return std::norm(in_tile(dx - u, dy - v, w.depth, u, v, slab, tables) - 1.0); };
+    const auto tile_error = [&] { return std::norm(in_tile({dx - u, dy - v, w.depth, u, v}, slab, tables) - 1.0); };
     double error = 0;  // of the direct sum
     if (all_x && all_y) {
       error = tile_error();
     } else if (plan.has_strips && (all_x || all_y)) {
       const double across_u = in_own_strip(i) * grid.pitch, across_v = in_own_strip(j) * grid.pitch;
-      error = std::norm((all_y ? in_strip(dx - across_u, dy - v, w.depth, across_u, v, slab, tables)
-                               : in_strip(dy - across_v, dx - u, w.depth, across_v, u, slab, tables)) -
+      error = std::norm((all_y ? in_strip({dx - across_u, dy - v, w.depth, across_u, v}, slab, tables)
+                               : in_strip({dy - across_v, dx - u, w.depth, across_v, u}, slab, tables)) -
                         1.0);
       const int size = all_y ? tile.x1 - tile.x0 : tile.y1 - tile.y0;
       const int lit = all_y ? std::min(w.box.x1, tile.x1) - std::max(w.box.x0, tile.x0)

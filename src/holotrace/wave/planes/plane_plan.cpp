@@ -64,14 +64,13 @@ double both_axes(int width) {
 // Looks at plans, and keeps the fastest that meets the goal, or the most accurate.
 class PlanSearch {
  public:
-  PlanSearch(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid, const PixelBox& bounds,
-             double wavelength, double goal, double most_seconds)
+  PlanSearch(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal, double most_seconds)
       : waves_(waves),
         direct_(direct),
-        grid_(grid),
-        bounds_(bounds),
-        wavelength_(wavelength),
-        goal_(goal),
+        grid_(goal.grid),
+        bounds_(goal.bounds),
+        wavelength_(goal.wavelength),
+        goal_(goal.tolerance * std::sqrt(goal.coherence) / 1.25),
         most_seconds_(most_seconds),
         rates_(summation_rates()),
         depths_(depths_of(waves)) {
@@ -153,13 +152,12 @@ bool suits_planes(const PreparedWave& wave, double wavelength, double pitch) {
   return tangent < 0.25 && 2 * wave.depth * tangent >= 4 * tiles.back() * pitch;
 }
 
-PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
-                           const PixelBox& bounds, double wavelength, double tolerance, double coherence,
+PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal,
                            double most_seconds) {
-  PlanSearch search(waves, direct, grid, bounds, wavelength, tolerance * std::sqrt(coherence) / 1.25, most_seconds);
+  PlanSearch search(waves, direct, goal, most_seconds);
   for (const int tile : tiles) search.look_at_tiles(tile);
   PlanesChoice best = search.best();
-  best.error /= std::sqrt(coherence);
+  best.error /= std::sqrt(goal.coherence);
   return best;
 }
 

@@ -26,10 +26,8 @@ bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 /// tolerance; the most accurate one if none is.
 /// @param waves      all of which suit the method (suits_planes), at least one
 /// @param direct     how waves are summed in the tiles that hold a corner of their box
-/// @param coherence  as for choose_tile
 /// @param most_seconds  plans that take one thread longer are not looked at
-PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
-                           const PixelBox& bounds, double wavelength, double tolerance, double coherence = 1,
+PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal,
                            double most_seconds = 1e300);
 
 }  // namespace holotrace

@@ -173,8 +173,9 @@ bool sort_partly_lit(std::vector<StripEntry>* strips, uint32_t wave, int first, 
 
 // Whether the wave is spread as a whole. Only waves that reach the reference pixel within the panel's acceptance have
 // their frequency on the grid; of the others, a few where a tile reaches past the panel, each pixel is summed.
-bool sort(const PreparedWave& wave, uint32_t index, double x, double y, const PlanesTables& t, const PixelBox& box,
-          PlanesWorkspace& w) {
+bool sort(const PreparedWave& wave, uint32_t index, const TilePlace& tile, const PlanesTables& t, PlanesWorkspace& w) {
+  const PixelBox& box = tile.box;
+  const double x = tile.x - wave.x, y = wave.y - tile.y;
   const PixelBox lit = intersect(wave.box, box);
   const bool all_x = lit.x0 == box.x0 && lit.x1 == box.x1, all_y = lit.y0 == box.y0 && lit.y1 == box.y1;
   const bool x_reaches = std::abs(x) <= t.tangent * wave.depth, y_reaches = std::abs(y) <= t.tangent * wave.depth;
@@ -202,8 +203,8 @@ void spread_batch(Batch& b, const Slab& slab, const PlanesTables& t, const float
   b.count = 0;
 }
 
-bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& t, double reference_x,
-                 double reference_y, const PixelBox& box, PlanesWorkspace& w) {
+bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile,
+                 PlanesWorkspace& w) {
   HWY_ALIGN float x_table[(GriddingKernel::degree + 1) * 16], y_table[(GriddingKernel::degree + 1) * 16];
   fill_table<2>(t.kernel, x_table);
   fill_table<1>(t.kernel, y_table);
@@ -218,13 +219,12 @@ bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const
   for (size_t i = slab.first; i < slab.last; ++i) {
     const PreparedWave& wave = waves[i];
     hwy::Prefetch(&wave + 24);  // boxes come from memory, one tile after the other
-    if (intersect(wave.box, box).is_empty()) continue;
-    const double x = reference_x - wave.x, y = wave.y - reference_y;  // y down
-    if (!sort(wave, uint32_t(i), x, y, t, box, w)) continue;
+    if (intersect(wave.box, tile.box).is_empty()) continue;
+    if (!sort(wave, uint32_t(i), tile, t, w)) continue;
     any = true;
     const int k = b.count++;
-    b.x[k] = x;
-    b.y[k] = y;
+    b.x[k] = tile.x - wave.x;
+    b.y[k] = wave.y - tile.y;  // y down
     b.depth[k] = wave.depth;
     b.start[k] = wave.start_cycles;
     b.amplitude[k] = wave.amplitude;
@@ -234,15 +234,16 @@ bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const
   return any;
 }
 
-void SpreadStrip(const std::vector<PreparedWave>& waves, const std::vector<StripEntry>& entries, const Slab& slab,
-                 const PlanesTables& t, double reference_x, double reference_y, bool is_across_rows, int strip,
-                 PlanesWorkspace& w) {
+void SpreadStrip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile,
+                 const Strip& strip, PlanesWorkspace& w) {
+  const auto [is_across_rows, index] = strip;
+  const std::vector<StripEntry>& entries = w.entries[is_across_rows ? 1 : 0][index];
   const hn::CappedTag<float, strip_width> d;
   constexpr size_t lanes = hn::MaxLanes(d), vectors = strip_width / lanes;
   HWY_ALIGN float table[(GriddingKernel::degree + 1) * 16], weights[16], offsets[16], lines[16];
   fill_table<1>(t.kernel, table);
   for (int i = 0; i < strip_width; ++i) offsets[i] = float((i - strip_width / 2) * t.pitch), lines[i] = float(i);
-  const double to_strip = (strip * strip_width + strip_width / 2 - t.plan.tile / 2) * t.pitch;
+  const double to_strip = (index * strip_width + strip_width / 2 - t.plan.tile / 2) * t.pitch;
   const size_t step = 2 * strip_width, node = size_t(t.cells) * step;
   Batch b;
   for (size_t at = 0; at < entries.size(); at += batch) {
@@ -250,7 +251,7 @@ void SpreadStrip(const std::vector<PreparedWave>& waves, const std::vector<Strip
     for (int k = 0; k < b.count; ++k) {
       const StripEntry& entry = entries[at + size_t(k)];
       const PreparedWave& wave = waves[entry.wave];
-      const double x = reference_x - wave.x, y = wave.y - reference_y;
+      const double x = tile.x - wave.x, y = wave.y - tile.y;
       b.x[k] = (is_across_rows ? y : x) + to_strip;
       b.y[k] = is_across_rows ? x : y;
       b.depth[k] = wave.depth;
@@ -306,15 +307,13 @@ HWY_EXPORT(SpreadWaves);
 HWY_EXPORT(SpreadStrip);
 
 bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
-                  double reference_x, double reference_y, const PixelBox& box, PlanesWorkspace& workspace) {
-  return HWY_DYNAMIC_DISPATCH(SpreadWaves)(waves, slab, tables, reference_x, reference_y, box, workspace);
+                  const TilePlace& tile, PlanesWorkspace& workspace) {
+  return HWY_DYNAMIC_DISPATCH(SpreadWaves)(waves, slab, tables, tile, workspace);
 }
 
-void spread_strip(const std::vector<PreparedWave>& waves, const std::vector<StripEntry>& entries, const Slab& slab,
-                  const PlanesTables& tables, double reference_x, double reference_y, bool is_across_rows, int strip,
-                  PlanesWorkspace& workspace) {
-  HWY_DYNAMIC_DISPATCH(SpreadStrip)
-  (waves, entries, slab, tables, reference_x, reference_y, is_across_rows, strip, workspace);
+void spread_strip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
+                  const TilePlace& tile, const Strip& strip, PlanesWorkspace& workspace) {
+  HWY_DYNAMIC_DISPATCH(SpreadStrip)(waves, slab, tables, tile, strip, workspace);
 }
 
 }  // namespace holotrace

@@ -6,6 +6,7 @@
 #include "holotrace/base/array.h"
 #include "holotrace/wave/shared/gridding_kernel.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
+#include "holotrace/wave/tiles/tile_sum.h"
 
 namespace holotrace {
 
@@ -60,22 +61,30 @@ struct PlanesWorkspace {
   AlignedVector<float> strip;              ///< [node][cell][16 real, 16 imaginary]
   std::vector<StripEntry> entries[2][16];  ///< [across columns, across rows][strip]
   std::vector<PreparedWave> direct;        ///< waves that are left for sum_tile, cut to the tile
+  TileWorkspace of_direct;                 ///< of sum_tile
   AlignedVector<std::complex<float>> folded, turned, terms, tile;  ///< of the transforms
 };
 
-/// Spreads the slab's waves that light the tile `box` over the grids of the workspace; those that light a part of it go
+/// A tile of the panel, and the place of its reference pixel (tile/2, tile/2) [m].
+struct TilePlace {
+  PixelBox box;
+  double x, y;
+};
+
+/// Spreads the slab's waves that light the tile over the grids of the workspace; those that light a part of it go
 /// to its strips, or to `direct`.
-///
-/// @param reference_x, reference_y  place of the tile's pixel (tile/2, tile/2) [m]
 /// @return  whether the grids hold anything
 bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
-                  double reference_x, double reference_y, const PixelBox& box, PlanesWorkspace& workspace);
+                  const TilePlace& tile, PlanesWorkspace& workspace);
 
-/// Spreads the entries of one strip over workspace.strip: each line by itself along the other axis.
-///
-/// @param is_across_rows  the strip is of rows; else of columns
-void spread_strip(const std::vector<PreparedWave>& waves, const std::vector<StripEntry>& entries, const Slab& slab,
-                  const PlanesTables& tables, double reference_x, double reference_y, bool is_across_rows, int strip,
-                  PlanesWorkspace& workspace);
+/// A strip of a tile: of rows (is_across_rows) or of columns, counted from the tile's first.
+struct Strip {
+  bool is_across_rows;
+  int index;
+};
+
+/// Spreads the entries of one strip (workspace.entries) over workspace.strip: each line by itself along the other axis.
+void spread_strip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
+                  const TilePlace& tile, const Strip& strip, PlanesWorkspace& workspace);
 
 }  // namespace holotrace

@@ -150,28 +150,27 @@ void add_strip(const Slab& slab, const PlanesTables& t, bool is_across_rows, int
   }
 }
 
-void add_strips(const SortedWaves& waves, const Slab& slab, const PlanesTables& t, double x, double y,
+void add_strips(const SortedWaves& waves, const Slab& slab, const PlanesTables& t, const TilePlace& place,
                 PlanesWorkspace& w) {
   for (int axis = 0; axis < 2; ++axis)
     for (int s = 0; s < 16; ++s) {
       std::vector<StripEntry>& entries = w.entries[axis][s];
       if (entries.empty()) continue;
       w.strip.assign(size_t(t.plan.nodes) * size_t(t.cells) * 2 * strip_width, 0.0f);
-      spread_strip(waves.waves, entries, slab, t, x, y, axis == 1, s, w);
+      spread_strip(waves.waves, slab, t, place, {axis == 1, s}, w);
       add_strip(slab, t, axis == 1, s, w);
       entries.clear();
     }
 }
 
 // The waves left over, by tiles.
-void sum_direct(const std::vector<PreparedWave>& waves, const TilePlan& plan, const Grid& grid, double wavelength,
-                const PixelBox& box, TileWorkspace& workspace, Array2D<std::complex<float>>& samples) {
-  if (waves.empty()) return;
-  for (int y = box.y0; y < box.y1; y += plan.shape.rows)
-    for (int x = box.x0; x < box.x1; x += plan.shape.columns)
-      sum_tile(waves, grid, wavelength, plan,
-               {x, std::min(x + plan.shape.columns, box.x1), y, std::min(y + plan.shape.rows, box.y1)}, workspace,
-               samples);
+void sum_direct(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& w, Array2D<std::complex<float>>& samples) {
+  if (w.direct.empty()) return;
+  const TileShape& shape = sum.direct.shape;
+  for (int y = box.y0; y < box.y1; y += shape.rows)
+    for (int x = box.x0; x < box.x1; x += shape.columns)
+      sum_tile(w.direct, {sum.grid, sum.tables.wavelength}, sum.direct,
+               {x, std::min(x + shape.columns, box.x1), y, std::min(y + shape.rows, box.y1)}, w.of_direct, samples);
 }
 
 }  // namespace
@@ -200,22 +199,23 @@ PlanesTables::PlanesTables(const PlanesPlan& plan, double wavelength, double pit
   }
 }
 
-void sum_planes_tile(const SortedWaves& waves, const PlanesTables& t, const TilePlan& direct, const Grid& grid,
-                     const PixelBox& box, PlanesWorkspace& w, TileWorkspace& tile_workspace,
+void sum_planes_tile(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& w,
                      Array2D<std::complex<float>>& samples) {
+  const PlanesTables& t = sum.tables;
+  const SortedWaves& waves = sum.waves;
   const int tile = t.plan.tile;
-  const double x = grid.x(box.x0 + tile / 2), y = grid.y(box.y0 + tile / 2);
+  const TilePlace place{box, sum.grid.x(box.x0 + tile / 2), sum.grid.y(box.y0 + tile / 2)};
   const size_t node = size_t(t.cells) * 2 * size_t(t.stride());
   w.tile.assign(size_t(tile) * size_t(tile), Complex());
   w.direct.clear();
   for (const Slab& slab : waves.slabs) {
     w.grids.assign(size_t(t.plan.nodes) * node, 0.0f);
-    const bool any = spread_waves(waves.waves, slab, t, x, y, box, w);
+    const bool any = spread_waves(waves.waves, slab, t, place, w);
     for (int q = 0; any && q < t.plan.nodes; ++q)
       add_node(w.grids.data() + size_t(q) * node, slab.centre + slab.half * t.nodes[size_t(q)], t, w);
-    add_strips(waves, slab, t, x, y, w);
+    add_strips(waves, slab, t, place, w);
   }
-  sum_direct(w.direct, direct, grid, t.wavelength, box, tile_workspace, samples);
+  sum_direct(sum, box, w, samples);
   for (int j = box.y0; j < box.y1; ++j)
     for (int i = box.x0; i < box.x1; ++i)
       samples(j, i) += w.tile[size_t(i - box.x0) * size_t(tile) + size_t(j - box.y0)];

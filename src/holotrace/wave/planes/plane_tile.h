@@ -1,7 +1,6 @@
 #pragma once
 
 #include "holotrace/wave/planes/plane_spread.h"
-#include "holotrace/wave/tiles/tile_sum.h"
 
 namespace holotrace {
 
@@ -11,11 +10,16 @@ struct SortedWaves {
   std::vector<Slab> slabs;
 };
 
+/// What all tiles of a panel share.
+struct PlanesSum {
+  const SortedWaves& waves;
+  const PlanesTables& tables;
+  const TilePlan& direct;  ///< how the few waves that light a corner of the tile only are summed (tile_sum.h)
+  const Grid& grid;
+};
+
 /// Adds the waves to the samples of the tile `box` of the panel.
-///
-/// @param direct  how the few waves that light a corner of the tile only are summed (tile_sum.h)
-void sum_planes_tile(const SortedWaves& waves, const PlanesTables& tables, const TilePlan& direct, const Grid& grid,
-                     const PixelBox& box, PlanesWorkspace& workspace, TileWorkspace& tile_workspace,
+void sum_planes_tile(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& workspace,
                      Array2D<std::complex<float>>& samples);
 
 }  // namespace holotrace

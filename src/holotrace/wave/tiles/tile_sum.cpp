@@ -249,8 +249,9 @@ void add_batch(TileBatch& b, const Offsets& offsets, double wavelength, double p
   b.has_row_edges = false;
 }
 
-void SumTile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, const TilePlan& plan,
-             const PixelBox& box, TileWorkspace& s, Array2D<std::complex<float>>& samples) {
+void SumTile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box,
+             TileWorkspace& s, Array2D<std::complex<float>>& samples) {
+  const auto& [grid, wavelength] = panel;
   const TileShape tile = plan.shape;
   prepare_workspace(plan, s);
   const Offsets offsets(tile, grid.pitch);
@@ -285,9 +286,9 @@ namespace holotrace {
 HWY_EXPORT(SumTile);
 HWY_EXPORT(TargetName);
 
-void sum_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, const TilePlan& plan,
-              const PixelBox& box, TileWorkspace& workspace, Array2D<std::complex<float>>& samples) {
-  HWY_DYNAMIC_DISPATCH(SumTile)(waves, grid, wavelength, plan, box, workspace, samples);
+void sum_tile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box,
+              TileWorkspace& workspace, Array2D<std::complex<float>>& samples) {
+  HWY_DYNAMIC_DISPATCH(SumTile)(waves, panel, plan, box, workspace, samples);
 }
 
 std::string tile_sum_instruction_set() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
