@@ -177,7 +177,7 @@ void add_estimate_command(CLI::App& app, const GlobalFlags&) {
     bool is_json = false, has_accelerators = false;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("scene", o->scene, "scene file (TOML), see docs/scene_format.md")
+  command->add_option("scene", o->scene, "scene file (TOML), see docs/reference/scene_format.md")
       ->required()
       ->type_name("SCENE.toml");
   command->add_option("--fps", o->frames_per_second, "frame rate of the real-time estimate, in frames per second")

@@ -33,7 +33,7 @@ namespace holotrace {
 namespace {
 
 void add_scene(CLI::App& command, std::string& path) {
-  command.add_option("scene", path, "scene file (TOML, see docs/scene_format.md), or a mesh by itself")
+  command.add_option("scene", path, "scene file (TOML, see docs/reference/scene_format.md), or a mesh by itself")
       ->required()
       ->type_name("SCENE.toml|MESH");
 }

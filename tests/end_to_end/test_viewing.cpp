@@ -118,7 +118,7 @@ TEST(Viewing, LightOfAWideSourceBlursByItsAngle) {
   EXPECT_GT(least, 0.85 * most);
 }
 
-// The numbers of docs/slm.md, by hand: 2 mm of panel, 532 nm, pixels of 8 µm.
+// The numbers of docs/explanation/slm.md, by hand: 2 mm of panel, 532 nm, pixels of 8 µm.
 TEST(Viewing, AsManyIlluminationStatesAsTheViewsNeed) {
   const Slm slm{.name = "test", .grid = {256, 256, 8e-6}};
   CameraParams camera;

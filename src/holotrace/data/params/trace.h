@@ -12,8 +12,8 @@
 namespace holotrace {
 
 /// What a traced sample lights. `shared`: every panel pixel in its box. `tiled`: the same, with visibility and radiance
-/// found for each tile of the panel. `gather`: one panel pixel (the paper's algorithm; docs/path_tracing.md has the
-/// differences); it makes the field itself instead of waves.
+/// found for each tile of the panel. `gather`: one panel pixel (the paper's algorithm; docs/explanation/path_tracing.md
+/// has the differences); it makes the field itself instead of waves.
 enum class Strategy { shared, tiled, gather };
 
 /// Rays that find first hits: a raster seen from the panel's centre, or random rays over the panel's acceptance.

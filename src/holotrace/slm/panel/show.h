@@ -9,8 +9,8 @@
 namespace holotrace {
 
 /// The field that leaves a panel, with those of its effects that `params.effects` names: panel_model.h has the steps
-/// and docs/slm.md the equations of all. Without any, under an axial plane wave, each pixel is a lit square of one
-/// transmittance:
+/// and docs/explanation/slm.md the equations of all. Without any, under an axial plane wave, each pixel is a lit square
+/// of one transmittance:
 ///
 ///     u(x, y) = √E · Σ t(ℓᵢⱼ) · rect((x − xᵢ)/wp) · rect((y − yⱼ)/wp),   w = √F
 ///     t(ℓ) = exp(2πi·(λ₀/λ)·ℓ/M)  phase,   t(ℓ) = ℓ/(M−1)  amplitude
