@@ -204,8 +204,7 @@ void open_files(Work& work) {
     const size_t there = file.file->finished_bands();
     if (there > 0) go_by(file.file->settings());
     if (there > 0 && !work.job.is_quiet)
-      fmt::print(stderr, "holotrace: {} of {} bands of {} are there; making the others\n", there, file.bands.size(),
-                 path);
+      fmt::print(stderr, "holotrace: resuming {2}: {0} of {1} bands done\n", there, file.bands.size(), path);
   }
   for (size_t band = 0; band < work.bands.size(); ++band) {
     if (work.files[work.places[band].file].file->is_finished(work.places[band].index))
@@ -336,7 +335,8 @@ void serve_bands(Ranks& ranks) {
     const Ranks::Message message = ranks.receive();
     if (message.tag == tag_job) serve_job(ranks, message);
   } catch (const std::bad_alloc&) {
-    ranks.send(0, tag_failed, "expected enough memory for a band, ran out; give a smaller --memory or fewer ranks");
+    ranks.send(0, tag_failed,
+               "expected enough memory for a band, but it ran out; give a smaller --memory or fewer ranks");
     ranks.receive();
   } catch (const std::exception& error) {
     ranks.send(0, tag_failed, error.what());

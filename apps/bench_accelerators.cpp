@@ -101,9 +101,9 @@ std::vector<BenchStep> accelerators_steps(const BenchOptions& options) {
 
 Chart accelerators_chart(const std::vector<BenchRow>& rows) {
   Chart chart;
-  chart.title = "Time of a ray against triangles, one thread";
+  chart.title = "Time per ray against the number of triangles, one thread";
   chart.x_label = "triangles";
-  chart.y_label = "time of a ray [us]";
+  chart.y_label = "time per ray [us]";
   chart.is_log_x = chart.is_log_y = true;
   const auto add = [&](const std::string& name, double triangles, double seconds, bool is_measured) {
     auto series =

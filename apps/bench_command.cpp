@@ -166,7 +166,9 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
 
 void add_bench_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand(
-      "bench", "what this machine reaches at best, and what part of it each stage does: medians, ratios in one run");
+      "bench",
+      "peak rates of this machine and the fraction of them that each stage reaches (medians, ratios in one "
+      "run)");
   struct Options {
     bool is_json = false, is_quick = false, is_full = false;
     std::vector<std::string> only;
@@ -174,22 +176,23 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   command->add_flag("--json", o->is_json, "as JSON");
-  command->add_flag("--quick", o->is_quick, "the small jobs alone, once or twice: some ten seconds");
-  command->add_flag("--full", o->is_full, "also the jobs that are left out because they would take longer than 15 s")
+  command->add_flag("--quick", o->is_quick, "only the small jobs, each once or twice: under a minute");
+  command->add_flag("--full", o->is_full, "also the jobs that take longer than 15 s, which are otherwise left out")
       ->excludes("--quick");
-  command->add_option("--only", o->only, fmt::format("these stages alone: {}", fmt::join(group_names(), ", ")))
+  command->add_option("--only", o->only, fmt::format("only these groups of stages: {}", fmt::join(group_names(), ", ")))
       ->delimiter(',')
       ->type_name("NAME,NAME")
       ->check(check_group, "", "");
   command
       ->add_option("--plot", o->plot,
-                   "chart of the accelerators' time of a ray against triangles, .png or .svg; needs those steps")
+                   "chart of the time per ray against the number of triangles: .png or .svg; needs the group "
+                   "accelerators")
       ->type_name("FILE");
   command->callback([o, &global] {
     if (!o->plot.empty()) {
       check_output(o->plot, {".png", ".svg"});
       require(o->only.empty() || std::find(o->only.begin(), o->only.end(), "accelerators") != o->only.end(),
-              "--plot draws the accelerators: leave out --only, or add accelerators to it");
+              "--plot draws the group accelerators, which --only leaves out; add accelerators to --only");
     }
     BenchOptions options;
     if (o->is_quick) options = {.is_quick = true, .seconds_per_row = 0.2, .longest_seconds = 1};

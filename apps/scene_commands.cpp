@@ -26,6 +26,7 @@
 #include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
 #include "job_estimate.h"
+#include "load_scene.h"
 #include "save_views.h"
 
 namespace holotrace {
@@ -37,7 +38,7 @@ void add_scene(CLI::App& command, std::string& path) {
       ->type_name("SCENE.toml|MESH");
 }
 
-constexpr const char* trace_group = "Tracing (over the scene's [trace])";
+constexpr const char* trace_group = "Tracing (overrides the scene's [trace])";
 
 // Writes numbered files, and removes those of an earlier run that had more.
 template <class Item, class Save>
@@ -47,8 +48,7 @@ void save_numbered(const std::string& path, const std::vector<Item>& items, cons
 }
 
 void add_run(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command =
-      app.add_subcommand("run", "whole pipeline: from a scene to what the camera sees of its holograms");
+  CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
     std::string scene, folder, wavelengths, eye_separation;
     std::optional<int64_t> seed;
@@ -59,20 +59,22 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   add_scene(*command, o->scene);
   command
       ->add_option("-o,--output", o->folder,
-                   "folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json; of several: "
-                   "NAME, NAME_2, …; of a sweep view_sweep_01.png, …, view_sweep.gif and view_sweep.png (chart); of "
-                   "two eyes stereo_left.png, … "
-                   "(the render) and holo_left.png, …")
+                   "output folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json; several "
+                   "of a kind: NAME, NAME_2, …; a sweep adds view_sweep_01.png, …, view_sweep.gif and view_sweep.png "
+                   "(chart); two eyes add stereo_left.png, … (the render) and holo_left.png, …")
       ->required()
       ->type_name("DIR");
   add_wavelength(*command, o->wavelengths);
-  command->add_option("--seed", o->seed, "of every random number [the scene's]")->type_name("N");
-  command->add_flag("--estimate", o->is_estimated, "estimates the job first, and tells prediction against outcome");
-  command->add_option("--eye-separation", o->eye_separation, "of two eyes along x: stereo pairs of both [the scene's]")
+  command->add_option("--seed", o->seed, "seed for all random numbers [the scene's]")->type_name("N");
+  command->add_flag("--estimate", o->is_estimated,
+                    "estimate the job first, and compare the prediction with the outcome");
+  command
+      ->add_option("--eye-separation", o->eye_separation,
+                   "distance between two eyes along x: stereo pairs of render and view [the scene's]")
       ->type_name("LENGTH");
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
-  o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (over the scene's [synthesize])");
+  o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.camera);
@@ -130,7 +132,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
              "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph");
   o->flags.add(*command, RenderParams());
   command->callback([o, &global] {
-    Job job = load_job(o->scene);
+    Job job = load_scene(o->scene);
     o->flags.apply(job.render);
     check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
@@ -152,7 +154,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
 }
 
 void add_trace(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("trace", "scene to sources: spherical waves that carry path-traced light");
+  CLI::App* command = app.add_subcommand("trace", "sources from a scene: spherical waves that carry path-traced light");
   struct Options {
     std::string scene, output, wavelengths;
     Flags flags;
@@ -160,10 +162,10 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
   add_wavelength(*command, o->wavelengths);
-  add_output(*command, o->output, "sources: .ply; one per wavelength, layer and light: NAME, NAME_2, …");
+  add_output(*command, o->output, "sources: .ply; one per wavelength, path group and light: NAME, NAME_2, …");
   o->flags.add(*command, TraceParams());
   command->callback([o, &global] {
-    Job job = load_job(o->scene);
+    Job job = load_scene(o->scene);
     o->flags.apply(job.trace);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
     check_output(o->output, {".ply"});

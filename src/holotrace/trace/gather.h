@@ -48,7 +48,7 @@ namespace holotrace {
 /// @param observer     hears the facts of `report`, "first_hits" and "coherent_fraction"; warnings of noise, and those of
 ///                     `trace` where the rays miss the scene or find it dark
 /// @return             complex amplitudes [√(W/m²)], the sets in the order and number of `trace` (sets of lights and
-///                     layers without any light left out), for each of them params.frames frames with phases of their
+///                     path groups without any light left out), for each of them params.frames frames with phases of their
 ///                     own from one tracing; the same bytes on any number of threads
 /// @throws Error       for pixel_samples below 1, and as trace does
 ///

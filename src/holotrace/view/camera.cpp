@@ -87,7 +87,7 @@ void cut_by_pupil(Field& field, const CameraParams& camera) {
           "expected a pupil within the panel's window of {} × {}, got one of {} at {}, {}; move the eye",
           format_length(field.grid.width()), format_length(field.grid.height()), format_length(camera.pupil),
           format_length(camera.eye.x), format_length(camera.eye.y));
-  require(open > 0, "expected a pupil that is wider than a sample of {}, got one of {}; take a wider one",
+  require(open > 0, "expected a pupil that is wider than a sample of {}, got one of {}; use a wider one",
           format_length(field.grid.pitch), format_length(camera.pupil));
 }
 
@@ -157,8 +157,8 @@ double magnification(const CameraParams& camera, double distance, ImageSide imag
           format_length(f));
   const double s = camera.eye.z - plane_of(distance, image);
   require(s > f,
-          "expected a plane farther from the lens than its focal length of {}, got one at {}; move the eye back, or "
-          "take a shorter focal length",
+          "expected a plane farther from the lens than its focal length of {}, got one at {}; move the eye "
+          "back, or use a shorter focal length",
           format_length(f), format_length(s));
   return f / (s - f);
 }
@@ -173,7 +173,7 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   const Sensor sensor =
       sensor_of(shown.grid, slm, shown.wavelength, z, propagation, camera, std::abs(z) * source.reach(), observer);
   const auto sensed = [&](const Field& field) { return read_sensor(field, sensor, source, z, m, observer); };
-  const auto stopped = [&] { return shown.filter ? select_order(shown, *shown.filter, observer) : shown; };
+  const auto stopped = [&] { return shown.filter ? apply_order_stop(shown, *shown.filter, observer) : shown; };
   if (camera.pupil == 0) return sensed(propagate(stopped(), z, sensor.window, observer));
 
   warn_beside_eyebox(shown, slm, camera, observer);

@@ -154,7 +154,7 @@ class Numbers {
 
  private:
   [[noreturn]] void fail_truncated() const {
-    fail("{}: expected more numbers than the file holds; it is truncated or its header promises too much", path_);
+    fail("{}: expected more numbers than the file holds; it is truncated or its header is wrong", path_);
   }
 
   double next_word() {
@@ -258,7 +258,7 @@ PlyVertices read_ply(const std::string& path, bool with_faces) {
     const size_t row = least_row_size(element, header.format);
     if (row == 0) continue;
     require(element.count <= numbers.bytes_left() / row,
-            "{}: expected {} of the element \"{}\", but the file is truncated or its header promises too much", path,
+            "{}: expected {} of the element \"{}\", but the file is truncated or its header is wrong", path,
             element.count, element.name);
     const bool wanted = element.name == "vertex";
     has_vertices = has_vertices || wanted;

@@ -47,7 +47,7 @@ struct Reader {
     const auto file = std::filesystem::path(path).parent_path() / relative;
     if (!std::filesystem::exists(file)) {
       warn("missing " + file.string(),
-           fmt::format("the texture {} is missing, the plain colour is shown", file.string()));
+           fmt::format("the texture {} is missing; the plain colour is used", file.string()));
       return nullptr;
     }
     Image image = load_image(file.string(), content);
@@ -71,7 +71,7 @@ struct Reader {
       if (!(is_finite(n) && length(n) > 0)) {
         mesh.normals.clear();
         warn("normals of " + mesh.name,
-             fmt::format("mesh \"{}\" has normals without a direction, it is shown flat", mesh.name));
+             fmt::format("mesh \"{}\" has normals of length 0; it is shaded flat", mesh.name));
         return;
       }
       mesh.normals.push_back(normalize(n));
@@ -83,7 +83,8 @@ struct Reader {
     if (!source.HasTextureCoords(set)) {
       if (!material.has_textures) return;
       warn("no coordinates",
-           fmt::format("mesh \"{}\" has textures but no texture coordinates, their corner is shown", mesh.name));
+           fmt::format("mesh \"{}\" has textures but no texture coordinates; the colour of their corner is used",
+                       mesh.name));
       mesh.texture_coordinates.assign(source.mNumVertices, {0, 0});
       return;
     }
@@ -98,8 +99,8 @@ struct Reader {
       mesh.texture_coordinates.push_back(uv);
     }
     if (!is_inside && !material.repeats)
-      warn("wrap",
-           fmt::format("mesh \"{}\" has a texture that ends or is mirrored at its border, it is repeated", mesh.name));
+      warn("wrap", fmt::format("mesh \"{}\" has a texture that is clamped or mirrored at its border; it is repeated",
+                               mesh.name));
   }
 
   void read_colours(const aiMesh& source, Mesh& mesh) {
@@ -164,7 +165,7 @@ struct Reader {
     read_node(scene, *scene.mRootNode, Frame{});
     require(!model.meshes.empty(), "{}: expected a mesh with triangles, got none", path);
     if (primitives_left_out > 0)
-      warn("primitives", fmt::format("{} points and lines are not shown", primitives_left_out));
+      warn("primitives", fmt::format("{} points and lines are ignored", primitives_left_out));
     for (FileMaterial& material : materials) model.materials.push_back(std::move(material.material));
     return std::move(model);
   }

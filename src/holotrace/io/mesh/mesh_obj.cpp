@@ -46,7 +46,7 @@ FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, con
   const int illumination = get(source, illumination_key, 1);
   for (float value : {diffuse.r, diffuse.g, diffuse.b})
     if (!(value >= 0 && value <= 1))
-      warn("colour", fmt::format("material \"{}\" has a colour outside [0, 1], which is clipped", name));
+      warn("colour", fmt::format("material \"{}\" has a colour outside [0, 1]; it is clipped", name));
 
   const auto texture = [&](aiTextureType type, ImageContent content) -> std::shared_ptr<const Image> {
     aiString file;
@@ -74,7 +74,7 @@ FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, con
     material.surface = DiffuseMaterial{base, base_texture};
   }
   if (opacity < 1 && !std::holds_alternative<DielectricMaterial>(material.surface))
-    warn("see-through", fmt::format("material \"{}\" is see-through, it is shown opaque", name));
+    warn("see-through", fmt::format("material \"{}\" is transparent; it is shown opaque", name));
 
   const aiColor3D emission = get(source, "$clr.emissive", aiColor3D());
   const Vec3 emitted{emission.r, emission.g, emission.b};
@@ -84,8 +84,7 @@ FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, con
   if (material.emission_texture && emission.IsBlack()) material.emission = {1, 1, 1};
   material.normal_map = texture(aiTextureType_NORMALS, ImageContent::data);
   if (source.GetTextureCount(aiTextureType_HEIGHT) > 0)
-    warn("bump",
-         fmt::format("material \"{}\" has a bump map, which is not shown; a normal map after \"norm\" is", name));
+    warn("bump", fmt::format("material \"{}\" has a bump map; it is ignored; give a normal map by \"norm\"", name));
   return result;
 }
 

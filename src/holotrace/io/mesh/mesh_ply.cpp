@@ -25,8 +25,7 @@ void read_colours(const PlyVertices& vertices, Mesh& mesh, std::vector<std::stri
     for (const double value : *columns[c])
       if (!(value >= 0 && value <= most)) {
         warnings.push_back(
-            fmt::format("{}: the colours of its vertices are not from 0 to {} (one is {}), its plain "
-                        "colour is shown",
+            fmt::format("{}: the colours of its vertices are not from 0 to {} (one is {}); its plain colour is used",
                         vertices.path, most, value));
         return;
       }
@@ -58,7 +57,7 @@ LoadedModel load_ply_mesh(const std::string& path) {
     const Vec3 normal{(*nx)[i], (*ny)[i], (*nz)[i]};
     if (!(is_finite(normal) && length(normal) > 0)) {
       mesh.normals.clear();
-      model.warnings.push_back(path + ": it has normals without a direction, it is shown flat");
+      model.warnings.push_back(path + ": it has normals of length 0; it is shaded flat");
       break;
     }
     mesh.normals.push_back(normalize(normal));

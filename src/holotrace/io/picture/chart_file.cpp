@@ -148,7 +148,7 @@ std::string last_words(std::FILE* messages) {
     if (line.find_first_not_of(" \t^") != std::string::npos) words = line;
     line.clear();
   }
-  return words.empty() ? "no word of why" : words;
+  return words.empty() ? "no error message" : words;
 }
 
 }  // namespace

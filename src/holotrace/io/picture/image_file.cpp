@@ -29,7 +29,9 @@ float decode(float code, int steps, ImageContent content) {
 Image read_image(OIIO::ImageInput& input, const std::string& name, ImageContent content) {
   const OIIO::ImageSpec& spec = input.spec();
   require(spec.channelindex("real") < 0 || spec.channelindex("imag") < 0,
-          "{}: expected an image, got a field (channels \"real\" and \"imag\"); pass it where a field is due", name);
+          "{}: expected an image, got a field (channels \"real\" and \"imag\"); give it to a command that "
+          "takes a field",
+          name);
   require(spec.width > 0 && spec.height > 0 && spec.nchannels > 0, "{}: expected an image with pixels, got {} × {}",
           name, spec.width, spec.height);
   const int file_channels = spec.nchannels;

@@ -116,12 +116,12 @@ void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& ob
   for (const std::string& name : params.effects) {
     if (name == "all" || name == "none") continue;
     if (!can_allow_for(name, params, slm))
-      observer.warn(
-          fmt::format("the encoding \"{}\" cannot allow for {}: it is left out; sgd allows for all but flicker",
-                      name_of(params.method), name));
+      observer.warn(fmt::format(
+          "the encoding \"{}\" cannot compensate {}, which is ignored; sgd compensates all effects but flicker",
+          name_of(params.method), name));
     else if (std::find(has.begin(), has.end(), name) == has.end())
       observer.warn(
-          fmt::format("the SLM \"{}\" has no {} to allow for; write its figures in the panel's file", slm.name, name));
+          fmt::format("the SLM \"{}\" has no data for {} to compensate; add them to the panel's file", slm.name, name));
   }
 }
 
@@ -146,7 +146,7 @@ void check_field(const Field& field, const Slm& slm, const Observer& observer) {
                               format_length(field.grid.centre_x), format_length(field.grid.centre_y)));
   const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
   if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark))
-    observer.warn("the field is dark everywhere and the hologram holds nothing; is a source inside the panel's view?");
+    observer.warn("the field is dark everywhere, so the hologram is empty; is a source inside the panel's view?");
 }
 
 // What the panel is to show: the field, or its conjugate for the real image.
@@ -242,7 +242,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
                         const EncodeParams& params, const Observer& observer) {
   check_params(slm, params);
   require(aims_at_targets(params.method),
-          "expected a method that aims at targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
+          "expected a method that takes targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
           name_of(params.method));
   check_panel(slm, params, observer);
   tell_effects(slm, params, observer);
@@ -250,7 +250,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   check_targets(targets, slm.grid);
   Hologram hologram = blank_hologram(start, slm, params, observer);
   if (std::none_of(targets.begin(), targets.end(), [](const TargetPlane& t) { return target_power(t) > 0; })) {
-    observer.warn(fmt::format("the target at {} is dark where it counts, and the hologram holds nothing",
+    observer.warn(fmt::format("the target at {} is dark in the part that counts, so the hologram is empty",
                               format_length(start.wavelength)));
     hologram.illumination = 0;
     return hologram;

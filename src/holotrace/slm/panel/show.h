@@ -35,10 +35,10 @@ namespace holotrace {
 /// Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer = {});
 
-/// The same at one moment of partly coherent light or of a panel that flickers (moments.h); wavelength and tilts are
-/// the moment's. The function above is that of the mean moment: the middle of the spectrum and of the source, no
+/// The same at one illumination state of partly coherent light or of a panel that flickers (illumination_states.h); wavelength and tilts are
+/// the state's. The function above is that of the mean state: the middle of the spectrum and of the source, no
 /// ripple.
-Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Moment& moment,
+Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
            const Observer& observer = {});
 
 }  // namespace holotrace

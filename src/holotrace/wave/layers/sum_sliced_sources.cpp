@@ -39,13 +39,12 @@ void check_input(const Sources& sources, const Grid& grid, const SynthesizeParam
   check_grid(grid);
   check_sources(sources);
   check_ranges(params);
-  require(
-      sources.tiles.columns == 0,
-      "expected waves of one amplitude for the whole panel for the method layers, got amplitudes for {} × {} tiles; "
-      "take the strategy shared, or the method tiled",
-      sources.tiles.columns, sources.tiles.rows);
+  require(sources.tiles.columns == 0,
+          "expected waves of one amplitude for the whole panel for the method layers, got amplitudes for {} × "
+          "{} tiles; use the strategy shared, or the method tiled",
+          sources.tiles.columns, sources.tiles.rows);
   require(!params.has_silhouettes || 2 * grid.pitch > sources.wavelength,
-          "expected a pitch above half a wavelength for slices that hide, got {} at {}", format_length(grid.pitch),
+          "expected a pitch above half a wavelength for silhouettes, got {} at {}", format_length(grid.pitch),
           format_length(sources.wavelength));
 }
 
@@ -99,13 +98,13 @@ Plan make_plan(const Sources& sources, const Grid& grid, const SynthesizeParams&
   check_memory(plan, grid, sources.waves.size(), keeps_band);
   if (params.slices == 0 && slices.size() > many_slices)
     observer.warn(
-        fmt::format("a tolerance of {:.1e} takes {} slices, one transform for each; ask for fewer by slices, for "
-                    "a larger tolerance, or for the method tiled",
+        fmt::format("a tolerance of {:.1e} needs {} slices, one transform each; set slices to fewer, use a larger "
+                    "tolerance, or the method tiled",
                     params.tolerance, slices.size()));
   if (params.slices > 0 && plan.sliced.expected_error > params.tolerance)
     observer.warn(fmt::format(
-        "{} slices move the waves' depths by up to {}: a relative error of about {:.1e}, the "
-        "tolerance is {:.1e}; ask for more slices, or for 0, as many as it needs",
+        "{} slices move the waves' depths by up to {}: a relative error of about {:.1e}, the tolerance is "
+        "{:.1e}; use more slices, or 0 for as many as needed",
         slices.size(), format_length(plan.sliced.depth.thickness / 2), plan.sliced.expected_error, params.tolerance));
   return plan;
 }

@@ -133,10 +133,10 @@ void check_method(PropagationMethod method, const PropagationAxis& x, const Prop
           "the Rayleigh–Sommerfeld kernel cannot be sampled over {} at a pitch of {}: it needs {} or finer; use "
           "angular-spectrum, or a finer pitch",
           format_length(z), format_length(x.input_pitch), format_length(pitch));
-  observer.warn(fmt::format(
-      "the Rayleigh–Sommerfeld kernel aliases near the window's edges over {}: it is sampled well from {} on, or at a "
-      "pitch of {}; angular-spectrum holds here",
-      format_length(z), format_length(farthest), format_length(pitch)));
+  observer.warn(
+      fmt::format("the Rayleigh–Sommerfeld kernel aliases near the window's edges over {}: it is sampled well from {} "
+                  "on, or at a pitch of {}; angular-spectrum is valid here",
+                  format_length(z), format_length(farthest), format_length(pitch)));
 }
 
 // A period that the output's pitch divides as well, if the pitches are as small numbers: plain transforms then make

@@ -95,7 +95,7 @@ Field sum_triangles(const Triangles& triangles, const Grid& grid, double toleran
   for (int round = 0; round < 3; ++round) {
     choice = prepare(triangles, grid, tolerance, coherence, parts);
     require(choice.meets_tolerance,
-            "expected a tolerance that triangles can meet, {:.1e} or more for these, got {:.1e}; ask for a larger one",
+            "expected a tolerance that triangles can meet, {:.1e} or more for these, got {:.1e}; use a larger one",
             1.25 * choice.error, tolerance);
     sum_parts(parts, choice, field, observer);
     const double met = choice.energy > 0 ? std::min(1.0, energy_of(field) / choice.energy) : 1;
