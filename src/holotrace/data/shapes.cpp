@@ -14,7 +14,7 @@ void check_side(double side, const char* shape, const char* name) {
   require(std::isfinite(side) && side > 0, "expected a {} of {} above 0 m, got {} m", name, shape, side);
 }
 
-// A flat face a, a + u, a + u + v, a + v that looks along u × v, with texture coordinates (0,0) … (1,1).
+// A flat face a, a + u, a + u + v, a + v with the normal u × v and texture coordinates (0,0) … (1,1).
 void add_face(Mesh& mesh, Vec3 a, Vec3 u, Vec3 v) {
   const auto first = uint32_t(mesh.positions.size());
   mesh.positions.insert(mesh.positions.end(), {a, a + u, a + u + v, a + v});
@@ -24,7 +24,7 @@ void add_face(Mesh& mesh, Vec3 a, Vec3 u, Vec3 v) {
   mesh.triangles.push_back({first, first + 2, first + 3});
 }
 
-// Light at the fractional pixel (x, y), bilinear, its channels weighted.
+// Light of an image at the fractional pixel (x, y): bilinear interpolation, channels weighted.
 double light_at(const Image& image, Vec3 weights, double x, double y) {
   const auto pixel = [&](int row, int column) -> double {
     if (image.channels < 3) return image(row, column);
@@ -70,11 +70,11 @@ std::vector<ScenePoint> make_wireframe_sphere(double size, int meridians, int pa
     points.push_back({{radius * std::sin(polar) * std::sin(azimuth), radius * std::cos(polar),
                        radius * std::sin(polar) * std::cos(azimuth)}});
   };
-  const int steps = (per_circle + 1) / 2;  // from pole to pole
+  const int steps = (per_circle + 1) / 2;  // steps from pole to pole
   for (int m = 0; m < meridians; ++m)
     for (int s = 1; s < steps; ++s) add(pi * s / steps, 2 * pi * m / meridians);
   for (int p = 1; p <= parallels; ++p) {
-    // Where the parallel meets a point of a meridian, that point is there already.
+    // Where the parallel crosses a meridian at one of the meridian's points, that point exists already.
     const bool meets = int64_t(p) * steps % (parallels + 1) == 0;
     for (int i = 0; i < per_circle; ++i)
       if (!(meets && int64_t(i) * meridians % per_circle == 0)) add(pi * p / (parallels + 1), 2 * pi * i / per_circle);
@@ -155,8 +155,8 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
   }
   require(profile.size() >= 2, "expected a lathe profile of 2 different points or more, got {}", profile.size());
 
-  // The profile runs so that it turns about a positive volume, Σ π/3 (r₀² + r₀r₁ + r₁²)(h₁ − h₀): its outside is then
-  // on the right of each step, and the triangles turn outward.
+  // If the profile encloses a positive volume, Σ π/3 (r₀² + r₀r₁ + r₁²)(h₁ − h₀), its outside is on the right
+  // of each step, and the triangles face outward. Otherwise it is reversed.
   double volume = 0;
   for (size_t k = 0; k + 1 < profile.size(); ++k) {
     const auto [r0, h0] = profile[k];
@@ -167,7 +167,7 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
 
   const size_t steps = profile.size() - 1;
   const bool closed = steps > 2 && profile.front() == profile.back();
-  std::vector<Vec2> normals(steps);  // (radial, axial) of each step of the profile
+  std::vector<Vec2> normals(steps);  // normal (radial, axial) of each step of the profile
   std::vector<double> along{0};      // arc length at each point
   for (size_t k = 0; k < steps; ++k) {
     const double dr = profile[k + 1].x - profile[k].x, dh = profile[k + 1].y - profile[k].y;
@@ -196,7 +196,7 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
     return first;
   };
   const double smooth = std::cos(pi / 6);
-  // The normal at an end of step k that meets step `other`: their mean, or the step's own at a crease.
+  // The normal at the end of step k that touches step `other`: the mean of both, or the step's own at a crease.
   const auto joint = [&](size_t k, size_t other) {
     const Vec2 a = normals[k], b = normals[other];
     if (a.x * b.x + a.y * b.y < smooth - 1e-12) return a;
@@ -221,7 +221,7 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
 
 namespace {
 
-// Twice the signed area of a, b, c: positive when they turn left.
+// Twice the signed area of the triangle a, b, c: positive if it is counter-clockwise.
 double turn(Vec2 a, Vec2 b, Vec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
 bool within(Vec2 p, Vec2 a, Vec2 b) {
@@ -254,7 +254,7 @@ void check_outline(const std::vector<Vec2>& outline) {
   }
 }
 
-// Triangles of a simple polygon that turns left, by cutting off ears (Meisters 1975). O(n²) to O(n³).
+// Triangles of a simple counter-clockwise polygon, by ear clipping (Meisters 1975). Cost: O(n²) to O(n³).
 std::vector<std::array<uint32_t, 3>> triangulate(const std::vector<Vec2>& polygon) {
   std::vector<uint32_t> left(polygon.size());
   std::iota(left.begin(), left.end(), 0u);
@@ -271,7 +271,7 @@ std::vector<std::array<uint32_t, 3>> triangulate(const std::vector<Vec2>& polygo
   while (left.size() > 3) {
     size_t ear = 0;
     while (ear < left.size() && !is_ear(ear, 0)) ++ear;
-    if (ear == left.size())  // only points on straight sides remain between ears: cut one off flat
+    if (ear == left.size())  // only collinear points remain between ears: cut off a flat one
       for (ear = 0; ear < left.size() && !is_ear(ear, -1e-300); ++ear) {
       }
     require(ear < left.size(), "expected an outline that can be cut into triangles, but {} points are left over",
@@ -323,7 +323,7 @@ Mesh make_extrusion(const std::vector<Vec2>& given, double depth) {
   for (size_t i = 0; i < n; ++i) {
     const Vec2 a = outline[i], b = outline[(i + 1) % n];
     add_face(mesh, {a.x, a.y, -depth / 2}, {b.x - a.x, b.y - a.y, 0}, {0, 0, depth});
-    // The face's corners again, bit for bit those of the caps.
+    // The corners of the new face have exactly the positions of the caps' corners, bit for bit.
     const size_t corner = mesh.positions.size() - 4;
     mesh.positions[corner + 1] = {b.x, b.y, -depth / 2};
     mesh.positions[corner + 2] = {b.x, b.y, depth / 2};
@@ -333,12 +333,12 @@ Mesh make_extrusion(const std::vector<Vec2>& given, double depth) {
 }
 
 void transform_mesh(const Frame& frame, Mesh& mesh) {
-  // Normals follow the inverse transpose, which is the cofactor matrix over the determinant.
+  // Normals transform by the inverse transpose, which is the cofactor matrix over the determinant.
   const Vec3 yz = cross(frame.y, frame.z), zx = cross(frame.z, frame.x), xy = cross(frame.x, frame.y);
   const double determinant = dot(frame.x, yz), sign = determinant < 0 ? -1 : 1;
   for (Vec3& p : mesh.positions) p = transform_point(frame, p);
   for (Vec3& n : mesh.normals) n = normalize(yz * (sign * n.x) + zx * (sign * n.y) + xy * (sign * n.z));
-  if (determinant < 0)  // a mirror turns triangles inside out
+  if (determinant < 0)  // a reflection turns triangles inside out
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 

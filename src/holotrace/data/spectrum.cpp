@@ -12,7 +12,7 @@ namespace {
 
 using Matrix = std::array<std::array<double, 3>, 3>;
 
-// Turns the rows and columns p and q of a symmetric matrix so that a[p][q] is 0 (Jacobi), and the columns of v along.
+// A Jacobi rotation of the rows and columns p and q of a symmetric matrix: a[p][q] becomes 0; the columns of v follow.
 void rotate(Matrix& a, Matrix& v, size_t p, size_t q) {
   if (a[p][q] == 0) return;
   const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
@@ -32,10 +32,10 @@ void rotate(Matrix& a, Matrix& v, size_t p, size_t q) {
   }
 }
 
-// Moore–Penrose inverse of a symmetric matrix, by its eigenvalues; those below `cut` of the largest count as 0.
+// Moore–Penrose inverse of a symmetric matrix, by its eigenvalues; those below `cut` times the largest count as 0.
 Matrix pseudo_inverse(Matrix a, double cut) {
   Matrix v{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  for (int sweep = 0; sweep < 30; ++sweep) {  // converges quadratically: six sweeps are plenty
+  for (int sweep = 0; sweep < 30; ++sweep) {  // converges quadratically: six sweeps suffice
     rotate(a, v, 0, 1);
     rotate(a, v, 0, 2);
     rotate(a, v, 1, 2);
@@ -62,7 +62,7 @@ std::vector<Vec3> colour_matrix(const std::vector<double>& wavelengths) {
     for (size_t i = 0; i < 3; ++i)
       for (size_t j = 0; j < 3; ++j) square[i][j] += row[i] * row[j];
   }
-  const Matrix inverse = pseudo_inverse(square, 1e-10);  // of squares of singular values
+  const Matrix inverse = pseudo_inverse(square, 1e-10);  // cut for squares of singular values
   std::vector<Vec3> columns;
   for (const double wavelength : wavelengths) {  // M = (WᵀW)⁺·Wᵀ
     const Vec3 w = channel_weights(wavelength);
