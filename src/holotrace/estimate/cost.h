@@ -13,7 +13,7 @@ struct CostInputs {
   double wave_rate = 1;          ///< waves·pixels that the synthesis sums per second [1/s]
 };
 
-/// The paper's estimate (Eq. 16–23), and the time of the synthesis, which the paper leaves out. Times are of all frames.
+/// The paper's estimate (Eq. 16–23), and the synthesis time, which the paper leaves out. Times are of all frames.
 struct Cost {
   double paths = 0;              ///< N = P·S, paths of one frame
   double mean_path_length = 0;   ///< l_avg = 1/(1−ρ)

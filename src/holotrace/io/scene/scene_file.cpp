@@ -21,7 +21,7 @@
 namespace holotrace {
 namespace {
 
-// Path expressions that cannot be read, each at its own place in the list.
+// Reports path expressions that cannot be read, each with its own position in the list.
 void check_layers(TomlTable& root, const char* section, const std::vector<std::string>& layers) {
   const auto table = root.table(section);
   if (!table || layers.empty()) return;
@@ -46,7 +46,7 @@ std::vector<double> read_wavelengths(TomlTable& root) {
   return wavelengths;
 }
 
-// Effects that the scene's own [slm] tells of are on where [show] and [encode] say nothing of effects.
+// Turns on the effects that the scene's own [slm] defines, unless [show] and [encode] have the key `effects`.
 void turn_on(const std::vector<std::string>& own, TomlTable& root, Job& job) {
   const auto says_nothing = [&](const char* section) {
     const auto table = root.table(section);
@@ -70,7 +70,7 @@ Job read_job(TomlTable& root, const std::string& path) {
   std::vector<std::string> own_effects;
   const auto slm = root.table("slm");
   job.slm = slm ? read_slm(*slm, "pluto", own_effects) : slm_preset("pluto");
-  if (!own_effects.empty()) job.slm.preset = path;  // which has them, where the preset has not
+  if (!own_effects.empty()) job.slm.preset = path;  // a panel with effects of its own is read from this file again
 
   SceneObjects objects(job);
   std::vector<std::string> names;
@@ -106,8 +106,8 @@ toml::table parse_file(const std::string& path) {
   }
 }
 
-// Puts the keys of `over` into `base`: tables key by key; all else (lists of tables, and tables that say their type,
-// such as another kind of material) as a whole.
+// Puts the keys of `over` into `base`: tables key by key; everything else is replaced as a whole (lists of tables, and
+// tables with the key `type`, such as another kind of material).
 void overrule(toml::table& base, toml::table&& over) {
   for (auto&& [key, node] : over) {
     toml::node* present = base.get(key);
@@ -116,11 +116,11 @@ void overrule(toml::table& base, toml::table&& over) {
       continue;
     }
     base.erase(key);
-    base.insert(key, std::move(node));  // moved, not copied: a node keeps its place in its file
+    base.insert(key, std::move(node));  // moved, not copied: a node keeps its position in its file
   }
 }
 
-// The tables of a scene file over those of the file that it extends, and the names of all files read.
+// The tables of a scene file merged over those of the file that it extends, and the names of all files read.
 toml::table read_scene(const std::string& path, std::vector<std::string>& files) {
   files.push_back(path);
   toml::table scene = parse_file(path);
