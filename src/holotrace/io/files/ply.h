@@ -13,7 +13,7 @@ struct PlyVertices {
   size_t count = 0;
   std::vector<std::string> names;            ///< names of the scalar properties, in the order of the file
   std::vector<std::vector<double>> columns;  ///< one column per property, `count` values each
-  std::vector<double> largest;               ///< largest value of each property's type: 255 for uchar; 1 for float, double
+  std::vector<double> largest;               ///< largest value of each property's type: 255 for uchar; 1 for float
   std::vector<std::vector<double>> faces;    ///< the lists vertex_indices (or vertex_index) of the element "face"
 
   /// The column with that name; nullptr if there is none.
