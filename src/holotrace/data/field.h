@@ -31,7 +31,7 @@ struct BasicField {
   Array2D<std::complex<Real>> samples;
   ImageSide image = ImageSide::virtual_image;
   std::optional<SpectralFilter> filter;  ///< stop that the encoder needs in the camera
-  std::string name;                      ///< name of the layer or light that it shows, "" for all light
+  std::string name;                      ///< name of the path group or light that it shows, "" for all light
   uint32_t frame = 0;                    ///< index of the frame of a time-multiplexed hologram
   double cone_wavelength = 0;            ///< acceptance wavelength of its waves (Sources) [m]; 0: its own
 

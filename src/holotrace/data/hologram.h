@@ -24,9 +24,9 @@ struct Hologram {
   std::string encoder;
   std::optional<Slm> slm;  ///< the panel that it was made for, if known
   /// Irradiance of the light on the panel that reproduces the brightness of the field [W/m²]. Holograms (colours,
-  /// layers, lights, frames) are lit in proportion to it. See encode.h.
+  /// path groups, lights, frames) that are shown together are lit in proportion to it. See encode.h.
   double illumination = 1;
-  std::string name{};                  ///< name of the layer or light that it shows, "" for all light
+  std::string name{};                  ///< name of the path group or light that it shows, "" for all light
   uint32_t frame = 0;                  ///< index of the frame of a time-multiplexed hologram
   double cone_wavelength = 0;          ///< acceptance wavelength of its waves (Sources) [m]; 0: its own
   Array2D<uint16_t> modulus_level{};   ///< levels of amplitude, beside those of phase, if the modulation is complex

@@ -27,7 +27,7 @@ struct Job {
   ShowParams show;
   PropagateParams propagate;
   CameraParams camera;
-  std::vector<std::string> warnings;  ///< features that the files ask for and that are not shown
+  std::vector<std::string> warnings;  ///< features of the files that are not shown, and old names of keys
 };
 
 }  // namespace holotrace

@@ -63,6 +63,10 @@ struct Slm {
   double lit_y() const { return fill_y > 0 ? fill_y : std::sqrt(fill_factor); }
 };
 
+/// A calibration at a fractional level ≥ 0: linear interpolation between its points, of which there are at least two.
+/// Beyond the last point the phase continues with the last slope, and the amplitude is constant.
+CalibrationPoint calibration_at(const std::vector<CalibrationPoint>& points, double level);
+
 /// The names of the effects: calibration, crosstalk, gaps, flicker, aberration, phase-map, dead-pixels.
 std::vector<std::string> slm_effect_names();
 

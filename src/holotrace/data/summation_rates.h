@@ -13,8 +13,8 @@ struct SummationWork {
   double factors = 0;             ///< columns and rows of waves in tiles: a sine and a cosine each
   double packings = 0;            ///< conversions of a part of a factor's three numbers to bf16
   double wave_tiles = 0;          ///< pairs of a wave and a tile: work done once for each pair
-  double plane_waves = 0;         ///< such pairs where waves go to recording planes: phases and kernel weights
-  double spreads = 0;             ///< complex cells of recording planes to which waves are added
+  double plane_waves = 0;         ///< such pairs in the method `planes`: phases and kernel weights
+  double spreads = 0;             ///< complex cells of that method's grids to which waves are added
   double fft_operations = 0;      ///< Σ 5·N·log₂N over the transforms
   double samples = 0;             ///< complex samples multiplied by a transfer function, added up or copied
 };

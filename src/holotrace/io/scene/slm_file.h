@@ -22,7 +22,7 @@ std::vector<std::string> slm_preset_names();
 ///         that cannot be read
 Slm slm_preset(const std::string& name);
 
-/// Reads a table with the keys of [slm] (docs/slm.md); its keys replace those of a panel, one by one.
+/// Reads a table with the keys of [slm] (docs/explanation/slm.md); its keys replace those of a panel, one by one.
 /// @param preset  the panel to change, unless the table names one; "": none
 /// @param effects  receives the names of the effects that the table itself defines
 /// @throws Error   with file:line:column for invalid keys and values
