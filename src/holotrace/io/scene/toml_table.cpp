@@ -9,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// What a reader of the file would call the value.
+// The kind of a value in words for error messages.
 std::string describe_value(const toml::node& node) {
   if (const auto value = node.value_exact<int64_t>()) return fmt::format("the bare number {}", *value);
   if (const auto value = node.value_exact<double>()) return fmt::format("the bare number {}", *value);
@@ -38,7 +38,7 @@ bool TomlTable::is_placed(const Error& error) const {
 }
 
 std::string TomlTable::place(const toml::source_region& source) const {
-  // Tables that the file only implies have no place of their own.
+  // Tables that the file does not define explicitly have no position of their own.
   return fmt::format("{}:{}:{}: ", file(source), std::max(source.begin.line, 1u), std::max(source.begin.column, 1u));
 }
 
