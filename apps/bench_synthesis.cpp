@@ -123,7 +123,7 @@ Field sum_by(const TilePlan& plan, const std::vector<PreparedWave>& waves, const
   parallel_for(0, int64_t(across) * down, [&](int64_t t) {
     const int x0 = int(t % across) * tile.columns, y0 = int(t / across) * tile.rows;
     const PixelBox box{x0, std::min(x0 + tile.columns, panel.nx), y0, std::min(y0 + tile.rows, panel.ny)};
-    sum_tile(waves, panel, wavelength, plan, box, workspaces.local(), field.samples);
+    sum_tile(waves, {panel, wavelength}, plan, box, workspaces.local(), field.samples);
   });
   return field;
 }

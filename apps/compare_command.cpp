@@ -21,7 +21,7 @@
 #include "holotrace/view/compare.h"
 #include "holotrace/view/difference.h"
 #include "holotrace/view/register/align_image.h"
-#include "holotrace/view/register/plane.h"
+#include "holotrace/view/register/channel.h"
 #include "holotrace/view/register/register.h"
 
 namespace holotrace {
@@ -125,7 +125,7 @@ Chart profile_of(const ImagePair& pair, double scale) {
   chart.title = fmt::format("Row {} of {}", pair.first_row + row + 1, pair.rows);
   chart.x_label = pitch > 0 ? "x [mm]" : "x [pixels]";
   chart.y_label = "brightness, linear [unit of the reference]";
-  const Plane reference = mean_of_channels(pair.reference), image = mean_of_channels(pair.image);
+  const Channel reference = mean_of_channels(pair.reference), image = mean_of_channels(pair.image);
   Series shown{"reference", {}, {}}, compared{fmt::format("{:.4g} × image", scale), {}, {}};
   for (int column = 0; column < reference.nx; ++column) {
     const double x = (pair.first_column + column - (pair.columns - 1) / 2.0) * (pitch > 0 ? pitch * 1e3 : 1);

@@ -6,7 +6,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/run/moment_plan.h"
+#include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
@@ -57,10 +57,10 @@ double transform_work(const Grid& grid) {
 Job on_small_panel(const Job& job, double side) {
   Job small = job;
   // Shorter distances need fewer wavelengths of a spectrum. A source needs as many parts at any scale, and flicker, too.
-  if (job.show.moments == 0 && job.show.bandwidth > 0)
-    small.show.moments = int(
-        plan_moments(job.slm, job.show, job.wavelengths.front(), job.encode.image, viewpoints(job.camera, job.render))
-            .moments.size());
+  if (job.show.illumination_states == 0 && job.show.bandwidth > 0)
+    small.show.illumination_states = int(plan_illumination(job.slm, job.show, job.wavelengths.front(), job.encode.image,
+                                                           viewpoints(job.camera, job.render))
+                                             .states.size());
   Grid& panel = small.slm.grid;
   const auto fewer = [&](int& count) {
     if (count > 0) count = std::max(2, int(std::lround(count * side)));
@@ -100,7 +100,7 @@ Job on_small_panel(const Job& job, double side) {
   small.trace.frames = 1;
   small.synthesize = {};
   small.render.paths = small.render.max_depth = 1;
-  small.render.layers.clear();
+  small.render.path_expressions.clear();
   small.warnings.clear();
   return small;
 }

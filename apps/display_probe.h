@@ -11,7 +11,7 @@ namespace holotrace {
 
 /// The job in the small: a panel of `side` times the columns and rows, of the same pixels, before which all lengths of
 /// the camera, of targets and of the light are as much shorter. Transforms, windows and their sampling conditions are
-/// the job's own at that size, and it has as many moments as the job where a spectrum needs them. Its scene is one luminous point, which lights all of the panel.
+/// the job's own at that size, and it has as many illumination states as the job where a spectrum needs them. Its scene is one luminous point, which lights all of the panel.
 Job on_small_panel(const Job& job, double side);
 
 /// What the stages after the sum should take, from a run of the job in the small: one frame; where there are more

@@ -14,6 +14,7 @@
 #include "holotrace/estimate/machine/multiply_add_peak.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "job_estimate.h"
+#include "load_scene.h"
 
 namespace holotrace {
 namespace {
@@ -125,7 +126,7 @@ void print_text(const Answer& a) {
   const auto seconds = [](double value) { return fmt::format("{:.3g} s", value); };
   fmt::print("The job\n");
   line("holograms", count(e.holograms()),
-       fmt::format("{:g} sets (colours, layers, lights) x {:g} frames", e.sets, e.frames));
+       fmt::format("{:g} sets (colours, path groups, lights) x {:g} frames", e.sets, e.frames));
   line("light paths", count(e.paths), "N of Eq. 16");
   line("mean path length", count(e.mean_path_length), "l_avg: surfaces on a path, measured (Eq. 21)");
   line("probability to go on", count(1 - 1 / std::max(e.mean_path_length, 1.0)), "rho = 1 - 1 / l_avg (Eq. 20)");
@@ -176,7 +177,7 @@ void add_estimate_command(CLI::App& app, const GlobalFlags&) {
     bool is_json = false, has_accelerators = false;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("scene", o->scene, "scene file (TOML), see docs/scene_format.md")
+  command->add_option("scene", o->scene, "scene file (TOML), see docs/reference/scene_format.md")
       ->required()
       ->type_name("SCENE.toml");
   command->add_option("--fps", o->frames_per_second, "frame rate of the real-time estimate, in frames per second")
@@ -189,7 +190,7 @@ void add_estimate_command(CLI::App& app, const GlobalFlags&) {
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o] {
     check_flag("--fps", o->frames_per_second, range::positive, Quantity::number);
-    const Answer a = answer(load_job(o->scene), o->frames_per_second, o->has_accelerators);
+    const Answer a = answer(load_scene(o->scene), o->frames_per_second, o->has_accelerators);
     if (o->is_json)
       fmt::print("{}\n", json_of(a).dump(2));
     else

@@ -21,6 +21,7 @@
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/synthesize.h"
 #include "holotrace/wave/triangles/sum_triangles_exact.h"
+#include "load_scene.h"
 #include "ranks.h"
 
 namespace holotrace {
@@ -170,7 +171,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
       ->required()
       ->type_name("SCENE.toml|SOURCES.ply|IMAGE");
   add_output(*command, o->output,
-             "field file: .npy (with a sidecar .json), .h5 or .exr; one per layer and light: NAME, NAME_2, …");
+             "field file: .npy (with a sidecar .json), .h5 or .exr; one per path group and light: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel by name [the scene's, or pluto]")->type_name("NAME|SCENE.toml");
   o->panel.add(*command);
   add_wavelength(*command, o->wavelengths);
@@ -211,7 +212,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
     if (is_scene && o->inputs.size() > 1) throw CLI::ExtrasError({o->inputs.begin() + 1, o->inputs.end()});
     Job job;
     job.slm = slm_preset("pluto");
-    if (is_scene) job = load_job(o->inputs.front());
+    if (is_scene) job = load_scene(o->inputs.front());
     if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
     o->panel.apply(job.slm.grid);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);

@@ -31,7 +31,7 @@ constexpr double long_enough = 0.4;    // seconds of a probe
 ProbeResult probe_render(const Job& job, double prepare_seconds, double part) {
   RenderParams some = job.render;
   some.has_background = false;
-  if (some.layers.empty()) some.layers = job.trace.layers;
+  if (some.path_expressions.empty()) some.path_expressions = job.trace.path_expressions;
   const double side = std::sqrt(part);
   some.rows = std::max(1, int(std::lround(job.render.rows * side)));
   some.columns = std::max(1, int(std::lround((job.render.columns > 0 ? job.render.columns : job.render.rows) * side)));

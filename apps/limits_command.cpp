@@ -17,6 +17,7 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
 #include "limits_table.h"
+#include "load_scene.h"
 #include "save_views.h"
 
 namespace holotrace {
@@ -36,7 +37,7 @@ LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command) {
   if (o.scene.empty()) {
     q.slm = slm_by_name(o.slm);
   } else {
-    const Job job = load_job(o.scene);
+    const Job job = load_scene(o.scene);
     q.slm = command.count("--slm") > 0 ? slm_by_name(o.slm) : job.slm;
     if (command.count("--wavelength") == 0) q.wavelengths = job.wavelengths;
     q.points = points_of(job.scene);

@@ -26,13 +26,14 @@
 #include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
 #include "job_estimate.h"
+#include "load_scene.h"
 #include "save_views.h"
 
 namespace holotrace {
 namespace {
 
 void add_scene(CLI::App& command, std::string& path) {
-  command.add_option("scene", path, "scene file (TOML, see docs/scene_format.md), or a mesh by itself")
+  command.add_option("scene", path, "scene file (TOML, see docs/reference/scene_format.md), or a mesh by itself")
       ->required()
       ->type_name("SCENE.toml|MESH");
 }
@@ -131,7 +132,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
              "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph");
   o->flags.add(*command, RenderParams());
   command->callback([o, &global] {
-    Job job = load_job(o->scene);
+    Job job = load_scene(o->scene);
     o->flags.apply(job.render);
     check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
@@ -161,10 +162,10 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
   add_wavelength(*command, o->wavelengths);
-  add_output(*command, o->output, "sources: .ply; one per wavelength, layer and light: NAME, NAME_2, …");
+  add_output(*command, o->output, "sources: .ply; one per wavelength, path group and light: NAME, NAME_2, …");
   o->flags.add(*command, TraceParams());
   command->callback([o, &global] {
-    Job job = load_job(o->scene);
+    Job job = load_scene(o->scene);
     o->flags.apply(job.trace);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
     check_output(o->output, {".ply"});

@@ -19,7 +19,7 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
-#include "holotrace/run/moment_plan.h"
+#include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/view/camera.h"
 #include "save_views.h"
@@ -58,9 +58,9 @@ std::vector<std::string> outputs_of(const std::string& output, const std::vector
   return paths;
 }
 
-int64_t moments_of(const Hologram& hologram, const Slm& slm, const ShowParams& params,
-                   const std::vector<Viewpoint>& from, double wavelength) {
-  return int64_t(plan_moments(slm, params, wavelength, hologram.image, from, hologram.filter).moments.size());
+int64_t states_of(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                  const std::vector<Viewpoint>& from, double wavelength) {
+  return int64_t(plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter).states.size());
 }
 
 // The light that leaves the panel, its way to the sensor, and the sums of all views, for `sets` colours and names.
@@ -70,7 +70,7 @@ void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& pa
   const ViewingNeed need =
       viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from, params.source_angle);
   const double views = viewing_bytes(need.columns * need.rows, from.size(), double(sets),
-                                     moments_of(hologram, slm, params, from, wavelength));
+                                     states_of(hologram, slm, params, from, wavelength));
   require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", from.size(),
                                                                 std::llround(need.columns), std::llround(need.rows)));
 }
@@ -126,7 +126,7 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     Report report;
     const StageObserver watch = console.stages();
-    std::vector<ViewSum> sums(from.size());
+    std::vector<CombinedViews> sums(from.size());
     std::optional<RepeatedStages> repeat;
     std::set<std::pair<double, std::string>> kinds;  // that are summed each by itself
     for (const std::string& path : o->inputs) {
@@ -139,8 +139,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
         check_memory(hologram, slm, params, propagation, from, wavelength, kinds.size());
       if (!repeat) {
         const int64_t holograms = int64_t(o->inputs.size()),
-                      moments = moments_of(hologram, slm, params, from, wavelength);
-        repeat.emplace(holograms, moments, holograms * viewing_calls(moments, from), report, watch);
+                      states = states_of(hologram, slm, params, from, wavelength);
+        repeat.emplace(holograms, states, holograms * viewing_calls(states, from), report, watch);
       }
       view_hologram(hologram, slm, params, propagation, from, *repeat, sums);
     }

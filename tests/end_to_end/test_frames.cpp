@@ -67,7 +67,7 @@ TEST(Frames, SpeckleOfAHologramFallsAsOneOverTheRootOfTheFrames) {
   const Sources sources = patch(7e-3, 390, depth);
   const Slm slm{.name = "test", .grid = grid, .fill_factor = 1};
   const CameraParams camera{.distances = {depth}, .width = 7e-3, .height = 7e-3};
-  ViewSum by_hologram, by_field;
+  CombinedViews by_hologram, by_field;
   for (uint32_t frame = 0; frame < 16; ++frame) {
     const Field field = fields_of_frame({{sources}, {}}, frame, grid, {}).front();
     EXPECT_EQ(field.frame, frame);

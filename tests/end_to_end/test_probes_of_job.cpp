@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "display_probe.h"
-#include "holotrace/run/moment_plan.h"
+#include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/viewing.h"
 #include "synthesis_probe.h"
 
@@ -21,21 +21,21 @@ Job job_of_spectrum() {
 
 // 2 mm of panel at 100 mm need 30 wavelengths of 100 nm (Viewing.AsManyMomentsAsTheViewsNeed). A quarter of the side at
 // a quarter of the distance needs 8 by itself: λz/S stays 26 µm, f = 38496/m too, and the light moves a quarter as far: 7.4, or 8 at least.
-TEST(JobProbes, ASmallPanelHasTheMomentsOfTheJob) {
+TEST(JobProbes, ASmallPanelHasTheIlluminationStatesOfTheJob) {
   const Job job = job_of_spectrum();
   const auto count = [](const Job& of) {
-    return plan_moments(of.slm, of.show, 532e-9, of.encode.image, viewpoints(of.camera, of.render)).moments.size();
+    return plan_illumination(of.slm, of.show, 532e-9, of.encode.image, viewpoints(of.camera, of.render)).states.size();
   };
   EXPECT_EQ(count(job), 30U);
   Job small = on_small_panel(job, 0.25);
   EXPECT_EQ(count(small), 30U);
-  small.show.moments = 0;
+  small.show.illumination_states = 0;
   EXPECT_EQ(count(small), 8U);  // without the job's number
   Job given = job;
-  given.show.moments = 5;
-  EXPECT_EQ(on_small_panel(given, 0.25).show.moments, 5);
+  given.show.illumination_states = 5;
+  EXPECT_EQ(on_small_panel(given, 0.25).show.illumination_states, 5);
   given.show = {};
-  EXPECT_EQ(on_small_panel(given, 0.25).show.moments, 0);  // coherent light
+  EXPECT_EQ(on_small_panel(given, 0.25).show.illumination_states, 0);  // coherent light
 }
 
 // A lens without a pupil is refused at every size.

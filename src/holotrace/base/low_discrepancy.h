@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "holotrace/base/splitmix.h"
 #include "holotrace/base/vec.h"
 
 namespace holotrace {
@@ -38,12 +39,12 @@ namespace holotrace {
 class LowDiscrepancy {
  public:
   LowDiscrepancy(uint64_t seed, uint32_t frame, uint64_t sample)
-      : key_(mix(mix(mix(seed) + frame) + sample * step)), next_(key_) {}
+      : key_(mix(mix(mix(seed) + frame) + sample * splitmix_step)), next_(key_) {}
 
   /// Goes to path `index` of this sample; dimensions start again.
   void start(uint32_t index) {
     reversed_block_ = reverse_bits(index >> 4) >> 4;
-    block_hash_ = uint32_t((index >> 4) * step >> 32);
+    block_hash_ = uint32_t((index >> 4) * splitmix_step >> 32);
     place_ = 4 * (index & 15);
     first_order_ = index < 16 ? 0 : 64;
     next_ = key_;
@@ -61,23 +62,13 @@ class LowDiscrepancy {
     const uint64_t bits = next_seeds();
     const uint32_t order = shuffled_order(uint32_t(bits));
     const uint32_t x = scramble_reversed(order, uint32_t(bits >> 32));
-    const uint32_t y = scramble_reversed(second_sobol_reversed(order), uint32_t(bits * step >> 32));
+    const uint32_t y = scramble_reversed(second_sobol_reversed(order), uint32_t(bits * splitmix_step >> 32));
     // One reversal of 64 bits turns both, and changes their places.
     const uint64_t both = reverse_bits(uint64_t(y) << 32 | x);
     return {uint32_t(both >> 32) * 0x1p-32, uint32_t(both) * 0x1p-32};
   }
 
  private:
-  /// 2⁶⁴ over the golden ratio: the increment of splitmix64.
-  static constexpr uint64_t step = 0x9e3779b97f4a7c15;
-
-  /// The finalizer of splitmix64 (Steele et al., OOPSLA 2014): a bijection of 64 bits.
-  static constexpr uint64_t mix(uint64_t v) {
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111eb;
-    return v ^ (v >> 31);
-  }
-
   static constexpr uint32_t reverse_bits(uint32_t v) {
     v = (v & 0x55555555) << 1 | (v >> 1 & 0x55555555);
     v = (v & 0x33333333) << 2 | (v >> 2 & 0x33333333);
@@ -113,7 +104,7 @@ class LowDiscrepancy {
   }
 
   /// 64 bits for the next dimension; σ₀ takes the lower half, σ₁ the upper one, σ₂ the upper half of a multiple.
-  uint64_t next_seeds() { return mix(next_ += step); }
+  uint64_t next_seeds() { return mix(next_ += splitmix_step); }
 
   /// σ₀(i): first the place of the point in its block of 16, then a scramble of the whole index.
   uint32_t shuffled_order(uint32_t seed) const {

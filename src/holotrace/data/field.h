@@ -31,7 +31,7 @@ struct BasicField {
   Array2D<std::complex<Real>> samples;
   ImageSide image = ImageSide::virtual_image;
   std::optional<SpectralFilter> filter;  ///< a stop that the encoder asks the camera for
-  std::string name;                      ///< of the layer or light that it shows, "" for all light
+  std::string name;                      ///< of the path group or light that it shows, "" for all light
   uint32_t frame = 0;                    ///< of a time-multiplexed hologram
   double cone_wavelength = 0;            ///< of the waves that it is the sum of (Sources) [m]; 0: its own
 

@@ -24,9 +24,9 @@ struct Hologram {
   std::string encoder;
   std::optional<Slm> slm;  ///< the panel it was made for, where that is known
   /// Irradiance of the light on the panel that shows the field at its own brightness [W/m²]: what one hologram of
-  /// several (colours, layers, lights, frames) is lit with in proportion. See encode.h.
+  /// several (colours, path groups, lights, frames) is lit with in proportion. See encode.h.
   double illumination = 1;
-  std::string name{};                  ///< of the layer or light that it shows, "" for all light
+  std::string name{};                  ///< of the path group or light that it shows, "" for all light
   uint32_t frame = 0;                  ///< of a time-multiplexed hologram
   double cone_wavelength = 0;          ///< of the waves that it shows (Sources) [m]; 0: its own
   Array2D<uint16_t> modulus_level{};   ///< of amplitude, beside those of phase, where the modulation is complex

@@ -27,7 +27,7 @@ struct Job {
   ShowParams show;
   PropagateParams propagate;
   CameraParams camera;
-  std::vector<std::string> warnings;  ///< what the files ask for and is not shown
+  std::vector<std::string> warnings;  ///< what the files ask for and is not shown, and old names of keys
 };
 
 }  // namespace holotrace

@@ -17,7 +17,7 @@ namespace {
 constexpr std::string_view alphabet = "EDGSL";  // in the order of PathEvent
 constexpr std::string_view scattering = "DGS";
 constexpr std::string_view blanks = " \t\r\n";
-constexpr size_t most_characters = 255, most_layers = 32, most_states = 10000;
+constexpr size_t most_characters = 255, most_path_groups = 32, most_states = 10000;
 
 using Letters = std::set<size_t>;  // letters of an expression, by number in the order they stand
 
@@ -223,34 +223,34 @@ Expression compile(const std::string& text) {
 
 }  // namespace
 
-// The subset construction over the letters of all layers at once. A state is the set of letters, with their layers,
+// The subset construction over the letters of all path groups at once. A state is the set of letters, with their path groups,
 // that a path can stand on. As every letter lies on a path, only the empty set is dead.
 PathAutomaton::PathAutomaton(const std::vector<std::string>& expressions)
     : expressions_(expressions.empty() ? std::vector<std::string>{"E.*L"} : expressions) {
-  require(expressions_.size() <= most_layers, "expected at most {} path expressions, got {}", most_layers,
+  require(expressions_.size() <= most_path_groups, "expected at most {} path expressions, got {}", most_path_groups,
           expressions_.size());
-  std::vector<Expression> layers;
-  for (const std::string& text : expressions_) layers.push_back(compile(text));
+  std::vector<Expression> path_groups;
+  for (const std::string& text : expressions_) path_groups.push_back(compile(text));
 
-  using Place = std::pair<size_t, size_t>;  // layer, letter
+  using Place = std::pair<size_t, size_t>;  // path group, letter
   std::set<Place> beginning;
-  for (size_t layer = 0; layer < layers.size(); ++layer)
-    for (size_t letter : layers[layer].whole.first)
-      if (layers[layer].letters[letter].is('E')) beginning.insert({layer, letter});
+  for (size_t path_group = 0; path_group < path_groups.size(); ++path_group)
+    for (size_t letter : path_groups[path_group].whole.first)
+      if (path_groups[path_group].letters[letter].is('E')) beginning.insert({path_group, letter});
 
   std::vector<std::set<Place>> states = {{}, beginning};
   std::map<std::set<Place>, State> numbers = {{states[dead], dead}, {states[start()], start()}};
   for (size_t state = 0; state < states.size(); ++state) {
     std::array<std::set<Place>, 5> reached;
     uint32_t completed = 0;
-    for (const auto& [layer, letter] : states[state])
-      for (size_t next : layers[layer].letters[letter].follow) {
+    for (const auto& [path_group, letter] : states[state])
+      for (size_t next : path_groups[path_group].letters[letter].follow) {
         for (size_t event = 0; event < alphabet.size(); ++event)
           if (scattering.find(alphabet[event]) != std::string_view::npos &&
-              layers[layer].letters[next].is(alphabet[event]))
-            reached[event].insert({layer, next});
-        if (layers[layer].letters[next].is('L') && layers[layer].whole.last.count(next))
-          completed |= uint32_t(1) << layer;
+              path_groups[path_group].letters[next].is(alphabet[event]))
+            reached[event].insert({path_group, next});
+        if (path_groups[path_group].letters[next].is('L') && path_groups[path_group].whole.last.count(next))
+          completed |= uint32_t(1) << path_group;
       }
     accepted_.push_back(completed);
     next_.emplace_back();

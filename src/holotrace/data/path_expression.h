@@ -19,29 +19,29 @@ enum class PathEvent : uint8_t { eye, diffuse, glossy, specular, light };
 ///
 /// A path is E, any number of D, G, S, then its only L; an expression names a set of paths: `E(D|G)L` ray casting,
 /// `ED*L` radiosity, `E[S*](D|G)L` recursive ray tracing, `E.*L` all. Square brackets group as in the paper:
-/// `[DG]` is D and then G. Blanks are ignored. Each expression is a layer; a path may be in none, one or several.
+/// `[DG]` is D and then G. Blanks are ignored. Each expression is a path group; a path may be in none, one or several.
 ///
 ///     PathAutomaton automaton({"EL", "EDL"});
 ///     auto state = automaton.start();                           // the ray leaves the eye
-///     automaton.accepted(state);                                // 0b01: a light met now is layer 0, EL
+///     automaton.accepted(state);                                // 0b01: a light met now is path group 0, EL
 ///     state = automaton.step(state, PathEvent::diffuse);
 ///     automaton.accepted(state);                                // 0b10: EDL
-///     automaton.is_dead(automaton.step(state, PathEvent::diffuse));  // true: EDD… is in no layer
+///     automaton.is_dead(automaton.step(state, PathEvent::diffuse));  // true: EDD… is in no path group
 ///
-/// Cost: a table lookup per event; a state is alive exactly when some continuation completes a layer.
+/// Cost: a table lookup per event; a state is alive exactly when some continuation completes a path group.
 /// Reference: P. S. Heckbert, Adaptive radiosity textures for bidirectional ray tracing, SIGGRAPH 1990 (who writes
 /// from the light to the eye); the position automaton of V. M. Glushkov, 1961.
 class PathAutomaton {
  public:
   using State = uint16_t;
 
-  /// @param expressions  one per layer, at most 32 of at most 255 characters; none means one layer, `E.*L`
+  /// @param expressions  one per path group, at most 32 of at most 255 characters; none means one path group, `E.*L`
   /// @throws Error       naming the expression and the character: unknown or lower-case letters, an operator
   ///                     without operand, a group without end, beginning or content, an event that no path can
   ///                     have there, an expression that names no path; or if the automaton needs above 10000 states
   explicit PathAutomaton(const std::vector<std::string>& expressions);
 
-  int layers() const { return int(expressions_.size()); }
+  int path_groups() const { return int(expressions_.size()); }
   const std::vector<std::string>& expressions() const { return expressions_; }
 
   /// The state of a path that has left the eye.
@@ -51,10 +51,10 @@ class PathAutomaton {
   /// goes on from a light; a surface that also shines asks accepted() first and steps as D, G or S.
   State step(State state, PathEvent event) const { return next_[state][size_t(event)]; }
 
-  /// Bit ℓ is set where a light met in this state completes a path of layer ℓ.
+  /// Bit ℓ is set where a light met in this state completes a path of path group ℓ.
   uint32_t accepted(State state) const { return accepted_[state]; }
 
-  /// No continuation completes a path of any layer: the path can stop.
+  /// No continuation completes a path of any path group: the path can stop.
   bool is_dead(State state) const { return state == dead; }
 
  private:

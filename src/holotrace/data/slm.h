@@ -63,6 +63,10 @@ struct Slm {
   double lit_y() const { return fill_y > 0 ? fill_y : std::sqrt(fill_factor); }
 };
 
+/// A calibration at a fractional level ≥ 0: straight between its points, of which there are two or more; beyond the
+/// last the phase goes on as before it, and the amplitude stays.
+CalibrationPoint calibration_at(const std::vector<CalibrationPoint>& points, double level);
+
 /// The names of the effects: calibration, crosstalk, gaps, flicker, aberration, phase-map, dead-pixels.
 std::vector<std::string> slm_effect_names();
 

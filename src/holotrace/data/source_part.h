@@ -9,8 +9,8 @@
 
 namespace holotrace {
 
-/// The part of a light source that one moment of its light stands for, its directions as angles [rad] from that
-/// moment's own. The source is a disc; of the points on it that stand for all of it, a part has the directions that are
+/// The part of a light source that one illumination state of its light stands for, its directions as angles [rad] from that
+/// state's own. The source is a disc; of the points on it that stand for all of it, a part has the directions that are
 /// nearest to its own point, so that the parts tile the disc.
 struct SourcePart {
   using Points = std::vector<std::array<double, 2>>;

@@ -33,7 +33,7 @@ struct Sources {
   double wavelength = 0;  ///< [m]
   std::vector<Source> waves{};
   TileAmplitudes tiles{};  ///< overrule the amplitudes of the waves
-  std::string name{};      ///< of the layer or light that they show, "" for all light
+  std::string name{};      ///< of the path group or light that they show, "" for all light
 
   /// Waves with equal keys start with the same random phase, 2π·u(seed, frame, key) (source_phase.h); a wave
   /// without a random part has the key `no_phase_key`. Empty: no wave has one.

@@ -23,6 +23,9 @@ inline Vec3 channel_weights(double wavelength) {
   return {t, 1 - t, 0};
 }
 
+/// Luminance of linear red, green and blue of ITU-R BT.709 (sRGB's primaries and white), in their unit.
+inline double luminance(double red, double green, double blue) { return 0.2126 * red + 0.7152 * green + 0.0722 * blue; }
+
 /// Red, green and blue of light that is seen at N wavelengths:
 ///
 ///     rgb = Σₙ Mₙ·Iₙ,   M = W⁺ (3 × N),   W (N × 3) with the rows channel_weights(λₙ)

@@ -13,8 +13,8 @@ struct SummationWork {
   double factors = 0;             ///< columns and rows of waves in tiles: a sine and a cosine each
   double packings = 0;            ///< of a part of a factor's three numbers in bf16
   double wave_tiles = 0;          ///< pairs of a wave and a tile: what is done once for each
-  double plane_waves = 0;         ///< the same pairs where waves go to recording planes: phases and kernel weights
-  double spreads = 0;             ///< cells of recording planes that waves are added to, complex
+  double plane_waves = 0;         ///< the same pairs in the method `planes`: phases and kernel weights
+  double spreads = 0;             ///< cells of that method's grids that waves are added to, complex
   double fft_operations = 0;      ///< Σ 5·N·log₂N of the transforms
   double samples = 0;             ///< complex samples multiplied by a transfer function, added up or copied
 };

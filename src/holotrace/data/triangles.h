@@ -30,7 +30,7 @@ struct Triangle {
 struct Triangles {
   double wavelength = 0;  ///< [m]
   std::vector<Triangle> triangles{};
-  std::string name{};  ///< of the layer or light that they show, "" for all light
+  std::string name{};  ///< of the path group or light that they show, "" for all light
 
   /// Triangle i has the random phase 2π·u(seed, frame, phase_keys[i]), as waves have (Sources). Empty: none has one.
   std::vector<uint64_t> phase_keys{};

@@ -1,7 +1,7 @@
 #include "holotrace/estimate/grid_cost.h"
 
+#include <Eigen/QR>
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -19,23 +19,6 @@ const Vec3 cloud_centre{0, 0, -2};
 Vec3 random_direction(CounterRandom& random) {
   const double z = 2 * random.uniform() - 1, angle = 2 * pi * random.uniform(), r = std::sqrt(1 - z * z);
   return {r * std::cos(angle), r * std::sin(angle), z};
-}
-
-// x of the normal equations (Aᵀ·A)·x = Aᵀ·1, whose rows are counts over seconds; by Gauss.
-std::array<double, 3> fit(const std::vector<std::array<double, 3>>& rows) {
-  double m[3][4] = {};
-  for (const auto& row : rows)
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) m[i][j] += row[size_t(i)] * row[size_t(j)];
-      m[i][3] += row[size_t(i)];
-    }
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) {
-      if (k == i) continue;
-      const double factor = m[k][i] / m[i][i];
-      for (int j = i; j < 4; ++j) m[k][j] -= factor * m[i][j];
-    }
-  return {m[0][3] / m[0][0], m[1][3] / m[1][1], m[2][3] / m[2][2]};
 }
 
 }  // namespace
@@ -62,10 +45,13 @@ GridCost counted_grid_cost(const GridCounts& counts, const GridRates& rates) {
 }
 
 GridRates calibrate_grid() {
-  std::vector<std::array<double, 3>> rows;
+  constexpr int counts_of_triangles[] = {200, 2000, 20000};
+  constexpr double densities[] = {0.5, 4.0, 30.0};
+  Eigen::Matrix<double, 9, 3> rows;  // counts over seconds: rows·(cell, test, ray) = 1
+  int row = 0;
   const std::vector<Ray> rays = cloud_rays(8000);  // more than a processor learns by heart
-  for (const int triangles : {200, 2000, 20000})
-    for (const double density : {0.5, 4.0, 30.0}) {
+  for (const int triangles : counts_of_triangles)
+    for (const double density : densities) {
       const Scene scene = make_triangle_cloud(triangles);
       const UniformGrid grid(scene, density);
       GridCounts counts;
@@ -78,10 +64,10 @@ GridRates calibrate_grid() {
         for (const Ray& ray : rays) grid.closest_hit(ray, infinity, hit);
         best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
       }
-      rows.push_back({double(counts.cells) / best, double(counts.tests) / best, double(counts.rays) / best});
+      rows.row(row++) << double(counts.cells) / best, double(counts.tests) / best, double(counts.rays) / best;
     }
-  const auto [cell, test, ray] = fit(rows);
-  return {std::max(cell, 0.0), std::max(test, 0.0), std::max(ray, 0.0)};
+  const Eigen::Vector3d seconds = rows.colPivHouseholderQr().solve(Eigen::Matrix<double, 9, 1>::Ones());
+  return {std::max(seconds[0], 0.0), std::max(seconds[1], 0.0), std::max(seconds[2], 0.0)};
 }
 
 Scene make_triangle_cloud(int count) {

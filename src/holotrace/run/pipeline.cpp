@@ -8,7 +8,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
-#include "holotrace/run/moment_plan.h"
+#include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/repeated_stages.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
@@ -53,8 +53,8 @@ double power_on_panel(const Report& report) {
 }
 
 // For progress and memory; the encoder's stop, which may ask for more, is not known yet.
-int64_t moments_of(const Job& job, const std::vector<Viewpoint>& from) {
-  return int64_t(plan_moments(job.slm, job.show, job.wavelengths.front(), job.encode.image, from).moments.size());
+int64_t states_of(const Job& job, const std::vector<Viewpoint>& from) {
+  return int64_t(plan_illumination(job.slm, job.show, job.wavelengths.front(), job.encode.image, from).states.size());
 }
 
 // Refused before the first stage, not in the last: the fields of two frames, all holograms, the light that leaves the
@@ -69,9 +69,9 @@ void check_memory(const Job& job, size_t sets) {
   const double fields = 8 * pixels * double(sets) * kept;
   const double planes = job.encode.method == Encoding::complex ? 2 : 1;  // of levels
   const double holograms = 2 * planes * pixels * double(sets) * frames;
-  const int64_t moments = moments_of(job, from);
-  const bool is_one = sets == 1 && frames == 1 && moments == 1 && from.size() == job.camera.distances.size();
-  const double views = is_one ? 0 : viewing_bytes(need.columns * need.rows, from.size(), double(sets), moments);
+  const int64_t states = states_of(job, from);
+  const bool is_one = sets == 1 && frames == 1 && states == 1 && from.size() == job.camera.distances.size();
+  const double views = is_one ? 0 : viewing_bytes(need.columns * need.rows, from.size(), double(sets), states);
   require_memory(fields + holograms + need.shown + need.passing + views,
                  fmt::format("a run of {} hologram(s) on {} × {} pixels at {} samples per pixel and axis, seen by a "
                              "sensor of {} × {} pixels,",
@@ -81,7 +81,8 @@ void check_memory(const Job& job, size_t sets) {
 
 // Sets that are known before tracing: those of separate lights are counted once they are there.
 size_t least_sets(const Job& job) {
-  return job.wavelengths.size() * (job.trace.separate_layers ? std::max<size_t>(1, job.trace.layers.size()) : 1);
+  return job.wavelengths.size() *
+         (job.trace.separate_path_groups ? std::max<size_t>(1, job.trace.path_expressions.size()) : 1);
 }
 
 bool has_random_phase(const SceneLight& light) {
@@ -122,7 +123,7 @@ Image render_waves(const Job& job, const std::string& name, const RenderParams& 
   return run_stage(name, report, watch, [&](const Observer& o) {
     RenderParams of_waves = params;
     of_waves.has_background = false;
-    if (of_waves.layers.empty()) of_waves.layers = job.trace.layers;
+    if (of_waves.path_expressions.empty()) of_waves.path_expressions = job.trace.path_expressions;
     o.fact("seed", params.seed);
     return render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), of_waves, o);
   });
@@ -163,7 +164,7 @@ EncodeParams encoding_of(const Job& job) {
 }
 
 // The only light of a job of one wavelength may be another than it was computed for (ShowParams::wavelength).
-Image reference_of(const Job& job, const Image& render, const ViewSum& sum, const Image& view, double distance) {
+Image reference_of(const Job& job, const Image& render, const CombinedViews& sum, const Image& view, double distance) {
   const std::vector<double> lines = sum.wavelengths();
   const std::vector<double>& seen = lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
   const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid,
@@ -312,11 +313,11 @@ Boxes run(const Job& job, const StageObserver& watch) {
   const EncodeParams encoding = encoding_of(job);
   b.viewpoints = viewpoints(job.camera, job.render);
   const int64_t holograms = int64_t(light.sets()) * job.trace.frames;
-  const int64_t moments = moments_of(job, b.viewpoints);
-  RepeatedStages repeat(holograms, moments, job.trace.frames + holograms * (1 + viewing_calls(moments, b.viewpoints)),
+  const int64_t states = states_of(job, b.viewpoints);
+  RepeatedStages repeat(holograms, states, job.trace.frames + holograms * (1 + viewing_calls(states, b.viewpoints)),
                         b.report, watch);
-  std::vector<ViewSum> sums(b.viewpoints.size(),
-                            ViewSum(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths));
+  std::vector<CombinedViews> sums(b.viewpoints.size(),
+                                  CombinedViews(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths));
   for (int frame = 0; frame < job.trace.frames; ++frame) {
     std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) {
       return fields_of_frame(light, uint32_t(frame), panel, job.synthesize, o);

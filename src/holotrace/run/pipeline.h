@@ -16,14 +16,14 @@ namespace holotrace {
 
 /// Every box of the pipeline's picture, from a scene to what a viewer sees of its holograms.
 ///
-/// A **set** is the light of one layer or light at one wavelength; a run shows frames × sets holograms, one after the
+/// A **set** is the light of one path group or lamp at one wavelength; a run shows frames × sets holograms, one after the
 /// other.
 struct Boxes {
   /// Path-traced references in red, green and blue: one from the panel's centre, or with a lens or another eye one per
   /// camera distance, focused there.
   std::vector<Image> renders;
   std::vector<Sources> sources;            ///< of the first frame, one per set; none with gather and triangles
-  std::vector<std::vector<Field>> fields;  ///< at the panel in the first frame, [layer or light][wavelength]
+  std::vector<std::vector<Field>> fields;  ///< at the panel in the first frame, [path group or light][wavelength]
   std::vector<Hologram> holograms;         ///< in the order shown: for each frame, each set
   std::vector<Image> views;                ///< one per camera distance: one channel, or red, green and blue
   double white = 1;                        ///< of those views [W/m²]
@@ -37,11 +37,11 @@ struct Boxes {
 
 /// The whole pipeline, one verb after the other. Each frame m of job.trace.frames gives the waves of every set
 /// independent phases (set_frame: no tracing anew), and its holograms are shown with irradiances in proportion to
-/// their illumination, the brightest with job.show.irradiance; the camera averages frames and moments and adds sets
+/// their illumination, the brightest with job.show.irradiance; the camera averages frames and illumination states and adds sets
 /// (viewing.h). A set without waves, as green light of a red scene, is dark. Encoders that iterate look at the camera's
 /// distances where the job names none for them.
 ///
-/// With more than one hologram, or light of several moments, the report has one entry per kind of stage: the seconds of
+/// With more than one hologram, or light of several illumination states, the report has one entry per kind of stage: the seconds of
 /// all, the facts of the first (waves and waves_pixels summed), each warning once.
 /// @throws Error  as the stages do, and before the first where the job does not fit in the machine's memory
 Boxes run(const Job& job, const StageObserver& watch = {});
@@ -65,7 +65,7 @@ struct SceneLight {
 /// Traces the job's scene by its strategy, or shades its triangles where the method of synthesis is theirs.
 SceneLight trace_light(const Job& job, const Observer& observer = {});
 
-/// Fields of one frame, each a layer or light at a wavelength, in the order of the sets; a set without waves is dark.
+/// Fields of one frame, each a path group or light at a wavelength, in the order of the sets; a set without waves is dark.
 /// @throws Error  as synthesize does; if no set has a wave, and for a frame that was not gathered
 std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer = {});

@@ -8,7 +8,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/check_ranges.h"
-#include "holotrace/run/moment_plan.h"
+#include "holotrace/data/spectrum.h"
+#include "holotrace/run/illumination_plan.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/order_efficiency.h"
@@ -84,7 +85,7 @@ Observer part_of_series(const Observer& observer, size_t i, size_t count) {
   return part;
 }
 
-// The parts of the light on the panel that go into each order, added up over moments.
+// The parts of the light on the panel that go into each order, added up over illumination states.
 struct OrderShares {
   std::vector<OrderPower> orders;
 
@@ -117,19 +118,19 @@ void add_weighted(const Image& view, double weight, Image& sum) {
   for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += float(weight) * view.values[i];
 }
 
-// Of each pixel: the irradiance, or of a picture in colour the luminance (ITU-R BT.709).
-std::vector<double> luminance(const Image& image) {
+// Of each pixel: the irradiance, or of a picture in colour the luminance.
+std::vector<double> luminances(const Image& image) {
   std::vector<double> out(size_t(image.nx) * size_t(image.ny));
   for (size_t i = 0; i < out.size(); ++i) {
     const float* v = &image.values[i * size_t(image.channels)];
-    out[i] = image.channels == 1 ? double(v[0]) : 0.2126 * double(v[0]) + 0.7152 * double(v[1]) + 0.0722 * double(v[2]);
+    out[i] = image.channels == 1 ? double(v[0]) : luminance(v[0], v[1], v[2]);
   }
   return out;
 }
 
 double mean(const Image& image) {
   double sum = 0;
-  for (const double v : luminance(image)) sum += v;
+  for (const double v : luminances(image)) sum += v;
   return sum / (double(image.nx) * image.ny);
 }
 
@@ -137,7 +138,7 @@ double mean(const Image& image) {
 double sharpness(const Image& image) {
   const double m = mean(image);
   double squares = 0;
-  for (const double v : luminance(image)) squares += (v - m) * (v - m);
+  for (const double v : luminances(image)) squares += (v - m) * (v - m);
   return m > 0 ? squares / (double(image.nx) * image.ny) / (m * m) : 0;
 }
 
@@ -172,11 +173,11 @@ std::vector<Viewpoint> viewpoints(const CameraParams& camera, const RenderParams
 
 void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& params,
                    const PropagateParams& propagation, const std::vector<Viewpoint>& from, RepeatedStages& repeat,
-                   std::vector<ViewSum>& sums) {
+                   std::vector<CombinedViews>& sums) {
   const double wavelength = params.wavelength > 0 ? params.wavelength : hologram.wavelength;
   const bool is_first = !repeat.has_run("show");
-  const MomentPlan plan = plan_moments(slm, params, wavelength, hologram.image, from, hologram.filter);
-  const std::vector<Moment>& all = plan.moments;
+  const IlluminationPlan plan = plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter);
+  const std::vector<IlluminationState>& all = plan.states;
   const std::string doubt = doubt_of(plan, params);
   const auto add = [&](size_t i, const Image& view) {
     sums[i].add(wavelength, hologram.name, hologram.illumination, view,
@@ -185,27 +186,27 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
   };
   std::vector<Image> mixed(all.size() > 1 ? from.size() : 0);
   OrderShares shares;
-  for (const Moment& moment : all) {
+  for (const IlluminationState& state : all) {
     const Field shown = repeat("show", [&](const Observer& o) {
       double power_in = 0;
-      Field field = show(hologram, slm, params, moment, hearing_power(o, power_in));
+      Field field = show(hologram, slm, params, state, hearing_power(o, power_in));
       if (!plan.why.empty()) {
-        o.fact("moments", all.size());
-        o.fact("moments_why", plan.why);
+        o.fact("illumination_states", all.size());
+        o.fact("illumination_states_why", plan.why);
       }
       if (!doubt.empty()) o.warn(doubt);
-      if (is_first) shares.add(field, slm.grid.pitch, power_in, moment.weight);
+      if (is_first) shares.add(field, slm.grid.pitch, power_in, state.weight);
       return field;
     });
     for (const Span span : stages_of(from))
       repeat(from[span.begin].stage, [&](const Observer& o) {
         for (size_t i = span.begin; i < span.end; ++i) {
           const Observer part = part_of_series(o, i - span.begin, span.end - span.begin);
-          const Image view = look(shown, slm, from[i].distance, propagation, from[i].camera, part, moment.source);
+          const Image view = look(shown, slm, from[i].distance, propagation, from[i].camera, part, state.source);
           if (all.size() == 1)
             add(i, view);
           else
-            add_weighted(view, moment.weight, mixed[i]);
+            add_weighted(view, state.weight, mixed[i]);
         }
         return true;
       });
@@ -218,8 +219,8 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
     });
 }
 
-int64_t viewing_calls(int64_t moments, const std::vector<Viewpoint>& from) {
-  return moments * int64_t(1 + stages_of(from).size());
+int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from) {
+  return states * int64_t(1 + stages_of(from).size());
 }
 
 ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double>& wavelengths, ImageSide image,
@@ -249,12 +250,12 @@ ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double
   return need;
 }
 
-double viewing_bytes(double sensor_pixels, size_t viewpoints, double sets, int64_t moments) {
+double viewing_bytes(double sensor_pixels, size_t viewpoints, double sets, int64_t states) {
   return sensor_pixels * double(viewpoints) *
-         (sizeof(double) * sets + sizeof(float) * (sets > 1 ? 3 : 1) + (moments > 1 ? sizeof(float) : 0));
+         (sizeof(double) * sets + sizeof(float) * (sets > 1 ? 3 : 1) + (states > 1 ? sizeof(float) : 0));
 }
 
-ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<ViewSum>& sums, ViewKind kind,
+ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
                          const CameraParams& camera) {
   ViewSeries out;
   for (size_t i = 0; i < from.size(); ++i)
@@ -262,7 +263,7 @@ ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<V
   if (out.images.empty()) return out;
   out.white = common_white(out.images, camera.exposure);
   uint32_t exposure = uint32_t(kind) << 24;
-  for (Image& image : out.images) image = read_out(image, out.white, camera, exposure++);
+  for (Image& image : out.images) image = add_sensor_noise(image, out.white, camera, exposure++);
   return out;
 }
 

@@ -37,26 +37,26 @@ struct Viewpoint {
 ///                 parallax sweep or a stereo pair without a pupil; as check_sensor does
 std::vector<Viewpoint> viewpoints(const CameraParams& camera, const RenderParams& stereo = {});
 
-/// Adds what the camera sees of a hologram, from each viewpoint, to the sums: over the moments of the light and the
-/// panel (moment_plan.h), whose light does not interfere,
+/// Adds what the camera sees of a hologram, from each viewpoint, to the sums: over the illumination states of the light and the
+/// panel (illumination_plan.h), whose light does not interfere,
 ///
-///     I(x) = Σ_moments weight · look(show(hologram, moment), part of the source)
+///     I(x) = Σ_states weight · look(show(hologram, state), part of the source)
 ///
-/// The field of a moment is shown once and looked at from everywhere. One field is there at a time, and with more than
-/// one moment one irradiance per viewpoint.
+/// The field of a state is shown once and looked at from everywhere. One field is there at a time, and with more than
+/// one state one irradiance per viewpoint.
 ///
-/// Stages: "show" for each moment (facts `moments` and `moments_why` of partly coherent light), and one for each stage
+/// Stages: "show" for each state (facts `illumination_states` and `illumination_states_why` of partly coherent light), and one for each stage
 /// of the viewpoints: viewing_calls. With an odd number of samples per pixel above 1, the first hologram's "show"
-/// states the part of the light on the panel that goes into each order (i, j), its mean over moments: facts
+/// states the part of the light on the panel that goes into each order (i, j), its mean over illumination states: facts
 /// "order_efficiency i,j", whose sum is `efficiency`.
 /// @param slm   with all of its effects; `show` says which are on
 /// @param sums  one per viewpoint
-/// @throws Error  as moments, show, look and ViewSum::add do
+/// @throws Error  as illumination_states, show, look and CombinedViews::add do
 void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& show, const PropagateParams& propagation,
-                   const std::vector<Viewpoint>& from, RepeatedStages& repeat, std::vector<ViewSum>& sums);
+                   const std::vector<Viewpoint>& from, RepeatedStages& repeat, std::vector<CombinedViews>& sums);
 
-/// Stages that view_hologram runs for a hologram at so many moments of its light.
-int64_t viewing_calls(int64_t moments, const std::vector<Viewpoint>& from);
+/// Stages that view_hologram runs for a hologram at so many illumination states of its light.
+int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from);
 
 /// What showing one hologram and looking at it from all viewpoints takes, under a source of that full angle [rad].
 struct ViewingNeed {
@@ -71,7 +71,7 @@ ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double
 
 /// Bytes of the sums and irradiances of `sets` kinds of holograms, seen by a sensor of that many pixels, and of the
 /// pictures that they become.
-double viewing_bytes(double sensor_pixels, size_t viewpoints, double sets, int64_t moments);
+double viewing_bytes(double sensor_pixels, size_t viewpoints, double sets, int64_t states);
 
 /// Pictures in one exposure.
 struct ViewSeries {
@@ -80,7 +80,7 @@ struct ViewSeries {
 };
 
 /// The views of one kind, in one exposure, as the camera's sensor reads them (view/sensor_noise.h).
-ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<ViewSum>& sums, ViewKind kind,
+ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
                          const CameraParams& camera);
 
 /// States the curves of a sweep, where there is one, as the end of its stage: `position_m`; `sharpness`, the variance

@@ -220,7 +220,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   PathCounts counts;
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
-    const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
+    const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
     if (g == 0) warn_of_left_out(scene, sets, observer);
     require_memory(2 * double(sizeof(Triangle) + 8) * double(pieces.size()) * double(sets.size()),
@@ -249,7 +249,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
       for (size_t k = 0; k < set.phase_keys.size(); ++k)
         set.triangles[k].phase = float(random_phase(set.seed, 0, set.phase_keys[k]));
       shining += int64_t(set.triangles.size());
-      const bool is_whole = !params.separate_layers && !params.separate_lights;
+      const bool is_whole = !params.separate_path_groups && !params.separate_lights;
       if (is_whole || !set.triangles.empty()) all.push_back(std::move(set));
     }
   }

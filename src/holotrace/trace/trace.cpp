@@ -220,7 +220,7 @@ Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>
   return sources;
 }
 
-/// Traces one group of wavelengths; sets of lights or layers that have no wave are left out.
+/// Traces one group of wavelengths; sets of lights or path groups that have no wave are left out.
 void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std::vector<Sources>& sets) {
   const int64_t count = t.pattern ? t.pattern->count() : 0;
   const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(WaveCell) + sizeof(float) * double(t.tiles.size());
@@ -252,7 +252,7 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
     totals.surfaces += block.surfaces;
     for (const TracedWaves& set : block.sets) totals.mesh_waves += int64_t(set.waves.size());
   }
-  const bool is_whole = !t.params.separate_layers && !t.params.separate_lights;
+  const bool is_whole = !t.params.separate_path_groups && !t.params.separate_lights;
   for (size_t s = 0; s < t.sets.size(); ++s) {
     Sources sources = join(t, s, points[s], blocks);
     if (is_whole || !sources.waves.empty()) sets.push_back(std::move(sources));
@@ -285,7 +285,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   bool has_laser = false;
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
-    const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
+    const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
     if (!pattern && has_surfaces(scene)) pattern.emplace(params, panel, cones.of_rays);
     const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
@@ -310,10 +310,11 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
 
 Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
               const Observer& observer) {
-  require(!params.separate_layers && !params.separate_lights,
-          "expected parameters that make one set of waves, got separate_layers = {}, separate_lights = {}; trace a "
-          "list of wavelengths, which returns all sets",
-          params.separate_layers, params.separate_lights);
+  require(
+      !params.separate_path_groups && !params.separate_lights,
+      "expected parameters that make one set of waves, got separate_path_groups = {}, separate_lights = {}; trace a "
+      "list of wavelengths, which returns all sets",
+      params.separate_path_groups, params.separate_lights);
   return std::move(trace(scene, panel, std::vector<double>{wavelength}, params, observer).front());
 }
 

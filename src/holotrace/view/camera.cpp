@@ -173,7 +173,7 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   const Sensor sensor =
       sensor_of(shown.grid, slm, shown.wavelength, z, propagation, camera, std::abs(z) * source.reach(), observer);
   const auto sensed = [&](const Field& field) { return read_sensor(field, sensor, source, z, m, observer); };
-  const auto stopped = [&] { return shown.filter ? select_order(shown, *shown.filter, observer) : shown; };
+  const auto stopped = [&] { return shown.filter ? apply_order_stop(shown, *shown.filter, observer) : shown; };
   if (camera.pupil == 0) return sensed(propagate(stopped(), z, sensor.window, observer));
 
   warn_beside_eyebox(shown, slm, camera, observer);

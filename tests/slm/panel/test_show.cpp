@@ -238,7 +238,7 @@ TEST(Show, StopFollowsTheOrderUnderTiltedLight) {
   const auto passed = [&](const ShowParams& params) {
     const Field f = show(h, slm, params);
     Heard heard;
-    select_order(f, *f.filter, heard.observer());
+    apply_order_stop(f, *f.filter, heard.observer());
     return heard.number("filter_power") * energy(f.samples.values.data(), f.samples.size());
   };
   const ShowParams axial{.subpixels = 5};
@@ -247,8 +247,8 @@ TEST(Show, StopFollowsTheOrderUnderTiltedLight) {
   tilted.tilt_y = std::asin(-20 * test_wavelength / width);
   EXPECT_GT(passed(axial), 0.5 * 320 * 320);  // it has sinc²(1/4) = 0.81 of the light
   EXPECT_NEAR(passed(tilted) / passed(axial), 1, 1e-4);
-  // A moment's own direction, of a source that is spread, moves the light and not the stop.
-  const Field spread = show(h, slm, axial, Moment{test_wavelength, tilted.tilt_x, tilted.tilt_y});
+  // A state's own direction, of a source that is spread, moves the light and not the stop.
+  const Field spread = show(h, slm, axial, IlluminationState{test_wavelength, tilted.tilt_x, tilted.tilt_y});
   EXPECT_EQ(spread.filter, h.filter);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -33,6 +35,10 @@ enum class StartPhase { field, random };
 /// Quantity in which the two levels of a binary hologram differ.
 enum class BinaryLevels { panel, phase, amplitude };
 
+/// Iterations, and the step of sgd [rad], where 0 is given.
+inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, target_field_iterations = 30;
+inline constexpr double sgd_step = 0.4;
+
 /// How the field on the panel becomes the levels of its pixels.
 struct EncodeParams {
   Encoding method = Encoding::phase;           ///< what a pixel's level represents
@@ -49,8 +55,8 @@ struct EncodeParams {
   int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
   bool resample = false;                    ///< scale a target picture of another size to that part
   bool is_joint = false;                    ///< iterations: one hologram for all wavelengths
-  int iterations = 0;                       ///< number of iterations; 0: 50 for Gerchberg–Saxton, 200 for sgd
-  double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: 0.4
+  int iterations = 0;                       ///< number of iterations; 0: as many as the method takes, above
+  double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: sgd_step
   StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
   int64_t seed = 1;                         ///< seed for random start phases
   std::vector<std::string> effects{};       ///< effects of the panel that the levels compensate; or "all"
@@ -99,9 +105,12 @@ void describe(Visitor& v, EncodeParams& p) {
           "iterations, pictures: height in pixels of that part; 0: the panel's");
   v.flag("resample", p.resample, "scale a target picture of another size to target_columns x target_rows");
   v.flag("joint", p.is_joint, "iterations: one hologram for all wavelengths; false: one for each");
-  v.count("iterations", p.iterations, range::not_negative,
-          "number of iterations; 0: 50 for gerchberg-saxton, 200 for sgd, 30 for the field of a picture");
-  v.number("step", p.step, range::not_negative, "sgd: step of the phase per iteration in radians; 0: 0.4");
+  static const std::string iterations =
+      fmt::format("number of iterations; 0: {} for gerchberg-saxton, {} for sgd, {} for the field of a picture",
+                  gerchberg_saxton_iterations, sgd_iterations, target_field_iterations);
+  v.count("iterations", p.iterations, range::not_negative, iterations.c_str());
+  static const std::string step = fmt::format("sgd: step of the phase per iteration in radians; 0: {:g}", sgd_step);
+  v.number("step", p.step, range::not_negative, step.c_str());
   v.choice("start", p.start, {{"field", StartPhase::field}, {"random", StartPhase::random}},
            "start phase of iterations and phase of target pictures: the field's own (0 for a picture), or random");
   v.count("seed", p.seed, range::not_negative, "seed for random start phases");

@@ -16,6 +16,7 @@ struct PropagateParams {
   double pitch = 0;                                         ///< pitch of the output's samples [m]; 0: the input's
   double centre_x = 0, centre_y = 0;                        ///< centre of the output window [m]
   bool is_periodic = false;                                 ///< the field is periodic: no padding, angular spectrum
+  bool operator==(const PropagateParams&) const = default;
 };
 
 template <class Visitor>

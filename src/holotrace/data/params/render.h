@@ -27,8 +27,8 @@ struct RenderParams {
   int paths = 64;               ///< light paths per pixel
   int max_depth = 8;            ///< largest number of surfaces on a light path
   double clamp = 0;             ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
-  std::vector<std::string> layers{};  ///< light path expressions whose light is summed; empty: all light
-  bool has_background = true;         ///< the environment is shown where no surface is; holograms leave it out
+  std::vector<std::string> path_expressions{};  ///< light path expressions whose light is summed; empty: all light
+  bool has_background = true;  ///< the environment is shown where no surface is; holograms leave it out
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
   int64_t seed = 1;                                 ///< seed for all random numbers
 };
@@ -50,7 +50,7 @@ void describe(Visitor& v, RenderParams& p) {
   v.count("paths", p.paths, range::at_least(1), "light paths per pixel");
   v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
   v.number("clamp", p.clamp, range::not_negative, "upper limit of the radiance of one path in W/m2/sr; 0: no limit");
-  v.texts("layers", p.layers, "light path expressions whose light is summed; empty: all light");
+  v.texts("path_expressions", p.path_expressions, "light path expressions whose light is summed; empty: all light");
   v.flag("background", p.has_background,
          "environment shown where no surface is; run leaves it out of its reference pictures");
   v.choice(

@@ -21,12 +21,12 @@ struct ShowParams {
   double irradiance = 1;  ///< irradiance of the illumination on the axis [W/m²]
   Wavefront light = Wavefront::plane;
   double tilt_x = 0, tilt_y = 0;  ///< tilt of the illumination from the panel's axis [rad]
-  double source_distance =
-      0;  ///< spherical: distance of the source behind the panel [m]; < 0: the light converges in front of it
-  double beam_radius = 0;   ///< gaussian: radius of the beam on the panel at 1/e² of its irradiance [m]
-  double bandwidth = 0;     ///< full width at half maximum of the Gaussian spectrum [m]
-  double source_angle = 0;  ///< full angle of the source, a disc, as seen from the panel [rad]
-  int moments = 0;          ///< states of partly coherent light and flicker to average; 0: as many as the views need
+  double source_distance = 0;     ///< spherical: of the source behind the panel [m]; < 0: it converges in front of it
+  double beam_radius = 0;         ///< gaussian: radius of the beam on the panel at 1/e² of its irradiance [m]
+  double bandwidth = 0;           ///< full width at half maximum of the Gaussian spectrum [m]
+  double source_angle = 0;        ///< full angle of the source, a disc, as seen from the panel [rad]
+  int illumination_states =
+      0;  ///< states of partly coherent light and flicker to average; 0: as many as the views need
   std::vector<std::string> effects{};  ///< effects of the panel that are modelled; or "all"
 };
 
@@ -52,7 +52,7 @@ void describe(Visitor& v, ShowParams& p) {
            "full width at half maximum of the illumination's spectrum; 0 m: one wavelength");
   v.angle("source_angle", p.source_angle, range::below(0, std::numbers::pi),
           "full angle of the source as seen from the panel; 0 deg: a point source");
-  v.count("moments", p.moments, range::from_to(0, 65536),
+  v.count("illumination_states", p.illumination_states, range::from_to(0, 65536),
           "number of states of partly coherent light and flicker to average; 0: as many as the views need");
   v.texts(
       "effects", p.effects,

@@ -6,8 +6,8 @@
 
 namespace holotrace {
 
-/// How the field is computed. From waves: one by one in double (`exact`); tile by tile (`tiled`); by non-uniform FFTs on
-/// planes near each tile (`planes`); by slices of depth (`layers`); by the fastest of these that meets the tolerance
+/// How the field is computed. From waves: one by one in double (`exact`); tile by tile (`tiled`); by a non-uniform FFT
+/// in each tile (`planes`); by slices of depth (`layers`); by the fastest of these that meets the tolerance
 /// (`automatic`). From surfaces: as luminous triangles (`triangles`).
 enum class SynthesisMethod { automatic, exact, tiled, planes, layers, triangles };
 
@@ -37,8 +37,8 @@ void describe(Visitor& v, SynthesizeParams& p) {
        {"planes", SynthesisMethod::planes},
        {"layers", SynthesisMethod::layers},
        {"triangles", SynthesisMethod::triangles}},
-      "how the field is computed. From waves: one by one in double precision (exact), tile by tile (tiled), by FFTs on "
-      "planes near each tile (planes), by slices of depth (layers), or by the fastest of these that meets the tolerance "
+      "how the field is computed. From waves: one by one in double precision (exact), tile by tile (tiled), by a "
+      "non-uniform FFT in each tile (planes), by slices of depth (layers), or by the fastest of these that meets the tolerance "
       "(auto). From the scene's surfaces: as luminous triangles (triangles)");
   v.number("tolerance", p.tolerance, range::between(0, 1),
            "largest relative L2 error of the field against the method exact");

@@ -12,8 +12,8 @@
 namespace holotrace {
 
 /// What a traced sample lights. `shared`: every panel pixel in its box. `tiled`: the same, with visibility and radiance
-/// found for each tile of the panel. `gather`: one panel pixel (the paper's algorithm; docs/path_tracing.md has the
-/// differences); it makes the field itself instead of waves.
+/// found for each tile of the panel. `gather`: one panel pixel (the paper's algorithm; docs/explanation/path_tracing.md
+/// has the differences); it makes the field itself instead of waves.
 enum class Strategy { shared, tiled, gather };
 
 /// Rays that find first hits: a raster seen from the panel's centre, or random rays over the panel's acceptance.
@@ -52,8 +52,8 @@ struct TraceParams {
   double grain = 0;                             ///< side of the cells of equal surface phase [m]; 0: the pixel pitch
   bool one_wave_per_cell = true;                ///< first hits in one cell of equal phase make one wave
   AmplitudeLaw amplitude = AmplitudeLaw::sqrt;  ///< amplitude as a function of the radiance
-  std::vector<std::string> layers{};            ///< light path expressions; none: all light, "E.*L"
-  bool separate_layers = false;                 ///< one hologram per layer
+  std::vector<std::string> path_expressions{};  ///< light path expressions; none: all light, "E.*L"
+  bool separate_path_groups = false;            ///< one hologram per path expression
   bool separate_lights = false;                 ///< one hologram per light: lights do not interfere
   int frames = 1;                               ///< M, holograms with independent phases, shown one after the other
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
@@ -105,8 +105,8 @@ void describe(Visitor& v, TraceParams& p) {
   v.choice(
       "amplitude", p.amplitude, {{"sqrt", AmplitudeLaw::sqrt}, {"linear", AmplitudeLaw::linear}},
       "amplitude of a wave of radiance L: sqrt(L), so that brightness follows radiance, or L (the paper's Step 5)");
-  v.texts("layers", p.layers, "light path expressions, for example E(D|G)L; empty: all light");
-  v.flag("separate_layers", p.separate_layers, "one hologram for each layer; false: one for all");
+  v.texts("path_expressions", p.path_expressions, "light path expressions, for example E(D|G)L; empty: all light");
+  v.flag("separate_path_groups", p.separate_path_groups, "one hologram for each path expression; false: one for all");
   v.flag("separate_lights", p.separate_lights,
          "one hologram for each light; their images are added without interference");
   v.count("frames", p.frames, range::at_least(1), "holograms with independent phases, shown one after the other");

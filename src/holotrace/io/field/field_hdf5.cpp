@@ -175,10 +175,11 @@ void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Rea
     const std::array<hsize_t, 3> block{1, hsize_t(grid.ny), hsize_t(grid.nx)};
     for (hsize_t n = 0; n < stack.size(); ++n) {
       const std::array<hsize_t, 3> start{n, 0, 0};
-      const Handle plane(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
+      const Handle field_space(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
       const Handle place(H5Dget_space(data), H5Sclose);
       if (stack.size() > 1) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
-      require_written(H5Dwrite(data, memory, plane, place, H5P_DEFAULT, stack[n].samples.values.data()) >= 0, path);
+      require_written(H5Dwrite(data, memory, field_space, place, H5P_DEFAULT, stack[n].samples.values.data()) >= 0,
+                      path);
     }
   }
   require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
@@ -235,8 +236,9 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
   const int rank = H5Sget_simple_extent_ndims(space);
   std::array<hsize_t, 3> shape{};
   if (rank == 2 || rank == 3) H5Sget_simple_extent_dims(space, shape.data(), nullptr);
-  const bool has_planes = rank == 3;
-  const hsize_t count = has_planes ? shape[0] : 1, ny = shape[has_planes], nx = shape[size_t(has_planes) + 1];
+  const bool has_wavelengths = rank == 3;
+  const hsize_t count = has_wavelengths ? shape[0] : 1, ny = shape[has_wavelengths],
+                nx = shape[size_t(has_wavelengths) + 1];
   require((rank == 2 || rank == 3) && count > 0 && ny > 0 && nx > 0 && count < (1u << 30) && ny < (1u << 30) &&
               nx < (1u << 30),
           "{}: expected the shape (ny, nx) or (wavelengths, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
@@ -267,10 +269,10 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
     BasicField<Real>& one = stack.emplace_back(field);
     one.samples = Array2D<std::complex<Real>>(one.grid.ny, one.grid.nx);
     const std::array<hsize_t, 3> start{n, 0, 0}, block{1, ny, nx};
-    const Handle plane(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
+    const Handle field_space(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
     const Handle place(H5Dget_space(data), H5Sclose);
-    if (has_planes) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
-    require(H5Dread(data, memory, plane, place, H5P_DEFAULT, one.samples.values.data()) >= 0,
+    if (has_wavelengths) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+    require(H5Dread(data, memory, field_space, place, H5P_DEFAULT, one.samples.values.data()) >= 0,
             "{}: expected {} × {} complex samples, but they cannot be read; the file is truncated or damaged", path, nx,
             ny);
   }

@@ -72,7 +72,7 @@ std::string format_shape(const std::vector<int64_t>& shape) {
 
 // Where the sample (n, row, column) of an array of shape (count, ny, nx) stands in the file [samples].
 struct Strides {
-  size_t plane, row, column;
+  size_t array, row, column;
 };
 
 // In C order the last index counts fastest, in Fortran order the first.
@@ -82,11 +82,11 @@ Strides strides_of(const std::vector<int64_t>& shape, bool fortran_order) {
 }
 
 template <class From, class To>
-void copy_samples(const char* plane, const Strides& strides, Array2D<std::complex<To>>& values) {
+void copy_samples(const char* first, const Strides& strides, Array2D<std::complex<To>>& values) {
   for (int j = 0; j < values.ny; ++j)
     for (int i = 0; i < values.nx; ++i) {
       std::complex<From> sample;
-      std::memcpy(&sample, plane + (size_t(j) * strides.row + size_t(i) * strides.column) * sizeof sample,
+      std::memcpy(&sample, first + (size_t(j) * strides.row + size_t(i) * strides.column) * sizeof sample,
                   sizeof sample);
       values(j, i) = std::complex<To>(sample);
     }
@@ -130,7 +130,7 @@ std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path) {
   const Strides strides = strides_of(shape, header.fortran_order);
   std::vector<Array2D<std::complex<Real>>> stack;
   for (size_t n = 0; n < size_t(shape[0]); ++n) {
-    const char* data = bytes.data() + header.data_begin + n * strides.plane * sample;
+    const char* data = bytes.data() + header.data_begin + n * strides.array * sample;
     Array2D<std::complex<Real>>& values = stack.emplace_back(int(shape[1]), int(shape[2]));
     if (is_single)
       copy_samples<float>(data, strides, values);

@@ -8,7 +8,7 @@ namespace holotrace {
 
 /// Reads a scene file (TOML): the scene, the light, the panel, and the parameters of every stage. A file of meshes
 /// (.obj, .ply, .gltf, .glb) gives the scene that job_for_model in io/scene/model_job.h makes around it.
-/// The format is described in docs/scene_format.md. Files that it names are sought beside it. With
+/// The format is described in docs/reference/scene_format.md. Files that it names are sought beside it. With
 /// `extends = "other.toml"` it is that scene with this file's tables over it, key by key; a list of
 /// tables ([[object]], …) replaces the other's list.
 /// @throws Error starting with file:line:column for what is missing, unknown (naming the nearest known

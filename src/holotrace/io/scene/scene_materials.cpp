@@ -48,26 +48,27 @@ DiffuseMaterial read_diffuse(TomlTable& table) {
   return surface;
 }
 
+// A refractive index, by the name of its substance (the key `kind`) or itself (the key "index").
+template <class Index, class ByName, class Read>
+void read_index_or_name(TomlTable& table, const char* kind, Index& index, const ByName& by_name, const Read& read) {
+  std::string name;
+  table.text(kind, name);
+  require(!(table.has(kind) && table.has("index")), "{}expected either \"{}\" or \"index\", got both",
+          table.where("index"), kind);
+  if (!name.empty()) table.locate(kind, [&] { index = by_name(name); });
+  read(table, "index", index);
+}
+
 ConductorMaterial read_conductor(TomlTable& table) {
   ConductorMaterial surface;
-  std::string metal;
-  table.text("metal", metal);
-  require(!(table.has("metal") && table.has("index")), "{}expected either \"metal\" or \"index\", got both",
-          table.where("index"));
-  if (!metal.empty()) table.locate("metal", [&] { surface.index = metal_index(metal); });
-  read_metal_index(table, "index", surface.index);
+  read_index_or_name(table, "metal", surface.index, metal_index, read_metal_index);
   table.number("roughness", surface.roughness, range::fraction);
   return surface;
 }
 
 DielectricMaterial read_dielectric(TomlTable& table) {
   DielectricMaterial surface;
-  std::string glass;
-  table.text("glass", glass);
-  require(!(table.has("glass") && table.has("index")), "{}expected either \"glass\" or \"index\", got both",
-          table.where("index"));
-  if (!glass.empty()) table.locate("glass", [&] { surface.index = glass_index(glass); });
-  read_glass_index(table, "index", surface.index);
+  read_index_or_name(table, "glass", surface.index, glass_index, read_glass_index);
   table.number("roughness", surface.roughness, range::fraction);
   table.flag("thin", surface.is_thin);
   return surface;

@@ -23,13 +23,8 @@ namespace fs = std::filesystem;
 std::vector<CalibrationPoint> with_levels(const std::vector<CalibrationPoint>& points, int levels) {
   if (points.empty() || points.size() == size_t(levels)) return points;
   std::vector<CalibrationPoint> out;
-  for (int level = 0; level < levels; ++level) {
-    const double place = double(level) * double(points.size()) / levels;
-    const size_t below = std::min(size_t(place), points.size() - 2);
-    const double t = place - double(below);
-    const CalibrationPoint &a = points[below], &b = points[below + 1];
-    out.push_back({a.phase + t * (b.phase - a.phase), a.amplitude + std::min(t, 1.0) * (b.amplitude - a.amplitude)});
-  }
+  for (int level = 0; level < levels; ++level)
+    out.push_back(calibration_at(points, double(level) * double(points.size()) / levels));
   return out;
 }
 

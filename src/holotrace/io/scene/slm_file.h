@@ -22,7 +22,7 @@ std::vector<std::string> slm_preset_names();
 ///         that cannot be read
 Slm slm_preset(const std::string& name);
 
-/// Reads a table with the keys of [slm] (docs/slm.md) over a panel, key by key.
+/// Reads a table with the keys of [slm] (docs/explanation/slm.md) over a panel, key by key.
 /// @param preset  of which the table is a change, where it names none itself; "": a panel of its own
 /// @param effects  takes the names of the effects that the table itself says something of
 /// @throws Error   with file:line:column

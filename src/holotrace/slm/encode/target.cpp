@@ -115,18 +115,19 @@ std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& pane
 
 Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   const bool has_stop = params.method == Encoding::double_phase || params.method == Encoding::error_diffusion;
-  const PlaneOptics optics =
-      make_plane_optics(slm, target.wavelength, target.z, PixelAperture::included, has_stop ? params.stop : 1);
+  const TargetPropagation propagation =
+      make_target_propagation(slm, target.wavelength, target.z, PixelAperture::included, has_stop ? params.stop : 1);
   const double power = target_power(target);
-  const int steps = aims_at_targets(params.method) || power == 0 ? 0 : params.iterations > 0 ? params.iterations : 30;
-  Field u = optics.to_panel(target_field(target, slm.grid, params));
+  const int wanted = params.iterations > 0 ? params.iterations : target_field_iterations;
+  const int steps = aims_at_targets(params.method) || power == 0 ? 0 : wanted;
+  Field u = propagation.to_panel(target_field(target, slm.grid, params));
   Field before = u;
   std::vector<double> convergence;
   for (int step = 0, since = 0; step < steps; ++step, ++since) {
-    Field shown = optics.to_plane(u);
+    Field shown = propagation.to_plane(u);
     convergence.push_back(leave_residual(target, 1, shown) / power);
     if (step > 0 && convergence[size_t(step)] > convergence[size_t(step) - 1]) since = 0;  // too fast: begin again
-    add_part(optics.to_panel(shown), 1, u);
+    add_part(propagation.to_panel(shown), 1, u);
     go_on(double(since) / (since + 3.0), before, u);
     observer.progress((step + 1.0) / steps);
   }

@@ -35,7 +35,7 @@ std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& pane
 ///
 /// T is the way through the pixels' aperture, the stop of double-phase and error-diffusion, and free space; its finite
 /// window loses the fine detail at the picture's edges that a plain propagation back would count on. The steps gather
-/// momentum (Nesterov, 1983), which ends where the error Σw(|v| − a)² grows. params.iterations steps (0: 30).
+/// momentum (Nesterov, 1983), which ends where the error Σw(|v| − a)² grows. params.iterations steps (0: target_field_iterations).
 ///
 /// @return  of the target's wavelength, at z = 0 [√(W/m²)]; for a real image the conjugate, which encode turns back
 /// Facts: `iterations`, `error_first`, `error_last`: parts of Σw·a². Curve `convergence`: the same, before each step.

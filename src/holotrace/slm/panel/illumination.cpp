@@ -51,14 +51,14 @@ Array2D<Complex> spherical(const Grid& grid, Vec3 centre, double distance, doubl
 
 }  // namespace
 
-Illumination illuminate(const Grid& grid, const ShowParams& params, const Moment& moment) {
-  require(std::isfinite(moment.tilt_x) && std::isfinite(moment.tilt_y) &&
-              std::max(std::abs(moment.tilt_x), std::abs(moment.tilt_y)) < pi / 2,
-          "expected light tilted by less than 90°, got {} in x, {} in y", format_angle(moment.tilt_x),
-          format_angle(moment.tilt_y));
-  const double sx = std::sin(moment.tilt_x), sy = std::sin(moment.tilt_y), wavelength = moment.wavelength;
+Illumination illuminate(const Grid& grid, const ShowParams& params, const IlluminationState& state) {
+  require(std::isfinite(state.tilt_x) && std::isfinite(state.tilt_y) &&
+              std::max(std::abs(state.tilt_x), std::abs(state.tilt_y)) < pi / 2,
+          "expected light tilted by less than 90°, got {} in x, {} in y", format_angle(state.tilt_x),
+          format_angle(state.tilt_y));
+  const double sx = std::sin(state.tilt_x), sy = std::sin(state.tilt_y), wavelength = state.wavelength;
   require(sx * sx + sy * sy < 1, "expected light that meets the panel, got tilts of {} in x and {} in y together",
-          format_angle(moment.tilt_x), format_angle(moment.tilt_y));
+          format_angle(state.tilt_x), format_angle(state.tilt_y));
   Illumination light;
   if (params.light == Wavefront::spherical) {
     const double d = params.source_distance;

@@ -25,10 +25,10 @@ struct Illumination {
   bool is_even() const { return along_x.empty() && samples.size() == 0; }
 };
 
-/// @param moment  its wavelength and tilt hold
+/// @param state   its wavelength and tilt hold
 /// @throws Error  for tilts of 90° and more; for a source distance or beam radius of 0 or not finite where one is
 ///                needed; for light too steep for the samples of the grid, with the steepest that they can hold
-Illumination illuminate(const Grid& grid, const ShowParams& params, const Moment& moment);
+Illumination illuminate(const Grid& grid, const ShowParams& params, const IlluminationState& state);
 
 /// The mean of |light|² over the grid: its power over that of plane light.
 double mean_irradiance(const Illumination& light);

@@ -11,7 +11,7 @@
 
 namespace holotrace {
 
-/// A panel under the light of one moment, made ready for any number of patterns: from what its pixels are driven with
+/// A panel under the light of one illumination state, made ready for any number of patterns: from what its pixels are driven with
 /// to the field that leaves it, and back for gradients. `show` and the encoder `sgd` both stand on it.
 ///
 /// A pattern is a **drive**: a value in levels per pixel, 0 ≤ ℓ ≤ M, whole ones those of a hologram, fractional ones
@@ -33,13 +33,13 @@ class PanelModel {
  public:
   /// @param slm         the panel, with the effects that are on (with_effects)
   /// @param params      subpixels n, fine_samples, irradiance E and shape of the light; wavelength, tilts and the
-  ///                    coherence are the moment's
+  ///                    coherence are the state's
   /// @param modulation  of the hologram
   /// @param levels      M of the hologram
-  /// @param design_wavelength  λ₀ at which level M shows the phase range [m]; 0: the moment's wavelength
+  /// @param design_wavelength  λ₀ at which level M shows the phase range [m]; 0: the state's wavelength
   /// @throws Error      as show does
   PanelModel(const Slm& slm, const ShowParams& params, Modulation modulation, int levels, double design_wavelength,
-             const Moment& moment);
+             const IlluminationState& state);
 
   /// The field that leaves the panel: at z = 0, shape (n·ny, n·nx), n = params.subpixels.
   /// @param drive    shape (ny, nx), finite

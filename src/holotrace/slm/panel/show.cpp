@@ -69,7 +69,7 @@ void check_light(const ShowParams& params) {
 }
 
 // The stop stands in the middle of the light that the encoder's order is to take: light that is tilted moves the order,
-// and the stop with it. It does not follow a moment's own tilt.
+// and the stop with it. It does not follow the tilt of a single illumination state.
 SpectralFilter under_tilt(SpectralFilter stop, const ShowParams& params, double wavelength) {
   stop.u0 += std::sin(params.tilt_x) / wavelength;
   stop.v0 += std::sin(params.tilt_y) / wavelength;
@@ -125,7 +125,7 @@ void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, con
 
 }  // namespace
 
-Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Moment& moment,
+Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
            const Observer& observer) {
   check_slm(slm);
   check_hologram(hologram, slm);
@@ -136,7 +136,7 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
                               hologram.levels, slm.name, slm.levels, hologram.levels));
   const Slm with = with_effects(slm, params.effects);
   const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
-  const PanelModel panel(with, params, hologram.modulation, hologram.levels, design, moment);
+  const PanelModel panel(with, params, hologram.modulation, hologram.levels, design, state);
   Field field;
   if (hologram.modulation == Modulation::complex) {
     const Array2D<float> modulus = drive_of(hologram.modulus_level);
@@ -145,7 +145,7 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
     field = panel.leave(drive_of(hologram.level));
   }
   field.image = hologram.image;
-  if (hologram.filter) field.filter = under_tilt(*hologram.filter, params, moment.wavelength);
+  if (hologram.filter) field.filter = under_tilt(*hologram.filter, params, state.wavelength);
 
   const double power_in = panel.power_in();
   const double power_out =
@@ -160,7 +160,7 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
 
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer) {
   const double wavelength = params.wavelength == 0 ? hologram.wavelength : params.wavelength;
-  return show(hologram, slm, params, Moment{wavelength, params.tilt_x, params.tilt_y}, observer);
+  return show(hologram, slm, params, IlluminationState{wavelength, params.tilt_x, params.tilt_y}, observer);
 }
 
 }  // namespace holotrace

@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
+#include "holotrace/base/wrapped.h"
 #include "holotrace/wave/layers/layer_plan.h"
 #include "holotrace/wave/layers/layer_spectrum.h"
 
@@ -17,8 +18,6 @@ namespace {
 using Complex = std::complex<float>;
 
 constexpr double raster_tolerance = 1e-6;  // of the angles that are left out: what floats hold
-
-int wrapped(int index, int size) { return ((index % size) + size) % size; }
 
 // Where sample (0, 0) of a slice lies on the panel's raster.
 struct Corner {

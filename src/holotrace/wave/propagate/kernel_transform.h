@@ -9,6 +9,7 @@
 #include "holotrace/base/fft.h"
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/base/wrapped.h"
 #include "holotrace/wave/propagate/propagation_axis.h"
 
 namespace holotrace {
@@ -46,7 +47,7 @@ void transform_kernel(const PropagationAxis& x, const PropagationAxis& y, const 
       along_x(line);
     }
     for (int s = 0; s < slots; ++s) {
-      const int k = x.is_even ? s : x.first + s, bin = (k % nx + nx) % nx;
+      const int k = x.is_even ? s : x.first + s, bin = wrapped(k, nx);
       for (int r = 0; r < count; ++r)
         turned.data()[size_t(s) * size_t(rows) + size_t(first + r)] = lines[size_t(r) * size_t(nx) + size_t(bin)];
     }

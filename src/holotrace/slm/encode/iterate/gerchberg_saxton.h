@@ -34,7 +34,7 @@ namespace holotrace {
 ///
 /// @param targets  of one wavelength
 /// @param start    pattern of modulus 1, shape (ny, nx)
-/// @return         the pattern after params.iterations (0: 50), not yet of levels
+/// @return         the pattern after iterations_of(params), not yet of levels
 /// @throws Error   for targets of several wavelengths, and iterations below 0
 /// Curve `convergence`: E/(s²·1/K·Σ w·a²) before each iteration and after the last.
 /// Cost: two propagations per plane and iteration.

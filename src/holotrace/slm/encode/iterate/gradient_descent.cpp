@@ -20,7 +20,7 @@ namespace {
 struct Colour {
   DrivenPanel panel;
   std::vector<const TargetPlane*> targets;
-  std::vector<PlaneOptics> optics;
+  std::vector<TargetPropagation> propagations;
   Field u;
   double scale = 1, error = 0;  // of the pattern looked at last
   double light = 0;             // of it, where the weight is not 0
@@ -40,7 +40,7 @@ std::vector<std::unique_ptr<Colour>> colours_of(const std::vector<TargetPlane>& 
       found = colours.insert(colours.end(), std::make_unique<Colour>(slm, hologram, target.wavelength));
     Colour& colour = **found;
     colour.targets.push_back(&target);
-    colour.optics.push_back(make_plane_optics(slm, target.wavelength, target.z, colour.panel.aperture()));
+    colour.propagations.push_back(make_target_propagation(slm, target.wavelength, target.z, colour.panel.aperture()));
     colour.power += target_power(target);
   }
   return colours;
@@ -52,7 +52,7 @@ Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
   std::vector<Field> shown;
   ModulusSums sums;
   for (size_t k = 0; k < colour.targets.size(); ++k) {
-    shown.push_back(colour.optics[k].to_plane(colour.u));
+    shown.push_back(colour.propagations[k].to_plane(colour.u));
     const ModulusSums part = fit_sums(*colour.targets[k], shown.back());
     sums.cross += part.cross;
     sums.square += part.square;
@@ -66,7 +66,7 @@ Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
   colour.error = 0;
   for (size_t k = 0; k < colour.targets.size(); ++k) {
     colour.error += colour.scale * colour.scale * leave_residual(*colour.targets[k], 1 / colour.scale, shown[k]);
-    Field back = colour.optics[k].to_panel(shown[k]);
+    Field back = colour.propagations[k].to_panel(shown[k]);
     if (colour.targets.size() == 1) return back;
     add_part(back, 1, gradient);
   }
@@ -125,7 +125,7 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
 
   const DrivenPanel& first = colours.front()->panel;
   const float turn = colours.size() == 1 ? float(first.turn()) : 0;  // the levels of a circle
-  const double step = (params.step > 0 ? params.step : 0.4) * first.levels_per_radian();
+  const double step = (params.step > 0 ? params.step : sgd_step) * first.levels_per_radian();
   constexpr double beta1 = 0.9, beta2 = 0.99;
   const int nx = hologram.level.nx, ny = hologram.level.ny;
   Array2D<float> drive(ny, nx), levels(ny, nx), slope(ny, nx), mean(ny, nx), square(ny, nx);

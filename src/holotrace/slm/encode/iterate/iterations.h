@@ -14,7 +14,7 @@ inline bool aims_at_targets(Encoding method) {
 inline int iterations_of(const EncodeParams& params) {
   if (!aims_at_targets(params.method)) return 0;
   if (params.iterations > 0) return params.iterations;
-  return params.method == Encoding::sgd ? 200 : 50;
+  return params.method == Encoding::sgd ? sgd_iterations : gerchberg_saxton_iterations;
 }
 
 }  // namespace holotrace

@@ -8,7 +8,7 @@ namespace holotrace {
 
 /// The way of light from the pixels of a panel to a plane that it is to show something in, and the adjoint way back,
 /// made ready for iterations: windows as large as the panel, zero-padded.
-struct PlaneOptics {
+struct TargetPropagation {
   Propagator<float> there, back;
 
   Field to_plane(const Field& panel) const;
@@ -23,6 +23,7 @@ enum class PixelAperture { left_out, included };
 /// @param z           of the plane [m]: > 0 before the panel
 /// @param stop        half width of a stop on the axis, as a part of 1/2p
 /// @throws Error      as make_propagator does
-PlaneOptics make_plane_optics(const Slm& slm, double wavelength, double z, PixelAperture aperture, double stop = 1);
+TargetPropagation make_target_propagation(const Slm& slm, double wavelength, double z, PixelAperture aperture,
+                                          double stop = 1);
 
 }  // namespace holotrace

@@ -1,4 +1,4 @@
-#include "holotrace/view/register/plane.h"
+#include "holotrace/view/register/channel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,15 +31,15 @@ std::vector<Window> gaussian_windows(int old_count, int new_count, double pixel,
   return windows;
 }
 
-Plane filtered(const Plane& plane, int ny, int nx, double pixel, double sigma) {
-  const std::vector<Window> across = gaussian_windows(plane.nx, nx, pixel, sigma);
-  const std::vector<Window> down = gaussian_windows(plane.ny, ny, pixel, sigma);
-  Plane narrow(plane.ny, nx), out(ny, nx);
-  parallel_for(0, plane.ny, [&](int64_t row) {
+Channel filtered(const Channel& channel, int ny, int nx, double pixel, double sigma) {
+  const std::vector<Window> across = gaussian_windows(channel.nx, nx, pixel, sigma);
+  const std::vector<Window> down = gaussian_windows(channel.ny, ny, pixel, sigma);
+  Channel narrow(channel.ny, nx), out(ny, nx);
+  parallel_for(0, channel.ny, [&](int64_t row) {
     for (int i = 0; i < nx; ++i) {
       const Window& w = across[size_t(i)];
       float sum = 0;
-      for (size_t k = 0; k < w.weights.size(); ++k) sum += w.weights[k] * plane(int(row), w.first + int(k));
+      for (size_t k = 0; k < w.weights.size(); ++k) sum += w.weights[k] * channel(int(row), w.first + int(k));
       narrow(int(row), i) = sum;
     }
   });
@@ -65,29 +65,29 @@ void keys(double t, double weights[4], double slopes[4]) {
 
 }  // namespace
 
-Plane mean_of_channels(const Image& image) {
-  Plane plane(image.ny, image.nx);
+Channel mean_of_channels(const Image& image) {
+  Channel channel(image.ny, image.nx);
   const size_t channels = size_t(image.channels);
-  for (size_t i = 0; i < plane.values.size(); ++i) {
+  for (size_t i = 0; i < channel.values.size(); ++i) {
     double sum = 0;
     for (size_t c = 0; c < channels; ++c) sum += image.values[i * channels + c];
-    plane.values[i] = float(sum / double(channels));
+    channel.values[i] = float(sum / double(channels));
   }
-  return plane;
+  return channel;
 }
 
-Plane reduced(const Plane& plane, double pixel, double blur) {
+Channel reduced(const Channel& channel, double pixel, double blur) {
   const auto count = [&](int old_count) { return std::max(1, int(std::floor(old_count / pixel + 1e-9))); };
-  return filtered(plane, count(plane.ny), count(plane.nx), pixel, blur * pixel);
+  return filtered(channel, count(channel.ny), count(channel.nx), pixel, blur * pixel);
 }
 
-Plane without_shading(const Plane& plane, double extent) {
-  Plane out = filtered(plane, plane.ny, plane.nx, 1, extent);
-  for (size_t i = 0; i < out.values.size(); ++i) out.values[i] = plane.values[i] - out.values[i];
+Channel without_shading(const Channel& channel, double extent) {
+  Channel out = filtered(channel, channel.ny, channel.nx, 1, extent);
+  for (size_t i = 0; i < out.values.size(); ++i) out.values[i] = channel.values[i] - out.values[i];
   return out;
 }
 
-Sample sample_cubic(const Plane& plane, double column, double row) {
+Sample sample_cubic(const Channel& channel, double column, double row) {
   const int i = int(column), j = int(row);
   double across[4], across_slope[4], down[4], down_slope[4];
   keys(column - i, across, across_slope);
@@ -96,7 +96,7 @@ Sample sample_cubic(const Plane& plane, double column, double row) {
   for (int y = 0; y < 4; ++y) {
     double value = 0, slope = 0;
     for (int x = 0; x < 4; ++x) {
-      const double v = plane(j - 1 + y, i - 1 + x);
+      const double v = channel(j - 1 + y, i - 1 + x);
       value += across[x] * v;
       slope += across_slope[x] * v;
     }

@@ -12,17 +12,18 @@
 
 namespace holotrace {
 
-/// The moments that the light and the panel are averaged over for some views, and why as many.
-struct MomentPlan {
-  std::vector<Moment> moments;
+/// The illumination states that the light and the panel are averaged over for some views, and why as many.
+struct IlluminationPlan {
+  std::vector<IlluminationState> states;
   int needed = 1;   ///< for an even blur of the finest point that the views resolve
   std::string why;  ///< empty for coherent light
 };
 
-/// The moments of partly coherent light (slm/panel/illumination_states.h), as many as the views need where params.moments is 0.
+/// The states of partly coherent light (slm/panel/illumination_states.h): params.illumination_states, or where that is 0
+/// as many as the views need.
 ///
 /// A source of full angle α blurs the plane at z over a disc of diameter α·z: a convolution of the irradiance
-/// (view/source_image.h), done in one moment where all the light goes on alike. What bounds it on its way does not move
+/// (view/source_image.h), done in one state where all the light goes on alike. What bounds it on its way does not move
 /// with it: of a pupil D at z_e a part of the source may move the light by D/8, of a pass band of the full angle β
 /// (the encoder's stop, or the orders that the samples hold) by β/8,
 ///
@@ -37,11 +38,12 @@ struct MomentPlan {
 /// Flicker takes 16. All together the largest, and 256 at most, beyond which a warning says what is left out.
 ///
 /// @param filter  the encoder's stop, where it is known
-/// @throws Error  as moments does
-MomentPlan plan_moments(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
-                        const std::vector<Viewpoint>& from, const std::optional<SpectralFilter>& filter = {});
+/// @throws Error  as illumination_states does
+IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
+                                   const std::vector<Viewpoint>& from,
+                                   const std::optional<SpectralFilter>& filter = {});
 
-/// The doubt to tell of a plan: moments that were asked for, or the most that are taken, are too few. Empty: none.
-std::string doubt_of(const MomentPlan& plan, const ShowParams& params);
+/// The warning of a plan whose states, asked for or limited, are too few; empty where they are enough.
+std::string doubt_of(const IlluminationPlan& plan, const ShowParams& params);
 
 }  // namespace holotrace

@@ -4,7 +4,7 @@
 #include "holotrace/trace/lights/environment.h"
 #include "trace/follow.h"
 
-// Path expressions on light paths: which light each layer takes.
+// Path expressions on light paths: which light each path group takes.
 
 namespace holotrace {
 namespace {
@@ -39,7 +39,7 @@ const std::vector<Ray> rich_rays = {{{1_mm, 2_mm, 0}, {0, 0, -1}},              
                                     {{0, 5_mm, -0.28}, normalize({-0.2, -1, -0.2})},       // the glossy floor
                                     {{2_mm, -4_mm, -0.28}, normalize({0.05, 0.05, -1})}};  // the copper ball
 
-TEST(PathLayers, OfAPartitionAddUpToTheWhole) {
+TEST(PathGroups, OfAPartitionAddUpToTheWhole) {
   const std::vector<std::string> parts = {"EL", "E(D|G)L", "ESL", "ED.+L", "EG.+L", "ES(D|G)L", "ESS.*L", "ES(D|G).+L"};
   for (const Ray& ray : rich_rays) {
     const double whole = sums_of(rich_scene(), ray, {}, {}, 2000)[0];
@@ -50,7 +50,7 @@ TEST(PathLayers, OfAPartitionAddUpToTheWhole) {
   }
 }
 
-TEST(PathLayers, OfSeparateLightsAddUpToTheWhole) {
+TEST(PathGroups, OfSeparateLightsAddUpToTheWhole) {
   for (const Ray& ray : rich_rays) {
     const double whole = sums_of(rich_scene(), ray, {}, {}, 2000)[0];
     const std::vector<double> lights = sums_of(rich_scene(), ray, {}, {.separate_lights = true}, 2000);
@@ -70,7 +70,7 @@ TEST(PathLayers, OfSeparateLightsAddUpToTheWhole) {
   }
 }
 
-TEST(PathLayers, RayCastingIsTheDirectLightAlone) {
+TEST(PathGroups, RayCastingIsTheDirectLightAlone) {
   Scene scene = rich_scene();
   scene.lights = {scene.lights[0]};
   scene.environment.reset();
@@ -84,14 +84,14 @@ TEST(PathLayers, RayCastingIsTheDirectLightAlone) {
   EXPECT_GT(sums_of(scene, ray, {"E.*L"}, {}, 100)[0], 1.001 * direct);
 }
 
-TEST(PathLayers, RadiosityIsAllOfADiffuseSceneAndNothingOfAMirror) {
+TEST(PathGroups, RadiosityIsAllOfADiffuseSceneAndNothingOfAMirror) {
   Scene room = make_box_scene({0, 0, -0.3}, {10_mm, 8_mm, 6_mm}, grey(0.5, 1));
   const Ray ray{{1_mm, 1_mm, -0.3}, normalize({0.3, -0.5, 0.2})};
   EXPECT_NEAR(sums_of(room, ray, {"ED*L"}, {}, 500)[0], sums_of(room, ray, {}, {}, 500)[0], 1e-12);
   EXPECT_EQ(sums_of(rich_scene(), rich_rays[1], {"ED*L"}, {}, 500)[0], 0) << "the mirror is the first surface";
 }
 
-TEST(PathLayers, RecursiveRayTracingSeesTheWallInTheMirrorByItsReflectance) {
+TEST(PathGroups, RecursiveRayTracingSeesTheWallInTheMirrorByItsReflectance) {
   // The mirror stands at 45° on the axis; the wall that it shows lies 30 mm to the left, lit from 20 mm before it.
   Scene scene;
   scene.materials = {grey(0.6), {ConductorMaterial{constant_index(3), 0}}};
@@ -112,7 +112,7 @@ TEST(PathLayers, RecursiveRayTracingSeesTheWallInTheMirrorByItsReflectance) {
   EXPECT_EQ(sums_of(scene, ray, {"ESSDL"}, {}, 1000)[0], 0);
 }
 
-TEST(PathLayers, PathsThatNoLayerTakesEndAtOnce) {
+TEST(PathGroups, PathsThatNoGroupTakesEndAtOnce) {
   const Scene room = make_box_scene({0, 0, -0.3}, {10_mm, 8_mm, 6_mm}, grey(0.9, 1));
   const PathScene scene(room, Lines{}, {"EDL"}, {});
   const PathStart start = start_of(scene, {{0, 0, -0.3}, {0, 0, -1}});

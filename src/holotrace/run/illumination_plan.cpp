@@ -1,4 +1,4 @@
-#include "holotrace/run/moment_plan.h"
+#include "holotrace/run/illumination_plan.h"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,8 @@
 namespace holotrace {
 namespace {
 
-constexpr int most_moments = 256, of_flicker = 16, least_of_spectrum = 8;
-constexpr int most_given = 65536;  // the range of ShowParams::moments
+constexpr int most_states = 256, of_flicker = 16, least_of_spectrum = 8;
+constexpr int most_given = 65536;  // the range of ShowParams::illumination_states
 
 int counted(double number) { return int(std::ceil(std::clamp(number, 1.0, 1e6))); }
 
@@ -52,12 +52,12 @@ int steps_of_spectrum(const Slm& slm, const ShowParams& params, double wavelengt
 
 }  // namespace
 
-MomentPlan plan_moments(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
-                        const std::vector<Viewpoint>& from, const std::optional<SpectralFilter>& filter) {
+IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
+                                   const std::vector<Viewpoint>& from, const std::optional<SpectralFilter>& filter) {
   check_ranges(params);
   const Slm with = with_effects(slm, params.effects);
   const bool has_flicker = with.effects.flicker > 0;
-  MomentPlan plan;
+  IlluminationPlan plan;
   const auto need = [&](int count, const std::string& why) {
     if (!plan.why.empty()) plan.why += "; ";
     plan.why += why;
@@ -81,31 +81,33 @@ MomentPlan plan_moments(const Slm& slm, const ShowParams& params, double wavelen
   }
   if (has_flicker) need(of_flicker, fmt::format("{} instants of the flicker", of_flicker));
 
-  const bool is_given = params.moments > 0;
+  const bool is_given = params.illumination_states > 0;
   ShowParams taken = params;
-  taken.moments = is_given ? params.moments : std::min(plan.needed, most_moments);
-  // One part is the whole source, whatever else there is to average over; moments that are asked for share it out.
+  taken.illumination_states = is_given ? params.illumination_states : std::min(plan.needed, most_states);
+  // One part is the whole source, whatever else there is to average over; states that are asked for share it.
   const bool is_shared = parts > 1 || (is_given && params.bandwidth == 0 && !has_flicker);
   if (!is_shared) taken.source_angle = 0;
-  plan.moments = moments(with, taken, wavelength);
+  plan.states = illumination_states(with, taken, wavelength);
   if (!is_shared)
-    for (Moment& moment : plan.moments) moment.source.angle = params.source_angle;
+    for (IlluminationState& state : plan.states) state.source.angle = params.source_angle;
   return plan;
 }
 
-std::string doubt_of(const MomentPlan& plan, const ShowParams& params) {
-  const int taken = int(plan.moments.size());
+std::string doubt_of(const IlluminationPlan& plan, const ShowParams& params) {
+  const int taken = int(plan.states.size());
   if (taken >= plan.needed) return {};
-  const std::string limit = params.moments == 0 ? fmt::format("the limit is {}", taken)
-                                                : fmt::format("{} {} given", taken, taken == 1 ? "is" : "are");
+  const std::string limit = params.illumination_states == 0
+                                ? fmt::format("the limit is {}", taken)
+                                : fmt::format("{} {} given", taken, taken == 1 ? "is" : "are");
   std::string advice = params.source_angle > 0 && params.bandwidth > 0 ? "use a smaller source and a narrower spectrum"
                        : params.source_angle > 0                       ? "use a smaller source"
                                                                        : "use a narrower spectrum";
-  if (params.moments > 0 && plan.needed <= most_moments)
-    advice = fmt::format("set moments to {}, or to 0 for as many as the view needs", plan.needed);
+  if (params.illumination_states > 0 && plan.needed <= most_states)
+    advice = fmt::format("set illumination_states to {}, or to 0 for as many as the view needs", plan.needed);
   else if (plan.needed <= most_given)
-    advice += fmt::format(", or set moments to {}", plan.needed);
-  return fmt::format("this light needs {} moments, {}: the view will look grainy; {}", plan.needed, limit, advice);
+    advice += fmt::format(", or set illumination_states to {}", plan.needed);
+  return fmt::format("this light needs {} illumination states, {}: the view will look grainy; {}", plan.needed, limit,
+                     advice);
 }
 
 }  // namespace holotrace
