@@ -37,7 +37,9 @@ inline void add_output(CLI::App& command, std::string& path, const std::string& 
 
 /// Adds `--wavelength`.
 inline void add_wavelength(CLI::App& command, std::string& text) {
-  command.add_option("--wavelength", text, "one, or several for colour, as \"638 nm, 520 nm, 450 nm\" [the input's]")
+  command
+      .add_option("--wavelength", text,
+                  "wavelength; several for colour, for example \"638 nm, 520 nm, 450 nm\" [the input's]")
       ->type_name("LENGTHS");
 }
 

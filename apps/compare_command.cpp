@@ -21,7 +21,7 @@
 #include "holotrace/view/compare.h"
 #include "holotrace/view/difference.h"
 #include "holotrace/view/register/align_image.h"
-#include "holotrace/view/register/plane.h"
+#include "holotrace/view/register/channel.h"
 #include "holotrace/view/register/register.h"
 
 namespace holotrace {
@@ -125,7 +125,7 @@ Chart profile_of(const ImagePair& pair, double scale) {
   chart.title = fmt::format("Row {} of {}", pair.first_row + row + 1, pair.rows);
   chart.x_label = pitch > 0 ? "x [mm]" : "x [pixels]";
   chart.y_label = "brightness, linear [unit of the reference]";
-  const Plane reference = mean_of_channels(pair.reference), image = mean_of_channels(pair.image);
+  const Channel reference = mean_of_channels(pair.reference), image = mean_of_channels(pair.image);
   Series shown{"reference", {}, {}}, compared{fmt::format("{:.4g} × image", scale), {}, {}};
   for (int column = 0; column < reference.nx; ++column) {
     const double x = (pair.first_column + column - (pair.columns - 1) / 2.0) * (pitch > 0 ? pitch * 1e3 : 1);
@@ -173,13 +173,10 @@ void check_flags(const CompareOptions& o, bool is_field) {
                                        {"--smallest-scale", o.flags.has("smallest_scale")},
                                        {"--largest-scale", o.flags.has("largest_scale")},
                                        {"--offset", o.flags.has("offset")}})
-    require(!is_given || o.is_registered,
-            "{0} is for a photograph that is laid upon a simulation: add --register, or "
-            "leave out {0}",
-            flag);
+    require(!is_given || o.is_registered, "{0} needs --register; add --register, or leave out {0}", flag);
   check_flag("--difference-range", o.difference_range, range::not_negative, Quantity::number);
   require(o.difference_range == 0 || !o.difference.empty(),
-          "--difference-range is for the picture of the difference: add --difference FILE.png");
+          "--difference-range needs a picture of the difference; add --difference FILE.png");
   if (!o.output.empty()) check_output(o.output, {".png", ".exr"});
   if (!o.difference.empty()) check_output(o.difference, {".png"});
   if (!o.profile.empty()) check_output(o.profile, {".png", ".svg"});
@@ -189,34 +186,40 @@ void check_flags(const CompareOptions& o, bool is_field) {
 }  // namespace
 
 void add_compare_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("compare", "two images, or two fields (.npy, .h5, .exr): how far they differ");
+  CLI::App* command =
+      app.add_subcommand("compare", "differences between two images, or between two fields (.npy, .h5, .exr)");
   auto o = std::make_shared<CompareOptions>();
-  command->add_option("a", o->a, "the reference; with --register, the photograph")->required()->type_name("A");
-  command->add_option("b", o->b, "what is compared with it; with --register, the simulation, which is the reference")
+  command->add_option("a", o->a, "reference; with --register the photograph")->required()->type_name("A");
+  command
+      ->add_option(
+          "b", o->b,
+          "image or field that is compared with it; with --register the simulation, which is then the reference")
       ->required()
       ->type_name("B");
   command->add_flag("--json", o->is_json, "as JSON");
   command
       ->add_option("--difference", o->difference,
-                   "picture: red where the reference is outshone, blue where it is not reached")
+                   "picture of the difference: red where brighter than the reference, blue where darker")
       ->type_name("FILE");
-  command->add_option("--difference-range", o->difference_range, "difference at full colour [the largest]")
+  command
+      ->add_option("--difference-range", o->difference_range, "difference that is shown in full colour [the largest]")
       ->check(CLI::PositiveNumber)
       ->type_name("NUMBER");
-  command->add_option("--profile", o->profile, "chart of both along the middle row: .png or .svg")->type_name("FILE");
-  command->add_flag("--register", o->is_registered, "lay the photograph a upon the simulation b first");
-  command->add_option("-o,--output", o->output, "with --register: the photograph on the simulation's pixels")
+  command->add_option("--profile", o->profile, "chart of both images along the middle row: .png or .svg")
+      ->type_name("FILE");
+  command->add_flag("--register", o->is_registered,
+                    "align the photograph a with the simulation b before the comparison");
+  command->add_option("-o,--output", o->output, "with --register: the aligned photograph on the simulation's pixels")
       ->type_name("FILE");
   o->flags.add(*command, RegisterParams(), {}, "with --register");
   command->callback([o, &global] {
     check_file_exists(o->a, "an image or a field");
     check_file_exists(o->b, "an image or a field");
     const bool is_field = is_field_file(o->a);
-    require(
-        is_field == is_field_file(o->b),
-        "expected two images or two fields to compare, got the {} {} and the {} {}; `holotrace show` makes images of "
-        "fields by way of their hologram",
-        is_field ? "field" : "image", o->a, is_field ? "image" : "field", o->b);
+    require(is_field == is_field_file(o->b),
+            "expected two images or two fields to compare, got the {} {} and the {} {}; make an image of a field "
+            "with `holotrace encode` and `holotrace show`",
+            is_field ? "field" : "image", o->a, is_field ? "image" : "field", o->b);
     check_flags(*o, is_field);
     Console console(global.is_quiet);
     if (is_field)

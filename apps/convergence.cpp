@@ -20,7 +20,7 @@ Chart convergence_chart(const Report& report) {
   Chart chart;
   chart.title = "Convergence";
   chart.x_label = "iteration";
-  chart.y_label = "squared error / wanted light [dB]";
+  chart.y_label = "squared error / target power [dB]";
   for (const StageReport& stage : report.stages)
     for (const auto& [name, values] : stage.curves) {
       if (name != "convergence") continue;

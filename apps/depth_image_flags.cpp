@@ -16,8 +16,8 @@ namespace {
 using namespace literals;
 
 constexpr const char* group =
-    "A picture with depths, as: field picture.png --depth depth.png --near \"195 mm\" --far \"205 mm\" "
-    "--width \"8 mm\" --slices 100 -o f.npy";
+    "A picture with depths (RGB-D), for example: field picture.png --depth depth.png --near \"195 mm\" "
+    "--far \"205 mm\" --width \"8 mm\" --slices 100 -o f.npy";
 
 bool is_picture(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
@@ -41,9 +41,10 @@ void DepthImageFlags::add(CLI::App& command) {
 bool DepthImageFlags::check(const std::vector<std::string>& inputs, bool is_double) const {
   if (depth_.empty()) {
     for (const char* name : {"near", "far", "width", "projection", "field_of_view", "phase", "seed", "common_cone"})
-      require(!flags_.has(name), "expected --depth with {}, which is about a picture with depths; give both or neither",
-              dashed(name));
-    require(!is_picture(inputs.front()), "{}: expected --depth with a picture, its depths; got none", inputs.front());
+      require(!flags_.has(name),
+              "expected --depth with {}, which describes a picture with depths; give both or neither", dashed(name));
+    require(!is_picture(inputs.front()), "{}: expected --depth with a picture, got none; give its depth image",
+            inputs.front());
     return false;
   }
   require(inputs.size() == 1, "expected one picture with --depth, got {} inputs", inputs.size());

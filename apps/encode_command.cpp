@@ -42,8 +42,8 @@ Wanted wanted_of_picture(const std::string& path, const Slm& slm, const std::vec
                          const EncodeParams& params, Console& console) {
   require(!wavelengths.empty(), "{} is a picture and has no wavelength; give --wavelength", path);
   require(params.target_distances.size() <= 1 || aims_at_targets(params.method),
-          "expected one target distance for a method that makes a field of the picture, got {}; give one, or take "
-          "sgd or gerchberg-saxton, which aim at several",
+          "expected one target distance for a method that computes one field from the picture, got {}; give "
+          "one, or use sgd or gerchberg-saxton, which take several",
           params.target_distances.size());
   Image picture = load_image(path);
   if (params.resample) {
@@ -78,23 +78,25 @@ void join(Wanted& wanted) {
 }  // namespace
 
 void add_encode_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("encode", "field or picture to hologram: the levels that an SLM shows");
+  CLI::App* command = app.add_subcommand("encode", "hologram (levels of an SLM) from a field or a picture");
   struct Options {
     std::string input, output, slm, wavelength, report, plot;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("field", o->input, "field file, or a picture that is to appear at --target-distances")
+  command->add_option("field", o->input, "field file, or target picture for the planes at --target-distances")
       ->required()
       ->type_name("FIELD|PICTURE");
   add_output(*command, o->output,
              "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json; in colour: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel by name [256 levels on the field's grid; pictures: pluto]")
       ->type_name("NAME|SCENE.toml");
-  command->add_option("--wavelength", o->wavelength, "of a picture's light: one, or several for colour")
+  command->add_option("--wavelength", o->wavelength, "wavelength of a target picture; several for colour")
       ->type_name("LENGTHS");
-  command->add_option("--report", o->report, "what each stage did, as in run's report.json")->type_name("FILE.json");
-  command->add_option("--plot", o->plot, "iterations: a chart of how the error fell")->type_name("FILE.png|svg");
+  command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
+      ->type_name("FILE.json");
+  command->add_option("--plot", o->plot, "iterations: chart of the error after each iteration")
+      ->type_name("FILE.png|svg");
   o->flags.add(*command, EncodeParams());
   command->callback([o, &global] {
     EncodeParams params;
@@ -103,13 +105,14 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     if (!o->report.empty()) check_output(o->report, {".json"});
     if (!o->plot.empty()) check_output(o->plot, {".png", ".svg"});
     require(o->plot.empty() || aims_at_targets(params.method),
-            "expected --plot with a method that iterates, gerchberg-saxton, weighted-gerchberg-saxton or sgd; leave it "
-            "out, or take one of these");
+            "expected --plot with a method that iterates, gerchberg-saxton, weighted-gerchberg-saxton or sgd; "
+            "leave it out, or use one of these");
     const bool is_field = !is_picture(o->input);
     std::vector<Field> fields;
     if (is_field) fields = load_fields(o->input);
     require(!is_field || o->wavelength.empty(),
-            "expected --wavelength with a picture; {} is a field, which knows its own", o->input);
+            "expected --wavelength only with a picture; {} is a field and has its own wavelength; leave it out",
+            o->input);
     Slm slm;
     if (!o->slm.empty()) {
       slm = slm_by_name(o->slm);

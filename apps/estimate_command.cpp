@@ -13,7 +13,8 @@
 #include "holotrace/estimate/cost.h"
 #include "holotrace/estimate/machine/multiply_add_peak.h"
 #include "holotrace/io/scene/scene_file.h"
-#include "job_estimate.h"
+#include "holotrace/run/estimate/job_estimate.h"
+#include "load_scene.h"
 
 namespace holotrace {
 namespace {
@@ -125,11 +126,11 @@ void print_text(const Answer& a) {
   const auto seconds = [](double value) { return fmt::format("{:.3g} s", value); };
   fmt::print("The job\n");
   line("holograms", count(e.holograms()),
-       fmt::format("{:g} sets (colours, layers, lights apart) x {:g} frames", e.sets, e.frames));
+       fmt::format("{:g} sets (colours, path groups, lights) x {:g} frames", e.sets, e.frames));
   line("light paths", count(e.paths), "N of Eq. 16");
   line("mean path length", count(e.mean_path_length), "l_avg: surfaces on a path, measured (Eq. 21)");
   line("probability to go on", count(1 - 1 / std::max(e.mean_path_length, 1.0)), "rho = 1 - 1 / l_avg (Eq. 20)");
-  line("rays", count(e.rays), "that look for the nearest surface");
+  line("rays", count(e.rays), "rays that find the nearest surface");
   line("shadow rays", count(e.shadow_rays), "to lights");
   line("waves", count(e.waves), fmt::format("summed by the method {}", e.method.empty() ? "of the job" : e.method));
   line("waves x pixels", count(e.waves_pixels), "of one frame");
@@ -142,7 +143,7 @@ void print_text(const Answer& a) {
                      e.grid_tests_per_ray));
   }
   if (!e.why_no_other.empty()) line(e.other_accelerator, "not measured", e.why_no_other);
-  line("scene made ready", seconds(e.prepare_seconds), "before the first ray");
+  line("scene preparation", seconds(e.prepare_seconds), "before the first ray");
   fmt::print("\nA run on this machine, seconds of its stages\n");
   for (const StageEstimate& stage : e.stages) line(stage.stage, seconds(stage.seconds), "");
   if (e.is_whole())
@@ -157,7 +158,7 @@ void print_text(const Answer& a) {
   fmt::print("\nIn real time at {:g} frames per second: trace, sum and encode each frame anew\n",
              a.real.frames_per_second);
   line("a frame", seconds(a.real.seconds_per_frame), e.is_whole() ? "here" : "here, without encoding");
-  line("machines like this", fmt::format("{:.3g}", a.real.times), "if the work is shared without loss");
+  line("machines like this", fmt::format("{:.3g}", a.real.times), "with perfect scaling");
   line("cores like these", fmt::format("{:.3g}", a.real.cores), "");
   line("multiply-adds", fmt::format("{:.3g}/s", a.real.multiply_adds_per_second),
        "at the peak of this machine, in single precision");
@@ -167,25 +168,29 @@ void print_text(const Answer& a) {
 
 void add_estimate_command(CLI::App& app, const GlobalFlags&) {
   CLI::App* command = app.add_subcommand(
-      "estimate", "what a run will take, stage by stage, and what real time would need, from short probes");
+      "estimate",
+      "predicted time of a run, stage by stage, and what real-time display would need; measured by short "
+      "probes");
   struct Options {
     std::string scene;
     double frames_per_second = 30;
     bool is_json = false, has_accelerators = false;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("scene", o->scene, "scene file (TOML), see docs/scene_format.md")
+  command->add_option("scene", o->scene, "scene file (TOML), see docs/reference/scene_format.md")
       ->required()
       ->type_name("SCENE.toml");
-  command->add_option("--fps", o->frames_per_second, "frames per second that real time is asked for")
+  command->add_option("--fps", o->frames_per_second, "frame rate of the real-time estimate, in frames per second")
       ->capture_default_str()
       ->type_name("NUMBER");
-  command->add_flag("--accelerators", o->has_accelerators,
-                    "also one ray by Embree and by the uniform grid of the paper's appendix: some seconds more");
+  command->add_flag(
+      "--accelerators", o->has_accelerators,
+      "also compare the time per ray of Embree and of the uniform grid (the paper's appendix); takes some "
+      "seconds more");
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o] {
     check_flag("--fps", o->frames_per_second, range::positive, Quantity::number);
-    const Answer a = answer(load_job(o->scene), o->frames_per_second, o->has_accelerators);
+    const Answer a = answer(load_scene(o->scene), o->frames_per_second, o->has_accelerators);
     if (o->is_json)
       fmt::print("{}\n", json_of(a).dump(2));
     else

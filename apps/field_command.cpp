@@ -21,6 +21,7 @@
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/synthesize.h"
 #include "holotrace/wave/triangles/sum_triangles_exact.h"
+#include "load_scene.h"
 #include "ranks.h"
 
 namespace holotrace {
@@ -33,8 +34,7 @@ void check_is_for_double(const Flags& flags) {
   using enum SynthesisMethod;
   const bool is_fast = given.method == tiled || given.method == planes || given.method == layers;
   require(!is_fast && !flags.has("tolerance"),
-          "expected --double alone, or with the methods exact or triangles, for it sums wave by wave; got {0} too: "
-          "leave out {0}, or --double",
+          "expected --double only with the methods exact or triangles, got {0} too; leave out {0} or --double",
           is_fast ? "--method " + method_name(given.method) : "--tolerance");
 }
 
@@ -66,8 +66,8 @@ std::vector<Sources> read_sources(const std::vector<std::string>& paths, const s
     }
     for (size_t j = 0; j < i; ++j)
       require(sets[j].wavelength != sets[i].wavelength || sets[j].name != sets[i].name,
-              "expected sources of different wavelengths or names, got {} and {} at {}; make one file of them if they "
-              "are coherent, or holograms of each",
+              "expected sources of different wavelengths or names, got {} and {} at {}; put them into one file if "
+              "they are coherent, or make a hologram of each",
               paths[j], paths[i], format_length(sets[i].wavelength));
   }
   return sets;
@@ -93,9 +93,9 @@ struct PanelFlags {
   std::string pitch;
 
   void add(CLI::App& command) {
-    command.add_option("--columns", columns, "pixels of the panel from left to right [the panel's]")->type_name("N");
-    command.add_option("--rows", rows, "and from top to bottom [the panel's]")->type_name("N");
-    command.add_option("--pitch", pitch, "of its pixels [the panel's]")->type_name("LENGTH");
+    command.add_option("--columns", columns, "width of the panel in pixels [the panel's]")->type_name("N");
+    command.add_option("--rows", rows, "height of the panel in pixels [the panel's]")->type_name("N");
+    command.add_option("--pitch", pitch, "pixel pitch of the panel [the panel's]")->type_name("LENGTH");
   }
   void apply(Grid& panel) const {
     if (columns) check_flag("--columns", *columns, range::at_least(1), Quantity::count);
@@ -133,11 +133,10 @@ void make_in_bands(const std::string& output, SceneLight light, uint32_t frame, 
 // Told before the waves are traced.
 void check_whole_fits(const Grid& panel, bool is_double) {
   const double bytes = double(panel.pixels()) * (is_double ? 16 : 8);
-  require(
-      bytes <= physical_memory(),
-      "expected a field of {} × {} samples to fit in memory, got a need of {} on a machine with {}; make it band by "
-      "band: --memory \"2 GB\" -o NAME.h5",
-      panel.nx, panel.ny, format_bytes(bytes), format_bytes(physical_memory()));
+  require(bytes <= physical_memory(),
+          "expected a field of {} × {} samples to fit in memory, but it needs {} and this machine has {}; "
+          "compute it in bands: --memory \"2 GB\" -o NAME.h5",
+          panel.nx, panel.ny, format_bytes(bytes), format_bytes(physical_memory()));
 }
 
 std::vector<FieldDouble> exact_fields(std::vector<Triangles> sets, uint32_t frame, const Grid& panel,
@@ -156,7 +155,7 @@ std::vector<FieldDouble> exact_fields(std::vector<Triangles> sets, uint32_t fram
 }  // namespace
 
 void add_field_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("field", "scene, sources or a picture with depths to the field on the panel");
+  CLI::App* command = app.add_subcommand("field", "field on the panel from a scene, sources or a picture with depths");
   struct Options {
     std::vector<std::string> inputs;
     std::string output, slm, wavelengths, memory;
@@ -172,19 +171,20 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
       ->required()
       ->type_name("SCENE.toml|SOURCES.ply|IMAGE");
   add_output(*command, o->output,
-             "field: .npy (with a sidecar .json), .h5 or .exr; one per layer and light: NAME, NAME_2, …");
+             "field file: .npy (with a sidecar .json), .h5 or .exr; one per path group and light: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel by name [the scene's, or pluto]")->type_name("NAME|SCENE.toml");
   o->panel.add(*command);
   add_wavelength(*command, o->wavelengths);
   command
-      ->add_option(
-          "--memory", o->memory,
-          "most that a process may use, as \"2 GB\": the field is made band by band into an .h5 file, and a run "
-          "that was ended is taken up again by the same command [the field at once; under mpirun 2 GB]")
+      ->add_option("--memory", o->memory,
+                   "memory limit of a process, for example \"2 GB\": the field is computed in bands and written to an "
+                   ".h5 file; the same command resumes an interrupted run [no limit; under mpirun 2 GB]")
       ->type_name("SIZE");
-  command->add_option("--frame", o->frame, "whose random phases the waves take, from 0 [the input's]")->type_name("N");
-  command->add_flag("--double", o->is_double,
-                    "sum by the method exact (triangles: as dense points, slow) and keep complex128");
+  command->add_option("--frame", o->frame, "number of the frame whose random phases are used, from 0 [the input's]")
+      ->type_name("N");
+  command->add_flag(
+      "--double", o->is_double,
+      "compute in double precision by the method exact (triangles: as dense points, slow); saves complex128");
   o->flags.add(*command, SynthesizeParams());
   o->depth_image.add(*command);
   command->callback([o, &global] {
@@ -212,12 +212,12 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
     if (is_scene && o->inputs.size() > 1) throw CLI::ExtrasError({o->inputs.begin() + 1, o->inputs.end()});
     Job job;
     job.slm = slm_preset("pluto");
-    if (is_scene) job = load_job(o->inputs.front());
+    if (is_scene) job = load_scene(o->inputs.front());
     if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
     o->panel.apply(job.slm.grid);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
     require(!(o->is_double && job.trace.strategy == Strategy::gather),
-            "expected --double with a scene whose strategy makes waves, got gather; take the strategy shared or tiled");
+            "expected --double with a scene whose strategy makes waves, got gather; use the strategy shared or tiled");
     o->flags.apply(job.synthesize);
     check_flags_of_method(o->flags, job.synthesize);
     const bool is_banded = !o->memory.empty() || global.ranks->has_launcher();
@@ -228,7 +228,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
       check_whole_fits(job.slm.grid, o->is_double);
     Console console(global.is_quiet);
     require(is_scene || job.synthesize.method != SynthesisMethod::triangles,
-            "expected a scene or a mesh for --method triangles, which has surfaces shine, got the waves of {}; take "
+            "expected a scene or a mesh for --method triangles, which needs surfaces, got the waves of {}; use "
             "another method, or the scene that they were traced from",
             o->inputs.front());
     SceneLight light = is_scene ? trace_light(job, console.watch("trace"))

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <initializer_list>
 #include <map>
 #include <set>
@@ -17,6 +18,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/renamed.h"
 
 namespace holotrace {
 
@@ -41,31 +43,32 @@ inline void check_flag(const char* flag, double value, const Range& range, Quant
   read_flag(flag, [&] { check_range(value, range, quantity); });
 }
 
-/// A length given by a flag that is no field of a parameter struct. @throws Error, naming the flag
+/// A text as a length, lengths or an angle within a range. @throws Error for another text or a value outside it
+inline double length_within(const std::string& text, const Range& range) {
+  const double metres = parse_length(text);
+  check_range(metres, range, Quantity::length);
+  return metres;
+}
+inline std::vector<double> lengths_within(const std::string& text, const Range& range) {
+  const std::vector<double> lengths = parse_lengths(text);
+  for (const double metres : lengths) check_range(metres, range, Quantity::length);
+  return lengths;
+}
+inline double angle_within(const std::string& text, const Range& range) {
+  const double radians = parse_angle(text);
+  check_range(radians, range, Quantity::angle);
+  return radians;
+}
+
+/// The same, given by a flag that is no field of a parameter struct. @throws Error, naming the flag
 inline double parse_length_flag(const char* flag, const std::string& text, const Range& range) {
-  return read_flag(flag, [&] {
-    const double metres = parse_length(text);
-    check_range(metres, range, Quantity::length);
-    return metres;
-  });
+  return read_flag(flag, [&] { return length_within(text, range); });
 }
-
-/// Lengths given by a flag that is no field of a parameter struct. @throws Error, naming the flag
 inline std::vector<double> parse_lengths_flag(const char* flag, const std::string& text, const Range& range) {
-  return read_flag(flag, [&] {
-    const std::vector<double> lengths = parse_lengths(text);
-    for (const double metres : lengths) check_range(metres, range, Quantity::length);
-    return lengths;
-  });
+  return read_flag(flag, [&] { return lengths_within(text, range); });
 }
-
-/// An angle given by a flag that is no field of a parameter struct. @throws Error, naming the flag
 inline double parse_angle_flag(const char* flag, const std::string& text, const Range& range) {
-  return read_flag(flag, [&] {
-    const double radians = parse_angle(text);
-    check_range(radians, range, Quantity::angle);
-    return radians;
-  });
+  return read_flag(flag, [&] { return angle_within(text, range); });
 }
 
 /// A size in bytes given by a flag. @throws Error, naming the flag
@@ -110,6 +113,15 @@ class Flags {
       CLI::Option* option =
           app.add_option_function<std::string>(dashed(name) + other, keep, help + " [" + shown + "]")->type_name(kind);
       if (!group.empty()) option->group(group);
+      if (const char* before = name_before(name)) add_old_name(name, before, option);
+    }
+    // The flag by its old name, which the help text leaves out.
+    void add_old_name(const std::string& name, const std::string& before, CLI::Option* option) {
+      const auto keep = [&given = given, name, before](const std::string& text) {
+        given[name] = text;
+        fmt::print(stderr, "warning: {}\n", renamed_message(dashed(before), dashed(name)));
+      };
+      app.add_option_function<std::string>(dashed(before), keep)->group("")->excludes(option);
     }
     // The help text tells bounds but for the plain one of 0, which most parameters have.
     static std::string with_bounds(const char* help, const Range& range, Quantity quantity) {
@@ -187,25 +199,13 @@ class Flags {
       });
     }
     void length(const char* name, double& v, const Range& range, const char*) {
-      set(name, v, [&](const std::string& text) {
-        const double metres = parse_length(text);
-        check_range(metres, range, Quantity::length);
-        return metres;
-      });
+      set(name, v, [&](const std::string& text) { return length_within(text, range); });
     }
     void angle(const char* name, double& v, const Range& range, const char*) {
-      set(name, v, [&](const std::string& text) {
-        const double radians = parse_angle(text);
-        check_range(radians, range, Quantity::angle);
-        return radians;
-      });
+      set(name, v, [&](const std::string& text) { return angle_within(text, range); });
     }
     void lengths(const char* name, std::vector<double>& v, const Range& range, const char*) {
-      set(name, v, [&](const std::string& text) {
-        const std::vector<double> lengths = parse_lengths(text);
-        for (const double metres : lengths) check_range(metres, range, Quantity::length);
-        return lengths;
-      });
+      set(name, v, [&](const std::string& text) { return lengths_within(text, range); });
     }
     void position(const char* name, Vec3& v, const Range& range_of_z, const char*) {
       set(name, v, [&](const std::string& text) {

@@ -43,14 +43,14 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, ch
 
 int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   using namespace holotrace;
-  CLI::App app{"Holotrace turns 3D scenes into holograms and shows what a viewer would see of them."};
+  CLI::App app{"Holotrace turns 3D scenes into holograms and shows what a viewer sees."};
   app.set_version_flag("--version", std::string("holotrace ") + HOLOTRACE_VERSION);
   app.require_subcommand(1);
   app.fallthrough();
   app.get_formatter()->column_width(36);
 
   GlobalFlags global{.ranks = &ranks};
-  app.add_option("--threads", global.threads, "threads to use; 0: all. The result does not depend on it")
+  app.add_option("--threads", global.threads, "number of threads; 0: all. Results do not depend on it")
       ->check(check_threads, "N", "N");
   app.add_flag("-q,--quiet", global.is_quiet, "no progress bars");
 
@@ -80,7 +80,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
     return report_usage(app, error, argc, argv);
   } catch (const std::bad_alloc&) {
     return report_error(
-        "expected enough memory for this job, ran out; use a smaller panel, fewer subpixels or fewer samples");
+        "expected enough memory for this job, but it ran out; use a smaller panel, fewer subpixels or fewer samples");
   } catch (const std::exception& error) {
     return report_error(error.what());
   }

@@ -11,18 +11,19 @@
 namespace holotrace {
 
 void add_info_command(CLI::App& app, const GlobalFlags&) {
-  CLI::App* command = app.add_subcommand("info", "what a file of any kind that holotrace reads holds, or a panel is");
+  CLI::App* command = app.add_subcommand("info", "contents of any file that holotrace reads, or data of a panel");
   struct Options {
     std::string path, slm;
     bool is_json = false;
   };
   auto o = std::make_shared<Options>();
   auto* file = command->add_option("file", o->path)->type_name("FILE");
-  auto* slm = command
-                  ->add_option("--slm", o->slm,
-                               fmt::format("a panel: its figures, effects and their source; by name ({}) or file",
-                                           fmt::join(slm_preset_names(), ", ")))
-                  ->type_name("NAME|FILE.toml");
+  auto* slm =
+      command
+          ->add_option("--slm", o->slm,
+                       fmt::format("panel whose data, effects and their sources are shown; by name ({}) or file",
+                                   fmt::join(slm_preset_names(), ", ")))
+          ->type_name("NAME|FILE.toml");
   slm->excludes(file);
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o] {

@@ -17,6 +17,7 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
 #include "limits_table.h"
+#include "load_scene.h"
 #include "save_views.h"
 
 namespace holotrace {
@@ -36,7 +37,7 @@ LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command) {
   if (o.scene.empty()) {
     q.slm = slm_by_name(o.slm);
   } else {
-    const Job job = load_job(o.scene);
+    const Job job = load_scene(o.scene);
     q.slm = command.count("--slm") > 0 ? slm_by_name(o.slm) : job.slm;
     if (command.count("--wavelength") == 0) q.wavelengths = job.wavelengths;
     q.points = points_of(job.scene);
@@ -90,7 +91,7 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
     text += fmt::format("{:<32} {:>14}  {}\n", name, value, meaning);
   };
   line("pitch by the grating equation", format_length(wavelength / (2 * std::sin(angle))),
-       "wavelength / (2 sin angle), the coarsest that will do");
+       "wavelength / (2 sin angle), the coarsest possible pitch");
   facts["coarsest_pitch_m"] = wavelength / (2 * std::sin(angle));
   const double distance = parse_length_flag("--distance", o.distance, range::positive);
   double size = o.size.empty() ? 0 : parse_length_flag("--size", o.size, range::positive);
@@ -128,35 +129,40 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
 
 void add_flags(CLI::App& command, LimitsOptions& o) {
   command.add_option("--slm", o.slm, "panel by name")->capture_default_str()->type_name("NAME|SCENE.toml");
-  command.add_option("--wavelength", o.wavelength, "one, or several: a column each")
+  command.add_option("--wavelength", o.wavelength, "wavelength; several get a column each")
       ->capture_default_str()
       ->type_name("LENGTHS");
-  command.add_option("--distance", o.distance, "of the scene behind, and of the viewer before the panel")
+  command
+      .add_option("--distance", o.distance, "distance of the scene behind the panel and of the viewer in front of it")
       ->capture_default_str()
       ->type_name("LENGTH");
-  command.add_option("--period", o.period, "of a grating: gives where its order lands at that distance")
+  command.add_option("--period", o.period, "period of a grating: shows where its order appears at that distance")
       ->type_name("LENGTH");
-  command.add_option("--order", o.order, "with --period: the order")->capture_default_str()->type_name("N");
-  command.add_option("--frames", o.frames, "per second: gives pixels and bytes per second")->type_name("NUMBER");
-  command.add_option("--colours", o.colours, "with --frames: colours of a frame")
+  command.add_option("--order", o.order, "with --period: diffraction order")->capture_default_str()->type_name("N");
+  command.add_option("--frames", o.frames, "frame rate in frames per second: shows pixels and bytes per second")
+      ->type_name("NUMBER");
+  command.add_option("--colours", o.colours, "with --frames: number of colours per frame")
       ->capture_default_str()
       ->type_name("N");
   command
       .add_option("--scene", o.scene,
-                  "gives panel, wavelengths and the points that are counted and drawn; the distance is their mean")
+                  "scene that gives the panel, the wavelengths and the points that are counted and drawn; the distance "
+                  "is their mean")
       ->type_name("SCENE.toml");
   command
       .add_option("--picture", o.picture,
-                  "of the alias-free volume, with the scene in it: NAME.png or .svg across x, NAME_y across y")
+                  "picture of the alias-free volume with the scene: NAME.png or .svg in the x-z plane, NAME_y in the "
+                  "y-z plane")
       ->type_name("FILE");
-  command.add_option("--plot", o.plot, "chart of the half angle against the pitch, a curve for each wavelength")
+  command.add_option("--plot", o.plot, "chart of the half angle against the pitch, one curve for each wavelength")
       ->type_name("FILE");
-  command.add_option("--angle", o.angle, "half diffraction angle wanted: gives the pitch it needs")->type_name("ANGLE");
-  command.add_option("--size", o.size, "with --angle: side of the square panel wanted, gives its pixels")
+  command.add_option("--angle", o.angle, "wanted half diffraction angle: shows the pitch that it needs")
+      ->type_name("ANGLE");
+  command.add_option("--size", o.size, "with --angle: wanted side of a square panel: shows its number of pixels")
       ->type_name("LENGTH");
   command
       .add_option("--resolution", o.resolution,
-                  "with --angle: lateral resolution wanted at the distance, gives the side it needs")
+                  "with --angle: wanted lateral resolution at the distance: shows the side that it needs")
       ->type_name("LENGTH");
   command.add_flag("--json", o.is_json, "as JSON");
 }
@@ -164,7 +170,7 @@ void add_flags(CLI::App& command, LimitsOptions& o) {
 }  // namespace
 
 void add_limits_command(CLI::App& app, const GlobalFlags&) {
-  CLI::App* command = app.add_subcommand("limits", "what a panel can show: angles, sizes, resolution, pixels");
+  CLI::App* command = app.add_subcommand("limits", "limits of a panel: angles, sizes, resolution, number of pixels");
   auto o = std::make_shared<LimitsOptions>();
   add_flags(*command, *o);
   command->callback([o, command] {
@@ -174,28 +180,26 @@ void add_limits_command(CLI::App& app, const GlobalFlags&) {
     check_distinct(
         {{"--picture", o->picture}, {"--picture (across y)", picture_across_y(o->picture)}, {"--plot", o->plot}});
     require(!is_given("--colours") || is_given("--frames"),
-            "--colours asks for a rate: give the frames per second too, as --frames 30");
+            "--colours needs a frame rate; add it, for example --frames 30");
     if (is_given("--frames")) check_flag("--frames", o->frames, range::positive, Quantity::number);
     check_flag("--colours", o->colours, range::at_least(1), Quantity::count);
     if (is_given("--angle")) {
       for (const char* flag : {"--slm", "--period", "--order", "--scene", "--picture", "--plot"})
-        require(!is_given(flag),
-                "--angle asks for the pitch of a wanted panel, on which {0} has no bearing: leave out {0} or --angle",
+        require(!is_given(flag), "--angle designs a new panel, for which {0} has no effect; leave out {0} or --angle",
                 flag);
       require(!is_given("--distance") || is_given("--size") || is_given("--resolution"),
-              "--angle asks for the pitch of a wanted panel, on which --distance has no bearing: leave out --distance "
-              "or --angle, or give --size or --resolution, which it bears on");
+              "--angle alone designs only the pitch, for which --distance has no effect; leave out --distance or "
+              "--angle, or add --size or --resolution");
       require(!is_given("--frames") || is_given("--size") || is_given("--resolution"),
-              "--frames with --angle asks for the rate of a wanted panel: give its side too, as --size \"100 mm\"");
+              "--frames with --angle needs the side of the new panel; add it, for example --size \"100 mm\"");
       answer_backwards(*o, is_given("--frames"));
       return;
     }
     for (const char* flag : {"--size", "--resolution"})
       require(!is_given(flag),
-              "{} asks for the pixels of a wanted panel: give the half diffraction angle too, as --angle \"15 deg\"",
-              flag);
+              "{} needs the half diffraction angle of the new panel; add it, for example --angle \"15 deg\"", flag);
     require(!is_given("--order") || is_given("--period"),
-            "--order asks where an order of a grating lands: give its period too, as --period \"16 um\"");
+            "--order needs the period of a grating; add it, for example --period \"16 um\"");
     answer_about_panel(*o, *command);
   });
 }

@@ -18,7 +18,7 @@ double degrees(double radians) { return radians * 180 / pi; }
 double bytes_per_pixel(const Slm& slm) { return slm.levels > 256 ? 2 : 1; }
 
 const char* everywhere =
-    "the wavelength is 2 pitches or more: waves of every direction fit the panel, and every replica is evanescent";
+    "the wavelength is 2 pitches or more: the panel holds waves of every direction, and every replica is evanescent";
 
 Json json_at(const LimitsQuestion& q, double wavelength) {
   const Limits l = limits(q.slm.grid, wavelength, q.distance);
@@ -126,7 +126,7 @@ std::string limits_table(const LimitsQuestion& q) {
   table.row(
       "field of view", [&](double w) { return format_angle(at(w).field_of_view); }, "twice that");
   table.row(
-      "finest grating", [&](double w) { return short_length(at(w).finest_grating); }, "two pixels a period");
+      "finest grating", [&](double w) { return short_length(at(w).finest_grating); }, "two pixels per period");
   int orders = 0;
   for (const double w : q.wavelengths)
     orders = std::max(orders, int(diffraction_orders(panel.pitch, w, q.distance).size() / 2));
@@ -175,12 +175,12 @@ std::string limits_table(const LimitsQuestion& q) {
       "nearer points on the axis leave pixels dark");
   table.row(
       "alias-free distance", [&](double w) { return short_length(at(w).alias_free_distance); },
-      "z*: from here all behind the panel light all of it");
+      "z*: beyond it every point behind the panel lights all of it");
 
   table.section(fmt::format("A viewer {} before the panel", z));
   table.row(
       "eyebox, width", [&](double w) { return short_length(at(w).eyebox_x); },
-      "about the axis: reached by every pixel's light");
+      "centred on the axis: receives light from every pixel");
   table.row(
       "eyebox, height", [&](double w) { return short_length(at(w).eyebox_y); }, "");
 

@@ -31,7 +31,7 @@ void propagate_file(std::vector<BasicField<Real>> fields, const std::string& out
 }  // namespace
 
 void add_propagate_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("propagate", "field to the field at another distance");
+  CLI::App* command = app.add_subcommand("propagate", "field at another distance");
   struct Options {
     std::string input, output, distance;
     bool is_double = false;
@@ -40,8 +40,10 @@ void add_propagate_command(CLI::App& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   command->add_option("field", o->input, "field file")->required()->type_name("FIELD");
   add_output(*command, o->output, "field: .npy, .h5 or .exr");
-  command->add_option("--distance", o->distance, "along z, either sign")->required()->type_name("LENGTH");
-  command->add_flag("--double", o->is_double, "compute in double and keep complex128");
+  command->add_option("--distance", o->distance, "distance along z, positive or negative")
+      ->required()
+      ->type_name("LENGTH");
+  command->add_flag("--double", o->is_double, "compute in double precision; saves complex128");
   o->flags.add(*command, PropagateParams());
   command->callback([o, &global] {
     PropagateParams params;

@@ -19,25 +19,26 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
-#include "job_estimate.h"
+#include "load_scene.h"
 #include "save_views.h"
 
 namespace holotrace {
 namespace {
 
 void add_scene(CLI::App& command, std::string& path) {
-  command.add_option("scene", path, "scene file (TOML, see docs/scene_format.md), or a mesh by itself")
+  command.add_option("scene", path, "scene file (TOML, see docs/reference/scene_format.md), or a mesh by itself")
       ->required()
       ->type_name("SCENE.toml|MESH");
 }
 
-constexpr const char* trace_group = "Tracing (over the scene's [trace])";
+constexpr const char* trace_group = "Tracing (overrides the scene's [trace])";
 
 // Writes numbered files, and removes those of an earlier run that had more.
 template <class Item, class Save>
@@ -46,9 +47,20 @@ void save_numbered(const std::string& path, const std::vector<Item>& items, cons
   remove_numbered(path, items.size());
 }
 
+void print_comparison(const JobEstimate& estimate, const std::vector<StageComparison>& stages) {
+  fmt::print("{:<28} {:>12} {:>12} {:>18}\n", "stage", "predicted s", "taken s", "predicted / taken");
+  for (const StageComparison& stage : stages)
+    fmt::print("{:<28} {:>12.3f} {:>12.3f} {:>18}\n", stage.name, stage.predicted, stage.taken,
+               stage.taken > 0 ? fmt::format("{:.2f}", stage.predicted / stage.taken) : "-");
+  if (estimate.is_whole())
+    fmt::print("\"simulation\" is all stages after the sum. ");
+  else
+    fmt::print("The other stages could not be probed: {}\n", estimate.why_no_simulation);
+  fmt::print("The estimate itself took {:.1f} s.\n", estimate.probe_seconds);
+}
+
 void add_run(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command =
-      app.add_subcommand("run", "whole pipeline: from a scene to what the camera sees of its holograms");
+  CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
     std::string scene, folder, wavelengths, eye_separation;
     std::optional<int64_t> seed;
@@ -59,20 +71,22 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   add_scene(*command, o->scene);
   command
       ->add_option("-o,--output", o->folder,
-                   "folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json; of several: "
-                   "NAME, NAME_2, …; of a sweep view_sweep_01.png, …, view_sweep.gif and view_sweep.png (chart); of "
-                   "two eyes stereo_left.png, … "
-                   "(the render) and holo_left.png, …")
+                   "output folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json; several "
+                   "of a kind: NAME, NAME_2, …; a sweep adds view_sweep_01.png, …, view_sweep.gif and view_sweep.png "
+                   "(chart); two eyes add stereo_left.png, … (the render) and holo_left.png, …")
       ->required()
       ->type_name("DIR");
   add_wavelength(*command, o->wavelengths);
-  command->add_option("--seed", o->seed, "of every random number [the scene's]")->type_name("N");
-  command->add_flag("--estimate", o->is_estimated, "estimates the job first, and tells prediction against outcome");
-  command->add_option("--eye-separation", o->eye_separation, "of two eyes along x: stereo pairs of both [the scene's]")
+  command->add_option("--seed", o->seed, "seed for all random numbers [the scene's]")->type_name("N");
+  command->add_flag("--estimate", o->is_estimated,
+                    "estimate the job first, and compare the prediction with the outcome");
+  command
+      ->add_option("--eye-separation", o->eye_separation,
+                   "distance between two eyes along x: stereo pairs of render and view [the scene's]")
       ->type_name("LENGTH");
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
-  o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (over the scene's [synthesize])");
+  o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.camera);
@@ -92,7 +106,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     Boxes boxes = run(job, console.stages());
     console.finish();
-    if (estimate) fmt::print("{}", compare_with_run(*estimate, boxes.report));
+    if (estimate) print_comparison(*estimate, compare_with_run(*estimate, boxes.report));
     const auto in = [&](const std::string& name) { return (std::filesystem::path(o->folder) / name).string(); };
     const double render_white = common_white(boxes.renders, 0);
     save_numbered(in("render.png"), boxes.renders,
@@ -130,7 +144,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
              "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph");
   o->flags.add(*command, RenderParams());
   command->callback([o, &global] {
-    Job job = load_job(o->scene);
+    Job job = load_scene(o->scene);
     o->flags.apply(job.render);
     check_output(o->output, {".png", ".exr"});
     Console console(global.is_quiet);
@@ -152,7 +166,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
 }
 
 void add_trace(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("trace", "scene to sources: spherical waves that carry path-traced light");
+  CLI::App* command = app.add_subcommand("trace", "sources from a scene: spherical waves that carry path-traced light");
   struct Options {
     std::string scene, output, wavelengths;
     Flags flags;
@@ -160,10 +174,10 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
   add_wavelength(*command, o->wavelengths);
-  add_output(*command, o->output, "sources: .ply; one per wavelength, layer and light: NAME, NAME_2, …");
+  add_output(*command, o->output, "sources: .ply; one per wavelength, path group and light: NAME, NAME_2, …");
   o->flags.add(*command, TraceParams());
   command->callback([o, &global] {
-    Job job = load_job(o->scene);
+    Job job = load_scene(o->scene);
     o->flags.apply(job.trace);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
     check_output(o->output, {".ply"});

@@ -19,7 +19,8 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
-#include "holotrace/run/moment_plan.h"
+#include "holotrace/run/illumination_plan.h"
+#include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/view/camera.h"
 #include "save_views.h"
@@ -31,7 +32,7 @@ namespace {
 void complete(const std::string& path, const Slm& slm, double wavelength, Hologram& hologram) {
   if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;
   if (hologram.wavelength == 0) hologram.wavelength = wavelength;
-  require(hologram.wavelength > 0, "{} has no sidecar that tells its wavelength; give --wavelength", path);
+  require(hologram.wavelength > 0, "{} has no metadata with its wavelength; give --wavelength", path);
 }
 
 // Writing over a hologram, its sidecar or its modulus before or after it is read would lose it.
@@ -40,7 +41,7 @@ void check_outputs(const std::vector<std::string>& inputs, const std::vector<std
     if (!std::filesystem::exists(output)) continue;
     for (const std::string& input : inputs)
       for (const std::string& file : {input, sidecar_path(input), path_with_suffix(input, "_modulus")})
-        require(!is_same_file(file, output), "{} would be written over the hologram {}; give the view another name",
+        require(!is_same_file(file, output), "the view {} would overwrite the hologram {}; give the view another name",
                 output, input);
   }
 }
@@ -58,14 +59,19 @@ std::vector<std::string> outputs_of(const std::string& output, const std::vector
   return paths;
 }
 
+int64_t states_of(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                  const std::vector<Viewpoint>& from, double wavelength) {
+  return int64_t(plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter).states.size());
+}
+
 // The light that leaves the panel, its way to the sensor, and the sums of all views, for `sets` colours and names.
 void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& params,
                   const PropagateParams& propagation, const std::vector<Viewpoint>& from, double wavelength,
                   size_t sets) {
-  const MomentPlan plan = plan_moments(slm, params, wavelength, hologram.image, from, hologram.filter);
+  const IlluminationPlan plan = plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter);
   const ViewingNeed need =
       viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from, widest_part(plan));
-  const double views = viewing_bytes(need.columns * need.rows, from.size(), double(sets), int64_t(plan.moments.size()));
+  const double views = viewing_bytes(need.columns * need.rows, from.size(), double(sets), int64_t(plan.states.size()));
   require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", from.size(),
                                                                 std::llround(need.columns), std::llround(need.rows)));
 }
@@ -73,7 +79,7 @@ void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& pa
 }  // namespace
 
 void add_show_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("show", "holograms to the image that a virtual SLM and camera show");
+  CLI::App* command = app.add_subcommand("show", "camera image of holograms on a virtual SLM");
   struct Options {
     std::vector<std::string> inputs;
     std::string output, slm, report;
@@ -81,17 +87,19 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   command
-      ->add_option("holograms", o->inputs,
-                   "hologram .png; of several, those of one wavelength and name are averaged as frames, names added, "
-                   "and wavelengths make colours")
+      ->add_option(
+          "holograms", o->inputs,
+          "hologram files .png. Several of one wavelength and name are averaged as frames, different names are "
+          "added, and different wavelengths become colours")
       ->required()
       ->type_name("HOLOGRAM.png");
   add_output(*command, o->output,
-             "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; of a sweep also NAME_sweep_01, …, "
-             "NAME_sweep.gif and its chart NAME_sweep.png; .gif: the animation of a sweep alone");
+             "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; a sweep adds NAME_sweep_01, "
+             "…, NAME_sweep.gif and its chart NAME_sweep.png; .gif: only the animation of a sweep");
   command->add_option("--slm", o->slm, "panel by name [the one the hologram was made for, or pluto]")
       ->type_name("NAME|SCENE.toml");
-  command->add_option("--report", o->report, "what each stage did, as in run's report.json")->type_name("FILE.json");
+  command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
+      ->type_name("FILE.json");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
   o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y"});
@@ -119,7 +127,7 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     Report report;
     const StageObserver watch = console.stages();
-    std::vector<ViewSum> sums(from.size());
+    std::vector<CombinedViews> sums(from.size());
     std::optional<RepeatedStages> repeat;
     std::set<std::pair<double, std::string>> kinds;  // that are summed each by itself
     for (const std::string& path : o->inputs) {
@@ -132,9 +140,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
         check_memory(hologram, slm, params, propagation, from, wavelength, kinds.size());
       if (!repeat) {
         const int64_t holograms = int64_t(o->inputs.size()),
-                      moments = int64_t(
-                          plan_moments(slm, params, wavelength, hologram.image, from, hologram.filter).moments.size());
-        repeat.emplace(holograms, moments, holograms * viewing_calls(moments, from), report, watch);
+                      states = states_of(hologram, slm, params, from, wavelength);
+        repeat.emplace(holograms, states, holograms * viewing_calls(states, from), report, watch);
       }
       view_hologram(hologram, slm, params, propagation, from, *repeat, sums);
     }

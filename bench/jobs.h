@@ -8,7 +8,7 @@
 #include "holotrace/estimate/machine/timed_jobs.h"
 
 // The jobs of the benchmarks, and how their counters are made. Ceilings are those of holotrace bench
-// (docs/performance.md).
+// (docs/explanation/performance.md).
 
 namespace holotrace {
 

@@ -181,7 +181,7 @@ def make_table(output):
 
 def renew_table(name, table):
     """Puts a table between its marks on the page of figures."""
-    page = ROOT / "docs" / "figures.md"
+    page = ROOT / "docs" / "explanation" / "figures.md"
     before, _, rest = page.read_text().partition(f"<!-- {name} -->\n")
     _, _, after = rest.partition(f"<!-- /{name} -->\n")
     page.write_text(f"{before}<!-- {name} -->\n{table}<!-- /{name} -->\n{after}")

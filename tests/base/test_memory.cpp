@@ -15,7 +15,7 @@ TEST(Memory, WhatFitsPassesAndWhatDoesNotIsNamed) {
     FAIL() << "expected an Error";
   } catch (const Error& error) {
     const std::string sentence = error.what();
-    EXPECT_NE(sentence.find("expected a huge panel to fit in memory, got a need of "), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("expected a huge panel to fit in memory, but it needs "), std::string::npos) << sentence;
     EXPECT_NE(sentence.find("iB"), std::string::npos) << sentence;
   }
 }

@@ -128,19 +128,19 @@ TEST(PathExpression, EveryPathIsInExactlyOneLayerOfAPartition) {
   }
 }
 
-TEST(PathExpression, LayersTogetherAreTheLayersAlone) {
-  std::vector<std::string> layers;
+TEST(PathExpression, GroupsTogetherAreTheGroupsAlone) {
+  std::vector<std::string> path_groups;
   std::mt19937 random(2);
-  for (int i = 0; i < 32; ++i) layers.push_back(fmt::format("E{}L", random_piece(random, 3)));
-  const PathAutomaton together(layers);
-  EXPECT_EQ(together.layers(), 32);
-  EXPECT_EQ(together.expressions(), layers);
+  for (int i = 0; i < 32; ++i) path_groups.push_back(fmt::format("E{}L", random_piece(random, 3)));
+  const PathAutomaton together(path_groups);
+  EXPECT_EQ(together.path_groups(), 32);
+  EXPECT_EQ(together.expressions(), path_groups);
   std::vector<PathAutomaton> alone;
-  for (const std::string& layer : layers) alone.emplace_back(std::vector<std::string>{layer});
+  for (const std::string& path_group : path_groups) alone.emplace_back(std::vector<std::string>{path_group});
   for (const std::string& events : between) {
     uint32_t expected = 0;
     bool dead = true;
-    for (size_t i = 0; i < layers.size(); ++i) {
+    for (size_t i = 0; i < path_groups.size(); ++i) {
       const PathAutomaton::State state = walk(alone[i], events);
       expected |= alone[i].accepted(state) << i;
       dead &= alone[i].is_dead(state);
@@ -152,15 +152,15 @@ TEST(PathExpression, LayersTogetherAreTheLayersAlone) {
 }
 
 TEST(PathExpression, AStateIsDeadExactlyWhenNoContinuationCompletesALayer) {
-  for (const std::vector<std::string>& layers :
+  for (const std::vector<std::string>& path_groups :
        {std::vector<std::string>{"E(D|G)L"}, {"ED*L"}, {"E.*L"}, {"ES*(D|G)L", "EDDL"}, {"EDGS(D|G)L", "E(SS)+L"}}) {
-    const PathAutomaton automaton(layers);
+    const PathAutomaton automaton(path_groups);
     // The states number fewer than six, so a continuation of six events passes each that can be reached.
     for (const std::string& events : words("DGS", 4)) {
       const std::string& before = events;
       bool completes = false;
       for (const std::string& after : between) completes |= automaton.accepted(walk(automaton, before + after)) != 0;
-      EXPECT_EQ(automaton.is_dead(walk(automaton, before)), !completes) << layers[0] << ", E" << before;
+      EXPECT_EQ(automaton.is_dead(walk(automaton, before)), !completes) << path_groups[0] << ", E" << before;
     }
   }
 }

@@ -65,16 +65,16 @@ TEST(BadScene, PathExpressionsArePlacedByLineColumnAndCharacter) {
   std::string many = "\"E.*L\"";
   for (int i = 1; i < 33; ++i) many += ", \"E.*L\"";
   expect_sentences({
-      {"[trace]\nlayers = \"E(D|GL\"\n",
-       "scene.toml:7:10: path expression 'E(D|GL': expected ')' for the '(' at character 2, got the end"},
-      {"[trace]\nlayers = [\"EL\", \"EXL\"]\n",
-       "scene.toml:7:17: path expression 'EXL': expected E, D, G, S, L, |, *, +, ?, '.' or a group at character 2, got "
+      {"[trace]\npath_expressions = \"E(D|GL\"\n",
+       "scene.toml:7:21: path expression 'E(D|GL': expected ')' for the '(' at character 2, got the end"},
+      {"[trace]\npath_expressions = [\"EL\", \"EXL\"]\n",
+       "scene.toml:7:28: path expression 'EXL': expected E, D, G, S, L, |, *, +, ?, '.' or a group at character 2, got "
        "'X'"},
-      {"[trace]\nlayers = [\"EL\",\n  \"EdL\"]\n",
+      {"[trace]\npath_expressions = [\"EL\",\n  \"EdL\"]\n",
        "scene.toml:8:3: path expression 'EdL': expected an upper-case letter at character 2, got 'd': write 'D'"},
-      {"[render]\nlayers = \"EdL\"\n",
-       "scene.toml:7:10: path expression 'EdL': expected an upper-case letter at character 2, got 'd': write 'D'"},
-      {"[trace]\nlayers = [" + many + "]\n", "scene.toml:7:10: expected at most 32 path expressions, got 33"},
+      {"[render]\npath_expressions = \"EdL\"\n",
+       "scene.toml:7:21: path expression 'EdL': expected an upper-case letter at character 2, got 'd': write 'D'"},
+      {"[trace]\npath_expressions = [" + many + "]\n", "scene.toml:7:21: expected at most 32 path expressions, got 33"},
   });
   const Workplace work;
   work.write("scene.toml", scene_with(""));

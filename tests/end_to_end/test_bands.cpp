@@ -54,7 +54,7 @@ TEST(Bands, KilledAtAnyMomentAreTakenUpAgainToTheSameBytes) {
   std::erase(again, "--quiet");
   const Outcome outcome = work.run(again);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, fmt::format("holotrace: {} of 16 bands of f.h5 are there; making the others\n", there));
+  EXPECT_EQ(outcome.err, fmt::format("holotrace: resuming f.h5: {} of 16 bands done\n", there));
   EXPECT_TRUE(work.read("f.h5") == work.read("whole.h5"));
   EXPECT_FALSE(work.has("f.h5.partial"));
   EXPECT_FALSE(work.has("f.h5.partial.json"));
@@ -241,7 +241,7 @@ TEST(Bands, SayWhatTheyCannotDo) {
             std::string::npos);
   EXPECT_NE(error_with({"--memory", "10 MB", "-o", "f.h5"}).find("expected --memory of "), std::string::npos);
   const std::string whole = error_with({"--columns", "2000000", "--rows", "2000000", "-o", "f.h5"});
-  EXPECT_NE(whole.find("make it band by band: --memory \"2 GB\" -o NAME.h5"), std::string::npos) << whole;
+  EXPECT_NE(whole.find("compute it in bands: --memory \"2 GB\" -o NAME.h5"), std::string::npos) << whole;
 }
 
 }  // namespace

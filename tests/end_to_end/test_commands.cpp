@@ -363,5 +363,39 @@ TEST(Commands, WrongUsageExitsWith2AndSaysWhatIsWrong) {
   EXPECT_EQ(work.names(), std::set<std::string>{"scene.toml"});
 }
 
+// Names that flags and keys had before are read, with one line of warning, and give the same bytes as the new ones.
+TEST(Commands, OldNamesAreReadWithAWarning) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.03}}}));
+  work.write("scene.toml", scene_head() + points_object());
+  succeed(work, {"field", "scene.toml", "-o", "f.npy"});
+  succeed(work, {"encode", "f.npy", "-o", "h.png"});
+  const std::vector<std::string> show{"show", "h.png", "--distance", "30 mm", "--bandwidth", "4 nm"};
+  const auto run = [&](const std::string& flag, const std::string& output) {
+    std::vector<std::string> arguments = show;
+    arguments.insert(arguments.end(), {flag, "9", "-o", output});
+    return work.run(arguments);
+  };
+  const Outcome before = run("--illumination-states", "before.png"), now = run("--illumination-states", "now.png");
+  EXPECT_EQ(before.exit_code, 0);
+  EXPECT_EQ(before.err,
+            "warning: `--illumination-states` is now called `--illumination-states`; the old name is still read\n");
+  EXPECT_EQ(now.err, "");
+  EXPECT_EQ(work.read("before.png"), work.read("now.png"));
+
+  std::vector<std::string> both = show;
+  both.insert(both.end(), {"--illumination-states", "9", "--illumination-states", "9", "-o", "both.png"});
+  EXPECT_EQ(work.run(both).exit_code, 2);  // wrong usage
+  EXPECT_EQ(work.run({"show", "--help"}).out.find("--illumination-states"), std::string::npos);
+
+  work.write("old.toml", mesh_scene() + "[show]\nmoments = 1\n");
+  const Outcome traced = work.run({"trace", "old.toml", "-o", "sources.ply"});
+  EXPECT_EQ(traced.exit_code, 0);
+  EXPECT_EQ(std::count(traced.err.begin(), traced.err.end(), '\n'), 1) << traced.err;
+  EXPECT_NE(traced.err.find("`illumination_states` is now called `illumination_states`"), std::string::npos);
+  EXPECT_NE(work.run({"run", "old.toml", "-o", "out"}).err.find("`illumination_states` is now called"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace holotrace::test

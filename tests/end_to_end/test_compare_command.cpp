@@ -107,12 +107,11 @@ TEST(CompareCommand, SaysWhatIsWrong) {
     return outcome.err;
   };
   EXPECT_EQ(error_of_run({"compare", "a.png", "a.png", "-o", "b.png"}),
-            "holotrace: -o is for a photograph that is laid upon a simulation: add --register, or leave out -o\n");
+            "holotrace: -o needs --register; add --register, or leave out -o\n");
   EXPECT_EQ(error_of_run({"compare", "a.png", "a.png", "--offset", "true"}),
-            "holotrace: --offset is for a photograph that is laid upon a simulation: add --register, or leave out "
-            "--offset\n");
+            "holotrace: --offset needs --register; add --register, or leave out --offset\n");
   EXPECT_EQ(error_of_run({"compare", "a.png", "a.png", "--difference-range", "2"}),
-            "holotrace: --difference-range is for the picture of the difference: add --difference FILE.png\n");
+            "holotrace: --difference-range needs a picture of the difference; add --difference FILE.png\n");
   EXPECT_EQ(error_of_run({"compare", "a.png", "a.png", "--difference", "d.png", "--profile", "d.png"}),
             "holotrace: expected a file each for --difference and --profile, got d.png for both\n");
   EXPECT_NE(error_of_run({"compare", "a.png", "a.png", "--profile", "p.pdf"}).find(".svg"), std::string::npos);

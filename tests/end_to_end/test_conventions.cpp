@@ -1,4 +1,4 @@
-// The sentences of docs/conventions.md that no room tests by itself, and that each sentence has its test.
+// The sentences of docs/explanation/conventions.md that no room tests by itself, and that each sentence has its test.
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ TEST(Conventions, EverySentenceNamesTestsThatExist) {
     for (std::sregex_iterator i(text.begin(), text.end(), test), end; i != end; ++i)
       existing.insert((*i)[2].str() + "." + (*i)[3].str());
   }
-  const std::string document = text_of(source / "docs" / "conventions.md");
+  const std::string document = text_of(source / "docs" / "explanation" / "conventions.md");
   static const std::regex sentence("\n(\\d+)\\. ");
   std::vector<size_t> begins;
   for (std::sregex_iterator i(document.begin(), document.end(), sentence), end; i != end; ++i) {

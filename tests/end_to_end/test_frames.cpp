@@ -67,7 +67,7 @@ TEST(Frames, SpeckleOfAHologramFallsAsOneOverTheRootOfTheFrames) {
   const Sources sources = patch(7e-3, 390, depth);
   const Slm slm{.name = "test", .grid = grid, .fill_factor = 1};
   const CameraParams camera{.distances = {depth}, .width = 7e-3, .height = 7e-3};
-  ViewSum by_hologram, by_field;
+  CombinedViews by_hologram, by_field;
   for (uint32_t frame = 0; frame < 16; ++frame) {
     const Field field = fields_of_frame({{sources}, {}}, frame, grid, {}).front();
     EXPECT_EQ(field.frame, frame);
@@ -220,8 +220,8 @@ TEST(Frames, WhatCannotBeShownIsRefusedBeforeAFolderIsMade) {
       {{"run", "scene.toml", "-o", "out", "--wavelength", "638 nm, -1 nm"},
        "holotrace: --wavelength: expected a length above 0 m, got -1 nm\n"},
       {{"field", "s.ply", "s.ply", "--slm", "scene.toml", "-o", "f.npy"},
-       "holotrace: expected sources of different wavelengths or names, got s.ply and s.ply at 532 nm; make one file of "
-       "them if they are coherent, or holograms of each\n"},
+       "holotrace: expected sources of different wavelengths or names, got s.ply and s.ply at 532 nm; put "
+       "them into one file if they are coherent, or make a hologram of each\n"},
       {{"field", "s.ply", "--slm", "scene.toml", "-o", "f.npy", "--wavelength", "638 nm, 450 nm"},
        "holotrace: --wavelength: expected one length, or one for each of 1 files of sources, got 2\n"}};
   for (const auto& [arguments, sentence] : cases) {

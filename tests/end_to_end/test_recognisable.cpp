@@ -113,7 +113,7 @@ TEST(Recognisable, TheMoreTheMoreFramesAreShown) {
   CameraParams camera = job.camera;
   camera.binning = 1;
   camera.sampling = PixelSampling::point;  // all the speckle: pixels that integrate average some of it
-  ViewSum by_field, by_hologram;
+  CombinedViews by_field, by_hologram;
   std::vector<double> of_field, of_hologram;
   for (uint32_t frame = 0; frame < 16; ++frame) {
     const Field field = fields_of_frame({sources, {}}, frame, job.slm.grid, {}).front();

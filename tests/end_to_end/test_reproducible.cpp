@@ -92,13 +92,13 @@ TEST(Reproducible, ARunOverAnOlderOneReplacesIt) {
   for (const std::string& name : outputs) EXPECT_TRUE(work.read("fresh/" + name) == work.read("old/" + name)) << name;
 }
 
-// Every kind of material and light, three wavelengths, two layers, two frames.
+// Every kind of material and light, three wavelengths, two path groups, two frames.
 std::string everything() {
   return "wavelength = [\"638 nm\", \"532 nm\", \"450 nm\"]\n" +
          scene_head(small_panel).substr(scene_head(small_panel).find('[')) +
          "[trace]\nstrategy = \"tiled\"\npattern = \"random\"\nphase = \"path\"\nsamples = 1500\npaths = 3\n"
-         "tile_columns = 3\ntile_rows = 2\nmax_depth = 6\nlayers = [\"EL\", \"E(D|G|S).*L\"]\n"
-         "separate_layers = true\nframes = 2\n"
+         "tile_columns = 3\ntile_rows = 2\nmax_depth = 6\npath_expressions = [\"EL\", \"E(D|G|S).*L\"]\n"
+         "separate_path_groups = true\nframes = 2\n"
          "[render]\nrows = 48\npaths = 4\nlens = \"panel\"\n"
          "[camera]\ndistances = \"30 mm\"\n"
          "[environment]\nmap = \"sky.exr\"\n"

@@ -133,7 +133,7 @@ TEST(SlmChain, EveryFaultOfAPanelTakesLightFromTheImage) {
   EXPECT_NEAR(none, 0.93 * 0.93 * std::pow(sinc(std::sqrt(0.93) / 8), 2), 1e-6);
   for (const std::string& name : effects_of(slm)) {
     const ShowParams params{.subpixels = 3, .effects = {name}};
-    const Moment crest{test_wavelength, 0, 0, 1};
+    const IlluminationState crest{test_wavelength, 0, 0, 1};
     const double left = efficiency_of(show(h, slm, params, crest), 8);
     if (name == "gaps") {  // which send on light that the pattern does not turn: to the panel's own orders alone
       EXPECT_NEAR(left, none, 1e-6);

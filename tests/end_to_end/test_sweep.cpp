@@ -8,6 +8,7 @@
 
 #include "end_to_end/scenes.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
 #include "support/program.h"
 #include "support/temporary.h"
@@ -145,7 +146,7 @@ TEST(Show, RefusesToWriteOverItsHologramsAndMoreThanFitsInMemory) {
     return outcome.err;
   };
   const std::string before = work.read("out/hologram.png");
-  EXPECT_NE(sentence({"-o", "out/../out/hologram.png"}).find("written over the hologram"), std::string::npos);
+  EXPECT_NE(sentence({"-o", "out/../out/hologram.png"}).find("would overwrite the hologram"), std::string::npos);
   EXPECT_NE(sentence({"-o", "view.png", "--report", "out/hologram.json"}).find("written over"), std::string::npos);
   work.write("view_2.png", before);
   EXPECT_EQ(work.run({"show", "view_2.png", "-o", "view.png", "--distance", "26 mm, 30 mm", "--wavelength", "532 nm"})

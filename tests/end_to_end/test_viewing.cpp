@@ -13,8 +13,9 @@
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
-#include "holotrace/run/moment_plan.h"
+#include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/pipeline.h"
+#include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
@@ -41,7 +42,7 @@ nlohmann::json stages_of(const std::string& report) {
   return stages;
 }
 
-TEST(Viewing, IsTheWeightedSumOverMoments) {
+TEST(Viewing, IsTheWeightedSumOverIlluminationStates) {
   Workplace work;
   with_points(work).write("scene.toml", scene());
   ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
@@ -50,25 +51,26 @@ TEST(Viewing, IsTheWeightedSumOverMoments) {
   ShowParams params;
   params.bandwidth = 5e-9;
   params.source_angle = 1e-3;
-  params.moments = 5;
+  params.illumination_states = 5;
   CameraParams camera;
   camera.distances = {0.026, 0.034};
   const auto from = viewpoints(camera);
   Report report;
   const StageObserver watch;
   RepeatedStages repeat(1, 5, viewing_calls(5, from), report, watch);
-  std::vector<ViewSum> sums(from.size());
+  std::vector<CombinedViews> sums(from.size());
   view_hologram(hologram, slm, params, {}, from, repeat, sums);
 
   for (size_t d = 0; d < 2; ++d) {
     std::vector<double> expected;
     double weights = 0;
-    for (const Moment& moment : plan_moments(slm, params, hologram.wavelength, hologram.image, from).moments) {
+    for (const IlluminationState& state :
+         plan_illumination(slm, params, hologram.wavelength, hologram.image, from).states) {
       const Image view =
-          look(show(hologram, slm, params, moment), slm, camera.distances[d], {}, camera, {}, moment.source);
+          look(show(hologram, slm, params, state), slm, camera.distances[d], {}, camera, {}, state.source);
       expected.resize(view.values.size());
-      for (size_t i = 0; i < expected.size(); ++i) expected[i] += moment.weight * double(view.values[i]);
-      weights += moment.weight;
+      for (size_t i = 0; i < expected.size(); ++i) expected[i] += state.weight * double(view.values[i]);
+      weights += state.weight;
     }
     EXPECT_NEAR(weights, 1, 1e-12);
     const Image seen = sums[d].image();
@@ -117,59 +119,61 @@ TEST(Viewing, LightOfAWideSourceBlursByItsAngle) {
   EXPECT_GT(least, 0.85 * most);
 }
 
-// The numbers of docs/slm.md, by hand: 2 mm of panel, 532 nm, pixels of 8 µm.
-TEST(Viewing, AsManyMomentsAsTheViewsNeed) {
+// The numbers of docs/explanation/slm.md, by hand: 2 mm of panel, 532 nm, pixels of 8 µm.
+TEST(Viewing, AsManyIlluminationStatesAsTheViewsNeed) {
   const Slm slm{.name = "test", .grid = {256, 256, 8e-6}};
   CameraParams camera;
   camera.distances = {0.1};
   const auto plan = [&](const ShowParams& params, const std::optional<SpectralFilter>& filter = {}) {
-    return plan_moments(slm, params, 532e-9, ImageSide::virtual_image, viewpoints(camera), filter);
+    return plan_illumination(slm, params, 532e-9, ImageSide::virtual_image, viewpoints(camera), filter);
   };
-  EXPECT_EQ(plan({}).moments.size(), 1U);
+  EXPECT_EQ(plan({}).states.size(), 1U);
   EXPECT_TRUE(plan({}).why.empty());
   // The orders shown take 66.5 mrad: 5 mrad move by 0.075 of it, and π/4·(8·0.075)² = 0.28.
-  EXPECT_EQ(plan({.source_angle = 5e-3}).moments.size(), 1U);
-  EXPECT_EQ(plan({.source_angle = 5e-3}).moments[0].source.angle, 5e-3);
+  EXPECT_EQ(plan({.source_angle = 5e-3}).states.size(), 1U);
+  EXPECT_EQ(plan({.source_angle = 5e-3}).states[0].source.angle, 5e-3);
   // A stop of 10 mrad: π/4·(8·0.5)² = 12.6.
   const double half = 5e-3 / 532e-9;
-  EXPECT_EQ(plan({.source_angle = 5e-3}, SpectralFilter{0, 0, half, 1e9}).moments.size(), 13U);
+  EXPECT_EQ(plan({.source_angle = 5e-3}, SpectralFilter{0, 0, half, 1e9}).states.size(), 13U);
   // 10 nm and f = min(62500, 38496)/m: 2·38496·0.1·10e-9 m = 77 µm, in steps of λz/S = 26 µm: 3, of which 8 are taken;
   // at 20 mm f = 62500/m: 25 µm in steps of a pixel.
-  EXPECT_EQ(plan({.bandwidth = 10e-9}).moments.size(), 8U);
-  EXPECT_EQ(plan({.bandwidth = 100e-9}).moments.size(), 30U);  // 770/26.0 = 29.7
+  EXPECT_EQ(plan({.bandwidth = 10e-9}).states.size(), 8U);
+  EXPECT_EQ(plan({.bandwidth = 100e-9}).states.size(), 30U);  // 770/26.0 = 29.7
   // At 20 mm three samples per pixel hold the 187 500/m of their band: 2·187500·20e-3·60e-9 m = 450 µm. A sensor pixel
   // is a panel pixel of 8 µm by itself, and a sample of 8/3 µm with a binning of 1, where λz/S = 5.2 µm resolves less.
   camera.distances = {0.02};
-  EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).moments.size(), 57U);  // 450/8 = 56.25
+  EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).states.size(), 57U);  // 450/8 = 56.25
   camera.binning = 1;
-  EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).moments.size(), 87U);  // 450/5.195 = 86.6
+  EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).states.size(), 87U);  // 450/5.195 = 86.6
   camera.binning = 3;
-  EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).moments.size(), 57U);
+  EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).states.size(), 57U);
   camera.binning = 0;
   camera.distances = {0.1};
-  // One moment per wavelength holds the whole source where it can.
-  EXPECT_EQ(plan({.bandwidth = 10e-9, .source_angle = 5e-3}).moments[3].source.angle, 5e-3);
-  EXPECT_EQ(plan({.bandwidth = 10e-9, .source_angle = 5e-3}).moments[3].tilt_x, 0);
+  // One state per wavelength holds the whole source where it can.
+  EXPECT_EQ(plan({.bandwidth = 10e-9, .source_angle = 5e-3}).states[3].source.angle, 5e-3);
+  EXPECT_EQ(plan({.bandwidth = 10e-9, .source_angle = 5e-3}).states[3].tilt_x, 0);
   // An eye at 200 mm with a pupil of 2 mm: the source moves its light by 1 mm of 2: 12.6 again.
   camera.pupil = 2e-3;
   camera.eye.z = 0.2;
-  EXPECT_EQ(plan({.source_angle = 10e-3}).moments.size(), 51U);  // π/4·64·1
-  EXPECT_EQ(plan({.source_angle = 5e-3}).moments.size(), 13U);
-  EXPECT_EQ(plan({.source_angle = 50e-3}).moments.size(), 256U);
-  EXPECT_EQ(doubt_of(plan({.source_angle = 50e-3}), {.source_angle = 50e-3}),  // π/4·64·25 = 1256.6
-            "this light needs 1257 moments, the limit is 256: the view will look grainy; use a smaller source, or set "
-            "moments to 1257");
+  EXPECT_EQ(plan({.source_angle = 10e-3}).states.size(), 51U);  // π/4·64·1
+  EXPECT_EQ(plan({.source_angle = 5e-3}).states.size(), 13U);
+  EXPECT_EQ(plan({.source_angle = 50e-3}).states.size(), 256U);
   EXPECT_EQ(
-      doubt_of(plan({.source_angle = 5e-3, .moments = 1}), {.source_angle = 5e-3, .moments = 1}),
-      "this light needs 13 moments, 1 is given: the view will look grainy; set moments to 13, or to 0 for as many "
+      doubt_of(plan({.source_angle = 50e-3}), {.source_angle = 50e-3}),  // π/4·64·25 = 1256.6
+      "this light needs 1257 illumination states, the limit is 256: the view will look grainy; use a smaller source, or set "
+      "illumination_states to 1257");
+  EXPECT_EQ(
+      doubt_of(plan({.source_angle = 5e-3, .illumination_states = 1}),
+               {.source_angle = 5e-3, .illumination_states = 1}),
+      "this light needs 13 illumination states, 1 is given: the view will look grainy; set illumination_states to 13, or to 0 for as many "
       "as the view needs");
   EXPECT_EQ(doubt_of(plan({.source_angle = 5e-3}), {.source_angle = 5e-3}), "");
-  // Moments and samples that no memory holds are refused by their lists.
-  const std::string many = error_of([&] { plan({.moments = 65537}); });
+  // States and samples that no memory holds are refused by their lists.
+  const std::string many = error_of([&] { plan({.illumination_states = 65537}); });
   EXPECT_NE(many.find("65536"), std::string::npos) << many;
   const std::string fine = error_of([&] { plan({.subpixels = 65537}); });
   EXPECT_NE(fine.find("1 to 65536"), std::string::npos) << fine;
-  EXPECT_EQ(plan({.subpixels = 64, .source_angle = 5e-3, .moments = 65}).moments.size(), 65U);
+  EXPECT_EQ(plan({.subpixels = 64, .source_angle = 5e-3, .illumination_states = 65}).states.size(), 65U);
 }
 
 // 40e6 pixels a side in 64 samples each: 2.56e9 are more than an int counts.
@@ -180,39 +184,41 @@ TEST(Viewing, SamplesBeyondAnIntAreRefused) {
       "expected at most 2147483647 samples a side, got 2560000000 × 256; use fewer subpixels");
 }
 
-TEST(Viewing, TooFewMomentsAreTold) {
+TEST(Viewing, TooFewIlluminationStatesAreTold) {
   Workplace work;
   with_points(work).write("scene.toml", scene());
   ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
-  const auto warnings_of = [&](const std::string& moments) {
+  const auto warnings_of = [&](const std::string& states) {
     const Outcome outcome = work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm",
-                                      "--bandwidth", "4 nm", "--moments", moments, "--report", "show.json"});
+                                      "--bandwidth", "4 nm", "--illumination-states", states, "--report", "show.json"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return stages_of(work.read("show.json")).at("show").value("warnings", nlohmann::json::array());
   };
   ASSERT_EQ(warnings_of("3").size(), 1U);
-  EXPECT_EQ(warnings_of("3")[0].get<std::string>(),
-            "this light needs 8 moments, 3 are given: the view will look grainy; set moments to 8, or to 0 for as many "
-            "as the view needs");
+  EXPECT_EQ(
+      warnings_of("3")[0].get<std::string>(),
+      "this light needs 8 illumination states, 3 are given: the view will look grainy; set illumination_states to 8, or to 0 for as many "
+      "as the view needs");
   EXPECT_TRUE(warnings_of("8").empty());
 }
 
 TEST(Viewing, ShowSeesWhatRunSaw) {
   Workplace work;
-  with_points(work).write("scene.toml", scene("[show]\nbandwidth = \"4 nm\"\nmoments = 3\nsubpixels = 3\n") + "");
+  with_points(work).write("scene.toml",
+                          scene("[show]\nbandwidth = \"4 nm\"\nillumination_states = 3\nsubpixels = 3\n") + "");
   ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out", "--electrons", "200", "--read-noise", "3"}).exit_code, 0);
-  const Outcome outcome =
-      work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm", "--bandwidth", "4 nm", "--moments",
-                "3", "--subpixels", "3", "--electrons", "200", "--read-noise", "3", "--report", "show.json"});
+  const Outcome outcome = work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm", "--bandwidth",
+                                    "4 nm", "--illumination-states", "3", "--subpixels", "3", "--electrons", "200",
+                                    "--read-noise", "3", "--report", "show.json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(work.read("view.png") == work.read("out/view.png"));
   const auto of_run = stages_of(work.read("out/report.json")), of_show = stages_of(work.read("show.json"));
   EXPECT_EQ(of_run.at("show").at("power_out"), of_show.at("show").at("power_out"));
-  EXPECT_EQ(of_show.at("show").at("moments"), 3);
+  EXPECT_EQ(of_show.at("show").at("illumination_states"), 3);
   EXPECT_TRUE(of_show.contains("look at 30 mm"));
 }
 
-// Orders of a hologram at one moment: they are all of the light that its samples hold.
+// Orders of a hologram at one illumination state: they are all of the light that its samples hold.
 TEST(Viewing, OrdersAddUpToTheEfficiency) {
   Workplace work;
   with_points(work).write("scene.toml", scene("[show]\nsubpixels = 3\n"));
@@ -232,11 +238,12 @@ TEST(Viewing, OrdersAddUpToTheEfficiency) {
   EXPECT_TRUE(stages.at("look at 30 mm").contains("uniformity"));
 }
 
-TEST(Viewing, ProgressOfManyMomentsAndViewsGoesOnceFromStartToEnd) {
+TEST(Viewing, ProgressOfManyIlluminationStatesAndViewsGoesOnceFromStartToEnd) {
   Workplace work;
-  with_points(work).write("scene.toml",
-                          scene("eye_separation = \"0.4 mm\"\n[show]\nsource_angle = \"0.1 deg\"\nmoments = 4\n") +
-                              "[trace]\nframes = 2\n[synthesize]\n");
+  with_points(work).write(
+      "scene.toml",
+      scene("eye_separation = \"0.4 mm\"\n[show]\nsource_angle = \"0.1 deg\"\nillumination_states = 4\n") +
+          "[trace]\nframes = 2\n[synthesize]\n");
   std::string text = work.read("scene.toml");
   text.replace(text.find("[trace]\nphase = \"constant\"\n"), 27, "");
   work.write("scene.toml", text);
@@ -336,12 +343,12 @@ TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
     return sentence.starts_with(path) ? sentence.substr(path.size() - std::string("scene.toml").size()) : sentence;
   };
   EXPECT_EQ(refused("read_noise = 2\n"),
-            "expected the electrons of a white pixel beside a read noise of 2 electrons, got 0; give electrons");
+            "expected electrons above 0 with a read noise of 2 electrons, got 0; set electrons");
   EXPECT_EQ(refused("focal_length = \"20 mm\"\n"),
             "expected a pupil above 0 m for a lens of 20 mm, got 0 m; give its diameter");
   EXPECT_EQ(refused("focal_length = \"50 mm\"\npupil = \"1 mm\"\n"),
-            "expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move the eye "
-            "back, or take a shorter focal length");
+            "expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move the "
+            "eye back, or use a shorter focal length");
   EXPECT_EQ(refused("sweep = \"focus\"\n"),
             "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to");
   const std::string head = scene().substr(0, scene().find("[camera]"));

@@ -43,9 +43,9 @@ inline Statistics follow(const Scene& scene, const Ray& ray, int count, int max_
 }
 
 /// Green of each sum, the mean of `paths` paths of sample 0.
-inline std::vector<double> sums_of(const Scene& scene, const Ray& ray, const std::vector<std::string>& layers,
+inline std::vector<double> sums_of(const Scene& scene, const Ray& ray, const std::vector<std::string>& path_groups,
                                    const PathParams& params, int paths) {
-  const PathScene path_scene(scene, Lines{}, layers, params);
+  const PathScene path_scene(scene, Lines{}, path_groups, params);
   std::vector<Vec3> sums(size_t(path_scene.sums()));
   PathCounts counts;
   mean_radiance(path_scene, start_of(path_scene, ray), paths, 0, sums, counts);

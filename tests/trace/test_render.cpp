@@ -307,13 +307,13 @@ TEST(Render, APointIsWhereTheEyeSeesItWithTheIrradianceOfItsWave) {
   EXPECT_NEAR(sum * std::pow(0.2e-3 / 0.5, 2) * std::pow(cosine, 4) / (4 * solid_angle * 0.16 / squared), 1, 1e-6);
 }
 
-TEST(Render, LayersLeaveOutTheBackgroundToo) {
+TEST(Render, PathGroupsLeaveOutTheBackgroundToo) {
   Scene scene;
   scene.materials = {grey(0.5)};
   scene.meshes = {make_test_quad({-50_mm, 0, -0.3}, {50_mm, 0, 0}, {0, 50_mm, 0})};
   scene.background = {1, 1, 1};
-  const auto picture = [&](const std::vector<std::string>& layers) {
-    return render(scene, panel, green_light, {.columns = 2, .rows = 1, .paths = 256, .layers = layers});
+  const auto picture = [&](const std::vector<std::string>& path_groups) {
+    return render(scene, panel, green_light, {.columns = 2, .rows = 1, .paths = 256, .path_expressions = path_groups});
   };
   EXPECT_EQ(picture({"EDL"})(0, 1), 0);
   EXPECT_EQ(picture({"EL"})(0, 0), 0);

@@ -179,8 +179,8 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   trace(scene, panel, green_light, params, behind.observer);
   ASSERT_EQ(behind.warnings.size(), 1u);
   EXPECT_EQ(behind.warnings[0],
-            "every first hit is dark: the scene's lights do not reach what the panel sees; move them, or add others, "
-            "emission or a background");
+            "every first hit is dark: the scene's lights do not reach the surfaces that the panel sees; move "
+            "them, or add others, emission or a background");
 
   scene.materials.push_back(DielectricMaterial{});
   scene.meshes.push_back(make_wall(-0.2, 50_mm, 50_mm, 1));
@@ -189,9 +189,9 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   trace(scene, panel, green_light, params, behind_glass.observer);
   ASSERT_EQ(behind_glass.warnings.size(), 1u);
   EXPECT_EQ(behind_glass.warnings[0],
-            "every first hit is dark: the scene's lights do not reach what the panel sees; solid glass casts a shadow "
-            "in the light of points, spots, beams and the sun: light what it covers by rectangles, emission, a "
-            "background or an environment");
+            "every first hit is dark: the scene's lights do not reach the surfaces that the panel sees; solid "
+            "glass casts a shadow in the light of points, spots, beams and the sun: light what it covers by "
+            "rectangles, emission, a background or an environment");
 }
 
 // A point of radiance L is a patch of λd/W by λd/H: its solid angle is λ²/(W·H), whatever the depth.
@@ -254,13 +254,12 @@ TEST(Trace, PointsAndSurfacesThatOutshineEachOtherAreWarnedOf) {
     ASSERT_EQ(warnings(0.02F, strategy).size(), 1u);
     EXPECT_EQ(warnings(0.02F, strategy)[0],
               "the surfaces are 2.5e+03 times as bright as the luminous points (mean radiance 1 and 0.0004 W/m²/sr), "
-              "which cannot be seen beside them; raise the points' amplitude, whose square is their radiance, by a "
-              "factor of about 50");
+              "so the points cannot be seen; multiply their amplitude by about 50 (its square is their radiance)");
     ASSERT_EQ(warnings(40, strategy).size(), 1u);
-    EXPECT_EQ(warnings(40, strategy)[0],
-              "the luminous points are 1.6e+03 times as bright as the surfaces (mean radiance 1.6e+03 and 1 W/m²/sr), "
-              "which are black beside them; lower the points' amplitude, whose square is their radiance, to about "
-              "0.025 of what it is");
+    EXPECT_EQ(
+        warnings(40, strategy)[0],
+        "the luminous points are 1.6e+03 times as bright as the surfaces (mean radiance 1.6e+03 and 1 W/m²/sr), "
+        "so the surfaces appear black; multiply the points' amplitude by about 0.025 (its square is their radiance)");
   }
 }
 

@@ -287,8 +287,8 @@ TEST(Camera, LensesThatCannotImageAreRefused) {
   camera.pupil = 0.2_mm;
   camera.eye.z = 30_mm;
   EXPECT_EQ(error_of([&] { look(shown, slm, 0.02, {}, camera); }),
-            "expected a plane farther from the lens than its focal length of 50 mm, got one at 50 mm; move the eye "
-            "back, or take a shorter focal length");
+            "expected a plane farther from the lens than its focal length of 50 mm, got one at 50 mm; move the "
+            "eye back, or use a shorter focal length");
   camera.focal_length = -1_mm;
   EXPECT_EQ(error_of([&] { look(shown, slm, 0.02, {}, camera); }),
             "expected a length of 0 m or more for \"focal_length\", got -1 mm");

@@ -18,8 +18,8 @@ Image flat(float value, int n = 2) {
   return image;
 }
 
-TEST(ViewSum, OneHologramIsItsView) {
-  ViewSum sum;
+TEST(CombinedViews, OneHologramIsItsView) {
+  CombinedViews sum;
   Image view = flat(1.5F);
   view.values[1] = 0.1F;
   sum.add(532e-9, "", 0.0037, view);
@@ -28,8 +28,8 @@ TEST(ViewSum, OneHologramIsItsView) {
   EXPECT_EQ(sum.image().pitch, test_pitch);
 }
 
-TEST(ViewSum, FramesAreAveragedAndSetsAreAdded) {
-  ViewSum sum;
+TEST(CombinedViews, FramesAreAveragedAndSetsAreAdded) {
+  CombinedViews sum;
   sum.add(532e-9, "sun", 2, flat(1));
   sum.add(532e-9, "sun", 2, flat(3));
   sum.add(532e-9, "lamp", 1, flat(8));
@@ -39,10 +39,10 @@ TEST(ViewSum, FramesAreAveragedAndSetsAreAdded) {
   EXPECT_DOUBLE_EQ(sum.relative_illumination(), 1.5);
 }
 
-TEST(ViewSum, ColoursKeepTheRatioOfTheirIlluminations) {
+TEST(CombinedViews, ColoursKeepTheRatioOfTheirIlluminations) {
   const std::vector<double> wavelengths{638e-9, 520e-9, 450e-9};
   const Vec3 rgb{0.9, 0.5, 0.2};
-  ViewSum sum;
+  CombinedViews sum;
   for (const double wavelength : wavelengths) sum.add(wavelength, "", 7 * radiance_at(wavelength, rgb), flat(2));
   const Image image = sum.image();
   ASSERT_EQ(image.channels, 3);
@@ -52,8 +52,8 @@ TEST(ViewSum, ColoursKeepTheRatioOfTheirIlluminations) {
   EXPECT_NEAR(image(1, 0, 2), 2 * rgb.z / 0.9, 2e-6);
 }
 
-TEST(ViewSum, AWavelengthThatNoHologramHasIsDark) {
-  ViewSum sum({638e-9, 520e-9, 460e-9});
+TEST(CombinedViews, AWavelengthThatNoHologramHasIsDark) {
+  CombinedViews sum({638e-9, 520e-9, 460e-9});
   sum.add(460e-9, "", 1, flat(3));
   const Image image = sum.image();
   ASSERT_EQ(image.channels, 3);
@@ -61,16 +61,16 @@ TEST(ViewSum, AWavelengthThatNoHologramHasIsDark) {
   EXPECT_NEAR(image(0, 0, 2), 3, 1e-6);
 }
 
-TEST(ViewSum, TheWhiteIsBalancedByTheReach) {
-  ViewSum sum;
+TEST(CombinedViews, TheWhiteIsBalancedByTheReach) {
+  CombinedViews sum;
   sum.add(638e-9, "", 1, flat(4), 4);
   sum.add(520e-9, "", 1, flat(2), 2);
   sum.add(450e-9, "", 1, flat(1), 1);
   for (float v : sum.image().values) EXPECT_NEAR(v, 4, 1e-5);
 }
 
-TEST(ViewSum, RefusesWhatDoesNotAddUp) {
-  ViewSum sum;
+TEST(CombinedViews, RefusesWhatDoesNotAddUp) {
+  CombinedViews sum;
   EXPECT_EQ(error_of([&] { sum.image(); }), "expected a view to make a picture of, got none");
   sum.add(532e-9, "", 1, flat(1, 2));
   EXPECT_EQ(error_of([&] { sum.add(532e-9, "", 1, flat(1, 3)); }),
@@ -141,11 +141,11 @@ Field speckle(const Grid& grid, int band, uint32_t frame) {
   return f;
 }
 
-TEST(ViewSum, SpeckleFallsAsOneOverTheRootOfTheFrames) {
+TEST(CombinedViews, SpeckleFallsAsOneOverTheRootOfTheFrames) {
   // 97² = 9409 independent modes, one grain each: the contrast C = 1/√M of N grains is known to about 1/√N = 1 % (M =
   // 1), 1/√(2N) = 0.7 % (many frames): 3 % is three of that.
   const Grid grid{128, 128, test_pitch};
-  ViewSum sum;
+  CombinedViews sum;
   for (uint32_t frame = 0; frame < 16; ++frame) {
     const Field field = speckle(grid, 48, frame);
     Image view(grid.ny, grid.nx, 1);

@@ -15,7 +15,7 @@ constexpr int nx = 128, ny = 64;
 Field round_trip(const std::vector<PlaneWave>& waves, const EncodeParams& params, int subpixels) {
   const Slm slm = make_panel(nx, ny, 65536);
   const Field shown = show(encode(sum_of(waves, slm.grid), slm, params), slm, {.subpixels = subpixels});
-  return select_order(shown, *shown.filter);
+  return apply_order_stop(shown, *shown.filter);
 }
 
 // What must come back: each wave behind the aperture's roll-off at the place where the order carries it.
@@ -30,7 +30,7 @@ Field expected(const std::vector<PlaneWave>& waves, const Field& seen, double ca
 // order carries at least some 3 % of it, so 2e-4 relative is generous.
 constexpr double rounding = 2e-4;
 
-TEST(SelectOrder, OffAxisHologramWithoutBiasGivesTheFieldBack) {
+TEST(OrderStop, OffAxisHologramWithoutBiasGivesTheFieldBack) {
   // All of the band: carrier 32 cycles over the panel, waves up to 30. Twin and constant stay outside.
   const std::vector<PlaneWave> waves = random_waves(30, 12, 5);
   for (int n : {1, 3}) {
@@ -44,14 +44,14 @@ TEST(SelectOrder, OffAxisHologramWithoutBiasGivesTheFieldBack) {
   }
 }
 
-TEST(SelectOrder, OffAxisHologramWithBiasGivesANarrowFieldBack) {
+TEST(OrderStop, OffAxisHologramWithBiasGivesANarrowFieldBack) {
   // |U|² spreads over twice the field's band: up to 14 cycles, outside of 48 ± 16.
   const std::vector<PlaneWave> waves = random_waves(7, 12, 6);
   const Field seen = round_trip(waves, {.method = Encoding::off_axis}, 3);
   EXPECT_LT(compare(expected(waves, seen, 3 / (8 * test_pitch), 0), seen).scaled_error, rounding);
 }
 
-TEST(SelectOrder, TiltAlongYAndTheRealImage) {
+TEST(OrderStop, TiltAlongYAndTheRealImage) {
   // Carrier of 3 cycles over the panel in x, −12 in y: the y axis tells the orders apart, 12 ± 4. conj(U) comes back;
   // |U|² reaches 4 cycles.
   std::vector<PlaneWave> waves = random_waves(2, 8, 7);
@@ -71,7 +71,7 @@ TEST(SelectOrder, TiltAlongYAndTheRealImage) {
   }
 }
 
-TEST(SelectOrder, TakesOffACarrierBetweenBins) {
+TEST(OrderStop, TakesOffACarrierBetweenBins) {
   // A stop wide enough for all: what comes out is the field without its carrier, to single precision.
   const Field field = sum_of(random_waves(5, 8, 9), {nx, ny, test_pitch});
   const double u = 10.37 / (nx * test_pitch), v = -7.81 / (ny * test_pitch);
@@ -81,10 +81,10 @@ TEST(SelectOrder, TakesOffACarrierBetweenBins) {
       carried.samples(j, i) =
           std::complex<float>(std::complex<double>(field.samples(j, i)) *
                               std::polar(1.0, 2 * pi * (u * field.grid.x(i) + v * field.grid.y(j))));
-  EXPECT_LT(compare(field, select_order(carried, {u, v, 1e6, 1e6})).relative_error, 1e-6);
+  EXPECT_LT(compare(field, apply_order_stop(carried, {u, v, 1e6, 1e6})).relative_error, 1e-6);
 }
 
-TEST(SelectOrder, StrongReferenceDrownsTheBias) {
+TEST(OrderStop, StrongReferenceDrownsTheBias) {
   // Waves up to 14 cycles put |U|² up to 28, into the stop 32 ± 10.7, which lets the waves up to 10 through. Its
   // share falls as 1/ratio.
   const std::vector<PlaneWave> waves = random_waves(14, 12, 8);
@@ -103,14 +103,14 @@ TEST(SelectOrder, StrongReferenceDrownsTheBias) {
   EXPECT_NEAR(at_10 / at_1, 0.1, 0.01);
 }
 
-TEST(SelectOrder, KeepsTheBandAndItsPower) {
+TEST(OrderStop, KeepsTheBandAndItsPower) {
   const Grid grid{64, 32, test_pitch};
   const std::vector<PlaneWave> inside = {{10, 5, {1, 2}}, {12, 4, 0.5}}, outside = {{-10, -5, 3}, {10, -5, 2}};
   std::vector<PlaneWave> all = inside;
   all.insert(all.end(), outside.begin(), outside.end());
   const SpectralFilter filter{11 / grid.width(), 5 / grid.height(), 1 / grid.width(), 1 / grid.height()};
   Heard heard;
-  const Field seen = select_order(sum_of(all, grid), filter, heard.observer());
+  const Field seen = apply_order_stop(sum_of(all, grid), filter, heard.observer());
   std::vector<PlaneWave> moved = inside;
   for (PlaneWave& w : moved) w.a -= 11, w.b -= 5;
   EXPECT_LT(compare(sum_of(moved, grid), seen).relative_error, 1e-6);  // single precision
@@ -118,15 +118,15 @@ TEST(SelectOrder, KeepsTheBandAndItsPower) {
   EXPECT_NEAR(heard.number("filter_power"), 5.25 / 18.25, 1e-6);
 }
 
-TEST(SelectOrder, SaysWhatIsWrong) {
+TEST(OrderStop, SaysWhatIsWrong) {
   const Field field({16, 16, test_pitch}, test_wavelength);
   EXPECT_EQ(error_of([&] {
-              select_order(field, {0, 0, 0, 1});
+              apply_order_stop(field, {0, 0, 0, 1});
             }),
             "expected a pass band with finite centre and half widths above 0, got centre (0, 0) /m, half widths (0, 1) "
             "/m");
   EXPECT_EQ(error_of([&] {
-              select_order(field, {1e5, 0, 1e4, 1e4});
+              apply_order_stop(field, {1e5, 0, 1e4, 1e4});
             }),
             "expected a pass band that begins below 62500 /m, the Nyquist frequency of samples 8 µm apart, got one "
             "around (100000, 0) /m; show the hologram with more subpixels");

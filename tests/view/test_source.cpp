@@ -79,24 +79,25 @@ TEST(Source, AWideSourceSmoothsSpeckleToItsClosedForm) {
 TEST(Source, PartsTileTheDisc) {
   const Slm slm = make_panel(4, 4);
   const double angle = 0.01;
-  const std::vector<Moment> all = moments(slm, {.tilt_x = 0.02, .source_angle = angle, .moments = 7}, test_wavelength);
+  const std::vector<IlluminationState> all =
+      illumination_states(slm, {.tilt_x = 0.02, .source_angle = angle, .illumination_states = 7}, test_wavelength);
   double sum = 0;
-  for (const Moment& moment : all) {
-    ASSERT_EQ(moment.source.count(), 7u);
-    EXPECT_NEAR(moment.source.place()[0], moment.tilt_x - 0.02, 1e-15);
-    const int reach = int(std::ceil(0.1 * moment.source.reach() / 4_um));
-    for (const float weight : source_image(moment.source, 0.1, 4_um, reach).values) sum += double(weight) / 7;
+  for (const IlluminationState& state : all) {
+    ASSERT_EQ(state.source.count(), 7u);
+    EXPECT_NEAR(state.source.place()[0], state.tilt_x - 0.02, 1e-15);
+    const int reach = int(std::ceil(0.1 * state.source.reach() / 4_um));
+    for (const float weight : source_image(state.source, 0.1, 4_um, reach).values) sum += double(weight) / 7;
   }
   EXPECT_NEAR(sum, 1, 1e-3);  // 1 mm of 4 µm: 16 · 125² places of the disc, less those of its rim
   for (int j = -12; j <= 12; ++j)
     for (int i = -12; i <= 12; ++i) {
       const double x = i * angle / 20.1, y = j * angle / 20.1;
       int holding = 0;
-      for (const Moment& moment : all) {
-        const auto [x0, y0] = moment.source.place();
-        if (!moment.source.holds(x - x0, y - y0)) continue;
+      for (const IlluminationState& state : all) {
+        const auto [x0, y0] = state.source.place();
+        if (!state.source.holds(x - x0, y - y0)) continue;
         ++holding;
-        EXPECT_LE(std::hypot(x - x0, y - y0), moment.source.reach());
+        EXPECT_LE(std::hypot(x - x0, y - y0), state.source.reach());
       }
       EXPECT_EQ(holding, std::hypot(x, y) <= angle / 2 ? 1 : 0) << i << " " << j;
     }
@@ -108,13 +109,14 @@ TEST(Source, PartsOfPicturesOfAllSizesSumToTheWhole) {
   const Slm slm = make_panel(4, 4);
   const double angle = 0.01;
   for (const int count : {1, 7, 64}) {
-    const std::vector<Moment> all = moments(slm, {.source_angle = angle, .moments = count}, test_wavelength);
+    const std::vector<IlluminationState> all =
+        illumination_states(slm, {.source_angle = angle, .illumination_states = count}, test_wavelength);
     for (const double radius : {0.001, -0.01, 0.03, -0.2, 0.7, -3.3, 20.0, -100.0}) {  // below 0: behind the panel
       const double z = radius * 4_um / (angle / 2);
       double sum = 0;
-      for (const Moment& moment : all) {
-        const int reach = int(std::ceil(std::abs(z) * moment.source.reach() / 4_um));
-        for (const float weight : source_image(moment.source, z, 4_um, reach).values) sum += double(weight) / count;
+      for (const IlluminationState& state : all) {
+        const int reach = int(std::ceil(std::abs(z) * state.source.reach() / 4_um));
+        for (const float weight : source_image(state.source, z, 4_um, reach).values) sum += double(weight) / count;
       }
       EXPECT_NEAR(sum, 1, 1e-3) << count << " parts, " << radius << " samples";
     }

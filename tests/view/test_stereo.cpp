@@ -51,7 +51,7 @@ TEST(Stereo, PairsThatCannotBeAreRefused) {
   params.eye_separation = 6e-3;
   params.lens = Lens::panel;
   EXPECT_EQ(error_of([&] { stereo_pair(params); }),
-            "expected a pinhole or a round lens for a stereo pair, got the panel, which has no eye; take another lens");
+            "expected a pinhole or a round lens for a stereo pair, got the panel, which has no eye; use another lens");
   EXPECT_EQ(error_of([&] { anaglyph(Image(2, 3, 1), Image(3, 2, 1)); }),
             "expected two pictures of one size for an anaglyph, got 3 × 2 pixels of 1 channel(s) and 2 × 3 of 1");
 }

@@ -11,9 +11,8 @@ double physical_memory() { return double(sysconf(_SC_PHYS_PAGES)) * double(sysco
 
 void require_memory(double bytes, std::string_view what) {
   const double present = physical_memory();
-  require(bytes <= present,
-          "expected {} to fit in memory, got a need of {} on a machine with {}; ask for fewer samples", what,
-          format_bytes(bytes), format_bytes(present));
+  require(bytes <= present, "expected {} to fit in memory, but it needs {} and this machine has {}; use fewer samples",
+          what, format_bytes(bytes), format_bytes(present));
 }
 
 }  // namespace holotrace

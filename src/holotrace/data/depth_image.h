@@ -30,16 +30,16 @@ struct DepthImageParams {
 template <class Visitor>
 void describe(Visitor& v, DepthImageParams& p) {
   v.length("near", p.near, range::not_negative,
-           "depth of the depth picture's white (brighter is nearer); of none for EXR, which has metres");
-  v.length("far", p.far, range::not_negative, "depth of its black");
-  v.length("width", p.width, range::not_negative, "of the picture, orthographic; 0 m: the panel's");
+           "depth of white in the depth image (brighter is nearer); not for EXR, whose values are metres");
+  v.length("far", p.far, range::not_negative, "depth of black in the depth image");
+  v.length("width", p.width, range::not_negative, "orthographic: width of the picture; 0 m: the panel's");
   v.choice("projection", p.projection,
            {{"orthographic", Projection::orthographic}, {"perspective", Projection::perspective}},
-           "equally wide at every depth, or seen from the panel's centre");
+           "projection of the picture: the same width at every depth, or perspective from the panel's centre");
   v.angle("field_of_view", p.field_of_view, range::half_angle,
           "perspective: half angle over the width; 0 deg: the panel's acceptance asin(lambda/2p)");
   v.choice("phase", p.phase, {{"random", SourcePhase::random}, {"constant", SourcePhase::constant}},
-           "of the light: random (scatters everywhere, with speckle) or 0 (smooth, sent straight ahead)");
+           "phase of the light: random (scatters everywhere, with speckle) or 0 (smooth, sent straight ahead)");
   v.count("seed", p.seed, range::not_negative, "seed for random phases");
   v.flag("common_cone", p.has_common_cone,
          "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own");

@@ -58,6 +58,13 @@ std::vector<std::string> effects_of(const Slm& slm) {
   return names;
 }
 
+CalibrationPoint calibration_at(const std::vector<CalibrationPoint>& points, double level) {
+  const size_t below = std::min(size_t(level), points.size() - 2);
+  const double t = level - double(below);
+  const CalibrationPoint &a = points[below], &b = points[below + 1];
+  return {a.phase + t * (b.phase - a.phase), a.amplitude + std::min(t, 1.0) * (b.amplitude - a.amplitude)};
+}
+
 namespace {
 
 bool is_in_unit_interval(double x) { return x >= 0 && x <= 1; }

@@ -19,14 +19,15 @@ EncoderQuality encoder_quality(const TargetPlane& target, const Hologram& hologr
   require(params.subpixels == 1, "expected 1 sample per pixel, as the target has, got {}", params.subpixels);
   const bool is_integrated = sampling == PixelSampling::integrate;
   const int samples = is_integrated ? 2 : 1, rim = is_integrated ? integration_rim : 0;
-  // The irradiance of all moments; a panel that flickers has several.
+  // The irradiance of all illumination states; a panel with flicker has several.
   std::vector<double> irradiance(target.amplitude.size());
-  for (const Moment& moment : moments(with_effects(slm, params.effects), params, hologram.wavelength)) {
-    Field light = show(hologram, slm, params, moment);
-    if (light.filter) light = select_order(light, *light.filter);
+  for (const IlluminationState& state :
+       illumination_states(with_effects(slm, params.effects), params, hologram.wavelength)) {
+    Field light = show(hologram, slm, params, state);
+    if (light.filter) light = apply_order_stop(light, *light.filter);
     light = propagate(light, target.z, window_of(light.grid, samples, rim));
     const Image seen = mean_over_pixels(irradiance_of(light), samples, rim, is_integrated);
-    for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] += moment.weight * double(seen.values[i]);
+    for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] += state.weight * double(seen.values[i]);
   }
   double wanted = 0, cross = 0, square = 0, weight = 0, peak = 0;
   for (size_t i = 0; i < target.amplitude.size(); ++i) {

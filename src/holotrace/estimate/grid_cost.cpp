@@ -1,7 +1,7 @@
 #include "holotrace/estimate/grid_cost.h"
 
+#include <Eigen/QR>
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -21,23 +21,6 @@ Vec3 random_direction(CounterRandom& random) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-// x of the normal equations (Aᵀ·A)·x = Aᵀ·1, whose rows are counts over seconds; by Gauss.
-std::array<double, 3> fit(const std::vector<std::array<double, 3>>& rows) {
-  double m[3][4] = {};
-  for (const auto& row : rows)
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) m[i][j] += row[size_t(i)] * row[size_t(j)];
-      m[i][3] += row[size_t(i)];
-    }
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) {
-      if (k == i) continue;
-      const double factor = m[k][i] / m[i][i];
-      for (int j = i; j < 4; ++j) m[k][j] -= factor * m[i][j];
-    }
-  return {m[0][3] / m[0][0], m[1][3] / m[1][1], m[2][3] / m[2][2]};
-}
-
 }  // namespace
 
 GridCost predict_grid_cost(const GridStatistics& grid, const GridRates& rates) {
@@ -48,7 +31,7 @@ GridCost predict_grid_cost(const GridStatistics& grid, const GridRates& rates) {
   const double chord = 4 * volume / surface, density = grid.area / (2 * volume);
   const double travelled = density * chord > 1e-9 ? -std::expm1(-density * chord) / density : chord;
   cost.cells = 1 + travelled / 2 * (1 / grid.cell_x + 1 / grid.cell_y + 1 / grid.cell_z);
-  // A box that is flat along an axis has one cell there, and no ray crosses a second.
+  // A box that is flat along an axis has one cell along it, which limits the cells that a ray crosses.
   cost.cells = std::min(cost.cells, grid.width / grid.cell_x + grid.height / grid.cell_y + grid.depth / grid.cell_z);
   cost.tests = cost.cells * double(grid.entries) / double(grid.cells);
   cost.seconds += cost.cells * rates.cell + cost.tests * rates.test;
@@ -62,26 +45,29 @@ GridCost counted_grid_cost(const GridCounts& counts, const GridRates& rates) {
 }
 
 GridRates calibrate_grid() {
-  std::vector<std::array<double, 3>> rows;
-  const std::vector<Ray> rays = cloud_rays(8000);  // more than a processor learns by heart
-  for (const int triangles : {200, 2000, 20000})
-    for (const double density : {0.5, 4.0, 30.0}) {
+  constexpr int counts_of_triangles[] = {200, 2000, 20000};
+  constexpr double densities[] = {0.5, 4.0, 30.0};
+  Eigen::Matrix<double, 9, 3> rows;  // counts over seconds: rows·(cell, test, ray) = 1
+  int row = 0;
+  const std::vector<Ray> rays = cloud_rays(8000);  // too many for branch prediction to learn
+  for (const int triangles : counts_of_triangles)
+    for (const double density : densities) {
       const Scene scene = make_triangle_cloud(triangles);
       const UniformGrid grid(scene, density);
       GridCounts counts;
       GridHit hit;
       for (const Ray& ray : rays) grid.closest_hit(ray, infinity, hit, &counts);
-      // The fastest of several runs: whatever else the machine does can only slow one down.
+      // The fastest of several runs: other work on the machine can only slow a run down.
       double best = infinity;
       for (int run = 0; run < 3; ++run) {
         const auto start = std::chrono::steady_clock::now();
         for (const Ray& ray : rays) grid.closest_hit(ray, infinity, hit);
         best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
       }
-      rows.push_back({double(counts.cells) / best, double(counts.tests) / best, double(counts.rays) / best});
+      rows.row(row++) << double(counts.cells) / best, double(counts.tests) / best, double(counts.rays) / best;
     }
-  const auto [cell, test, ray] = fit(rows);
-  return {std::max(cell, 0.0), std::max(test, 0.0), std::max(ray, 0.0)};
+  const Eigen::Vector3d seconds = rows.colPivHouseholderQr().solve(Eigen::Matrix<double, 9, 1>::Ones());
+  return {std::max(seconds[0], 0.0), std::max(seconds[1], 0.0), std::max(seconds[2], 0.0)};
 }
 
 Scene make_triangle_cloud(int count) {
@@ -89,7 +75,7 @@ Scene make_triangle_cloud(int count) {
   scene.materials.emplace_back();
   Mesh mesh;
   mesh.name = "cloud";
-  const double side = std::sqrt(2.0 / count * 4 / std::sqrt(3.0));  // of an equilateral triangle of area 2 m²/count
+  const double side = std::sqrt(2.0 / count * 4 / std::sqrt(3.0));  // side of an equilateral triangle of 2 m²/count
   for (int i = 0; i < count; ++i) {
     CounterRandom random(1, 0, uint64_t(i));
     const double x = random.uniform(), y = random.uniform(), z = random.uniform();
@@ -110,9 +96,9 @@ Scene make_triangle_cloud(int count) {
 namespace {
 
 Ray cloud_ray(int64_t i) {
-  // A direction, and a place on the disc across it that covers the cube; those that miss the cube are drawn anew.
+  // A direction, and a place on the disc across it that covers the cube; rays that miss the cube are drawn again.
   CounterRandom random(2, 0, uint64_t(i));
-  constexpr double radius = 0.8660254037844386;  // of the sphere around the cube
+  constexpr double radius = 0.8660254037844386;  // radius of the sphere around the cube [m]
   while (true) {
     const Vec3 direction = random_direction(random), other = random_direction(random);
     const Vec3 u = normalize(cross(direction, other)), v = cross(direction, u);

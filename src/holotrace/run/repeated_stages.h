@@ -10,19 +10,20 @@
 
 namespace holotrace {
 
-/// The stages that every hologram of a run passes, at every moment of its light. With one of each they are stages like
-/// any other. With more, a caller watches one stage "N holograms" (or "N moments"), whose progress is that of them all,
+/// The stages that every hologram of a run passes, at every illumination state of its light. With one of each they are stages like
+/// any other. With more, a caller watches one stage "N holograms" (or "N illumination states"), whose progress is that of them all,
 /// and the report gets one entry per name: the seconds of all, the facts and curves of the first, the counts "waves"
 /// and "waves_pixels" summed, each warning once.
 class RepeatedStages {
  public:
   /// @param holograms  that pass
-  /// @param moments    of the light on each
+  /// @param states    of the light on each
   /// @param calls      that will be made, for progress
-  RepeatedStages(int64_t holograms, int64_t moments, int64_t calls, Report& report, const StageObserver& watch)
-      : holograms_(holograms), moments_(moments), calls_(calls), report_(report), watch_(watch) {
+  RepeatedStages(int64_t holograms, int64_t states, int64_t calls, Report& report, const StageObserver& watch)
+      : holograms_(holograms), states_(states), calls_(calls), report_(report), watch_(watch) {
     if (!is_repeated() || !watch) return;
-    caller_ = watch(holograms > 1 ? fmt::format("{} holograms", holograms) : fmt::format("{} moments", moments));
+    caller_ =
+        watch(holograms > 1 ? fmt::format("{} holograms", holograms) : fmt::format("{} illumination states", states));
   }
 
   /// Runs `work(observer)` as a stage of that name and returns its result.
@@ -63,10 +64,10 @@ class RepeatedStages {
     return observer;
   }
 
-  bool is_repeated() const { return holograms_ * moments_ > 1; }
+  bool is_repeated() const { return holograms_ * states_ > 1; }
   void merge(StageReport&& once);
 
-  int64_t holograms_, moments_, calls_, done_ = 0;
+  int64_t holograms_, states_, calls_, done_ = 0;
   Report& report_;
   const StageObserver& watch_;
   Observer caller_;

@@ -192,8 +192,8 @@ void report(const std::vector<Agreement>& rows, int samples, const Observer& obs
   const std::string need = part > 0.01 ? fmt::format("about {:.0f} or more", samples * (1 - part) / part)
                                        : fmt::format("a hundred times {} or more", samples);
   observer.warn(
-      fmt::format("{:.0f} % of the light on the panel is noise of {} rays per pixel that find other points than their "
-                  "neighbours'; take pixel_samples of {}, a wider grain on flat surfaces, or the strategy shared",
+      fmt::format("{:.0f} % of the light on the panel is noise: the {} rays of a pixel hit other points than those of "
+                  "its neighbours; use pixel_samples = {}, a wider grain on flat surfaces, or the strategy shared",
                   100 * std::min(1.0, 1 - part), samples, need));
 }
 
@@ -236,7 +236,7 @@ void gather_group(const Gathering& g, const Observer& observer, Found& total, st
     total.light += row.light;
     total.surfaces += row.surfaces;
   }
-  const bool is_whole = !g.params.separate_layers && !g.params.separate_lights;
+  const bool is_whole = !g.params.separate_path_groups && !g.params.separate_lights;
   for (size_t i = 0; i < made.size(); i += frames)
     if (is_whole || power(made[i]) > 0)
       for (size_t frame = 0; frame < frames; ++frame) fields.push_back(std::move(made[i + frame]));
@@ -266,7 +266,7 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   std::vector<Agreement> agreement(size_t(panel.ny), Agreement{});
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
-    const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
+    const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : sets) has_laser |= set.has_laser;
     gather_group({path_scene, params, panel, sets, accepting_panel(panel, params), cones.of_rays, side},

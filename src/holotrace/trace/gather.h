@@ -11,8 +11,8 @@
 namespace holotrace {
 
 /// The field on the panel by the paper's algorithm (Holographic Monte Carlo Path Tracing, Steps 0–5; what differs by
-/// default is a parameter, listed in docs/path_tracing.md): every pixel shoots rays of its own, and the waves from
-/// their first hits go to that pixel alone. The slow truth for small panels: occlusion, parallax and reflections are
+/// default is a parameter, listed in docs/explanation/path_tracing.md): every pixel shoots rays of its own, and the
+/// waves from their first hits go to that pixel alone. The slow truth for small panels: occlusion, parallax and reflections are
 /// right for each pixel.
 ///
 ///     U(p) = Σ_c √(Σ_{j in c} Lⱼ·(2s)²/S)·exp(i(k·OPL_c + φ_c))
@@ -34,9 +34,9 @@ namespace holotrace {
 ///
 /// **Noise.** Neighbouring pixels hold waves only where their rays meet the same cells of the surface. With S far below
 /// the number of cells in view, and with random phases, the field is noise of the right irradiance: the fact
-/// "coherent_fraction" tells which part is waves, estimated from two halves of the rays (docs/closed_forms.md,
-/// case 16), and a warning how many rays it takes. The strategies shared and tiled have no such noise, for all pixels
-/// share their points.
+/// "coherent_fraction" tells which part is waves, estimated from two halves of the rays (closed_forms.md, case 16), and
+/// a warning how many rays it takes. The strategies shared and tiled have no such noise, for all pixels share their
+/// points.
 ///
 /// Luminous points add their wave, exact, to the pixels in their box (box_radius) from which no mesh hides them.
 ///
@@ -48,7 +48,7 @@ namespace holotrace {
 /// @param observer     hears the facts of `report`, "first_hits" and "coherent_fraction"; warnings of noise, and those of
 ///                     `trace` where the rays miss the scene or find it dark
 /// @return             complex amplitudes [√(W/m²)], the sets in the order and number of `trace` (sets of lights and
-///                     layers without any light left out), for each of them params.frames frames with phases of their
+///                     path groups without any light left out), for each of them params.frames frames with phases of their
 ///                     own from one tracing; the same bytes on any number of threads
 /// @throws Error       for pixel_samples below 1, and as trace does
 ///

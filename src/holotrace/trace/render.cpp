@@ -65,7 +65,7 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, int row, int column, c
                   std::span<Vec3> sums, PathCounts& counts) {
   LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(eye.columns) + uint64_t(column));
   std::fill(sums.begin(), sums.end(), Vec3{});
-  const double seen_layers = std::popcount(scene.automaton.accepted(scene.automaton.start()));
+  const double seen_path_groups = std::popcount(scene.automaton.accepted(scene.automaton.start()));
   Vec3 sum;
   for (int path = 0; path < params.paths; ++path) {
     numbers.start(uint32_t(path));
@@ -75,14 +75,14 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, int row, int column, c
     ++counts.rays;
     const auto hit = scene.accelerator.closest_hit(*ray);
     if (!hit) {
-      if (params.has_background) sum += scene.emitters.background(ray->direction) * seen_layers;
+      if (params.has_background) sum += scene.emitters.background(ray->direction) * seen_path_groups;
       continue;
     }
     const Material& material = material_at(scene.scene, hit->point);
     const SurfacePoint point = material.normal_map ? shading_point(material, hit->point) : hit->point;
     add_radiance(scene, {point, -ray->direction, scene.automaton.start(), 1}, numbers, sums, counts);
   }
-  for (const Vec3 layer : sums) sum += layer;
+  for (const Vec3 of_group : sums) sum += of_group;
   return sum / params.paths;
 }
 
@@ -141,7 +141,7 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
   path_params.clamp = params.clamp;
   path_params.seed = uint64_t(params.seed);
   path_params.accelerator = params.accelerator;
-  const PathScene path_scene(scene, Lines{}, params.layers, path_params);
+  const PathScene path_scene(scene, Lines{}, params.path_expressions, path_params);
   require_memory(3.0 * sizeof(float) * columns * rows, fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);
   std::vector<PathCounts> counts(size_t(rows), PathCounts{});

@@ -36,7 +36,7 @@ namespace holotrace {
 /// @param scene       at z < 0 [m]
 /// @param panel       for its acceptance, where no field_of_view is given, and its area as a lens
 /// @param wavelength  for the acceptance [m]; colours do not depend on it
-/// @param params      columns 0: square picture. Several layers add up, a path in two of them twice
+/// @param params      columns 0: square picture. Several path groups add up, a path in two of them twice
 /// @param observer    hears the facts of `report`
 /// @throws Error      as `trace` does, and for an eye behind the panel (z < 0), a focus or pupil of 0 or less
 ///

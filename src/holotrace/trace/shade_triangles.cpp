@@ -192,9 +192,9 @@ void shade_piece(const Shade& s, const Piece& piece, uint64_t index, Block& bloc
 void warn_of_left_out(const Scene& scene, const std::vector<WaveSet>& sets, const Observer& observer) {
   if (!scene.points.empty())
     observer.warn(
-        fmt::format("{} luminous points are left out: the method triangles shows surfaces alone", scene.points.size()));
+        fmt::format("{} luminous points are left out: the method triangles shows only surfaces", scene.points.size()));
   if (std::any_of(sets.begin(), sets.end(), [](const WaveSet& set) { return set.has_laser; }))
-    observer.warn("the method triangles does not follow the phase of lasers: their light is shown as any other");
+    observer.warn("the method triangles does not follow the phase of lasers: it treats their light as incoherent");
 }
 
 }  // namespace
@@ -206,8 +206,8 @@ void check_shading(const Scene& scene, const TraceParams& params) {
           "panel",
           params.strategy == Strategy::tiled ? "tiled" : "gather");
   require(has_surfaces(scene),
-          "expected a scene with meshes for the method triangles, got luminous points alone; add an object that is a "
-          "surface, or take another method");
+          "expected a scene with meshes for the method triangles, got only luminous points; add an object that "
+          "is a surface, or use another method");
 }
 
 std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, const std::vector<double>& wavelengths,
@@ -229,7 +229,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   PathCounts counts;
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
-    const PathScene path_scene(scene, lines_of(groups[g]), params.layers, path_params(params));
+    const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
     if (g == 0) warn_of_left_out(scene, sets, observer);
     require_memory(2 * double(sizeof(Triangle) + 8) * double(pieces.size()) * double(sets.size()),
@@ -258,7 +258,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
       for (size_t k = 0; k < set.phase_keys.size(); ++k)
         set.triangles[k].phase = float(random_phase(set.seed, 0, set.phase_keys[k]));
       shining += int64_t(set.triangles.size());
-      const bool is_whole = !params.separate_layers && !params.separate_lights;
+      const bool is_whole = !params.separate_path_groups && !params.separate_lights;
       if (is_whole || !set.triangles.empty()) all.push_back(std::move(set));
     }
   }
@@ -266,7 +266,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   report(cones, wavelengths, panel, observer);
   observer.fact("shining", Fact(shining));
   if (shining == 0)
-    observer.warn("no triangle shines toward the panel's centre; move the scene onto the axis, or light it");
+    observer.warn("no triangle sends light toward the panel's centre; move the scene onto the axis, or light it");
   return all;
 }
 

@@ -12,7 +12,7 @@
 namespace holotrace {
 
 /// The triangles of a scene's meshes that the panel's centre sees, each shining as path tracing finds it (the paper's
-/// complex primitives). Sets as those of `trace`: for each wavelength, and with separate layers or lights for each of
+/// complex primitives). Sets as those of `trace`: for each wavelength, and with separate path groups or lights for each of
 /// them.
 ///
 /// **Which.** A place shines if no surface stands between it and the panel's centre, and by the side that it turns
@@ -41,7 +41,7 @@ namespace holotrace {
 /// of lasers are not followed: each is warned of.
 ///
 /// @param scene        meshes at z < 0 [m]
-/// @param params       paths, max_depth, clamp, amplitude, layers, seed, …: what `trace` follows light by
+/// @param params       paths, max_depth, clamp, amplitude, path groups, seed, …: what `trace` follows light by
 /// @param shading      flat, or smooth
 /// @param observer     hears "mesh_triangles", "triangles" (after cutting) and "shining" (of all sets)
 /// @throws Error       as `trace` does, for a scene without meshes, and a strategy other than shared

@@ -14,9 +14,9 @@ namespace holotrace {
 /// with the light that path tracing finds there (Holographic Monte Carlo Path Tracing, the paper's Fig. 10, with
 /// every wave shared by all pixels).
 ///
-/// **Sets.** For each wavelength in turn one set of waves; with params.separate_layers one per layer, named by its
+/// **Sets.** For each wavelength in turn one set of waves; with params.separate_path_groups one per path group, named by its
 /// expression, with params.separate_lights one per light group, "light 0", …, "emission", "background", "points",
-/// and both combined as "EDL, light 0"; separate sets without a wave are left out. Otherwise all layers' light adds
+/// and both combined as "EDL, light 0"; separate sets without a wave are left out. Otherwise all path groups' light adds
 /// up. Sets do not interfere: each is a hologram of its own. Up to three wavelengths share their light paths; where a
 /// solid dielectric is dispersive, so that colours part, each is traced by itself. They share their first hits
 /// in any case, which fill one cone: of the shortest wavelength where all keep to it (params.has_common_cone), else of
@@ -90,7 +90,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
                            const TraceParams& params, const Observer& observer = {});
 
 /// The same for one wavelength [m] and parameters that make one set.
-/// @throws Error  for separate_layers or separate_lights, and as above
+/// @throws Error  for separate_path_groups or separate_lights, and as above
 Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
               const Observer& observer = {});
 

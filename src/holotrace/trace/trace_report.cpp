@@ -39,7 +39,8 @@ bool is_solid_glass(const Material& material) {
 /// Says what would bring light to what the rays have met.
 std::string dark_sentence(const Scene& scene) {
   if (scene.lights.empty()) return "every first hit is dark; add lights, emission or a background to the scene";
-  const std::string unreached = "every first hit is dark: the scene's lights do not reach what the panel sees; ";
+  const std::string unreached =
+      "every first hit is dark: the scene's lights do not reach the surfaces that the panel sees; ";
   const bool has_glass = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
     return is_solid_glass(scene.materials[size_t(mesh.material)]);
   });
@@ -56,16 +57,16 @@ void warn_of_brightness(double points, double surfaces, const Observer& observer
   constexpr double most = 1000;
   if (!(points > 0 && surfaces > 0)) return;
   if (points > most * surfaces)
-    observer.warn(
-        fmt::format("the luminous points are {:.2g} times as bright as the surfaces (mean radiance {:.2g} and {:.2g} "
-                    "W/m²/sr), which are black beside them; lower the points' amplitude, whose square is their "
-                    "radiance, to about {:.2g} of what it is",
-                    points / surfaces, points, surfaces, std::sqrt(surfaces / points)));
+    observer.warn(fmt::format(
+        "the luminous points are {:.2g} times as bright as the surfaces (mean radiance {:.2g} and {:.2g} "
+        "W/m²/sr), so the surfaces appear black; multiply the points' amplitude by about {:.2g} (its square "
+        "is their radiance)",
+        points / surfaces, points, surfaces, std::sqrt(surfaces / points)));
   if (surfaces > most * points)
     observer.warn(
         fmt::format("the surfaces are {:.2g} times as bright as the luminous points (mean radiance {:.2g} and {:.2g} "
-                    "W/m²/sr), which cannot be seen beside them; raise the points' amplitude, whose square is their "
-                    "radiance, by a factor of about {:.2g}",
+                    "W/m²/sr), so the points cannot be seen; multiply their amplitude by about {:.2g} (its square is "
+                    "their radiance)",
                     surfaces / points, surfaces, points, std::sqrt(surfaces / points)));
 }
 

@@ -162,8 +162,8 @@ double magnification(const CameraParams& camera, double distance, ImageSide imag
           format_length(f));
   const double s = camera.eye.z - plane_of(distance, image);
   require(s > f,
-          "expected a plane farther from the lens than its focal length of {}, got one at {}; move the eye back, or "
-          "take a shorter focal length",
+          "expected a plane farther from the lens than its focal length of {}, got one at {}; move the eye "
+          "back, or use a shorter focal length",
           format_length(f), format_length(s));
   return f / (s - f);
 }
@@ -179,7 +179,7 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
       sensor_of(shown.grid, slm, shown.wavelength, z, propagation, camera, std::abs(z) * source.reach(), observer);
   const auto sensed = [&](const Field& field) { return read_sensor(field, sensor, source, z, m, observer); };
   const auto stopped = [&](double over, const PropagateParams& window) {
-    return shown.filter ? propagate(select_order(shown, *shown.filter, observer), over, window, observer)
+    return shown.filter ? propagate(apply_order_stop(shown, *shown.filter, observer), over, window, observer)
                         : propagate(shown, over, window, observer);
   };
   if (camera.pupil == 0) return sensed(stopped(z, sensor.window));

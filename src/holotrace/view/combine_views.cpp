@@ -9,7 +9,8 @@
 
 namespace holotrace {
 
-void ViewSum::add(double wavelength, const std::string& name, double illumination, const Image& view, double reach) {
+void CombinedViews::add(double wavelength, const std::string& name, double illumination, const Image& view,
+                        double reach) {
   require(std::isfinite(illumination) && illumination >= 0, "expected an illumination of 0 W/m² or more, got {} W/m²",
           illumination);
   require(std::isfinite(reach) && reach > 0, "expected a reach above 0, got {}", reach);
@@ -37,14 +38,14 @@ void ViewSum::add(double wavelength, const std::string& name, double illuminatio
   for (size_t i = 0; i < view.values.size(); ++i) group->light[i] += illumination * double(view.values[i]);
 }
 
-std::vector<double> ViewSum::wavelengths() const {
+std::vector<double> CombinedViews::wavelengths() const {
   std::vector<double> found = wavelengths_;
   for (const Group& group : groups_)
     if (std::find(found.begin(), found.end(), group.wavelength) == found.end()) found.push_back(group.wavelength);
   return found;
 }
 
-Image ViewSum::irradiance(double wavelength) const {
+Image CombinedViews::irradiance(double wavelength) const {
   std::vector<double> sum(size_t(nx_) * size_t(ny_));
   for (const Group& group : groups_)
     if (group.wavelength == wavelength)
@@ -57,7 +58,7 @@ Image ViewSum::irradiance(double wavelength) const {
   return image;
 }
 
-Image ViewSum::image() const {
+Image CombinedViews::image() const {
   const std::vector<double> lines = wavelengths();
   require(!groups_.empty(), "expected a view to make a picture of, got none");
   if (lines.size() == 1) return irradiance(lines.front());
@@ -88,13 +89,13 @@ Image ViewSum::image() const {
   return image;
 }
 
-double ViewSum::mean_irradiance() const {
+double CombinedViews::mean_irradiance() const {
   double sum = 0;
   for (const Group& group : groups_) sum += std::accumulate(group.light.begin(), group.light.end(), 0.0) / group.frames;
   return sum / brightest() / (double(nx_) * ny_);
 }
 
-double ViewSum::relative_illumination() const {
+double CombinedViews::relative_illumination() const {
   double sum = 0;
   for (const Group& group : groups_) sum += group.illumination / group.frames;
   return sum / brightest();

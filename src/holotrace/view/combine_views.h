@@ -9,22 +9,22 @@
 
 namespace holotrace {
 
-/// What a camera sees of holograms that are shown one after the other: the mean over frames, the sum over layers and
+/// What a camera sees of holograms that are shown one after the other: the mean over frames, the sum over path groups and
 /// lights that do not interfere, one picture per wavelength, and from these a picture in colour. With Eₕ the
 /// illumination of hologram h, vₕ its view under the light of the brightest, rₙ the reach of wavelength n
 /// (axial_reach, camera.h) and Mₙ of colour_matrix (data/spectrum.h),
 ///
 ///     Iₙ = Σ_names mean_frames (Eₕ/max E)·vₕ,    rgb = Σₙ Mₙ·Iₙ·(max r/rₙ)     (one wavelength: I itself, one channel)
 ///
-/// So the brightest hologram is lit fully and every other one in proportion: colours, layers and lights keep their
+/// So the brightest hologram is lit fully and every other one in proportion: colours, path groups and lights keep their
 /// ratios. The last factor is the camera's white balance, taken on the axis where it looks: a panel accepts a cone that
 /// grows with the wavelength, so of a near white it would see more red. Colours that keep to
 /// no common cone (TraceParams::has_common_cone) are off balance away from the axis: long waves reach farther.
-class ViewSum {
+class CombinedViews {
  public:
   /// @param wavelengths  of the light that all holograms together would show [m]; one of which no hologram comes is
   ///                     dark. None: those that come
-  explicit ViewSum(std::vector<double> wavelengths = {}) : wavelengths_(std::move(wavelengths)) {}
+  explicit CombinedViews(std::vector<double> wavelengths = {}) : wavelengths_(std::move(wavelengths)) {}
 
   /// Adds the view of a hologram. Holograms of one wavelength [m] and name are frames of each other.
   /// @param illumination  Hologram::illumination [W/m²] ≥ 0

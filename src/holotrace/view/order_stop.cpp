@@ -44,7 +44,7 @@ std::vector<std::complex<double>> carrier(int n, double f, const Position& posit
 
 }  // namespace
 
-Field select_order(const Field& field, const SpectralFilter& filter, const Observer& observer) {
+Field apply_order_stop(const Field& field, const SpectralFilter& filter, const Observer& observer) {
   check_grid(field.grid);
   check_filter(filter, field.grid);
   const Grid& grid = field.grid;

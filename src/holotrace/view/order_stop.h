@@ -20,6 +20,6 @@ namespace holotrace {
 ///                the frequencies that the samples hold
 /// Fact: `filter_power`, the fraction of the light that passes.
 /// Cost: two FFTs, one copy of the field.
-Field select_order(const Field& field, const SpectralFilter& filter, const Observer& observer = {});
+Field apply_order_stop(const Field& field, const SpectralFilter& filter, const Observer& observer = {});
 
 }  // namespace holotrace

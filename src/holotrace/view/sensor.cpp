@@ -15,8 +15,8 @@ namespace {
 int window_samples(double size, double pitch, int present) {
   if (size == 0) return present;
   const double wanted = present + 2 * std::round((size / pitch - present) / 2);
-  require(wanted >= 1, "expected a sensor of a sample of {} or more, got a side of {}", format_length(pitch),
-          format_length(size));
+  require(wanted >= 1, "expected a sensor at least one sample of {} wide and high, got a side of {}",
+          format_length(pitch), format_length(size));
   require(wanted < 1e9, "expected a sensor of less than 1e9 samples a side, got a side of {} in samples of {}",
           format_length(size), format_length(pitch));
   return int(wanted);
@@ -25,8 +25,8 @@ int window_samples(double size, double pitch, int present) {
 // Pixels of a sensor along one axis, whole ones.
 int sensor_pixels(double size, double pixel) {
   const double wanted = std::round(size / pixel);
-  require(wanted >= 1, "expected a sensor of a pixel of {} or more, got a side of {}", format_length(pixel),
-          format_length(size));
+  require(wanted >= 1, "expected a sensor at least one pixel of {} wide and high, got a side of {}",
+          format_length(pixel), format_length(size));
   require(wanted < 1e9, "expected a sensor of less than 1e9 pixels a side, got a side of {} in pixels of {}",
           format_length(size), format_length(pixel));
   return int(wanted);
@@ -87,8 +87,8 @@ Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z,
       camera.width != 0 || camera.height != 0 || camera.pixel != 0 || camera.centre_x != 0 || camera.centre_y != 0;
   require(!has_window || (propagation.columns == 0 && propagation.rows == 0 && propagation.pitch == 0 &&
                           propagation.centre_x == 0 && propagation.centre_y == 0),
-          "expected the sensor's window once, got it by the camera's width, height, centre and pixel and by the "
-          "propagation's columns, rows, centre and pitch; leave one of them out");
+          "expected the sensor's window either by the camera's width, height, centre and pixel or by the "
+          "propagation's columns, rows, centre and pitch, got both; leave one out");
   Sensor sensor;
   int given = camera.binning;  // samples per pixel
   if (camera.pixel != 0) {

@@ -27,11 +27,10 @@ struct Bits {
 void check_sensor(const CameraParams& camera) {
   check_ranges(camera);
   require(camera.read_noise == 0 || camera.electrons > 0,
-          "expected the electrons of a white pixel beside a read noise of {} electrons, got 0; give electrons",
-          camera.read_noise);
+          "expected electrons above 0 with a read noise of {} electrons, got 0; set electrons", camera.read_noise);
 }
 
-Image read_out(const Image& view, double white, const CameraParams& camera, uint32_t exposure) {
+Image add_sensor_noise(const Image& view, double white, const CameraParams& camera, uint32_t exposure) {
   check_sensor(camera);
   if (camera.electrons == 0) return view;
   require(std::isfinite(white) && white > 0, "expected a white above 0 W/m², got {} W/m²", white);

@@ -13,7 +13,7 @@ namespace holotrace {
 ///
 /// N = camera.electrons is what a white pixel holds, its full well; σ = camera.read_noise. Below the full well a
 /// reading of m electrons has the variance m + σ². I is the sum of all frames and colours that one exposure takes: a
-/// channel of a picture in colour is a pixel of its own, and its light below 0 (ViewSum) counts as none. Levels of the
+/// channel of a picture in colour is a pixel of its own, and its light below 0 (CombinedViews) counts as none. Levels of the
 /// picture's file round the reading once more. Numbers come from counters: the same for the same seed and `exposure`.
 ///
 /// @param view      irradiance [W/m²]
@@ -22,7 +22,7 @@ namespace holotrace {
 /// @return          irradiance as read, in [0, white]; the view itself where camera.electrons is 0
 /// @throws Error    as check_sensor does, and for a white that is not above 0
 /// Reference: J. R. Janesick, Photon Transfer, 2007, chapters 3 and 5. Poisson numbers are the standard library's.
-Image read_out(const Image& view, double white, const CameraParams& camera, uint32_t exposure = 0);
+Image add_sensor_noise(const Image& view, double white, const CameraParams& camera, uint32_t exposure = 0);
 
 /// @throws Error  for electrons beyond 0 … 1e12, a read noise below 0, or one without electrons
 void check_sensor(const CameraParams& camera);

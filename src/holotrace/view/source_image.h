@@ -6,8 +6,8 @@
 namespace holotrace {
 
 /// What a part of the light's source makes of a point in the plane at z [m] from a thin panel: light that comes from
-/// the direction (αx, αy) beside the moment's own shows the same picture z·(αx, αy) away, so that the irradiance of the
-/// whole part is that of the moment convolved with the part's picture,
+/// the direction (αx, αy) beside the state's own shows the same picture z·(αx, αy) away, so that the irradiance of the
+/// whole part is that of the state convolved with the part's picture,
 ///
 ///     I(x) = ∫ I₀(x − z·α) d²α / ∫ d²α
 ///

@@ -4,6 +4,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/spectrum.h"
 
 namespace holotrace {
 
@@ -16,7 +17,7 @@ std::array<RenderParams, 2> stereo_pair(const RenderParams& params) {
   require(std::isfinite(params.eye_separation) && params.eye_separation > 0,
           "expected eyes more than 0 m apart for a stereo pair, got {}", format_length(params.eye_separation));
   require(params.lens != Lens::panel,
-          "expected a pinhole or a round lens for a stereo pair, got the panel, which has no eye; take another lens");
+          "expected a pinhole or a round lens for a stereo pair, got the panel, which has no eye; use another lens");
   std::array<RenderParams, 2> pair{params, params};
   const auto eyes = two_eyes(params.eye, params.eye_separation);
   for (size_t i = 0; i < 2; ++i) {
@@ -37,8 +38,7 @@ Image anaglyph(const Image& left, const Image& right) {
   for (int j = 0; j < left.ny; ++j)
     for (int i = 0; i < left.nx; ++i) {
       const int green = left.channels == 3 ? 1 : 0, blue = left.channels == 3 ? 2 : 0;
-      both(j, i, 0) =
-          float(0.2126 * left(j, i, 0) + 0.7152 * double(left(j, i, green)) + 0.0722 * double(left(j, i, blue)));
+      both(j, i, 0) = float(luminance(left(j, i, 0), left(j, i, green), left(j, i, blue)));
       both(j, i, 1) = right(j, i, green);
       both(j, i, 2) = right(j, i, blue);
     }

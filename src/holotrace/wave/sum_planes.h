@@ -6,16 +6,16 @@
 
 namespace holotrace {
 
-/// Field on the panel of a set of spherical waves, by recording planes and a non-uniform FFT in every tile of the
+/// Field on the panel of a set of spherical waves, by a non-uniform FFT in every tile of the
 /// panel: the same sum as sum_exact.h, box for box.
 ///
 /// In a tile, around its pixel at the distance r₀ and the place (x, y) from a wave's origin, the wave is nearly
 ///
 ///     a·(d₀/r₀)·exp(2πi(r₀/λ + φ₀/2π + (x·u + y·v)/λr₀ + κ(u² + v²)/2)),   κ = (1 − ρ²/2r₀²)/λr₀
 ///
-/// a plane wave of the frequency (x, y)/λr₀ times a curvature. Waves of similar depth, a slab, go to a few planes of
-/// fixed curvature (Chebyshev points, Lagrange's weights): to the cells around their frequency in a plane's grid, by
-/// the gridding kernel of a non-uniform FFT. An FFT of each plane's grid makes the tile. What that neglects (the phases
+/// a plane wave of the frequency (x, y)/λr₀ times a curvature. Waves of similar depth, a slab, go to a few nodes,
+/// fixed curvatures (Chebyshev points, Lagrange's weights): to the cells around their frequency in a node's grid, by
+/// the gridding kernel of a non-uniform FFT. An FFT of each node's grid makes the tile. What that neglects (the phases
 /// ∝ u·v, u² − v² and of third order, and the slope of the modulus) depends on frequency and curvature alone, and is
 /// corrected to first order by four more FFTs where the tolerance needs it. Tiles that a box cuts parallel to an axis
 /// take the wave in strips of 16 lines, exact across and gridded along; where a box has its corner, and for waves whose
@@ -27,7 +27,7 @@ namespace holotrace {
 /// @return           complex amplitude, shape (ny, nx) [√(W/m²)]; the same bytes on any number of threads
 /// @throws Error     for a source not behind the panel, naming it, and a tolerance that no plan meets
 ///
-/// Cost: about width²·planes multiply-adds per wave and tile, not pixel: for many waves tens of times less than
+/// Cost: about width²·nodes multiply-adds per wave and tile, not pixel: for many waves tens of times less than
 /// sum_tiled. Memory: the field, 340 bytes per wave, 15 MB per thread.
 Field sum_planes(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer = {});
 

@@ -16,19 +16,19 @@
 namespace holotrace {
 namespace {
 
-constexpr double from_memory = 1.6;        // rates are of a tile in the caches, and planes read all waves for each
-constexpr double seconds_to_plan = 0.2;    // of planes: what many waves win back
+constexpr double from_memory = 1.6;        // rates are of a tile in the caches, and `planes` reads all waves for each
+constexpr double seconds_to_plan = 0.2;    // of `planes`: what many waves win back
 constexpr double bytes_per_wave = 340;     // made ready, split into far and near, sorted
-constexpr double bytes_per_thread = 15e6;  // grids of a tile of 240 pixels on 4 planes, and its transforms
+constexpr double bytes_per_thread = 15e6;  // grids of a tile of 240 pixels at 4 nodes, and its transforms
 
-// The waves of one part of the panel, those for planes and those for tiles, and how each are summed.
+// The waves of one part of the panel, those for `planes` and those for tiles, and how each are summed.
 struct PartPlan {
   std::vector<PreparedWave> far, near;
   PlanesChoice planes;
   TileChoice tiles;
 
   bool meets_tolerance() const {
-    return (far.empty() || planes.meets_tolerance) && tiles.meets_tolerance;  // planes leave some waves to tiles
+    return (far.empty() || planes.meets_tolerance) && tiles.meets_tolerance;  // `planes` leaves some waves to tiles
   }
   double error() const { return std::max(far.empty() ? 0 : planes.error, near.empty() ? 0 : tiles.error); }
   double energy() const { return planes.energies.waves + (near.empty() ? 0 : tiles.energies.waves); }
@@ -44,36 +44,31 @@ SummationWork work_of(const PartPlan& plan) {
   return (plan.far.empty() ? SummationWork() : plan.planes.work) + work_of_tiles(plan.near, plan.tiles.plan);
 }
 
-PartPlan plan_tiles(std::vector<PreparedWave> waves, const Grid& grid, const PixelBox& bounds, double wavelength,
-                    double tolerance, double coherence) {
+PartPlan plan_tiles(std::vector<PreparedWave> waves, const SumGoal& goal) {
   PartPlan plan;
-  plan.tiles = choose_tile(draw_pixels(waves), grid, bounds, wavelength, tolerance, coherence);
+  plan.tiles = choose_tile(draw_pixels(waves), goal);
   plan.near = std::move(waves);
   return plan;
 }
 
-PartPlan plan_planes(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds,
-                     double wavelength, double tolerance, double coherence, double most_seconds) {
+PartPlan plan_planes(const std::vector<PreparedWave>& waves, const SumGoal& goal, double most_seconds) {
   PartPlan plan;
   for (const PreparedWave& wave : waves)
-    (suits_planes(wave, wavelength, grid.pitch) ? plan.far : plan.near).push_back(wave);
+    (suits_planes(wave, goal.wavelength, goal.grid.pitch) ? plan.far : plan.near).push_back(wave);
   const std::vector<PreparedWave>& in_tiles = plan.near.empty() ? waves : plan.near;  // or in corners of boxes
-  plan.tiles = choose_tile(draw_pixels(in_tiles), grid, bounds, wavelength, tolerance, coherence);
-  if (!plan.far.empty())
-    plan.planes =
-        choose_planes(plan.far, plan.tiles.plan, grid, bounds, wavelength, tolerance, coherence, most_seconds);
+  plan.tiles = choose_tile(draw_pixels(in_tiles), goal);
+  if (!plan.far.empty()) plan.planes = choose_planes(plan.far, plan.tiles.plan, goal, most_seconds);
   return plan;
 }
 
-PartPlan make_plan(const std::vector<PreparedWave>& waves, const Grid& grid, const PixelBox& bounds, double wavelength,
-                   double tolerance, double coherence, Approach approach) {
-  if (approach == Approach::planes) return plan_planes(waves, grid, bounds, wavelength, tolerance, coherence, 1e300);
-  PartPlan tiles = plan_tiles(waves, grid, bounds, wavelength, tolerance, coherence);
+PartPlan make_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, Approach approach) {
+  if (approach == Approach::planes) return plan_planes(waves, goal, 1e300);
+  PartPlan tiles = plan_tiles(waves, goal);
   if (approach == Approach::tiled) return tiles;
   const auto seconds = [](const PartPlan& plan) { return predict_seconds(work_of(plan), summation_rates(), 1); };
   const double by_tiles = tiles.meets_tolerance() ? seconds(tiles) : 1e300;
   if (by_tiles < seconds_to_plan) return tiles;
-  PartPlan planes = plan_planes(waves, grid, bounds, wavelength, tolerance, coherence, by_tiles);
+  PartPlan planes = plan_planes(waves, goal, by_tiles);
   if (planes.far.empty() || !planes.meets_tolerance()) return tiles;
   return from_memory * seconds(planes) + seconds_to_plan < by_tiles ? planes : tiles;
 }
@@ -104,24 +99,19 @@ void run_plan(const PartPlan& plan, const PixelBox& bounds, Field& field, const 
     std::fill_n(field.samples.row(j) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
   const int parts = !plan.far.empty() + !plan.near.empty();
   if (!plan.far.empty()) {
-    const PlaneWaves waves = sort_waves(plan.far, plan.planes.plan, field.wavelength, field.grid.pitch);
-    const PlaneTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
-    struct Buffers {
-      PlaneWorkspace planes;
-      TileWorkspace tiles;
-    };
-    for_each_tile<Buffers>(
+    const SortedWaves waves = sort_waves(plan.far, plan.planes.plan, field.wavelength, field.grid.pitch);
+    const PlanesTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
+    const PlanesSum sum{waves, tables, plan.tiles.plan, field.grid};
+    for_each_tile<PlanesWorkspace>(
         bounds, {tables.plan.tile, tables.plan.tile},
-        [&](const PixelBox& box, Buffers& own) {
-          sum_plane_tile(waves, tables, plan.tiles.plan, field.grid, box, own.planes, own.tiles, field.samples);
-        },
+        [&](const PixelBox& box, PlanesWorkspace& own) { sum_planes_tile(sum, box, own, field.samples); },
         part_of(observer, 0, parts));
   }
   if (!plan.near.empty())
     for_each_tile<TileWorkspace>(
         bounds, plan.tiles.plan.shape,
         [&](const PixelBox& box, TileWorkspace& own) {
-          sum_tile(plan.near, field.grid, field.wavelength, plan.tiles.plan, box, own, field.samples);
+          sum_tile(plan.near, {field.grid, field.wavelength}, plan.tiles.plan, box, own, field.samples);
         },
         part_of(observer, parts - 1, parts));
 }
@@ -143,7 +133,7 @@ std::string describe(const PartPlan& plan) {
   std::string text;
   if (!plan.far.empty()) {
     const PlanesPlan& p = plan.planes.plan;
-    text = fmt::format("tiles of {0}x{0}, {1} slab(s) of {2} planes, kernel of {3} cells{4}", p.tile, p.slabs, p.nodes,
+    text = fmt::format("tiles of {0}x{0}, {1} slab(s) of {2} nodes, kernel of {3} cells{4}", p.tile, p.slabs, p.nodes,
                        p.width, p.is_corrected ? ", corrected" : "");
   }
   if (!plan.near.empty()) {
@@ -163,13 +153,13 @@ struct PartSum {
   double predicted_seconds = 0;  // of all rounds
 };
 
-PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds, double tolerance, Approach approach,
-                 bool is_whole, Field& field, const Observer& observer) {
+PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, Approach approach, bool is_whole, Field& field,
+                 const Observer& observer) {
+  const PixelBox& bounds = goal.bounds;
   // The second round, where the waves cancel, knows their coherence; a field that is nearly nothing may need a third.
   PartSum part;
-  double coherence = 1;
   for (int round = 0; round < 3; ++round) {
-    const PartPlan plan = make_plan(waves, field.grid, bounds, field.wavelength, tolerance, coherence, approach);
+    const PartPlan plan = make_plan(waves, goal, approach);
     part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan), part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
     part.predicted_seconds += seconds_of(plan);
@@ -177,12 +167,12 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, const PixelBox& bounds,
     // A part of a few pixels may be dark by chance. It weighs little in the whole, which is what the tolerance is of.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
     const double met = std::clamp(coherence_of(field, bounds, plan.energy()), least, 1.0);
-    part.reachable = 1.25 * plan.error() * std::sqrt(coherence / met);
-    if (part.reachable <= tolerance) {
+    part.reachable = 1.25 * plan.error() * std::sqrt(goal.coherence / met);
+    if (part.reachable <= goal.tolerance) {
       part.meets_tolerance = true;
       return part;
     }
-    coherence = met;
+    goal.coherence = met;
   }
   return part;
 }
@@ -204,8 +194,8 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   for (int part = 0; part < parts; ++part) {
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
     if (waves.empty()) continue;
-    const PartSum done = sum_part(waves, panel_part(sources, grid, part), tolerance, approach, parts == 1, field,
-                                  part_of(observer, part, parts));
+    const PartSum done = sum_part(waves, {grid, panel_part(sources, grid, part), sources.wavelength, tolerance},
+                                  approach, parts == 1, field, part_of(observer, part, parts));
     if (!(done.reachable < worst.reachable)) worst = done;
     predicted += done.predicted_seconds;
     reachable = worst.reachable;
@@ -219,6 +209,16 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   return field;
 }
 
+Field sum_within(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
+                 const Observer& observer) {
+  double reachable = 0;
+  std::optional<Field> field = try_sum(sources, grid, tolerance, approach, reachable, observer);
+  require(field.has_value(),
+          "expected a tolerance that {} can meet, {:.1e} or more for these sources, got {:.1e}; use the method exact",
+          approach == Approach::tiled ? "tiles" : "planes", reachable, tolerance);
+  return std::move(*field);
+}
+
 SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach) {
   check_grid(grid);
   check_sources(sources);
@@ -227,7 +227,7 @@ SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolera
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
     if (waves.empty()) continue;
     const PartPlan plan =
-        make_plan(waves, grid, panel_part(sources, grid, part), sources.wavelength, tolerance, 1, approach);
+        make_plan(waves, {grid, panel_part(sources, grid, part), sources.wavelength, tolerance}, approach);
     if (!plan.meets_tolerance()) return {};
     forecast.seconds += seconds_of(plan);
     forecast.method = plan.far.empty() ? "tiled" : "planes";

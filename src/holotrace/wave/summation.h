@@ -9,7 +9,7 @@
 
 namespace holotrace {
 
-/// Which of the fast summations may take part: tiles alone; planes, with tiles for the waves too near for them; or the
+/// Which of the fast summations may take part: tiles alone; `planes`, with tiles for the waves too near for it; or the
 /// one of the two that is expected to take less work.
 enum class Approach { tiled, planes, cheapest };
 
@@ -21,6 +21,10 @@ enum class Approach { tiled, planes, cheapest };
 /// @return  no field where no plan meets the tolerance; `reachable` is then set to one that does
 std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
                              double& reachable, const Observer& observer);
+
+/// The same where one method is asked for. @throws Error where no plan of it meets the tolerance
+Field sum_within(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
+                 const Observer& observer);
 
 /// What try_sum would do, without the sum: the plan of its first round.
 struct SumForecast {

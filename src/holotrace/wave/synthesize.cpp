@@ -16,7 +16,7 @@
 namespace holotrace {
 namespace {
 
-// Pixels that each wave lights, its tiles' amplitudes considered.
+// Calls visit with the number of pixels that each wave lights; pixels of panel tiles with amplitude 0 do not count.
 template <class Visit>
 void for_each_wave(const Sources& sources, const Grid& grid, const Visit& visit) {
   const double tangent = acceptance_tangent(sources.acceptance_wavelength(), grid.pitch);
@@ -105,11 +105,11 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   double reachable = 0;
   std::optional<Field> field = try_sum(sources, grid, params.tolerance, Approach::cheapest, reachable, observer);
   if (!field) {
-    observer.fact("why", fmt::format("the other methods hold {:.1e} at best, the tolerance is {:.1e}", reachable,
+    observer.fact("why", fmt::format("the other methods reach {:.1e} at best, the tolerance is {:.1e}", reachable,
                                      params.tolerance));
     return exact();
   }
-  observer.fact("why", fmt::format("the fastest that is expected to hold the tolerance of {:.1e}", params.tolerance));
+  observer.fact("why", fmt::format("the fastest that is expected to meet the tolerance of {:.1e}", params.tolerance));
   return std::move(*field);
 }
 

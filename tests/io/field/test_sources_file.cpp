@@ -176,10 +176,10 @@ TEST(Ply, DamagedFilesAreNamedWithTheirLine) {
             ":4: expected a PLY type such as float or uchar, got \"real\"");
   EXPECT_EQ(error(vertex + "1 one\n"), ":6: expected a number, got \"one\"");
   EXPECT_EQ(error(vertex + "1   \n"),
-            ": expected more numbers than the file holds; it is truncated or its header promises too much");
+            ": expected more numbers than the file holds; it is truncated or its header is wrong");
   EXPECT_EQ(
       error("ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\nabcd"),
-      ": expected 4000000000 of the element \"vertex\", but the file is truncated or its header promises too much");
+      ": expected 4000000000 of the element \"vertex\", but the file is truncated or its header is wrong");
   EXPECT_EQ(error("ply\nformat ascii 1.0\nelement face 0\nproperty int x\nend_header\n"),
             ": expected an element \"vertex\" in the PLY file, got none");
 }

@@ -144,7 +144,7 @@ TEST(Gltf, TheFirstTextureSaysAtWhichCoordinatesAllAreRead) {
   const LoadedModel model = load(triangle);
   EXPECT_EQ(model.meshes[0].texture_coordinates, (std::vector<Vec2>{{1, 1}, {2.5, 1}, {1, 0.25}}));
   ASSERT_EQ(model.warnings.size(), 1u);  // of the normal map
-  EXPECT_NE(model.warnings[0].find("different coordinates, all are shown at those of the first"), std::string::npos);
+  EXPECT_NE(model.warnings[0].find("different coordinates; those of the first are used for all"), std::string::npos);
   // Counter-clockwise as seen, v being down: u turns to −v.
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
     {"KHR_texture_transform": {"rotation": 1.5707963267948966}}}}}])";
@@ -211,7 +211,7 @@ TEST(Gltf, WhatLetsAllLightThroughIsGlass) {
       material(R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.5}}}])", &model);
   EXPECT_TRUE(std::holds_alternative<MetallicRoughnessMaterial>(partly.surface));
   ASSERT_EQ(model.warnings.size(), 1u);
-  EXPECT_NE(model.warnings[0].find("partly see-through, it is shown opaque"), std::string::npos);
+  EXPECT_NE(model.warnings[0].find("partly transparent; it is shown opaque"), std::string::npos);
 }
 
 TEST(Gltf, AnUnlitSurfaceShinesInItsColour) {
@@ -229,13 +229,13 @@ TEST(Gltf, WhatIsNotShownIsNamedOnce) {
   triangle.more = R"("extensionsUsed": ["KHR_lights_punctual", "KHR_materials_clearcoat", "EXT_mesh_gpu_instancing"],
     "animations": [{"channels": [], "samplers": []}], "cameras": [{"type": "perspective"}], "skins": [{"joints": [0]}], )";
   const LoadedModel model = load(triangle);
-  std::vector<std::string> expected{"material \"a\" is cut out by the alpha of its texture, it is shown whole",
+  std::vector<std::string> expected{"material \"a\" has an alpha mask; it is ignored",
                                     "material \"a\" has the extension KHR_materials_clearcoat, which is not shown",
-                                    "material \"c\" is see-through, it is shown opaque",
-                                    "the animations are not shown, the model is at rest",
-                                    "the cameras are not used",
-                                    "the model has bones, it is shown at rest",
-                                    "the lights are not used; place them in the scene",
+                                    "material \"c\" is transparent; it is shown opaque",
+                                    "animations are ignored; the model is shown in its rest pose",
+                                    "cameras are ignored",
+                                    "the model has a skeleton; it is shown in its rest pose",
+                                    "the model's lights are ignored; place them in the scene",
                                     "the extension EXT_mesh_gpu_instancing is not used"};
   const std::string path = test::temporary("m.gltf");
   for (std::string& sentence : expected) sentence = path + ": " + sentence;

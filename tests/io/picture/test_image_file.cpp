@@ -119,7 +119,9 @@ TEST(ImageFile, AFieldIsNoImage) {
   const std::string path = temporary("f.exr");
   save_field(path, Field({2, 2, 8e-6}, 532e-9));
   EXPECT_EQ(error_of([&] { load_image(path); }),
-            path + ": expected an image, got a field (channels \"real\" and \"imag\"); pass it where a field is due");
+            path +
+                ": expected an image, got a field (channels \"real\" and \"imag\"); give it to a command that takes "
+                "a field");
 }
 
 TEST(ImageFile, BadRequestsAreRefused) {

@@ -10,10 +10,10 @@
 namespace holotrace {
 namespace {
 
-// What docs/scene_format.md says is what load_job does.
+// What docs/reference/scene_format.md says is what load_job does.
 class SceneFormat : public ::testing::Test {
  protected:
-  std::string text_ = read_text(std::string(HOLOTRACE_SOURCE_DIR) + "/docs/scene_format.md");
+  std::string text_ = read_text(std::string(HOLOTRACE_SOURCE_DIR) + "/docs/reference/scene_format.md");
 };
 
 TEST_F(SceneFormat, ItsExampleLoads) {

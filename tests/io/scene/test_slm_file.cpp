@@ -112,7 +112,7 @@ aberration = [{ n = 2, m = -2, rms = "0.25 rad" }]
   file_in(folder, "a.toml", "preset = \"b\"\n");
   file_in(folder, "b.toml", "preset = \"a\"\n");
   EXPECT_EQ(sentence_in(folder, [] { slm_preset("a"); }),
-            "a.toml:1:10: b.toml:1:10: expected a panel that is no change of itself, got \"a\"");
+            "a.toml:1:10: b.toml:1:10: expected a panel that does not extend itself, got \"a\"");
   file_in(folder, "c.toml", "columns = 10\nrows = 10\npitch = \"8 um\"\nfil_factor = 1\n");
   EXPECT_EQ(sentence_in(folder, [] { slm_preset("c"); }),
             "c.toml:4:1: unknown key \"fil_factor\"; did you mean \"fill_factor\"?");
@@ -145,10 +145,9 @@ TEST(SlmFile, ABadCalibrationIsRefusedWithItsLine) {
   EXPECT_EQ(error("level,phase\n0,0\n1,1\n2,2\n"),
             "c.csv:4: expected a calibration up to level 3, the last of the panel's 4, got levels up to 2");
   EXPECT_EQ(error(""), "c.csv: expected a calibration up to level 3, the last of the panel's 4, got none");
-  EXPECT_EQ(
-      error("level,phase\n0,0\n1,2\n2,1\n3,3\n"),
-      "c.csv:4: expected a calibration whose phase never falls, got 1 rad after 2 rad; a phase that wraps is to be "
-      "written on beyond 2π");
+  EXPECT_EQ(error("level,phase\n0,0\n1,2\n2,1\n3,3\n"),
+            "c.csv:4: expected a calibration whose phase never falls, got 1 rad after 2 rad; write a phase that "
+            "wraps as values above 2π");
   EXPECT_EQ(error("level,phase,amplitude\n0,0,1\n1,2,1.2\n"), "c.csv:3: expected an amplitude in [0, 1], got 1.2");
   EXPECT_EQ(error("level,phase\n1,0\n"), "c.csv:2: expected a calibration that begins at level 0, got level 1");
   EXPECT_EQ(error("level,phase\n0,0\n2,1\n1,2\n"), "c.csv:4: expected levels in rising order, got 1 after 2");

@@ -280,7 +280,7 @@ TEST(Encode, ShortPhaseIsToldWithWhatMakesItShort) {
   slm.effects.calibration = {{0, 1}, {0.3 * pi, 1}, {0.6 * pi, 1}, {0.9 * pi, 1}, {1.2 * pi, 1}};
   // Four steps, and the fifth to the turn: 1.2π·5/4.
   EXPECT_EQ(warning(slm, {.effects = {"calibration"}}),
-            "its calibration ends 1.5π above where it begins, one more step counted: give it one that reaches 2π");
+            "its calibration spans 1.5π, one more step included: use one that reaches 2π");
 }
 
 TEST(Encode, IlluminationShowsTheFieldAtItsOwnBrightness) {

@@ -1,4 +1,5 @@
 #include "holotrace/estimate/encoder_quality.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
 #include "support/targets.h"
 
 // Each encoder on a natural picture of 208 × 152 in the middle of a 256 × 192 panel, 10 mm away: light of the band's
@@ -14,8 +15,8 @@ double psnr_of(Slm slm, EncodeParams params, const std::vector<std::string>& eff
   params.target_rows = 152;
   const std::vector<TargetPlane> targets = picture_targets(slm, params);
   const Field field = field_of_target(targets[0], slm, params);
-  const bool is_iteration = params.method == Encoding::sgd || params.method == Encoding::gerchberg_saxton;
-  const Hologram h = is_iteration ? encode_targets(targets, field, slm, params) : encode(field, slm, params);
+  const Hologram h =
+      aims_at_targets(params.method) ? encode_targets(targets, field, slm, params) : encode(field, slm, params);
   return encoder_quality(targets[0], h, slm, {.effects = effects}, sampling).psnr;
 }
 

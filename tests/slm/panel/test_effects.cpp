@@ -274,9 +274,10 @@ TEST(Flicker, AveragesARampOverItsDepths) {
   const Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return i; });
   const ShowParams params = with({"flicker"});
   double mean = 0, expected = 0;
-  const std::vector<Moment> all = moments(with_effects(slm, params.effects), params, test_wavelength);
+  const std::vector<IlluminationState> all =
+      illumination_states(with_effects(slm, params.effects), params, test_wavelength);
   EXPECT_EQ(all.size(), 16u);
-  for (const Moment& m : all) mean += m.weight * efficiency_of(show(h, slm, params, m), 1);
+  for (const IlluminationState& m : all) mean += m.weight * efficiency_of(show(h, slm, params, m), 1);
   const int points = 1000;
   for (int k = 0; k < points; ++k) {
     const double e = 0.2 * std::sin(2 * pi * (k + 0.5) / points);
@@ -284,7 +285,7 @@ TEST(Flicker, AveragesARampOverItsDepths) {
   }
   EXPECT_LT(expected, 0.94);  // the loss is worth measuring: π²q²/6 = 6.6 %
   EXPECT_NEAR(mean, expected * std::pow(sinc(1.0 / steps), 2), 1e-4);
-  // The mean moment has no ripple.
+  // The mean state has no ripple.
   EXPECT_NEAR(efficiency_of(show(h, slm, params), 1), std::pow(sinc(1.0 / steps), 2), tolerance);
 }
 

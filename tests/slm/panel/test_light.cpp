@@ -125,8 +125,8 @@ TEST(Light, SaysWhatSamplesCannotHold) {
   const Slm slm = make_panel(64, 64);
   const auto error = [&](const ShowParams& params) { return error_of([&] { show(flat(slm), slm, params); }); };
   EXPECT_EQ(error({.tilt_x = 0.05}),
-            "expected light that meets the panel below 1.905°, the steepest that samples of 8 µm hold at 532 nm, got "
-            "2.865°; ask for more subpixels, or for less tilt or curvature");
+            "expected light that meets the panel below 1.905°, the steepest that samples of 8 µm hold at 532 nm, "
+            "got 2.865°; use more subpixels, or less tilt or curvature");
   EXPECT_EQ(error({.subpixels = 2, .tilt_x = 0.05}), "no error");
   EXPECT_EQ(error({.light = Wavefront::spherical}),
             "expected a source distance other than 0 m for spherical light, got 0 m; below 0 m it converges");
@@ -136,9 +136,10 @@ TEST(Light, SaysWhatSamplesCannotHold) {
 
 // --- coherence ----------------------------------------------------------------------------------
 
-TEST(Moments, AreOneForCoherentLight) {
+TEST(IlluminationStates, AreOneForCoherentLight) {
   const Slm slm = make_panel(4, 4);
-  const std::vector<Moment> all = moments(slm, {.tilt_x = 0.1, .moments = 7}, 500e-9);
+  const std::vector<IlluminationState> all =
+      illumination_states(slm, {.tilt_x = 0.1, .illumination_states = 7}, 500e-9);
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].wavelength, 500e-9);
   EXPECT_EQ(all[0].tilt_x, 0.1);
@@ -149,26 +150,26 @@ struct Spread {
   double mean = 0, rms = 0;
 };
 template <class Value>
-Spread spread_of(const std::vector<Moment>& all, const Value& value) {
+Spread spread_of(const std::vector<IlluminationState>& all, const Value& value) {
   Spread s;
-  for (const Moment& m : all) s.mean += m.weight * value(m);
-  for (const Moment& m : all) s.rms += m.weight * std::pow(value(m) - s.mean, 2);
+  for (const IlluminationState& m : all) s.mean += m.weight * value(m);
+  for (const IlluminationState& m : all) s.rms += m.weight * std::pow(value(m) - s.mean, 2);
   s.rms = std::sqrt(s.rms);
   return s;
 }
 
-TEST(Moments, HaveTheSpreadOfSpectrumSourceAndRipple) {
+TEST(IlluminationStates, HaveTheSpreadOfSpectrumSourceAndRipple) {
   // A Gaussian of σ = FWHM/2.3548, a disc of diameter α with the rms α/4 per axis, a sinusoid of rms 1/√2; all
   // uncorrelated. 1024 even points leave 1e-3 of it (the tails of the Gaussian: 1/N·ln N = 7e-3).
   Slm slm = make_panel(4, 4);
   slm.effects.flicker = 0.1;
-  const std::vector<Moment> all =
-      moments(slm, {.tilt_x = 0.01, .bandwidth = 10e-9, .source_angle = 0.004, .moments = 1024}, 500e-9);
+  const std::vector<IlluminationState> all = illumination_states(
+      slm, {.tilt_x = 0.01, .bandwidth = 10e-9, .source_angle = 0.004, .illumination_states = 1024}, 500e-9);
   ASSERT_EQ(all.size(), 1024u);
-  const auto wavelength = [](const Moment& m) { return m.wavelength; };
-  const auto x = [](const Moment& m) { return m.tilt_x; };
-  const auto y = [](const Moment& m) { return m.tilt_y; };
-  const auto ripple = [](const Moment& m) { return m.flicker; };
+  const auto wavelength = [](const IlluminationState& m) { return m.wavelength; };
+  const auto x = [](const IlluminationState& m) { return m.tilt_x; };
+  const auto y = [](const IlluminationState& m) { return m.tilt_y; };
+  const auto ripple = [](const IlluminationState& m) { return m.flicker; };
   EXPECT_NEAR(spread_of(all, wavelength).mean, 500e-9, 1e-11);
   EXPECT_NEAR(spread_of(all, wavelength).rms, 10e-9 / 2.354820, 0.01 * 4.25e-9);
   EXPECT_NEAR(spread_of(all, x).mean, 0.01, 2e-5);
@@ -180,7 +181,7 @@ TEST(Moments, HaveTheSpreadOfSpectrumSourceAndRipple) {
   const auto uncorrelated = [&](const auto& a, const auto& b) {
     const Spread sa = spread_of(all, a), sb = spread_of(all, b);
     double sum = 0;
-    for (const Moment& m : all) sum += m.weight * (a(m) - sa.mean) * (b(m) - sb.mean);
+    for (const IlluminationState& m : all) sum += m.weight * (a(m) - sa.mean) * (b(m) - sb.mean);
     EXPECT_NEAR(sum / (sa.rms * sb.rms), 0, 0.02);
   };
   uncorrelated(wavelength, x);
@@ -191,29 +192,29 @@ TEST(Moments, HaveTheSpreadOfSpectrumSourceAndRipple) {
   uncorrelated(y, ripple);
 }
 
-TEST(Moments, AnyNumberHasTheMiddleOfSpectrumAndSource) {
+TEST(IlluminationStates, AnyNumberHasTheMiddleOfSpectrumAndSource) {
   // Means to a hundred roundings: 100·2.2e-16 of 500 nm is 1.1e-20 m, of 0.02 rad 4.4e-16 rad.
   const Slm slm = make_panel(4, 4);
   for (const int count : {1, 2, 3, 5, 16, 100}) {
     const ShowParams params{
-        .tilt_x = 0.01, .tilt_y = -0.02, .bandwidth = 10e-9, .source_angle = 0.004, .moments = count};
-    const std::vector<Moment> all = moments(slm, params, 500e-9);
+        .tilt_x = 0.01, .tilt_y = -0.02, .bandwidth = 10e-9, .source_angle = 0.004, .illumination_states = count};
+    const std::vector<IlluminationState> all = illumination_states(slm, params, 500e-9);
     ASSERT_EQ(all.size(), size_t(count));
-    EXPECT_NEAR(spread_of(all, [](const Moment& m) { return m.wavelength; }).mean, 500e-9, 1.1e-20) << count;
-    EXPECT_NEAR(spread_of(all, [](const Moment& m) { return m.tilt_x; }).mean, 0.01, 4.4e-16) << count;
-    EXPECT_NEAR(spread_of(all, [](const Moment& m) { return m.tilt_y; }).mean, -0.02, 4.4e-16) << count;
+    EXPECT_NEAR(spread_of(all, [](const IlluminationState& m) { return m.wavelength; }).mean, 500e-9, 1.1e-20) << count;
+    EXPECT_NEAR(spread_of(all, [](const IlluminationState& m) { return m.tilt_x; }).mean, 0.01, 4.4e-16) << count;
+    EXPECT_NEAR(spread_of(all, [](const IlluminationState& m) { return m.tilt_y; }).mean, -0.02, 4.4e-16) << count;
   }
 }
 
-TEST(Moments, OfAWideSourceBlurAPointByItsAngle) {
+TEST(IlluminationStates, OfAWideSourceBlurAPointByItsAngle) {
   // Every direction of the source makes its own image of the beam, z·tan α away: the mean irradiance is wider by the
   // source's rms, z·α/4 per axis, in squares.
   const Slm slm = make_panel(192, 192);
   const double w = 0.2e-3, z = 0.1, angle = 6e-3;
-  ShowParams params{.light = Wavefront::gaussian, .beam_radius = w, .source_angle = angle, .moments = 32};
+  ShowParams params{.light = Wavefront::gaussian, .beam_radius = w, .source_angle = angle, .illumination_states = 32};
   double power = 0, first = 0, second = 0;
-  const std::vector<Moment> all = moments(slm, params, test_wavelength);
-  for (const Moment& m : all) {
+  const std::vector<IlluminationState> all = illumination_states(slm, params, test_wavelength);
+  for (const IlluminationState& m : all) {
     const Spot s = spot_of(propagate(show(flat(slm), slm, params, m), z));
     power += m.weight;
     first += m.weight * s.x;
@@ -226,16 +227,16 @@ TEST(Moments, OfAWideSourceBlurAPointByItsAngle) {
   EXPECT_NEAR(blur / (z * angle / 4), 1, 0.03);
 }
 
-TEST(Moments, OfAWideSpectrumSpreadAnOrderByItsDispersion) {
+TEST(IlluminationStates, OfAWideSpectrumSpreadAnOrderByItsDispersion) {
   // Order 1 of a grating of P pixels leaves at sin θ = λ/(P·p): σ of the wavelength spreads it by z·σ/(P·p).
   const int period = 4;
   Slm slm = make_panel(192, 64, period);
   const Hologram h = make_hologram(slm, Modulation::phase, [&](int i) { return i % period; });
   const double z = 0.02, w = 0.15e-3, bandwidth = 30e-9;
   // An ideal panel at each wavelength: no design wavelength would be the hologram's, whose ramp is then uneven.
-  ShowParams params{.light = Wavefront::gaussian, .beam_radius = w, .bandwidth = bandwidth, .moments = 32};
+  ShowParams params{.light = Wavefront::gaussian, .beam_radius = w, .bandwidth = bandwidth, .illumination_states = 32};
   double first = 0, second = 0, alone = 0, power = 0;
-  for (const Moment& m : moments(slm, params, test_wavelength)) {
+  for (const IlluminationState& m : illumination_states(slm, params, test_wavelength)) {
     slm.design_wavelength = m.wavelength;
     const Spot s = spot_of(propagate(show(h, slm, params, m), z));
     first += m.weight * s.x * s.power;
@@ -250,14 +251,14 @@ TEST(Moments, OfAWideSpectrumSpreadAnOrderByItsDispersion) {
   EXPECT_NEAR(spread / (z * sigma / (period * test_pitch) / std::pow(cosine, 3)), 0.985, 0.01);
 }
 
-TEST(Moments, SayWhatIsWrong) {
+TEST(IlluminationStates, SayWhatIsWrong) {
   const Slm slm = make_panel(4, 4);
-  EXPECT_EQ(error_of([&] { moments(slm, {.bandwidth = -1e-9}, 500e-9); }),
+  EXPECT_EQ(error_of([&] { illumination_states(slm, {.bandwidth = -1e-9}, 500e-9); }),
             "expected a length of 0 m or more for \"bandwidth\", got -1 nm");
-  EXPECT_EQ(error_of([&] { moments(slm, {.moments = -1}, 500e-9); }),
-            "expected a whole number from 0 to 65536 for \"moments\", got -1");
-  EXPECT_EQ(error_of([&] { moments(slm, {.bandwidth = 1e-6, .moments = 64}, 500e-9); }),
-            "expected a bandwidth narrow beside the wavelength 500 nm, got 1 µm: its spectrum reaches 0 m");
+  EXPECT_EQ(error_of([&] { illumination_states(slm, {.illumination_states = -1}, 500e-9); }),
+            "expected a whole number from 0 to 65536 for \"illumination_states\", got -1");
+  EXPECT_EQ(error_of([&] { illumination_states(slm, {.bandwidth = 1e-6, .illumination_states = 64}, 500e-9); }),
+            "expected a bandwidth much smaller than the wavelength 500 nm, got 1 µm: its spectrum reaches 0 m");
 }
 
 }  // namespace

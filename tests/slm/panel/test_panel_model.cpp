@@ -30,7 +30,7 @@ struct Bench {
   Slm slm;
   ShowParams params;
   Modulation modulation = Modulation::phase;
-  Moment moment{test_wavelength};
+  IlluminationState state{test_wavelength};
 };
 
 std::vector<Bench> benches() {
@@ -49,7 +49,7 @@ std::vector<Bench> benches() {
 }
 
 PanelModel model_of(const Bench& s) {
-  return PanelModel(s.slm, s.params, s.modulation, s.slm.levels, test_wavelength, s.moment);
+  return PanelModel(s.slm, s.params, s.modulation, s.slm.levels, test_wavelength, s.state);
 }
 
 Array2D<float> random_drive(const Slm& slm, uint64_t seed) {

@@ -238,7 +238,7 @@ TEST(Show, StopFollowsTheOrderUnderTiltedLight) {
   const auto passed = [&](const ShowParams& params) {
     const Field f = show(h, slm, params);
     Heard heard;
-    select_order(f, *f.filter, heard.observer());
+    apply_order_stop(f, *f.filter, heard.observer());
     return heard.number("filter_power") * energy(f.samples.values.data(), f.samples.size());
   };
   const ShowParams axial{.subpixels = 5};
@@ -247,8 +247,8 @@ TEST(Show, StopFollowsTheOrderUnderTiltedLight) {
   tilted.tilt_y = std::asin(-20 * test_wavelength / width);
   EXPECT_GT(passed(axial), 0.5 * 320 * 320);  // it has sinc²(1/4) = 0.81 of the light
   EXPECT_NEAR(passed(tilted) / passed(axial), 1, 1e-4);
-  // A moment's own direction, of a source that is spread, moves the light and not the stop.
-  const Field spread = show(h, slm, axial, Moment{test_wavelength, tilted.tilt_x, tilted.tilt_y});
+  // A state's own direction, of a source that is spread, moves the light and not the stop.
+  const Field spread = show(h, slm, axial, IlluminationState{test_wavelength, tilted.tilt_x, tilted.tilt_y});
   EXPECT_EQ(spread.filter, h.filter);
 }
 
@@ -305,12 +305,11 @@ TEST(Show, TellsWhereLevelsAllowForOtherEffects) {
   EXPECT_TRUE(warnings({"crosstalk", "gaps"}, {"all"}).empty());  // no level can allow for flicker
   EXPECT_EQ(
       warnings({"crosstalk"}, {"crosstalk", "gaps"}),
-      (std::vector<std::string>{"the hologram allows for crosstalk and not for gaps, which the SLM \"test\" is shown "
-                                "with; sgd can allow for all but flicker, where [encode] effects names them"}));
-  EXPECT_EQ(
-      warnings({"crosstalk", "gaps"}, {"gaps"}),
-      (std::vector<std::string>{"the hologram allows for crosstalk, which the SLM \"test\" is shown without; name "
-                                "crosstalk in [show] effects, or encode without"}));
+      (std::vector<std::string>{"the hologram compensates crosstalk but not gaps, which are modelled on the SLM "
+                                "\"test\"; sgd compensates all effects but flicker that [encode] effects names"}));
+  EXPECT_EQ(warnings({"crosstalk", "gaps"}, {"gaps"}),
+            (std::vector<std::string>{"the hologram compensates crosstalk, which is not modelled on the SLM \"test\"; "
+                                      "name crosstalk in [show] effects, or encode without"}));
   EXPECT_EQ(warnings({"crosstalk"}, {"gaps"}).size(), 2u);
 }
 
@@ -324,10 +323,10 @@ TEST(Show, SaysWhatIsWrong) {
   EXPECT_EQ(error(good, slm, {.irradiance = -1}), "expected a number of 0 or more for \"irradiance\", got -1");
   EXPECT_EQ(
       error(good, slm, {.beam_radius = 1e-3}),
-      "expected a beam radius with Gaussian light alone, got 1 mm; set light to gaussian, or leave out beam_radius");
+      "expected a beam radius only with Gaussian light, got 1 mm; set light to gaussian, or leave out beam_radius");
   EXPECT_EQ(error(good, slm, {.light = Wavefront::gaussian, .source_distance = -0.1, .beam_radius = 1e-3}),
-            "expected a source distance with spherical light alone, got -100 mm; set light to spherical, or leave out "
-            "source_distance");
+            "expected a source distance only with spherical light, got -100 mm; set light to spherical, or leave "
+            "out source_distance");
   EXPECT_EQ(error(good, make_panel(8, 4, 16, 1.2), {}), "expected a fill factor in (0, 1], got 1.2");
   EXPECT_EQ(error(good, make_panel(8, 4, 1), {}), "expected 2 to 65536 levels, got 1");
   EXPECT_EQ(
@@ -342,7 +341,7 @@ TEST(Show, SaysWhatIsWrong) {
   EXPECT_EQ(error(bad, slm, {}), "expected 2 to 65536 levels, got 1");
   EXPECT_NE(error(good, slm, {.subpixels = 60000})
                 .find("expected a panel of 8 × 4 pixels at 60000 samples per "
-                      "pixel and axis to fit in memory, got a need of "),
+                      "pixel and axis to fit in memory, but it needs "),
             std::string::npos);
 }
 

@@ -15,8 +15,8 @@ namespace {
 Material mirror() { return ConductorMaterial{}; }
 Material glass(double n) { return DielectricMaterial{.index = constant_index(n)}; }
 
-PathScene prepared(const Scene& scene, const std::vector<std::string>& layers = {}) {
-  return {scene, make_lines(green_light, green_light, green_light), layers, {.max_depth = 8, .seed = 1}};
+PathScene prepared(const Scene& scene, const std::vector<std::string>& path_groups = {}) {
+  return {scene, make_lines(green_light, green_light, green_light), path_groups, {.max_depth = 8, .seed = 1}};
 }
 
 std::vector<SpecularLeaf> leaves_of(const Scene& scene, const Ray& ray) {
@@ -244,8 +244,8 @@ TEST(Specular, OtherPhasesKeepTheFirstHitAsOrigin) {
 TEST(Specular, PathExpressionsCountTheMirrorsOnTheWay) {
   const Scene scene = make_mirror_scene();
   TraceParams params{.columns = 3, .rows = 3, .paths = 1, .phase = SourcePhase::path};
-  const auto waves = [&](const char* layer) {
-    params.layers = {layer};
+  const auto waves = [&](const char* path_group) {
+    params.path_expressions = {path_group};
     return trace(scene, {16, 16, 8e-6}, green_light, params).waves.size();
   };
   EXPECT_EQ(waves("ESL"), 9u);

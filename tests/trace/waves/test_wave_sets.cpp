@@ -7,7 +7,7 @@
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"
 
-// The sets of waves that a tracing makes: layers, lights, wavelengths, frames.
+// The sets of waves that a tracing makes: path groups, lights, wavelengths, frames.
 
 namespace holotrace {
 namespace {
@@ -20,17 +20,17 @@ double squared_amplitudes(const Sources& sources) {
   return sum;
 }
 
-TEST(WaveSets, LayersOfAPartitionAddUpToTheWhole) {
-  TraceParams params{.columns = 24, .rows = 24, .paths = 8, .layers = {"EL", "EDL", "EDD.*L"}};
+TEST(WaveSets, PathGroupsOfAPartitionAddUpToTheWhole) {
+  TraceParams params{.columns = 24, .rows = 24, .paths = 8, .path_expressions = {"EL", "EDL", "EDD.*L"}};
   const Sources all = trace(make_corner(), panel, green_light, {.columns = 24, .rows = 24, .paths = 8});
   const Sources summed = trace(make_corner(), panel, green_light, params);
-  params.separate_layers = true;
-  const std::vector<Sources> layers = trace(make_corner(), panel, std::vector<double>{green_light}, params);
-  ASSERT_EQ(layers.size(), 2u) << "nothing that shines is seen directly: EL has no wave and is left out";
-  EXPECT_EQ(layers[0].name, "EDL");
-  EXPECT_EQ(layers[1].name, "EDD.*L");
+  params.separate_path_groups = true;
+  const std::vector<Sources> path_groups = trace(make_corner(), panel, std::vector<double>{green_light}, params);
+  ASSERT_EQ(path_groups.size(), 2u) << "nothing that shines is seen directly: EL has no wave and is left out";
+  EXPECT_EQ(path_groups[0].name, "EDL");
+  EXPECT_EQ(path_groups[1].name, "EDD.*L");
   double sum = 0;
-  for (const Sources& layer : layers) sum += squared_amplitudes(layer);
+  for (const Sources& path_group : path_groups) sum += squared_amplitudes(path_group);
   // The same paths, split: a² of floats, 1e-7 each.
   EXPECT_NEAR(sum / squared_amplitudes(all), 1, 1e-6);
   EXPECT_NEAR(squared_amplitudes(summed) / squared_amplitudes(all), 1, 1e-6);
@@ -53,10 +53,10 @@ TEST(WaveSets, LightsOfTheirOwnAddUpToTheWholeAndEmptyOnesAreLeftOut) {
   double sum = 0;
   for (const Sources& light : lights) sum += squared_amplitudes(light);
   EXPECT_NEAR(sum / squared_amplitudes(all), 1, 1e-6);
-  params.layers = {"EDL", "EDD.*L"};
-  params.separate_layers = true;
+  params.path_expressions = {"EDL", "EDD.*L"};
+  params.separate_path_groups = true;
   const std::vector<Sources> both = trace(scene, panel, std::vector<double>{green_light}, params);
-  ASSERT_EQ(both.size(), 4u) << "a point is the path EL, which is in neither layer";
+  ASSERT_EQ(both.size(), 4u) << "a point is the path EL, which is in neither path group";
   EXPECT_EQ(both[0].name, "EDL, light 0");
   EXPECT_EQ(both[3].name, "EDD.*L, light 1");
 }
@@ -160,13 +160,13 @@ TEST(WaveSets, SurfacePhaseIsAFunctionOfThePlaceAlone) {
 TEST(WaveSets, SetsThatAreSeveralAreNoAnswerForOneWavelength) {
   EXPECT_EQ(
       error_of([] { trace(make_corner(), panel, green_light, {.separate_lights = true}); }),
-      "expected parameters that make one set of waves, got separate_layers = false, separate_lights = true; trace "
+      "expected parameters that make one set of waves, got separate_path_groups = false, separate_lights = true; trace "
       "a list of wavelengths, which returns all sets");
   EXPECT_EQ(error_of([] { trace(make_corner(), panel, std::vector<double>{}, {}); }),
             "expected at least one wavelength, got none");
   EXPECT_EQ(error_of([] { trace(make_corner(), panel, green_light, {.strategy = Strategy::gather}); }),
-            "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: "
-            "take the command field or run, or call gather");
+            "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: use "
+            "the command field or run, or call gather");
   EXPECT_EQ(error_of([] { trace(make_corner(), panel, green_light, {.grain = -1}); }),
             "expected a length of 0 m or more for \"grain\", got -1 m");
 }

@@ -315,7 +315,7 @@ TEST(Layers, RefuseWhatTheyCannotSum) {
   EXPECT_EQ(error_of([&] {
               sum_layers(make_random_sources(3, fine, green, 1_mm, 2_mm), fine, layers_params(1e-2, 2, true));
             }),
-            "expected a pitch above half a wavelength for slices that hide, got 200 nm at 532 nm");
+            "expected a pitch above half a wavelength for silhouettes, got 200 nm at 532 nm");
 }
 
 TEST(LayersOfSamples, AreCheckedBeforeTheyAreSummed) {

@@ -6,24 +6,25 @@
 
 namespace holotrace {
 
-/// How light reaches the panel. Of waves: summed one by one in double; tile by tile; by way of planes near each tile;
-/// by slices of depth; or by the cheapest of these that meets the tolerance. Of surfaces: as triangles that shine.
+/// How the field is computed. From waves: one by one in double (`exact`); tile by tile (`tiled`); by a non-uniform FFT
+/// in each tile (`planes`); by slices of depth (`layers`); by the fastest of these that meets the tolerance
+/// (`automatic`). From surfaces: as luminous triangles (`triangles`).
 enum class SynthesisMethod { automatic, exact, tiled, planes, layers, triangles };
 
-/// How a triangle shines: evenly, or from corner to corner (Gouraud).
+/// Amplitude over a triangle: uniform, or interpolated between its corners (Gouraud).
 enum class Shading { flat, smooth };
 
-/// The phase of a triangle's light: one for each, random, or the same for all.
+/// Phase of the light of the triangles: a random one for each, or the same for all.
 enum class TrianglePhase { random, constant };
 
 /// How the waves or surfaces of a scene become the field on the panel.
 struct SynthesizeParams {
-  SynthesisMethod method = SynthesisMethod::automatic;  ///< how waves are summed
+  SynthesisMethod method = SynthesisMethod::automatic;  ///< how the field is computed
   double tolerance = 1e-3;                              ///< relative L2 error allowed against exact, in (0, 1)
-  int slices = 0;                ///< layers: of depth; 0: as many as keep the phase of a slice within the tolerance
-  bool has_silhouettes = false;  ///< layers: a slice hides what lies behind it
-  Shading shading = Shading::smooth;                     ///< of triangles
-  TrianglePhase triangle_phase = TrianglePhase::random;  ///< of triangles
+  int slices = 0;                     ///< layers: number of slices of depth; 0: as many as the tolerance needs
+  bool has_silhouettes = false;       ///< layers: each slice hides what lies behind it
+  Shading shading = Shading::smooth;  ///< amplitude over a triangle
+  TrianglePhase triangle_phase = TrianglePhase::random;  ///< phase of the triangles' light
 };
 
 template <class Visitor>
@@ -36,16 +37,19 @@ void describe(Visitor& v, SynthesizeParams& p) {
        {"planes", SynthesisMethod::planes},
        {"layers", SynthesisMethod::layers},
        {"triangles", SynthesisMethod::triangles}},
-      "how waves are summed: one by one in double, tile by tile, by planes near each tile, in slices of depth, the "
-      "cheapest that meets the tolerance (auto); or a scene's surfaces as triangles that shine");
-  v.number("tolerance", p.tolerance, range::between(0, 1), "relative L2 error allowed against exact");
-  v.count("slices", p.slices, range::not_negative, "layers: slices of depth; 0: as many as the tolerance needs");
+      "how the field is computed. From waves: one by one in double precision (exact), tile by tile (tiled), by a "
+      "non-uniform FFT in each tile (planes), by slices of depth (layers), or by the fastest of these that meets the tolerance "
+      "(auto). From the scene's surfaces: as luminous triangles (triangles)");
+  v.number("tolerance", p.tolerance, range::between(0, 1),
+           "largest relative L2 error of the field against the method exact");
+  v.count("slices", p.slices, range::not_negative,
+          "layers: number of slices of depth; 0: as many as the tolerance needs");
   v.flag("silhouettes", p.has_silhouettes, "layers: each slice hides what lies behind it");
   v.choice("shading", p.shading, {{"flat", Shading::flat}, {"smooth", Shading::smooth}},
-           "triangles: each shines evenly, or from corner to corner");
+           "triangles: amplitude over a triangle: uniform (flat), or interpolated between its corners (smooth)");
   v.choice("triangle_phase", p.triangle_phase,
            {{"random", TrianglePhase::random}, {"constant", TrianglePhase::constant}},
-           "triangles: one for each, or 0 for all");
+           "triangles: phase of their light: a random one for each, or 0 for all");
 }
 
 }  // namespace holotrace

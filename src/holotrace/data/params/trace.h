@@ -11,98 +11,108 @@
 
 namespace holotrace {
 
-/// What a traced sample lights: every pixel in its box; the same, with visibility and radiance of each tile of the
-/// panel; or one pixel alone (the paper's algorithm; docs/path_tracing.md has the differences), which makes
-/// no waves but the field itself.
+/// What a traced sample lights. `shared`: every panel pixel in its box. `tiled`: the same, with visibility and radiance
+/// found for each tile of the panel. `gather`: one panel pixel (the paper's algorithm; docs/explanation/path_tracing.md
+/// has the differences); it makes the field itself instead of waves.
 enum class Strategy { shared, tiled, gather };
 
-/// Which rays look for first hits: a raster seen from the panel's centre, or random ones over the panel's acceptance.
+/// Rays that find first hits: a raster seen from the panel's centre, or random rays over the panel's acceptance.
 enum class Pattern { grid, random };
 
-/// The phase of a wave: even over the circle; 0; a fixed function of the surface point; that plus k times the optical
-/// path from the last diffuse or glossy surface; that plus k times the optical path from a laser to the surface.
+/// The phase of a wave. `random`: uniform over the circle. `constant`: 0. `surface`: a fixed random phase of the point
+/// on the surface. `path`: the surface phase plus k times the optical path from the last diffuse or glossy surface.
+/// `laser`: the surface phase plus k times the optical path from a laser to the surface.
 enum class SourcePhase { random, constant, surface, path, laser };
 
-/// Directions that the rays of `gather` fill: those that the panel accepts, or the whole hemisphere before each pixel.
+/// Directions of the rays of `gather`: those that the panel accepts, or the whole hemisphere in front of each pixel.
 enum class Directions { acceptance, hemisphere };
 
-/// Where a light path asks the lights: at each of its surfaces, or at the one where it ends.
+/// Where a light path sends shadow rays to the lights: from each of its surfaces, or from its last surface only.
 enum class ShadowRays { each_surface, path_end };
 
-/// How the amplitude of a wave follows from radiance L: as √L, or as L itself (the paper's Step 5).
+/// Amplitude of a wave as a function of the radiance L: √L, or L itself (the paper's Step 5).
 enum class AmplitudeLaw { sqrt, linear };
 
 /// Where a scene's waves begin, and how much light is followed for each.
 struct TraceParams {
   Strategy strategy = Strategy::shared;               ///< what a traced sample lights
   Pattern pattern = Pattern::grid;                    ///< which rays look for first hits
-  int columns = 256, rows = 256;                      ///< of the raster of first hits (grid)
+  int columns = 256, rows = 256;                      ///< pixels of the raster of first hits (grid)
   int64_t samples = 65536;                            ///< first hits (random)
-  int pixel_samples = 16;                             ///< S, rays from every pixel (gather)
-  Directions directions = Directions::acceptance;     ///< of those rays (gather)
-  int tile_columns = 8, tile_rows = 4;                ///< of the panel (tiled)
+  int pixel_samples = 16;                             ///< S, rays from each panel pixel (gather)
+  Directions directions = Directions::acceptance;     ///< directions of those rays (gather)
+  int tile_columns = 8, tile_rows = 4;                ///< tiles of the panel (tiled)
   double field_of_view = 0;                           ///< half angle of the raster [rad]; 0: the panel's acceptance
-  bool has_common_cone = true;                        ///< all wavelengths keep to the cone of the shortest
+  bool has_common_cone = true;                        ///< every wavelength uses the cone of the shortest
   int paths = 64;                                     ///< light paths per first hit
-  int max_depth = 8;                                  ///< surfaces on a path
-  ShadowRays shadow_rays = ShadowRays::each_surface;  ///< where lights are asked
-  double clamp = 0;                                   ///< most radiance that one path may bring [W/m²/sr]; 0: no clamp
-  SourcePhase phase = SourcePhase::random;            ///< that waves start with
+  int max_depth = 8;                                  ///< largest number of surfaces on a light path
+  ShadowRays shadow_rays = ShadowRays::each_surface;  ///< surfaces of a path that send shadow rays
+  double clamp = 0;                             ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
+  SourcePhase phase = SourcePhase::random;      ///< phase of the waves
   double grain = 0;                             ///< side of the cells of equal surface phase [m]; 0: the pixel pitch
-  bool one_wave_per_cell = true;                ///< first hits in a cell of equal phase make one wave, or each its own
-  AmplitudeLaw amplitude = AmplitudeLaw::sqrt;  ///< from radiance
-  std::vector<std::string> layers{};            ///< light path expressions; none: all light, "E.*L"
-  bool separate_layers = false;                 ///< each layer a hologram of its own, or all in one
-  bool separate_lights = false;                 ///< each light a hologram of its own: they do not interfere
+  bool one_wave_per_cell = true;                ///< first hits in one cell of equal phase make one wave
+  AmplitudeLaw amplitude = AmplitudeLaw::sqrt;  ///< amplitude as a function of the radiance
+  std::vector<std::string> path_expressions{};  ///< light path expressions; none: all light, "E.*L"
+  bool separate_path_groups = false;            ///< one hologram per path expression
+  bool separate_lights = false;                 ///< one hologram per light: lights do not interfere
   int frames = 1;                               ///< M, holograms with independent phases, shown one after the other
-  Acceleration accelerator = Acceleration::embree;  ///< of the rays
-  int64_t seed = 1;                                 ///< of every random number
+  Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
+  int64_t seed = 1;                                 ///< seed for all random numbers
 };
 
 template <class Visitor>
 void describe(Visitor& v, TraceParams& p) {
-  v.choice("strategy", p.strategy,
-           {{"shared", Strategy::shared}, {"tiled", Strategy::tiled}, {"gather", Strategy::gather}},
-           "each sample lights every pixel; the same with the light that each tile sees; or one pixel alone");
-  v.choice("pattern", p.pattern, {{"grid", Pattern::grid}, {"random", Pattern::random}},
-           "first hits: a raster seen from the panel's centre, or random over the panel's acceptance");
+  v.choice(
+      "strategy", p.strategy, {{"shared", Strategy::shared}, {"tiled", Strategy::tiled}, {"gather", Strategy::gather}},
+      "panel pixels that a traced sample lights: all (shared), all with light found for each tile (tiled), or one (gather)");
+  v.choice(
+      "pattern", p.pattern, {{"grid", Pattern::grid}, {"random", Pattern::random}},
+      "rays that find first hits: a raster seen from the panel's centre, or random rays over the panel's acceptance");
   v.count("columns", p.columns, range::at_least(1), "columns of the raster");
   v.count("rows", p.rows, range::at_least(1), "rows of the raster");
-  v.count("samples", p.samples, range::from_to(1, 0x1p40), "first hits of the random pattern");
-  v.count("pixel_samples", p.pixel_samples, range::at_least(1), "gather: rays from every pixel");
+  v.count("samples", p.samples, range::from_to(1, 0x1p40), "number of first hits of the random pattern");
+  v.count("pixel_samples", p.pixel_samples, range::at_least(1), "gather: rays from each panel pixel");
   v.choice("directions", p.directions, {{"acceptance", Directions::acceptance}, {"hemisphere", Directions::hemisphere}},
-           "directions of the rays of gather: those that the panel accepts, or the whole hemisphere");
-  v.count("tile_columns", p.tile_columns, range::at_least(1), "tiled: columns of tiles that the panel is cut into");
-  v.count("tile_rows", p.tile_rows, range::at_least(1), "tiled: rows of tiles");
+           "gather: directions of the rays: those that the panel accepts, or the whole hemisphere");
+  v.count("tile_columns", p.tile_columns, range::at_least(1), "tiled: number of tiles across the panel");
+  v.count("tile_rows", p.tile_rows, range::at_least(1), "tiled: number of tiles down the panel");
   v.angle("field_of_view", p.field_of_view, range::half_angle,
           "half angle of the raster; 0 deg: the panel's acceptance asin(lambda/2p)");
-  v.flag("common_cone", p.has_common_cone,
-         "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own");
+  v.flag(
+      "common_cone", p.has_common_cone,
+      "one cone of directions for all wavelengths, that of the shortest: views have no coloured rim; false: one for each");
   v.count("paths", p.paths, range::at_least(1), "light paths per first hit");
-  v.count("max_depth", p.max_depth, range::at_least(1), "most surfaces on a path");
-  v.choice("shadow_rays", p.shadow_rays,
-           {{"each-surface", ShadowRays::each_surface}, {"path-end", ShadowRays::path_end}},
-           "surfaces of a light path that ask the lights: each, or the last alone, noisier with the same mean");
+  v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
+  v.choice(
+      "shadow_rays", p.shadow_rays, {{"each-surface", ShadowRays::each_surface}, {"path-end", ShadowRays::path_end}},
+      "surfaces of a path that send shadow rays to the lights: each, or only the last (the same mean, more noise)");
   v.number("clamp", p.clamp, range::not_negative,
-           "most radiance that one path may bring; 0: no clamp, which is right but may be noisy");
-  v.choice("phase", p.phase,
-           {{"random", SourcePhase::random},
-            {"constant", SourcePhase::constant},
-            {"surface", SourcePhase::surface},
-            {"path", SourcePhase::path},
-            {"laser", SourcePhase::laser}},
-           "of the waves: random, 0, fixed to the surface, that and the way through mirrors and glass, a laser's");
-  v.length("grain", p.grain, range::not_negative, "side of the cells of equal surface phase; 0 m: the pixel pitch");
-  v.flag("one_wave_per_cell", p.one_wave_per_cell,
-         "one wave for all first hits in a cell of equal phase: brightness is radiance; false: a wave for each");
-  v.choice("amplitude", p.amplitude, {{"sqrt", AmplitudeLaw::sqrt}, {"linear", AmplitudeLaw::linear}},
-           "amplitude from radiance L: its root (brightness is radiance) or L itself (the paper's Step 5)");
-  v.texts("layers", p.layers, "light path expressions, as E(D|G)L; none: all light");
-  v.flag("separate_layers", p.separate_layers, "each layer a hologram of its own, or all in one");
-  v.flag("separate_lights", p.separate_lights, "each light a hologram of its own, added without interference");
+           "upper limit of the radiance of one path in W/m2/sr; less noise, but some light is lost; 0: no limit");
+  v.choice(
+      "phase", p.phase,
+      {{"random", SourcePhase::random},
+       {"constant", SourcePhase::constant},
+       {"surface", SourcePhase::surface},
+       {"path", SourcePhase::path},
+       {"laser", SourcePhase::laser}},
+      "phase of the waves: random; 0 (constant); a fixed random phase of each surface point (surface); that plus the "
+      "optical path through mirrors and glass (path); that plus the optical path from a laser (laser)");
+  v.length("grain", p.grain, range::not_negative,
+           "side of the surface cells that share one phase; 0 m: the pixel pitch");
+  v.flag(
+      "one_wave_per_cell", p.one_wave_per_cell,
+      "one wave for all first hits in a cell of equal phase, so that brightness follows radiance; false: one for each hit");
+  v.choice(
+      "amplitude", p.amplitude, {{"sqrt", AmplitudeLaw::sqrt}, {"linear", AmplitudeLaw::linear}},
+      "amplitude of a wave of radiance L: sqrt(L), so that brightness follows radiance, or L (the paper's Step 5)");
+  v.texts("path_expressions", p.path_expressions, "light path expressions, for example E(D|G)L; empty: all light");
+  v.flag("separate_path_groups", p.separate_path_groups, "one hologram for each path expression; false: one for all");
+  v.flag("separate_lights", p.separate_lights,
+         "one hologram for each light; their images are added without interference");
   v.count("frames", p.frames, range::at_least(1), "holograms with independent phases, shown one after the other");
-  v.choice("accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
-           "of the rays: Embree's trees, or a uniform grid of cells (the paper's appendix)");
+  v.choice(
+      "accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
+      "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)");
   v.count("seed", p.seed, range::not_negative, "seed for all random numbers");
 }
 

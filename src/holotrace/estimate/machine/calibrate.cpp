@@ -44,26 +44,26 @@ TimedWork time_tile(const TilePlan& plan, int count) {
   Array2D<std::complex<float>> samples(panel.ny, panel.nx);
   TileWorkspace workspace;
   return fastest(count * double(panel.pixels()) * tile_work(plan), [&] {
-    sum_tile(waves, panel, wavelength, plan, {0, panel.nx, 0, panel.ny}, workspace, samples);
+    sum_tile(waves, {panel, wavelength}, plan, {0, panel.nx, 0, panel.ny}, workspace, samples);
   });
 }
 
-// Waves spread over the planes of a tile that they all light as a whole.
+// Waves spread over the grids of a tile that they all light as a whole.
 TimedWork time_spreading(int nodes, int width) {
   const PlanesPlan plan{.tile = 120, .width = width, .nodes = nodes};
   const Grid panel{plan.tile, plan.tile, pitch};
   constexpr int count = 2048;
-  const PlaneWaves waves =
+  const SortedWaves waves =
       sort_waves(prepare_waves(timed_waves(panel, count, 0.19, 0.21), panel), plan, wavelength, pitch);
-  const PlaneTables tables(plan, wavelength, pitch);
-  PlaneWorkspace workspace;
+  const PlanesTables tables(plan, wavelength, pitch);
+  PlanesWorkspace workspace;
   workspace.grids.assign(size_t(nodes) * size_t(tables.cells) * 2 * size_t(tables.stride()), 0.0F);
   const SummationWork work{
       .plane_waves = double(count),
       .spreads = double(count) * nodes * width * (width <= 4 ? 4 : GriddingKernel::greatest_width)};
   return fastest(work, [&] {
-    spread_waves(waves.waves, waves.slabs.front(), tables, panel.x(plan.tile / 2), panel.y(plan.tile / 2),
-                 {0, panel.nx, 0, panel.ny}, workspace);
+    spread_waves(waves.waves, waves.slabs.front(), tables,
+                 {{0, panel.nx, 0, panel.ny}, panel.x(plan.tile / 2), panel.y(plan.tile / 2)}, workspace);
   });
 }
 

@@ -49,15 +49,15 @@ std::vector<double> wavelengths_of(const nlohmann::json& json, size_t count, con
 
 template <class Real>
 std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
-  std::vector<Array2D<std::complex<Real>>> planes = read_npy<Real>(path);
+  std::vector<Array2D<std::complex<Real>>> arrays = read_npy<Real>(path);
   const std::string sidecar = sidecar_path(path);
   check_file_exists(sidecar, "the field's metadata {pitch_m, wavelengths_m, z_m, image}");
   const nlohmann::json json = read_metadata(sidecar);
   BasicField<Real> field;
-  field.grid = {planes.front().nx, planes.front().ny, metadata_number(json, sidecar, "pitch_m")};
+  field.grid = {arrays.front().nx, arrays.front().ny, metadata_number(json, sidecar, "pitch_m")};
   field.grid.centre_x = metadata_number(json, sidecar, "centre_x_m", 0.0);
   field.grid.centre_y = metadata_number(json, sidecar, "centre_y_m", 0.0);
-  const std::vector<double> wavelengths = wavelengths_of(json, planes.size(), sidecar);
+  const std::vector<double> wavelengths = wavelengths_of(json, arrays.size(), sidecar);
   field.z = metadata_number(json, sidecar, "z_m", 0.0);
   field.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
   field.name = metadata_text(json, sidecar, "name", "");
@@ -65,10 +65,10 @@ std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
   field.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);
   field.filter = filter_from_json(json, sidecar);
   std::vector<BasicField<Real>> stack;
-  for (size_t n = 0; n < planes.size(); ++n) {
+  for (size_t n = 0; n < arrays.size(); ++n) {
     field.wavelength = wavelengths[n];
     stack.push_back(field);
-    stack.back().samples = std::move(planes[n]);
+    stack.back().samples = std::move(arrays[n]);
   }
   return stack;
 }
@@ -143,9 +143,9 @@ void save_fields(const std::string& path, const std::vector<BasicField<Real>>& s
   const std::string extension = extension_of(path);
   if (extension == ".npy") {
     write_atomically(path, [&](const std::string& temporary) {
-      std::vector<const Array2D<std::complex<Real>>*> planes;
-      for (const auto& field : stack) planes.push_back(&field.samples);
-      write_npy(temporary, planes);
+      std::vector<const Array2D<std::complex<Real>>*> arrays;
+      for (const auto& field : stack) arrays.push_back(&field.samples);
+      write_npy(temporary, arrays);
       write_text(sidecar_path(path), field_metadata(stack));
     });
   } else if (extension == ".h5") {

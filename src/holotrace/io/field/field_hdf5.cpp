@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-// An HDF5 identifier, closed with its own function.
+// An HDF5 identifier that is closed by the function of its kind.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -28,7 +28,7 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-// HDF5 prints its errors unless told not to; here they become an Error.
+// Turns off HDF5's printing of errors; here they become an Error.
 class Silence {
  public:
   Silence() {
@@ -119,7 +119,7 @@ hid_t native_real() {
   return sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
 }
 
-// The file layout since HDF5 1.8 has checksums: damage is found instead of followed.
+// The file format of HDF5 1.8 and later has checksums, so that damage is detected.
 hid_t create_file(const std::string& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
@@ -128,7 +128,7 @@ hid_t create_file(const std::string& path) {
   return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access);
 }
 
-// The dataset "field" with its metadata, of the fields' grid and wavelengths, without samples.
+// Makes the dataset "field" with its metadata, for the fields' grid and wavelengths, without samples.
 template <class Real>
 hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid_t properties,
                      const std::string& path) {
@@ -175,10 +175,11 @@ void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Rea
     const std::array<hsize_t, 3> block{1, hsize_t(grid.ny), hsize_t(grid.nx)};
     for (hsize_t n = 0; n < stack.size(); ++n) {
       const std::array<hsize_t, 3> start{n, 0, 0};
-      const Handle plane(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
+      const Handle field_space(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
       const Handle place(H5Dget_space(data), H5Sclose);
       if (stack.size() > 1) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
-      require_written(H5Dwrite(data, memory, plane, place, H5P_DEFAULT, stack[n].samples.values.data()) >= 0, path);
+      require_written(H5Dwrite(data, memory, field_space, place, H5P_DEFAULT, stack[n].samples.values.data()) >= 0,
+                      path);
     }
   }
   require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
@@ -192,7 +193,7 @@ void create_fields_hdf5(const std::string& path, const std::vector<Field>& heade
   const std::array<hsize_t, 3> chunk{1, hsize_t(chunk_rows), hsize_t(headers.front().grid.nx)};
   const bool is_one = headers.size() == 1;
   H5Pset_chunk(properties, is_one ? 2 : 3, chunk.data() + (is_one ? 1 : 0));
-  H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY);  // every chunk has its place from the start
+  H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY);  // every chunk gets its place from the start
   H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);
   { const Handle data(create_dataset(file, headers, properties, path), H5Dclose); }
   require_written(file.close() >= 0, path);
@@ -203,7 +204,7 @@ std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vec
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   const Handle data(file.valid() ? H5Dopen2(file, "field", H5P_DEFAULT) : -1, H5Dclose);
   require(data.valid(), "{}: expected an unfinished HDF5 field, got other bytes; delete it", path);
-  const size_t first = headers.size() == 1 ? 1 : 0;  // a field alone has no axis of wavelengths
+  const size_t first = headers.size() == 1 ? 1 : 0;  // a single field has no axis of wavelengths
   std::vector<uint64_t> offsets;
   for (hsize_t n = 0; n < headers.size(); ++n)
     for (hsize_t row = 0; row < hsize_t(headers.front().grid.ny); row += hsize_t(chunk_rows)) {
@@ -235,8 +236,9 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
   const int rank = H5Sget_simple_extent_ndims(space);
   std::array<hsize_t, 3> shape{};
   if (rank == 2 || rank == 3) H5Sget_simple_extent_dims(space, shape.data(), nullptr);
-  const bool has_planes = rank == 3;
-  const hsize_t count = has_planes ? shape[0] : 1, ny = shape[has_planes], nx = shape[size_t(has_planes) + 1];
+  const bool has_wavelengths = rank == 3;
+  const hsize_t count = has_wavelengths ? shape[0] : 1, ny = shape[has_wavelengths],
+                nx = shape[size_t(has_wavelengths) + 1];
   require((rank == 2 || rank == 3) && count > 0 && ny > 0 && nx > 0 && count < (1u << 30) && ny < (1u << 30) &&
               nx < (1u << 30),
           "{}: expected the shape (ny, nx) or (wavelengths, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
@@ -267,10 +269,10 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
     BasicField<Real>& one = stack.emplace_back(field);
     one.samples = Array2D<std::complex<Real>>(one.grid.ny, one.grid.nx);
     const std::array<hsize_t, 3> start{n, 0, 0}, block{1, ny, nx};
-    const Handle plane(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
+    const Handle field_space(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
     const Handle place(H5Dget_space(data), H5Sclose);
-    if (has_planes) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
-    require(H5Dread(data, memory, plane, place, H5P_DEFAULT, one.samples.values.data()) >= 0,
+    if (has_wavelengths) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+    require(H5Dread(data, memory, field_space, place, H5P_DEFAULT, one.samples.values.data()) >= 0,
             "{}: expected {} × {} complex samples, but they cannot be read; the file is truncated or damaged", path, nx,
             ny);
   }

@@ -17,7 +17,8 @@ nlohmann::json read_metadata(const std::string& path) {
   } catch (const nlohmann::json::parse_error& e) {
     const auto end = text.begin() + ptrdiff_t(std::min(e.byte, text.size()));
     const auto line = 1 + std::count(text.begin(), end, '\n');
-    fail("{}:{}: expected valid JSON, but it breaks off or errs at byte {}; write the file again", path, line, e.byte);
+    fail("{}:{}: expected valid JSON, but it is truncated or wrong at byte {}; write the file again", path, line,
+         e.byte);
   }
   require(json.is_object(), "{}: expected a JSON object {{…}}, got {}", path, json.type_name());
   return json;

@@ -59,8 +59,8 @@ class Materials {
     } else if (transmitted == 1 && !transmission.contains("transmissionTexture") && index > 0) {
       material.surface = glass(surface, index, member(extensions, "KHR_materials_volume"));
     } else {
-      if (transmitted > 0) warn("partly see-through", "is partly see-through, it is shown opaque");
-      if (index != 1.5) warn("index", "has a coat of another index than 1.5, it is shown with 1.5");
+      if (transmitted > 0) warn("partly see-through", "is partly transparent; it is shown opaque");
+      if (index != 1.5) warn("index", "has a clear coat of an index other than 1.5; 1.5 is used");
       material.surface = surface;
     }
     warn_of_extensions(extensions);
@@ -82,11 +82,11 @@ class Materials {
 
   Vec3 colour(const Json& parent, const char* key) {
     const Vec3 given = vector(parent, key, {1, 1, 1}), clipped{clip(given.x), clip(given.y), clip(given.z)};
-    if (!(given == clipped)) warn("colour", "has a colour outside [0, 1], which is clipped");
+    if (!(given == clipped)) warn("colour", "has a colour outside [0, 1]; it is clipped");
     return clipped;
   }
 
-  // The image that a texture shows; -1 for one of a format that is not known here.
+  // Index of a texture's image; -1 if its format is not supported.
   int image_of(const Json& texture) {
     if (texture.contains("source")) return texture["source"].get<int>();
     return member(member(texture, "extensions"), "EXT_texture_webp").value("source", -1);
@@ -109,7 +109,7 @@ class Materials {
     return image;
   }
 
-  // Where the texture is read; a mesh has one set of coordinates, so the first texture of a material says.
+  // Reads the texture's coordinates; a mesh has one set, so the first texture of a material decides.
   void place(const Json& info) {
     const Json& transform = member(member(info, "extensions"), "KHR_texture_transform");
     TextureCoordinates t;
@@ -125,12 +125,12 @@ class Materials {
     }
     if (!coordinates_) coordinates_ = result_.coordinates = t;
     if (!(t == *coordinates_))
-      warn("coordinates", "has textures at different coordinates, all are shown at those of the first");
+      warn("coordinates", "has textures with different coordinates; those of the first are used for all");
   }
 
   Texture load(int image, ImageContent content) {
     if (image < 0) {
-      warn("texture", "has a texture in a format that is not known here, its plain colour is shown");
+      warn("texture", "has a texture in an unknown format; its plain colour is used");
       return nullptr;
     }
     Texture& loaded = images_[{image, content}];
@@ -138,7 +138,7 @@ class Materials {
     std::string label;
     const std::string bytes = gltf_image(gltf_, image, label);
     if (bytes.empty()) {
-      warn_("missing " + label, fmt::format("the texture {} is missing, the plain colour is shown", label));
+      warn_("missing " + label, fmt::format("the texture {} is missing; the plain colour is used", label));
       return nullptr;
     }
     Image decoded = decode_image(bytes.data(), bytes.size(), label, content);
@@ -148,14 +148,14 @@ class Materials {
 
   DielectricMaterial glass(const MetallicRoughnessMaterial& surface, double index, const Json& volume) {
     if (!(surface.base_color == Vec3{1, 1, 1}) || surface.base_texture || volume.contains("attenuationColor"))
-      warn("tint", "is of tinted glass, it is shown clear");
+      warn("tint", "is tinted glass; it is shown clear");
     if (surface.metallic_texture)
-      warn("rough glass", "is of glass with a roughness texture, its factor alone is shown");
+      warn("rough glass", "is glass with a roughness texture; only its roughness factor is used");
     return {constant_index(index), surface.roughness, volume.value("thicknessFactor", 0.0) == 0};
   }
 
   MetallicRoughnessMaterial specular_glossiness(const Json& source) {
-    warn("specular-glossiness", "is of the specular-glossiness kind, its specular colour is not shown");
+    warn("specular-glossiness", "uses specular-glossiness; its specular colour is ignored");
     MetallicRoughnessMaterial surface;
     surface.base_color = colour(source, "diffuseFactor");
     surface.base_texture = texture(source, "diffuseTexture", ImageContent::colour);
@@ -166,10 +166,10 @@ class Materials {
 
   void warn_of_alpha(const Json& source, const Json& core) {
     const std::string mode = source.value("alphaMode", "OPAQUE");
-    if (mode == "MASK") warn("mask", "is cut out by the alpha of its texture, it is shown whole");
+    if (mode == "MASK") warn("mask", "has an alpha mask; it is ignored");
     const bool has_alpha = core.contains("baseColorFactor") && core["baseColorFactor"].at(3).get<double>() < 1;
     if (mode == "BLEND" && (has_alpha || core.contains("baseColorTexture")))
-      warn("see-through", "is see-through, it is shown opaque");
+      warn("see-through", "is transparent; it is shown opaque");
   }
 
   void warn_of_extensions(const Json& extensions) {
@@ -181,7 +181,7 @@ class Materials {
                                "KHR_materials_unlit"};
     for (const auto& [name, content] : extensions.items())
       if (std::find(known.begin(), known.end(), name) == known.end())
-        warn(name, fmt::format("has the extension {}, which is not shown", name));
+        warn(name, fmt::format("has the extension {}; it is ignored", name));
   }
 
   const GltfFile& gltf_;
@@ -210,18 +210,19 @@ std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& w
 
 void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn) try {
   const Json& document = gltf.document;
-  if (!member(document, "animations").empty()) warn("animations", "the animations are not shown, the model is at rest");
-  if (!member(document, "cameras").empty()) warn("cameras", "the cameras are not used");
-  if (!member(document, "skins").empty()) warn("skins", "the model has bones, it is shown at rest");
+  if (!member(document, "animations").empty())
+    warn("animations", "animations are ignored; the model is shown in its rest pose");
+  if (!member(document, "cameras").empty()) warn("cameras", "cameras are ignored");
+  if (!member(document, "skins").empty()) warn("skins", "the model has a skeleton; it is shown in its rest pose");
   for (const Json& mesh : member(document, "meshes"))
     for (const Json& primitive : member(mesh, "primitives"))
-      if (primitive.contains("targets")) warn("morph", "the model has morph targets, which are not shown");
+      if (primitive.contains("targets")) warn("morph", "the model has morph targets; they are ignored");
   for (const Json& item : member(document, "extensionsUsed")) {
     const std::string name = item.get<std::string>();
     if (name == "KHR_lights_punctual")
-      warn("lights", "the lights are not used; place them in the scene");
+      warn("lights", "the model's lights are ignored; place them in the scene");
     else if (!name.starts_with("KHR_materials_") && name != "KHR_texture_transform" && name != "EXT_texture_webp")
-      warn(name, fmt::format("the extension {} is not used", name));
+      warn(name, fmt::format("the extension {} is ignored", name));
   }
 } catch (const Json::exception& e) {
   fail("{}: expected a glTF model, but it is damaged ({}); export it again", gltf.path, e.what());

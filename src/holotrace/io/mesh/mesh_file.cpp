@@ -28,7 +28,7 @@ Frame to_frame(const aiMatrix4x4& m) {
   return {{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}, {m.a4, m.b4, m.c4}};
 }
 
-// Shapes and materials of a file that Assimp has read.
+// Converts the shapes and materials that Assimp has read from a file.
 struct Reader {
   const std::string& path;
   LoadedModel model{};
@@ -47,7 +47,7 @@ struct Reader {
     const auto file = std::filesystem::path(path).parent_path() / relative;
     if (!std::filesystem::exists(file)) {
       warn("missing " + file.string(),
-           fmt::format("the texture {} is missing, the plain colour is shown", file.string()));
+           fmt::format("the texture {} is missing; the plain colour is used", file.string()));
       return nullptr;
     }
     Image image = load_image(file.string(), content);
@@ -55,7 +55,7 @@ struct Reader {
     return std::make_shared<Image>(std::move(image));
   }
 
-  // Where the material of a mesh stands in `materials`: of a glTF model its name is its number, none is the last.
+  // Index of a mesh's material in `materials`. In a glTF model its name is its number; the last one means none.
   size_t material_of(const aiMaterial& source, unsigned index) const {
     if (!is_gltf) return index;
     const std::string name = source.GetName().C_Str();
@@ -71,7 +71,7 @@ struct Reader {
       if (!(is_finite(n) && length(n) > 0)) {
         mesh.normals.clear();
         warn("normals of " + mesh.name,
-             fmt::format("mesh \"{}\" has normals without a direction, it is shown flat", mesh.name));
+             fmt::format("mesh \"{}\" has normals of length 0; it is shaded flat", mesh.name));
         return;
       }
       mesh.normals.push_back(normalize(n));
@@ -83,7 +83,8 @@ struct Reader {
     if (!source.HasTextureCoords(set)) {
       if (!material.has_textures) return;
       warn("no coordinates",
-           fmt::format("mesh \"{}\" has textures but no texture coordinates, their corner is shown", mesh.name));
+           fmt::format("mesh \"{}\" has textures but no texture coordinates; the colour of their corner is used",
+                       mesh.name));
       mesh.texture_coordinates.assign(source.mNumVertices, {0, 0});
       return;
     }
@@ -98,8 +99,8 @@ struct Reader {
       mesh.texture_coordinates.push_back(uv);
     }
     if (!is_inside && !material.repeats)
-      warn("wrap",
-           fmt::format("mesh \"{}\" has a texture that ends or is mirrored at its border, it is repeated", mesh.name));
+      warn("wrap", fmt::format("mesh \"{}\" has a texture that is clamped or mirrored at its border; it is repeated",
+                               mesh.name));
   }
 
   void read_colours(const aiMesh& source, Mesh& mesh) {
@@ -164,13 +165,13 @@ struct Reader {
     read_node(scene, *scene.mRootNode, Frame{});
     require(!model.meshes.empty(), "{}: expected a mesh with triangles, got none", path);
     if (primitives_left_out > 0)
-      warn("primitives", fmt::format("{} points and lines are not shown", primitives_left_out));
+      warn("primitives", fmt::format("{} points and lines are ignored", primitives_left_out));
     for (FileMaterial& material : materials) model.materials.push_back(std::move(material.material));
     return std::move(model);
   }
 };
 
-// A face without vertices is what a truncated file leaves; Assimp's triangulation would end the program over it.
+// Refuses faces without vertices, which a truncated file leaves: Assimp's triangulation would end the program.
 void check_faces(const aiScene& scene, const std::string& path) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m)
     for (unsigned f = 0; f < scene.mMeshes[m]->mNumFaces; ++f)
@@ -178,7 +179,7 @@ void check_faces(const aiScene& scene, const std::string& path) {
               "{}: expected vertices in face {}, got none; the file is truncated or damaged, export it again", path, f);
 }
 
-// The files of the disk, but for one, whose bytes are others.
+// The files on disk, except one, whose bytes are replaced.
 class FilesWithOneReplaced : public Assimp::DefaultIOSystem {
  public:
   FilesWithOneReplaced(std::string path, std::string bytes) : path_(std::move(path)), bytes_(std::move(bytes)) {}
@@ -196,7 +197,7 @@ class FilesWithOneReplaced : public Assimp::DefaultIOSystem {
 
 Vec2 transform_coordinates(const TextureCoordinates& t, Vec2 uv) {
   if (t == TextureCoordinates{.set = t.set}) return uv;
-  // KHR_texture_transform: scale, turn counter-clockwise as seen with v down, move.
+  // KHR_texture_transform: scale, rotate (counter-clockwise as seen with v down), move.
   const double u = uv.x * t.scale_u, v = (1 - uv.y) * t.scale_v;
   const double c = std::cos(t.rotation), s = std::sin(t.rotation);
   return {c * u + s * v + t.offset_u, 1 - (-s * u + c * v + t.offset_v)};
@@ -216,15 +217,15 @@ LoadedModel load_meshes(const std::string& path) {
   Reader reader{path};
   reader.is_gltf = extension != ".obj";
   if (reader.is_gltf) {
-    // Assimp numbers materials anew and knows only some of what they hold: it reads the shapes.
+    // Assimp renumbers materials and knows only a part of their data, so it reads only the shapes.
     const GltfFile gltf = read_gltf(path);
     reader.materials = gltf_materials(gltf, reader.warn);
     warn_of_gltf_features(gltf, reader.warn);
-    importer.SetIOHandler(new FilesWithOneReplaced(path, gltf_shapes(gltf)));  // which the importer owns
+    importer.SetIOHandler(new FilesWithOneReplaced(path, gltf_shapes(gltf)));  // the importer owns it
   } else {
     check_obj_indices(path);
   }
-  // Validation turns indices out of range into an error before any other step trusts them.
+  // Validation reports indices out of range before any other step uses them.
   const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure);
   if (scene) {
     check_faces(*scene, path);

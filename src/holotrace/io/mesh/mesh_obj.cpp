@@ -13,9 +13,9 @@
 namespace holotrace {
 namespace {
 
-constexpr const char* illumination_key = "$mat.illum";  // what Assimp calls the number after "illum"
+constexpr const char* illumination_key = "$mat.illum";  // Assimp's key for the number after "illum"
 
-// What a number or colour of the material is, `otherwise` where the file does not say.
+// A number or colour of the material, or `otherwise` if the file does not state it.
 template <class T>
 T get(const aiMaterial& source, const char* key, T otherwise) {
   T value;
@@ -30,8 +30,8 @@ bool has_texture(const aiMaterial& source, aiTextureType type, aiString& name) {
   return source.GetTexture(type, 0, &name) == aiReturn_SUCCESS;
 }
 
-// Phong's exponent s as the roughness of a GGX lobe of like width: α² = 2/(s + 2) (Walter et al., Microfacet Models
-// for Refraction through Rough Surfaces, EGSR 2007, section 5.2), and α = roughness².
+// Converts Phong's exponent s to the roughness of a GGX lobe of similar width: α² = 2/(s + 2) (Walter et al.,
+// Microfacet Models for Refraction through Rough Surfaces, EGSR 2007, section 5.2), and α = roughness².
 double roughness_of_exponent(double exponent) { return std::pow(2 / (std::max(exponent, 0.0) + 2), 0.25); }
 
 }  // namespace
@@ -46,7 +46,7 @@ FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, con
   const int illumination = get(source, illumination_key, 1);
   for (float value : {diffuse.r, diffuse.g, diffuse.b})
     if (!(value >= 0 && value <= 1))
-      warn("colour", fmt::format("material \"{}\" has a colour outside [0, 1], which is clipped", name));
+      warn("colour", fmt::format("material \"{}\" has a colour outside [0, 1]; it is clipped", name));
 
   const auto texture = [&](aiTextureType type, ImageContent content) -> std::shared_ptr<const Image> {
     aiString file;
@@ -55,7 +55,7 @@ FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, con
     result.has_textures = result.has_textures || image;
     return image;
   };
-  // Without map_Kd a colour of 0 under a texture would be black: exporters that write it mean the texture alone.
+  // Kd 0 with a texture would be black. Exporters that write this mean the texture alone.
   const auto base_texture = texture(aiTextureType_DIFFUSE, ImageContent::colour);
   const Vec3 base = base_texture && diffuse.IsBlack() ? Vec3{1, 1, 1} : clip(diffuse);
 
@@ -74,7 +74,7 @@ FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, con
     material.surface = DiffuseMaterial{base, base_texture};
   }
   if (opacity < 1 && !std::holds_alternative<DielectricMaterial>(material.surface))
-    warn("see-through", fmt::format("material \"{}\" is see-through, it is shown opaque", name));
+    warn("see-through", fmt::format("material \"{}\" is transparent; it is shown opaque", name));
 
   const aiColor3D emission = get(source, "$clr.emissive", aiColor3D());
   const Vec3 emitted{emission.r, emission.g, emission.b};
@@ -84,13 +84,12 @@ FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, con
   if (material.emission_texture && emission.IsBlack()) material.emission = {1, 1, 1};
   material.normal_map = texture(aiTextureType_NORMALS, ImageContent::data);
   if (source.GetTextureCount(aiTextureType_HEIGHT) > 0)
-    warn("bump",
-         fmt::format("material \"{}\" has a bump map, which is not shown; a normal map after \"norm\" is", name));
+    warn("bump", fmt::format("material \"{}\" has a bump map; it is ignored; give a normal map by \"norm\"", name));
   return result;
 }
 
-// Assimp drops texture coordinates and normals whose indices are out of range without a word, and says of vertices
-// only that one is. So the faces of an OBJ file are read here first.
+// Assimp silently drops texture coordinates and normals whose indices are out of range, and reports bad vertex
+// indices without their line. So the faces of an OBJ file are checked here first.
 void check_obj_indices(const std::string& path) {
   struct Farthest {
     int64_t index = 0;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
+#include "holotrace/data/spectrum.h"
 #include "holotrace/io/files/ply.h"
 
 namespace holotrace {
@@ -19,7 +20,7 @@ double pick_channel(PointChannel channel, double red, double green, double blue)
     case PointChannel::luminance:
       break;
   }
-  return 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+  return luminance(red, green, blue);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ std::vector<std::string> cells_of(const std::string& line) {
 
 struct Columns {
   size_t level = 0, phase = 0, amplitude = 0, count = 0;
-  double radians = 1;  // per unit of the phase column
+  double radians = 1;  // radians per unit of the phase column
   bool has_amplitude = false;
 };
 
@@ -95,11 +95,10 @@ std::vector<CalibrationPoint> load_calibration(const std::string& path, int leve
             row.level);
     require(rows.empty() || row.level > rows.back().level, "{}expected levels in rising order, got {} after {}", place,
             row.level, rows.empty() ? 0 : rows.back().level);
-    require(
-        rows.empty() || row.point.phase >= rows.back().point.phase,
-        "{}expected a calibration whose phase never falls, got {:.6g} rad after {:.6g} rad; a phase that wraps is to "
-        "be written on beyond 2π",
-        place, row.point.phase, rows.empty() ? 0 : rows.back().point.phase);
+    require(rows.empty() || row.point.phase >= rows.back().point.phase,
+            "{}expected a calibration whose phase never falls, got {:.6g} rad after {:.6g} rad; write a phase "
+            "that wraps as values above 2π",
+            place, row.point.phase, rows.empty() ? 0 : rows.back().point.phase);
     require(row.point.amplitude >= 0 && row.point.amplitude <= 1, "{}expected an amplitude in [0, 1], got {}", place,
             row.point.amplitude);
     rows.push_back(row);

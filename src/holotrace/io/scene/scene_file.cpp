@@ -9,6 +9,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/renamed.h"
 #include "holotrace/data/path_expression.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/scene/model_job.h"
@@ -21,17 +22,17 @@
 namespace holotrace {
 namespace {
 
-// Path expressions that cannot be read, each at its own place in the list.
-void check_layers(TomlTable& root, const char* section, const std::vector<std::string>& layers) {
+// Reports path expressions that cannot be read, each with its own position in the list.
+void check_path_expressions(TomlTable& root, const char* section, const std::vector<std::string>& expressions) {
   const auto table = root.table(section);
-  if (!table || layers.empty()) return;
-  const toml::array* list = table->toml().get("layers")->as_array();
-  for (size_t i = 0; i < layers.size(); ++i) try {
-      const PathAutomaton alone({layers[i]});
+  if (!table || expressions.empty()) return;
+  const toml::array* list = table->toml().get("path_expressions")->as_array();
+  for (size_t i = 0; i < expressions.size(); ++i) try {
+      const PathAutomaton alone({expressions[i]});
     } catch (const Error& e) {
-      throw Error((list ? table->place(list->get(i)->source()) : table->where("layers")) + e.what());
+      throw Error((list ? table->place(list->get(i)->source()) : table->where("path_expressions")) + e.what());
     }
-  table->locate("layers", [&] { const PathAutomaton together(layers); });
+  table->locate("path_expressions", [&] { const PathAutomaton together(expressions); });
 }
 
 std::vector<double> read_wavelengths(TomlTable& root) {
@@ -46,7 +47,7 @@ std::vector<double> read_wavelengths(TomlTable& root) {
   return wavelengths;
 }
 
-// Effects that the scene's own [slm] tells of are on where [show] and [encode] say nothing of effects.
+// Turns on the effects that the scene's own [slm] defines, unless [show] and [encode] have the key `effects`.
 void turn_on(const std::vector<std::string>& own, TomlTable& root, Job& job) {
   const auto says_nothing = [&](const char* section) {
     const auto table = root.table(section);
@@ -70,7 +71,7 @@ Job read_job(TomlTable& root, const std::string& path) {
   std::vector<std::string> own_effects;
   const auto slm = root.table("slm");
   job.slm = slm ? read_slm(*slm, "pluto", own_effects) : slm_preset("pluto");
-  if (!own_effects.empty()) job.slm.preset = path;  // which has them, where the preset has not
+  if (!own_effects.empty()) job.slm.preset = path;  // a panel with effects of its own is read from this file again
 
   SceneObjects objects(job);
   std::vector<std::string> names;
@@ -90,24 +91,43 @@ Job read_job(TomlTable& root, const std::string& path) {
   read_params(root, "propagate", job.propagate);
   read_params(root, "camera", job.camera);
   turn_on(own_effects, root, job);
-  check_layers(root, "trace", job.trace.layers);
-  check_layers(root, "render", job.render.layers);
+  check_path_expressions(root, "trace", job.trace.path_expressions);
+  check_path_expressions(root, "render", job.render.path_expressions);
   root.locate("", [&] { check_scene(job.scene); });
   return job;
 }
 
-toml::table parse_file(const std::string& path) {
+// Renames keys that have their old names, with a warning for each.
+void rename_keys(toml::table& scene, const std::string& path, std::vector<std::string>& warnings) {
+  for (const RenamedParameter& one : renamed_parameters) {
+    toml::table* section = scene[one.section].as_table();
+    toml::node* value = section ? section->get(one.before) : nullptr;
+    if (!value) continue;
+    const auto at = value->source().begin;
+    const std::string place = fmt::format("{}:{}:{}: ", path, at.line, at.column);
+    require(!section->contains(one.now),
+            "{}expected one of `{}` and its old name `{}`, got both; leave out the old one", place, one.now,
+            one.before);
+    warnings.push_back(place + renamed_message(one.before, one.now));
+    section->insert(one.now, std::move(*value));  // moved, not copied: a node keeps its position in its file
+    section->erase(one.before);
+  }
+}
+
+toml::table parse_file(const std::string& path, std::vector<std::string>& warnings) {
   const std::string text = read_text(path);
   try {
-    return toml::parse(text, path);
+    toml::table scene = toml::parse(text, path);
+    rename_keys(scene, path, warnings);
+    return scene;
   } catch (const toml::parse_error& e) {
     const auto at = e.source().begin;
     fail("{}:{}:{}: expected valid TOML, but: {}", path, at.line, at.column, e.description());
   }
 }
 
-// Puts the keys of `over` into `base`: tables key by key; all else (lists of tables, and tables that say their type,
-// such as another kind of material) as a whole.
+// Puts the keys of `over` into `base`: tables key by key; everything else is replaced as a whole (lists of tables, and
+// tables with the key `type`, such as another kind of material).
 void overrule(toml::table& base, toml::table&& over) {
   for (auto&& [key, node] : over) {
     toml::node* present = base.get(key);
@@ -116,14 +136,14 @@ void overrule(toml::table& base, toml::table&& over) {
       continue;
     }
     base.erase(key);
-    base.insert(key, std::move(node));  // moved, not copied: a node keeps its place in its file
+    base.insert(key, std::move(node));  // moved, not copied: a node keeps its position in its file
   }
 }
 
-// The tables of a scene file over those of the file that it extends, and the names of all files read.
-toml::table read_scene(const std::string& path, std::vector<std::string>& files) {
+// The tables of a scene file merged over those of the file that it extends, the names of all files, and warnings.
+toml::table read_scene(const std::string& path, std::vector<std::string>& files, std::vector<std::string>& warnings) {
   files.push_back(path);
-  toml::table scene = parse_file(path);
+  toml::table scene = parse_file(path, warnings);
   if (!scene.contains("extends")) return scene;
   TomlTable root(scene, files, "the scene file");
   std::string name;
@@ -132,7 +152,7 @@ toml::table read_scene(const std::string& path, std::vector<std::string>& files)
   require(std::find(files.begin(), files.end(), extended) == files.end(),
           "{}expected a scene that does not extend itself, but \"{}\" is being read", root.where("extends"), extended);
   root.locate("extends", [&] { check_file_exists(extended, "a scene file"); });
-  toml::table base = read_scene(extended, files);
+  toml::table base = read_scene(extended, files, warnings);
   scene.erase("extends");
   overrule(base, std::move(scene));
   return base;
@@ -143,8 +163,8 @@ toml::table read_scene(const std::string& path, std::vector<std::string>& files)
 Slm load_slm(const std::string& name) {
   if (extension_of(name) != ".toml") return slm_preset(name);
   check_file_exists(name, "a scene or panel file");
-  std::vector<std::string> files, own_effects;
-  const toml::table parsed = read_scene(name, files);
+  std::vector<std::string> files, own_effects, unheard;  // `unheard` has warnings about other tables than [slm]
+  const toml::table parsed = read_scene(name, files, unheard);
   const bool is_panel = !parsed.contains("wavelength") && !parsed.contains("slm");
   TomlTable root(parsed, files, is_panel ? "the panel file" : "the scene file");
   const auto table = is_panel ? std::optional(root) : root.table("slm");
@@ -157,10 +177,12 @@ Slm load_slm(const std::string& name) {
 Job load_job(const std::string& path) {
   if (is_mesh_file(path)) return job_for_model(path);
   check_file_exists(path, "a scene file");
-  std::vector<std::string> files;
-  const toml::table parsed = read_scene(path, files);
+  std::vector<std::string> files, warnings;
+  const toml::table parsed = read_scene(path, files, warnings);
   TomlTable root(parsed, files, "the scene file");
-  return read_job(root, path);
+  Job job = read_job(root, path);
+  job.warnings.insert(job.warnings.begin(), warnings.begin(), warnings.end());
+  return job;
 }
 
 }  // namespace holotrace

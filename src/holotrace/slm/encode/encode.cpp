@@ -64,7 +64,7 @@ void check_samples(const Field& field) {
     }
 }
 
-// What the pixels of a hologram differ in.
+// The modulation of a hologram's pixels.
 Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
   switch (params.method) {
     case Encoding::amplitude:
@@ -103,32 +103,32 @@ bool can_allow_for(const std::string& effect, const EncodeParams& params, const 
   return effect == "calibration" && modulation_of(params, slm) != Modulation::amplitude;
 }
 
-// Those of the panel's effects that are named and that the levels allow for.
+// The named effects of the panel that the levels compensate.
 std::vector<std::string> allowed_effects(const Slm& slm, const EncodeParams& params) {
   std::vector<std::string> allowed = effects_of(with_effects(slm, params.effects));
   std::erase_if(allowed, [&](const std::string& effect) { return !can_allow_for(effect, params, slm); });
   return allowed;
 }
 
-// Says which of the effects that are named take no part in the levels.
+// Reports which of the named effects the levels do not compensate.
 void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& observer) {
   const std::vector<std::string> has = effects_of(slm);
   for (const std::string& name : params.effects) {
     if (name == "all" || name == "none") continue;
     if (!can_allow_for(name, params, slm))
-      observer.warn(
-          fmt::format("the encoding \"{}\" cannot allow for {}: it is left out; sgd allows for all but flicker",
-                      name_of(params.method), name));
+      observer.warn(fmt::format(
+          "the encoding \"{}\" cannot compensate {}, which is ignored; sgd compensates all effects but flicker",
+          name_of(params.method), name));
     else if (std::find(has.begin(), has.end(), name) == has.end())
       observer.warn(
-          fmt::format("the SLM \"{}\" has no {} to allow for; write its figures in the panel's file", slm.name, name));
+          fmt::format("the SLM \"{}\" has no data for {} to compensate; add them to the panel's file", slm.name, name));
   }
 }
 
 void check_params(const Slm& slm, const EncodeParams& params) {
   check_slm(slm);
   check_ranges(params);
-  with_effects(slm, params.effects);  // refuses unknown names before anything is told
+  with_effects(slm, params.effects);  // rejects unknown names before anything is reported
   require(params.levels <= slm.levels,
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
@@ -146,10 +146,10 @@ void check_field(const Field& field, const Slm& slm, const Observer& observer) {
                               format_length(field.grid.centre_x), format_length(field.grid.centre_y)));
   const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
   if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark))
-    observer.warn("the field is dark everywhere and the hologram holds nothing; is a source inside the panel's view?");
+    observer.warn("the field is dark everywhere, so the hologram is empty; is a source inside the panel's view?");
 }
 
-// What the panel is to show: the field, or its conjugate for the real image.
+// The field that the panel is to show: the field itself, or its conjugate for the real image.
 Field shown_side(const Field& field, ImageSide image) {
   Field shown = field;
   if (image == ImageSide::real_image)
@@ -176,7 +176,7 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
   return hologram;
 }
 
-// The encoders that look at the panel alone.
+// The encoders that use the field on the panel alone.
 void encode_directly(const Field& shown, const EncodeParams& params, const PhaseLevels& levels,
                      const Observer& observer, Hologram& hologram) {
   switch (params.method) {
@@ -199,7 +199,7 @@ void encode_directly(const Field& shown, const EncodeParams& params, const Phase
   }
 }
 
-// What iterations begin with: the phase of the field, or a random one.
+// The start of iterations: the phase of the field, or a random one.
 Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params) {
   Array2D<std::complex<float>> pattern = shown_side(field, params.image).samples;
   parallel_for(0, pattern.ny, [&](int64_t j) {
@@ -242,7 +242,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
                         const EncodeParams& params, const Observer& observer) {
   check_params(slm, params);
   require(aims_at_targets(params.method),
-          "expected a method that aims at targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
+          "expected a method that takes targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
           name_of(params.method));
   check_panel(slm, params, observer);
   tell_effects(slm, params, observer);
@@ -250,7 +250,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   check_targets(targets, slm.grid);
   Hologram hologram = blank_hologram(start, slm, params, observer);
   if (std::none_of(targets.begin(), targets.end(), [](const TargetPlane& t) { return target_power(t) > 0; })) {
-    observer.warn(fmt::format("the target at {} is dark where it counts, and the hologram holds nothing",
+    observer.warn(fmt::format("the target at {} is dark in the part that counts, so the hologram is empty",
                               format_length(start.wavelength)));
     hologram.illumination = 0;
     return hologram;

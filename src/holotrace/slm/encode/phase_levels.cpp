@@ -31,17 +31,15 @@ int PhaseLevels::level_of(double real, double imaginary) const {
 
 namespace {
 
-// What to do about a range [turns] short of one: by what makes it short.
+// Advice on a range [turns] below one, according to its cause.
 std::string advice_on(const Slm& slm, double range, double wavelength) {
   const double stretch = slm.design_wavelength > 0 ? slm.design_wavelength / wavelength : 1, own = range / stretch;
   if (own >= 1 - 1e-6)
     return fmt::format("give the panel a design wavelength of {} or more, now it is {}",
                        format_length(wavelength / own), format_length(slm.design_wavelength));
   if (!slm.effects.calibration.empty())
-    return fmt::format(
-        "its calibration ends {:.4g}π above where it begins, one more step counted: give it one that reaches 2π",
-        2 * own);
-  return fmt::format("its phase_range is {:.4g}π: give it one of 2π, where the panel has it", 2 * own);
+    return fmt::format("its calibration spans {:.4g}π, one more step included: use one that reaches 2π", 2 * own);
+  return fmt::format("its phase_range is {:.4g}π: set it to 2π if the panel reaches that", 2 * own);
 }
 
 }  // namespace
@@ -50,11 +48,11 @@ void tell_phase_range(const Slm& slm, double range, double wavelength, const Obs
   observer.fact("phase_range", Fact(2 * pi * range));
   if (!slm.effects.calibration.empty()) observer.fact("calibrated", Fact(std::string("yes")));
   if (range < 1 - 1e-6)
-    observer.warn(fmt::format(
-        "the SLM \"{}\" reaches a phase of {:.4g}π at {}, short of 2π: phases in the gap take its nearer end, which "
-        "leaves {:.3g} % of the light in the image; {}",
-        slm.name, 2 * range, format_length(wavelength), 100 * short_range_efficiency(range),
-        advice_on(slm, range, wavelength)));
+    observer.warn(
+        fmt::format("the SLM \"{}\" reaches a phase of {:.4g}π at {}, less than 2π: phases beyond it are set to its "
+                    "nearer end, and {:.3g} % of the light stays in the image; {}",
+                    slm.name, 2 * range, format_length(wavelength), 100 * short_range_efficiency(range),
+                    advice_on(slm, range, wavelength)));
 }
 
 void write_phase_levels(const Array2D<std::complex<float>>& samples, bool is_conjugate, const PhaseLevels& levels,

@@ -16,15 +16,14 @@ using Complex = std::complex<float>;
 
 void require_held(double steepest_u, double steepest_v, const Grid& grid, double wavelength) {
   const double nyquist = 1 / (2 * grid.pitch), steepest = std::max(steepest_u, steepest_v);
-  require(
-      steepest < nyquist,
-      "expected light that meets the panel below {}, the steepest that samples of {} hold at {}, got {}; ask for more "
-      "subpixels, or for less tilt or curvature",
-      format_angle(std::asin(std::min(1.0, nyquist * wavelength))), format_length(grid.pitch),
-      format_length(wavelength), format_angle(std::asin(std::min(1.0, steepest * wavelength))));
+  require(steepest < nyquist,
+          "expected light that meets the panel below {}, the steepest that samples of {} hold at {}, got {}; "
+          "use more subpixels, or less tilt or curvature",
+          format_angle(std::asin(std::min(1.0, nyquist * wavelength))), format_length(grid.pitch),
+          format_length(wavelength), format_angle(std::asin(std::min(1.0, steepest * wavelength))));
 }
 
-// exp(2πi·u·x − x²/w²) of the samples along one axis.
+// exp(2πi·u·x − x²/w²) at the samples along one axis.
 template <class Position>
 AlignedVector<Complex> line(int count, double u, double beam_radius, const Position& position) {
   AlignedVector<Complex> out(static_cast<size_t>(count));
@@ -42,7 +41,7 @@ Array2D<Complex> spherical(const Grid& grid, Vec3 centre, double distance, doubl
     for (int i = 0; i < grid.nx; ++i) {
       const Vec3 p{grid.x(i), grid.y(double(j)), 0};
       const double r = length(p - centre);
-      // r − |d| without cancellation: |p − c|² − |c|² = p·(p − 2c).
+      // r − |d| without cancellation, by |p − c|² − |c|² = p·(p − 2c).
       const double beyond = dot(p, p - 2 * centre) / (r + reach);
       out(int(j), i) = Complex(reach / r * cis_cycles(sign * beyond / wavelength));
     }
@@ -52,14 +51,14 @@ Array2D<Complex> spherical(const Grid& grid, Vec3 centre, double distance, doubl
 
 }  // namespace
 
-Illumination illuminate(const Grid& grid, const ShowParams& params, const Moment& moment) {
-  require(std::isfinite(moment.tilt_x) && std::isfinite(moment.tilt_y) &&
-              std::max(std::abs(moment.tilt_x), std::abs(moment.tilt_y)) < pi / 2,
-          "expected light tilted by less than 90°, got {} in x, {} in y", format_angle(moment.tilt_x),
-          format_angle(moment.tilt_y));
-  const double sx = std::sin(moment.tilt_x), sy = std::sin(moment.tilt_y), wavelength = moment.wavelength;
+Illumination illuminate(const Grid& grid, const ShowParams& params, const IlluminationState& state) {
+  require(std::isfinite(state.tilt_x) && std::isfinite(state.tilt_y) &&
+              std::max(std::abs(state.tilt_x), std::abs(state.tilt_y)) < pi / 2,
+          "expected light tilted by less than 90°, got {} in x, {} in y", format_angle(state.tilt_x),
+          format_angle(state.tilt_y));
+  const double sx = std::sin(state.tilt_x), sy = std::sin(state.tilt_y), wavelength = state.wavelength;
   require(sx * sx + sy * sy < 1, "expected light that meets the panel, got tilts of {} in x and {} in y together",
-          format_angle(moment.tilt_x), format_angle(moment.tilt_y));
+          format_angle(state.tilt_x), format_angle(state.tilt_y));
   Illumination light;
   if (params.light == Wavefront::spherical) {
     const double d = params.source_distance;
@@ -68,7 +67,7 @@ Illumination illuminate(const Grid& grid, const ShowParams& params, const Moment
             format_length(d));
     const Vec3 centre = -d * Vec3{sx, sy, std::sqrt(1 - sx * sx - sy * sy)};
     double steepest_u = 0, steepest_v = 0;
-    // At the edges, and nearest to the centre along the other axis.
+    // The steepest places: at the edges along one axis, nearest to the centre along the other.
     const double right = grid.x(grid.nx - 1), top = grid.y(0);
     const double near_x = std::clamp(centre.x, -right, right), near_y = std::clamp(centre.y, -top, top);
     for (const double sign : {-1.0, 1.0}) {

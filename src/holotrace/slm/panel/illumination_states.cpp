@@ -13,18 +13,18 @@
 namespace holotrace {
 namespace {
 
-// Fraction of point i along each axis: the additive recurrence of the generalised golden ratio in four dimensions,
-// x⁵ = x + 1, centred, so that one point is the middle of all.
+// Coordinates of point i along each axis, in [0, 1): the additive recurrence of the generalised golden ratio in four
+// dimensions, x⁵ = x + 1, centred so that a single point is the middle.
 struct Sequence {
   double operator()(int point, int count, int axis) const {
-    if (axis == 0) return (point + 0.5) / count;  // the first may be even: the count is known
-    const double g = 1.2207440846057596;          // x⁴ = x + 1, for the three that follow
+    if (axis == 0) return (point + 0.5) / count;  // evenly spaced: the count is known
+    const double g = 1.2207440846057596;          // x⁴ = x + 1, for the other three axes
     const double turned = 0.5 + (point + 0.5 - count / 2.0) * std::pow(1 / g, axis);
     return turned - std::floor(turned);
   }
 };
 
-// x of the standard normal distribution below which the fraction p lies: Newton's steps on erfc.
+// The p-quantile of the standard normal distribution, by Newton steps on erfc.
 double normal_quantile(double p) {
   double x = 0;
   for (int step = 0; step < 60; ++step) {
@@ -37,51 +37,52 @@ double normal_quantile(double p) {
   return x;
 }
 
-// Of few points the middle is not that of what they stand for: moved there, one point is the middle itself.
-void centre(std::vector<Moment>& all, double Moment::*value, double middle) {
+// The mean of few points differs from the mean of their distribution: shifts them so that it agrees.
+void centre(std::vector<IlluminationState>& all, double IlluminationState::*value, double middle) {
   double sum = 0;
-  for (const Moment& moment : all) sum += moment.*value - middle;
-  for (Moment& moment : all) moment.*value -= sum / double(all.size());
+  for (const IlluminationState& state : all) sum += state.*value - middle;
+  for (IlluminationState& state : all) state.*value -= sum / double(all.size());
 }
 
 }  // namespace
 
-std::vector<Moment> moments(const Slm& slm, const ShowParams& params, double wavelength) {
+std::vector<IlluminationState> illumination_states(const Slm& slm, const ShowParams& params, double wavelength) {
   check_wavelength(wavelength);
   check_ranges(params);
   const double ripple = slm.effects.flicker;
   const bool is_one = params.bandwidth == 0 && params.source_angle == 0 && !(ripple > 0);
-  const int count = is_one ? 1 : params.moments > 0 ? params.moments : 16;
+  const int count = is_one ? 1 : params.illumination_states > 0 ? params.illumination_states : 16;
   const double sigma = params.bandwidth / (2 * std::sqrt(2 * std::log(2.0)));
-  std::vector<Moment> all;
+  std::vector<IlluminationState> all;
   const Sequence at;
   for (int i = 0; i < count; ++i) {
-    // The axis that is in use alone takes the even steps.
+    // If only one axis is in use, it gets the evenly spaced points.
     int axis = 0;
-    Moment moment{wavelength, params.tilt_x, params.tilt_y, 0, 1.0 / count};
-    if (params.bandwidth > 0) moment.wavelength += sigma * normal_quantile(at(i, count, axis++));
+    IlluminationState state{wavelength, params.tilt_x, params.tilt_y, 0, 1.0 / count};
+    if (params.bandwidth > 0) state.wavelength += sigma * normal_quantile(at(i, count, axis++));
     if (params.source_angle > 0) {
       const double radius = params.source_angle / 2 * std::sqrt(at(i, count, axis)),
                    turn = 2 * pi * at(i, count, axis + 1);
-      moment.tilt_x += radius * std::cos(turn);
-      moment.tilt_y += radius * std::sin(turn);
+      state.tilt_x += radius * std::cos(turn);
+      state.tilt_y += radius * std::sin(turn);
       axis += 2;
     }
-    if (ripple > 0) moment.flicker = std::sin(2 * pi * at(i, count, axis));
-    all.push_back(moment);
+    if (ripple > 0) state.flicker = std::sin(2 * pi * at(i, count, axis));
+    all.push_back(state);
   }
-  if (params.bandwidth > 0) centre(all, &Moment::wavelength, wavelength);
+  if (params.bandwidth > 0) centre(all, &IlluminationState::wavelength, wavelength);
   if (params.source_angle > 0) {
-    centre(all, &Moment::tilt_x, params.tilt_x);
-    centre(all, &Moment::tilt_y, params.tilt_y);
+    centre(all, &IlluminationState::tilt_x, params.tilt_x);
+    centre(all, &IlluminationState::tilt_y, params.tilt_y);
     SourcePart::Points points;
-    for (const Moment& moment : all) points.push_back({moment.tilt_x - params.tilt_x, moment.tilt_y - params.tilt_y});
+    for (const IlluminationState& state : all)
+      points.push_back({state.tilt_x - params.tilt_x, state.tilt_y - params.tilt_y});
     const auto shared = std::make_shared<const SourcePart::Points>(std::move(points));
     for (size_t i = 0; i < all.size(); ++i) all[i].source = {params.source_angle, shared, i};
   }
-  for (const Moment& moment : all)
-    require(moment.wavelength > 0,
-            "expected a bandwidth narrow beside the wavelength {}, got {}: its spectrum reaches 0 m",
+  for (const IlluminationState& state : all)
+    require(state.wavelength > 0,
+            "expected a bandwidth much smaller than the wavelength {}, got {}: its spectrum reaches 0 m",
             format_length(wavelength), format_length(params.bandwidth));
   return all;
 }

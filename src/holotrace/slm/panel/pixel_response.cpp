@@ -8,14 +8,6 @@
 namespace holotrace {
 namespace {
 
-// The calibration at a fractional level: straight between points, the phase beyond the last as before it.
-CalibrationPoint interpolate(const std::vector<CalibrationPoint>& points, double level) {
-  const size_t below = std::min(size_t(level), points.size() - 2);
-  const double t = level - double(below);
-  const CalibrationPoint &a = points[below], &b = points[below + 1];
-  return {a.phase + t * (b.phase - a.phase), a.amplitude + std::min(t, 1.0) * (b.amplitude - a.amplitude)};
-}
-
 float wrap(double cycles) {
   constexpr double magic = 6755399441055744;  // 1.5·2⁵²: adding it rounds to whole numbers
   return float(cycles - ((cycles + magic) - magic));
@@ -34,7 +26,7 @@ PixelResponse::PixelResponse(const Slm& slm, Modulation modulation, int levels, 
     for (int level = 0; level <= levels; ++level) {
       const double place = shows_phase ? double(level) * slm.levels / levels
                                        : std::min(1.0, double(level) / (levels - 1)) * (slm.levels - 1);
-      const CalibrationPoint point = interpolate(points, place);
+      const CalibrationPoint point = calibration_at(points, place);
       knots_.push_back({turns * point.phase / (2 * pi), point.amplitude, 0, 0});
     }
     for (size_t k = 0; k + 1 < knots_.size(); ++k) {

@@ -60,16 +60,16 @@ void check_modulation(const Hologram& hologram, const Slm& slm, const Observer& 
 
 void check_light(const ShowParams& params) {
   require(params.beam_radius == 0 || params.light == Wavefront::gaussian,
-          "expected a beam radius with Gaussian light alone, got {}; set light to gaussian, or leave out beam_radius",
+          "expected a beam radius only with Gaussian light, got {}; set light to gaussian, or leave out beam_radius",
           format_length(params.beam_radius));
   require(params.source_distance == 0 || params.light == Wavefront::spherical,
-          "expected a source distance with spherical light alone, got {}; set light to spherical, or leave out "
+          "expected a source distance only with spherical light, got {}; set light to spherical, or leave out "
           "source_distance",
           format_length(params.source_distance));
 }
 
 // The stop stands in the middle of the light that the encoder's order is to take: light that is tilted moves the order,
-// and the stop with it. It does not follow a moment's own tilt.
+// and the stop with it. It does not follow the tilt of a single illumination state.
 SpectralFilter under_tilt(SpectralFilter stop, const ShowParams& params, double wavelength) {
   stop.u0 += std::sin(params.tilt_x) / wavelength;
   stop.v0 += std::sin(params.tilt_y) / wavelength;
@@ -100,22 +100,22 @@ void warn_other_effects(const Hologram& hologram, const Slm& with, const Observe
   const std::string unknown = missing_in(hologram.effects, on), off = missing_in(on, hologram.effects);
   if (!unknown.empty())
     observer.warn(
-        fmt::format("the hologram allows for {} and not for {}, which the SLM \"{}\" is shown with; sgd can "
-                    "allow for all but flicker, where [encode] effects names them",
+        fmt::format("the hologram compensates {} but not {}, which are modelled on the SLM \"{}\"; sgd compensates all "
+                    "effects but flicker that [encode] effects names",
                     allowed, unknown, with.name));
   if (!off.empty())
-    observer.warn(
-        fmt::format("the hologram allows for {}, which the SLM \"{}\" is shown without; name {} in [show] "
-                    "effects, or encode without",
-                    off, with.name, off));
+    observer.warn(fmt::format(
+        "the hologram compensates {}, which is not modelled on the SLM \"{}\"; name {} in [show] effects, or "
+        "encode without",
+        off, with.name, off));
 }
 
 void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, const Observer& observer) {
   const std::vector<std::string> has = effects_of(slm), on = effects_of(with);
   for (const std::string& name : params.effects)
     if (name != "all" && name != "none" && std::find(has.begin(), has.end(), name) == has.end())
-      observer.warn(fmt::format("the SLM \"{}\" has no {} to turn on; write its figures in [slm] or the panel's file",
-                                slm.name, name));
+      observer.warn(
+          fmt::format("the SLM \"{}\" has no data for {}; add them to [slm] or to the panel's file", slm.name, name));
   std::vector<std::string> off;
   for (const std::string& name : has)
     if (std::find(on.begin(), on.end(), name) == on.end()) off.push_back(name);
@@ -125,8 +125,8 @@ void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, con
 
 }  // namespace
 
-Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Moment& moment,
-           const Observer& observer) {
+ShownField show_moment(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                       const IlluminationState& state, const Observer& observer) {
   check_slm(slm);
   check_hologram(hologram, slm);
   check_modulation(hologram, slm, observer);
@@ -136,7 +136,7 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
                               hologram.levels, slm.name, slm.levels, hologram.levels));
   const Slm with = with_effects(slm, params.effects);
   const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
-  const PanelModel panel(with, params, hologram.modulation, hologram.levels, design, moment);
+  const PanelModel panel(with, params, hologram.modulation, hologram.levels, design, state);
   Field field;
   if (hologram.modulation == Modulation::complex) {
     const Array2D<float> modulus = drive_of(hologram.modulus_level);
@@ -145,7 +145,7 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
     field = panel.leave(drive_of(hologram.level));
   }
   field.image = hologram.image;
-  if (hologram.filter) field.filter = under_tilt(*hologram.filter, params, moment.wavelength);
+  if (hologram.filter) field.filter = under_tilt(*hologram.filter, params, state.wavelength);
 
   const double power_in = panel.power_in();
   const double power_out =
@@ -155,12 +155,17 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
   observer.fact("efficiency", Fact(power_in > 0 ? power_out / power_in : 0.0));
   tell_effects(slm, with, params, observer);
   warn_other_effects(hologram, with, observer);
-  return field;
+  return {std::move(field), power_in};
+}
+
+Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
+           const Observer& observer) {
+  return show_moment(hologram, slm, params, state, observer).field;
 }
 
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer) {
   const double wavelength = params.wavelength == 0 ? hologram.wavelength : params.wavelength;
-  return show(hologram, slm, params, Moment{wavelength, params.tilt_x, params.tilt_y}, observer);
+  return show(hologram, slm, params, IlluminationState{wavelength, params.tilt_x, params.tilt_y}, observer);
 }
 
 }  // namespace holotrace

@@ -9,8 +9,8 @@
 namespace holotrace {
 
 /// The field that leaves a panel, with those of its effects that `params.effects` names: panel_model.h has the steps
-/// and docs/slm.md the equations of all. Without any, under an axial plane wave, each pixel is a lit square of one
-/// transmittance:
+/// and docs/explanation/slm.md the equations of all. Without any, under an axial plane wave, each pixel is a lit square
+/// of one transmittance:
 ///
 ///     u(x, y) = √E · Σ t(ℓᵢⱼ) · rect((x − xᵢ)/wp) · rect((y − yⱼ)/wp),   w = √F
 ///     t(ℓ) = exp(2πi·(λ₀/λ)·ℓ/M)  phase,   t(ℓ) = ℓ/(M−1)  amplitude
@@ -35,10 +35,18 @@ namespace holotrace {
 /// Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer = {});
 
-/// The same at one moment of partly coherent light or of a panel that flickers (moments.h); wavelength and tilts are
-/// the moment's. The function above is that of the mean moment: the middle of the spectrum and of the source, no
+/// A field that leaves a panel, and the light on the way.
+struct ShownField {
+  Field field;
+  double power_in = 0;  ///< of the light on the panel [W]
+};
+
+/// The same at one illumination state of partly coherent light or of a panel that flickers (illumination_states.h); wavelength and tilts are
+/// the illumination state's. The function above is that of the mean illumination state: the middle of the spectrum and of the source, no
 /// ripple.
-Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Moment& moment,
+ShownField show_moment(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                       const IlluminationState& state, const Observer& observer = {});
+Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
            const Observer& observer = {});
 
 }  // namespace holotrace

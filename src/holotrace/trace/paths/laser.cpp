@@ -58,10 +58,11 @@ class PhasorSink {
   Vec3 place_of_phase(Vec3 point) const { return point + move_; }
 
   void add(uint32_t accepted, int group, Vec3 radiance) {
-    const int layers = scene_.automaton.layers(), first = scene_.params.separate_lights ? group * layers : 0;
+    const int path_groups = scene_.automaton.path_groups(),
+              first = scene_.params.separate_lights ? group * path_groups : 0;
     group_ = group;
-    for (int layer = 0; layer < layers; ++layer)
-      if (accepted >> layer & 1) way_[size_t(first + layer)] += radiance;
+    for (int path_group = 0; path_group < path_groups; ++path_group)
+      if (accepted >> path_group & 1) way_[size_t(first + path_group)] += radiance;
   }
 
   void end_way(std::optional<double> laser_path) {

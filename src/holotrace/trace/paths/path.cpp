@@ -16,21 +16,21 @@ namespace {
 struct RadianceSink {
   static constexpr bool follows_phase = false;
   std::span<Vec3> sums;
-  int layers;
+  int path_groups;
   bool is_by_light;
   Vec3 whole{};
 
   void add(uint32_t accepted, int group, Vec3 radiance) {
     whole += radiance;
-    const size_t first = is_by_light ? size_t(group) * size_t(layers) : 0;
-    for (int layer = 0; layer < layers; ++layer)
-      if (accepted >> layer & 1) sums[first + size_t(layer)] += radiance;
+    const size_t first = is_by_light ? size_t(group) * size_t(path_groups) : 0;
+    for (int path_group = 0; path_group < path_groups; ++path_group)
+      if (accepted >> path_group & 1) sums[first + size_t(path_group)] += radiance;
   }
   void end_way(std::optional<double>) {}
 };
 
 RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums) {
-  return {sums, scene.automaton.layers(), scene.params.separate_lights};
+  return {sums, scene.automaton.path_groups(), scene.params.separate_lights};
 }
 
 /// How much of light of this strength a clamp lets through.

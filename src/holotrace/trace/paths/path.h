@@ -20,7 +20,7 @@ struct PathCounts {
   int64_t escaped = 0;      ///< paths that left the scene
   int64_t absorbed = 0;     ///< paths that a surface took: roulette, or a direction into the surface
   int64_t cut = 0;          ///< paths that would have met, or could have met, a surface beyond max_depth
-  int64_t left_out = 0;     ///< paths ended because no layer can take them any more
+  int64_t left_out = 0;     ///< paths ended because no path group can take them any more
   int64_t clamped = 0;      ///< paths that brought more than PathParams::clamp
 
   PathCounts& operator+=(const PathCounts& other);
@@ -67,7 +67,7 @@ struct PathStart {
 /// Roulette lets a path go on with probability min(1, max β), so a surface of weight 1 takes none. After the last
 /// surface one more ray looks for what shines beyond surfaces, if anything does.
 ///
-/// Clamp: what all layers together take from the path, each light counted once, is held to `clamp` at each line, and
+/// Clamp: what all path groups together take from the path, each light counted once, is held to `clamp` at each line, and
 /// the sums shrink in proportion.
 ///
 /// Cost: per surface one ray, and one shadow ray for each light that may reach it.

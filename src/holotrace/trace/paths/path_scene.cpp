@@ -8,12 +8,12 @@
 
 namespace holotrace {
 
-PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& layers,
+PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
                      const PathParams& params)
     : scene(scene),
       accelerator(scene, params.accelerator),
       emitters(scene, lines),
-      automaton(layers),
+      automaton(path_expressions),
       lines(lines),
       params(params),
       has_panes(std::any_of(scene.meshes.begin(), scene.meshes.end(),

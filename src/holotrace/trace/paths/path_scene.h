@@ -27,17 +27,18 @@ struct PathScene {
   const Scene& scene;
   Accelerator accelerator;
   Emitters emitters;
-  PathAutomaton automaton;  ///< of the layers
+  PathAutomaton automaton;  ///< of the path groups
   Lines lines;
   PathParams params;
   bool has_panes;  ///< a mesh is of thin glass, which light goes straight through
 
   /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth below 1 or a clamp below 0
-  PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& layers, const PathParams& params);
+  PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
+            const PathParams& params);
 
-  /// Sums that paths make: one per layer, and for each of them one per light group where lights are separate. Sum
-  /// g·layers + l is that of layer l and light group g.
-  int sums() const { return automaton.layers() * (params.separate_lights ? emitters.groups() : 1); }
+  /// Sums that paths make: one per path group, and for each of them one per light group where lights are separate. Sum
+  /// g·path_groups + l is that of path group l and light group g.
+  int sums() const { return automaton.path_groups() * (params.separate_lights ? emitters.groups() : 1); }
 };
 
 }  // namespace holotrace

@@ -13,7 +13,7 @@
 // The one loop along a light path (formulas: path.h, add_radiance). What the path finds goes to a Sink:
 //
 //   static constexpr bool follows_phase        whether start, scatter and travel are called
-//   add(layers, group, radiance)               light of a group for the layers whose bits are set
+//   add(path_groups, group, radiance)               light of a group for the path groups whose bits are set
 //   end_way(laser_path)                        all the light of one way has been added; from a laser: its optical path
 //                                              from there to the surface, else none
 //   start(start), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
@@ -63,50 +63,50 @@ class PathWalk {
   /// Light on a ray nearer than `distance` and not on a surface, from which a path in `state` has come with density `pdf`
   /// [1/sr]; 0: by a specular way.
   void add_light_on_way(const Ray& ray, double distance, PathAutomaton::State state, double pdf, Vec3 throughput) {
-    const uint32_t layers = automaton_.accepted(state);
-    if (!layers) return;
+    const uint32_t path_groups = automaton_.accepted(state);
+    if (!path_groups) return;
     for (const int i : emitters_.lights_on_way()) {
       const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(i)]);
       const auto met = meet(light, ray);
       if (!met || met->distance >= distance) continue;
-      add_met(layers, i, throughput * light.radiance * (pdf > 0 ? shared_weight(pdf, met->pdf) : 1));
+      add_met(path_groups, i, throughput * light.radiance * (pdf > 0 ? shared_weight(pdf, met->pdf) : 1));
     }
     if (distance < std::numeric_limits<double>::infinity()) return;
     Vec3 radiance = emitters_.even_background();
     if (const EnvironmentLight* environment = emitters_.environment())
       radiance +=
           environment->radiance(ray.direction) * (pdf > 0 ? shared_weight(pdf, environment->pdf(ray.direction)) : 1);
-    add_met(layers, emitters_.background_group(), throughput * radiance);
+    add_met(path_groups, emitters_.background_group(), throughput * radiance);
   }
 
  private:
-  void add_met(uint32_t layers, int group, Vec3 light) {
+  void add_met(uint32_t path_groups, int group, Vec3 light) {
     if (is_black(light)) return;
-    sink_.add(layers, group, light);
+    sink_.add(path_groups, group, light);
     sink_.end_way(std::nullopt);
   }
 
   /// What the surface sends out by itself.
   void add_emission(const Material& material) {
-    const uint32_t layers = automaton_.accepted(state_);
-    if (!layers) return;
+    const uint32_t path_groups = automaton_.accepted(state_);
+    if (!path_groups) return;
     Vec3 light = throughput_ * emitted_radiance(material, point_, scene_.lines);
     if (pdf_ > 0) {
       const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
       light *= shared_weight(pdf_, emitters_.triangles().pdf(point_.mesh, point_.triangle, distance_, cosine));
     }
-    add_met(layers, emitters_.mesh_group(), light);
+    add_met(path_groups, emitters_.mesh_group(), light);
   }
 
   /// The light of a visible rectangle, at whose surface the path ends. Like the other lights it is none of the
   /// surfaces that max_depth counts.
   void add_lamp() {
     ++counts_.absorbed;
-    const uint32_t layers = automaton_.accepted(state_);
-    if (!layers || !point_.is_front) return;
+    const uint32_t path_groups = automaton_.accepted(state_);
+    if (!path_groups || !point_.is_front) return;
     const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(point_.light)]);
     const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
-    add_met(layers, point_.light,
+    add_met(path_groups, point_.light,
             throughput_ * light.radiance * (pdf_ > 0 ? shared_weight(pdf_, pdf(light, distance_, cosine)) : 1));
   }
 
@@ -143,10 +143,11 @@ class PathWalk {
     direct_weight_ = weight;
     diffuse_state_ = has.has_diffuse ? automaton_.step(state_, PathEvent::diffuse) : PathAutomaton::State{};
     glossy_state_ = has.has_glossy ? automaton_.step(state_, PathEvent::glossy) : PathAutomaton::State{};
-    diffuse_layers_ = automaton_.accepted(diffuse_state_);
-    glossy_layers_ = automaton_.accepted(glossy_state_);
-    // Layers that take no light here may take it behind a pane.
-    if (!(diffuse_layers_ | glossy_layers_) && !(scene_.has_panes && (diffuse_state_ | glossy_state_))) return;
+    diffuse_path_groups_ = automaton_.accepted(diffuse_state_);
+    glossy_path_groups_ = automaton_.accepted(glossy_state_);
+    // Path groups that take no light here may take it behind a pane.
+    if (!(diffuse_path_groups_ | glossy_path_groups_) && !(scene_.has_panes && (diffuse_state_ | glossy_state_)))
+      return;
     const auto& lights = emitters_.lights();
     for (size_t i = 0; i < lights.size(); ++i) {
       const bool is_shared = has_area(lights[i]);
@@ -176,20 +177,20 @@ class PathWalk {
     };
     // Paths go through panes by chance, and meet there all lights that they can meet; the others have to be asked.
     const bool passes_panes = scene_.has_panes && !is_shared;
-    Vec3 diffuse = diffuse_layers_ || (passes_panes && diffuse_state_) ? reflected(Lobe::diffuse) : Vec3{};
-    Vec3 glossy = glossy_layers_ || (passes_panes && glossy_state_) ? reflected(Lobe::glossy) : Vec3{};
+    Vec3 diffuse = diffuse_path_groups_ || (passes_panes && diffuse_state_) ? reflected(Lobe::diffuse) : Vec3{};
+    Vec3 glossy = glossy_path_groups_ || (passes_panes && glossy_state_) ? reflected(Lobe::glossy) : Vec3{};
     if (is_black(diffuse) && is_black(glossy)) return;
     ++counts_.shadow_rays;
-    uint32_t diffuse_layers = diffuse_layers_, glossy_layers = glossy_layers_;
+    uint32_t diffuse_path_groups = diffuse_path_groups_, glossy_path_groups = glossy_path_groups_;
     if (is_occluded(way, light ? scene_.accelerator.lift_of(group) : 0)) {
       const auto panes = passes_panes ? panes_on(way) : std::nullopt;
       if (!panes) return;
       diffuse *= panes->share, glossy *= panes->share;
-      diffuse_layers = layers_behind(panes->count, diffuse_state_);
-      glossy_layers = layers_behind(panes->count, glossy_state_);
+      diffuse_path_groups = path_groups_behind(panes->count, diffuse_state_);
+      glossy_path_groups = path_groups_behind(panes->count, glossy_state_);
     }
-    if (diffuse_layers) sink_.add(diffuse_layers, group, diffuse);
-    if (glossy_layers) sink_.add(glossy_layers, group, glossy);
+    if (diffuse_path_groups) sink_.add(diffuse_path_groups, group, diffuse);
+    if (glossy_path_groups) sink_.add(glossy_path_groups, group, glossy);
     if constexpr (Sink::follows_phase)
       sink_.end_way(light ? laser_path(*light, sink_.place_of_phase(point_.position)) : std::nullopt);
   }
@@ -239,8 +240,8 @@ class PathWalk {
     return std::nullopt;
   }
 
-  /// The layers that take light which has come through panes to a surface that has left the path in `state`.
-  uint32_t layers_behind(int panes, PathAutomaton::State state) const {
+  /// The path groups that take light which has come through panes to a surface that has left the path in `state`.
+  uint32_t path_groups_behind(int panes, PathAutomaton::State state) const {
     for (; panes > 0; --panes) state = automaton_.step(state, PathEvent::specular);
     return automaton_.accepted(state);
   }
@@ -300,7 +301,7 @@ class PathWalk {
   double scale_ = 1;               // of the throughput by the indices of the media
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: by a specular way, or the path begins here
   PathAutomaton::State diffuse_state_ = 0, glossy_state_ = 0;  // after those lobes of this surface; 0: it has none
-  uint32_t diffuse_layers_ = 0, glossy_layers_ = 0;            // that take light by those lobes of this surface
+  uint32_t diffuse_path_groups_ = 0, glossy_path_groups_ = 0;  // that take light by those lobes of this surface
 };
 
 }  // namespace holotrace

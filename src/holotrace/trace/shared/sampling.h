@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "holotrace/base/random.h"
+#include "holotrace/base/splitmix.h"
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
 
@@ -55,13 +56,6 @@ class Permutation {
       right = next;
     }
     return left << half_bits_ | right;
-  }
-
-  /// The finalizer of splitmix64 (Steele et al., OOPSLA 2014).
-  static uint64_t mix(uint64_t v) {
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111eb;
-    return v ^ (v >> 31);
   }
 
   uint64_t count_, keys_[4];

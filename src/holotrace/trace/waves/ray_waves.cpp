@@ -34,10 +34,10 @@ void add_known_light(const PathScene& scene, const SpecularLeaf& leaf, std::vect
       radiance = emitters.background(-start.outgoing);
       break;
   }
-  const int layers = scene.automaton.layers();
-  for (int layer = 0; layer < layers; ++layer)
-    if (scene.automaton.accepted(start.state) >> layer & 1)
-      sums[size_t((scene.params.separate_lights ? group * layers : 0) + layer)] += radiance;
+  const int path_groups = scene.automaton.path_groups();
+  for (int path_group = 0; path_group < path_groups; ++path_group)
+    if (scene.automaton.accepted(start.state) >> path_group & 1)
+      sums[size_t((scene.params.separate_lights ? group * path_groups : 0) + path_group)] += radiance;
 }
 
 LeafLight light_from(const PathScene& scene, const TraceParams& params, const SpecularLeaf& leaf, uint64_t sample,

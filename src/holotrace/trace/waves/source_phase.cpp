@@ -3,21 +3,11 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/splitmix.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/sources.h"
 
 namespace holotrace {
-
-namespace {
-
-/// The finalizer of splitmix64 (Steele et al., OOPSLA 2014).
-uint64_t mix(uint64_t v) {
-  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9;
-  v = (v ^ (v >> 27)) * 0x94d049bb133111eb;
-  return v ^ (v >> 31);
-}
-
-}  // namespace
 
 double cell_side(const TraceParams& params, const Grid& panel) {
   require(std::isfinite(params.grain) && params.grain >= 0,
@@ -34,7 +24,7 @@ SurfaceCell surface_cell(Vec3 position, double side) {
   for (int i = 0; i < 3; ++i) {
     const double cell = std::floor(coordinates[i] / side + offsets[i]);
     centre[i] = (cell + 0.5 - offsets[i]) * side;
-    key = mix(key + uint64_t(int64_t(cell)) * 0x9e3779b97f4a7c15 + 0x632be59bd9b4e019);
+    key = mix(key + uint64_t(int64_t(cell)) * splitmix_step + 0x632be59bd9b4e019);
   }
   return {key == Sources::no_phase_key ? 0 : key, {centre[0], centre[1], centre[2]}};
 }

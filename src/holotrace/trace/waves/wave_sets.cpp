@@ -76,39 +76,41 @@ void report(const Cones& cones, const std::vector<double>& wavelengths, const Gr
   observer.fact("cone_half_angle", Fact(half_angle));
   observer.fact("etendue_given_up", Fact(given_up));
   if (given_up > most_given_up)
-    observer.warn(fmt::format(
-        "all wavelengths keep to the cone of {}, a half angle of {}; {} gives up {:.0f} % of its étendue for "
-        "a view without a coloured rim; take wavelengths nearer to each other, or common_cone = false",
-        format_length(cones.of_rays), format_angle(half_angle), format_length(longest), 100 * given_up));
+    observer.warn(
+        fmt::format("all wavelengths use the cone of {}, a half angle of {}; {} loses {:.0f} % of its étendue so that "
+                    "the view has no coloured rim; use closer wavelengths, or common_cone = false",
+                    format_length(cones.of_rays), format_angle(half_angle), format_length(longest), 100 * given_up));
 }
 
 std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params, const std::vector<double>& group,
                                const Cones& cones) {
-  const int layers = scene.automaton.layers(), groups = params.separate_lights ? scene.emitters.groups() : 1;
-  const uint32_t point_layers = scene.automaton.accepted(scene.automaton.start());
+  const int path_groups = scene.automaton.path_groups(), groups = params.separate_lights ? scene.emitters.groups() : 1;
+  const uint32_t point_path_groups = scene.automaton.accepted(scene.automaton.start());
   const std::vector<std::string>& names = scene.automaton.expressions();
-  if (params.separate_layers)
+  if (params.separate_path_groups)
     for (auto name = names.begin(); name != names.end(); ++name)
-      require(std::find(names.begin(), name, *name) == name, "expected separate layers that differ, got \"{}\" twice",
-              *name);
+      require(std::find(names.begin(), name, *name) == name,
+              "expected separate path groups that differ, got \"{}\" twice", *name);
   std::vector<WaveSet> sets;
   for (size_t line = 0; line < group.size(); ++line)
-    for (int l = 0; l < (params.separate_layers ? layers : 1); ++l) {
-      const uint32_t own = params.separate_layers ? 1U << l : ~0U;
-      const std::string layer = params.separate_layers && !scene.automaton.expressions().empty()
-                                    ? scene.automaton.expressions()[size_t(l)]
-                                    : "";
+    for (int l = 0; l < (params.separate_path_groups ? path_groups : 1); ++l) {
+      const uint32_t own = params.separate_path_groups ? 1U << l : ~0U;
+      const std::string path_group = params.separate_path_groups && !scene.automaton.expressions().empty()
+                                         ? scene.automaton.expressions()[size_t(l)]
+                                         : "";
       for (int g = 0; g < groups; ++g) {
-        WaveSet set{group[line], int(line), {}, false, !params.separate_lights && (point_layers & own) != 0, layer};
+        WaveSet set{group[line], int(line), {}, false, !params.separate_lights && (point_path_groups & own) != 0,
+                    path_group};
         for (int light = 0; light < int(scene.scene.lights.size()); ++light)
           set.has_laser |= (!params.separate_lights || light == g) && is_laser(scene.scene.lights[size_t(light)]);
-        for (int i = 0; i < layers; ++i)
-          if (own >> i & 1) set.sums.push_back(g * layers + i);
-        if (params.separate_lights) set.name += (layer.empty() ? "" : ", ") + scene.emitters.group_name(g);
+        for (int i = 0; i < path_groups; ++i)
+          if (own >> i & 1) set.sums.push_back(g * path_groups + i);
+        if (params.separate_lights) set.name += (path_group.empty() ? "" : ", ") + scene.emitters.group_name(g);
         sets.push_back(set);
       }
-      if (params.separate_lights && !scene.scene.points.empty() && (point_layers & own) != 0)
-        sets.push_back({group[line], int(line), {}, true, true, layer + (layer.empty() ? "points" : ", points")});
+      if (params.separate_lights && !scene.scene.points.empty() && (point_path_groups & own) != 0)
+        sets.push_back(
+            {group[line], int(line), {}, true, true, path_group + (path_group.empty() ? "points" : ", points")});
     }
   for (WaveSet& set : sets) set.cone_wavelength = cones.of_waves;
   return sets;

@@ -17,10 +17,10 @@ namespace holotrace {
 struct WaveSet {
   double wavelength = 0;       ///< [m]
   int line = 0;                ///< of the path's three
-  std::vector<int> sums;       ///< light of layers and light groups that is in it
+  std::vector<int> sums;       ///< light of path groups and light groups that is in it
   bool has_laser = false;      ///< lasers are among its lights
   bool has_points = true;      ///< the scene's luminous points are in it, too
-  std::string name;            ///< of the layer or light, "" for all
+  std::string name;            ///< of the path group or light, "" for all
   double cone_wavelength = 0;  ///< Sources::cone_wavelength
 
   /// Wavelength whose acceptance its waves fill [m].
@@ -49,8 +49,8 @@ Cones cones_of(const std::vector<double>& wavelengths, const TraceParams& params
 /// wavelength's étendue 1 − (λ_shortest/λ_longest)², and warns where it is more than 0.6.
 void report(const Cones& cones, const std::vector<double>& wavelengths, const Grid& panel, const Observer& observer);
 
-/// The sets of a group of wavelengths: for each in turn, the layers in their order, for each layer the light groups. A
-/// luminous point is the path EL, so it is in the layers that have that path; with separate lights, points are
+/// The sets of a group of wavelengths: for each in turn, the path groups in their order, for each path group the light groups. A
+/// luminous point is the path EL, so it is in the path groups that have that path; with separate lights, points are
 /// a light of their own, the last, "points".
 std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params, const std::vector<double>& group,
                                const Cones& cones);

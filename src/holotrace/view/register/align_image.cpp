@@ -5,17 +5,17 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/view/register/plane.h"
+#include "holotrace/view/register/channel.h"
 
 namespace holotrace {
 namespace {
 
 // One channel as it is to be sampled once per `scale` pixels.
-Plane channel_for_scale(const Image& image, int channel, double scale) {
-  Plane plane(image.ny, image.nx);
-  for (size_t i = 0; i < plane.values.size(); ++i)
-    plane.values[i] = image.values[i * size_t(image.channels) + size_t(channel)];
-  return scale > 1 ? reduced(plane, 1, std::sqrt((scale * scale - 1) / 12)) : plane;
+Channel channel_for_scale(const Image& image, int channel, double scale) {
+  Channel one(image.ny, image.nx);
+  for (size_t i = 0; i < one.values.size(); ++i)
+    one.values[i] = image.values[i * size_t(image.channels) + size_t(channel)];
+  return scale > 1 ? reduced(one, 1, std::sqrt((scale * scale - 1) / 12)) : one;
 }
 
 // Row by row, how far up each column is covered; the largest rectangle under such a skyline is as high as one of its
@@ -46,13 +46,13 @@ AlignedImage align_image(const Image& moving, const Registration& registration, 
   AlignedImage aligned{Image(ny, nx, moving.channels), {}};
   std::vector<char> is_covered(size_t(nx) * size_t(ny));
   for (int channel = 0; channel < moving.channels; ++channel) {
-    const Plane plane = channel_for_scale(moving, channel, registration.scale);
+    const Channel one = channel_for_scale(moving, channel, registration.scale);
     parallel_for(0, ny, [&](int64_t row) {
       for (int column = 0; column < nx; ++column) {
         const auto [x, y] = registration(column - (nx - 1) / 2.0, (ny - 1) / 2.0 - double(row));
-        const double at_column = plane.u_centre() + x, at_row = plane.v_centre() - y;
-        if (!holds_cubic(plane, at_column, at_row)) continue;
-        const double value = sample_cubic(plane, at_column, at_row).value;
+        const double at_column = one.u_centre() + x, at_row = one.v_centre() - y;
+        if (!holds_cubic(one, at_column, at_row)) continue;
+        const double value = sample_cubic(one, at_column, at_row).value;
         aligned.image(int(row), column, channel) = float((value - registration.offset) / registration.gain);
         is_covered[size_t(row) * size_t(nx) + size_t(column)] = 1;
       }

@@ -24,11 +24,11 @@ Spectrum transformed(Spectrum values, int side, FftDirection direction) {
 }
 
 // moving's pixels, raised to a power: 0 gives its outline.
-Spectrum spectrum_of_power(const Plane& plane, int power, int side) {
+Spectrum spectrum_of_power(const Channel& channel, int power, int side) {
   Spectrum values(size_t(side) * size_t(side));
-  for (int j = 0; j < plane.ny; ++j)
-    for (int i = 0; i < plane.nx; ++i)
-      values[size_t(j) * size_t(side) + size_t(i)] = float(std::pow(plane(j, i), power));
+  for (int j = 0; j < channel.ny; ++j)
+    for (int i = 0; i < channel.nx; ++i)
+      values[size_t(j) * size_t(side) + size_t(i)] = float(std::pow(channel(j, i), power));
   return transformed(std::move(values), side, FftDirection::forward);
 }
 
@@ -37,7 +37,7 @@ struct Turned {
   Spectrum values, squares, outline;
 };
 
-Turned turn(const Plane& fixed, double angle, const Board& board) {
+Turned turn(const Channel& fixed, double angle, const Board& board) {
   const size_t count = size_t(board.side) * size_t(board.side);
   Turned t{Spectrum(count), Spectrum(count), Spectrum(count)};
   const double c = std::cos(angle), s = std::sin(angle), centre = (board.turned - 1) / 2.0;
@@ -59,7 +59,7 @@ Turned turn(const Plane& fixed, double angle, const Board& board) {
 
 }  // namespace
 
-std::vector<Match> match_at_all_angles(const Plane& moving, const Plane& fixed, double step, double least_overlap) {
+std::vector<Match> coarse_search(const Channel& moving, const Channel& fixed, double step, double least_overlap) {
   Board board;
   board.turned = int(std::ceil(std::hypot(fixed.nx, fixed.ny))) + 1;
   const int side = board.side = fft_good_length(std::max(moving.nx, moving.ny) + board.turned);

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "holotrace/view/register/plane.h"
+#include "holotrace/view/register/channel.h"
 
 namespace holotrace {
 
@@ -22,6 +22,6 @@ struct Match {
 /// @param moving, fixed  of one resolution, without shading
 /// @param step           between angles [rad]
 /// @param least_overlap  part of the smaller picture that must be in common
-std::vector<Match> match_at_all_angles(const Plane& moving, const Plane& fixed, double step, double least_overlap);
+std::vector<Match> coarse_search(const Channel& moving, const Channel& fixed, double step, double least_overlap);
 
 }  // namespace holotrace

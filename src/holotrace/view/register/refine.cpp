@@ -30,9 +30,9 @@ struct Sums {
   }
 };
 
-double radius_of(const Plane& plane) { return std::max(1.0, std::hypot(plane.nx, plane.ny) / 2); }
+double radius_of(const Channel& channel) { return std::max(1.0, std::hypot(channel.nx, channel.ny) / 2); }
 
-Sums sum_rows(const Plane& moving, const Plane& fixed, const Similarity& map, int first_row) {
+Sums sum_rows(const Channel& moving, const Channel& fixed, const Similarity& map, int first_row) {
   const double radius = radius_of(fixed), scale_squared = map.a * map.a + map.b * map.b;
   std::vector<Vector> shares(size_t((fixed.nx + block - 1) / block), Vector::Zero());
   Sums sums;
@@ -65,7 +65,7 @@ Sums sum_rows(const Plane& moving, const Plane& fixed, const Similarity& map, in
 }
 
 // Row of blocks by row of blocks, added up in order: the same on any number of threads.
-Sums sum_all(const Plane& moving, const Plane& fixed, const Similarity& map) {
+Sums sum_all(const Channel& moving, const Channel& fixed, const Similarity& map) {
   std::vector<Sums> rows(size_t((fixed.ny + block - 1) / block));
   parallel_for(0, int64_t(rows.size()),
                [&](int64_t n) { rows[size_t(n)] = sum_rows(moving, fixed, map, int(n) * block); });
@@ -75,7 +75,7 @@ Sums sum_all(const Plane& moving, const Plane& fixed, const Similarity& map) {
   return sums;
 }
 
-double worst_corner_error(const Matrix& covariance, const Plane& fixed) {
+double worst_corner_error(const Matrix& covariance, const Channel& fixed) {
   double worst = 0;
   for (const int right : {-1, 1})
     for (const int down : {-1, 1}) {
@@ -89,15 +89,15 @@ double worst_corner_error(const Matrix& covariance, const Plane& fixed) {
 
 }  // namespace
 
-double PlaneFit::score() const { return correlation * std::sqrt(pixels); }
+double Fit::score() const { return correlation * std::sqrt(pixels); }
 
-PlaneFit fit_planes(const Plane& moving, const Plane& fixed, const Similarity& start, int most_iterations) {
+Fit refine(const Channel& moving, const Channel& fixed, const Similarity& start, int most_iterations) {
   constexpr double least_pixels = 64;   // below, four unknowns are not told from noise
   constexpr double small_step = 1e-4;   // of a pixel: far below what noise lets one see
   constexpr double longest_step = 2.0;  // pixels: farther, the slopes at the start say nothing
   constexpr double least_rcond = 1e-4;  // below, as in a disc or a grating, the raster decides and not the picture
   const double radius = radius_of(fixed);
-  PlaneFit fit;
+  Fit fit;
   fit.map = start;
   for (;; ++fit.iterations) {
     const Sums sums = sum_all(moving, fixed, fit.map);

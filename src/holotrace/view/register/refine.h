@@ -1,11 +1,11 @@
 #pragma once
 
-#include "holotrace/view/register/plane.h"
+#include "holotrace/view/register/channel.h"
 
 namespace holotrace {
 
 /// How two pictures fit, once laid upon each other as well as they can be.
-struct PlaneFit {
+struct Fit {
   Similarity map;          ///< places of `fixed` to those of `moving`
   double correlation = 0;  ///< coefficient over what they have in common
   double pixels = 0;       ///< of `fixed` in common
@@ -27,6 +27,6 @@ struct PlaneFit {
 /// @param moving, fixed  of about one resolution, without shading
 /// @param start          within about the size of their structure of the truth
 /// @return               pixels = 0 where they come to have nothing in common or no structure decides
-PlaneFit fit_planes(const Plane& moving, const Plane& fixed, const Similarity& start, int most_iterations);
+Fit refine(const Channel& moving, const Channel& fixed, const Similarity& start, int most_iterations);
 
 }  // namespace holotrace

@@ -28,38 +28,38 @@ constexpr double most_error_part = 0.004;
 // Both pictures at one resolution, if `fixed` is shown `scale` times as large: pixels of pixel_fixed and of
 // scale·pixel_fixed.
 struct Pair {
-  Plane moving, fixed;
+  Channel moving, fixed;
   double pixel_moving, pixel_fixed;
 
-  Similarity to_planes(const Similarity& s) const {
+  Similarity to_reduced(const Similarity& s) const {
     const double k = pixel_fixed / pixel_moving;
     return {s.a * k, s.b * k, s.x / pixel_moving, s.y / pixel_moving};
   }
-  Similarity from_planes(const Similarity& s) const {
+  Similarity from_reduced(const Similarity& s) const {
     const double k = pixel_moving / pixel_fixed;
     return {s.a * k, s.b * k, s.x * pixel_moving, s.y * pixel_moving};
   }
 };
 
-double long_side(const Plane& plane) { return std::max(plane.nx, plane.ny); }
+double long_side(const Channel& channel) { return std::max(channel.nx, channel.ny); }
 double scale_of(const Similarity& s) { return std::hypot(s.a, s.b); }
 
-Pair at_resolution(const Plane& moving, const Plane& fixed, double scale, double pixel_fixed) {
+Pair at_resolution(const Channel& moving, const Channel& fixed, double scale, double pixel_fixed) {
   const double pixel_moving = pixel_fixed * scale;
   return {reduced(moving, pixel_moving, blur), reduced(fixed, pixel_fixed, blur), pixel_moving, pixel_fixed};
 }
 
 // The size in pixels of `fixed` of what counts as shading, in pictures shown `scale` times as large.
-double shading_extent(const Plane& moving, const Plane& fixed, double scale) {
+double shading_extent(const Channel& moving, const Channel& fixed, double scale) {
   return shading_part * std::max(long_side(moving) / scale, long_side(fixed));
 }
 
 // What is laid upon each other: amplitudes, so that speckle, whose spread goes with the light, does not rule in bright
 // places; and no shading.
 Pair structure_of(Pair pair, double extent) {
-  for (Plane* plane : {&pair.moving, &pair.fixed}) {
-    for (float& value : plane->values) value = std::sqrt(std::max(0.0F, value));
-    *plane = without_shading(*plane, extent / pair.pixel_fixed);
+  for (Channel* channel : {&pair.moving, &pair.fixed}) {
+    for (float& value : channel->values) value = std::sqrt(std::max(0.0F, value));
+    *channel = without_shading(*channel, extent / pair.pixel_fixed);
   }
   return pair;
 }
@@ -77,14 +77,14 @@ struct Candidate {
 };
 
 // Whether two maps differ by less than a tenth of the picture at every corner: ways to one truth.
-bool are_alike(const Similarity& p, const Similarity& q, const Plane& fixed) {
+bool are_alike(const Similarity& p, const Similarity& q, const Channel& fixed) {
   const double radius = std::hypot(fixed.nx, fixed.ny) / 2;
   return std::hypot(p.a - q.a, p.b - q.b) * radius + std::hypot(p.x - q.x, p.y - q.y) <
          0.2 * radius * std::max(scale_of(p), scale_of(q));
 }
 
 // The best maps that differ by more than a step, each as fitted at the resolution of the search.
-std::vector<Candidate> search(const Plane& moving, const Plane& fixed, double smallest, double largest,
+std::vector<Candidate> search(const Channel& moving, const Channel& fixed, double smallest, double largest,
                               const Observer& observer) {
   const size_t steps = 1 + size_t(std::ceil(std::log(largest / smallest) / search_step));
   std::vector<Candidate> all;
@@ -96,7 +96,7 @@ std::vector<Candidate> search(const Plane& moving, const Plane& fixed, double sm
     pairs.push_back(
         structure_of(at_resolution(moving, fixed, scale, pixel_fixed), shading_extent(moving, fixed, scale)));
     const Pair& pair = pairs.back();
-    const auto matches = match_at_all_angles(pair.moving, pair.fixed, search_step, least_overlap);
+    const auto matches = coarse_search(pair.moving, pair.fixed, search_step, least_overlap);
     for (size_t k = 0; k < matches.size(); ++k)
       if (matches[k].score > 0) all.push_back({matches[k].map, matches[k].score, pixel_fixed, n, k, matches.size()});
     observer.progress(0.8 * double(n + 1) / double(steps));
@@ -109,8 +109,8 @@ std::vector<Candidate> search(const Plane& moving, const Plane& fixed, double sm
   }
   for (Candidate& c : best) {
     const Pair& pair = pairs[c.scale_step];
-    const PlaneFit fit = fit_planes(pair.moving, pair.fixed, c.map, 15);
-    c.map = pair.from_planes(fit.map);
+    const Fit fit = refine(pair.moving, pair.fixed, c.map, 15);
+    c.map = pair.from_reduced(fit.map);
     const double change = scale_of(fit.map);
     c.score = change > 0.8 && change < 1.25 ? fit.score() : 0;  // farther than steps are apart, it has lost its way
   }
@@ -126,7 +126,7 @@ std::vector<Candidate> search(const Plane& moving, const Plane& fixed, double sm
 // Both pictures at one resolution, laid upon each other.
 struct Laid {
   Pair pair;
-  PlaneFit fit;
+  Fit fit;
   Similarity map;  // in the pictures' own pixels
   bool is_finest = false;
 
@@ -134,20 +134,20 @@ struct Laid {
 };
 
 // Lays the pictures upon each other in pixels of pixel_fixed, or in those of the coarser picture.
-Laid lay(const Plane& moving, const Plane& fixed, const Similarity& start, double pixel_fixed) {
+Laid lay(const Channel& moving, const Channel& fixed, const Similarity& start, double pixel_fixed) {
   const double scale = scale_of(start), finest = std::max(1.0, 1 / scale);
   Laid laid;
   laid.is_finest = pixel_fixed <= finest;
   laid.pair = structure_of(at_resolution(moving, fixed, scale, std::max(finest, pixel_fixed)),
                            shading_extent(moving, fixed, scale));
-  laid.fit = fit_planes(laid.pair.moving, laid.pair.fixed, laid.pair.to_planes(start), 40);
-  laid.map = laid.pair.from_planes(laid.fit.map);
+  laid.fit = refine(laid.pair.moving, laid.pair.fixed, laid.pair.to_reduced(start), 40);
+  laid.map = laid.pair.from_reduced(laid.fit.map);
   return laid;
 }
 
 // From the resolution of the search to the finest, and back to the one of the least standard error: the finest has more
 // of the structure, and more of the noise.
-Laid refine(const Plane& moving, const Plane& fixed, const std::vector<Candidate>& candidates) {
+Laid refine_best(const Channel& moving, const Channel& fixed, const std::vector<Candidate>& candidates) {
   Laid laid;
   double pixel_fixed = 0;
   for (size_t n = 0; n < std::min(candidates.size(), most_finalists); ++n) {
@@ -167,8 +167,8 @@ Laid refine(const Plane& moving, const Plane& fixed, const std::vector<Candidate
 constexpr float uncovered = std::numeric_limits<float>::quiet_NaN();
 
 // moving on the places of fixed, `uncovered` beyond it.
-Plane laid_upon(const Plane& moving, const Plane& fixed, const Similarity& map) {
-  Plane out(fixed.ny, fixed.nx);
+Channel laid_upon(const Channel& moving, const Channel& fixed, const Similarity& map) {
+  Channel out(fixed.ny, fixed.nx);
   parallel_for(0, fixed.ny, [&](int64_t row) {
     for (int column = 0; column < fixed.nx; ++column) {
       const auto [x, y] = map(column - fixed.u_centre(), double(row) - fixed.v_centre());
@@ -185,7 +185,7 @@ Plane laid_upon(const Plane& moving, const Plane& fixed, const Similarity& map) 
 // Without offset the gain is Σm/Σf: noise and speckle of mean 1 leave it as it is. With one, it is the slope
 // cov(m, f')/cov(f, f') over blocks of 8 × 8 pixels, f' being the mean of a block's neighbours, whose speckle is
 // another.
-void find_gain(const Plane& moving, const Plane& fixed, bool fits_offset, Registration& r) {
+void find_gain(const Channel& moving, const Channel& fixed, bool fits_offset, Registration& r) {
   double m_sum = 0, f_sum = 0;
   for (size_t i = 0; i < fixed.values.size(); ++i)
     if (std::isfinite(moving.values[i])) m_sum += moving.values[i], f_sum += fixed.values[i];
@@ -239,7 +239,7 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
                             const Observer& observer) {
   check_picture(moving_image, "photograph");
   check_picture(fixed_image, "simulation");
-  const Plane moving = mean_of_channels(moving_image), fixed = mean_of_channels(fixed_image);
+  const Channel moving = mean_of_channels(moving_image), fixed = mean_of_channels(fixed_image);
   const double equal_width = long_side(moving) / long_side(fixed);
   const double smallest = params.smallest_scale > 0 ? params.smallest_scale : 0.5 * std::min(1.0, equal_width);
   const double largest = params.largest_scale > 0 ? params.largest_scale : 2 * std::max(1.0, equal_width);
@@ -250,15 +250,15 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
           smallest, largest);
 
   std::vector<Candidate> candidates = search(moving, fixed, smallest, largest, observer);
-  Laid laid = refine(moving, fixed, candidates);
+  Laid laid = refine_best(moving, fixed, candidates);
   const auto& [pair, fit, map, is_finest] = laid;
   const std::string what_to_do = fmt::format(
-      "crop the photograph to what is simulated, turn it over if a mirror was in the way, or give the scales to try, "
+      "crop the photograph to what is simulated, flip it if a mirror was used, or give the scales to try, "
       "which were {:.3g} to {:.3g} pixels of the photograph per pixel of the simulation",
       smallest, largest);
   require(fit.pixels > 0,
-          "expected a photograph of what the simulation shows, with structure that tells how it lies, got none that "
-          "fits anywhere; {}",
+          "expected a photograph of what the simulation shows, with enough structure to locate it, got none "
+          "that fits anywhere; {}",
           what_to_do);
   Registration r;
   r.scale = scale_of(map);
@@ -270,14 +270,13 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
   r.overlap = fit.pixels / (double(pair.fixed.nx) * pair.fixed.ny);
   r.uncertainty = laid.error();
   const double most_error = most_error_part * long_side(moving);
-  require(
-      r.uncertainty <= most_error,
-      "expected a photograph of what the simulation shows, with structure that tells how it lies, got one whose best "
-      "place has a standard error of {:.2g} pixels, where {:.2g} is the most; {}",
-      r.uncertainty, most_error, what_to_do);
+  require(r.uncertainty <= most_error,
+          "expected a photograph of what the simulation shows, with enough structure to locate it, got one "
+          "whose best place has a standard error of {:.2g} pixels, where {:.2g} is the most; {}",
+          r.uncertainty, most_error, what_to_do);
 
   const Pair plain = at_resolution(moving, fixed, pair.pixel_moving / pair.pixel_fixed, pair.pixel_fixed);
-  const Plane plain_moving = laid_upon(plain.moving, plain.fixed, fit.map);
+  const Channel plain_moving = laid_upon(plain.moving, plain.fixed, fit.map);
   find_gain(plain_moving, plain.fixed, params.offset, r);
   require(std::isfinite(r.gain) && r.gain > 0,
           "expected light in both the photograph and the simulation, got a gain of {} between them", r.gain);

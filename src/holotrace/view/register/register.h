@@ -19,9 +19,10 @@ struct RegisterParams {
 template <class Visitor>
 void describe(Visitor& v, RegisterParams& p) {
   v.number("smallest_scale", p.smallest_scale, range::not_negative,
-           "pixels of the photograph per pixel of the simulation, the least to try; 0: from the pictures' sizes");
-  v.number("largest_scale", p.largest_scale, range::not_negative, "the most to try; 0: from the pictures' sizes");
-  v.flag("offset", p.offset, "fit stray light, or a dark level, under the photograph too");
+           "smallest scale to try, in pixels of the photograph per pixel of the simulation; 0: from the "
+           "pictures' sizes");
+  v.number("largest_scale", p.largest_scale, range::not_negative, "largest scale to try; 0: from the pictures' sizes");
+  v.flag("offset", p.offset, "also fit a constant brightness of the photograph (stray light or dark level)");
 }
 
 /// How `moving` shows `fixed`:

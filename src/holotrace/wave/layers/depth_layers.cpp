@@ -139,8 +139,8 @@ DepthSlices slices_of(const std::vector<double>& depths, const Grid& panel, cons
   observer.fact("largest_depth_error", per_metre * found.thickness / 2);
   if (synthesis.slices == 0 && found.slices.size() > many_slices)
     observer.warn(
-        fmt::format("a tolerance of {:.1e} takes {} slices, one transform for each; ask for fewer by slices, or for a "
-                    "larger tolerance",
+        fmt::format("a tolerance of {:.1e} needs {} slices, one transform each; set slices to fewer, or use a larger "
+                    "tolerance",
                     synthesis.tolerance, found.slices.size()));
   return found;
 }

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "holotrace/base/complex_product.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/base/wrapped.h"
 
 namespace holotrace {
 namespace {
@@ -29,12 +31,6 @@ void free_space_factors(const double* lag, double distance, int count, Complex* 
                   a2 * (1.f / 24 + a2 * (-1.f / 720 + a2 * (1.f / 40320 + a2 * (-1.f / 3628800 + a2 / 479001600.f)))));
     factors[l] = {1 - 2 * s * s, 2 * s * c};
   }
-}
-
-int folded(int index, int size) { return ((index % size) + size) % size; }
-
-Complex product(Complex a, Complex b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
 // One column of a spectrum, l = −L … L, gains a transformed column of ny samples times factors of |l|. Where the
@@ -132,7 +128,7 @@ Array2D<Complex> samples_of(const LayerSpectrum& spectrum, int columns, int rows
     for (int c = 0; c < count; ++c) {
       Complex* line = lines.data() + size_t(c) * size_t(ny);
       const Complex* column = spectrum.values.row(first + c);
-      for (int l = -spectrum.reach_y; l <= spectrum.reach_y; ++l) line[folded(l, ny)] += column[spectrum.reach_y + l];
+      for (int l = -spectrum.reach_y; l <= spectrum.reach_y; ++l) line[wrapped(l, ny)] += column[spectrum.reach_y + l];
       transform_y(line);
     }
     for (int j = 0; j < rows; ++j)
@@ -145,7 +141,7 @@ Array2D<Complex> samples_of(const LayerSpectrum& spectrum, int columns, int rows
     AlignedVector<Complex> line(static_cast<size_t>(nx));
     for (int j = int(b) * grain; j < std::min(rows, int(b + 1) * grain); ++j) {
       std::fill(line.begin(), line.end(), Complex());
-      for (int i = 0; i < width; ++i) line[size_t(folded(i - spectrum.reach_x, nx))] += half(j, i);
+      for (int i = 0; i < width; ++i) line[size_t(wrapped(i - spectrum.reach_x, nx))] += half(j, i);
       transform_x(line.data());
       std::copy_n(line.begin(), columns, samples.row(j));
     }
@@ -158,8 +154,8 @@ void hide(LayerSpectrum& spectrum, const Array2D<float>& mask, int column, int r
   const int nx = spectrum.nx, ny = spectrum.ny;
   SliceSamples light{nx, ny, {}, samples_of(spectrum, nx, ny)};
   for (int j = 0; j < mask.ny; ++j) {
-    Complex* samples = light.values.row(folded(row + j, ny));
-    for (int i = 0; i < mask.nx; ++i) samples[folded(column + i, nx)] *= 1 - mask(j, i);
+    Complex* samples = light.values.row(wrapped(row + j, ny));
+    for (int i = 0; i < mask.nx; ++i) samples[wrapped(column + i, nx)] *= 1 - mask(j, i);
   }
   for (int j = 0; j < ny; ++j) light.rows.push_back(j);
   std::fill(spectrum.values.values.begin(), spectrum.values.values.end(), Complex());

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "holotrace/base/threads.h"
+#include "holotrace/base/wrapped.h"
 
 namespace holotrace {
 namespace {
@@ -109,7 +110,6 @@ std::vector<double> silhouette_radii(const std::vector<PointOnSlice>& points, co
 Array2D<float> silhouette_of(const std::vector<PointOnSlice>& points, const std::vector<double>& radii, int nx,
                              int ny) {
   Array2D<float> mask(ny, nx);
-  const auto wrapped = [](int index, int size) { return ((index % size) + size) % size; };
   for (size_t n = 0; n < points.size(); ++n) {
     const PointOnSlice& p = points[n];
     const double radius = radii[n] * (1 + 1e-9);

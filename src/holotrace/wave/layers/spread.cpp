@@ -7,6 +7,7 @@
 #include "holotrace/base/fft.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/base/wrapped.h"
 
 namespace holotrace {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 constexpr double oversampling = 1.25;
 constexpr int most_width = 12;
 constexpr int block_rows = 32;  // of the raster, filled by one thread
-
-int wrapped(int index, int size) { return ((index % size) + size) % size; }
 
 struct Placed {
   int first = 0;      // sample, not wrapped

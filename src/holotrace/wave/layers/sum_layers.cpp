@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
+#include "holotrace/base/wrapped.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/wave/layers/layer_plan.h"
 #include "holotrace/wave/layers/layer_spectrum.h"
@@ -18,8 +19,6 @@ namespace {
 using Complex = std::complex<float>;
 
 constexpr double raster_tolerance = 1e-6;  // of the angles that are left out: what floats hold
-
-int wrapped(int index, int size) { return ((index % size) + size) % size; }
 
 // Where sample (0, 0) of a slice lies on the panel's raster.
 struct Corner {
@@ -102,7 +101,7 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
           "expected at least one slice, with a grid for each, got {} depths and {} grids", stack.depths.size(),
           stack.grids.size());
   require(!stack.has_masks || 2 * grid.pitch > stack.wavelength,
-          "expected a pitch above half a wavelength for slices that hide, got {} at {}", format_length(grid.pitch),
+          "expected a pitch above half a wavelength for silhouettes, got {} at {}", format_length(grid.pitch),
           format_length(stack.wavelength));
   const std::vector<PlannedSlice> planned = plan_rasters(stack, grid);
   const LayerWindow window = plan_window(planned, grid, stack.wavelength);

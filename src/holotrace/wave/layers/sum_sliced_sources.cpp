@@ -1,4 +1,4 @@
-// Layers of waves: sum_layers and make_layers of Sources.
+// Layers of waves: sum_layers and make_layers for Sources.
 
 #include <algorithm>
 #include <cmath>
@@ -22,11 +22,11 @@ namespace {
 
 using Complex = std::complex<float>;
 
-// Shares of the tolerance: moved depths make most of the error.
+// Shares of the tolerance: moving the depths causes most of the error.
 constexpr double depth_share = 0.8, spread_share = 0.1;
 constexpr size_t many_slices = 1000;
 
-// All that is known before the first slice is summed.
+// Everything that is computed before the first slice is summed.
 struct Plan {
   SlicedSources sliced;
   std::vector<PlannedSlice> slices;
@@ -39,13 +39,12 @@ void check_input(const Sources& sources, const Grid& grid, const SynthesizeParam
   check_grid(grid);
   check_sources(sources);
   check_ranges(params);
-  require(
-      sources.tiles.columns == 0,
-      "expected waves of one amplitude for the whole panel for the method layers, got amplitudes for {} × {} tiles; "
-      "take the strategy shared, or the method tiled",
-      sources.tiles.columns, sources.tiles.rows);
+  require(sources.tiles.columns == 0,
+          "expected waves of one amplitude for the whole panel for the method layers, got amplitudes for {} × "
+          "{} tiles; use the strategy shared, or the method tiled",
+          sources.tiles.columns, sources.tiles.rows);
   require(!params.has_silhouettes || 2 * grid.pitch > sources.wavelength,
-          "expected a pitch above half a wavelength for slices that hide, got {} at {}", format_length(grid.pitch),
+          "expected a pitch above half a wavelength for silhouettes, got {} at {}", format_length(grid.pitch),
           format_length(sources.wavelength));
 }
 
@@ -99,18 +98,18 @@ Plan make_plan(const Sources& sources, const Grid& grid, const SynthesizeParams&
   check_memory(plan, grid, sources.waves.size(), keeps_band);
   if (params.slices == 0 && slices.size() > many_slices)
     observer.warn(
-        fmt::format("a tolerance of {:.1e} takes {} slices, one transform for each; ask for fewer by slices, for "
-                    "a larger tolerance, or for the method tiled",
+        fmt::format("a tolerance of {:.1e} needs {} slices, one transform each; set slices to fewer, use a larger "
+                    "tolerance, or the method tiled",
                     params.tolerance, slices.size()));
   if (params.slices > 0 && plan.sliced.expected_error > params.tolerance)
     observer.warn(fmt::format(
-        "{} slices move the waves' depths by up to {}: a relative error of about {:.1e}, the "
-        "tolerance is {:.1e}; ask for more slices, or for 0, as many as it needs",
+        "{} slices move the waves' depths by up to {}: a relative error of about {:.1e}, the tolerance is "
+        "{:.1e}; use more slices, or 0 for as many as needed",
         slices.size(), format_length(plan.sliced.depth.thickness / 2), plan.sliced.expected_error, params.tolerance));
   return plan;
 }
 
-// The waves of a slice as points with i·a·exp(i(k·d + φ)): the phase at the panel on the wave's axis.
+// The waves of a slice as points of strength i·a·exp(i(k·d + φ)), which holds the phase at the panel on the axis.
 std::vector<PointOnSlice> points_of(const DepthSlice& slice, const Sources& sources, const Grid& grid) {
   std::vector<PointOnSlice> points;
   points.reserve(slice.members.size());
@@ -123,7 +122,7 @@ std::vector<PointOnSlice> points_of(const DepthSlice& slice, const Sources& sour
   return points;
 }
 
-// Radii of the discs that hide, of all waves in the order of the slices' members.
+// Radii of the hiding discs of all waves, per slice, in the order of the slice's members.
 std::vector<std::vector<double>> radii_of(const DepthSlices& depth, const Sources& sources, const Grid& grid) {
   std::vector<PointOnSlice> points;
   std::vector<double> depths;
@@ -152,7 +151,7 @@ AxisWeights weights_of(const Taper& taper, double depth, double wavelength, doub
   return weights;
 }
 
-// Adds a slice of points, `distance` before the plane of the spectrum.
+// Adds a slice of points; its light travels `distance` to the plane of the spectrum.
 void add_points(LayerSpectrum& spectrum, const std::vector<PointOnSlice>& points, const PlannedSlice& slice,
                 const Plan& plan, double distance) {
   const double pitch = spectrum.panel.pitch, width = spectrum.nx * pitch, height = spectrum.ny * pitch;
@@ -203,7 +202,7 @@ Layers make_layers(const Sources& sources, const Grid& grid, const SynthesizePar
   const double samples = double(w.nx) * w.ny;
   require_memory(double(plan.slices.size()) * samples * (params.has_silhouettes ? 12 : 8),
                  fmt::format("{} slices of {} × {} samples", plan.slices.size(), w.nx, w.ny));
-  // The window as a raster around the panel: its samples (0, 0) to (nx − 1, ny − 1), those left and above wrapped.
+  // The window as a raster around the panel: samples (0, 0) to (nx − 1, ny − 1); what lies left or above wraps around.
   const int left = (w.nx - grid.nx) / 2, top = (w.ny - grid.ny) / 2;
   Grid raster{w.nx, w.ny, grid.pitch};
   raster.centre_x = grid.x(0) + ((w.nx - 1) / 2.0 - left) * grid.pitch;

@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "holotrace/base/units.h"
+#include "holotrace/wave/planes/plane_correction.h"
 
 namespace holotrace {
 namespace {
 
-// The planes of a slab, at a wave's curvature: their chirps interpolated at u² + v², or at v² alone.
-std::complex<double> interpolate(const Slab& slab, const PlaneTables& t, double kappa, double square) {
+// The nodes of a slab, at a wave's curvature: their chirps interpolated at u² + v², or at v² alone.
+std::complex<double> interpolate(const Slab& slab, const PlanesTables& t, double kappa, double square) {
   const double tau = (kappa - slab.centre) / slab.half;
   std::complex<double> sum = 0;
   for (size_t q = 0; q < t.nodes.size(); ++q) {
@@ -26,10 +27,16 @@ double path_between(double x, double y, double x2, double y2, double depth) {
   return path_beyond_depth(x2 * x2 + y2 * y2, depth) - path_beyond_depth(x * x + y * y, depth);
 }
 
-// What a plan makes of a wave (x, y) from the tile's reference, at (u, v) from there, over what the wave is.
-std::complex<double> in_tile(double x, double y, double depth, double u, double v, const Slab& slab,
-                             const PlaneTables& t) {
-  const double half = t.plan.tile * t.pitch / 2, linear = (0.6 + 1.0 / 3) * half * half;
+// A pixel at (u, v) from the tile's reference, or from the middle of its strip, which is at (x, y) from a wave of that
+// depth [m].
+struct PixelOfWave {
+  double x, y, depth, u, v;
+};
+
+// What a plan makes of a wave at a pixel, over what the wave is there.
+std::complex<double> in_tile(const PixelOfWave& pixel, const Slab& slab, const PlanesTables& t) {
+  const auto [x, y, depth, u, v] = pixel;
+  const double half = t.plan.tile * t.pitch / 2, linear = linear_of_cubic * half * half;
   const double rho2 = x * x + y * y, r0 = std::sqrt(rho2 + depth * depth);
   const double r = std::sqrt((x + u) * (x + u) + (y + v) * (y + v) + depth * depth);
   const double kappa = (1 - rho2 / (2 * r0 * r0)) / (t.wavelength * r0), square = u * u + v * v;
@@ -37,18 +44,17 @@ std::complex<double> in_tile(double x, double y, double depth, double u, double 
   const double exact = path_between(x, y, x + u, y + v, depth) / t.wavelength -
                        (x * u + y * v) / (t.wavelength * r0) * (1 - linear / (2 * r0 * r0));
   std::complex<double> model = interpolate(slab, t, kappa, square) * (r / r0) * std::polar(1.0, -2 * pi * exact);
-  if (t.plan.is_corrected)
-    model *= std::complex<double>(
-        1 - (x * u + y * v) / (r0 * r0),
-        -2 * pi / (t.wavelength * r0 * r0 * r0) *
-            (x * y * u * v + (x * x - y * y) / 4 * (u * u - v * v) + (x * u + y * v) * (square - linear) / 2));
+  if (t.plan.is_corrected) {
+    const double f = x / (t.wavelength * r0), g = y / (t.wavelength * r0);
+    model *= 1.0 + Correction<double>(t.wavelength, 1 / r0, linear).of({f, g, f * g, f * f - g * g}, u, v);
+  }
   return model;
 }
 
 // The same in a strip that is across x: u from the strip's middle, v from the tile's reference.
-std::complex<double> in_strip(double x, double y, double depth, double u, double v, const Slab& slab,
-                              const PlaneTables& t) {
-  const double half = t.plan.tile * t.pitch / 2, linear = 0.6 * half * half;
+std::complex<double> in_strip(const PixelOfWave& pixel, const Slab& slab, const PlanesTables& t) {
+  const auto [x, y, depth, u, v] = pixel;
+  const double half = t.plan.tile * t.pitch / 2, linear = linear_of_cube * half * half;
   const double rest = y * y + depth * depth, r0 = std::sqrt(x * x + rest), across = std::sqrt((x + u) * (x + u) + rest);
   const double r = std::sqrt((x + u) * (x + u) + (y + v) * (y + v) + depth * depth);
   const double kappa = (1 - y * y / (r0 * r0)) / (t.wavelength * r0);
@@ -64,7 +70,7 @@ int in_own_strip(int line) { return line % strip_width - strip_width / 2; }
 
 SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthRange& depths, const Grid& grid,
                              const PixelBox& bounds, double wavelength, const PlanesPlan& plan) {
-  const PlaneTables tables(plan, wavelength, grid.pitch);
+  const PlanesTables tables(plan, wavelength, grid.pitch);
   const Slabs slabs{depths, plan.slabs};
   SplitEnergies energies;
   for (const auto& [w, column, row, density] : pixels) {
@@ -75,14 +81,14 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
     const bool all_x = w.box.x0 <= tile.x0 && w.box.x1 >= tile.x1, all_y = w.box.y0 <= tile.y0 && w.box.y1 >= tile.y1;
     const double dx = grid.x(column) - w.x, dy = w.y - grid.y(row);  // y down
     const double u = (i - plan.tile / 2) * grid.pitch, v = (j - plan.tile / 2) * grid.pitch;
-    const auto tile_error = [&] { return std::norm(in_tile(dx - u, dy - v, w.depth, u, v, slab, tables) - 1.0); };
+    const auto tile_error = [&] { return std::norm(in_tile({dx - u, dy - v, w.depth, u, v}, slab, tables) - 1.0); };
     double error = 0;  // of the direct sum
     if (all_x && all_y) {
       error = tile_error();
     } else if (plan.has_strips && (all_x || all_y)) {
       const double across_u = in_own_strip(i) * grid.pitch, across_v = in_own_strip(j) * grid.pitch;
-      error = std::norm((all_y ? in_strip(dx - across_u, dy - v, w.depth, across_u, v, slab, tables)
-                               : in_strip(dy - across_v, dx - u, w.depth, across_v, u, slab, tables)) -
+      error = std::norm((all_y ? in_strip({dx - across_u, dy - v, w.depth, across_u, v}, slab, tables)
+                               : in_strip({dy - across_v, dx - u, w.depth, across_v, u}, slab, tables)) -
                         1.0);
       const int size = all_y ? tile.x1 - tile.x0 : tile.y1 - tile.y0;
       const int lit = all_y ? std::min(w.box.x1, tile.x1) - std::max(w.box.x0, tile.x0)

@@ -7,7 +7,7 @@
 
 namespace holotrace {
 
-/// What replacing waves by planes in the tiles of a plan does, apart from gridding: measured on pixels that the waves
+/// The error of the expansion of waves in the tiles of a plan (sum_planes.h), apart from gridding: measured on pixels that the waves
 /// light, as measure_split does.
 SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthRange& depths, const Grid& grid,
                              const PixelBox& bounds, double wavelength, const PlanesPlan& plan);

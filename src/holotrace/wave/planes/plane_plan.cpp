@@ -32,17 +32,17 @@ TileCounts count_tiles(const std::vector<PreparedWave>& waves, const PixelBox& b
 }
 
 SummationWork work_of(const PlanesPlan& plan, const TileCounts& counts, double tiles_of_panel, const TilePlan& direct) {
-  const double planes = plan.nodes, m = 2 * plan.tile, cells = m + 2 * PlaneTables::margin;
+  const double nodes = plan.nodes, m = 2 * plan.tile, cells = m + 2 * PlanesTables::margin;
   // Grids that the second cache does not hold take three times as long to add to.
-  const double cache = planes * cells * cells * 8 < 2e6 ? 1 : 3;
-  const double per_wave = cache * planes * plan.width * (plan.width <= 4 ? 4 : GriddingKernel::greatest_width);
+  const double cache = nodes * cells * cells * 8 < 2e6 ? 1 : 3;
+  const double per_wave = cache * nodes * plan.width * (plan.width <= 4 ? 4 : GriddingKernel::greatest_width);
   // Half of a tile's strips at most are made up for, a quarter on average, and one more in part.
   const double entries = !plan.has_strips ? 0 : counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
-  const double transforms = tiles_of_panel * plan.slabs * planes * (plan.is_corrected ? 5 : 1);
+  const double transforms = tiles_of_panel * plan.slabs * nodes * (plan.is_corrected ? 5 : 1);
   const double strips = std::min(entries, tiles_of_panel * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
-  const double lines = transforms * 1.5 * m + strips * planes * strip_width;  // that are transformed
+  const double lines = transforms * 1.5 * m + strips * nodes * strip_width;  // that are transformed
   SummationWork work{.plane_waves = counts.whole + entries,
-                     .spreads = counts.whole * per_wave + entries * planes * plan.width * strip_width,
+                     .spreads = counts.whole * per_wave + entries * nodes * plan.width * strip_width,
                      .fft_operations = lines * fft_operations(m),
                      .samples = lines * 2 * m};
   const double in_tiles = counts.corners + (plan.has_strips ? 0 : counts.partial);
@@ -64,14 +64,13 @@ double both_axes(int width) {
 // Looks at plans, and keeps the fastest that meets the goal, or the most accurate.
 class PlanSearch {
  public:
-  PlanSearch(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid, const PixelBox& bounds,
-             double wavelength, double goal, double most_seconds)
+  PlanSearch(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal, double most_seconds)
       : waves_(waves),
         direct_(direct),
-        grid_(grid),
-        bounds_(bounds),
-        wavelength_(wavelength),
-        goal_(goal),
+        grid_(goal.grid),
+        bounds_(goal.bounds),
+        wavelength_(goal.wavelength),
+        goal_(goal.tolerance * std::sqrt(goal.coherence) / 1.25),
         most_seconds_(most_seconds),
         rates_(summation_rates()),
         depths_(depths_of(waves)) {
@@ -93,7 +92,7 @@ class PlanSearch {
     for (const auto& [is_corrected, has_strips] : {std::pair{false, true}, {true, true}, {true, false}}) {
       PlanesPlan plan{tile, 2, 1, 1, is_corrected, has_strips};
       if (!is_worth(plan)) continue;
-      // What many planes leave is what they cannot mend: more of them would be looked at in vain.
+      // An error that many nodes leave is not one of their number: more of them would not mend it.
       most_nodes_ = tile > 120 ? most_nodes_of_large_tiles : most_nodes;
       plan = {tile, 8, most_nodes_, most_slabs, is_corrected, has_strips};
       if (!(offer(plan) <= goal_)) continue;
@@ -116,18 +115,20 @@ class PlanSearch {
     }
   }
 
-  // Offers the plan with the narrowest kernel that does. Returns the error of its planes alone.
+  // Offers the plan with the narrowest kernel that does. Returns the error of its nodes and its expansion, without gridding.
   double offer(PlanesPlan plan) {
     const SplitEnergies energies = measure_planes(pixels_, depths_, grid_, bounds_, wavelength_, plan);
-    const double planes = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
-    const auto error = [&] { return std::hypot(planes, both_axes(plan.width), rounding_error(TileProducts::single)); };
+    const double without_gridding = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
+    const auto error = [&] {
+      return std::hypot(without_gridding, both_axes(plan.width), rounding_error(TileProducts::single));
+    };
     while (plan.width < GriddingKernel::greatest_width && error() > goal_) ++plan.width;
     const PlanesChoice choice{plan, error(), work(plan), seconds(plan), energies, error() <= goal_};
     const bool is_better = choice.meets_tolerance != best_.meets_tolerance
                                ? choice.meets_tolerance
                                : (choice.meets_tolerance ? choice.seconds < best_.seconds : choice.error < best_.error);
     if (is_better || best_.seconds == 0) best_ = choice;
-    return planes;
+    return without_gridding;
   }
 
   const std::vector<PreparedWave>& waves_;
@@ -151,13 +152,12 @@ bool suits_planes(const PreparedWave& wave, double wavelength, double pitch) {
   return tangent < 0.25 && 2 * wave.depth * tangent >= 4 * tiles.back() * pitch;
 }
 
-PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
-                           const PixelBox& bounds, double wavelength, double tolerance, double coherence,
+PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal,
                            double most_seconds) {
-  PlanSearch search(waves, direct, grid, bounds, wavelength, tolerance * std::sqrt(coherence) / 1.25, most_seconds);
+  PlanSearch search(waves, direct, goal, most_seconds);
   for (const int tile : tiles) search.look_at_tiles(tile);
   PlanesChoice best = search.best();
-  best.error /= std::sqrt(coherence);
+  best.error /= std::sqrt(goal.coherence);
   return best;
 }
 

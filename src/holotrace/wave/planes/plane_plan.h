@@ -18,18 +18,16 @@ struct PlanesChoice {
 };
 
 /// Whether a wave's box is at least four of the smallest tiles wide: fewer than half of its tiles are lit in part.
-/// And whether the panel's acceptance is below 14 degrees, as for pixels of two wavelengths: at wider angles waves are
-/// no planes in tiles of that size.
+/// And whether the panel's acceptance is below 14 degrees, as for pixels of two wavelengths: at wider angles
+/// the expansion in sum_planes.h does not hold in tiles of that size.
 bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 
 /// The fastest plan on this machine (cost_model.h) whose expected error, with a margin of a quarter, is below the
 /// tolerance; the most accurate one if none is.
-/// @param waves      all of which suit planes, at least one
+/// @param waves      all of which suit the method (suits_planes), at least one
 /// @param direct     how waves are summed in the tiles that hold a corner of their box
-/// @param coherence  as for choose_tile
 /// @param most_seconds  plans that take one thread longer are not looked at
-PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const Grid& grid,
-                           const PixelBox& bounds, double wavelength, double tolerance, double coherence = 1,
+PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal,
                            double most_seconds = 1e300);
 
 }  // namespace holotrace

@@ -42,7 +42,7 @@ Slab Slabs::slab(int index, double wavelength, double pitch) const {
   return {0, 0, (greatest + least) / 2, (greatest - least) / 2};
 }
 
-PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch) {
+SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch) {
   const DepthRange depths = depths_of(waves);
   const Slabs slabs{depths, plan.slabs};
   // Rows of eight cells of a grid: what a few waves in turn are spread over stays in the cache.
@@ -57,7 +57,7 @@ PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, d
   for (size_t i = 0; i < waves.size(); ++i)
     keys.push_back({slabs.of(waves[i].depth), int(std::floor(waves[i].y / (8 * cell))), waves[i].x, uint32_t(i)});
   parallel_sort(keys.begin(), keys.end());
-  PlaneWaves sorted;
+  SortedWaves sorted;
   sorted.waves.reserve(waves.size());
   for (size_t i = 0; i < keys.size(); ++i) {
     if (i == 0 || keys[i].slab != keys[i - 1].slab) {

@@ -29,6 +29,6 @@ struct Slabs {
 };
 
 /// The waves sorted for a plan: by depth into its slabs, and in a slab by place.
-PlaneWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch);
+SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch);
 
 }  // namespace holotrace

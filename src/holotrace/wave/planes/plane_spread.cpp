@@ -2,6 +2,8 @@
 
 #include "holotrace/wave/planes/plane_spread.h"
 
+#include "holotrace/wave/planes/plane_correction.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "holotrace/wave/planes/plane_spread.cpp"
 #include <hwy/cache_control.h>
@@ -21,7 +23,7 @@ constexpr int most_nodes = 16;
 // Waves of a batch in one tile. Axis 0 runs along columns, axis 1 down along rows; positions are of the tile's
 // reference pixel, as seen from the wave's origin. What is derived: the cell that the kernel begins at on each axis and
 // the fraction of a cell, the wave's amplitude and phase at the reference, its distance there, and the weights of the
-// planes.
+// nodes.
 struct Batch {
   int count = 0;
   alignas(64) double x[batch], y[batch], depth[batch], start[batch], amplitude[batch];
@@ -37,10 +39,10 @@ void pad(Batch& b) {
   }
 }
 
-// Frequencies in cells, reduced by what is linear in the cubic term of the phase; curvatures as weights of the planes.
+// Frequencies in cells, reduced by what is linear in the cubic term of the phase; curvatures as weights of the nodes.
 // In a strip (is_strip) the curvature is that along axis 1, and axis 0 is not gridded.
 template <bool is_strip>
-void prepare(Batch& b, const PlaneTables& t, const Slab& slab) {
+void prepare(Batch& b, const PlanesTables& t, const Slab& slab) {
   const hn::ScalableTag<double> d;
   const hn::Rebind<float, decltype(d)> df;
   const hn::ScalableTag<float> f;
@@ -48,7 +50,7 @@ void prepare(Batch& b, const PlaneTables& t, const Slab& slab) {
   const int count = (b.count + 15) / 16 * 16;
   alignas(64) float tau[batch];
   const double half = t.plan.tile * t.pitch / 2, cells = t.transform * t.pitch / t.wavelength;
-  const double cubic = (is_strip ? 0.6 : 0.6 + 1.0 / 3) * half * half / 2;
+  const double cubic = (is_strip ? linear_of_cube : linear_of_cubic) * half * half / 2;
   const auto one = hn::Set(d, 1.0), per_wavelength = hn::Set(d, 1 / t.wavelength);
   for (int k = 0; k < count; k += int(hn::Lanes(d))) {
     const auto x = hn::Load(d, b.x + k), y = hn::Load(d, b.y + k), depth = hn::Load(d, b.depth + k);
@@ -90,11 +92,11 @@ void prepare(Batch& b, const PlaneTables& t, const Slab& slab) {
 }
 
 // The first cell that a wave is spread over, counted from the grid's first.
-HWY_INLINE void first_cell(float cell, const PlaneTables& t, int& first, float& fraction) {
+HWY_INLINE void first_cell(float cell, const PlanesTables& t, int& first, float& fraction) {
   const float start = cell - 0.5f * float(t.plan.width);
   const float up = std::ceil(start);
   fraction = up - start - 0.5f;
-  first = int(up) + t.transform / 2 + PlaneTables::margin;
+  first = int(up) + t.transform / 2 + PlanesTables::margin;
 }
 
 // Kernel weights of the cells of one axis, as the table has them: once, or twice for a complex grid.
@@ -121,7 +123,7 @@ void fill_table(const GriddingKernel& kernel, float* table) {
 
 // floats: of a line of a kernel up to 4 or 8 cells wide, complex.
 template <int floats>
-HWY_INLINE void spread(const Batch& b, int k, const PlaneTables& t, const float* x_table, const float* y_table, int x,
+HWY_INLINE void spread(const Batch& b, int k, const PlanesTables& t, const float* x_table, const float* y_table, int x,
                        int y, float x_fraction, float y_fraction, float* HWY_RESTRICT grids) {
   const hn::CappedTag<float, floats> d;
   constexpr size_t lanes = hn::MaxLanes(d), vectors = floats / lanes;
@@ -171,8 +173,9 @@ bool sort_partly_lit(std::vector<StripEntry>* strips, uint32_t wave, int first, 
 
 // Whether the wave is spread as a whole. Only waves that reach the reference pixel within the panel's acceptance have
 // their frequency on the grid; of the others, a few where a tile reaches past the panel, each pixel is summed.
-bool sort(const PreparedWave& wave, uint32_t index, double x, double y, const PlaneTables& t, const PixelBox& box,
-          PlaneWorkspace& w) {
+bool sort(const PreparedWave& wave, uint32_t index, const TilePlace& tile, const PlanesTables& t, PlanesWorkspace& w) {
+  const PixelBox& box = tile.box;
+  const double x = tile.x - wave.x, y = wave.y - tile.y;
   const PixelBox lit = intersect(wave.box, box);
   const bool all_x = lit.x0 == box.x0 && lit.x1 == box.x1, all_y = lit.y0 == box.y0 && lit.y1 == box.y1;
   const bool x_reaches = std::abs(x) <= t.tangent * wave.depth, y_reaches = std::abs(y) <= t.tangent * wave.depth;
@@ -187,7 +190,7 @@ bool sort(const PreparedWave& wave, uint32_t index, double x, double y, const Pl
 }
 
 template <int floats>
-void spread_batch(Batch& b, const Slab& slab, const PlaneTables& t, const float* x_table, const float* y_table,
+void spread_batch(Batch& b, const Slab& slab, const PlanesTables& t, const float* x_table, const float* y_table,
                   float* grids) {
   prepare<false>(b, t, slab);
   for (int k = 0; k < b.count; ++k) {
@@ -200,8 +203,8 @@ void spread_batch(Batch& b, const Slab& slab, const PlaneTables& t, const float*
   b.count = 0;
 }
 
-bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlaneTables& t, double reference_x,
-                 double reference_y, const PixelBox& box, PlaneWorkspace& w) {
+bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile,
+                 PlanesWorkspace& w) {
   HWY_ALIGN float x_table[(GriddingKernel::degree + 1) * 16], y_table[(GriddingKernel::degree + 1) * 16];
   fill_table<2>(t.kernel, x_table);
   fill_table<1>(t.kernel, y_table);
@@ -216,13 +219,12 @@ bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const
   for (size_t i = slab.first; i < slab.last; ++i) {
     const PreparedWave& wave = waves[i];
     hwy::Prefetch(&wave + 24);  // boxes come from memory, one tile after the other
-    if (intersect(wave.box, box).is_empty()) continue;
-    const double x = reference_x - wave.x, y = wave.y - reference_y;  // y down
-    if (!sort(wave, uint32_t(i), x, y, t, box, w)) continue;
+    if (intersect(wave.box, tile.box).is_empty()) continue;
+    if (!sort(wave, uint32_t(i), tile, t, w)) continue;
     any = true;
     const int k = b.count++;
-    b.x[k] = x;
-    b.y[k] = y;
+    b.x[k] = tile.x - wave.x;
+    b.y[k] = wave.y - tile.y;  // y down
     b.depth[k] = wave.depth;
     b.start[k] = wave.start_cycles;
     b.amplitude[k] = wave.amplitude;
@@ -232,23 +234,24 @@ bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const
   return any;
 }
 
-void SpreadStrip(const std::vector<PreparedWave>& waves, const std::vector<StripEntry>& entries, const Slab& slab,
-                 const PlaneTables& t, double reference_x, double reference_y, bool is_across_rows, int strip,
-                 PlaneWorkspace& w) {
+void SpreadStrip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile,
+                 const Strip& strip, PlanesWorkspace& w) {
+  const auto [is_across_rows, index] = strip;
+  const std::vector<StripEntry>& entries = w.entries[is_across_rows ? 1 : 0][index];
   const hn::CappedTag<float, strip_width> d;
   constexpr size_t lanes = hn::MaxLanes(d), vectors = strip_width / lanes;
   HWY_ALIGN float table[(GriddingKernel::degree + 1) * 16], weights[16], offsets[16], lines[16];
   fill_table<1>(t.kernel, table);
   for (int i = 0; i < strip_width; ++i) offsets[i] = float((i - strip_width / 2) * t.pitch), lines[i] = float(i);
-  const double to_strip = (strip * strip_width + strip_width / 2 - t.plan.tile / 2) * t.pitch;
-  const size_t step = 2 * strip_width, plane = size_t(t.cells) * step;
+  const double to_strip = (index * strip_width + strip_width / 2 - t.plan.tile / 2) * t.pitch;
+  const size_t step = 2 * strip_width, node = size_t(t.cells) * step;
   Batch b;
   for (size_t at = 0; at < entries.size(); at += batch) {
     b.count = int(std::min<size_t>(batch, entries.size() - at));
     for (int k = 0; k < b.count; ++k) {
       const StripEntry& entry = entries[at + size_t(k)];
       const PreparedWave& wave = waves[entry.wave];
-      const double x = reference_x - wave.x, y = wave.y - reference_y;
+      const double x = tile.x - wave.x, y = wave.y - tile.y;
       b.x[k] = (is_across_rows ? y : x) + to_strip;
       b.y[k] = is_across_rows ? x : y;
       b.depth[k] = wave.depth;
@@ -280,7 +283,7 @@ void SpreadStrip(const std::vector<PreparedWave>& waves, const std::vector<Strip
       for (int q = 0; q < t.plan.nodes; ++q)
         for (int r = 0; r < t.plan.width; ++r) {
           const auto weight = hn::Set(d, weights[r] * b.weights[q][k]);
-          float* const to = start + size_t(q) * plane + size_t(r) * step;
+          float* const to = start + size_t(q) * node + size_t(r) * step;
           for (size_t v = 0; v < vectors; ++v) {
             float* const to_re = to + v * lanes;
             float* const to_im = to_re + strip_width;
@@ -303,16 +306,14 @@ namespace holotrace {
 HWY_EXPORT(SpreadWaves);
 HWY_EXPORT(SpreadStrip);
 
-bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlaneTables& tables,
-                  double reference_x, double reference_y, const PixelBox& box, PlaneWorkspace& workspace) {
-  return HWY_DYNAMIC_DISPATCH(SpreadWaves)(waves, slab, tables, reference_x, reference_y, box, workspace);
+bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
+                  const TilePlace& tile, PlanesWorkspace& workspace) {
+  return HWY_DYNAMIC_DISPATCH(SpreadWaves)(waves, slab, tables, tile, workspace);
 }
 
-void spread_strip(const std::vector<PreparedWave>& waves, const std::vector<StripEntry>& entries, const Slab& slab,
-                  const PlaneTables& tables, double reference_x, double reference_y, bool is_across_rows, int strip,
-                  PlaneWorkspace& workspace) {
-  HWY_DYNAMIC_DISPATCH(SpreadStrip)
-  (waves, entries, slab, tables, reference_x, reference_y, is_across_rows, strip, workspace);
+void spread_strip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
+                  const TilePlace& tile, const Strip& strip, PlanesWorkspace& workspace) {
+  HWY_DYNAMIC_DISPATCH(SpreadStrip)(waves, slab, tables, tile, strip, workspace);
 }
 
 }  // namespace holotrace

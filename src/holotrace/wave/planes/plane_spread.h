@@ -6,6 +6,7 @@
 #include "holotrace/base/array.h"
 #include "holotrace/wave/shared/gridding_kernel.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
+#include "holotrace/wave/tiles/tile_sum.h"
 
 namespace holotrace {
 
@@ -13,7 +14,7 @@ namespace holotrace {
 struct PlanesPlan {
   int tile = 120;             ///< side of a tile [pixels]
   int width = 5;              ///< of the gridding kernel [cells]
-  int nodes = 3;              ///< planes per slab of depth
+  int nodes = 3;              ///< curvatures per slab of depth
   int slabs = 1;              ///< that the waves are sorted into by 1/depth
   bool is_corrected = false;  ///< for what the plane waves neglect: see sum_planes.h
   bool has_strips = true;     ///< where a box's edge cuts a tile; else the waves there are summed directly
@@ -24,7 +25,7 @@ struct PlanesPlan {
 inline constexpr int strip_width = 16;
 
 /// Numbers that all tiles of a plan share.
-struct PlaneTables {
+struct PlanesTables {
   PlanesPlan plan;
   GriddingKernel kernel;
   double wavelength, pitch, tangent;  ///< the last of the panel's acceptance, and a little more for rounding
@@ -36,7 +37,7 @@ struct PlaneTables {
   std::vector<double> nodes;        ///< Chebyshev points in (−1, 1)
   std::vector<float> denominators;  ///< Π (τ_q − τ_m), m ≠ q
 
-  PlaneTables(const PlanesPlan& plan, double wavelength, double pitch);
+  PlanesTables(const PlanesPlan& plan, double wavelength, double pitch);
   static constexpr int margin = 8;          ///< cells
   int stride() const { return cells + 8; }  ///< of a grid's lines: no power of two, which caches dislike
 };
@@ -55,27 +56,35 @@ struct StripEntry {
 };
 
 /// Buffers of one thread, kept from tile to tile.
-struct PlaneWorkspace {
+struct PlanesWorkspace {
   AlignedVector<float> grids;              ///< [node][line][cell], complex
   AlignedVector<float> strip;              ///< [node][cell][16 real, 16 imaginary]
   std::vector<StripEntry> entries[2][16];  ///< [across columns, across rows][strip]
   std::vector<PreparedWave> direct;        ///< waves that are left for sum_tile, cut to the tile
+  TileWorkspace of_direct;                 ///< of sum_tile
   AlignedVector<std::complex<float>> folded, turned, terms, tile;  ///< of the transforms
 };
 
-/// Spreads the slab's waves that light the tile `box` over the grids of the workspace; those that light a part of it go
-/// to its strips, or to `direct`.
-///
-/// @param reference_x, reference_y  place of the tile's pixel (tile/2, tile/2) [m]
-/// @return  whether the grids hold anything
-bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlaneTables& tables,
-                  double reference_x, double reference_y, const PixelBox& box, PlaneWorkspace& workspace);
+/// A tile of the panel, and the place of its reference pixel (tile/2, tile/2) [m].
+struct TilePlace {
+  PixelBox box;
+  double x, y;
+};
 
-/// Spreads the entries of one strip over workspace.strip: each line by itself along the other axis.
-///
-/// @param is_across_rows  the strip is of rows; else of columns
-void spread_strip(const std::vector<PreparedWave>& waves, const std::vector<StripEntry>& entries, const Slab& slab,
-                  const PlaneTables& tables, double reference_x, double reference_y, bool is_across_rows, int strip,
-                  PlaneWorkspace& workspace);
+/// Spreads the slab's waves that light the tile over the grids of the workspace; those that light a part of it go
+/// to its strips, or to `direct`.
+/// @return  whether the grids hold anything
+bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
+                  const TilePlace& tile, PlanesWorkspace& workspace);
+
+/// A strip of a tile: of rows (is_across_rows) or of columns, counted from the tile's first.
+struct Strip {
+  bool is_across_rows;
+  int index;
+};
+
+/// Spreads the entries of one strip (workspace.entries) over workspace.strip: each line by itself along the other axis.
+void spread_strip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
+                  const TilePlace& tile, const Strip& strip, PlanesWorkspace& workspace);
 
 }  // namespace holotrace

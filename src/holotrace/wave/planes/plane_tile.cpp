@@ -3,22 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "holotrace/base/complex_product.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/wave/planes/plane_correction.h"
 
 namespace holotrace {
 namespace {
 
 using Complex = std::complex<float>;
 
-// The product without the special cases of infinities that the operator has.
-Complex product(Complex a, Complex b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
-
-// exp(iπκu²)/φ̂ at the tile's pixels along one axis: the curvature of a plane of the slab and the kernel's correction.
-std::vector<Complex> chirp(const PlaneTables& t, double kappa) {
+// exp(iπκu²)/φ̂ at the tile's pixels along one axis: the curvature of a node of the slab and the kernel's correction.
+std::vector<Complex> chirp(const PlanesTables& t, double kappa) {
   std::vector<Complex> values;
   for (int i = 0; i < t.plan.tile; ++i) {
     const double u = (i - t.plan.tile / 2) * t.pitch;
@@ -28,15 +25,15 @@ std::vector<Complex> chirp(const PlaneTables& t, double kappa) {
 }
 
 // Where output `pixel` of a tile lies in a transform: outputs are counted from the reference pixel, around.
-int output_at(int pixel, const PlaneTables& t) {
+int output_at(int pixel, const PlanesTables& t) {
   const int from_reference = pixel - t.plan.tile / 2;
   return from_reference < 0 ? from_reference + t.transform : from_reference;
 }
 
 // A line of a grid with its margins folded back on the transform's inputs: cell c is frequency c − margin − M/2.
-int input_of(int cell, const PlaneTables& t) { return (cell - PlaneTables::margin + t.transform / 2) % t.transform; }
+int input_of(int cell, const PlanesTables& t) { return (cell - PlanesTables::margin + t.transform / 2) % t.transform; }
 
-// The terms of the expansion that plane waves neglect, as functions of the frequency (f, g): see PlanesPlan.
+// The terms of the expansion that plane waves neglect, as functions of the frequency (f, g): see Correction.
 enum class Term { wave, cross, difference, along_x, along_y };
 
 float weight_of(Term term, float f, float g) {
@@ -55,12 +52,12 @@ float weight_of(Term term, float f, float g) {
   return 1;
 }
 
-// The grid of one plane, weighted, transformed to the tile's pixels: out[column][row].
-void transform(const float* grid, Term term, const PlaneTables& t, PlaneWorkspace& w, Complex* out) {
+// The grid of one node, weighted, transformed to the tile's pixels: out[column][row].
+void transform(const float* grid, Term term, const PlanesTables& t, PlanesWorkspace& w, Complex* out) {
   const int m = t.transform, tile = t.plan.tile;
   const Fft<float> backward(m, FftDirection::backward);
   const float cell = float(1 / (m * t.pitch));
-  const auto frequency = [&](int c) { return float(c - PlaneTables::margin - m / 2) * cell; };
+  const auto frequency = [&](int c) { return float(c - PlanesTables::margin - m / 2) * cell; };
   w.folded.assign(size_t(m) * size_t(m), Complex());
   for (int j = 0; j < t.cells; ++j) {
     const float* const from = grid + size_t(j) * 2 * size_t(t.stride());
@@ -95,8 +92,8 @@ void transform(const float* grid, Term term, const PlaneTables& t, PlaneWorkspac
   }
 }
 
-// Brings one plane's grid to the tile's pixels and adds it to workspace.tile, [column][row].
-void add_plane(const float* grid, double kappa, const PlaneTables& t, PlaneWorkspace& w) {
+// Brings one node's grid to the tile's pixels and adds it to workspace.tile, [column][row].
+void add_node(const float* grid, double kappa, const PlanesTables& t, PlanesWorkspace& w) {
   const int tile = t.plan.tile;
   const size_t pixels = size_t(tile) * size_t(tile);
   const std::vector<Complex> bend = chirp(t, kappa);
@@ -105,12 +102,8 @@ void add_plane(const float* grid, double kappa, const PlaneTables& t, PlaneWorks
   if (t.plan.is_corrected)
     for (const Term term : {Term::cross, Term::difference, Term::along_x, Term::along_y})
       transform(grid, term, t, w, w.terms.data() + size_t(term) * pixels);
-  // With f = x/λr₀, 1/r₀ ≈ λκ: the second-order phase −λf·g/r₀·uv − λ(f² − g²)/4r₀·(u² − v²), the modulus
-  // −λ(f·u + g·v)/r₀ and the third-order phase −(f·u + g·v)(u² + v²)/2r₀², less what is linear in it.
-  const double per_r0 = t.wavelength * kappa, half = tile * t.pitch / 2;
-  const float second = float(-2 * pi * t.wavelength * per_r0), first = float(-t.wavelength * per_r0),
-              third = float(-pi * per_r0 * per_r0), linear = float((0.6 + 1.0 / 3) * half * half);
-  const auto times_i = [](Complex z) { return Complex(-z.imag(), z.real()); };
+  const double half = tile * t.pitch / 2;
+  const Correction<float> correction(t.wavelength, t.wavelength * kappa, linear_of_cubic * half * half);  // 1/r₀ ≈ λκ
   for (int i = 0; i < tile; ++i) {
     const float u = float((i - tile / 2) * t.pitch), s_u = t.first[size_t(i)], q_u = t.second[size_t(i)];
     const Complex* const term = w.terms.data() + size_t(i) * size_t(tile);
@@ -125,9 +118,7 @@ void add_plane(const float* grid, double kappa, const PlaneTables& t, PlaneWorks
         const Complex f = term[at + 3 * pixels] - times_i(s_u * sum), g = term[at + 4 * pixels] - times_i(s_v * sum);
         const Complex cross = term[at + pixels] - times_i(s_u * g + s_v * f) + s_u * s_v * sum;
         const Complex difference = term[at + 2 * pixels] - 2.0f * times_i(s_u * f - s_v * g) - (q_u - q_v) * sum;
-        const float v = float((j - tile / 2) * t.pitch), cubic = third * (u * u + v * v - linear);
-        sum += times_i(second * (u * v * cross + 0.25f * (u * u - v * v) * difference)) +
-               product(Complex(first, cubic), u * f + v * g);
+        sum += correction.of({f, g, cross, difference}, u, float((j - tile / 2) * t.pitch));
       }
       to[j] += product(product(bend_u, bend[at]), sum);
     }
@@ -135,17 +126,17 @@ void add_plane(const float* grid, double kappa, const PlaneTables& t, PlaneWorks
 }
 
 // Brings a strip's lines to the tile's pixels and adds them to workspace.tile.
-void add_strip(const Slab& slab, const PlaneTables& t, bool is_across_rows, int strip, PlaneWorkspace& w) {
+void add_strip(const Slab& slab, const PlanesTables& t, bool is_across_rows, int strip, PlanesWorkspace& w) {
   const int m = t.transform, tile = t.plan.tile, lines = std::min(strip_width, tile - strip * strip_width);
   const Fft<float> backward(m, FftDirection::backward);
   w.folded.resize(size_t(m));
   for (int q = 0; q < t.plan.nodes; ++q) {
     const std::vector<Complex> bend = chirp(t, slab.centre + slab.half * t.nodes[size_t(q)]);
-    const float* const plane = w.strip.data() + size_t(q) * size_t(t.cells) * 2 * strip_width;
+    const float* const node = w.strip.data() + size_t(q) * size_t(t.cells) * 2 * strip_width;
     for (int l = 0; l < lines; ++l) {
       std::fill_n(w.folded.begin(), m, Complex());
       for (int c = 0; c < t.cells; ++c) {
-        const float* const from = plane + size_t(c) * 2 * strip_width + l;
+        const float* const from = node + size_t(c) * 2 * strip_width + l;
         w.folded[size_t(input_of(c, t))] += Complex(from[0], from[strip_width]);
       }
       backward(w.folded.data());
@@ -159,33 +150,32 @@ void add_strip(const Slab& slab, const PlaneTables& t, bool is_across_rows, int 
   }
 }
 
-void add_strips(const PlaneWaves& waves, const Slab& slab, const PlaneTables& t, double x, double y,
-                PlaneWorkspace& w) {
+void add_strips(const SortedWaves& waves, const Slab& slab, const PlanesTables& t, const TilePlace& place,
+                PlanesWorkspace& w) {
   for (int axis = 0; axis < 2; ++axis)
     for (int s = 0; s < 16; ++s) {
       std::vector<StripEntry>& entries = w.entries[axis][s];
       if (entries.empty()) continue;
       w.strip.assign(size_t(t.plan.nodes) * size_t(t.cells) * 2 * strip_width, 0.0f);
-      spread_strip(waves.waves, entries, slab, t, x, y, axis == 1, s, w);
+      spread_strip(waves.waves, slab, t, place, {axis == 1, s}, w);
       add_strip(slab, t, axis == 1, s, w);
       entries.clear();
     }
 }
 
 // The waves left over, by tiles.
-void sum_direct(const std::vector<PreparedWave>& waves, const TilePlan& plan, const Grid& grid, double wavelength,
-                const PixelBox& box, TileWorkspace& workspace, Array2D<std::complex<float>>& samples) {
-  if (waves.empty()) return;
-  for (int y = box.y0; y < box.y1; y += plan.shape.rows)
-    for (int x = box.x0; x < box.x1; x += plan.shape.columns)
-      sum_tile(waves, grid, wavelength, plan,
-               {x, std::min(x + plan.shape.columns, box.x1), y, std::min(y + plan.shape.rows, box.y1)}, workspace,
-               samples);
+void sum_direct(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& w, Array2D<std::complex<float>>& samples) {
+  if (w.direct.empty()) return;
+  const TileShape& shape = sum.direct.shape;
+  for (int y = box.y0; y < box.y1; y += shape.rows)
+    for (int x = box.x0; x < box.x1; x += shape.columns)
+      sum_tile(w.direct, {sum.grid, sum.tables.wavelength}, sum.direct,
+               {x, std::min(x + shape.columns, box.x1), y, std::min(y + shape.rows, box.y1)}, w.of_direct, samples);
 }
 
 }  // namespace
 
-PlaneTables::PlaneTables(const PlanesPlan& plan, double wavelength, double pitch)
+PlanesTables::PlanesTables(const PlanesPlan& plan, double wavelength, double pitch)
     : plan(plan),
       kernel(plan.width),
       wavelength(wavelength),
@@ -209,22 +199,23 @@ PlaneTables::PlaneTables(const PlanesPlan& plan, double wavelength, double pitch
   }
 }
 
-void sum_plane_tile(const PlaneWaves& waves, const PlaneTables& t, const TilePlan& direct, const Grid& grid,
-                    const PixelBox& box, PlaneWorkspace& w, TileWorkspace& tile_workspace,
-                    Array2D<std::complex<float>>& samples) {
+void sum_planes_tile(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& w,
+                     Array2D<std::complex<float>>& samples) {
+  const PlanesTables& t = sum.tables;
+  const SortedWaves& waves = sum.waves;
   const int tile = t.plan.tile;
-  const double x = grid.x(box.x0 + tile / 2), y = grid.y(box.y0 + tile / 2);
-  const size_t plane = size_t(t.cells) * 2 * size_t(t.stride());
+  const TilePlace place{box, sum.grid.x(box.x0 + tile / 2), sum.grid.y(box.y0 + tile / 2)};
+  const size_t node = size_t(t.cells) * 2 * size_t(t.stride());
   w.tile.assign(size_t(tile) * size_t(tile), Complex());
   w.direct.clear();
   for (const Slab& slab : waves.slabs) {
-    w.grids.assign(size_t(t.plan.nodes) * plane, 0.0f);
-    const bool any = spread_waves(waves.waves, slab, t, x, y, box, w);
+    w.grids.assign(size_t(t.plan.nodes) * node, 0.0f);
+    const bool any = spread_waves(waves.waves, slab, t, place, w);
     for (int q = 0; any && q < t.plan.nodes; ++q)
-      add_plane(w.grids.data() + size_t(q) * plane, slab.centre + slab.half * t.nodes[size_t(q)], t, w);
-    add_strips(waves, slab, t, x, y, w);
+      add_node(w.grids.data() + size_t(q) * node, slab.centre + slab.half * t.nodes[size_t(q)], t, w);
+    add_strips(waves, slab, t, place, w);
   }
-  sum_direct(w.direct, direct, grid, t.wavelength, box, tile_workspace, samples);
+  sum_direct(sum, box, w, samples);
   for (int j = box.y0; j < box.y1; ++j)
     for (int i = box.x0; i < box.x1; ++i)
       samples(j, i) += w.tile[size_t(i - box.x0) * size_t(tile) + size_t(j - box.y0)];

@@ -10,14 +10,13 @@
 #include "holotrace/base/fft.h"
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/base/wrapped.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {
 
 constexpr int block = 16;  // columns that lie side by side: whole cache lines of either precision
-
-int wrapped(int index, int size) { return (index % size + size) % size; }
 
 // A call of known size, that is in registers.
 template <class Real>
@@ -134,6 +133,24 @@ class Convolution {
   }
 
  private:
+  // Copies the columns [column, end) of a row from a line into their blocks, or back.
+  enum class Into { blocks, line };
+  template <Into into>
+  static void move_row(Blocks<Real>& blocks, int row, int column, int end, Complex* line) {
+    for (; column < end; ++column, ++line) {
+      Complex* held = blocks.at(column / block, row) + column % block;
+      Complex* to = into == Into::blocks ? held : line;
+      const Complex* from = into == Into::blocks ? line : held;
+      if (column % block == 0 && column + block <= end) {
+        copy_block(from, to);
+        column += block - 1;
+        line += block - 1;
+      } else {
+        *to = *from;
+      }
+    }
+  }
+
   // Along x, and the bins that are held to their blocks.
   double forward_row(const Part<Real>& x, int j, Blocks<Real>& blocks) const {
     const int length = x.length, inputs = p_.x.inputs;
@@ -150,21 +167,9 @@ class Convolution {
         multiply_add(line, row + i, x.enter.data() + i, count);
     }
     forward_x_(line, bins);
-    const auto store = [&](int column, int end, const Complex* from) {
-      for (; column < end; ++column, ++from) {
-        Complex* to = blocks.at(column / block, j) + column % block;
-        if (column % block == 0 && column + block <= end) {
-          copy_block(from, to);
-          column += block - 1;
-          from += block - 1;
-        } else {
-          *to = *from;
-        }
-      }
-    };
     const int below = x.below_zero();
-    if (below > 0) store(0, below, bins + x.bin(0));
-    if (below < x.columns) store(below, x.columns, bins + x.bin(below));
+    if (below > 0) move_row<Into::blocks>(blocks, j, 0, below, bins + x.bin(0));
+    if (below < x.columns) move_row<Into::blocks>(blocks, j, below, x.columns, bins + x.bin(below));
     if (x.columns % block != 0) {  // what else is in the last block is transformed too, and must be numbers
       Complex* last = blocks.at(x.columns / block, j);
       std::fill(last + x.columns % block, last + block, Complex());
@@ -247,21 +252,9 @@ class Convolution {
     const int length = x.length;
     AlignedVector<Complex> work(2 * size_t(length));
     Complex *bins = work.data(), *line = work.data() + length;
-    const auto load = [&](int column, int end, Complex* to) {
-      for (; column < end; ++column, ++to) {
-        const Complex* from = blocks.at(column / block, o) + column % block;
-        if (column % block == 0 && column + block <= end) {
-          copy_block(from, to);
-          column += block - 1;
-          to += block - 1;
-        } else {
-          *to = *from;
-        }
-      }
-    };
     const int below = x.below_zero();
-    if (below > 0) load(0, below, bins + x.bin(0));
-    if (below < x.columns) load(below, x.columns, bins + x.bin(below));
+    if (below > 0) move_row<Into::line>(blocks, o, 0, below, bins + x.bin(0));
+    if (below < x.columns) move_row<Into::line>(blocks, o, below, x.columns, bins + x.bin(below));
     backward_x_(bins, line);
     Complex* row = out_.samples.row(o);
     x.each_run_of_outputs([&](int first, int at, int count) {

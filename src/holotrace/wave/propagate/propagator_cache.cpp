@@ -12,21 +12,21 @@
 namespace holotrace {
 namespace {
 
-// What make_propagator was asked, and what it made and said.
-template <class Real>
-struct Entry {
+// What make_propagator was asked.
+struct Question {
   Grid grid;
   double wavelength, distance;
   PropagateParams params;
+  bool operator==(const Question&) const = default;
+};
+
+// What it made and said.
+template <class Real>
+struct Entry {
+  Question question;
   std::shared_ptr<const Propagator<Real>> propagator;
   std::vector<std::pair<std::string, Fact>> facts;
   std::vector<std::string> warnings;
-
-  bool is_for(const Grid& g, double lambda, double z, const PropagateParams& p) const {
-    return grid == g && wavelength == lambda && distance == z && params.method == p.method &&
-           params.columns == p.columns && params.rows == p.rows && params.pitch == p.pitch &&
-           params.centre_x == p.centre_x && params.centre_y == p.centre_y && params.is_periodic == p.is_periodic;
-  }
 };
 
 template <class Real>
@@ -42,13 +42,13 @@ Cache<Real>& cache() {
 }
 
 template <class Real>
-Entry<Real> make_entry(const Grid& grid, double wavelength, double distance, const PropagateParams& params) {
-  Entry<Real> entry{grid, wavelength, distance, params, nullptr, {}, {}};
+Entry<Real> make_entry(const Question& question) {
+  Entry<Real> entry{question, nullptr, {}, {}};
   Observer notes;
   notes.on_fact = [&](const std::string& name, const Fact& value) { entry.facts.emplace_back(name, value); };
   notes.on_warning = [&](const std::string& sentence) { entry.warnings.push_back(sentence); };
-  entry.propagator =
-      std::make_shared<const Propagator<Real>>(make_propagator<Real>(grid, wavelength, distance, params, notes));
+  entry.propagator = std::make_shared<const Propagator<Real>>(
+      make_propagator<Real>(question.grid, question.wavelength, question.distance, question.params, notes));
   return entry;
 }
 
@@ -81,19 +81,19 @@ double propagator_cache_bytes() { return std::min(512.0 * 1024 * 1024, physical_
 template <class Real>
 std::shared_ptr<const Propagator<Real>> cached_propagator(const Grid& grid, double wavelength, double distance,
                                                           const PropagateParams& params, const Observer& observer) {
+  const Question question{grid, wavelength, distance, params};
   {
     Cache<Real>& kept = cache<Real>();
     const std::lock_guard lock(kept.mutex);
-    const auto found = std::find_if(kept.entries.begin(), kept.entries.end(), [&](const Entry<Real>& entry) {
-      return entry.is_for(grid, wavelength, distance, params);
-    });
+    const auto found = std::find_if(kept.entries.begin(), kept.entries.end(),
+                                    [&](const Entry<Real>& entry) { return entry.question == question; });
     if (found != kept.entries.end()) {
       kept.entries.splice(kept.entries.begin(), kept.entries, found);
       tell(*found, observer);
       return found->propagator;
     }
   }
-  Entry<Real> entry = make_entry<Real>(grid, wavelength, distance, params);
+  Entry<Real> entry = make_entry<Real>(question);
   tell(entry, observer);
   const auto propagator = entry.propagator;
   keep(std::move(entry));

@@ -7,6 +7,7 @@
 
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/base/wrapped.h"
 #include "holotrace/wave/propagate/kernel_transform.h"
 #include "holotrace/wave/propagate/propagation_kernel.h"
 
@@ -14,8 +15,6 @@ namespace holotrace {
 namespace {
 
 using Complex = std::complex<double>;
-
-int wrapped(int index, int size) { return (index % size + size) % size; }
 
 template <class Real>
 void make_table(Propagator<Real>& p) {

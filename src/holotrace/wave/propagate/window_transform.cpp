@@ -9,14 +9,13 @@
 #include "holotrace/base/fft.h"
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/base/wrapped.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {
 
 constexpr int block = 16;  // columns that go through the cache together
-
-int wrapped(int64_t index, int size) { return int((index % size + size) % size); }
 
 // exp(2πi·a·b), reduced in long double: a·b may be 1e9 cycles.
 std::complex<double> cis_product(long double a, long double b) {

@@ -61,26 +61,25 @@ bool can_run(const TilePlan& plan) {
 
 }  // namespace
 
-TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const Grid& grid, const PixelBox& bounds,
-                       double wavelength, double tolerance, double coherence) {
+TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const SumGoal& goal) {
   TileChoice best{};
   const SummationRates rates = summation_rates();
   const auto seconds = [&](const TilePlan& plan) { return predict_seconds(tile_work(plan), rates, 1); };
   for (const TileShape shape : tile_shapes) {
-    const SplitEnergies energies = measure_split(pixels, grid, bounds, wavelength, shape);
+    const SplitEnergies energies = measure_split(pixels, goal.grid, goal.bounds, goal.wavelength, shape);
     const double split = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
     for (const TileProducts products : {TileProducts::bf16, TileProducts::split_bf16, TileProducts::single}) {
       const TilePlan plan{shape, products};
       if (!can_run(plan)) continue;
-      const double error = std::hypot(split, rounding_error(products)) / std::sqrt(coherence);
-      const bool meets = 1.25 * error <= tolerance;
+      const double error = std::hypot(split, rounding_error(products)) / std::sqrt(goal.coherence);
+      const bool meets = 1.25 * error <= goal.tolerance;
       const bool is_better =
           meets == best.meets_tolerance ? (meets ? seconds(plan) < seconds(best.plan) : true) : meets;
       if (is_better) best = {plan, error, energies, meets};
     }
     // Smaller tiles are dearer: the first that does it in single precision is the last to look at.
     if (best.meets_tolerance &&
-        1.25 * std::hypot(split, rounding_error(TileProducts::single)) <= tolerance * std::sqrt(coherence))
+        1.25 * std::hypot(split, rounding_error(TileProducts::single)) <= goal.tolerance * std::sqrt(goal.coherence))
       break;
   }
   return best;

@@ -40,6 +40,16 @@ struct SplitEnergies {
   double error = 0, waves = 0;
 };
 
+/// Where waves are summed, and how well.
+struct SumGoal {
+  Grid grid;
+  PixelBox bounds;        ///< pixels that are summed; tiles cover them from the top left corner on
+  double wavelength = 0;  ///< [m]
+  double tolerance = 0;   ///< relative L2 error
+  double coherence = 1;   ///< energy of the field over the sum of its waves' energies: 1 for random phases, less
+                          ///< where the waves cancel, so that their errors weigh more
+};
+
 /// The split neglects about k·x₀·y₀·u·v/r₀³ for a pixel at (u, v) from the tile's centre, which lies at
 /// (x₀, y₀) from the source. Its error is measured: at pixels that the waves light (draw_pixels), the split is compared
 /// with the wave itself.
@@ -59,12 +69,7 @@ struct TileChoice {
 
 /// The fastest plan on this machine (cost_model.h) whose expected error, with a margin of a quarter, is below the
 /// tolerance; the most accurate one if none is.
-///
-/// @param coherence  energy of the field over the sum of its waves' energies: 1 for random phases, less
-///                   where the waves cancel, so that their errors weigh more
-/// @param bounds     as for measure_split
-TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const Grid& grid, const PixelBox& bounds,
-                       double wavelength, double tolerance, double coherence = 1);
+TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const SumGoal& goal);
 
 /// Work of a plan for one wave and pixel: its products and, spread over the tile, what is done once per column and row
 /// and once per tile.
@@ -73,7 +78,7 @@ SummationWork tile_work(const TilePlan& plan);
 /// The same for tiles over the whole grid.
 inline TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,
                               double tolerance, double coherence = 1) {
-  return choose_tile(draw_pixels(waves), grid, {0, grid.nx, 0, grid.ny}, wavelength, tolerance, coherence);
+  return choose_tile(draw_pixels(waves), {grid, {0, grid.nx, 0, grid.ny}, wavelength, tolerance, coherence});
 }
 
 }  // namespace holotrace

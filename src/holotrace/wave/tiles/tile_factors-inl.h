@@ -21,8 +21,8 @@ using Floats = hn::ScalableTag<float>;
 using V = hn::Vec<Floats>;
 using Words = hn::RebindToUnsigned<Floats>;
 
-constexpr int planes = 3;   // a, b and a + b of a factor a + ib
-constexpr int batch = 128;  // waves whose factors are held at once: they stay in the caches between products
+constexpr int components = 3;  // a, b and a + b of a factor a + ib
+constexpr int batch = 128;     // waves whose factors are held at once: they stay in the caches between products
 
 // What the factors of a batch's waves in one tile need. The tile's centre lies at (x, y) from a wave's origin, at the
 // distance r₀.

@@ -26,15 +26,15 @@ constexpr int pairs = batch / 2;
 template <Series series>
 void row_factors(const TileBatch& b, const Offsets& offsets, TileShape tile, float* rows) {
   const Floats d;
-  const size_t plane = size_t(tile.rows) * batch;
+  const size_t component = size_t(tile.rows) * batch;
   for (int r = 0; r < tile.rows; ++r)
     for (int k = 0; k < padded(b.count); k += int(hn::Lanes(d))) {
       V re, im;
       row_factor<series>(b, k, offsets.v[size_t(r)], float(r), re, im);
       float* const to = rows + size_t(r) * batch + size_t(k);
       hn::Store(re, d, to);
-      hn::Store(im, d, to + plane);
-      hn::Store(hn::Add(re, im), d, to + 2 * plane);
+      hn::Store(im, d, to + component);
+      hn::Store(hn::Add(re, im), d, to + 2 * component);
     }
 }
 
@@ -42,20 +42,20 @@ void row_factors(const TileBatch& b, const Offsets& offsets, TileShape tile, flo
 template <Series series>
 void column_factors(const TileBatch& b, const Offsets& offsets, TileShape tile, int k, int vectors, float* columns) {
   const Floats d;
-  const size_t plane = size_t(tile.columns) * batch, n = hn::Lanes(d), panel = size_t(vectors) * n;
+  const size_t component = size_t(tile.columns) * batch, n = hn::Lanes(d), panel = size_t(vectors) * n;
   const bool has_edges = b.first_column[k] > 0 || b.last_column[k] < tile.columns;
   const float *u = offsets.u.data(), *index = offsets.index.data();
-  for (float* start = columns + size_t(k) * panel; start < columns + plane; start += batch * panel)
+  for (float* start = columns + size_t(k) * panel; start < columns + component; start += batch * panel)
     for (float* to = start; to < start + panel; to += n, u += n, index += n) {
       V re, im;
       column_factor<series>(b, k, hn::Load(d, u), hn::Load(d, index), has_edges, re, im);
       hn::Store(re, d, to);
-      hn::Store(im, d, to + plane);
-      hn::Store(hn::Add(re, im), d, to + 2 * plane);
+      hn::Store(im, d, to + component);
+      hn::Store(hn::Add(re, im), d, to + 2 * component);
     }
 }
 
-// sums[block_rows × vectors] += Σ over waves of row factor × column factor, of one plane.
+// sums[block_rows × vectors] += Σ over waves of row factor × column factor, of one component.
 template <int block_rows, int vectors>
 HWY_INLINE void multiply_block(const float* HWY_RESTRICT columns, const float* HWY_RESTRICT rows, int waves,
                                float* HWY_RESTRICT sums, int stride) {
@@ -90,7 +90,7 @@ HWY_INLINE void multiply_block(const float* HWY_RESTRICT columns, const float* H
 template <int block_rows, int vectors>
 void multiply_batch(TileWorkspace& s, TileShape tile, int waves) {
   const int panel = vectors * int(hn::Lanes(Floats()));
-  for (size_t p = 0; p < planes; ++p) {
+  for (size_t p = 0; p < components; ++p) {
     const float* const columns = s.columns.data() + p * size_t(tile.columns) * batch;
     const float* const rows = s.rows.data() + p * size_t(tile.rows) * batch;
     float* const sums = s.sums.data() + p * size_t(tile.rows) * size_t(tile.columns);
@@ -122,7 +122,7 @@ HWY_INLINE void pack(V first, V second, uint32_t* parts, size_t part_step, int p
 
 int packed_rows(TileShape tile) { return (tile.rows + 31) / 32 * 32; }
 
-// Words of one part of one plane.
+// Words of one part of one component.
 size_t packed_row_words(TileShape tile) { return size_t(packed_rows(tile)) * pairs; }
 size_t packed_column_words(TileShape tile) { return size_t(tile.columns) * pairs; }
 
@@ -132,7 +132,7 @@ constexpr int first_of_pair(int i) { return i / 16 * 32 + i % 16; }
 template <Series series>
 void packed_row_factors(const TileBatch& b, const Offsets& offsets, TileShape tile, int parts, uint32_t* rows) {
   const Floats d;
-  const size_t part_step = packed_row_words(tile), plane = part_step * size_t(parts);
+  const size_t part_step = packed_row_words(tile), component = part_step * size_t(parts);
   for (int r = 0; r < tile.rows; ++r)
     for (int i = 0; i < padded(b.count) / 2; i += int(hn::Lanes(d))) {
       V re[2], im[2];
@@ -140,15 +140,15 @@ void packed_row_factors(const TileBatch& b, const Offsets& offsets, TileShape ti
         row_factor<series>(b, first_of_pair(i) + 16 * half, offsets.v[size_t(r)], float(r), re[half], im[half]);
       uint32_t* const to = rows + size_t(r) * pairs + size_t(i);
       pack(re[0], re[1], to, part_step, parts);
-      pack(im[0], im[1], to + plane, part_step, parts);
-      pack(hn::Add(re[0], im[0]), hn::Add(re[1], im[1]), to + 2 * plane, part_step, parts);
+      pack(im[0], im[1], to + component, part_step, parts);
+      pack(hn::Add(re[0], im[0]), hn::Add(re[1], im[1]), to + 2 * component, part_step, parts);
     }
 }
 
 template <Series series>
 void packed_column_factors(const TileBatch& b, const Offsets& offsets, TileShape tile, int parts, uint32_t* columns) {
   const Floats d;
-  const size_t part_step = packed_column_words(tile), plane = part_step * size_t(parts);
+  const size_t part_step = packed_column_words(tile), component = part_step * size_t(parts);
   for (int i = 0; i < padded(b.count) / 2; ++i) {
     const int k = first_of_pair(i);
     const bool has_edges = std::max(b.first_column[k], b.first_column[k + 16]) > 0 ||
@@ -160,8 +160,8 @@ void packed_column_factors(const TileBatch& b, const Offsets& offsets, TileShape
                               hn::Load(d, &offsets.index[size_t(c)]), has_edges, re[half], im[half]);
       uint32_t* const to = columns + (size_t(c / 16) * pairs + size_t(i)) * 16 + size_t(c % 16);
       pack(re[0], re[1], to, part_step, parts);
-      pack(im[0], im[1], to + plane, part_step, parts);
-      pack(hn::Add(re[0], im[0]), hn::Add(re[1], im[1]), to + 2 * plane, part_step, parts);
+      pack(im[0], im[1], to + component, part_step, parts);
+      pack(hn::Add(re[0], im[0]), hn::Add(re[1], im[1]), to + 2 * component, part_step, parts);
     }
   }
 }
@@ -169,7 +169,7 @@ void packed_column_factors(const TileBatch& b, const Offsets& offsets, TileShape
 // With two parts each, of the four products all but the smallest: the first alone, and each first with a second.
 void multiply_pairs(TileWorkspace& s, TileShape tile, int waves, int parts) {
   const size_t row_step = packed_row_words(tile), column_step = packed_column_words(tile);
-  for (size_t p = 0; p < planes; ++p) {
+  for (size_t p = 0; p < components; ++p) {
     const uint32_t* const rows = s.packed_rows.data() + p * row_step * size_t(parts);
     const uint32_t* const columns = s.packed_columns.data() + p * column_step * size_t(parts);
     const PackedProduct product{{{rows, columns}, {rows, columns + column_step}, {rows + row_step, columns}},
@@ -225,15 +225,15 @@ int held_rows(const TilePlan& plan) {
 
 void prepare_workspace(const TilePlan& plan, TileWorkspace& s) {
   const TileShape tile = plan.shape;
-  s.sums.assign(planes * size_t(held_rows(plan)) * size_t(tile.columns), 0.0f);
+  s.sums.assign(components * size_t(held_rows(plan)) * size_t(tile.columns), 0.0f);
   if (plan.products == TileProducts::single) {
-    s.columns.resize(planes * size_t(tile.columns) * batch);
-    s.rows.resize(planes * size_t(tile.rows) * batch);
+    s.columns.resize(components * size_t(tile.columns) * batch);
+    s.rows.resize(components * size_t(tile.rows) * batch);
     return;
   }
   const size_t parts = plan.products == TileProducts::bf16 ? 1 : 2;
-  s.packed_columns.resize(planes * parts * packed_column_words(tile));
-  s.packed_rows.assign(planes * parts * packed_row_words(tile), 0);  // rows past the tile's stay dark
+  s.packed_columns.resize(components * parts * packed_column_words(tile));
+  s.packed_rows.assign(components * parts * packed_row_words(tile), 0);  // rows past the tile's stay dark
 }
 
 void add_batch(TileBatch& b, const Offsets& offsets, double wavelength, double pitch, const TilePlan& plan,
@@ -249,8 +249,9 @@ void add_batch(TileBatch& b, const Offsets& offsets, double wavelength, double p
   b.has_row_edges = false;
 }
 
-void SumTile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, const TilePlan& plan,
-             const PixelBox& box, TileWorkspace& s, Array2D<std::complex<float>>& samples) {
+void SumTile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box,
+             TileWorkspace& s, Array2D<std::complex<float>>& samples) {
+  const auto& [grid, wavelength] = panel;
   const TileShape tile = plan.shape;
   prepare_workspace(plan, s);
   const Offsets offsets(tile, grid.pitch);
@@ -263,8 +264,8 @@ void SumTile(const std::vector<PreparedWave>& waves, const Grid& grid, double wa
   }
   add_batch(b, offsets, wavelength, grid.pitch, plan, s);
   const float* const ac = s.sums.data();
-  const float* const bd = ac + s.sums.size() / planes;
-  const float* const all = bd + s.sums.size() / planes;
+  const float* const bd = ac + s.sums.size() / components;
+  const float* const all = bd + s.sums.size() / components;
   for (int j = box.y0; j < box.y1; ++j)
     for (int i = box.x0; i < box.x1; ++i) {
       const size_t at = size_t(j - box.y0) * size_t(tile.columns) + size_t(i - box.x0);
@@ -285,9 +286,9 @@ namespace holotrace {
 HWY_EXPORT(SumTile);
 HWY_EXPORT(TargetName);
 
-void sum_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, const TilePlan& plan,
-              const PixelBox& box, TileWorkspace& workspace, Array2D<std::complex<float>>& samples) {
-  HWY_DYNAMIC_DISPATCH(SumTile)(waves, grid, wavelength, plan, box, workspace, samples);
+void sum_tile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box,
+              TileWorkspace& workspace, Array2D<std::complex<float>>& samples) {
+  HWY_DYNAMIC_DISPATCH(SumTile)(waves, panel, plan, box, workspace, samples);
 }
 
 std::string tile_sum_instruction_set() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }

@@ -16,11 +16,17 @@ struct TileWorkspace {
   AlignedVector<uint32_t> packed_columns, packed_rows;
 };
 
+/// Where waves are summed: the panel's pixels, in their light.
+struct LitGrid {
+  const Grid& grid;
+  double wavelength;  ///< [m]
+};
+
 /// Adds the waves whose boxes meet `box`, the part of a tile that lies on the grid, to the samples
 /// there. The tile starts at (box.x0, box.y0) and may reach past the grid. The hot loop of
 /// sum_tiled, compiled once for every instruction set and chosen at run time.
-void sum_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength, const TilePlan& plan,
-              const PixelBox& box, TileWorkspace& workspace, Array2D<std::complex<float>>& samples);
+void sum_tile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box,
+              TileWorkspace& workspace, Array2D<std::complex<float>>& samples);
 
 /// Name of the instruction set that sum_tile runs on here: "AVX3", "AVX2", "SSE4", …
 std::string tile_sum_instruction_set();

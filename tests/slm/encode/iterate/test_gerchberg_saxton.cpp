@@ -20,25 +20,26 @@ std::complex<double> inner(const Field& a, const Field& b) {
   return sum;
 }
 
-TEST(PlaneOptics, WayBackIsTheAdjointOfTheWayThere) {
+TEST(TargetPropagation, WayBackIsTheAdjointOfTheWayThere) {
   // Angular spectrum (2 mm) and Rayleigh–Sommerfeld kernel (0.2 m), both ways, with aperture and stop: the float sums
   // of a few thousand products, 1e-5 of the norms.
   const Slm slm = make_panel(72, 40);
   const Field u = random_field(slm.grid, 1), g = random_field(slm.grid, 2);
   for (const double z : {-0.002, 0.002, -0.2, 0.2})
     for (const double stop : {1.0, 0.4}) {
-      const PlaneOptics optics = make_plane_optics(slm, test_wavelength, z, PixelAperture::included, stop);
-      const std::complex<double> there = inner(g, optics.to_plane(u)), back = inner(optics.to_panel(g), u);
+      const TargetPropagation propagation =
+          make_target_propagation(slm, test_wavelength, z, PixelAperture::included, stop);
+      const std::complex<double> there = inner(g, propagation.to_plane(u)), back = inner(propagation.to_panel(g), u);
       EXPECT_LT(std::abs(there - back), 1e-5 * std::sqrt(inner(u, u).real() * inner(g, g).real())) << z << " " << stop;
     }
 }
 
-TEST(PlaneOptics, NoLightIsGained) {
+TEST(TargetPropagation, NoLightIsGained) {
   // ‖T‖ ≤ 1: what the error that never grows stands on. 1e-5: float.
   const Slm slm = make_panel(72, 40);
   const Field u = random_field(slm.grid, 3);
   for (const double z : {0.0, 0.002, 0.2})
-    EXPECT_LE(power(make_plane_optics(slm, test_wavelength, z, PixelAperture::included).to_plane(u)),
+    EXPECT_LE(power(make_target_propagation(slm, test_wavelength, z, PixelAperture::included).to_plane(u)),
               power(u) * (1 + 1e-5))
         << z;
 }
@@ -66,9 +67,9 @@ TEST(GerchbergSaxton, APlaneOfItsOwnLightIsReachedAtOnce) {
   const Slm slm = make_panel(64, 48, 65536);
   Field start = random_field(slm.grid, 4);
   for (auto& u : start.samples.values) u /= std::abs(u);
-  const PlaneOptics optics = make_plane_optics(slm, test_wavelength, -0.01, PixelAperture::included);
+  const TargetPropagation propagation = make_target_propagation(slm, test_wavelength, -0.01, PixelAperture::included);
   TargetPlane target{-0.01, test_wavelength, Array2D<float>(48, 64), {}};
-  const Field shown = optics.to_plane(start);
+  const Field shown = propagation.to_plane(start);
   for (size_t i = 0; i < shown.samples.size(); ++i) target.amplitude.values[i] = std::abs(shown.samples.values[i]);
   EncodeParams params{.method = Encoding::gerchberg_saxton};
   params.iterations = 3;
@@ -103,14 +104,15 @@ TEST(WeightedGerchbergSaxton, MakesSpotsMoreEvenThanThePlainKindDoes) {
       spots.push_back({9 + 9 * j, 13 + 10 * i});
       target.amplitude(spots.back().first, spots.back().second) = 1;
     }
-  const PlaneOptics optics = make_plane_optics(slm, test_wavelength, target.z, PixelAperture::included);
+  const TargetPropagation propagation =
+      make_target_propagation(slm, test_wavelength, target.z, PixelAperture::included);
   const auto unevenness = [&](Encoding method) {  // standard deviation of the spots' moduli over their mean
     const EncodeParams params{.method = method, .start = StartPhase::random};
     const Hologram h = encode_targets({target}, random_field(slm.grid, 1), slm, params);
     Field u(slm.grid, test_wavelength);
     for (size_t i = 0; i < u.samples.size(); ++i)
       u.samples.values[i] = std::complex<float>(std::polar(1.0, 2 * pi * h.level.values[i] / 65536));
-    const Field shown = optics.to_plane(u);
+    const Field shown = propagation.to_plane(u);
     double sum = 0, square = 0;
     for (const auto& [j, i] : spots) {
       sum += std::abs(shown.samples(j, i)) / double(spots.size());
@@ -149,15 +151,16 @@ TEST(Targets, AreReachedFasterWithMomentum) {
   const TargetPlane target = picture_targets(slm, params).front();
   Heard heard;
   field_of_target(target, slm, params, heard.observer());
-  const PlaneOptics optics = make_plane_optics(slm, test_wavelength, target.z, PixelAperture::included, params.stop);
+  const TargetPropagation propagation =
+      make_target_propagation(slm, test_wavelength, target.z, PixelAperture::included, params.stop);
   Field wanted(slm.grid, test_wavelength, target.z);
   for (size_t i = 0; i < wanted.samples.size(); ++i) wanted.samples.values[i] = target.amplitude.values[i];
-  Field u = optics.to_panel(wanted);
+  Field u = propagation.to_panel(wanted);
   double plain = 0;
   for (int step = 0; step <= 60; ++step) {
-    Field shown = optics.to_plane(u);
+    Field shown = propagation.to_plane(u);
     plain = leave_residual(target, 1, shown) / target_power(target);
-    add_part(optics.to_panel(shown), 1, u);
+    add_part(propagation.to_panel(shown), 1, u);
   }
   EXPECT_LT(heard.number("error_last"), plain);
 }
@@ -176,8 +179,7 @@ TEST(GerchbergSaxton, SaysWhatIsWrong) {
             "× 0");
   params.target_columns = 0;
   params.target_distances = {};
-  EXPECT_EQ(error(),
-            "expected a distance that the image is made for, got none; give target_distances (--target-distances)");
+  EXPECT_EQ(error(), "expected at least one target distance, got none; give target_distances (--target-distances)");
   params.target_distances = {0.001};
   params.effects = {"crostalk"};
   EXPECT_NE(error().find("crosstalk"), std::string::npos) << error();

@@ -17,14 +17,14 @@ double loss(const std::vector<TargetPlane>& targets, const Slm& slm, const Holog
   double sum = 0;
   for (const TargetPlane& target : targets) {  // each of a wavelength of its own
     const DrivenPanel panel(slm, hologram, target.wavelength);
-    const PlaneOptics optics = make_plane_optics(slm, target.wavelength, target.z, panel.aperture());
+    const TargetPropagation propagation = make_target_propagation(slm, target.wavelength, target.z, panel.aperture());
     Field u(slm.grid, target.wavelength);
     panel.leave(drive, u);
-    Field shown = optics.to_plane(u);
+    Field shown = propagation.to_plane(u);
     const ModulusSums sums = fit_sums(target, shown);
     const double s = sums.cross / sums.square;
     sum += s * s * leave_residual(target, 1 / s, shown);
-    if (slope) panel.add_slope(drive, u, optics.to_panel(shown), -2 * s * s, *slope);
+    if (slope) panel.add_slope(drive, u, propagation.to_panel(shown), -2 * s * s, *slope);
   }
   return sum;
 }

@@ -12,7 +12,7 @@ namespace holotrace {
 
 namespace {
 
-// The drive at which the phase has gone once around, 0 where it does not.
+// The drive at which the phase completes one turn, 0 if it never does.
 double drive_of_turn(const PixelResponse& response, int levels) {
   const double start = response.cycles_at(0);
   double low = 0, high = levels;
@@ -33,9 +33,9 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
   turn_ = drive_of_turn(response, hologram.levels);
   levels_per_radian_ = hologram.levels / (2 * pi * (response.cycles_at(hologram.levels) - response.cycles_at(0)));
   if (effects_of(slm).empty()) return;
-  Moment moment;
-  moment.wavelength = wavelength;
-  model_.emplace(slm, ShowParams{}, hologram.modulation, hologram.levels, design, moment);
+  IlluminationState state;
+  state.wavelength = wavelength;
+  model_.emplace(slm, ShowParams{}, hologram.modulation, hologram.levels, design, state);
 }
 
 void DrivenPanel::leave(const Array2D<float>& drive, Field& u) const {

@@ -14,7 +14,7 @@
 namespace holotrace {
 namespace {
 
-// What falls short asks for more.
+// Raises the wanted amplitude of pixels that are too dark, and lowers that of pixels that are too bright.
 void strengthen(const TargetPlane& wanted, const Field& shown, double scale, TargetPlane& target) {
   parallel_for(0, target.amplitude.ny, [&](int64_t j) {
     const float* a = wanted.amplitude.row(int(j));
@@ -41,9 +41,9 @@ Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, A
   const bool is_weighted = params.method == Encoding::weighted_gerchberg_saxton;
   const int iterations = iterations_of(params);
   const std::vector<TargetPlane> wanted = is_weighted ? targets : std::vector<TargetPlane>{};
-  std::vector<PlaneOptics> optics;
+  std::vector<TargetPropagation> propagations;
   for (const TargetPlane& target : targets)
-    optics.push_back(make_plane_optics(slm, wavelength, target.z, PixelAperture::included));
+    propagations.push_back(make_target_propagation(slm, wavelength, target.z, PixelAperture::included));
 
   Field u(slm.grid, wavelength);
   u.samples = std::move(start);
@@ -52,7 +52,7 @@ Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, A
   std::vector<double> convergence;
   std::vector<Field> shown(targets.size());
   for (int iteration = 0; iteration <= iterations; ++iteration) {
-    for (size_t k = 0; k < targets.size(); ++k) shown[k] = optics[k].to_plane(u);
+    for (size_t k = 0; k < targets.size(); ++k) shown[k] = propagations[k].to_plane(u);
     if (iteration == 0 || is_weighted) {
       double cross = 0;
       for (size_t k = 0; k < targets.size(); ++k)
@@ -70,7 +70,7 @@ Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, A
         error += leave_residual(targets[k], scale, shown[k]);
       }
       if (iteration == iterations) continue;
-      Field back = optics[k].to_panel(shown[k]);
+      Field back = propagations[k].to_panel(shown[k]);
       if (targets.size() > 1)
         add_part(back, 1 / double(targets.size()), step);
       else

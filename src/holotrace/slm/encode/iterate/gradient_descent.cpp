@@ -16,15 +16,15 @@
 namespace holotrace {
 namespace {
 
-// One wavelength: the panel in its light, and the ways to its planes.
+// One wavelength: the panel in its light, and the propagations to its target planes.
 struct Colour {
   DrivenPanel panel;
   std::vector<const TargetPlane*> targets;
-  std::vector<PlaneOptics> optics;
+  std::vector<TargetPropagation> propagations;
   Field u;
-  double scale = 1, error = 0;  // of the pattern looked at last
-  double light = 0;             // of it, where the weight is not 0
-  double power = 0;             // of the targets
+  double scale = 1, error = 0;  // for the latest pattern
+  double light = 0;             // its light where the weight is not 0
+  double power = 0;             // power of the targets
 
   Colour(const Slm& slm, const Hologram& hologram, double wavelength)
       : panel(slm, hologram, wavelength), u(slm.grid, wavelength) {}
@@ -40,19 +40,19 @@ std::vector<std::unique_ptr<Colour>> colours_of(const std::vector<TargetPlane>& 
       found = colours.insert(colours.end(), std::make_unique<Colour>(slm, hologram, target.wavelength));
     Colour& colour = **found;
     colour.targets.push_back(&target);
-    colour.optics.push_back(make_plane_optics(slm, target.wavelength, target.z, colour.panel.aperture()));
+    colour.propagations.push_back(make_target_propagation(slm, target.wavelength, target.z, colour.panel.aperture()));
     colour.power += target_power(target);
   }
   return colours;
 }
 
-// The light of a pattern in the planes of a colour, its scale and error; the gradient by u, if one is wanted.
+// Light of a pattern in the target planes of one colour, its scale and error; on request the gradient by u.
 Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
   colour.panel.leave(drive, colour.u);
   std::vector<Field> shown;
   ModulusSums sums;
   for (size_t k = 0; k < colour.targets.size(); ++k) {
-    shown.push_back(colour.optics[k].to_plane(colour.u));
+    shown.push_back(colour.propagations[k].to_plane(colour.u));
     const ModulusSums part = fit_sums(*colour.targets[k], shown.back());
     sums.cross += part.cross;
     sums.square += part.square;
@@ -62,18 +62,18 @@ Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
   colour.error = colour.power - colour.scale * sums.cross;
   Field gradient;
   if (!has_gradient) return gradient;
-  // s²·Σw(|v| − a/s)², and its gradient −2s² times the residual.
+  // s²·Σw(|v| − a/s)²; its gradient is −2s² times the residual.
   colour.error = 0;
   for (size_t k = 0; k < colour.targets.size(); ++k) {
     colour.error += colour.scale * colour.scale * leave_residual(*colour.targets[k], 1 / colour.scale, shown[k]);
-    Field back = colour.optics[k].to_panel(shown[k]);
+    Field back = colour.propagations[k].to_panel(shown[k]);
     if (colour.targets.size() == 1) return back;
     add_part(back, 1, gradient);
   }
   return gradient;
 }
 
-// Of all colours that have light, each against its own peak.
+// PSNR over all colours that have light, each relative to its own peak.
 double psnr(const std::vector<std::unique_ptr<Colour>>& colours) {
   double error = 0, weight = 0;
   for (const auto& colour : colours) {
@@ -113,7 +113,7 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
              const Observer& observer, Hologram& hologram) {
   const int iterations = iterations_of(params);
   const std::vector<std::unique_ptr<Colour>> colours = colours_of(targets, slm, hologram);
-  // Each colour counts by its own light, so that a dim one is not left to the brightest; a dark one does not count.
+  // Each colour is weighted by its own light, so that dim colours count as much as bright ones; dark ones do not count.
   double lit = 0;
   for (const auto& colour : colours) lit += colour->power > 0;
   const auto part = [&](const Colour& colour) { return colour.power > 0 ? 1 / (colour.power * lit) : 0; };
@@ -124,8 +124,8 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
   };
 
   const DrivenPanel& first = colours.front()->panel;
-  const float turn = colours.size() == 1 ? float(first.turn()) : 0;  // the levels of a circle
-  const double step = (params.step > 0 ? params.step : 0.4) * first.levels_per_radian();
+  const float turn = colours.size() == 1 ? float(first.turn()) : 0;  // levels in a whole turn
+  const double step = (params.step > 0 ? params.step : sgd_step) * first.levels_per_radian();
   constexpr double beta1 = 0.9, beta2 = 0.99;
   const int nx = hologram.level.nx, ny = hologram.level.ny;
   Array2D<float> drive(ny, nx), levels(ny, nx), slope(ny, nx), mean(ny, nx), square(ny, nx);

@@ -5,12 +5,13 @@
 
 namespace holotrace {
 
-Field PlaneOptics::to_plane(const Field& panel) const { return propagate(panel, there); }
-Field PlaneOptics::to_panel(const Field& plane) const { return propagate(plane, back); }
+Field TargetPropagation::to_plane(const Field& panel) const { return propagate(panel, there); }
+Field TargetPropagation::to_panel(const Field& plane) const { return propagate(plane, back); }
 
-PlaneOptics make_plane_optics(const Slm& slm, double wavelength, double z, PixelAperture aperture, double stop) {
-  PlaneOptics optics;
-  optics.there = make_propagator<float>(slm.grid, wavelength, z);
+TargetPropagation make_target_propagation(const Slm& slm, double wavelength, double z, PixelAperture aperture,
+                                          double stop) {
+  TargetPropagation propagation;
+  propagation.there = make_propagator<float>(slm.grid, wavelength, z);
   const auto passing = [&](double lit) {
     return [=](double f) {
       const double dimmed = aperture == PixelAperture::included ? aperture_spectrum(f, lit) : 1;
@@ -18,9 +19,9 @@ PlaneOptics make_plane_optics(const Slm& slm, double wavelength, double z, Pixel
     };
   };
   if (aperture == PixelAperture::included || stop < 1)
-    filter_transfer<float>(optics.there, passing(slm.lit_x()), passing(slm.lit_y()));
-  optics.back = adjoint_of(optics.there);
-  return optics;
+    filter_transfer<float>(propagation.there, passing(slm.lit_x()), passing(slm.lit_y()));
+  propagation.back = adjoint_of(propagation.there);
+  return propagation;
 }
 
 }  // namespace holotrace

@@ -1,0 +1,205 @@
+// holotrace bench: what this machine reaches at best, and what part of it each stage does, measured in one run.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/bench.h"
+#include "commands.h"
+#include "console.h"
+#include "holotrace/base/cpu.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/suggest.h"
+#include "holotrace/estimate/machine/ceilings.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/picture/chart_file.h"
+
+namespace holotrace {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct BenchGroup {
+  const char* name;
+  std::vector<BenchStep> (*steps)(const BenchOptions&);
+};
+
+// In the order of the table. A stage joins the benchmark by a line here and its steps in bench.h.
+const BenchGroup groups[] = {{"trace", trace_steps},         {"accelerators", accelerators_steps},
+                             {"exact", exact_steps},         {"tiled", tiled_steps},
+                             {"planes", planes_steps},       {"layers", layers_steps},
+                             {"triangles", triangles_steps}, {"auto", auto_steps},
+                             {"propagate", propagate_steps}, {"show", show_steps},
+                             {"quality", quality_steps}};
+
+std::vector<std::string> group_names() {
+  std::vector<std::string> names{"ceilings"};
+  for (const BenchGroup& group : groups) names.push_back(group.name);
+  return names;
+}
+
+std::string check_group(const std::string& name) {
+  const std::vector<std::string> known = group_names();
+  if (std::find(known.begin(), known.end(), name) != known.end()) return "";
+  return unknown_name_message("group of stages", name, known);
+}
+
+// --- the ceilings ---
+
+Json json_of(const Ceilings& c) {
+  Json multiply_adds;
+  for (const MultiplyAddPeak& peak : c.multiply_adds) multiply_adds[peak.instruction_set] = peak.per_second;
+  return {{"multiply_adds_per_s", multiply_adds},
+          {"bf16_vector_multiply_adds_per_s", c.bf16_vectors},
+          {"bf16_tile_multiply_adds_per_s", c.bf16_tiles},
+          {"memory_bytes_per_s", c.memory_bandwidth},
+          {"fft_in_cache_operations_per_s", c.fft_in_cache},
+          {"fft_3840x2160_operations_per_s", c.fft_of_panel}};
+}
+
+// 45.3e9 in place of 4.53e10: rates are read in powers of a thousand.
+std::string format_rate(double rate) {
+  int power = 0;
+  for (; rate >= 1000; rate /= 1000) power += 3;
+  const int decimals = rate < 10 ? 2 : rate < 100 ? 1 : 0;
+  return power > 0 ? fmt::format("{:.{}f}e{}", rate, decimals, power) : fmt::format("{:.{}f}", rate, decimals);
+}
+
+void print_ceilings(const Ceilings& c) {
+  const auto line = [](const std::string& name, double rate, const char* unit) {
+    fmt::print("  {:<44} {:>8} {}/s\n", name, rate > 0 ? format_rate(rate) : "-", unit);
+  };
+  fmt::print("Ceilings of {}, {} thread{}\n", cpu_name(), c.threads, c.threads == 1 ? "" : "s");
+  for (const MultiplyAddPeak& peak : c.multiply_adds) line(peak.instruction_set, peak.per_second, "multiply-adds");
+  line("bf16, AVX-512 vectors", c.bf16_vectors, "multiply-adds");
+  line("bf16, AMX tiles", c.bf16_tiles, "multiply-adds");
+  line("memory, u = v + s·w", c.memory_bandwidth, "bytes");
+  line("FFT of 4096 samples in cache, float", c.fft_in_cache, "operations");
+  line("FFT of 3840x2160 samples, float", c.fft_of_panel, "operations");
+}
+
+// --- the stages ---
+
+Json json_of(const std::string& group, const BenchRow& row) {
+  Json json{{"group", group}, {"stage", row.stage}, {"job", row.job}, {"unit", row.unit}};
+  if (!row.left_out.empty()) {
+    json["left_out"] = row.left_out;
+  } else {
+    json["seconds"] = row.seconds;
+    json["runs"] = row.runs;
+    json["rate_per_s"] = row.rate;
+  }
+  if (row.ceiling_rate > 0) {
+    json["ceiling"] = row.ceiling;
+    json["ceiling_per_s"] = row.ceiling_rate;
+    json["of_ceiling"] = row.of_ceiling;
+  }
+  if (row.error >= 0) json["error"] = row.error;
+  if (!row.facts.empty()) json["facts"] = row.facts;
+  return json;
+}
+
+std::string format_seconds(double seconds) {
+  return seconds < 0.1 ? fmt::format("{:.2f} ms", 1e3 * seconds) : fmt::format("{:.3f} s", seconds);
+}
+
+void print_head() {
+  fmt::print("\n{:<22} {:<52} {:>10} {:>8} {:<15} {:>10} {:>8}\n", "stage", "job", "time", "rate", "per second",
+             "of ceiling", "error");
+}
+
+void print_row(const BenchRow& row) {
+  if (!row.left_out.empty()) {
+    fmt::print("{:<22} {:<52} left out: {}\n", row.stage, row.job, row.left_out);
+    return;
+  }
+  fmt::print("{:<22} {:<52} {:>10} {:>8} {:<15} {:>10} {:>8}\n", row.stage, row.job, format_seconds(row.seconds),
+             format_rate(row.rate), row.unit,
+             row.ceiling_rate > 0 ? fmt::format("{:.0f} %", 100 * row.of_ceiling) : "-",
+             row.error >= 0 ? fmt::format("{:.1e}", row.error) : "-");
+}
+
+// A stage that refuses its job is a line that says so: the others still run.
+BenchRow run_step(const BenchStep& step) {
+  try {
+    return step.run();
+  } catch (const Error& error) {
+    return {.stage = step.name, .left_out = error.what()};
+  }
+}
+
+void run_bench(const BenchOptions& options, const std::vector<std::string>& only, bool is_json, const std::string& plot,
+               Console& console) {
+  const Ceilings ceilings = measure_ceilings(console.watch("ceilings"));
+  Json json{{"version", HOLOTRACE_VERSION},
+            {"processor", cpu_name()},
+            {"threads", ceilings.threads},
+            {"ceilings", json_of(ceilings)},
+            {"stages", Json::array()}};
+  std::vector<BenchRow> rows;
+  for (const BenchGroup& group : groups) {
+    if (!only.empty() && std::find(only.begin(), only.end(), group.name) == only.end()) continue;
+    const Observer observer = console.watch(group.name);
+    const std::vector<BenchStep> steps = group.steps(options);
+    for (size_t i = 0; i < steps.size(); ++i) {
+      rows.push_back(run_step(steps[i]));
+      json["stages"].push_back(json_of(group.name, rows.back()));
+      observer.progress(double(i + 1) / double(steps.size()));
+    }
+  }
+  console.finish();
+  if (!plot.empty()) save_chart(plot, accelerators_chart(rows));
+  if (is_json) {
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  print_ceilings(ceilings);
+  if (rows.empty()) return;
+  print_head();
+  for (const BenchRow& row : rows) print_row(row);
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand(
+      "bench",
+      "peak rates of this machine and the fraction of them that each stage reaches (medians, ratios in one "
+      "run)");
+  struct Options {
+    bool is_json = false, is_quick = false, is_full = false;
+    std::vector<std::string> only;
+    std::string plot;
+  };
+  auto o = std::make_shared<Options>();
+  command->add_flag("--json", o->is_json, "as JSON");
+  command->add_flag("--quick", o->is_quick, "only the small jobs, each once or twice: under a minute");
+  command->add_flag("--full", o->is_full, "also the jobs that take longer than 15 s, which are otherwise left out")
+      ->excludes("--quick");
+  command->add_option("--only", o->only, fmt::format("only these groups of stages: {}", fmt::join(group_names(), ", ")))
+      ->delimiter(',')
+      ->type_name("NAME,NAME")
+      ->check(check_group, "", "");
+  command
+      ->add_option("--plot", o->plot,
+                   "chart of the time per ray against the number of triangles: .png or .svg; needs the group "
+                   "accelerators")
+      ->type_name("FILE");
+  command->callback([o, &global] {
+    if (!o->plot.empty()) {
+      check_output(o->plot, {".png", ".svg"});
+      require(o->only.empty() || std::find(o->only.begin(), o->only.end(), "accelerators") != o->only.end(),
+              "--plot draws the group accelerators, which --only leaves out; add accelerators to --only");
+    }
+    BenchOptions options;
+    if (o->is_quick) options = {.is_quick = true, .seconds_per_row = 0.2, .longest_seconds = 1};
+    if (o->is_full) options.longest_seconds = 1e9;
+    Console console(global.is_quiet);
+    run_bench(options, o->only, o->is_json, o->plot, console);
+  });
+}
+
+}  // namespace holotrace

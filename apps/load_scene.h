@@ -1,0 +1,20 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <string>
+
+#include "holotrace/io/scene/scene_file.h"
+
+namespace holotrace {
+
+/// load_job, with its warnings on stderr: for every command but `run`, whose first stage tells them.
+/// @throws Error as load_job does
+inline Job load_scene(const std::string& path) {
+  Job job = load_job(path);
+  for (const std::string& warning : job.warnings) fmt::print(stderr, "warning: scene: {}\n", warning);
+  return job;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,170 @@
+#include "holotrace/run/estimate/display_probe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/estimate/machine/median_seconds.h"
+#include "holotrace/run/illumination_plan.h"
+#include "holotrace/run/pipeline.h"
+#include "holotrace/run/viewing.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
+
+namespace holotrace {
+namespace {
+
+constexpr int fewest_pixels = 1 << 14;  // of a small panel: less is over before threads are up
+
+// A part of each map and list that the panel's own effects have for all of its pixels.
+void shrink_effects(Slm& slm) {
+  slm.effects.dead_pixels.clear();
+  if (slm.effects.phase_map) slm.effects.phase_map = std::make_shared<Array2D<float>>(slm.grid.ny, slm.grid.nx);
+}
+
+bool is_before_encoding(const std::string& stage) {
+  return stage == "scene" || stage == "trace" || stage == "synthesize" || stage.starts_with("render");
+}
+
+// The same with other transfer functions: those of a run are kept for the next, but that of the job has none yet.
+Job at_other_distances(Job job, double factor) {
+  for (double& distance : job.camera.distances) distance *= factor;
+  for (double& distance : job.encode.target_distances) distance *= factor;
+  job.camera.sweep_from *= factor;
+  job.camera.sweep_to *= factor;
+  return job;
+}
+
+std::vector<StageReport> stages_after_sum(const Job& job) {
+  std::vector<StageReport> stages = run(job).report.stages;
+  std::erase_if(stages, [](const StageReport& stage) { return is_before_encoding(stage.stage); });
+  return stages;
+}
+
+// By place: views are named by their distances.
+double seconds_of(const std::vector<StageReport>& stages, size_t place, double otherwise) {
+  return place < stages.size() ? stages[place].seconds : otherwise;
+}
+
+double transform_work(const Grid& grid) {
+  const double pixels = double(grid.pixels());
+  return pixels * std::log2(std::max(2.0, pixels));
+}
+
+}  // namespace
+
+Job on_small_panel(const Job& job, double side) {
+  Job small = job;
+  // Shorter distances need fewer wavelengths of a spectrum. A source needs as many parts at any scale, and flicker, too.
+  if (job.show.illumination_states == 0 && job.show.bandwidth > 0)
+    small.show.illumination_states = int(plan_illumination(job.slm, job.show, job.wavelengths.front(), job.encode.image,
+                                                           viewpoints(job.camera, job.render))
+                                             .states.size());
+  Grid& panel = small.slm.grid;
+  const auto fewer = [&](int& count) {
+    if (count > 0) count = std::max(2, int(std::lround(count * side)));
+  };
+  for (int* count : {&panel.nx, &panel.ny, &small.encode.target_columns, &small.encode.target_rows,
+                     &small.propagate.columns, &small.propagate.rows, &small.render.rows, &small.render.columns})
+    fewer(*count);
+  CameraParams& camera = small.camera;
+  for (double& distance : camera.distances) distance *= side;
+  for (double& distance : small.encode.target_distances) distance *= side;
+  for (double* length : {&camera.pupil,
+                         &camera.eye.x,
+                         &camera.eye.y,
+                         &camera.eye.z,
+                         &camera.focal_length,
+                         &camera.width,
+                         &camera.height,
+                         &camera.centre_x,
+                         &camera.centre_y,
+                         &camera.sweep_from,
+                         &camera.sweep_to,
+                         &small.propagate.centre_x,
+                         &small.propagate.centre_y,
+                         &small.show.source_distance,
+                         &small.show.beam_radius,
+                         &small.render.eye.x,
+                         &small.render.eye.y,
+                         &small.render.eye.z,
+                         &small.render.focus,
+                         &small.render.pupil,
+                         &small.render.eye_separation})
+    *length *= side;
+  if (!(panel == job.slm.grid)) shrink_effects(small.slm);
+  small.scene = {};
+  small.scene.points = {{{0, 0, -20 * std::max(panel.width(), panel.height())}}};
+  small.trace = {};
+  small.trace.frames = 1;
+  small.synthesize = {};
+  small.render.paths = small.render.max_depth = 1;
+  small.render.path_expressions.clear();
+  small.warnings.clear();
+  return small;
+}
+
+double DisplayProbe::first_part() const {
+  return std::min(1.0, std::max(1.0 / 64, fewest_pixels / double(job.slm.grid.pixels())));
+}
+
+ProbeResult DisplayProbe::run(double part) {
+  ProbeResult result;
+  // What does not fit the small panel may fit a larger one, and that is tried once.
+  const auto attempt = [&](double of_panel) {
+    try {
+      result.predicted = predict(of_panel);
+      why_none.clear();
+    } catch (const Error& error) {
+      stages.clear();
+      why_none = error.what();
+    }
+    return why_none.empty();
+  };
+  result.seconds = median_seconds(1, [&] {
+    if (!attempt(part) && part < 1) attempt(std::min(1.0, 4 * part));
+  });
+  return result;
+}
+
+double DisplayProbe::predict(double part) {
+  Job small = on_small_panel(job, std::sqrt(part));
+  const int iterations = iterations_of(job.encode), few = std::min(iterations, 2), more = std::min(iterations, 6);
+  if (iterations > 0) small.encode.iterations = few;
+  const double scale = transform_work(job.slm.grid) / transform_work(small.slm.grid);
+  const double times = holograms / double(job.wavelengths.size());
+  holotrace::run(at_other_distances(small, 0.999));  // plans transforms
+  const std::vector<StageReport> one = stages_after_sum(small);
+  std::vector<StageReport> two, longer;
+  if (times > 1) {
+    Job again = small;
+    again.trace.frames = 2;
+    two = stages_after_sum(at_other_distances(again, 1.001));
+  }
+  if (more > few) {
+    Job again = small;
+    again.encode.iterations = more;
+    longer = stages_after_sum(at_other_distances(again, 1.002));
+  }
+  // Views are named by their distance.
+  std::map<std::string, std::string> names;
+  const auto from = viewpoints(job.camera, job.render), small_from = viewpoints(small.camera, small.render);
+  for (size_t i = 0; i < from.size(); ++i) names[small_from[i].stage] = from[i].stage;
+  stages.clear();
+  double predicted = 0;
+  for (size_t i = 0; i < one.size(); ++i) {
+    const StageReport& stage = one[i];
+    double seconds = seconds_for(times, stage.seconds, seconds_of(two, i, 2 * stage.seconds));
+    if (stage.stage == "encode" && more > few) {
+      const double each = std::max(0.0, seconds_of(longer, i, 0) - stage.seconds) / (more - few);
+      seconds += times * (iterations - few) * each;
+    }
+    const auto name = names.find(stage.stage);
+    stages.push_back({name == names.end() ? stage.stage : name->second, scale * seconds, {}, {}, {}});
+    predicted += stages.back().seconds;
+  }
+  return predicted;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,212 @@
+#include "holotrace/run/estimate/job_estimate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <new>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/estimate/grid_cost.h"
+#include "holotrace/estimate/machine/median_seconds.h"
+#include "holotrace/estimate/machine/probes.h"
+#include "holotrace/run/estimate/display_probe.h"
+#include "holotrace/run/estimate/synthesis_probe.h"
+#include "holotrace/run/estimate/trace_probe.h"
+#include "holotrace/run/pipeline.h"
+#include "holotrace/run/renders.h"
+#include "holotrace/trace/geometry/uniform_grid.h"
+#include "holotrace/trace/render.h"
+#include "holotrace/wave/synthesize.h"
+
+namespace holotrace {
+namespace {
+
+constexpr double share_of_job = 0.06;  // that probes may take; what is made once is beside it
+constexpr double long_enough = 0.4;    // seconds of a probe
+
+int render_columns(const RenderParams& params) { return params.columns > 0 ? params.columns : params.rows; }
+double render_pixels(const RenderParams& params) { return double(params.rows) * render_columns(params); }
+
+// Fewer rows and columns of the render; the scene is made ready as for tracing.
+ProbeResult probe_render(const Job& job, const RenderParams& params, double prepare_seconds, double part) {
+  RenderParams some = params;
+  const double side = std::sqrt(part);
+  some.rows = std::max(1, int(std::lround(params.rows * side)));
+  some.columns = std::max(1, int(std::lround(render_columns(params) * side)));
+  const double seconds = median_seconds(1, [&] { make_render(job, some); });
+  const double scale = render_pixels(params) / render_pixels(some), prepare = std::min(prepare_seconds, seconds);
+  return {seconds, prepare + (seconds - prepare) * scale};
+}
+
+void add_trace(const Job& job, const TraceProbe& probe, JobEstimate& e) {
+  e.paths = probe.count("paths");
+  e.rays = probe.count("rays");
+  e.shadow_rays = probe.count("shadow_rays");
+  const auto length = probe.facts.find("mean_path_length");
+  e.mean_path_length = length == probe.facts.end() ? 0 : length->second;
+  e.prepare_seconds = probe.prepare_seconds;
+  const double rays = e.rays + e.shadow_rays;
+  if (rays > 0) e.seconds_per_ray = probe.ray_seconds() / rays;
+  for (const Mesh& mesh : job.scene.meshes) e.triangles += double(mesh.triangles.size());
+  e.accelerator = job.trace.accelerator == Acceleration::grid ? "grid" : "Embree";
+}
+
+// All waves of the job, from those of the probe.
+std::vector<Sources> all_waves(const Job& job, const TraceProbe& probe) {
+  const size_t points = job.scene.points.size();
+  double tangent = 2 * std::tan(job.trace.field_of_view);
+  if (!(tangent > 0)) tangent = job.wavelengths.front() / job.slm.grid.pitch;
+  const double spacing = tangent / std::max(1.0, std::sqrt(first_rays(job)));
+  std::vector<Sources> sets;
+  for (const Sources& set : probe.light.sources) {
+    const size_t fixed = std::min(points, set.waves.size());
+    sets.push_back(probe.scale > 1 ? grow(set, fixed, probe.scale, spacing) : set);
+  }
+  return sets;
+}
+
+void require_light(const TraceProbe& probe) {
+  const bool has_waves = std::any_of(probe.light.sources.begin(), probe.light.sources.end(),
+                                     [](const Sources& set) { return !set.waves.empty(); });
+  require(has_waves || probe.light.sources.empty(), "expected light from the scene, the probe found none");
+}
+
+// A raster so coarse that it misses all of a scene is made finer before anything goes by it; the part of the rays then.
+double find_light(TraceProbe& probe) {
+  const auto is_dark = [&] {
+    return std::all_of(probe.light.sources.begin(), probe.light.sources.end(),
+                       [](const Sources& set) { return set.waves.empty(); });
+  };
+  double part = probe.first_part();
+  probe.run(part);
+  while (!probe.light.sources.empty() && is_dark() && part < 1) probe.run(part = std::min(1.0, 4 * part));
+  // What grows with the rays has to show beside what does not.
+  while (part < 1 && probe.seconds < 2 * probe.prepare_seconds) probe.run(part = std::min(1.0, 4 * part));
+  return part;
+}
+
+// Triangles are summed on a part of the panel; gathered fields are there already and are copied.
+ProbeResult probe_other_sum(const Job& job, const SceneLight& light, double part) {
+  Grid panel = light.gathered.empty() ? job.slm.grid : light.gathered.front().front().grid;
+  if (!light.gathered.empty()) part = 1;
+  panel.nx = std::max(1, int(std::lround(panel.nx * std::sqrt(part))));
+  panel.ny = std::max(1, int(std::lround(panel.ny * std::sqrt(part))));
+  const double seconds = median_seconds(1, [&] { fields_of_frame(light, 0, panel, job.synthesize); });
+  return {seconds, seconds * double(job.slm.grid.pixels()) / double(panel.pixels())};
+}
+
+}  // namespace
+
+double JobEstimate::seconds() const { return seconds_of(""); }
+
+double JobEstimate::seconds_of(const std::string& prefix) const {
+  double sum = 0;
+  for (const StageEstimate& stage : stages)
+    if (stage.stage.starts_with(prefix)) sum += stage.seconds;
+  return sum;
+}
+
+JobEstimate estimate_job(const Job& job) {
+  JobEstimate e;
+  e.probe_seconds = median_seconds(1, [&] {
+    check_field_fits(job.slm.grid, sizeof(std::complex<float>));
+    check_job(job);
+    e.wavelengths = double(job.wavelengths.size());
+    e.frames = job.trace.frames;
+    e.lights = double(job.scene.lights.size());
+    e.subpixels = double(job.show.subpixels) * job.show.subpixels;
+
+    TraceProbe trace(job);
+    const double trace_part = find_light(trace);
+    require_light(trace);
+    e.sets = std::max(1.0, double(trace.light.sets()));
+    std::vector<PlannedRender> renders = plan_renders(job);
+    for (const PlannedRender& render : plan_stereo_renders(job)) renders.push_back(render);
+    DisplayProbe display(job);
+    display.holograms = e.holograms();
+    SynthesisProbe sum(job, all_waves(job, trace));
+    const SceneLight other = trace.light;  // of triangles; gathered fields are there already
+    const auto times = [](double factor, ProbeResult result) {
+      return ProbeResult{result.seconds, factor * result.predicted, result.next};
+    };
+    std::vector<Probe> probes(4);
+    probes[0] = {[&](double part) { return trace.run(part); }, trace_part};
+    const RenderParams& one = renders.front().params;
+    probes[1] = {
+        [&](double part) { return times(double(renders.size()), probe_render(job, one, trace.prepare_seconds, part)); },
+        std::min(1.0, 1024 / render_pixels(one))};
+    probes[2] = {[&](double part) {
+                   if (!sum.sets.empty()) return times(e.frames, sum.run(part));
+                   return times(e.frames, probe_other_sum(job, other, part));
+                 },
+                 sum.sets.empty() ? 1.0 / 64 : sum.first_part()};
+    probes[3] = {[&](double part) { return display.run(part); }, display.first_part()};
+    refine_probes(probes, share_of_job, long_enough);
+
+    add_trace(job, trace, e);
+    e.waves = sum.waves;
+    e.waves_pixels = sum.waves_pixels;
+    e.method = sum.sets.empty() ? "" : sum.method;
+    e.why_no_simulation = display.why_none;
+    if (e.is_whole())
+      for (const PlannedRender& render : renders)
+        e.stages.push_back({render.stage, probes[1].last.predicted / double(renders.size())});
+    e.stages.push_back({"trace", probes[0].last.predicted});
+    e.stages.push_back({"synthesize", probes[2].last.predicted});
+    for (const StageReport& stage : display.stages) e.stages.push_back({stage.stage, stage.seconds});
+  });
+  return e;
+}
+
+void measure_other_accelerator(const Job& job, JobEstimate& e) {
+  const bool is_grid = job.trace.accelerator == Acceleration::grid;
+  e.other_accelerator = is_grid ? "Embree" : "grid";
+  if (job.scene.meshes.empty() || !(e.rays + e.shadow_rays > 0)) return;
+  try {
+    e.other_seconds_per_ray = seconds_per_ray_by(is_grid ? Acceleration::embree : Acceleration::grid, job);
+    const GridCost cost = predict_grid_cost(UniformGrid(job.scene).statistics(), calibrate_grid());
+    e.grid_cells_per_ray = cost.cells;
+    e.grid_tests_per_ray = cost.tests;
+    e.grid_seconds_per_ray = cost.seconds;
+  } catch (const Error& error) {  // the job does not ask for it: no reason to refuse the rest
+    e.why_no_other = error.what();
+  } catch (const std::bad_alloc&) {
+    e.why_no_other = "there is not enough memory";
+  }
+}
+
+std::vector<StageComparison> compare_with_run(const JobEstimate& estimate, Report& report) {
+  StageReport entry;
+  entry.stage = "estimate";
+  entry.seconds = estimate.probe_seconds;
+  std::vector<StageComparison> lines;
+  const auto add = [&](const std::string& name, double predicted, double taken) {
+    lines.push_back({name, predicted, taken});
+    entry.facts.emplace_back(name + " predicted_seconds", Fact(predicted));
+    if (taken > 0) entry.facts.emplace_back(name + " ratio", Fact(predicted / taken));
+  };
+  StageComparison all{"all"}, simulation{"simulation"};
+  const auto count = [](double predicted, double taken, StageComparison& sum) {
+    sum.predicted += predicted;
+    sum.taken += taken;
+  };
+  for (const StageReport& stage : report.stages) {
+    const auto found = std::find_if(estimate.stages.begin(), estimate.stages.end(),
+                                    [&](const StageEstimate& s) { return s.stage == stage.stage; });
+    if (found == estimate.stages.end()) continue;
+    add(stage.stage, found->seconds, stage.seconds);
+    count(found->seconds, stage.seconds, all);
+    const bool is_light = stage.stage == "trace" || stage.stage == "synthesize" || stage.stage.starts_with("render");
+    if (!is_light) count(found->seconds, stage.seconds, simulation);
+  }
+  if (estimate.is_whole())
+    for (const StageComparison& sum : {simulation, all}) add(sum.name, sum.predicted, sum.taken);
+  report.stages.push_back(std::move(entry));
+  return lines;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,137 @@
+#include "holotrace/run/estimate/synthesis_probe.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/random.h"
+#include "holotrace/estimate/machine/median_seconds.h"
+#include "holotrace/wave/summation.h"
+#include "holotrace/wave/synthesize.h"
+
+namespace holotrace {
+namespace {
+
+// Copies `copies[i]` times wave i, with a displacement for all but the first.
+Sources repeat(const Sources& from, const std::vector<size_t>& copies, double spacing) {
+  Sources to = from;
+  to.waves.clear();
+  to.phase_keys.clear();
+  std::vector<size_t> origins;
+  for (size_t i = 0; i < copies.size(); ++i)
+    for (size_t copy = 0; copy < copies[i]; ++copy) {
+      Source wave = from.waves[i];
+      if (copy > 0) {
+        CounterRandom random(3, 0, origins.size());
+        wave.origin.x += (random.uniform() - 0.5) * spacing * -wave.origin.z;
+        wave.origin.y += (random.uniform() - 0.5) * spacing * -wave.origin.z;
+        wave.phase = float(6.283 * random.uniform());
+      }
+      to.waves.push_back(wave);
+      origins.push_back(i);
+      if (!from.phase_keys.empty()) to.phase_keys.push_back(from.phase_keys[i]);
+    }
+  const size_t tiles = size_t(from.tiles.columns) * size_t(from.tiles.rows);
+  to.tiles.values.resize(tiles * origins.size());
+  for (size_t t = 0; t < tiles; ++t)
+    for (size_t i = 0; i < origins.size(); ++i)
+      to.tiles.values[t * origins.size() + i] = from.tiles.values[t * from.waves.size() + origins[i]];
+  return to;
+}
+
+Approach approach_of(SynthesisMethod method) {
+  return method == SynthesisMethod::tiled    ? Approach::tiled
+         : method == SynthesisMethod::planes ? Approach::planes
+                                             : Approach::cheapest;
+}
+
+bool has_forecast(SynthesisMethod method) {
+  return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled || method == SynthesisMethod::planes;
+}
+
+// The middle of a panel.
+Grid middle_of(const Grid& panel, double part) {
+  const double side = std::sqrt(part);
+  return {std::max(1, int(std::lround(panel.nx * side))), std::max(1, int(std::lround(panel.ny * side))), panel.pitch,
+          panel.centre_x, panel.centre_y};
+}
+
+}  // namespace
+
+Sources take_part(const Sources& sources, double part) {
+  std::vector<size_t> copies(sources.waves.size());
+  for (size_t i = 0; i < copies.size(); ++i)
+    copies[i] = size_t(double(i + 1) * part + 1e-9) > size_t(double(i) * part + 1e-9) ? 1 : 0;
+  if (!copies.empty() && std::find(copies.begin(), copies.end(), 1U) == copies.end()) copies.front() = 1;
+  return repeat(sources, copies, 0);
+}
+
+Sources grow(const Sources& sources, size_t fixed, double factor, double spacing) {
+  std::vector<size_t> copies(sources.waves.size(), 1);
+  double owed = 0;
+  for (size_t i = fixed; i < copies.size(); ++i) {
+    owed += factor;
+    copies[i] = size_t(owed + 1e-9);
+    owed -= double(copies[i]);
+  }
+  return repeat(sources, copies, spacing);
+}
+
+SynthesisProbe::SynthesisProbe(const Job& whole, std::vector<Sources> all) : job(whole), sets(std::move(all)) {
+  const SynthesizeParams& params = job.synthesize;
+  method = method_name(params.method);
+  for (const Sources& set : sets) {
+    if (set.waves.empty()) continue;
+    waves += double(set.waves.size());
+    waves_pixels += double(holotrace::waves_pixels(set, job.slm.grid));
+    if (!has_forecast(params.method)) continue;
+    SumForecast sum;
+    planning +=
+        median_seconds(1, [&] { sum = forecast_sum(set, job.slm.grid, params.tolerance, approach_of(params.method)); });
+    forecast += sum.seconds;
+    method = sum.method.empty() ? method_name(SynthesisMethod::exact) : sum.method;  // what no plan meets
+  }
+}
+
+// Ways that the cost model does not know may take 20 ns per wave and pixel: 2e6 of them take some 40 ms, and larger parts
+// follow where there is time.
+double SynthesisProbe::first_part() const {
+  if (forecast > 0) return std::clamp(1e8 / std::max(1.0, waves_pixels), 1e-4, 1.0);
+  return std::min(1.0, 2e6 / std::max(1.0, waves_pixels));
+}
+
+ProbeResult SynthesisProbe::run(double part) {
+  // The longest set stands for all.
+  const auto set = std::max_element(sets.begin(), sets.end(),
+                                    [](const Sources& a, const Sources& b) { return a.waves.size() < b.waves.size(); });
+  // At first the kept rates of the machine alone: making the plan is what takes time in a small sum. The next probe
+  // makes it twice, for its own forecast and for its sum.
+  if (forecast > 0 && !is_forecast_told) {
+    is_forecast_told = true;
+    const double share = double(set->waves.size()) / waves;
+    return {planning, planning + forecast, share * (2 * planning + forecast * std::min(1.0, probe_growth * part))};
+  }
+  if (set == sets.end() || set->waves.empty()) return {};
+  const Sources some = take_part(*set, std::sqrt(part));
+  const Grid panel = part < 1 ? middle_of(job.slm.grid, std::sqrt(part)) : job.slm.grid;
+  SynthesizeParams same = job.synthesize;
+  if (method == "planes") same.method = SynthesisMethod::planes;
+  if (method == "tiled") same.method = SynthesisMethod::tiled;
+  if (method == "exact") same.method = SynthesisMethod::exact;
+  ProbeResult result;
+  SumForecast expected;
+  double plans = 0;
+  if (forecast > 0)
+    plans = median_seconds(1, [&] { expected = forecast_sum(some, panel, same.tolerance, approach_of(same.method)); });
+  const double taken = median_seconds(1, [&] { synthesize(some, panel, same); });
+  result.seconds = plans + taken;
+  if (forecast > 0) {
+    const double speed = expected.seconds > 0 && taken > plans ? (taken - plans) / expected.seconds : 1;
+    result.predicted = planning + forecast * speed;
+  } else {
+    const double done = double(holotrace::waves_pixels(some, panel));
+    result.predicted = done > 0 ? taken * waves_pixels / done : taken;
+  }
+  return result;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,119 @@
+#include "holotrace/run/illumination_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/view/camera.h"
+
+namespace holotrace {
+namespace {
+
+constexpr int most_states = 256, of_flicker = 16, least_of_spectrum = 8;
+constexpr int most_given = 65536;  // the range of ShowParams::illumination_states
+
+int counted(double number) { return int(std::ceil(std::clamp(number, 1.0, 1e6))); }
+
+// Parts of the source whose light a pupil or a pass band bounds alike.
+int parts_of_source(const Slm& slm, const ShowParams& params, double wavelength, const std::vector<Viewpoint>& from,
+                    const std::optional<SpectralFilter>& filter) {
+  double band = params.subpixels / slm.grid.pitch;  // [1/m]
+  if (filter) band = std::min({band, 2 * filter->half_u, 2 * filter->half_v});
+  double moved = params.source_angle / (wavelength * band);  // in widths of what bounds the light
+  for (const Viewpoint& view : from)
+    if (view.camera.pupil > 0) moved = std::max(moved, params.source_angle * view.camera.eye.z / view.camera.pupil);
+  return counted(pi / 4 * 64 * moved * moved);
+}
+
+int steps_of_spectrum(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
+                      const std::vector<Viewpoint>& from) {
+  const double side = std::max(slm.grid.width(), slm.grid.height()), pitch = slm.grid.pitch;
+  double steps = least_of_spectrum;
+  for (const Viewpoint& view : from) {
+    const double z = view.distance;
+    if (z == 0) continue;
+    const CameraParams& camera = view.camera;
+    const double pixel = camera.pixel > 0     ? camera.pixel / magnification(camera, z, image)
+                         : camera.binning > 0 ? camera.binning * pitch / params.subpixels
+                                              : pitch;
+    double resolved = std::max(pixel, wavelength * z / side);
+    if (camera.pupil > 0) {
+      const double travelled = image == ImageSide::real_image ? z - camera.eye.z : z + camera.eye.z;
+      resolved = std::max(resolved, wavelength * std::abs(travelled) / camera.pupil);
+    }
+    const double steepest = std::min(params.subpixels / (2 * pitch), side / (wavelength * z));
+    steps = std::max(steps, 2 * steepest * z * params.bandwidth / resolved);
+  }
+  return counted(steps);
+}
+
+}  // namespace
+
+IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
+                                   const std::vector<Viewpoint>& from, const std::optional<SpectralFilter>& filter) {
+  check_ranges(params);
+  const Slm with = with_effects(slm, params.effects);
+  const bool has_flicker = with.effects.flicker > 0;
+  IlluminationPlan plan;
+  const auto need = [&](int count, const std::string& why) {
+    if (!plan.why.empty()) plan.why += "; ";
+    plan.why += why;
+    plan.needed = std::max(plan.needed, count);
+  };
+  int parts = 1;
+  if (params.source_angle > 0) {
+    parts = parts_of_source(slm, params, wavelength, from, filter);
+    if (parts == 1)
+      need(1, fmt::format("one convolution with the picture of the source of {}", format_angle(params.source_angle)));
+    else
+      need(parts,
+           fmt::format("{} parts of the source of {}, each of which moves light by an eighth of the pupil or stop",
+                       parts, format_angle(params.source_angle)));
+  }
+  if (params.bandwidth > 0) {
+    const int steps = steps_of_spectrum(slm, params, wavelength, image, from);
+    need(steps, fmt::format(
+                    "{} wavelengths of the spectrum of {}, each of which moves light by half of what the view resolves",
+                    steps, format_length(params.bandwidth)));
+  }
+  if (has_flicker) need(of_flicker, fmt::format("{} instants of the flicker", of_flicker));
+
+  const bool is_given = params.illumination_states > 0;
+  ShowParams taken = params;
+  taken.illumination_states = is_given ? params.illumination_states : std::min(plan.needed, most_states);
+  // One part is the whole source, whatever else there is to average over; states that are asked for share it.
+  const bool is_shared = parts > 1 || (is_given && params.bandwidth == 0 && !has_flicker);
+  if (!is_shared) taken.source_angle = 0;
+  plan.states = illumination_states(with, taken, wavelength);
+  if (!is_shared)
+    for (IlluminationState& state : plan.states) state.source.angle = params.source_angle;
+  return plan;
+}
+
+SourcePart widest_part(const IlluminationPlan& plan) {
+  const SourcePart& first = plan.states.front().source;
+  const SourcePart& last = plan.states.back().source;
+  return first.reach() > last.reach() ? first : last;
+}
+
+std::string doubt_of(const IlluminationPlan& plan, const ShowParams& params) {
+  const int taken = int(plan.states.size());
+  if (taken >= plan.needed) return {};
+  const std::string limit = params.illumination_states == 0
+                                ? fmt::format("the limit is {}", taken)
+                                : fmt::format("{} {} given", taken, taken == 1 ? "is" : "are");
+  std::string advice = params.source_angle > 0 && params.bandwidth > 0 ? "use a smaller source and a narrower spectrum"
+                       : params.source_angle > 0                       ? "use a smaller source"
+                                                                       : "use a narrower spectrum";
+  if (params.illumination_states > 0 && plan.needed <= most_states)
+    advice = fmt::format("set illumination_states to {}, or to 0 for as many as the view needs", plan.needed);
+  else if (plan.needed <= most_given)
+    advice += fmt::format(", or set illumination_states to {}", plan.needed);
+  return fmt::format("this light needs {} illumination states, {}: the view will look grainy; {}", plan.needed, limit,
+                     advice);
+}
+
+}  // namespace holotrace

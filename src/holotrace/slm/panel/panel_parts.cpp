@@ -1,0 +1,121 @@
+#include "holotrace/slm/panel/panel_parts.h"
+
+#include <algorithm>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/slm/panel/checks.h"
+#include "holotrace/slm/panel/static_errors.h"
+
+namespace holotrace {
+namespace {
+
+const Slm& checked(const Slm& slm, const ShowParams& params, int levels) {
+  check_slm(slm);
+  check_levels(levels);
+  check_ranges(params);
+  const double n = params.subpixels, s = crosstalk_cells(slm, params);
+  require_memory(8.0 * double(slm.grid.pixels()) * n * (n + std::max(s, 1.0)),
+                 fmt::format("a panel of {} × {} pixels at {} samples per pixel and axis", slm.grid.nx, slm.grid.ny,
+                             params.subpixels));
+  return slm;
+}
+
+double stretch_of(double design, const IlluminationState& m) {
+  check_wavelength(m.wavelength);
+  return design > 0 ? design / m.wavelength : 1;
+}
+
+}  // namespace
+
+PanelModel::Parts::Parts(const Slm& panel, const ShowParams& p, Modulation modulation_, int levels_, double design,
+                         const IlluminationState& m)
+    : slm(checked(panel, p, levels_)),
+      params(p),
+      modulation(modulation_),
+      levels(levels_),
+      state(m),
+      out{p.subpixels * panel.grid.nx, p.subpixels * panel.grid.ny, panel.grid.pitch / p.subpixels},
+      response(slm, modulation, levels, stretch_of(design, m), slm.effects.flicker * m.flicker),
+      has_crosstalk(slm.effects.crosstalk > 0),
+      s(crosstalk_cells(slm, p)),
+      blur(slm, s),
+      row(panel.grid.nx, p.subpixels, s, slm.lit_x(), std::sqrt(p.irradiance)),
+      column(panel.grid.ny, p.subpixels, s, slm.lit_y(), 1),
+      light(illuminate(out, p, m)),
+      static_errors(static_phasors(slm, stretch_of(design, m))),
+      gap(std::polar(float(slm.effects.gap_amplitude), float(slm.effects.gap_phase))),
+      stuck(stuck_pixels(slm)) {
+  for (int j = 0; j <= slm.grid.ny; ++j)
+    stuck_of_row.push_back(size_t(std::lower_bound(stuck.begin(), stuck.end(), int64_t(j) * slm.grid.nx,
+                                                   [](const StuckPixel& p, int64_t i) { return p.pixel < i; }) -
+                                  stuck.begin()));
+  if (has_gap() && static_errors.size() > 0) gap_field = full_pixels(static_errors);
+}
+
+void PanelModel::Parts::check(const Array2D<float>& drive, const char* what) const {
+  require(drive.nx == nx() && drive.ny == ny(), "expected a {} of {} × {} pixels, as the SLM \"{}\" has, got {} × {}",
+          what, nx(), ny(), slm.name, drive.nx, drive.ny);
+}
+
+// The drive of row j, with the levels of its dead pixels.
+const float* PanelModel::Parts::drive_of_row(const Array2D<float>& drive, int j, AlignedVector<float>& copy,
+                                             bool is_modulus) const {
+  const size_t begin = stuck_of_row[size_t(j)], end = stuck_of_row[size_t(j) + 1];
+  if (begin == end) return drive.row(j);
+  copy.assign(drive.row(j), drive.row(j) + nx());
+  const bool is_phase = modulation != Modulation::amplitude && !is_modulus;
+  const double scale = is_phase ? double(levels) / slm.levels : (levels - 1.0) / (slm.levels - 1.0);
+  for (size_t k = begin; k < end; ++k) copy[size_t(stuck[k].pixel - int64_t(j) * nx())] = float(stuck[k].level * scale);
+  return copy.data();
+}
+
+// Phase and amplitude of the pixels of row j, before crosstalk.
+void PanelModel::Parts::phases_of_row(const Array2D<float>& drive, int j, bool wraps, float* cycles) const {
+  AlignedVector<float> copy;
+  const float* level = drive_of_row(drive, j, copy, false);
+  if (wraps)
+    response.wrapped_cycles(level, nx(), cycles);
+  else
+    response.cycles(level, nx(), cycles);
+}
+
+void PanelModel::Parts::amplitudes_of_row(const Array2D<float>& drive, const Array2D<float>* modulus, int j,
+                                          float* amplitude) const {
+  AlignedVector<float> copy;
+  response.amplitudes(drive_of_row(drive, j, copy, false), nx(), amplitude);
+  if (!modulus) return;
+  const float* level = drive_of_row(*modulus, j, copy, true);
+  const float scale = 1.0F / float(levels - 1);
+  for (int i = 0; i < nx(); ++i) amplitude[i] *= scale * level[i];
+}
+
+size_t PanelModel::Parts::blur_floats(const Array2D<float>* modulus) const {
+  return has_crosstalk ? size_t(nx()) * size_t(ny()) * (has_amplitude(modulus) ? 2 : 1) : 0;
+}
+
+DrivenPixels PanelModel::Parts::driven(const Array2D<float>& drive, const Array2D<float>* modulus, float* space) const {
+  if (!has_crosstalk) return {drive, modulus};
+  float* cycles = space;
+  float* amplitudes = has_amplitude(modulus) ? space + size_t(nx()) * size_t(ny()) : nullptr;
+  parallel_for(0, ny(), [&](int64_t j) {
+    const size_t at = size_t(j) * size_t(nx());
+    phases_of_row(drive, int(j), false, cycles + at);
+    if (amplitudes) amplitudes_of_row(drive, modulus, int(j), amplitudes + at);
+  });
+  return {drive, modulus, cycles, amplitudes};
+}
+
+void PanelModel::Parts::cells_of_row(const DrivenPixels& pixels, int j, int cy, Cells& cells) const {
+  if (has_crosstalk) {
+    blur.to_cells(pixels.cycles, j, cy, cells.cycles.data());
+    if (pixels.amplitudes) blur.to_cells(pixels.amplitudes, j, cy, cells.amplitudes.data());
+  } else {
+    phases_of_row(pixels.drive, j, true, cells.cycles.data());
+    if (has_amplitude(pixels.modulus)) amplitudes_of_row(pixels.drive, pixels.modulus, j, cells.amplitudes.data());
+  }
+}
+
+}  // namespace holotrace
