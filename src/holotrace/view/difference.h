@@ -11,7 +11,7 @@ struct DifferenceImage {
 };
 
 /// The mean over channels of scale·image − reference in colours: grey (sRGB #808080) where they agree, toward
-/// vermillion
+/// vermilion
 /// (#D55E00) where the image is brighter and toward blue (#0072B2) where it is darker, in even steps of linear light;
 /// colour-blind readers tell these two apart (Okabe and Ito, 2008).
 /// @param range   difference at full colour; 0: the largest there is
