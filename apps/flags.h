@@ -43,7 +43,7 @@ inline void check_flag(const char* flag, double value, const Range& range, Quant
   read_flag(flag, [&] { check_range(value, range, quantity); });
 }
 
-/// A text as a length, lengths or an angle within a range. @throws Error for another text or a value outside it
+/// Reads a length [m], lengths [m] or an angle [rad] from a text. @throws Error if it is invalid or outside the range
 inline double length_within(const std::string& text, const Range& range) {
   const double metres = parse_length(text);
   check_range(metres, range, Quantity::length);
@@ -60,7 +60,7 @@ inline double angle_within(const std::string& text, const Range& range) {
   return radians;
 }
 
-/// The same, given by a flag that is no field of a parameter struct. @throws Error, naming the flag
+/// The same for a flag that is not in a parameter struct. @throws Error, naming the flag
 inline double parse_length_flag(const char* flag, const std::string& text, const Range& range) {
   return read_flag(flag, [&] { return length_within(text, range); });
 }
@@ -115,7 +115,7 @@ class Flags {
       if (!group.empty()) option->group(group);
       if (const char* before = name_before(name)) add_old_name(name, before, option);
     }
-    // The flag by its old name, which the help text leaves out.
+    // The flag with its old name; the help text leaves it out.
     void add_old_name(const std::string& name, const std::string& before, CLI::Option* option) {
       const auto keep = [&given = given, name, before](const std::string& text) {
         given[name] = text;
