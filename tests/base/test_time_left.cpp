@@ -15,7 +15,7 @@ TEST(TimeLeft, OfASteadyWorkIsTheRest) {
 }
 
 TEST(TimeLeft, OfAWorkTakenUpAgainCountsFromThere) {
-  // Half was done before; a tenth of the whole takes 10 s.
+  // Half was done before; then a tenth of the whole takes 10 s.
   TimeLeft left;
   EXPECT_FALSE(left.estimate(0.1, 0.5));
   EXPECT_FALSE(left.estimate(0.9, 0.508)) << "less than a fiftieth of the rest";
@@ -25,7 +25,7 @@ TEST(TimeLeft, OfAWorkTakenUpAgainCountsFromThere) {
 }
 
 TEST(TimeLeft, WaversLessThanTheRate) {
-  // Bands that come two at a time: two in the time of one, then none.
+  // Bands are finished two at a time: two in the time of one, then none.
   TimeLeft left;
   left.estimate(1, 0.01);
   double before = *left.estimate(10, 0.1);

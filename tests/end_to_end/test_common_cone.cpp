@@ -1,4 +1,4 @@
-// Scene → Sources → Field in three wavelengths: a white wall is white up to the border of the view.
+// Scene → Sources → Field at three wavelengths: a white wall is white up to the border of the view.
 
 #include <gtest/gtest.h>
 
@@ -30,8 +30,8 @@ Scene white_wall() {
   return scene;
 }
 
-/// Light that waves bring to the panel from ten strips of the view, from its left border to its right one [W]: what a
-/// camera that uses the whole panel sees of them. Strips are as wide as blue light sees from the panel's centre.
+/// Power that waves bring to the panel from ten strips of the view, from its left border to its right one [W]: what a
+/// camera with the whole panel as its pupil sees of them. Strips are as wide as blue sees from the panel's centre.
 std::array<double, 10> strips(const Sources& sources) {
   const double half = distance * acceptance_tangent(450e-9, panel.pitch);
   std::array<double, 10> light{};
@@ -44,7 +44,7 @@ std::array<double, 10> strips(const Sources& sources) {
   return light;
 }
 
-/// Red over blue in the strips.
+/// Ratio of red to blue in the strips.
 std::array<double, 10> red_over_blue(const TraceParams& params) {
   const auto sets = trace(white_wall(), panel, colours, params);
   const auto red = strips(sets[0]), blue = strips(sets[2]);
@@ -56,10 +56,11 @@ std::array<double, 10> red_over_blue(const TraceParams& params) {
 TEST(CommonCone, AWhiteWallIsWhiteUpToTheBorderOfTheView) {
   for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
     TraceParams params{.pattern = pattern, .columns = 100, .rows = 100, .samples = 20000, .paths = 1};
-    // All colours have the same rays, boxes and solid angles: only the rounding of boxes to pixels is left.
+    // All colours have the same rays, boxes and solid angles: only the rounding of boxes to pixels remains.
     for (const double ratio : red_over_blue(params)) EXPECT_NEAR(ratio, 1, 1e-6);
-    // By itself red fills boxes 633/450 as wide: from the border, where half of blue's box is on the panel, red reaches
-    // more of it. At 0.9 of the border, half the panel 1.02 mm, boxes 8.44 and 11.88 mm: blue covers
+    // With its own cone, red fills boxes 633/450 as wide. At the border, where half of blue's box is on the panel, red
+    // covers
+    // more of it. At 0.9 of the border, with half the panel 1.02 mm and boxes of 8.44 and 11.88 mm, blue covers
     // 8.44·0.1 + 1.02 of 2.05 mm, red all of it.
     params.has_common_cone = false;
     const auto ratio = red_over_blue(params);
@@ -69,7 +70,7 @@ TEST(CommonCone, AWhiteWallIsWhiteUpToTheBorderOfTheView) {
 }
 
 TEST(CommonCone, HoldsForEveryMethodThatSumsWaves) {
-  // Red waves at the border of blue's cone end where blue ones do; every method to its tolerance against the exact sum.
+  // Red waves at the border of blue's cone end where blue ones do; each method has its tolerance against the exact sum.
   Sources sources{.wavelength = 633e-9, .cone_wavelength = 450e-9};
   for (int i = 0; i < 40; ++i)
     sources.waves.push_back({{-9_mm + i * 0.45_mm, (i % 7) * 0.2_mm, -0.1 - (i % 3) * 1e-6}, 1, float(i * i % 6)});
@@ -96,8 +97,8 @@ TEST(CommonCone, HoldsForEveryMethodThatSumsWaves) {
 TEST(CommonCone, GatheredFieldsAndTrianglesKeepToIt) {
   TraceParams params{.strategy = Strategy::gather, .pixel_samples = 16, .paths = 1, .phase = SourcePhase::surface};
   const Grid few{48, 48, 8e-6};
-  // The mean irradiance is the solid angle of the cone: the same for all colours, or as λ². Speckle of 2304 pixels of
-  // independent waves: 2 % each.
+  // The mean irradiance is the solid angle of the cone: equal for all colours, or proportional to λ². Speckle of 2304
+  // pixels with independent waves: 2 % each.
   const auto common = gather(white_wall(), few, colours, params);
   EXPECT_NEAR(power(common[0]) / power(common[2]), 1, 0.12);
   params.has_common_cone = false;
