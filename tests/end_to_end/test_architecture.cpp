@@ -1,6 +1,5 @@
-// The rooms of the library and the allowed includes between them. These tests read the table in CONTRIBUTING.md and
-// check the
-// code against it.
+// The rooms of the library and the allowed includes between them. The table is in CONTRIBUTING.md; these tests read
+// it and check the code against it.
 
 #include <gtest/gtest.h>
 

@@ -217,7 +217,7 @@ TEST(Coherence, WithOneWavePerCellBothStrategiesConvergeToTheFieldOfTheCells) {
     ASSERT_EQ(sources.waves.size(), 9u);
     errors[i] = relative_error(convert<double>(synthesize(sources, small, {SynthesisMethod::exact})), expected);
     // A cell has n hits, from its share of the étendue. The hit nearest to its centre is off by g/√(πn) rms. This
-    // changes the phase by k times this times the slope of the path to a pixel (rms over panel and patch along one axis).
+    // changes the phase by k times that distance times the slope of the path to a pixel (rms, one axis).
     const double n = double(params.samples) * grain * grain / (depth * depth) / (4 * s * s);
     const double slope = std::sqrt((0.512_mm * 0.512_mm + 0.3_mm * 0.3_mm) / 12) / depth;
     const double of_place = k * grain / std::sqrt(pi * n) * slope, of_light = 0.5 / std::sqrt(n);

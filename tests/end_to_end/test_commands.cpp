@@ -298,9 +298,8 @@ TEST(Commands, EstimateProbesTheScene) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
-  // A probe with fewer rays than the scene's 48×48 finds the edges of surfaces to one column and one row of its raster,
-  // of 23 or
-  // more: 2/23 of each count.
+  // A probe with fewer rays than the scene's 48×48 finds the edges of surfaces to one column and one row of its
+  // raster, of 23 or more: 2/23 of each count.
   succeed(work, {"run", "scene.toml", "-o", "out"});
   const auto report = nlohmann::json::parse(work.read("out/report.json"));
   for (const auto& stage : report.at("stages")) {

@@ -1,4 +1,4 @@
-// The sentences of docs/explanation/conventions.md that no room tests by itself; also checks that each sentence has a test.
+// The sentences of docs/explanation/conventions.md that no room tests by itself; each sentence must have a test.
 
 #include <gtest/gtest.h>
 

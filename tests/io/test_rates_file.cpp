@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A cache folder of the test's own, and a calibration that counts its calls.
+// A separate cache folder for the test, and a calibration that counts its calls.
 class RatesFile : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -77,7 +77,7 @@ TEST_F(RatesFile, DamageIsMended) {
 }
 
 TEST_F(RatesFile, WhereNothingCanBeKeptTheDefaultsHold) {
-  // A file where the folder should be: neither made nor written to, by root either.
+  // A file where the folder should be: not even root can make the folder or write to it.
   fs::create_directories(cache_);
   std::ofstream(cache_ + "/holotrace") << "in the way";
   EXPECT_EQ(keep("this machine").spreads, SummationRates().spreads);
