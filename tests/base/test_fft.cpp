@@ -92,7 +92,7 @@ TEST(Fft, HasGoodLengthsOfSmallFactors) {
 }
 
 // A program takes from the store what another one measured, and plans alike.
-TEST(Fft, AsksItsStoreAroundEachNewPlanAndKeepsWhatItLearns) {
+TEST(Fft, UsesItsStoreForEachNewPlanAndKeepsTheWisdom) {
   std::string kept = "no wisdom";  // invalid wisdom is ignored
   int opened = 0, closed = 0;
   FftWisdomStore store;

@@ -80,7 +80,7 @@ TEST(LowDiscrepancy, TheOrderOfPathsDoesNotMatter) {
   }
 }
 
-TEST(LowDiscrepancy, ANewSequenceStandsAtPathZero) {
+TEST(LowDiscrepancy, ANewSequenceStartsAtPathZero) {
   LowDiscrepancy fresh(1, 2, 3), started(1, 2, 3);
   started.start(9);
   started.two();
@@ -123,7 +123,7 @@ TEST(LowDiscrepancy, OnePathOfManySamplesIsUniform) {
     }
 }
 
-TEST(LowDiscrepancy, TwoPathsOfASampleMeetAsAScrambleHasIt) {
+TEST(LowDiscrepancy, TwoPathsOfASampleAreDistributedAsInAnOwenScramble) {
   // Points 0 and 1 lie in different halves of the interval. Beyond the first binary digit their digits are
   // independent in an Owen scramble: 16 × 16 cells of the digits 2 to 5 of the two points.
   constexpr int per_cell = 400;

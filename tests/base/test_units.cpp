@@ -72,14 +72,14 @@ TEST(Units, SizesHaveUnitsOfAThousandOr1024) {
   EXPECT_EQ(error_of([] { parse_size("1 GB 2 GB"); }), "expected one size, got 2 in \"1 GB 2 GB\"");
 }
 
-TEST(Units, PeopleReadSizesInTheUnitThatSuits) {
+TEST(Units, SizesAreWrittenInASuitableUnit) {
   EXPECT_EQ(format_bytes(1023), "1023 B");
   EXPECT_EQ(format_bytes(1024), "1 KiB");
   EXPECT_EQ(format_bytes(2.5 * 1024 * 1024), "2.5 MiB");
   EXPECT_EQ(format_bytes(0x1p50), "1024 TiB");  // there is no larger unit
 }
 
-TEST(Units, PeopleReadLengthsInTheUnitThatSuits) {
+TEST(Units, LengthsAreWrittenInASuitableUnit) {
   EXPECT_EQ(format_length(532e-9), "532 nm");
   EXPECT_EQ(format_length(8e-6), "8 µm");
   EXPECT_EQ(format_length(0.3), "300 mm");

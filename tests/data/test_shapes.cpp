@@ -164,7 +164,7 @@ TEST(Shapes, ALatheOfAClosedProfileIsARing) {
   EXPECT_NEAR(volume(ring), 3 * polygon_area(16), 1e-13);  // (2² − 1²)·1
 }
 
-TEST(Shapes, ALatheOfAThinShellTurnsOutwardEitherWayRound) {
+TEST(Shapes, ALatheOfAThinShellFacesOutwardEitherWayRound) {
   // A slanted shell: ten short steps outside, one long step inside. Its volume is so small that a formula other than
   // the exact one of cones would give the wrong sign.
   std::vector<Vec2> profile;
@@ -222,7 +222,7 @@ TEST(Shapes, AnExtrusionOfAStarHasItsArea) {
   EXPECT_NEAR(volume(solid), n * 0.5 * 0.3 * std::sin(2 * pi / n), 1e-14);  // n triangles with sides 1 and 0.3
 }
 
-TEST(Shapes, MeshesStayOutwardWhenTurnedAndMirrored) {
+TEST(Shapes, MeshesFaceOutwardWhenRotatedAndMirrored) {
   Mesh turned = make_box({1, 2, 3}), mirrored = make_box({1, 2, 3});
   Frame frame = rotation_y(0.7);
   frame.origin = {5, 6, 7};
@@ -233,7 +233,7 @@ TEST(Shapes, MeshesStayOutwardWhenTurnedAndMirrored) {
   EXPECT_NEAR(volume(mirrored), 12, 1e-13);
 }
 
-TEST(Shapes, NormalsOfASquashedSphereStayAcrossItsSurface) {
+TEST(Shapes, NormalsOfASquashedSphereStayPerpendicularToItsSurface) {
   Mesh ellipsoid = make_sphere(2, 32);
   transform_mesh({{1, 0, 0}, {0, 3, 0}, {0, 0, 1}, {}}, ellipsoid);
   for (size_t i = 0; i < ellipsoid.positions.size(); ++i) {

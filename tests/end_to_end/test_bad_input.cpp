@@ -137,7 +137,7 @@ TEST(BadInput, ObjectsInFrontOfThePanelAreRefused) {
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"behind the panel", "100 mm"});
 }
 
-TEST(BadInput, ASceneOfNothingIsRefused) {
+TEST(BadInput, AnEmptySceneIsRefused) {
   const Workplace work;
   work.write("scene.toml", scene_head());
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"at least one object"});
@@ -167,7 +167,7 @@ TEST(BadInput, DamagedMeshesAreRefused) {
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:8:", "no.obj", "no such file"});
 }
 
-TEST(BadInput, WhatIsNoImageIsRefused) {
+TEST(BadInput, FilesThatAreNotImagesAreRefused) {
   const Workplace work;
   work.write("no.png", "this is text\n");
   expect_error(work, {"show", "no.png", "-o", "x.png"}, {"no.png", "not an image"});
@@ -176,7 +176,7 @@ TEST(BadInput, WhatIsNoImageIsRefused) {
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:", "no.png", "not an image"});
 }
 
-TEST(BadInput, MaterialsThatCannotBeArePlaced) {
+TEST(BadInput, ImpossibleMaterialsArePlaced) {
   const auto material = [](const std::string& lines) { return "[materials.m]\n" + lines + "\n[[light]]"; };
   expect_scene_errors({
       {"[[light]]",
@@ -204,7 +204,7 @@ TEST(BadInput, LightsThatPointNowhereArePlaced) {
   });
 }
 
-TEST(BadInput, AnEnvironmentMapThatIsNoneIsNamed) {
+TEST(BadInput, InvalidEnvironmentMapsAreNamed) {
   const Workplace work;
   work.write("text.exr", "this is text\n");
   const auto scene = [&](const std::string& map) {

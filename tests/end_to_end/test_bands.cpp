@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Bands, MakeTheFieldThatIsMadeWhole) {
+TEST(Bands, EqualTheFieldMadeInOnePiece) {
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(30));
   ASSERT_EQ(work.run(field_in_bands("f.h5")).exit_code, 0);
@@ -29,7 +29,7 @@ TEST(Bands, MakeTheFieldThatIsMadeWhole) {
   EXPECT_NE(work.run({"info", "f.h5"}).out.find("96x2048"), std::string::npos);
 }
 
-TEST(Bands, KilledAtAnyMomentAreTakenUpAgainToTheSameBytes) {
+TEST(Bands, KilledAtAnyMomentAreResumedToTheSameBytes) {
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(100));
   ASSERT_EQ(work.run(field_in_bands("whole.h5")).exit_code, 0);
@@ -100,7 +100,7 @@ TEST(Bands, OfAnotherToleranceAreRefused) {
 
 // With rates that make tiles by far the fastest, `auto` uses them; with rates for planes, those. The bits differ within
 // the tolerance. A resumed run uses the rates of its first run, although the machine's rates have changed.
-TEST(Bands, GoOnByTheRatesOfTheRunThatBegan) {
+TEST(Bands, UseTheRatesOfTheFirstRunWhenResumed) {
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(8000));  // enough that a test can act during the run
   const auto field_to = [](const std::string& output) {
@@ -146,7 +146,7 @@ class SmallDisk {
   bool is_mounted_;
 };
 
-TEST(Bands, ADiskThatIsTooSmallIsToldOfBeforeTheWork) {
+TEST(Bands, ADiskThatIsTooSmallIsReportedBeforeTheWork) {
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(10));
   const SmallDisk disk(work.path("disk"), "size=1m");  // the field needs 1.5 MiB
@@ -200,7 +200,7 @@ TEST(Bands, KeepToTheirMemory) {
   EXPECT_GT(fs::file_size(work.path("f.h5")), 8192u * 8192 * 8);
 }
 
-TEST(Bands, OfAColourSceneAreThePlanesOfOneFile) {
+TEST(Bands, OfAColourSceneAreInOneFile) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.03}}, {{0.0004, 0.0002, -0.031}}}));
   work.write("scene.toml", scene_head() + points_object());

@@ -155,7 +155,7 @@ TEST(Colour, FramesThatAreAlikeAreTheFirst) {
   for (size_t i = 0; i < one.values.size(); ++i) EXPECT_FLOAT_EQ(three.values[i], one.values[i]);
 }
 
-TEST(Colour, ALensIsFocusedAtEveryDistanceLookedAt) {
+TEST(Colour, ALensIsFocusedAtEveryViewingDistance) {
   Job job = quads({{1, 1, 1}}, 0.03, 1e-3, small_panel);
   job.wavelengths = {532e-9};
   job.trace.columns = job.trace.rows = 16;

@@ -59,8 +59,8 @@ TEST(CommonCone, AWhiteWallIsWhiteUpToTheBorderOfTheView) {
     // All colours have the same rays, boxes and solid angles: only the rounding of boxes to pixels remains.
     for (const double ratio : red_over_blue(params)) EXPECT_NEAR(ratio, 1, 1e-6);
     // With its own cone, red fills boxes 633/450 as wide. At the border, where half of blue's box is on the panel,
-    // red covers more of it. At 0.9 of the border, with half the panel 1.02 mm and boxes of 8.44 and 11.88 mm, blue covers
-    // 8.44·0.1 + 1.02 of 2.05 mm, red all of it.
+    // red covers more of it. At 0.9 of the border, with half the panel 1.02 mm and boxes of 8.44 and 11.88 mm, blue
+    // covers 8.44·0.1 + 1.02 of 2.05 mm, red all of it.
     params.has_common_cone = false;
     const auto ratio = red_over_blue(params);
     EXPECT_GT(ratio[0] / ratio[4], 1.05);

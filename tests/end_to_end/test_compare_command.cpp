@@ -31,7 +31,7 @@ void save_photograph(const std::string& path, int ny, int nx, double scale, doub
   save_image(path, image, 1, 8);
 }
 
-TEST(CompareCommand, LaysAPhotographUponASimulation) {
+TEST(CompareCommand, RegistersAPhotographWithASimulation) {
   const Workplace work;
   save_photograph(work.path("simulated.png"), 128, 160, 1, 0, 0, 0, 1);
   save_photograph(work.path("capture.png"), 180, 200, 1.2, 0.2, 7, -4, 0.5);

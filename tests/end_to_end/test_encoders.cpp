@@ -53,7 +53,7 @@ TEST(EncodePicture, EveryEncoderShowsItOnBothSides) {
     }
 }
 
-TEST(EncodePicture, TellsHowTheErrorFell) {
+TEST(EncodePicture, ReportsTheConvergence) {
   const Workplace work;
   work.write("panel.toml", panel);
   save_image(work.write("picture.png", ""), natural_picture(160, 96), 1, 8);

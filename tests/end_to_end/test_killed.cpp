@@ -62,7 +62,7 @@ TEST(Killed, ARunLeavesNoFileThatLooksWholeAndIsNot) {
   expect_whole_files(work);
 }
 
-TEST(Killed, InTheMidstOfWritingTooAndTheNextRunIsWhole) {
+TEST(Killed, DuringWritingLeavesWholeFilesAndTheNextRunIsWhole) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.1}}}));
   work.write("scene.toml", large_scene());

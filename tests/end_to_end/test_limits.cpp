@@ -101,7 +101,7 @@ TEST(LimitsCommand, RefusesWhatItCannotAnswer) {
 }
 
 // λ/P above 1: a grating of 0.4 µm has no order 1 at 532 nm, but has one at 300 nm.
-TEST(LimitsCommand, CallsAnEvanescentOrderSo) {
+TEST(LimitsCommand, ReportsAnEvanescentOrder) {
   const Workplace work;
   const std::vector<std::string> flags{"--wavelength", "532 nm, 300 nm", "--period", "0.4 um"};
   const std::string table = ask(work, flags).out;

@@ -67,7 +67,7 @@ TEST_F(Ranks, OneTwoAndThreeMakeTheSameBytesAsNoLauncher) {
   }
 }
 
-TEST_F(Ranks, OneThatDiesEndsTheJobAndItsBandsAreTakenUpAgain) {
+TEST_F(Ranks, OneThatDiesEndsTheJobAndItsBandsAreResumed) {
   save_sources(work.path("waves.ply"), waves_of_bands(1500));  // slower than a look at /proc
   ASSERT_EQ(work.run(field_in_bands("whole.h5")).exit_code, 0);
   for (const int victim : {1, 0}) {

@@ -102,7 +102,7 @@ TEST(Recognisable, ATexturedModelOfAFile) {
   expect_recognised(model_job(work, data_file("textured_box.glb")));
 }
 
-TEST(Recognisable, TheMoreTheMoreFramesAreShown) {
+TEST(Recognisable, BetterWithMoreFrames) {
   const Workplace work;
   write_textured_box(work);
   const Job job = model_job(work, "box.obj");

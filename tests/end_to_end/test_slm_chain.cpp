@@ -62,7 +62,7 @@ TEST(SlmChain, BlazedGratingsHaveTheEfficiencyOfTheirLevels) {
   }
 }
 
-TEST(SlmChain, TheOrdersThatBooksName) {
+TEST(SlmChain, OrdersHaveTheEfficienciesOfTextbooks) {
   // M = 4: order −3 0.090063, 5 0.032423; M = 8: −7 0.019380, 9 0.011724.
   for (const auto& [levels, order, expected] :
        {std::tuple{4, -3, 0.090063}, {4, 5, 0.032423}, {8, -7, 0.019380}, {8, 9, 0.011724}}) {
@@ -83,7 +83,7 @@ double power_in_order(const Field& at_z, int period, int m, double z) {
   return inside * at_z.grid.pitch * at_z.grid.pitch;
 }
 
-TEST(SlmChain, OrdersPartInSpaceWhereTheGratingEquationSays) {
+TEST(SlmChain, OrdersAreSeparateWhereTheGratingEquationSays) {
   // A beam of w = 0.1 mm on a blazed grating of 4 levels, at 30 mm: the orders are 0.5 mm apart, 4.4 beam radii, and
   // a window of that width contains all but erfc(3.1) = 1e-5 of each. The beam's width in frequency is 1/(πw), compared
   // with 1/4p between orders: the slope of the envelope changes the power of an order by (4p/πw)² = 1e-2 of that slope.

@@ -64,7 +64,7 @@ TEST(GridCost, WithoutHitsIsTheMeanChord) {
   EXPECT_NEAR(cost.seconds, 5 + 2 * 11 + 3 * 0.11, 1e-12);
 }
 
-TEST(GridCost, RaysOfACloudAreTheLinesOfCauchy) {
+TEST(GridCost, RaysOfACloudAreUniformIsotropicLines) {
   // Mean chord of a cube of side 1 for uniform isotropic lines: 4V/S = 2/3; standard deviation below 0.5.
   const auto rays = cloud_rays(20000);
   double sum = 0;

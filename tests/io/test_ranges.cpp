@@ -52,7 +52,7 @@ TEST(Ranges, OfEveryParameterHoldInSceneFiles) {
   expect_bounds<CameraParams>("camera");
 }
 
-TEST(Ranges, AreToldInWords) {
+TEST(Ranges, AreWrittenInWords) {
   const auto sentence = [](double value, const Range& range, Quantity quantity) {
     return error_of([&] { check_range(value, range, quantity); });
   };

@@ -57,7 +57,7 @@ TEST_F(RatesFile, MachinesThatShareAFolderKeepTheirOwn) {
   EXPECT_EQ(keep("another version").spreads, 1002);
 }
 
-TEST_F(RatesFile, DamageIsMended) {
+TEST_F(RatesFile, DamagedFilesAreReplaced) {
   keep("this machine");
   const std::string whole = read_text(path());
   const std::string half = whole.substr(0, whole.size() / 2);

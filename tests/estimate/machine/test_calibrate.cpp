@@ -31,7 +31,7 @@ TEST(FitRates, FindsTheRatesThatMadeTheTimes) {
   EXPECT_NEAR(fitted.exact_terms / made.exact_terms, 1, 1e-6) << "alone in its run";
 }
 
-TEST(FitRates, WhatWasNotTimedIsScaledByWhatWas) {
+TEST(FitRates, UntimedKindsAreScaledByTheTimedOnes) {
   // Two kinds with 3 and 12 times their default rates: in the geometric mean a machine six times as fast.
   const SummationRates usual;
   std::vector<TimedWork> timed{{{.exact_terms = 1e6}, 1e6 / (3 * usual.exact_terms)},

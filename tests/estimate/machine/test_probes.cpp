@@ -29,7 +29,7 @@ TEST(Probes, StayWithinTheirShareOfWhatTheyPredict) {
 // A forecast that takes 0.5 s and runs no part of 10 s of work, from 1/64. The next part, 1/16, takes the stated
 // 0.625 s, not 4 · 0.5 s.
 // The budget of 1.2 s covers 0.5 + 0.625 s.
-TEST(Probes, AForecastTellsWhatTheNextProbeTakes) {
+TEST(Probes, AForecastStatesTheTimeOfTheNextProbe) {
   for (const double next : {0.625, 0.8}) {
     std::vector<double> parts;
     std::vector<Probe> probes{{[&](double part) {

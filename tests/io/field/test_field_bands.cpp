@@ -78,7 +78,7 @@ TEST(FieldBands, AreAFieldFileLikeAnyOther) {
   }
 }
 
-TEST(FieldBands, TakenUpAgainInAnyOrderHaveTheSameBytes) {
+TEST(FieldBands, ResumedInAnyOrderHaveTheSameBytes) {
   const std::vector<Field> fields = make_fields();
   const std::string whole = unbroken(fields, "whole.h5"), path = temporary("f.h5");
   for (const size_t band : {4u, 1u, 5u, 0u, 3u}) {  // a separate run for each band
@@ -132,7 +132,7 @@ TEST(FieldBands, LeftoversOfEveryStepOfARunAreNoObstacle) {
   EXPECT_EQ(bytes_of(path), bytes_of(whole));
 }
 
-TEST(FieldBands, TakenUpAgainKeepTheSettingsOfTheRunThatBegan) {
+TEST(FieldBands, ResumedKeepTheSettingsOfTheFirstRun) {
   const std::vector<Field> fields = make_fields(1);
   const std::string path = temporary("f.h5");
   BandedJob job = job_of(fields);
@@ -194,7 +194,7 @@ class FileLimit {
   void (*handler_)(int);
 };
 
-TEST(FieldBands, ADiskThatIsFullIsToldOfAndFinishedBandsStay) {
+TEST(FieldBands, AFullDiskIsReportedAndFinishedBandsStay) {
   const std::vector<Field> fields = make_fields(1);
   const std::string whole = unbroken(fields, "whole.h5"), path = temporary("f.h5");
   {

@@ -193,7 +193,7 @@ TEST(Gltf, AMirroringNodeKeepsTheFrontInFront) {
   EXPECT_NEAR(face_normal(load(triangle).meshes[0]).z, 1, 1e-15);
 }
 
-TEST(Gltf, WhatLetsAllLightThroughIsGlass) {
+TEST(Gltf, MaterialsWithFullTransmissionAreGlass) {
   LoadedModel model;
   const Material pane = material(R"([{"pbrMetallicRoughness": {"roughnessFactor": 0.25}, "extensions":
     {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.25}}}])",
@@ -221,7 +221,7 @@ TEST(Gltf, AnUnlitSurfaceShinesInItsColour) {
   EXPECT_EQ(std::get<DiffuseMaterial>(unlit.surface).reflectance, (Vec3{0, 0, 0}));
 }
 
-TEST(Gltf, WhatIsNotShownIsNamedOnce) {
+TEST(Gltf, FeaturesThatAreNotShownAreNamedOnce) {
   GltfTriangle triangle;
   triangle.materials = R"([{"name": "a", "alphaMode": "MASK", "extensions": {"KHR_materials_clearcoat": {}}},
     {"name": "b", "alphaMode": "MASK", "extensions": {"KHR_materials_clearcoat": {}}},

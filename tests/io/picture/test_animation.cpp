@@ -48,7 +48,7 @@ Animation load(const std::string& path) {
   return a;
 }
 
-TEST(Animation, GoesThereAndBackForEver) {
+TEST(Animation, PlaysForwardAndBackEndlessly) {
   const std::string path = temporary("bars.gif");
   save_animation(path, bars(4, 64, 24), 2, 1.2);
   const Animation a = load(path);

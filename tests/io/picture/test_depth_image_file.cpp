@@ -31,7 +31,7 @@ std::string depth_file(const std::string& name, int bits, int channels = 1) {
   return path;
 }
 
-TEST(DepthImageFile, BrighterIsNearerEvenlyInMetres) {
+TEST(DepthImageFile, BrighterIsNearerLinearlyInMetres) {
   const std::string picture = picture_file("p.png", 2, 3, 3);
   for (const int bits : {8, 16})
     for (const int channels : {1, 3}) {

@@ -86,7 +86,7 @@ TEST(ImageFile, TheSameImageGivesTheSameBytes) {
   }
 }
 
-TEST(ImageFile, WhatIsNoImageIsRefused) {
+TEST(ImageFile, FilesThatAreNotImagesAreRefused) {
   const std::string path = make_file("i.png", "only text");
   EXPECT_EQ(
       error_of([&] { load_image(path); }),
@@ -107,7 +107,7 @@ TEST(ImageFile, ATruncatedImageIsRefused) {
       << error;
 }
 
-TEST(ImageFile, WhatOtherProgramsAddAfterAPictureIsNoFault) {
+TEST(ImageFile, BytesThatOtherProgramsAddAfterAPictureAreAccepted) {
   const std::string path = temporary("i.png");
   save_image(path, ramp(3), 1, 8);
   const Image plain = load_image(path);
@@ -135,7 +135,7 @@ TEST(ImageFile, BadRequestsAreRefused) {
 }
 
 // Written by another program, with all filters of PNG: red 255·i/95, green 255·j/63, blue 7i + 13j, in sRGB.
-TEST(ImageFile, APictureOfOthersIsRead) {
+TEST(ImageFile, APictureFromAnotherProgramIsRead) {
   const Image image = load_image(test::data_file("ramp.png"));
   ASSERT_EQ(image.nx, 96);
   ASSERT_EQ(image.ny, 64);

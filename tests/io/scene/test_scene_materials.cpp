@@ -44,7 +44,7 @@ std::string texture(const char* name, int channels = 3) {
   return path;
 }
 
-TEST(SceneMaterials, ADiffuseOneReflectsAndLetsThrough) {
+TEST(SceneMaterials, ADiffuseMaterialReflectsAndTransmits) {
   const auto leaf = surface<DiffuseMaterial>("reflectance = [0.1, 0.5, 0.1]\ntransmittance = 0.25");
   EXPECT_EQ(leaf.reflectance, (Vec3{0.1, 0.5, 0.1}));
   EXPECT_EQ(leaf.transmittance, (Vec3{0.25, 0.25, 0.25}));

@@ -121,7 +121,7 @@ aberration = [{ n = 2, m = -2, rms = "0.25 rad" }]
             "d.toml:1:1: expected dead pixels on the panel of 10 × 10 pixels, got column 10, row 0");
 }
 
-TEST(SlmFile, ACalibrationIsStraightBetweenItsLevels) {
+TEST(SlmFile, ACalibrationIsLinearBetweenItsLevels) {
   const std::string path = test::make_file(
       "calibration.csv", "# measured\ngrey, phase_pi, amplitude\n0, 0.1, 1\n2, 0.5, 0.9\n\n5, 2, 0.6\n");
   const std::vector<CalibrationPoint> points = load_calibration(path, 6);
@@ -159,7 +159,7 @@ TEST(SlmFile, ABadCalibrationIsRefusedWithItsLine) {
 
 // A panel's own calibration with 4 levels, used by one with 6: level l is its level 4l/6, interpolated linearly
 // and extrapolated.
-TEST(SlmFile, ACalibrationOfAnotherNumberOfLevelsIsReadBetween) {
+TEST(SlmFile, ACalibrationOfAnotherNumberOfLevelsIsInterpolated) {
   const std::string folder = fresh_folder("levels");
   const UserPanels here(folder);
   file_in(folder, "four.csv", "level,phase,amplitude\n0,0,1\n1,1,0.9\n2,2.5,0.6\n3,4,0.5\n");
@@ -252,7 +252,7 @@ TEST(SlmFile, AHologramKeepsItsPanelsEffectsWhereverItGoes) {
   EXPECT_EQ(effects_of(*again.slm), effects_of(slm));
 }
 
-TEST(SlmFile, AnEffectThatIsLostWithItsFileIsTold) {
+TEST(SlmFile, AWarningNamesAnEffectThatIsLostWithItsFile) {
   const Slm slm = panel_of_all_effects();
   Hologram hologram = make_hologram(slm, Modulation::phase, [](int i) { return i; });
   hologram.slm = slm;
