@@ -85,8 +85,8 @@ TEST(ModelJob, EveryKindOfModelLoadsThroughASceneAndAlone) {
     }
   }
   EXPECT_EQ(meshes, 6u);
-  EXPECT_EQ(textured, 1u);  // of the box
-  EXPECT_EQ(coloured, 1u);  // of the pump's base
+  EXPECT_EQ(textured, 1u);  // the box
+  EXPECT_EQ(coloured, 1u);  // the pump's base
 }
 
 }  // namespace
