@@ -1,4 +1,4 @@
-// Keys of scene files by the names that they had before.
+// Keys of scene files with their old names.
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(RenamedKeys, ByTheirNewNamesWarnOfNothing) {
   EXPECT_EQ(job.warnings, Texts{});
 }
 
-// The key that overrules has the new name, the one that it overrules the old.
+// The key with the new name replaces the value of the key with the old name.
 TEST(RenamedKeys, OfAnExtendedSceneAreOverruledByTheirNewNames) {
   test::make_file("base.toml", std::string(head) + "[show]\nmoments = 5\nbandwidth = \"1 nm\"\n");
   const Job job = load_job(test::make_file("scene.toml", "extends = \"base.toml\"\n[show]\nillumination_states = 9\n"));
@@ -54,7 +54,7 @@ TEST(RenamedKeys, GivenTwiceAreAnError) {
                 "old one");
 }
 
-// An old name is of its own section alone: [synthesize] never had one.
+// An old name is only valid in its own section: [synthesize] never had one.
 TEST(RenamedKeys, AreUnknownInOtherSections) {
   const std::string path = test::make_file("scene.toml", std::string(head) + "[synthesize]\nlayers = \"EDL\"\n");
   EXPECT_NE(test::error_of([&] { load_job(path); }).find("unknown key \"layers\""), std::string::npos);
