@@ -187,7 +187,7 @@ def main():
             for problem in unmarked_commands(page):
                 problems.append(problem)
                 print(problem)
-            folder = pathlib.Path(top) / page.stem
+            folder = pathlib.Path(top) / str(page.relative_to(ROOT)).replace("/", "_")
             folder.mkdir()
             make_folder(folder)
             start, in_page = time.monotonic(), 0

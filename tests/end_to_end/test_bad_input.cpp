@@ -368,7 +368,8 @@ TEST(BadInput, FlagsOfTheWrongKindAreNamed) {
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--method", "tield"}, {"did you mean \"tiled\""});
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "small"},
                {"--tolerance:", "number", "small"});
-  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "-1"}, {"tolerance", "above 0 and below 1", "-1"});
+  expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--tolerance", "-1"},
+               {"tolerance", "above 0 and below 1", "-1"});
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--wavelength", "-1 nm"}, {"wavelength", "above 0"});
   expect_error(work, {"encode", f, "-o", "h.png", "--method", "phaze"}, {"did you mean \"phase\""});
   expect_error(work, {"encode", f, "-o", "h.png", "--levels", "1"}, {"levels", "2 to"});
