@@ -58,11 +58,11 @@ struct StripEntry {
 
 /// Buffers of one thread, reused from tile to tile.
 struct PlanesWorkspace {
-  AlignedVector<float> grids;              ///< [node][line][cell], complex
-  AlignedVector<float> strip;              ///< [node][cell][16 real, 16 imaginary]
-  std::vector<StripEntry> entries[2][16];  ///< [across columns, across rows][strip]
-  std::vector<PreparedWave> direct;        ///< waves left for sum_tile, cut to the tile
-  TileWorkspace of_direct;                 ///< buffers for sum_tile
+  AlignedVector<float> grids;                                      ///< [node][line][cell], complex
+  AlignedVector<float> strip;                                      ///< [node][cell][16 real, 16 imaginary]
+  std::vector<StripEntry> entries[2][16];                          ///< [across columns, across rows][strip]
+  std::vector<PreparedWave> direct;                                ///< waves left for sum_tile, cut to the tile
+  TileWorkspace of_direct;                                         ///< buffers for sum_tile
   AlignedVector<std::complex<float>> folded, turned, terms, tile;  ///< for the transforms
 };
 
