@@ -148,8 +148,8 @@ TEST(Gather, RandomAndConstantPhasesAreGathered) {
   ASSERT_EQ(record.warnings.size(), 1u);
   EXPECT_NE(record.warnings[0].find("is noise of 16 rays per pixel"), std::string::npos);
   // A wall of equal phase shines straight on: rays of all pixels agree once they resolve the 166² cells of ±0.67 mm.
-  // Cut off there, the wave of irradiance L·(λ/p)² ripples by the root of the inverse Fresnel number, 42,
-  // on two sides.
+  // Cut off there, the wave of irradiance L·(λ/p)² ripples at a pixel by N^(−1/2) on two sides, with the Fresnel number
+  // N = (0.67 mm)²/(λ·20 mm) = 42.
   params.phase = SourcePhase::constant;
   params.pixel_samples = 200000;
   const Field constant = gather(make_bright_wall(-20_mm), {3, 3, 8e-6}, green, params).at(0);
