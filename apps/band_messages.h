@@ -81,6 +81,7 @@ class Unpacker {
 inline std::string pack_set(const Sources& set) {
   std::string bytes;
   pack(bytes, set.wavelength);
+  pack(bytes, set.cone_wavelength);
   pack(bytes, set.tiles.columns);
   pack(bytes, set.tiles.rows);
   pack(bytes, set.waves);
@@ -92,6 +93,7 @@ inline Sources unpack_set(const std::string& bytes) {
   Sources set;
   Unpacker unpacker(bytes);
   unpacker.get(set.wavelength);
+  unpacker.get(set.cone_wavelength);
   unpacker.get(set.tiles.columns);
   unpacker.get(set.tiles.rows);
   unpacker.get(set.waves);

@@ -1,7 +1,6 @@
 #include "banded_field.h"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <atomic>
 #include <chrono>
@@ -10,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <new>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -20,30 +18,13 @@
 #include "holotrace/base/units.h"
 #include "holotrace/io/field/field_bands.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/run/field_fingerprint.h"
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
 namespace {
-
-// FNV-1a: tells jobs apart, and is no protection against intent.
-class Fingerprint {
- public:
-  void add(const void* bytes, size_t size) {
-    for (size_t i = 0; i < size; ++i) value_ = (value_ ^ static_cast<const unsigned char*>(bytes)[i]) * 1099511628211u;
-  }
-  template <class Value>
-  void add(const Value& value) {
-    static_assert(std::has_unique_object_representations_v<Value> || std::is_floating_point_v<Value>);
-    add(&value, sizeof value);
-  }
-  void add_text(const std::string& text) { add(text.data(), text.size() + 1); }
-  uint64_t value() const { return value_; }
-
- private:
-  uint64_t value_ = 14695981039346656037u;
-};
 
 // One file of the job: the sets of a name, as its planes, and their bands, in the order of the job's.
 struct BandFile {
@@ -160,30 +141,19 @@ void sort_into_files(Work& work) {
 
 BandedJob describe_job(const Work& work, const BandFile& file) {
   const BandedField& job = work.job;
-  Fingerprint f;
-  f.add_text(HOLOTRACE_VERSION);
-  f.add(job.panel.nx);
-  f.add(job.panel.ny);
-  f.add(job.panel.pitch);
-  f.add(int(job.params.method));
-  f.add(job.params.tolerance);
-  for (const size_t band : file.bands) f.add(work.bands[band].first_row);
+  std::vector<int> first_rows;
+  for (const size_t band : file.bands) first_rows.push_back(work.bands[band].first_row);
+  std::vector<const Sources*> sets;
   std::string waves;
   for (const size_t i : file.sets) {
     const Sources& set = job.sets[i];
-    f.add_text(set.name);
-    f.add(set.frame);
-    f.add(set.wavelength);
-    f.add(set.cone_wavelength);
-    f.add(set.waves.data(), set.waves.size() * sizeof(Source));
-    f.add(set.tiles.columns);
-    f.add(set.tiles.values.data(), set.tiles.values.size() * sizeof(float));
+    sets.push_back(&set);
     waves += fmt::format("{} waves at {}, ", set.waves.size(), format_length(set.wavelength));
   }
   return {fmt::format("{}x{} pixels of {}, {}method {}, tolerance {}, {} bands", job.panel.nx, job.panel.ny,
                       format_length(job.panel.pitch), waves, method_name(job.params.method), job.params.tolerance,
                       file.bands.size()),
-          f.value(), file.bands.size(), named_rates()};
+          field_fingerprint(job.panel, job.params, sets, first_rows), file.bands.size(), named_rates()};
 }
 
 void open_files(Work& work) {
@@ -275,41 +245,6 @@ void share_bands(const std::shared_ptr<Work>& work, Ranks& ranks) {
   ranks.others_work = false;
 }
 
-// Pieces that need little memory on the other side.
-void send_rows(const Ranks& ranks, const BandOrder& order, const Field& field) {
-  const int piece = std::max(1, int((4 << 20) / (sizeof(std::complex<float>) * size_t(field.grid.nx))));
-  for (int row = 0; row < field.grid.ny; row += piece) {
-    const int rows = std::min(piece, field.grid.ny - row);
-    std::string bytes;
-    pack(bytes, RowsHead{order.index, order.band.first_row + row, rows});
-    const std::complex<float>* from = field.samples.row(row);
-    pack(bytes, std::vector<std::complex<float>>(from, from + size_t(rows) * size_t(field.grid.nx)));
-    ranks.send(0, tag_rows, bytes);
-  }
-}
-
-void serve_job(const Ranks& ranks, const Ranks::Message& job) {
-  JobHead head;
-  Unpacker(job.bytes).get(head);
-  std::vector<Sources> sets;
-  while (int(sets.size()) < head.sets) sets.push_back(unpack_set(ranks.receive().bytes));
-  const int threads = head.threads > 0 ? head.threads : ranks.threads();
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
-  set_summation_rates([rates = head.rates] { return rates; });
-  SynthesizeParams params;
-  params.method = head.method;
-  params.tolerance = head.tolerance;
-  ranks.send(0, tag_ready);
-  for (Ranks::Message message = ranks.receive(); message.tag == tag_band; message = ranks.receive()) {
-    BandOrder order;
-    Unpacker(message.bytes).get(order);
-    send_rows(ranks, order, synthesize_band(sets[size_t(order.band.set)], head.panel, order.band, params));
-    std::string done;
-    pack(done, order.index);
-    ranks.send(0, tag_finished, done);
-  }
-}
-
 }  // namespace
 
 void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observer) {
@@ -328,27 +263,6 @@ void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observ
   else
     work->make_bands();
   for (BandFile& file : work->files) file.file->finish();
-}
-
-void serve_bands(Ranks& ranks) {
-  try {
-    const Ranks::Message message = ranks.receive();
-    if (message.tag == tag_job) serve_job(ranks, message);
-  } catch (const std::bad_alloc&) {
-    ranks.send(0, tag_failed,
-               "expected enough memory for a band, but it ran out; give a smaller --memory or fewer ranks");
-    ranks.receive();
-  } catch (const std::exception& error) {
-    ranks.send(0, tag_failed, error.what());
-    ranks.receive();
-  }
-  ranks.leave();
-}
-
-void dismiss_ranks(Ranks& ranks, int exit_code) {
-  if (ranks.others_work) ranks.end_all(exit_code);
-  for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_end);
-  ranks.leave();
 }
 
 }  // namespace holotrace

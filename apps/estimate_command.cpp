@@ -13,7 +13,7 @@
 #include "holotrace/estimate/cost.h"
 #include "holotrace/estimate/machine/multiply_add_peak.h"
 #include "holotrace/io/scene/scene_file.h"
-#include "job_estimate.h"
+#include "holotrace/run/estimate/job_estimate.h"
 #include "load_scene.h"
 
 namespace holotrace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/run/viewing.h"
+#include "holotrace/run/view_series.h"
 
 namespace holotrace {
 

@@ -19,13 +19,13 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
-#include "job_estimate.h"
 #include "load_scene.h"
 #include "save_views.h"
 
@@ -45,6 +45,18 @@ template <class Item, class Save>
 void save_numbered(const std::string& path, const std::vector<Item>& items, const Save& save) {
   for (size_t i = 0; i < items.size(); ++i) save(numbered_path(path, i), items[i]);
   remove_numbered(path, items.size());
+}
+
+void print_comparison(const JobEstimate& estimate, const std::vector<StageComparison>& stages) {
+  fmt::print("{:<28} {:>12} {:>12} {:>18}\n", "stage", "predicted s", "taken s", "predicted / taken");
+  for (const StageComparison& stage : stages)
+    fmt::print("{:<28} {:>12.3f} {:>12.3f} {:>18}\n", stage.name, stage.predicted, stage.taken,
+               stage.taken > 0 ? fmt::format("{:.2f}", stage.predicted / stage.taken) : "-");
+  if (estimate.is_whole())
+    fmt::print("\"simulation\" is all stages after the sum. ");
+  else
+    fmt::print("The other stages could not be probed: {}\n", estimate.why_no_simulation);
+  fmt::print("The estimate itself took {:.1f} s.\n", estimate.probe_seconds);
 }
 
 void add_run(CLI::App& app, const GlobalFlags& global) {
@@ -94,7 +106,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     Boxes boxes = run(job, console.stages());
     console.finish();
-    if (estimate) fmt::print("{}", compare_with_run(*estimate, boxes.report));
+    if (estimate) print_comparison(*estimate, compare_with_run(*estimate, boxes.report));
     const auto in = [&](const std::string& name) { return (std::filesystem::path(o->folder) / name).string(); };
     const double render_white = common_white(boxes.renders, 0);
     save_numbered(in("render.png"), boxes.renders,

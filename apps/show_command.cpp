@@ -20,6 +20,7 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/run/illumination_plan.h"
+#include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/view/camera.h"
 #include "save_views.h"

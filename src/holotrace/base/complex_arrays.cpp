@@ -13,7 +13,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET != HWY_SCALAR
-// (aᵣ + i·aᵢ)·(bᵣ + i·bᵢ) + c of numbers that lie as re, im, re, im, …
+// (aᵣ + i·aᵢ)·(bᵣ + i·bᵢ) + c for numbers stored as re, im, re, im, …
 template <class V>
 HWY_INLINE V multiply_add(V a, V b, V c) {
   const V crossed = hn::Mul(hn::DupOdd(a), hn::Reverse2(hn::DFromV<V>(), b));
@@ -22,7 +22,7 @@ HWY_INLINE V multiply_add(V a, V b, V c) {
 }
 #endif
 
-// to = a·b, or to += a·b; b stands still for the whole array if it is one number.
+// to = a·b, or to += a·b; with b_is_one, b is one number that multiplies the whole array.
 template <bool adds, bool b_is_one, class Real>
 HWY_INLINE void loop(Real* to, const Real* a, const Real* b, size_t reals) {
   size_t i = 0;
@@ -134,7 +134,7 @@ void multiply_add_rows(std::complex<double>* to, const std::complex<double>* a, 
 
 template <class Real>
 double energy(const std::complex<Real>* a, size_t count) {
-  constexpr size_t lanes = 8;  // sums that do not wait for each other
+  constexpr size_t lanes = 8;  // independent partial sums, so that no addition waits for the one before
   double sums[lanes] = {};
   const Real* x = reals(a);
   const size_t n = 2 * count, whole = n - n % lanes;

@@ -3,7 +3,7 @@
 #include <complex>
 #include <cstddef>
 
-// Loops over arrays of complex numbers, on every instruction set. Arrays may be the same, but not partly overlap.
+// Loops over arrays of complex numbers, for every instruction set. Two arrays are the same or do not overlap.
 
 namespace holotrace {
 

@@ -4,7 +4,7 @@
 
 namespace holotrace {
 
-/// The product without the special cases of infinities that the operator has, which keep loops from being vectorised.
+/// The product a·b without the special cases for infinities of the operator, which prevent vectorization.
 template <class Real>
 inline std::complex<Real> product(std::complex<Real> a, std::complex<Real> b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};

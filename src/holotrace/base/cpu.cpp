@@ -20,7 +20,7 @@ struct CpuId {
   uint32_t a = 0, b = 0, c = 0, d = 0;
 };
 
-// All zero for a leaf that this processor does not have.
+// The registers of a CPUID leaf; all zero where this processor does not have the leaf.
 CpuId cpu_id(uint32_t leaf, uint32_t subleaf = 0) {
   CpuId id;
   __get_cpuid_count(leaf, subleaf, &id.a, &id.b, &id.c, &id.d);
@@ -29,7 +29,7 @@ CpuId cpu_id(uint32_t leaf, uint32_t subleaf = 0) {
 
 bool has_bit(uint32_t bits, int index) { return (bits >> index) & 1; }
 
-// The registers whose contents the system keeps for a program (XCR0), none where it keeps no extended state.
+// The registers whose contents the system saves for a program (XCR0); 0 where it saves no extended state.
 uint64_t kept_state() {
   constexpr int osxsave = 27;
   if (!has_bit(cpu_id(1).c, osxsave)) return 0;
@@ -42,7 +42,7 @@ bool keeps(uint64_t states) { return (kept_state() & states) == states; }
 
 bool ask_for_tile_data() {
 #if defined(__linux__)
-  // The numbers are those of <asm/prctl.h>, which older headers do not have all of.
+  // The numbers are those of <asm/prctl.h>; older headers lack some of them.
   constexpr long arch_req_xcomp_perm = 0x1023, xfeature_xtiledata = 18;
   return syscall(SYS_arch_prctl, arch_req_xcomp_perm, xfeature_xtiledata) == 0;
 #else
@@ -77,7 +77,7 @@ bool has_avx512_bf16() {
 }
 
 bool enable_amx_bf16() {
-  constexpr uint64_t tiles = 0x60000;  // their shapes and their data
+  constexpr uint64_t tiles = 0x60000;  // tile shapes and tile data
   constexpr int amx_bf16 = 22, amx_tile = 24;
   static const bool may = [] {
     const uint32_t extended = cpu_id(7).d;

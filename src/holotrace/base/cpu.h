@@ -4,14 +4,14 @@
 
 namespace holotrace {
 
-/// The processor's own name for itself, as "Intel(R) Xeon(R) Processor", or "unknown processor".
+/// The name that the processor reports, such as "Intel(R) Xeon(R) Processor", or "unknown processor".
 std::string cpu_name();
 
-/// Whether dot products of pairs of bf16 numbers into floats run here (AVX512_BF16: vdpbf16ps), processor and system.
+/// Whether processor and system support dot products of bf16 pairs summed in floats (AVX512_BF16: vdpbf16ps).
 bool has_avx512_bf16();
 
-/// Whether products of tiles of bf16 numbers into floats run here (AMX: tdpbf16ps). The system keeps the state of tiles
-/// only for a program that asked for it: the first call asks, for all threads of the program, and the answer is kept.
+/// Whether products of bf16 tiles summed in floats run here (AMX: tdpbf16ps). The system saves tile registers only
+/// for a program that asks for it: the first call asks for all threads of the program and keeps the answer.
 bool enable_amx_bf16();
 
 }  // namespace holotrace

@@ -17,7 +17,7 @@
 namespace holotrace {
 namespace {
 
-// FFTW's planner, wisdom and our table of plans are shared by all threads: one lock for the three.
+// All threads share FFTW's planner, its wisdom and our table of plans: one lock guards all three.
 std::mutex planner;
 std::optional<FftWisdomStore> store;
 
@@ -27,7 +27,7 @@ unsigned flags(bool aligned) {
 
 int sign(FftDirection direction) { return direction == FftDirection::forward ? FFTW_FORWARD : FFTW_BACKWARD; }
 
-// The two precisions of FFTW under one name.
+// FFTW's functions for both precisions under one name.
 template <class Real>
 struct Fftw;
 
@@ -67,7 +67,7 @@ struct Fftw<double> {
   static bool is_aligned(std::complex<double>* data) { return fftw_alignment_of(reinterpret_cast<double*>(data)) == 0; }
 };
 
-// Both precisions' wisdom in one text; neither holds a null character.
+// The wisdom of both precisions in one text, separated by a null character, which neither contains.
 std::string export_wisdom() {
   std::string wisdom;
   for (char* text : {fftwf_export_wisdom_to_string(), fftw_export_wisdom_to_string()}) {
@@ -78,7 +78,7 @@ std::string export_wisdom() {
   return wisdom;
 }
 
-// Text that is no wisdom is passed over: FFTW then measures anew.
+// Text that is not valid wisdom is ignored: FFTW then measures again.
 void import_wisdom(const std::string& wisdom) {
   const size_t end = wisdom.find('\0');
   if (end == std::string::npos) return;
@@ -86,7 +86,7 @@ void import_wisdom(const std::string& wisdom) {
   fftw_import_wisdom_from_string(wisdom.c_str() + end + 1);
 }
 
-// A new plan, made with what the store knows and telling it what was learnt.
+// Makes a new plan: reads the store's wisdom before, and gives it the new wisdom after.
 template <class Make>
 auto with_store(const Make& make) {
   if (store) import_wisdom(store->open());
@@ -100,12 +100,12 @@ using PlanOf = typename Fftw<Real>::Plan;
 
 template <class Real>
 const void* shared_plan(int length, FftDirection direction, bool aligned) {
-  // Never destroyed: threads may transform until the program ends.
+  // Never destroyed: threads may still transform while the program ends.
   static auto& plans = *new std::map<std::tuple<int, FftDirection, bool>, PlanOf<Real>>;
   const std::lock_guard lock(planner);
   PlanOf<Real>& plan = plans[{length, direction, aligned}];
   if (!plan) {
-    AlignedVector<std::complex<Real>> scratch(static_cast<size_t>(length));  // measuring overwrites it
+    AlignedVector<std::complex<Real>> scratch(static_cast<size_t>(length));  // measuring overwrites its array
     plan = with_store([&] { return Fftw<Real>::make(length, scratch.data(), direction, aligned); });
   }
   return plan;
@@ -113,7 +113,7 @@ const void* shared_plan(int length, FftDirection direction, bool aligned) {
 
 template <class Real>
 const void* shared_batch(int length, const FftLayout& layout, FftDirection direction) {
-  static auto& plans = *new std::map<std::tuple<int, FftLayout, FftDirection>, PlanOf<Real>>;  // as above
+  static auto& plans = *new std::map<std::tuple<int, FftLayout, FftDirection>, PlanOf<Real>>;  // also never destroyed
   const std::lock_guard lock(planner);
   PlanOf<Real>& plan = plans[{length, layout, direction}];
   if (!plan) {
@@ -168,7 +168,7 @@ void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction) {
   const Fft<Real> along_row(nx, direction), along_column(ny, direction);
   parallel_for(0, ny, [&](int64_t j) { along_row(data + j * nx); });
 
-  // Columns go through a block of a few that lie contiguous, so that memory is read by cache lines.
+  // Columns are copied in small blocks to contiguous memory, so that memory is read by whole cache lines.
   constexpr int block = 16;
   parallel_for(0, (nx + block - 1) / block, [&](int64_t b) {
     const int first = int(b) * block, count = std::min(block, nx - first);

@@ -7,14 +7,14 @@
 
 namespace holotrace {
 
-/// Sign of the exponent: forward exp(−i2πkn/N), backward exp(+i2πkn/N). Neither scales.
+/// Sign of the exponent: forward exp(−i2πkn/N), backward exp(+i2πkn/N). Neither direction scales.
 enum class FftDirection { forward, backward };
 
 /// The smallest length ≥ n whose only factors are 2, 3 and 5.
 int fft_good_length(int n);
 
-/// A transform of `length` contiguous samples. Plans are made once per length and direction, kept
-/// for the life of the program, and may run on several threads at once.
+/// A transform of `length` contiguous samples. A plan is made once per length and direction, kept for the life of
+/// the program, and may run on several threads at once.
 template <class Real>
 class Fft {
  public:
@@ -29,26 +29,26 @@ class Fft {
  private:
   int length_;
   FftDirection direction_;
-  const void* plan_;  // for data on a SIMD boundary, where FFTW is faster
+  const void* plan_;  // for data aligned for SIMD, where FFTW is faster
 };
 
-/// Where the samples of `count` transforms lie, which are done together: sample i of transform c at
-/// c·distance + i·stride, of the input and of the output.
+/// Places of the samples of `count` transforms that are done together: sample i of transform c is at
+/// c·distance + i·stride, in the input and in the output.
 struct FftLayout {
   int count = 1;
   int input_stride = 1, input_distance = 0, output_stride = 1, output_distance = 0;
   auto operator<=>(const FftLayout&) const = default;
 };
 
-/// Several transforms of `length` samples at once, out of place: columns of an array become contiguous, or the
-/// other way, without a pass of their own. Plans are kept as those of Fft are.
+/// Several transforms of `length` samples at once, out of place: columns of an array become contiguous, or contiguous
+/// samples become columns, without a separate copy. Plans are kept as those of Fft are.
 template <class Real>
 class FftBatch {
  public:
   /// @throws Error unless length and count ≥ 1.
   FftBatch(int length, const FftLayout& layout, FftDirection direction);
 
-  /// Both arrays start on a boundary of 64 bytes, and do not overlap. The input stays as it is.
+  /// Both arrays are aligned to 64 bytes and do not overlap. The input is not changed.
   void operator()(const std::complex<Real>* input, std::complex<Real>* output) const;
 
  private:
@@ -62,16 +62,16 @@ void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction);
 /// Name and version of the library that plans the transforms.
 std::string fft_library_version();
 
-/// Where plans are kept between runs and shared by programs: FFTW's knowledge of fast plans ("wisdom") as text.
-/// Around the making of each new plan, `open` is called for the text kept so far, and `close` with the new
-/// one; between the two nobody else may write it, so that all programs that share it plan alike.
+/// A store that keeps plans between runs and shares them between programs, as FFTW's text of fast plans ("wisdom").
+/// For each new plan, `open` is called for the text kept so far, and `close` with the new text. Between the two
+/// calls nobody else may write the store, so that all programs that share it plan alike.
 struct FftWisdomStore {
   std::function<std::string()> open;
   std::function<void(const std::string& wisdom)> close;
 };
 
-/// From here on new plans are chosen by timing candidates, and kept in `store`: the same on every run that
-/// shares it. Without a store, plans are estimated: slower, and the same on every run.
+/// From here on new plans are chosen by timing candidates, and kept in `store`: they are the same on every run that
+/// shares it. Without a store, plans are estimated: they are slower, and the same on every run.
 void set_fft_wisdom_store(FftWisdomStore store);
 
 }  // namespace holotrace

@@ -8,7 +8,7 @@
 namespace holotrace {
 namespace {
 
-// The lowest bit is the best of them.
+// The instruction sets that run here, as bits of Highway; the lowest bit is the best one.
 std::vector<int64_t> targets_here() {
   std::vector<int64_t> targets;
   for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {

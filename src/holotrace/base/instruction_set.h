@@ -5,12 +5,12 @@
 
 namespace holotrace {
 
-/// The instruction sets that this machine has and vector code is compiled for, best first, by Highway's names: "AVX3"
-/// (AVX-512), "AVX2", "SSE4", … One whose floats are those of a better one on the list (SSSE3) is left out.
+/// The instruction sets that this machine has and that vector code is compiled for, best first, by Highway's names:
+/// "AVX3" (AVX-512), "AVX2", "SSE4", … A set that handles floats as a better one on the list does (SSSE3) is left out.
 std::vector<std::string> instruction_sets();
 
-/// While it lives, all code that picks its instruction set at run time picks this one: for tests and benchmarks. One at
-/// a time, and not while such code runs.
+/// While an object exists, all code that picks its instruction set at run time uses this one; for tests and
+/// benchmarks. Only one object may exist at a time; create and destroy it only while no such code runs.
 class OnInstructionSet {
  public:
   /// @throws Error for a name that is not one of instruction_sets().

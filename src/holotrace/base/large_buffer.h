@@ -9,8 +9,8 @@
 
 namespace holotrace {
 
-/// Room for `count` values that are not set to anything, for work in passes over much memory: on large pages where the
-/// system has them, so that the first touch and far strides cost little.
+/// Uninitialised memory for `count` values, for work that passes over much memory. It uses large pages where the
+/// system has them, so that the first access and accesses with large strides cost little.
 template <class T>
 class LargeBuffer {
  public:
@@ -19,7 +19,7 @@ class LargeBuffer {
     const size_t bytes = (count * sizeof(T) + page - 1) / page * page;
     data_.reset(static_cast<T*>(std::aligned_alloc(page, bytes > 0 ? bytes : page)));
     if (!data_) throw std::bad_alloc();
-    madvise(data_.get(), bytes, MADV_HUGEPAGE);  // a wish: without it the buffer is as good
+    madvise(data_.get(), bytes, MADV_HUGEPAGE);  // a hint: the buffer works without it, too
   }
 
   T* data() { return data_.get(); }

@@ -12,28 +12,28 @@ namespace holotrace {
 
 /// Numbers that fill the unit square evenly, computed from counters: the same (seed, frame, sample,
 /// index) gives the same numbers on any thread, in any order. One object serves one sample (a first
-/// hit, a pixel); start(i) goes to its path i; each one() or two() is a new dimension of that path.
+/// hit, a pixel); start(i) begins path i of it; each one() or two() is a new dimension of that path.
 ///
 ///     aᵢ = σ₀(i),   one() = σ₁(φ(aᵢ)),   two() = (σ₁(φ(aᵢ)), σ₂(ψ(aᵢ)))
 ///
 /// φ is the base-2 radical inverse and ψ the second Sobol dimension, so (φ, ψ) is a (0, 2)-sequence. σ₁ and σ₂ are
-/// nested uniform (Owen) scrambles by a hash, which move the points; σ₀ changes their order: at random inside each
-/// block of 16, then by such a scramble. All are keyed (seed, frame, sample, dimension).
+/// nested uniform (Owen) scrambles by a hash, which move the points. σ₀ changes their order: first at random inside
+/// each block of 16, then by such a scramble. All are keyed by (seed, frame, sample, dimension).
 ///
-/// Holds, for each dimension by itself:
+/// Properties that hold for each dimension by itself:
 /// - Every number is uniform in [0, 1), so a mean over N paths is unbiased for every N.
-/// - The first 2ᵐ points of a two(), and any aligned block of 2ᵐ ≥ 16, fall one in each of the 2ᵐ boxes of
-///   2⁻ᵃ × 2⁻ᵇ, a + b = m, for every a (a (0, m, 2)-net); those of a one(), one in each interval of 2⁻ᵐ.
-/// - So the error of the mean of a smooth f(two()) over N = 2ᵐ paths falls as N^(−3/2)·√log N, where independent
-///   numbers have N^(−1/2). Take a power of two, or at least a multiple of 16.
-/// Different dimensions and different samples are uncorrelated (padded): the part of an integrand that is a product of
-/// several dimensions keeps N^(−1/2). Without the order inside blocks paths 2j and 2j + 1 would lie in opposite halves
-/// of every dimension, and (x − ½)(x′ − ½) of two dimensions would have 1.58 times the variance of independent
-/// numbers; with it, 1.07 times.
-/// Stops: numbers have 32 bits, and so has the index. The hash stands for independent random swaps, which it
-/// is not exactly; the tests hold it to them.
+/// - The first 2ᵐ points of a two(), and any aligned block of 2ᵐ ≥ 16 points, have exactly one point in each of the
+///   2ᵐ boxes of 2⁻ᵃ × 2⁻ᵇ, a + b = m, for every a (a (0, m, 2)-net); a one() has one point in each interval of 2⁻ᵐ.
+/// - So the error of the mean of a smooth f(two()) over N = 2ᵐ paths falls as N^(−3/2)·√log N; with independent
+///   numbers it falls as N^(−1/2). Use a power of two as N, or at least a multiple of 16.
+/// Different dimensions and different samples are uncorrelated (padded), so the part of an integrand that is a product
+/// of several dimensions keeps N^(−1/2). Without the random order inside blocks, paths 2j and 2j + 1 would lie in
+/// opposite halves of every dimension, and (x − ½)(x′ − ½) of two dimensions would have 1.58 times the variance of
+/// independent numbers; with it, 1.07 times.
+/// Limits: numbers have 32 bits, and so has the index. The hash replaces independent random swaps, to which it is not
+/// exactly equal; tests check the statistics.
 ///
-/// Cost: two() about 2.5 times that of two numbers of CounterRandom, one() about 4 times that of one.
+/// Cost: two() takes about 2.5 times as long as two numbers of CounterRandom, one() about 4 times as long as one.
 /// Reference: B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4), 2020, with the hash of N. Vegdahl, Building a
 /// Better LK Hash, 2021; A. B. Owen, Scrambled net variance for integrals of smooth functions, Ann. Stat. 25, 1997.
 class LowDiscrepancy {
@@ -41,7 +41,7 @@ class LowDiscrepancy {
   LowDiscrepancy(uint64_t seed, uint32_t frame, uint64_t sample)
       : key_(mix(mix(mix(seed) + frame) + sample * splitmix_step)), next_(key_) {}
 
-  /// Goes to path `index` of this sample; dimensions start again.
+  /// Starts path `index` of this sample at its first dimension.
   void start(uint32_t index) {
     reversed_block_ = reverse_bits(index >> 4) >> 4;
     block_hash_ = uint32_t((index >> 4) * splitmix_step >> 32);
@@ -50,7 +50,7 @@ class LowDiscrepancy {
     next_ = key_;
   }
 
-  /// The next dimension alone, uniform in [0, 1).
+  /// The next single dimension, uniform in [0, 1).
   double one() {
     const uint64_t bits = next_seeds();
     const uint32_t order = shuffled_order(uint32_t(bits));
@@ -63,7 +63,7 @@ class LowDiscrepancy {
     const uint32_t order = shuffled_order(uint32_t(bits));
     const uint32_t x = scramble_reversed(order, uint32_t(bits >> 32));
     const uint32_t y = scramble_reversed(second_sobol_reversed(order), uint32_t(bits * splitmix_step >> 32));
-    // One reversal of 64 bits turns both, and changes their places.
+    // One reversal of 64 bits reverses both numbers, and swaps their places.
     const uint64_t both = reverse_bits(uint64_t(y) << 32 | x);
     return {uint32_t(both >> 32) * 0x1p-32, uint32_t(both) * 0x1p-32};
   }
@@ -83,8 +83,8 @@ class LowDiscrepancy {
     return __builtin_bswap64(v);
   }
 
-  /// A nested uniform scramble of a number whose bits stand in reverse: addition, multiplication by odd numbers
-  /// and v ^ v·even let a bit act only on those above it, as a scramble lets a digit act on those after it.
+  /// A nested uniform scramble of a number whose bits are in reverse order. Addition, multiplication by odd numbers
+  /// and v ^ v·even let a bit change only higher bits, just as a scramble lets a digit change only later digits.
   static uint32_t scramble_reversed(uint32_t v, uint32_t seed) {
     v ^= v * 0x3d20adea;
     v += seed;
@@ -93,8 +93,8 @@ class LowDiscrepancy {
     return v ^ v * 0x53a22864;
   }
 
-  /// The second Sobol dimension of point `order`, its bits in reverse. Its generator matrix is Pascal's triangle
-  /// modulo 2: C(k, j) is odd where the bits of j are among those of k (Lucas), so bit j gathers all such k.
+  /// The second Sobol dimension of point `order`, with its bits in reverse order. Its generator matrix is Pascal's
+  /// triangle modulo 2: C(k, j) is odd where the bits of j are among those of k (Lucas), so bit j sums all such k.
   static uint32_t second_sobol_reversed(uint32_t order) {
     order ^= order >> 1 & 0x55555555;
     order ^= order >> 2 & 0x33333333;
@@ -103,7 +103,7 @@ class LowDiscrepancy {
     return order ^ order >> 16;
   }
 
-  /// 64 bits for the next dimension; σ₀ takes the lower half, σ₁ the upper one, σ₂ the upper half of a multiple.
+  /// 64 bits for the next dimension: σ₀ takes the lower half, σ₁ the upper half, σ₂ the upper half of a multiple.
   uint64_t next_seeds() { return mix(next_ += splitmix_step); }
 
   /// σ₀(i): first the place of the point in its block of 16, then a scramble of the whole index.
@@ -112,13 +112,13 @@ class LowDiscrepancy {
     return reverse_bits(scramble_reversed(uint32_t(order >> place_) << 28 | reversed_block_, seed));
   }
 
-  /// Random orders of 16 places, each place four bits in reverse. The first 64 are for the first block: they mix only
-  /// 2–3, 4–7 and 8–15 among themselves, so that the first 1, 2, 4 and 8 points stay the same. 64 are for the others.
+  /// Random orders of 16 places, each place four bits in reverse order. The first 64 orders are for the first block:
+  /// they permute only within 2–3, 4–7 and 8–15, so that its first 1, 2, 4, 8 points stay the same. 64 are for others.
   static constexpr std::array<uint64_t, 128> make_orders() {
     std::array<uint64_t, 128> orders{};
     for (size_t n = 0; n < orders.size(); ++n) {
       std::array<uint32_t, 16> place{};
-      for (uint32_t i = 0; i < 16; ++i) {  // Fisher and Yates, built up
+      for (uint32_t i = 0; i < 16; ++i) {  // Fisher–Yates shuffle, built up from the start
         const uint32_t first = n < 64 ? std::bit_floor(i) : 0;
         const uint32_t other = first + uint32_t((mix(16 * n + i + 1) >> 32) * (i + 1 - first) >> 32);
         place[i] = place[other];
@@ -131,7 +131,7 @@ class LowDiscrepancy {
   static const std::array<uint64_t, 128> orders;
 
   uint64_t key_, next_;
-  uint32_t reversed_block_ = 0, block_hash_ = 0, place_ = 0, first_order_ = 0;  // of the path
+  uint32_t reversed_block_ = 0, block_hash_ = 0, place_ = 0, first_order_ = 0;  // state of the current path
 };
 
 inline constexpr std::array<uint64_t, 128> LowDiscrepancy::orders = make_orders();

@@ -7,8 +7,8 @@ namespace holotrace {
 /// Bytes of physical memory that this machine has.
 double physical_memory();
 
-/// @throws Error if `bytes` are more than this machine has, saying what needs them: a check to make
-///         before a large allocation, where the system would stop the program without a word.
+/// Checks memory before a large allocation; the system would otherwise kill the program without a message.
+/// @throws Error if this machine has less than `bytes` of memory; the message names what needs them (`what`)
 void require_memory(double bytes, std::string_view what);
 
 }  // namespace holotrace

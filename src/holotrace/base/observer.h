@@ -12,14 +12,14 @@ namespace holotrace {
 /// A fact that a verb states about its work: a count, a figure, or a choice it made.
 using Fact = std::variant<int64_t, double, std::string>;
 
-/// What a caller may want to hear while a verb works. The library never prints: it tells its
-/// observer, and an empty observer hears nothing.
+/// Callbacks for what a caller wants to know while a verb works. The library never prints: it calls its observer. An
+/// empty observer ignores everything.
 struct Observer {
   std::function<void(double fraction)> on_progress;                         ///< called from any thread
   std::function<void(const std::string& name, const Fact& value)> on_fact;  ///< "method", "waves", …
   std::function<void(const std::string& sentence)> on_warning;              ///< a doubt about the result
   std::function<void(const std::string& name, const std::vector<double>& values)>
-      on_curve{};  ///< of iterations, from 0
+      on_curve{};  ///< values per iteration, from iteration 0
 
   void progress(double fraction) const {
     if (on_progress) on_progress(fraction);
@@ -40,7 +40,7 @@ struct Observer {
   }
 };
 
-/// The same listener for part `part` of `parts` equal parts of a work: it hears the progress of the whole.
+/// An observer for part `part` of `parts` equal parts of a task; `observer` receives the progress of the whole task.
 inline Observer part_of(const Observer& observer, int part, int parts) {
   if (parts == 1 || !observer.on_progress) return observer;
   Observer of_part = observer;

@@ -8,8 +8,8 @@
 
 namespace holotrace {
 
-/// Sorts in ascending order, on all threads. Under the thread sanitizer on one: it does not see how oneTBB's library
-/// hands parts of the sort to threads, and would call it a race.
+/// Sorts in ascending order, on all threads; under the thread sanitizer on one thread. The sanitizer cannot follow how
+/// oneTBB's library passes parts of the sort to threads, and would report a data race.
 template <class Iterator>
 void parallel_sort(Iterator first, Iterator last) {
 #ifdef __SANITIZE_THREAD__

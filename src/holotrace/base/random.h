@@ -13,7 +13,7 @@ class CounterRandom {
   CounterRandom(uint64_t seed, uint32_t frame, uint64_t sample)
       : key_{{uint32_t(seed), uint32_t(seed >> 32)}}, counter_{{0, frame, uint32_t(sample), uint32_t(sample >> 32)}} {}
 
-  /// Uniform in [0, 1), 32 bits.
+  /// A number that is uniform in [0, 1), with 32 random bits.
   double uniform() {
     if (used_ == 4) {
       block_ = r123::Philox4x32()(counter_, key_);

@@ -5,8 +5,8 @@
 
 namespace holotrace {
 
-/// Cache-aligned memory from the system's allocator, for builds under the sanitizers: they do not see what oneTBB's own
-/// allocator gives and takes, so that a write past the end of a buffer, or two threads at one, would go unnoticed.
+/// Cache-aligned memory from the system's allocator, for builds under the sanitizers. The sanitizers do not see the
+/// blocks of oneTBB's own allocator: writes past the end of a buffer, or data races in it, would go unnoticed.
 template <class T>
 struct SanitizedAllocator {
   using value_type = T;
@@ -24,7 +24,7 @@ struct SanitizedAllocator {
   }
 
  private:
-  static constexpr std::align_val_t alignment{128};  // as oneTBB's
+  static constexpr std::align_val_t alignment{128};  // the alignment of oneTBB's allocator
 };
 
 }  // namespace holotrace

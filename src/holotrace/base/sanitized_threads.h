@@ -12,9 +12,9 @@
 
 namespace holotrace {
 
-/// Calls work(first, last) for ranges of `grain` that make up [begin, end) on threads of their own, for builds under
-/// the thread sanitizer: it does not see how oneTBB, which is built without it, hands work over, and would call every
-/// loop a race. What it finds here is the loops' own. At least three threads take part where more than one may.
+/// Calls work(first, last) for ranges of `grain` that make up [begin, end), on threads of their own, for builds under
+/// the thread sanitizer. The sanitizer cannot follow how oneTBB, which is built without it, passes work to threads,
+/// and would report every loop. What it reports here is in the loops. At least three threads run, unless only one may.
 template <class Work>
 void for_each_range_on_new_threads(int64_t begin, int64_t end, int64_t grain, const Work& work) {
   std::atomic<int64_t> next{begin};

@@ -2,7 +2,7 @@
 
 namespace holotrace {
 
-/// How many threads parallel_for works on here: all that the machine has, or the fewer that --threads allows.
+/// Number of threads that parallel_for uses: all that the machine has, or fewer if --threads says so.
 int thread_count();
 
 }  // namespace holotrace

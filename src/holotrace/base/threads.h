@@ -14,8 +14,8 @@
 
 namespace holotrace {
 
-/// Calls `work(i)` for every i in [begin, end), each once, on the threads that oneTBB has.
-/// A result must not depend on the order. `observer` hears the fraction done, from any
+/// Calls `work(i)` once for every i in [begin, end), on oneTBB's threads.
+/// A result must not depend on the order of the calls. `observer` receives the fraction done, from any
 /// thread. An exception thrown by `work` stops the loop and reaches the caller.
 template <class Work>
 void parallel_for(int64_t begin, int64_t end, const Work& work, const Observer& observer = {}, int64_t grain = 1) {

@@ -9,17 +9,17 @@
 
 namespace holotrace {
 
-/// When a work will end, from how far it has come: the rate since the first fraction that it told of, which is above 0
-/// for a work taken up again. The end is smoothed, so that the time left falls evenly where the rate wavers.
+/// Estimates the time left of a task from its progress: by the rate since the first reported fraction, which is above
+/// 0 for a resumed task. The end is smoothed, so that the time left falls evenly although the rate varies.
 class TimeLeft {
  public:
-  /// @param seconds   since the start, growing from call to call
-  /// @param fraction  done, in [0, 1]
-  /// @return          seconds left; nothing before a fiftieth of the rest is done, and at the end
+  /// @param seconds   time since the start [s], growing from call to call
+  /// @param fraction  part of the task that is done, in [0, 1]
+  /// @return          time left [s]; nothing until a fiftieth of the rest is done, and at the end
   std::optional<double> estimate(double seconds, double fraction) {
     if (!begun_ && fraction > 0) {
       begun_ = true;
-      first_seconds_ = fraction > 0.02 ? seconds : 0;  // a first step is no head start
+      first_seconds_ = fraction > 0.02 ? seconds : 0;  // up to 2 % is progress of this run, not of an earlier one
       first_fraction_ = fraction > 0.02 ? fraction : 0;
     }
     const double done = fraction - first_fraction_;

@@ -12,8 +12,8 @@ namespace {
 
 struct Unit {
   std::string_view name;
-  double divisor;    // of this unit in the SI unit
-  int exponent = 0;  // its power of ten, where it is one
+  double divisor;    // number of these units in one SI unit
+  int exponent = 0;  // the unit as a power of ten of the SI unit, where it is one
 };
 
 constexpr std::array<Unit, 7> length_units{
@@ -44,8 +44,8 @@ bool read_number(std::string_view& rest, double& number) {
   return true;
 }
 
-// The number in its unit. Of a power of ten, the exponent moves in the text, so that the decimal
-// number rounds once: "532 nm" is the double 532e-9.
+// The number converted to the SI unit. For a power of ten the exponent is changed in the text, so that the decimal
+// number is rounded only once: "532 nm" becomes the double 532e-9.
 double in_si(std::string_view digits, double number, const Unit& unit) {
   if (unit.exponent == 0) return number / unit.divisor;
   int exponent = 0;

@@ -33,22 +33,22 @@ double parse_length(std::string_view text);
 /// @throws Error for a missing or unknown unit, or a number that is not finite.
 double parse_angle(std::string_view text);
 
-/// Metres from several numbers that share one trailing unit, "0 0 -300 mm", or carry one each,
+/// Metres from several numbers that share one unit at the end, "0 0 -300 mm", or have one each,
 /// "1 mm, 2 um, 0.3 m".
 /// @throws Error as parse_length does.
 std::vector<double> parse_lengths(std::string_view text);
 
 /// Bytes from a number with its unit: "2 GB", "512MiB". Units: B, kB, MB, GB, TB (powers of 1000), KiB, MiB, GiB, TiB.
-/// @throws Error as parse_length does, and for a size that is not above 0.
+/// @throws Error as parse_length does, and for a size of 0 or less.
 double parse_size(std::string_view text);
 
-/// A length for people, in the unit that suits it: "532 nm", "8 µm", "300 mm".
+/// Text of a length in the unit that suits it: "532 nm", "8 µm", "300 mm".
 std::string format_length(double metres);
 
-/// An angle for people: "2.267°".
+/// Text of an angle: "2.267°".
 std::string format_angle(double radians);
 
-/// A count of bytes for people: "34.4 GiB".
+/// Text of a number of bytes: "34.4 GiB".
 std::string format_bytes(double bytes);
 
 }  // namespace holotrace

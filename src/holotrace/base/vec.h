@@ -50,7 +50,7 @@ inline Frame compose(const Frame& outer, const Frame& inner) {
           transform_point(outer, inner.origin)};
 }
 
-/// Right-handed rotation by `angle` [rad] about the axis of that name through the origin.
+/// Right-handed rotation by `angle` [rad] about the named axis through the origin.
 inline Frame rotation_x(double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return {{1, 0, 0}, {0, c, s}, {0, -s, c}, {}};

@@ -11,7 +11,7 @@
 
 namespace holotrace {
 
-/// Work space that outlives a call: lent to one call at a time, made anew where all of it is out. From any thread.
+/// Buffers that outlive a call: each is lent to one call at a time; new ones are made if none is free. Thread-safe.
 class Workspace {
  public:
   struct Space {

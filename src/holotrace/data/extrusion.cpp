@@ -1,4 +1,4 @@
-// A flat outline with depth.
+// Extrusions: solids made from flat outlines.
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 namespace holotrace {
 namespace {
 
-// Twice the signed area of a, b, c: positive when they turn left.
+// Twice the signed area of the triangle a, b, c: positive if it is counter-clockwise.
 double turn(Vec2 a, Vec2 b, Vec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
 bool within(Vec2 p, Vec2 a, Vec2 b) {
@@ -45,7 +45,7 @@ void check_outline(const std::vector<Vec2>& outline) {
   }
 }
 
-// Triangles of a simple polygon that turns left, by cutting off ears (Meisters 1975). O(n²) to O(n³).
+// Triangles of a simple counter-clockwise polygon, by ear clipping (Meisters 1975). Cost: O(n²) to O(n³).
 std::vector<std::array<uint32_t, 3>> triangulate(const std::vector<Vec2>& polygon) {
   std::vector<uint32_t> left(polygon.size());
   std::iota(left.begin(), left.end(), 0u);
@@ -62,7 +62,7 @@ std::vector<std::array<uint32_t, 3>> triangulate(const std::vector<Vec2>& polygo
   while (left.size() > 3) {
     size_t ear = 0;
     while (ear < left.size() && !is_ear(ear, 0)) ++ear;
-    if (ear == left.size())  // only points on straight sides remain between ears: cut one off flat
+    if (ear == left.size())  // only collinear points remain between ears: cut off a flat one
       for (ear = 0; ear < left.size() && !is_ear(ear, -1e-300); ++ear) {
       }
     require(ear < left.size(), "expected an outline that can be cut into triangles, but {} points are left over",
@@ -114,7 +114,7 @@ Mesh make_extrusion(const std::vector<Vec2>& given, double depth) {
   for (size_t i = 0; i < n; ++i) {
     const Vec2 a = outline[i], b = outline[(i + 1) % n];
     add_face(mesh, {a.x, a.y, -depth / 2}, {b.x - a.x, b.y - a.y, 0}, {0, 0, depth});
-    // The face's corners again, bit for bit those of the caps.
+    // The corners of the new face have exactly the positions of the caps' corners, bit for bit.
     const size_t corner = mesh.positions.size() - 4;
     mesh.positions[corner + 1] = {b.x, b.y, -depth / 2};
     mesh.positions[corner + 2] = {b.x, b.y, depth / 2};

@@ -10,14 +10,14 @@
 
 namespace holotrace {
 
-/// A pass band of the light's spectrum, as a 4f stop would cut it: the spatial frequencies
+/// A pass band of the light's spectrum, as cut out by a stop in the Fourier plane of a 4f system: the frequencies
 /// |u − u0| ≤ half_u, |v − v0| ≤ half_v [1/m], moved to the optical axis.
 struct SpectralFilter {
   double u0 = 0, v0 = 0, half_u = 0, half_v = 0;
   bool operator==(const SpectralFilter&) const = default;
 };
 
-/// Which image a hologram shows. Virtual: the panel shows U, the scene is behind it and the camera
+/// Image that a hologram shows. Virtual: the panel shows U, the scene is behind it and the camera
 /// refocuses to z < 0. Real: it shows conj(U), and points of depth d come to a focus at z = +d.
 enum class ImageSide { virtual_image, real_image };
 
@@ -27,13 +27,13 @@ template <class Real>
 struct BasicField {
   Grid grid;
   double wavelength = 0;  ///< [m]
-  double z = 0;           ///< plane of the samples [m]; the panel is z = 0
+  double z = 0;           ///< position of the plane of samples [m]; the panel is at z = 0
   Array2D<std::complex<Real>> samples;
   ImageSide image = ImageSide::virtual_image;
-  std::optional<SpectralFilter> filter;  ///< a stop that the encoder asks the camera for
-  std::string name;                      ///< of the path group or light that it shows, "" for all light
-  uint32_t frame = 0;                    ///< of a time-multiplexed hologram
-  double cone_wavelength = 0;            ///< of the waves that it is the sum of (Sources) [m]; 0: its own
+  std::optional<SpectralFilter> filter;  ///< stop that the encoder needs in the camera
+  std::string name;                      ///< name of the path group or light that it shows, "" for all light
+  uint32_t frame = 0;                    ///< index of the frame of a time-multiplexed hologram
+  double cone_wavelength = 0;            ///< acceptance wavelength of its waves (Sources) [m]; 0: its own
 
   BasicField() = default;
   BasicField(const Grid& grid, double wavelength, double z = 0)

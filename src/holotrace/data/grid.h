@@ -12,7 +12,7 @@ namespace holotrace {
 struct Grid {
   int nx = 0, ny = 0;
   double pitch = 0;
-  double centre_x = 0, centre_y = 0;  ///< [m]
+  double centre_x = 0, centre_y = 0;  ///< centre of the grid [m]
 
   double x(double column) const { return centre_x + (column - (nx - 1) / 2.0) * pitch; }
   double y(double row) const { return centre_y + ((ny - 1) / 2.0 - row) * pitch; }
@@ -25,7 +25,7 @@ struct Grid {
 /// @throws Error unless the grid has pixels and a positive, finite pitch.
 void check_grid(const Grid& grid);
 
-/// @throws Error, telling the need, unless a field of that many bytes per sample fits in this machine.
+/// @throws Error, stating the memory needed, unless a field with that many bytes per sample fits in this machine.
 void check_field_fits(const Grid& grid, double bytes_per_sample);
 
 /// @throws Error unless the wavelength [m] is positive and finite.

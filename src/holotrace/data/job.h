@@ -15,10 +15,10 @@
 
 namespace holotrace {
 
-/// All that a scene file says: the scene, the light, the panel, and the parameters of each stage.
+/// The content of a scene file: the scene, the light, the panel, and the parameters of each stage.
 struct Job {
   Scene scene;
-  std::vector<double> wavelengths;  ///< [m], at least one; the first is that of single-coloured commands
+  std::vector<double> wavelengths;  ///< wavelengths [m], at least one; single-coloured commands use the first
   Slm slm;
   TraceParams trace;
   RenderParams render;
@@ -27,7 +27,7 @@ struct Job {
   ShowParams show;
   PropagateParams propagate;
   CameraParams camera;
-  std::vector<std::string> warnings;  ///< what the files ask for and is not shown, and old names of keys
+  std::vector<std::string> warnings;  ///< features of the files that are not shown, and old names of keys
 };
 
 }  // namespace holotrace

@@ -7,21 +7,21 @@
 
 namespace holotrace {
 
-/// A slice of space parallel to the panel: the light that leaves a plane, and what the plane hides.
+/// A slice of depth, parallel to the panel: the light that leaves its plane, and what the plane hides.
 struct Slice {
-  Field light;          ///< on its plane, z < 0: complex amplitudes [√(W/m²)], its grid on the panel's raster
-  Array2D<float> mask;  ///< shape of the light: 0 lets light from behind through, 1 hides it; empty: hides nothing
+  Field light;          ///< light on its plane, z < 0: complex amplitudes [√(W/m²)], on the panel's grid
+  Array2D<float> mask;  ///< shape of the light: 0 transmits light from behind, 1 hides it; empty: hides nothing
   double depth() const { return -light.z; }
 };
 
-/// Space cut into slices, from the farthest to the nearest (the paper's Fourier methods).
+/// Space cut into slices of depth, from the farthest to the nearest (the paper's Fourier methods).
 struct Layers {
-  double wavelength = 0;  ///< [m]
+  double wavelength = 0;  ///< wavelength of all slices [m]
   std::vector<Slice> slices;
 };
 
-/// @throws Error, naming the first slice at fault, unless there is one, all lie behind the panel from far to near, are
-///         of the layers' wavelength and one pitch, and have finite samples and masks in [0, 1] of their light's shape.
+/// @throws Error, naming the first invalid slice, unless there is a slice, all lie behind the panel from far to near,
+///         have the layers' wavelength and one pitch, finite samples, and masks in [0, 1] of the shape of their light.
 void check_layers(const Layers& layers);
 
 }  // namespace holotrace

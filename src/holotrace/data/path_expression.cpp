@@ -19,12 +19,12 @@ constexpr std::string_view scattering = "DGS";
 constexpr std::string_view blanks = " \t\r\n";
 constexpr size_t most_characters = 255, most_path_groups = 32, most_states = 10000;
 
-using Letters = std::set<size_t>;  // letters of an expression, by number in the order they stand
+using Letters = std::set<size_t>;  // letters of an expression, by their number in the text
 
 /// A letter of an expression, and those that can follow it in a word.
 struct Letter {
   char symbol;
-  size_t place;  // in the text, from 0
+  size_t place;  // position in the text, from 0
   Letters follow = {};
 
   bool is(char event) const {
@@ -33,7 +33,7 @@ struct Letter {
   bool scatters() const { return symbol != 'E' && symbol != 'L'; }
 };
 
-/// A piece of an expression: whether it can be empty, and the letters its words begin and end with.
+/// A part of an expression: whether it can be empty, and the first and last letters of its words.
 struct Piece {
   bool can_be_empty;
   Letters first, last;
@@ -42,12 +42,12 @@ struct Piece {
 struct Expression {
   std::vector<Letter> letters;
   Piece whole;
-  bool has_bare_choice;  // a | outside all groups
+  bool has_bare_choice;  // whether a | is outside all groups
 };
 
 void add(Letters& to, const Letters& more) { to.insert(more.begin(), more.end()); }
 
-/// Reads an expression by recursive descent, and links each letter to those that can follow it as pieces meet.
+/// Reads an expression by recursive descent, and links each letter to the letters that can follow it.
 class Reader {
  public:
   explicit Reader(const std::string& text) : text_(text) {}
@@ -66,7 +66,7 @@ class Reader {
  private:
   static constexpr char end = '\0';
 
-  /// The next character that is not blank, checked to be one of the language.
+  /// The next character that is not blank; throws Error if it is not a character of the language.
   char peek() {
     place_ = std::min(text_.find_first_not_of(blanks, place_), text_.size());
     if (place_ == text_.size()) return end;
@@ -158,13 +158,13 @@ class Reader {
   }
 
   const std::string& text_;
-  size_t place_ = 0, bar_ = 0, opened_ = 0;  // the next character, the last | and the last ( or [
+  size_t place_ = 0, bar_ = 0, opened_ = 0;  // positions of the next character, the last | and the last ( or [
   int open_groups_ = 0;
   bool has_bare_choice_ = false;
   std::vector<Letter> letters_;
 };
 
-/// The letters that take part in at least one path: reached from a first E, and leading to a last L.
+/// The letters that take part in at least one path: reachable from a first E, and leading to a last L.
 Letters letters_on_paths(const Expression& expression) {
   const std::vector<Letter>& letters = expression.letters;
   Letters reached, leading;
@@ -189,7 +189,7 @@ Letters letters_on_paths(const Expression& expression) {
   return both;
 }
 
-/// What may have been meant by an expression that names no path: the same with the eye, a light or both.
+/// A suggestion for an expression that names no path: the same expression with the eye, a light or both added.
 std::string nearest_path(const std::string& text, bool has_bare_choice) {
   const std::string group = has_bare_choice ? fmt::format("({})", text) : text;
   for (const std::string& candidate : {"E" + group, group + "L", "E" + group + "L"}) {
@@ -199,7 +199,7 @@ std::string nearest_path(const std::string& text, bool has_bare_choice) {
   return "E.*L";
 }
 
-/// An expression each of whose letters takes part in a path.
+/// Compiles an expression, and checks that each of its letters takes part in a path.
 Expression compile(const std::string& text) {
   require(text.size() <= most_characters, "expected a path expression of at most {} characters, got {}",
           most_characters, text.size());
@@ -210,7 +210,7 @@ Expression compile(const std::string& text) {
         "path expression '{}' names no path: expected one that starts with E (the eye) and ends with L (a light), "
         "such as '{}'",
         text, nearest_path(text, expression.has_bare_choice));
-  // An E or L out of place is the likelier slip; what it cuts off is its consequence.
+  // A misplaced E or L is reported first: other letters without a path are usually its consequence.
   for (bool scatters : {false, true})
     for (size_t i = 0; i < expression.letters.size(); ++i)
       if (const Letter& letter = expression.letters[i]; letter.scatters() == scatters && !used.count(i))
@@ -223,8 +223,8 @@ Expression compile(const std::string& text) {
 
 }  // namespace
 
-// The subset construction over the letters of all path groups at once. A state is the set of letters, with their path groups,
-// that a path can stand on. As every letter lies on a path, only the empty set is dead.
+// The subset construction over the letters of all path groups at once. A state is the set of letters, with their path
+// groups, at which a path can be. As every letter lies on a path, only the empty set is dead.
 PathAutomaton::PathAutomaton(const std::vector<std::string>& expressions)
     : expressions_(expressions.empty() ? std::vector<std::string>{"E.*L"} : expressions) {
   require(expressions_.size() <= most_path_groups, "expected at most {} path expressions, got {}", most_path_groups,
@@ -232,7 +232,7 @@ PathAutomaton::PathAutomaton(const std::vector<std::string>& expressions)
   std::vector<Expression> path_groups;
   for (const std::string& text : expressions_) path_groups.push_back(compile(text));
 
-  using Place = std::pair<size_t, size_t>;  // path group, letter
+  using Place = std::pair<size_t, size_t>;  // (path group, letter)
   std::set<Place> beginning;
   for (size_t path_group = 0; path_group < path_groups.size(); ++path_group)
     for (size_t letter : path_groups[path_group].whole.first)

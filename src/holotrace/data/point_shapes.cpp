@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-// Light at the fractional pixel (x, y), bilinear, its channels weighted.
+// Light of an image at the fractional pixel (x, y): bilinear interpolation, channels weighted.
 double light_at(const Image& image, Vec3 weights, double x, double y) {
   const auto pixel = [&](int row, int column) -> double {
     if (image.channels < 3) return image(row, column);
@@ -57,11 +57,11 @@ std::vector<ScenePoint> make_wireframe_sphere(double size, int meridians, int pa
     points.push_back({{radius * std::sin(polar) * std::sin(azimuth), radius * std::cos(polar),
                        radius * std::sin(polar) * std::cos(azimuth)}});
   };
-  const int steps = (per_circle + 1) / 2;  // from pole to pole
+  const int steps = (per_circle + 1) / 2;  // steps from pole to pole
   for (int m = 0; m < meridians; ++m)
     for (int s = 1; s < steps; ++s) add(pi * s / steps, 2 * pi * m / meridians);
   for (int p = 1; p <= parallels; ++p) {
-    // Where the parallel meets a point of a meridian, that point is there already.
+    // Where the parallel crosses a meridian at one of the meridian's points, that point exists already.
     const bool meets = int64_t(p) * steps % (parallels + 1) == 0;
     for (int i = 0; i < per_circle; ++i)
       if (!(meets && int64_t(i) * meridians % per_circle == 0)) add(pi * p / (parallels + 1), 2 * pi * i / per_circle);

@@ -11,13 +11,13 @@ namespace holotrace {
 
 namespace {
 
-/// A measured index: wavelengths in micrometres, as the papers have them.
+/// A measured index; wavelengths are in micrometres, as in the papers.
 struct MeasuredSample {
   double micrometres, n, k;
 };
 
 // P. B. Johnson and R. W. Christy, "Optical constants of the noble metals", Phys. Rev. B 6, 4370 (1972), table I.
-// n is given to 0.01: for silver, whose n is 0.05, that is ±0.003 of reflectance.
+// n is given to 0.01: for silver, whose n is 0.05, that changes the reflectance by ±0.003.
 constexpr MeasuredSample silver[] = {
     {0.3679, 0.07, 1.657}, {0.3815, 0.05, 1.864}, {0.3974, 0.05, 2.070}, {0.4133, 0.05, 2.275},
     {0.4305, 0.04, 2.462}, {0.4509, 0.04, 2.657}, {0.4714, 0.05, 2.869}, {0.4959, 0.05, 3.093},
@@ -60,7 +60,7 @@ struct Metal {
 constexpr Metal metals[] = {{"Ag", silver},   {"Al", aluminium}, {"Au", gold},
                             {"Cr", chromium}, {"Cu", copper},    {"Ti", titanium}};
 
-/// A dispersion formula of Sellmeier's kind, λ in micrometres: n² = 1 + Σ Bᵢ·λ²/(λ² − Cᵢ).
+/// A dispersion formula of the Sellmeier type, λ in micrometres: n² = 1 + Σ Bᵢ·λ²/(λ² − Cᵢ).
 struct Sellmeier {
   const char* name;
   double b[4], c[4];  ///< C in µm²
@@ -130,7 +130,7 @@ std::vector<std::string> metal_names() {
 RefractiveIndex glass_index(const std::string& name) {
   for (const Sellmeier& glass : glasses) {
     if (name != glass.name) continue;
-    // Every 10 nm: straight lines between are off by (10 nm)²/8 · n″, 2e-5 for BK7 and 1e-4 for SF11 at 400 nm.
+    // Samples every 10 nm: linear interpolation is off by (10 nm)²/8 · n″: 2e-5 for BK7 and 1e-4 for SF11 at 400 nm.
     RefractiveIndex index;
     for (int nanometres = 360; nanometres <= 800; nanometres += 10)
       index.samples.push_back({nanometres * 1e-9, sellmeier(glass, nanometres * 1e-3), 0});

@@ -6,31 +6,31 @@
 
 namespace holotrace {
 
-/// Complex refractive index n + ik against wavelength, straight between its samples, constant beyond the outer ones.
+/// Complex refractive index n + ik against wavelength: linear between its samples, constant beyond the outer ones.
 /// With the time factor exp(−iωt), k > 0 absorbs.
 struct RefractiveIndex {
   struct Sample {
-    double wavelength;  ///< [m], rising
+    double wavelength;  ///< wavelength [m], ascending
     double n, k;
   };
-  std::vector<Sample> samples;  ///< at least one
+  std::vector<Sample> samples;  ///< samples, at least one
 };
 
-/// @throws Error for an index without samples
+/// The index at a wavelength [m].  @throws Error for an index without samples
 std::complex<double> index_at(const RefractiveIndex& index, double wavelength);
 
 /// The same n (k = 0) at every wavelength.
 RefractiveIndex constant_index(double n);
 
-/// Whether n differs between wavelengths by more than rounding: paths of different colours then part.
+/// Whether n differs between wavelengths by more than rounding: paths of different colours then separate.
 bool is_dispersive(const RefractiveIndex& index);
 
-/// Measured indices over the visible, by chemical symbol: "Ag", "Al", "Au", "Cu", …
+/// Measured indices of metals in the visible range, by chemical symbol: "Ag", "Al", "Au", "Cu", …
 /// @throws Error for an unknown name, suggesting the nearest
 RefractiveIndex metal_index(const std::string& name);
 std::vector<std::string> metal_names();
 
-/// Glasses and liquids by name: "BK7", "fused-silica", "water", "diamond", …
+/// Indices of glasses and liquids by name: "BK7", "fused-silica", "water", "diamond", …
 /// @throws Error for an unknown name, suggesting the nearest
 RefractiveIndex glass_index(const std::string& name);
 std::vector<std::string> glass_names();

@@ -9,16 +9,16 @@
 
 namespace holotrace {
 
-/// What one stage did: its time, the facts it stated, its doubts.
+/// The record of one stage: its time, its facts and its warnings.
 struct StageReport {
   std::string stage;
   double seconds = 0;
   std::vector<std::pair<std::string, Fact>> facts;
   std::vector<std::string> warnings;
-  std::vector<std::pair<std::string, std::vector<double>>> curves;  ///< of iterations
+  std::vector<std::pair<std::string, std::vector<double>>> curves;  ///< values per iteration, by name
 };
 
-/// What a run did, stage by stage.
+/// The record of a run, stage by stage.
 struct Report {
   int64_t seed = 0;
   std::vector<StageReport> stages;

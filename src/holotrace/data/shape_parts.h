@@ -5,16 +5,16 @@
 #include "holotrace/base/error.h"
 #include "holotrace/data/scene.h"
 
-// What the makers of shapes (shapes.h) share.
+// Functions shared by the functions that make shapes (shapes.h).
 
 namespace holotrace {
 
-/// @throws Error unless a side of a shape is above 0 m
+/// @throws Error unless the side of a shape is above 0 m
 inline void check_side(double side, const char* shape, const char* name) {
   require(std::isfinite(side) && side > 0, "expected a {} of {} above 0 m, got {} m", name, shape, side);
 }
 
-/// A flat face a, a + u, a + u + v, a + v that looks along u × v, with texture coordinates (0,0) … (1,1).
+/// Adds a flat face a, a + u, a + u + v, a + v with the normal u × v and texture coordinates (0,0) … (1,1).
 inline void add_face(Mesh& mesh, Vec3 a, Vec3 u, Vec3 v) {
   const auto first = uint32_t(mesh.positions.size());
   mesh.positions.insert(mesh.positions.end(), {a, a + u, a + u + v, a + v});

@@ -60,8 +60,8 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
   }
   require(profile.size() >= 2, "expected a lathe profile of 2 different points or more, got {}", profile.size());
 
-  // The profile runs so that it turns about a positive volume, Σ π/3 (r₀² + r₀r₁ + r₁²)(h₁ − h₀): its outside is then
-  // on the right of each step, and the triangles turn outward.
+  // If the profile encloses a positive volume, Σ π/3 (r₀² + r₀r₁ + r₁²)(h₁ − h₀), its outside is on the right
+  // of each step, and the triangles face outward. Otherwise it is reversed.
   double volume = 0;
   for (size_t k = 0; k + 1 < profile.size(); ++k) {
     const auto [r0, h0] = profile[k];
@@ -72,7 +72,7 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
 
   const size_t steps = profile.size() - 1;
   const bool closed = steps > 2 && profile.front() == profile.back();
-  std::vector<Vec2> normals(steps);  // (radial, axial) of each step of the profile
+  std::vector<Vec2> normals(steps);  // normal (radial, axial) of each step of the profile
   std::vector<double> along{0};      // arc length at each point
   for (size_t k = 0; k < steps; ++k) {
     const double dr = profile[k + 1].x - profile[k].x, dh = profile[k + 1].y - profile[k].y;
@@ -101,7 +101,7 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
     return first;
   };
   const double smooth = std::cos(pi / 6);
-  // The normal at an end of step k that meets step `other`: their mean, or the step's own at a crease.
+  // The normal at the end of step k that touches step `other`: the mean of both, or the step's own at a crease.
   const auto joint = [&](size_t k, size_t other) {
     const Vec2 a = normals[k], b = normals[other];
     if (a.x * b.x + a.y * b.y < smooth - 1e-12) return a;
@@ -125,12 +125,12 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
 }
 
 void transform_mesh(const Frame& frame, Mesh& mesh) {
-  // Normals follow the inverse transpose, which is the cofactor matrix over the determinant.
+  // Normals transform by the inverse transpose, which is the cofactor matrix over the determinant.
   const Vec3 yz = cross(frame.y, frame.z), zx = cross(frame.z, frame.x), xy = cross(frame.x, frame.y);
   const double determinant = dot(frame.x, yz), sign = determinant < 0 ? -1 : 1;
   for (Vec3& p : mesh.positions) p = transform_point(frame, p);
   for (Vec3& n : mesh.normals) n = normalize(yz * (sign * n.x) + zx * (sign * n.y) + xy * (sign * n.z));
-  if (determinant < 0)  // a mirror turns triangles inside out
+  if (determinant < 0)  // a reflection turns triangles inside out
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 

@@ -12,7 +12,7 @@ namespace holotrace {
 ///
 ///     U(p) = a · (d₀/r) · exp(i(2πr/λ + φ₀)),   r = ‖p − o‖,  d₀ = −o.z     (Eq. 5, 6)
 ///
-/// a is its amplitude where it meets the panel head-on.
+/// a is its amplitude on the panel at normal incidence.
 struct Source {
   Vec3 origin;          ///< o [m], z < 0
   float amplitude = 0;  ///< a [√(W/m²)]
@@ -20,29 +20,29 @@ struct Source {
   bool operator==(const Source&) const = default;
 };
 
-/// The panel cut into columns × rows tiles of (almost) equal size, row 0 on top: tile (c, r) holds the pixels
-/// ⌊c·nx/columns⌋ ≤ i < ⌊(c+1)·nx/columns⌋, and rows alike. Each wave has an amplitude of its own in each.
+/// The panel cut into columns × rows tiles of (almost) equal size, row 0 on top: tile (c, r) has the pixels
+/// ⌊c·nx/columns⌋ ≤ i < ⌊(c+1)·nx/columns⌋; rows in the same way. Each wave has its own amplitude in each tile.
 struct TileAmplitudes {
-  int columns = 0, rows = 0;  ///< 0: the waves have one amplitude for the whole panel
+  int columns = 0, rows = 0;  ///< numbers of tiles; 0: the waves have one amplitude for the whole panel
   std::vector<float> values;  ///< values[tile·waves + wave], tile = r·columns + c [√(W/m²)]
   bool operator==(const TileAmplitudes&) const = default;
 };
 
 /// Waves of one wavelength, all coherent with each other.
 struct Sources {
-  double wavelength = 0;  ///< [m]
+  double wavelength = 0;  ///< wavelength of all waves [m]
   std::vector<Source> waves{};
-  TileAmplitudes tiles{};  ///< overrule the amplitudes of the waves
-  std::string name{};      ///< of the path group or light that they show, "" for all light
+  TileAmplitudes tiles{};  ///< amplitudes per tile; they replace those of the waves
+  std::string name{};      ///< name of the path group or light that they show, "" for all light
 
   /// Waves with equal keys start with the same random phase, 2π·u(seed, frame, key) (source_phase.h); a wave
   /// without a random part has the key `no_phase_key`. Empty: no wave has one.
   std::vector<uint64_t> phase_keys{};
   uint64_t seed = 0;
-  uint32_t frame = 0;  ///< that the phases are of
+  uint32_t frame = 0;  ///< frame whose random phases the waves have
 
-  /// Wavelength whose acceptance bounds the waves' boxes [m], at most the waves' own: that of the shortest colour of a
-  /// job where all colours share its cone. 0: their own.
+  /// Acceptance wavelength: the one whose acceptance cone bounds the waves' boxes [m], at most the waves' own. If all
+  /// colours of a job share one cone, it is the job's shortest wavelength. 0: the waves' own.
   double cone_wavelength = 0;
   double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
 
@@ -52,15 +52,15 @@ struct Sources {
 /// The random part of a wave's phase in a frame [rad], in [0, 2π).
 double random_phase(uint64_t seed, uint32_t frame, uint64_t key);
 
-/// The same waves in another frame of a time-multiplexed hologram: independent random phases, all else alike. Cost:
-/// one hash per wave, so a further frame needs no tracing.
+/// Gives the waves the random phases of another frame of a time-multiplexed hologram; all else stays the same.
+/// Cost: one hash per wave, so a further frame needs no tracing.
 void set_frame(Sources& sources, uint32_t frame);
 
-/// @throws Error, naming the first wave at fault, unless every number is finite, every wave is
-///         behind the panel (z < 0), and tile amplitudes and phase keys are as many as the waves need.
+/// @throws Error, naming the first invalid wave, unless every number is finite, every wave is
+///         behind the panel (z < 0), and the numbers of tile amplitudes and phase keys match the number of waves.
 void check_sources(const Sources& sources);
 
-/// @throws Error unless the wavelength whose acceptance waves keep to is 0 (their own) or at most their own [m]
+/// @throws Error unless the acceptance wavelength of waves is 0 (their own) or at most their own [m]
 void check_cone(double cone_wavelength, double wavelength);
 
 }  // namespace holotrace

@@ -5,22 +5,22 @@
 
 namespace holotrace {
 
-/// What a way of summing waves has to do, counted before it is done.
+/// Operations of a method of summing waves, counted before they are done.
 struct SummationWork {
-  double exact_terms = 0;         ///< waves·pixels summed one by one in double
-  double multiply_adds = 0;       ///< of floats, in the products of tiles
-  double bf16_multiply_adds = 0;  ///< the same of bf16 numbers
+  double exact_terms = 0;         ///< pairs of a wave and a pixel that are summed one by one in double
+  double multiply_adds = 0;       ///< multiply-adds of floats, in the products of tiles
+  double bf16_multiply_adds = 0;  ///< multiply-adds of bf16 numbers
   double factors = 0;             ///< columns and rows of waves in tiles: a sine and a cosine each
-  double packings = 0;            ///< of a part of a factor's three numbers in bf16
-  double wave_tiles = 0;          ///< pairs of a wave and a tile: what is done once for each
-  double plane_waves = 0;         ///< the same pairs in the method `planes`: phases and kernel weights
-  double spreads = 0;             ///< cells of that method's grids that waves are added to, complex
-  double fft_operations = 0;      ///< Σ 5·N·log₂N of the transforms
+  double packings = 0;            ///< conversions of a part of a factor's three numbers to bf16
+  double wave_tiles = 0;          ///< pairs of a wave and a tile: work done once for each pair
+  double plane_waves = 0;         ///< such pairs in the method `planes`: phases and kernel weights
+  double spreads = 0;             ///< complex cells of that method's grids to which waves are added
+  double fft_operations = 0;      ///< Σ 5·N·log₂N over the transforms
   double samples = 0;             ///< complex samples multiplied by a transfer function, added up or copied
 };
 
-/// How many of each one thread of this machine does in a second; 0 where it cannot. The values here are those of an
-/// ordinary processor with AVX2 that nobody has measured.
+/// Operations of each kind that one thread of this machine does per second; 0 where it cannot do them. The defaults
+/// are those of an ordinary processor with AVX2, for machines that were not measured.
 struct SummationRates {
   double exact_terms = 2e7;
   double multiply_adds = 3e10;
@@ -34,14 +34,14 @@ struct SummationRates {
   double samples = 3e8;
 };
 
-/// A kind of work: its name in files, its count and its rate.
+/// A kind of operation: its name in files, its count and its rate.
 struct SummationTerm {
   const char* name;
   double SummationWork::*count;
   double SummationRates::*rate;
 };
 
-/// All of them, once: what predicts, measures, rounds and keeps them goes by this list.
+/// The list of all kinds; all code that predicts, measures, rounds or saves them uses it.
 inline constexpr std::array<SummationTerm, 10> summation_terms{{
     {"exact_terms", &SummationWork::exact_terms, &SummationRates::exact_terms},
     {"multiply_adds", &SummationWork::multiply_adds, &SummationRates::multiply_adds},
@@ -55,7 +55,7 @@ inline constexpr std::array<SummationTerm, 10> summation_terms{{
     {"samples", &SummationWork::samples, &SummationRates::samples},
 }};
 
-/// The work of one thing and another.
+/// The sum of the work of two tasks.
 inline SummationWork operator+(SummationWork a, const SummationWork& b) {
   for (const SummationTerm& term : summation_terms) a.*term.count += b.*term.count;
   return a;
@@ -66,8 +66,8 @@ inline SummationWork operator*(double factor, SummationWork work) {
   return work;
 }
 
-/// The nearest power of 2^(1/4): measured rates are kept in steps of a fifth, so that a second measurement of the same
-/// machine gives the same numbers more often than not.
+/// The nearest power of 2^(1/4): measured rates are kept in steps of about 19 %, so that a second measurement of the
+/// same machine mostly gives the same numbers.
 inline double coarse_rate(double rate) { return rate > 0 ? std::exp2(std::round(4 * std::log2(rate)) / 4) : 0; }
 
 }  // namespace holotrace

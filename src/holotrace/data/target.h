@@ -7,12 +7,12 @@
 
 namespace holotrace {
 
-/// What a hologram is to show in one plane: the modulus of the field there, whatever its phase and scale.
+/// The light that a hologram should show in one target plane: the modulus of the field, at any phase and scale.
 struct TargetPlane {
-  double z = 0;              ///< of the plane [m]: < 0 behind the panel (virtual image), > 0 before it (real)
+  double z = 0;              ///< z of the plane [m]: < 0 behind the panel (virtual image), > 0 in front of it (real)
   double wavelength = 0;     ///< [m]
-  Array2D<float> amplitude;  ///< ≥ 0, on the panel's own pixels, shape (ny, nx)
-  Array2D<float> weight;     ///< ≥ 0 of the squared error there, same shape: 0 where any light may fall; empty: 1
+  Array2D<float> amplitude;  ///< modulus ≥ 0, on the panel's own pixels, shape (ny, nx)
+  Array2D<float> weight;     ///< weight ≥ 0 of the squared error, same shape: 0 where any light is allowed; empty: 1
 };
 
 }  // namespace holotrace

@@ -9,15 +9,15 @@
 
 namespace holotrace {
 
-/// A triangle that shines by itself, as a piece of a plane wave cut out by its outline. It is the limit of ever denser
+/// A luminous triangle, as a piece of a plane wave cut out by its outline. It is the limit of ever denser
 /// spherical waves (Source) over its surface:
 ///
 ///     U(p) = (1/iλ) ∬ a(s)·exp(iφ(s))·exp(ik‖p − s‖)/‖p − s‖ · |n·e| dA
 ///     φ(s) = φ₀ + k·e·(s − c) − k·D,   D = −c.z/e.z
 ///
 /// so that a point s of the area dA is a source of the amplitude a(s)·|n·e|·dA/(λ·depth) and the phase φ(s) − π/2. c is
-/// the centroid, n the unit normal, e the unit direction that its light leaves in, D the way from c along e to the
-/// panel: there the light arrives with the phase φ₀. a(s) is linear between the corners. |a|² is the irradiance of
+/// the centroid, n the unit normal, e the unit direction of the light, D the distance from c along e to the
+/// panel, where the light arrives with the phase φ₀. a(s) is linear between the corners. |a|² is the irradiance of
 /// the triangle's image, and a²·(its area as seen along e) the power that leaves it.
 struct Triangle {
   std::array<Vec3, 3> corners;        ///< [m], z < 0
@@ -28,34 +28,34 @@ struct Triangle {
 
 /// Triangles of one wavelength, all coherent with each other.
 struct Triangles {
-  double wavelength = 0;  ///< [m]
+  double wavelength = 0;  ///< wavelength of all triangles [m]
   std::vector<Triangle> triangles{};
-  std::string name{};  ///< of the path group or light that they show, "" for all light
+  std::string name{};  ///< name of the path group or light that they show, "" for all light
 
   /// Triangle i has the random phase 2π·u(seed, frame, phase_keys[i]), as waves have (Sources). Empty: none has one.
   std::vector<uint64_t> phase_keys{};
   uint64_t seed = 0;
-  uint32_t frame = 0;  ///< that the phases are of
+  uint32_t frame = 0;  ///< frame whose random phases the triangles have
 
-  /// Wavelength whose acceptance bounds the triangles' light [m], at most their own: that of the shortest colour of a
-  /// job where all colours share its cone. 0: their own.
+  /// Acceptance wavelength: the one whose acceptance cone bounds the triangles' light [m], at most their own. If all
+  /// colours of a job share one cone, it is the job's shortest wavelength. 0: their own.
   double cone_wavelength = 0;
   double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
 };
 
-/// The same triangles in another frame of a time-multiplexed hologram: independent random phases, all else alike.
+/// Gives the triangles the random phases of another frame of a time-multiplexed hologram; all else stays the same.
 void set_frame(Triangles& triangles, uint32_t frame);
 
 inline Vec3 centroid(const Triangle& t) { return (t.corners[0] + t.corners[1] + t.corners[2]) / 3; }
 
-/// Area as seen along the triangle's direction, |n·e|·area [m²].
+/// Projected area along the triangle's direction, |n·e|·area [m²].
 inline double area_along_direction(const Triangle& t) {
   return std::abs(dot(cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]), t.direction)) / 2;
 }
 
-/// @throws Error, naming the first triangle at fault, unless every number is finite, every corner is behind the panel
-///         (z < 0), the area is above 0, directions are unit vectors toward the panel, and phase keys are as many as
-///         triangles or none.
+/// @throws Error, naming the first invalid triangle, unless every number is finite, every corner is behind the panel
+///         (z < 0), the area is above 0, directions are unit vectors toward the panel, and there are no phase keys or
+///         as many as triangles.
 void check_triangles(const Triangles& triangles);
 
 }  // namespace holotrace

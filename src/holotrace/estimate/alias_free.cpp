@@ -14,16 +14,16 @@
 namespace holotrace {
 namespace {
 
-constexpr size_t most_points = 4000;  // that a picture shows
-constexpr double millimetres = 1e3;   // in a metre
+constexpr size_t most_points = 4000;  // largest number of points in a picture
+constexpr double millimetres = 1e3;   // millimetres in a metre
 
-// Outlines in a cut: depth behind the panel as −z, as the panel's frame has it.
+// Adds a point to an outline of a cut. `z` is in the panel's frame: negative behind the panel.
 void add_point(Series& series, double z, double across) {
   series.x.push_back(z * millimetres);
   series.y.push_back(across * millimetres);
 }
 
-// From the far end of its lower edge by way of the near end to the far end of its upper edge.
+// An outline from the far end of its lower edge over the near end to the far end of its upper edge.
 Series outline(const std::string& name, double near, double half_near, double far, double half_far) {
   Series series{name, {}, {}};
   add_point(series, -far, -half_far);
@@ -89,7 +89,7 @@ Chart alias_free_chart(const std::vector<Vec3>& points, const Grid& panel, doubl
   double far = 1.2 * distance;
   for (const Vec3 point : points) far = std::max(far, 1.1 * -point.z);
   const double radius = box_radius(far, wavelength, panel.pitch);
-  const double apex = half * distance / l.box_radius;  // where the box of a point on the axis just covers the panel
+  const double apex = half * distance / l.box_radius;  // here the box of a point on the axis just covers the panel
 
   Chart chart;
   const AliasFreeCounts counts = count_alias_free(points, panel, wavelength);
@@ -118,7 +118,7 @@ Chart alias_free_chart(const std::vector<Vec3>& points, const Grid& panel, doubl
   for (size_t i = 0; i < points.size(); i += stride)
     add_point(reach_of(points[i], panel, wavelength) == Reach::nothing ? outside : inside, points[i].z,
               is_x ? points[i].x : points[i].y);
-  chart.series.push_back(segment("panel", 0, half));  // over the outline that begins there
+  chart.series.push_back(segment("panel", 0, half));  // drawn over the outline that begins there
   for (Series* series : {&inside, &outside})
     if (!series->x.empty()) chart.series.push_back(std::move(*series));
   return chart;

@@ -2,29 +2,29 @@
 
 namespace holotrace {
 
-/// What the time of a hologram depends on. Times and ρ are measured by a probe on the scene.
+/// Inputs of the cost estimate of a hologram. Times and ρ are measured by a probe of the scene.
 struct CostInputs {
   double pixels = 0;             ///< P, pixels of the panel
   double samples_per_pixel = 0;  ///< S, paths per pixel
-  double frames = 1;             ///< F
-  double reflectance = 0;        ///< ρ, the probability that a path goes on at a surface, in [0, 1)
-  double trace_seconds = 0;      ///< T_t, one ray through the scene [s]
-  double waves = 0;              ///< point sources that reach the panel, each to every pixel
+  double frames = 1;             ///< F, number of holograms
+  double reflectance = 0;        ///< ρ, the probability that a path continues at a surface, in [0, 1)
+  double trace_seconds = 0;      ///< T_t, time of one ray through the scene [s]
+  double waves = 0;              ///< waves that reach the panel, each of them every pixel
   double wave_rate = 1;          ///< waves·pixels that the synthesis sums per second [1/s]
 };
 
-/// The paper's estimate (Eq. 16–23), with the synthesis that it leaves out beside it. Seconds are of all frames.
+/// The paper's estimate (Eq. 16–23), and the synthesis time, which the paper leaves out. Times are of all frames.
 struct Cost {
-  double paths = 0;              ///< N = P·S, of one frame
+  double paths = 0;              ///< N = P·S, paths of one frame
   double mean_path_length = 0;   ///< l_avg = 1/(1−ρ)
-  double rays = 0;               ///< N_B = l_avg·N (Eq. 21), of one frame
-  double trace_seconds = 0;      ///< F·N·(1 + l_avg)·T_t (Eq. 17, 23): each path's rays, and its shadow ray
-  double synthesis_seconds = 0;  ///< F·waves·P/rate
-  double seconds = 0;            ///< the sum of both
+  double rays = 0;               ///< N_B = l_avg·N (Eq. 21), rays of one frame
+  double trace_seconds = 0;      ///< F·N·(1 + l_avg)·T_t (Eq. 17, 23), the rays and the shadow ray of each path [s]
+  double synthesis_seconds = 0;  ///< F·waves·P/rate [s]
+  double seconds = 0;            ///< the sum of both [s]
 };
 
-/// Mean number of surfaces on a path that goes on with probability ρ: 1/(1−ρ) (Eq. 20), or (1−ρᵏ⁺¹)/(1−ρ) if it
-/// ends after k bounces (Eq. 19, whose sum of k+1 terms the paper closes with ρᵏ). A negative k sets no end.
+/// Mean number of surfaces on a path that continues with probability ρ: 1/(1−ρ) (Eq. 20), or (1−ρᵏ⁺¹)/(1−ρ) if it
+/// ends after k bounces. (Eq. 19 is this sum of k+1 terms; the paper's closed form has ρᵏ.) Negative k: no end.
 /// @throws Error  unless ρ is in [0, 1)
 double mean_path_length(double reflectance, int bounces = -1);
 

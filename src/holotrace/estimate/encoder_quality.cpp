@@ -19,7 +19,7 @@ EncoderQuality encoder_quality(const TargetPlane& target, const Hologram& hologr
   require(params.subpixels == 1, "expected 1 sample per pixel, as the target has, got {}", params.subpixels);
   const bool is_integrated = sampling == PixelSampling::integrate;
   const int samples = is_integrated ? 2 : 1, rim = is_integrated ? integration_rim : 0;
-  // The irradiance of all illumination states; a panel that flickers has several.
+  // The irradiance of all illumination states; a panel with flicker has several.
   std::vector<double> irradiance(target.amplitude.size());
   for (const IlluminationState& state :
        illumination_states(with_effects(slm, params.effects), params, hologram.wavelength)) {

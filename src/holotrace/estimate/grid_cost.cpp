@@ -31,7 +31,7 @@ GridCost predict_grid_cost(const GridStatistics& grid, const GridRates& rates) {
   const double chord = 4 * volume / surface, density = grid.area / (2 * volume);
   const double travelled = density * chord > 1e-9 ? -std::expm1(-density * chord) / density : chord;
   cost.cells = 1 + travelled / 2 * (1 / grid.cell_x + 1 / grid.cell_y + 1 / grid.cell_z);
-  // A box that is flat along an axis has one cell there, and no ray crosses a second.
+  // A box that is flat along an axis has one cell along it, which limits the cells that a ray crosses.
   cost.cells = std::min(cost.cells, grid.width / grid.cell_x + grid.height / grid.cell_y + grid.depth / grid.cell_z);
   cost.tests = cost.cells * double(grid.entries) / double(grid.cells);
   cost.seconds += cost.cells * rates.cell + cost.tests * rates.test;
@@ -49,7 +49,7 @@ GridRates calibrate_grid() {
   constexpr double densities[] = {0.5, 4.0, 30.0};
   Eigen::Matrix<double, 9, 3> rows;  // counts over seconds: rows·(cell, test, ray) = 1
   int row = 0;
-  const std::vector<Ray> rays = cloud_rays(8000);  // more than a processor learns by heart
+  const std::vector<Ray> rays = cloud_rays(8000);  // too many for branch prediction to learn
   for (const int triangles : counts_of_triangles)
     for (const double density : densities) {
       const Scene scene = make_triangle_cloud(triangles);
@@ -57,7 +57,7 @@ GridRates calibrate_grid() {
       GridCounts counts;
       GridHit hit;
       for (const Ray& ray : rays) grid.closest_hit(ray, infinity, hit, &counts);
-      // The fastest of several runs: whatever else the machine does can only slow one down.
+      // The fastest of several runs: other work on the machine can only slow a run down.
       double best = infinity;
       for (int run = 0; run < 3; ++run) {
         const auto start = std::chrono::steady_clock::now();
@@ -75,7 +75,7 @@ Scene make_triangle_cloud(int count) {
   scene.materials.emplace_back();
   Mesh mesh;
   mesh.name = "cloud";
-  const double side = std::sqrt(2.0 / count * 4 / std::sqrt(3.0));  // of an equilateral triangle of area 2 m²/count
+  const double side = std::sqrt(2.0 / count * 4 / std::sqrt(3.0));  // side of an equilateral triangle of 2 m²/count
   for (int i = 0; i < count; ++i) {
     CounterRandom random(1, 0, uint64_t(i));
     const double x = random.uniform(), y = random.uniform(), z = random.uniform();
@@ -96,9 +96,9 @@ Scene make_triangle_cloud(int count) {
 namespace {
 
 Ray cloud_ray(int64_t i) {
-  // A direction, and a place on the disc across it that covers the cube; those that miss the cube are drawn anew.
+  // A direction, and a place on the disc across it that covers the cube; rays that miss the cube are drawn again.
   CounterRandom random(2, 0, uint64_t(i));
-  constexpr double radius = 0.8660254037844386;  // of the sphere around the cube
+  constexpr double radius = 0.8660254037844386;  // radius of the sphere around the cube [m]
   while (true) {
     const Vec3 direction = random_direction(random), other = random_direction(random);
     const Vec3 u = normalize(cross(direction, other)), v = cross(direction, u);

@@ -34,7 +34,7 @@ Limits limits(const Grid& grid, double wavelength, double distance) {
   l.depth_of_focus_y = 2 * wavelength * z * z / (sy * sy);
   l.space_bandwidth = grid.pixels();
   l.finest_grating = 2 * grid.pitch;
-  // Where nothing limits the angle, boxes are infinite: every point lights the whole panel.
+  // If nothing limits the angle, boxes are infinite: every point lights the whole panel.
   const double tangent = acceptance_tangent(wavelength, grid.pitch);
   l.alias_free_distance = std::max(sx, sy) / tangent;
   l.whole_panel_distance = l.alias_free_distance / 2;

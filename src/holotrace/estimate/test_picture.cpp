@@ -13,7 +13,7 @@
 namespace holotrace {
 namespace {
 
-// Noise of mean 0 and variance 1 whose amplitude falls as 1/f.
+// Noise of mean 0 and variance 1 whose amplitude spectrum falls as 1/f.
 Array2D<float> natural_noise(int columns, int rows, uint64_t seed) {
   Array2D<std::complex<float>> spectrum(rows, columns);
   for (int j = 0; j < rows; ++j)
@@ -44,7 +44,7 @@ Image natural_picture(int columns, int rows) {
   const Ball balls[] = {{0.25, 0.55, 0.17, 0.95}, {0.46, 0.72, 0.11, 0.5}, {0.62, 0.45, 0.14, 0.25}};
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
-      const double y = double(j) / rows, x = double(i) / rows;  // square units
+      const double y = double(j) / rows, x = double(i) / rows;  // both in units of the height
       const double across = double(i) / columns;
       double light = y < 0.45 + 0.03 * double(near(j, i)) ? 0.55 - 0.5 * y + 0.06 * double(far(j, i))
                                                           : 0.22 + 0.11 * double(near(j, i));

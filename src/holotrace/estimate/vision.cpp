@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-// Three digits are enough for people.
+// A length with three digits.
 std::string short_length(double metres) {
   if (!(metres > 0) || !std::isfinite(metres)) return metres > 0 ? "infinity" : "0 mm";
   const double unit = std::pow(10, std::floor(std::log10(metres)) - 2);

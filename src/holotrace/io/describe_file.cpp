@@ -30,7 +30,7 @@ std::string lengths_text(const std::vector<double>& lengths) {
   return text;
 }
 
-// The name and frame of what is part of something larger.
+// Adds the name and frame of an item that is one of several.
 void add_part(const std::string& name, uint32_t frame, Json& json) {
   if (!name.empty()) json["name"] = name;
   if (frame > 0) json["frame"] = frame;

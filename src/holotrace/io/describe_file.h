@@ -7,12 +7,12 @@
 
 namespace holotrace {
 
-/// What a file holds, by its extension, as name and value pairs: a scene (.toml), sources (.ply), a field
-/// (.npy, .h5, .exr with the channels of one), a hologram (.png with a sidecar), an image, or a mesh.
+/// The content of a file, by its extension, as names and values: a scene (.toml), sources (.ply), a field (.npy, .h5,
+/// .exr with the channels of a field), a hologram (.png with a sidecar), an image, or a mesh.
 /// @throws Error  as the loaders do
 nlohmann::ordered_json describe_file(const std::string& path);
 
-/// A panel: its figures with their units, what its effects are, and where all that is from.
+/// The content of a panel: its figures with their units, its effects, and the origin of the data.
 nlohmann::ordered_json describe_slm(const Slm& slm);
 
 }  // namespace holotrace

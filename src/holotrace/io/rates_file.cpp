@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What the file holds, an empty object where it holds nothing that can be read.
+// The content of the file; an empty object if it cannot be read.
 Json read_machines(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) return Json::object();
   const Json json = Json::parse(read_text(path), nullptr, false);

@@ -8,14 +8,14 @@
 namespace holotrace {
 
 /// The rates of this machine, measured once and kept in the user's cache folder (io/files/cache_folder.h) as
-/// summation_rates.json: an object that has, by `key`, the rates of each machine that shares the folder.
+/// summation_rates.json: an object with the rates of each machine that shares the folder, by `key`.
 ///
-/// A file that is damaged or has nothing under the key is mended: `calibrate` is called and its rates are kept.
-/// Programs that start at the same time wait for the one that measures. Where nothing can be kept, the default rates
-/// are returned and nothing is measured: the same on every run, as the choice of a method has to be.
+/// If the file is damaged or has nothing under the key, `calibrate` is called and its rates are saved.
+/// Programs that start at the same time wait for the one that measures. If nothing can be saved, nothing is measured
+/// and the default rates are returned: they are the same on every run, as the choice of a method requires.
 ///
-/// @param key        what the rates hold for: the processor, its instruction set, the version of the program
-/// @param calibrate  measures them
+/// @param key        machine that the rates are valid for: processor, instruction set, version of the program
+/// @param calibrate  measures the rates
 SummationRates keep_summation_rates(const std::string& key, const std::function<SummationRates()>& calibrate);
 
 }  // namespace holotrace

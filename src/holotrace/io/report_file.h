@@ -7,11 +7,11 @@
 
 namespace holotrace {
 
-/// The report as JSON: versions, seed, and per stage its seconds, facts and warnings. A fact that is
+/// The report as JSON: versions, seed, and for each stage its seconds, facts and warnings. A fact that is
 /// not finite becomes null.
 nlohmann::ordered_json report_json(const Report& report);
 
-/// Writes the report to `path`, atomically.
+/// Writes the report to `path`, completely or not at all.
 /// @throws Error  if the file cannot be written
 void save_report(const std::string& path, const Report& report);
 

@@ -25,7 +25,7 @@ void keep_fft_wisdom() {
     try {
       write_text(path, wisdom);
     } catch (const Error&) {
-      // A cache that cannot be written costs the next run some planning, and nothing else.
+      // If the cache cannot be written, the next run plans again; nothing else is lost.
     }
     lock->unlock();
   };

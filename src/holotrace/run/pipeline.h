@@ -8,9 +8,11 @@
 #include "holotrace/data/job.h"
 #include "holotrace/data/report.h"
 #include "holotrace/data/sources.h"
-#include "holotrace/data/triangles.h"
+#include "holotrace/run/check_job.h"
+#include "holotrace/run/scene_light.h"
 #include "holotrace/run/stage.h"
-#include "holotrace/run/viewing.h"
+#include "holotrace/run/view_series.h"
+#include "holotrace/run/viewpoints.h"
 
 namespace holotrace {
 
@@ -45,33 +47,5 @@ struct Boxes {
 /// all, the facts of the first (waves and waves_pixels summed), each warning once.
 /// @throws Error  as the stages do, and before the first where the job does not fit in the machine's memory
 Boxes run(const Job& job, const StageObserver& watch = {});
-
-/// What `run` refuses before its first stage.
-/// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, a camera without
-///                distances or with a sweep or noise that cannot be, and a job that does not fit in the machine's
-///                memory
-void check_job(const Job& job);
-
-/// A scene's light on its way to the panel: sets of waves, with the strategy gather the fields themselves, or with the
-/// method of synthesis triangles the surfaces that shine. One of the three is there.
-struct SceneLight {
-  std::vector<Sources> sources;              ///< one per set
-  std::vector<std::vector<Field>> gathered;  ///< [set][frame]
-  std::vector<Triangles> triangles{};        ///< one per set
-
-  size_t sets() const { return sources.size() + gathered.size() + triangles.size(); }
-};
-
-/// Traces the job's scene by its strategy, or shades its triangles where the method of synthesis is theirs.
-SceneLight trace_light(const Job& job, const Observer& observer = {});
-
-/// Fields of one frame, each a path group or light at a wavelength, in the order of the sets; a set without waves is dark.
-/// @throws Error  as synthesize does; if no set has a wave, and for a frame that was not gathered
-std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
-                                   const SynthesizeParams& params, const Observer& observer = {});
-
-/// Fields in stacks of one name, each in the order given: [name][wavelength].
-template <class Real>
-std::vector<std::vector<BasicField<Real>>> group_by_name(std::vector<BasicField<Real>> fields);
 
 }  // namespace holotrace

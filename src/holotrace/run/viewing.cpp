@@ -6,61 +6,13 @@
 #include <limits>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/units.h"
-#include "holotrace/data/params/check_ranges.h"
-#include "holotrace/data/spectrum.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/order_efficiency.h"
-#include "holotrace/view/sensor_noise.h"
-#include "holotrace/view/stereo.h"
 
 namespace holotrace {
 namespace {
-
-void check_sweep(const CameraParams& camera) {
-  check_ranges(camera);
-  require(camera.sweep_from != camera.sweep_to,
-          "expected a sweep between two places that differ, got {} and {}; give sweep_from and sweep_to",
-          format_length(camera.sweep_from), format_length(camera.sweep_to));
-  if (camera.sweep == Sweep::focus)
-    require(camera.sweep_from >= 0 && camera.sweep_to >= 0,
-            "expected a sweep of the focus through distances of 0 m or more, got {} to {}",
-            format_length(camera.sweep_from), format_length(camera.sweep_to));
-  if (camera.sweep == Sweep::parallax)
-    require(camera.pupil > 0,
-            "expected a pupil above 0 m for a sweep of parallax, got 0 m, which takes all light wherever the eye is; "
-            "give a pupil");
-}
-
-void add_sweep(const CameraParams& camera, std::vector<Viewpoint>& from) {
-  if (camera.sweep == Sweep::none) return;
-  check_sweep(camera);
-  for (int i = 0; i < camera.sweep_views; ++i) {
-    const double part = double(i) / (camera.sweep_views - 1);
-    const double position = camera.sweep_from + part * (camera.sweep_to - camera.sweep_from);
-    Viewpoint view{ViewKind::sweep, "sweep", position, position, camera};
-    if (camera.sweep == Sweep::parallax) {
-      view.distance = camera.distances.front();
-      view.camera.eye.x = position;
-    }
-    from.push_back(view);
-  }
-}
-
-void add_eyes(const CameraParams& camera, const RenderParams& stereo, std::vector<Viewpoint>& from) {
-  if (stereo.eye_separation == 0) return;
-  stereo_pair(stereo);  // its checks
-  require(
-      camera.pupil > 0,
-      "expected a pupil above 0 m for the holographic stereo pair, got 0 m, which takes all light wherever the eyes "
-      "are; give the camera a pupil");
-  for (const Vec3 eye : two_eyes(stereo.eye, stereo.eye_separation)) {
-    from.push_back({ViewKind::eye, "stereo", camera.distances.front(), 0, camera});
-    from.back().camera.eye = eye;
-  }
-}
 
 // Where views of one stage begin and end in a list.
 struct Span {
@@ -100,16 +52,6 @@ struct OrderShares {
   }
 };
 
-// The observer, and what it hears of the light on the panel.
-Observer hearing_power(const Observer& observer, double& power_in) {
-  Observer out = observer;
-  out.on_fact = [&observer, &power_in](const std::string& name, const Fact& value) {
-    if (name == "power_in") power_in = std::get<double>(value);
-    observer.fact(name, value);
-  };
-  return out;
-}
-
 void add_weighted(const Image& view, double weight, Image& sum) {
   if (sum.values.empty()) {
     sum = view;
@@ -118,62 +60,11 @@ void add_weighted(const Image& view, double weight, Image& sum) {
   for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += float(weight) * view.values[i];
 }
 
-// Of each pixel: the irradiance, or of a picture in colour the luminance.
-std::vector<double> luminances(const Image& image) {
-  std::vector<double> out(size_t(image.nx) * size_t(image.ny));
-  for (size_t i = 0; i < out.size(); ++i) {
-    const float* v = &image.values[i * size_t(image.channels)];
-    out[i] = image.channels == 1 ? double(v[0]) : luminance(v[0], v[1], v[2]);
-  }
-  return out;
-}
-
-double mean(const Image& image) {
-  double sum = 0;
-  for (const double v : luminances(image)) sum += v;
-  return sum / (double(image.nx) * image.ny);
-}
-
-// Variance over squared mean; 0 for a dark picture.
-double sharpness(const Image& image) {
-  const double m = mean(image);
-  double squares = 0;
-  for (const double v : luminances(image)) squares += (v - m) * (v - m);
-  return m > 0 ? squares / (double(image.nx) * image.ny) / (m * m) : 0;
-}
-
-std::vector<const Viewpoint*> sweep_of(const std::vector<Viewpoint>& from) {
-  std::vector<const Viewpoint*> views;
-  for (const Viewpoint& view : from)
-    if (view.kind == ViewKind::sweep) views.push_back(&view);
-  return views;
-}
-
-// Refused before the work, not at its end.
-void check_place(const CameraParams& camera) {
-  for (const double distance : camera.distances)
-    require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {}",
-            format_length(distance));
-  check_eye(camera);
-}
-
 }  // namespace
 
-std::vector<Viewpoint> viewpoints(const CameraParams& camera, const RenderParams& stereo) {
-  check_sensor(camera);
-  check_place(camera);
-  std::vector<Viewpoint> from;
-  for (const double distance : camera.distances)
-    from.push_back({ViewKind::distance, "look at " + format_length(distance), distance, 0, camera});
-  require(!from.empty(), "expected at least one camera distance, got none");
-  add_sweep(camera, from);
-  add_eyes(camera, stereo, from);
-  return from;
-}
-
-void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& params,
-                   const PropagateParams& propagation, const std::vector<Viewpoint>& from, RepeatedStages& repeat,
-                   std::vector<CombinedViews>& sums) {
+double view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                     const PropagateParams& propagation, const std::vector<Viewpoint>& from, RepeatedStages& repeat,
+                     std::vector<CombinedViews>& sums) {
   const double wavelength = params.wavelength > 0 ? params.wavelength : hologram.wavelength;
   const bool is_first = !repeat.has_run("show");
   const IlluminationPlan plan = plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter);
@@ -186,17 +77,18 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
   };
   std::vector<Image> mixed(all.size() > 1 ? from.size() : 0);
   OrderShares shares;
+  double power_on_panel = 0;
   for (const IlluminationState& state : all) {
     const Field shown = repeat("show", [&](const Observer& o) {
-      double power_in = 0;
-      Field field = show(hologram, slm, params, state, hearing_power(o, power_in));
+      ShownField at_moment = show_moment(hologram, slm, params, state, o);
+      if (&state == all.data()) power_on_panel = at_moment.power_in;
       if (!plan.why.empty()) {
         o.fact("illumination_states", all.size());
         o.fact("illumination_states_why", plan.why);
       }
       if (!doubt.empty()) o.warn(doubt);
-      if (is_first) shares.add(field, slm.grid.pitch, power_in, state.weight);
-      return field;
+      if (is_first) shares.add(at_moment.field, slm.grid.pitch, at_moment.power_in, state.weight);
+      return std::move(at_moment.field);
     });
     for (const Span span : stages_of(from))
       repeat(from[span.begin].stage, [&](const Observer& o) {
@@ -217,6 +109,7 @@ void view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& p
       for (const OrderPower& order : shares.orders)
         o.fact(fmt::format("order_efficiency {},{}", order.column, order.row), order.power);
     });
+  return power_on_panel;
 }
 
 int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from) {
@@ -253,50 +146,6 @@ ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double
 double viewing_bytes(double sensor_pixels, size_t viewpoints, double sets, int64_t states) {
   return sensor_pixels * double(viewpoints) *
          (sizeof(double) * sets + sizeof(float) * (sets > 1 ? 3 : 1) + (states > 1 ? sizeof(float) : 0));
-}
-
-ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
-                         const CameraParams& camera) {
-  ViewSeries out;
-  for (size_t i = 0; i < from.size(); ++i)
-    if (from[i].kind == kind) out.images.push_back(sums[i].image());
-  if (out.images.empty()) return out;
-  out.white = common_white(out.images, camera.exposure);
-  uint32_t exposure = uint32_t(kind) << 24;
-  for (Image& image : out.images) image = add_sensor_noise(image, out.white, camera, exposure++);
-  return out;
-}
-
-void report_sweep(const std::vector<Viewpoint>& from, const ViewSeries& sweep, RepeatedStages& repeat) {
-  if (sweep.images.empty()) return;
-  repeat.finish("sweep", [&](const Observer& o) {
-    std::vector<double> positions, sharp, means;
-    for (const Viewpoint* view : sweep_of(from)) positions.push_back(view->position);
-    for (const Image& image : sweep.images) {
-      sharp.push_back(sharpness(image));
-      means.push_back(mean(image));
-    }
-    o.curve("position_m", positions);
-    o.curve("sharpness", sharp);
-    o.curve("mean_irradiance", means);
-  });
-}
-
-Chart sweep_chart(const std::vector<Viewpoint>& from, const ViewSeries& sweep) {
-  const std::vector<const Viewpoint*> views = sweep_of(from);
-  require(!views.empty() && views.size() == sweep.images.size(), "expected the views of a sweep to draw, got none");
-  const bool is_focus = views.front()->camera.sweep == Sweep::focus;
-  Chart chart;
-  chart.title = is_focus ? "Sharpness of a sweep of the focus" : "Brightness of a sweep of parallax";
-  chart.x_label = is_focus ? "distance in focus [mm]" : "x of the eye [mm]";
-  chart.y_label = is_focus ? "variance / mean² of the irradiance" : "mean irradiance [W/m²]";
-  Series curve{"", {}, {}, true, true};
-  for (size_t i = 0; i < views.size(); ++i) {
-    curve.x.push_back(views[i]->position * 1e3);
-    curve.y.push_back(is_focus ? sharpness(sweep.images[i]) : mean(sweep.images[i]));
-  }
-  chart.series.push_back(curve);
-  return chart;
 }
 
 }  // namespace holotrace

@@ -8,15 +8,15 @@
 
 namespace holotrace {
 
-/// A tile of the panel, and the place that visibility and radiance are asked for [m].
+/// A tile of the panel. `centre` is the place from which visibility and radiance are evaluated [m].
 struct PanelTile {
   PixelBox box;
   Vec3 centre;
 };
 
-/// The tiles of the panel that each source is looked at from: params.tile_columns × tile_rows, row by row from the
-/// top, for the strategy tiled, none for the others.
-/// @throws Error for fewer than 1 × 1 tiles, or more than the panel has pixels
+/// The tiles of the panel, each of which sees a source from its own place: params.tile_columns × tile_rows, row by row
+/// from the top. Only the strategy tiled has tiles; the list is empty for the others.
+/// @throws Error  for fewer than 1 × 1 tiles, or more columns or rows than the panel has pixels
 inline std::vector<PanelTile> make_tiles(const TraceParams& params, const Grid& panel) {
   if (params.strategy != Strategy::tiled) return {};
   const int columns = params.tile_columns, rows = params.tile_rows;

@@ -9,19 +9,16 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
-#include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
-#include "holotrace/data/point_strength.h"
-#include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/tiles.h"
 #include "holotrace/trace/trace_report.h"
+#include "holotrace/trace/trace_samples.h"
 #include "holotrace/trace/waves/merge_waves.h"
-#include "holotrace/trace/waves/ray_waves.h"
 #include "holotrace/trace/waves/source_phase.h"
 #include "holotrace/trace/waves/wave_sets.h"
 
@@ -30,149 +27,6 @@ namespace holotrace {
 namespace {
 
 constexpr int64_t block_size = 64;  // rays that one task follows
-
-/// What all rays of a tracing share.
-struct Tracing {
-  const PathScene& scene;
-  const TraceParams& params;
-  const FirstHits* pattern;  // none for a scene of points alone
-  const std::vector<PanelTile>& tiles;
-  const std::vector<WaveSet>& sets;
-  double side;  // of the cells of equal surface phase
-  const Grid& panel;
-  double widest;  // wavelength whose acceptance all boxes lie in
-};
-
-/// Adds a wave to a set. `key` is that of its random phase.
-void add_wave(const Tracing& t, TracedWaves& set, Source wave, double phase, uint64_t key, WaveCell cell) {
-  if (key != Sources::no_phase_key) phase += random_phase(uint64_t(t.params.seed), 0, key);
-  wave.phase = float(phase);
-  set.waves.push_back(wave);
-  set.keys.push_back(key);
-  set.cells.push_back(cell);
-}
-
-/// What one task finds.
-struct Block {
-  std::vector<TracedWaves> sets;
-  PathCounts counts;
-  int64_t first_hits = 0, far_waves = 0;
-  Brightness surfaces;
-};
-
-/// The angle in [0, 2π), where a float keeps it best.
-double wrapped(double phase) { return phase - 2 * pi * std::floor(phase / (2 * pi)); }
-
-/// Adds the wave that a ray has found to a set. Its tiles' amplitudes are there.
-void add_ray_wave(const Tracing& t, size_t s, const RayWave& wave, double amplitude, double light_phase,
-                  uint64_t sample, Block& block) {
-  const WaveSet& set = t.sets[s];
-  const double phase = wrapped(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light_phase);
-  const uint64_t key = key_in(set, t.params.phase, wave.key, sample);
-  const bool is_alone = !t.params.one_wave_per_cell || key != wave.key;
-  add_wave(t, block.sets[s], {wave.origin, float(amplitude)}, phase, key, is_alone ? WaveCell{} : wave.cell);
-}
-
-/// Adds the waves that a ray has found to the sets, each with one amplitude for the whole panel.
-void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t sample, Block& block) {
-  for (size_t i = 0; i < t.sets.size(); ++i) {
-    const WaveSet& set = t.sets[i];
-    const SetLight light = light_of(set, wave.light, wave.leaf.weight);
-    if (!(light.radiance > 0)) continue;
-    const double brightness = squared_amplitude_of(light.radiance, t.params.amplitude);
-    const double squared = brightness * t.pattern->squared_amplitude(ray, wave.origin, set.cone());
-    block.surfaces.add(brightness);
-    if (const double amplitude = std::sqrt(squared); amplitude > 0)
-      add_ray_wave(t, i, wave, amplitude, light.phase, sample, block);
-  }
-}
-
-/// Whether light from a place reaches a tile at an angle that the panel holds, at any of the wavelengths.
-bool is_in_reach(const Tracing& t, const PixelBox& tile, Vec3 origin) {
-  const double radius = box_radius(-origin.z, t.widest, t.panel.pitch);
-  return origin.x >= t.panel.x(tile.x0) - radius && origin.x <= t.panel.x(tile.x1 - 1) + radius &&
-         origin.y <= t.panel.y(tile.y0) + radius && origin.y >= t.panel.y(tile.y1 - 1) - radius;
-}
-
-/// The same, each with an amplitude for every tile in its reach that sees it.
-void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t sample, Block& block) {
-  std::vector<std::optional<SeenLight>> seen;
-  std::vector<PixelBox> visible;
-  size_t in_reach = 0;
-  for (const PanelTile& tile : t.tiles) {
-    seen.emplace_back();
-    if (!is_in_reach(t, tile.box, wave.origin)) continue;
-    ++in_reach;
-    seen.back() = light_toward(t.scene, t.params, wave, tile.centre, sample, block.counts);
-    if (seen.back()) visible.push_back(tile.box);
-  }
-  if (visible.empty()) return;
-  for (size_t i = 0; i < t.sets.size(); ++i) {
-    const WaveSet& set = t.sets[i];
-    const SetLight light = light_of(set, wave.light, wave.leaf.weight);
-    const double per_radiance = visible.size() == in_reach
-                                    ? t.pattern->squared_amplitude(ray, wave.origin, set.cone())
-                                    : t.pattern->squared_amplitude(ray, wave.origin, set.cone(), visible);
-    const auto amplitude_of = [&](const SetLight& l) {
-      return std::sqrt(squared_amplitude_of(l.radiance, t.params.amplitude) * per_radiance);
-    };
-    std::vector<float>& tiles = block.sets[i].tiles;
-    const size_t first = tiles.size();
-    bool is_lit = false;
-    for (const auto& toward : seen) {
-      const double amplitude =
-          toward ? amplitude_of(light_of(set, toward->light ? *toward->light : wave.light, toward->weight)) : 0;
-      tiles.push_back(float(amplitude));
-      is_lit = is_lit || amplitude > 0;
-    }
-    if (!is_lit) {
-      tiles.resize(first);
-      continue;
-    }
-    block.surfaces.add(squared_amplitude_of(light.radiance, t.params.amplitude));
-    add_ray_wave(t, i, wave, amplitude_of(light), light.phase, sample, block);
-  }
-}
-
-/// Follows ray `index` to its first hit and traces light there.
-void trace_sample(const Tracing& t, int64_t index, Block& block) {
-  const uint64_t sample = t.scene.scene.points.size() + uint64_t(index);
-  CounterRandom random(uint64_t(t.params.seed), 0, sample);
-  random.uniform();  // the sample's random phase
-  const auto ray = t.pattern->ray(index, random);
-  if (!ray) return;
-  const std::vector<RayWave> waves = find_waves(t.scene, t.params, t.side, *ray, sample, block.counts);
-  block.first_hits += !waves.empty();
-  for (const RayWave& wave : waves) {
-    block.far_waves += wave.leaf.is_far;
-    if (t.tiles.empty())
-      add_shared(t, *ray, wave, sample, block);
-    else
-      add_tiled(t, *ray, wave, sample, block);
-  }
-}
-
-/// The luminous points that the panel's centre or, tiled, any tile sees.
-void add_points(const Tracing& t, std::vector<TracedWaves>& sets, Brightness& brightness) {
-  const std::vector<ScenePoint>& points = t.scene.scene.points;
-  for (size_t i = 0; i < points.size(); ++i) {
-    const ScenePoint& point = points[i];
-    const auto is_seen = [&](Vec3 place) { return !t.scene.accelerator.is_occluded(place, point.position); };
-    std::vector<char> seen;  // by tile
-    for (const PanelTile& tile : t.tiles) seen.push_back(is_seen(tile.centre));
-    const bool is_lit = t.tiles.empty() ? is_seen({}) : std::count(seen.begin(), seen.end(), 1) > 0;
-    if (!is_lit) continue;
-    brightness.add(double(point.amplitude) * point.amplitude);
-    for (size_t s = 0; s < sets.size(); ++s) {
-      const WaveSet& set = t.sets[s];
-      if (!set.has_points) continue;
-      const float amplitude =
-          float(point_amplitude(t.panel, set.wavelength, set.cone(), -point.position.z) * point.amplitude);
-      add_wave(t, sets[s], {point.position, amplitude}, point.phase, point_key(t.params, t.sets[s], i), {});
-      for (const char is_seen_from : seen) sets[s].tiles.push_back(is_seen_from ? amplitude : 0);
-    }
-  }
-}
 
 /// Facts of all tracings of a call.
 struct Totals {

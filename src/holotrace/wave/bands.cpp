@@ -13,7 +13,7 @@ namespace {
 
 constexpr int unit_rows = 128, least_bands = 64, exact_rows = 32;
 
-// As band_memory says: 140 MB of program and libraries are measured, 150 MB with MPI.
+// The constants of band_memory. Program and libraries: 140 MB measured, 150 MB with MPI.
 constexpr double program_bytes = 170e6, wave_bytes = 340, wave_tile_bytes = 16, plane_bytes = 16 * 15e6;
 
 // The row of panel tiles that a row of pixels lies in.
@@ -48,7 +48,7 @@ Sources sources_of_band(const Sources& all, const Grid& panel, const Grid& grid,
   return some;
 }
 
-// Double samples of a few rows at a time.
+// The exact field of the band, summed in double a few rows at a time and stored in single precision.
 Field exact_band(const Sources& sources, const Grid& grid, const Observer& observer) {
   Field field(grid, sources.wavelength);
   const int parts = (grid.ny + exact_rows - 1) / exact_rows;
@@ -120,7 +120,7 @@ int64_t missed_waves(const Sources& sources, const Grid& panel) {
 }
 
 std::vector<double> band_shares(const std::vector<Sources>& sets, const Grid& panel, const std::vector<Band>& bands) {
-  std::vector<std::vector<double>> work;  // [set][row]: of the rows above
+  std::vector<std::vector<double>> work;  // [set][row]: work of all rows above this one
   for (const Sources& set : sets) {
     std::vector<double> change(size_t(panel.ny) + 1, 0.0);
     const double tangent = acceptance_tangent(set.acceptance_wavelength(), panel.pitch);

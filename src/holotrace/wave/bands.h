@@ -16,40 +16,40 @@ struct Band {
   bool operator==(const Band&) const = default;
 };
 
-/// The pixels of a band, as a panel of their own that lies where they lie.
+/// The pixels of a band as a grid of its own, at the same places as on the panel.
 Grid band_of(const Grid& panel, int first_row, int end_row);
 
-/// Cuts the fields of sets of waves into bands: 64 or more per panel where its rows allow, of a height that is a
-/// multiple of 128 rows, the tallest tile of the tile-separable sum, except where a row of panel tiles
-/// (TileAmplitudes) or the panel ends. They depend on nothing but these arguments: not on threads or on how many
-/// processes share them.
+/// Cuts the fields of sets of waves into bands: 64 or more per panel, if it has enough rows. A band's height is a
+/// multiple of 128 rows, the tallest tile of the tile-separable sum; it is smaller only where a row of panel tiles
+/// (TileAmplitudes) or the panel ends. The bands depend on these arguments only, not on the number of threads or of
+/// processes.
 ///
-/// @param memory  that a process may use [bytes], see band_memory
-/// @throws Error  where the memory does not hold the waves and 128 rows, telling how much does
+/// @param memory  memory that a process may use [bytes], see band_memory
+/// @throws Error  if the memory cannot hold the waves and 128 rows; the message gives the memory needed
 std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params,
                              double memory);
 
-/// Most memory that a process needs for one band of that many rows [bytes]: 170 MB for the program with its libraries;
-/// 340 bytes per wave, kept, read from a file, chosen for a band and made ready for the sum, and 16 bytes per wave and
-/// panel tile; 8 bytes per sample of the band, 24 by `auto`, which may turn to `exact`; for `exact` 512 bytes per
-/// column; for `auto` and `planes` 15 MB for each of 16 threads: where there are more, add theirs.
+/// Most memory that a process needs for one band of `rows` rows [bytes]: 170 MB for the program with its libraries;
+/// 340 bytes per wave (stored, read from a file, selected for a band, prepared for the sum) and 16 bytes per wave and
+/// panel tile; 8 bytes per sample of the band, 24 for `auto`, which may fall back to `exact`; for `exact` 512 bytes per
+/// column; for `auto` and `planes` 15 MB for each of 16 threads. With more than 16 threads, add 15 MB for each.
 double band_memory(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params, int rows);
 
-/// @throws Error unless the method sums waves band by band: auto, tiled, planes or exact.
+/// @throws Error  unless the method can sum waves band by band: auto, tiled, planes or exact
 void check_band_method(const SynthesizeParams& params);
 
-/// How many waves light no pixel of the panel.
+/// Number of waves that light no pixel of the panel.
 int64_t missed_waves(const Sources& sources, const Grid& panel);
 
-/// What each band takes of the whole work, for progress: the waves·pixels that boxes hold in it, and 300 for each
-/// pixel that is written (8 bytes at about 1 GB/s while waves·pixels are summed at 40e9/s). Adds up to 1.
+/// Share of each band in the whole work, for progress reports: its waves·pixels (pixels in the boxes of the waves),
+/// plus 300 per pixel written (8 bytes at about 1 GB/s, against 40e9 waves·pixels/s). The shares add up to 1.
 std::vector<double> band_shares(const std::vector<Sources>& sets, const Grid& panel, const std::vector<Band>& bands);
 
-/// The field of a set of waves on a band of the panel, by synthesize on its rows. The error is within the tolerance in
-/// each band, and so on the panel. Waves without light there are left out; a band without light is 0.
+/// The field of a set of waves on one band of the panel: synthesize on the band's rows. Each band meets the tolerance,
+/// so the panel meets it too. Waves that do not light the band are left out; a band without light is 0.
 ///
-/// @return        complex amplitude, shape (band.rows(), nx) [√(W/m²)]: the panel's rows to rounding (exact) or within
-///                the tolerance, the same bytes for the same band on any number of threads
+/// @return        complex amplitude, shape (band.rows(), nx) [√(W/m²)]; equal to the panel's rows to rounding (exact)
+///                or within the tolerance; the same bytes on any number of threads
 /// @throws Error  as synthesize does
 Field synthesize_band(const Sources& sources, const Grid& panel, const Band& band, const SynthesizeParams& params,
                       const Observer& observer = {});

@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-// A drawn pixel, the part of the panel that it lies in, and the field that the waves make there.
+// A drawn pixel, the part of the panel that it lies in, and the exact field of the waves there.
 struct Drawn {
   int i, j, part;
   std::complex<double> exact = 0;

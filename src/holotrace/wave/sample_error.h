@@ -7,18 +7,18 @@
 
 namespace holotrace {
 
-/// Error of a field against sum_exact of the same sources, from some of its pixels: what can be had where the exact sum
-/// of the whole panel would take hours.
+/// Error of a field against sum_exact of the same sources, estimated from some of its pixels. Use it where the exact
+/// sum over the whole panel would take hours.
 ///
 ///     error = √(Σ|u − U|² / Σ|U|²)  over `pixels` pixels drawn at random, U summed in double by wave_at
 ///
-/// The field's own grid and the sources' tile amplitudes are followed.
+/// U is summed on the field's own grid, with the sources' tile amplitudes.
 ///
-/// @param pixels  to draw, at least 1; each of equal chance, one may come twice. The square of the error is within
-///                about 1/√pixels of that of the whole field where it is spread over the panel evenly
-/// @param seed    of the draw: the same seed, the same pixels
-/// @return        relative L2 error, 0 where both are zero at every drawn pixel, infinite where only the field is not
-/// @throws Error  for a field whose wavelength is not that of the sources, or no pixels
+/// @param pixels  number of pixels to draw, at least 1; all pixels are equally likely, and one may be drawn twice. If
+///                the error is spread evenly, the error's square is that of the whole field within about 1/√pixels
+/// @param seed    seed of the draw; the same seed draws the same pixels
+/// @return        relative L2 error; 0 if the field equals U at all drawn pixels, infinite if only U is 0
+/// @throws Error  if the field and the sources have different wavelengths, or for fewer than one pixel
 ///
 /// Cost: a square root, a sine and a cosine per wave and drawn pixel in its box, on all threads.
 double sampled_error(const Field& field, const Sources& sources, int pixels, uint64_t seed = 1);

@@ -6,12 +6,12 @@
 
 namespace holotrace {
 
-/// Field on the panel of a set of spherical waves, summed one by one in double precision: the
-/// reference of every faster method.
+/// Field on the panel of a set of spherical waves, summed one by one in double precision. Every faster method is
+/// compared with this sum.
 ///
 ///     U(p) = Σⱼ aⱼ·d₀ⱼ/rⱼ(p)·exp(i(2π·rⱼ(p)/λ + φⱼ)),   rⱼ = ‖p − oⱼ‖,  p inside the box of j   (Eq. 7, 13)
 ///
-/// With tile amplitudes (TileAmplitudes) aⱼ is that of the tile that p lies in.
+/// With tile amplitudes (TileAmplitudes), aⱼ is the amplitude in the tile that p lies in.
 ///
 /// @param sources  spherical waves at z < 0 [m]
 /// @param grid     panel pixels: nx, ny, pitch [m]

@@ -11,18 +11,18 @@ namespace holotrace {
 ///     U(p) = Σⱼ aⱼ·d₀ⱼ/rⱼ(p)·exp(i(2π·rⱼ(p)/λ + φⱼ)),   rⱼ = ‖p − oⱼ‖,  p inside the box of j   (Eq. 7, 13)
 ///
 /// Inside a tile r is split as r₀ + Δr(column) + Δr(row). The wave is then one number times a column
-/// times a row, and the sum over waves a complex matrix product. The neglected phase, about
-/// k·x₀·y₀·u·v/r₀³, is kept below `tolerance` by choosing the shape of the tile (tile_error.h). Where the
-/// waves turn out to cancel, so that their errors weigh more, the sum is made again with smaller tiles.
+/// times a row, and the sum over waves is a complex matrix product. The neglected phase, about
+/// k·x₀·y₀·u·v/r₀³, is kept below `tolerance` by the choice of the tile's shape (tile_error.h). If the waves
+/// partly cancel, their relative error grows; the sum is then repeated with smaller tiles.
 ///
-/// With tile amplitudes (TileAmplitudes) aⱼ is that of the panel's tile that p lies in: the sum is made one of
-/// those tiles after the other, each of them to the tolerance.
+/// With tile amplitudes (TileAmplitudes), aⱼ is the amplitude in the panel tile that p lies in. The sum is then made
+/// for one panel tile after the other, each within the tolerance.
 ///
 /// @param sources    spherical waves at z < 0 [m]
 /// @param grid       panel pixels: nx, ny, pitch [m]
 /// @param tolerance  bound on the relative L2 error against sum_exact, 1e-5 or more
 /// @return           complex amplitude, shape (ny, nx) [√(W/m²)]; the same bytes on any number of threads
-/// @throws Error     for a source not behind the panel, naming it, and a tolerance that no tile meets
+/// @throws Error     for a source not behind the panel, naming it, and for a tolerance that no tile can meet
 ///
 /// Facts: those of try_sum (summation.h).
 ///

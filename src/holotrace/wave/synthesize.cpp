@@ -16,7 +16,7 @@
 namespace holotrace {
 namespace {
 
-// Pixels that each wave lights, its tiles' amplitudes considered.
+// Calls visit with the number of pixels that each wave lights; pixels of panel tiles with amplitude 0 do not count.
 template <class Visit>
 void for_each_wave(const Sources& sources, const Grid& grid, const Visit& visit) {
   const double tangent = acceptance_tangent(sources.acceptance_wavelength(), grid.pitch);

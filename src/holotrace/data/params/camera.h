@@ -16,8 +16,8 @@ enum class Sweep { none, focus, parallax };
 /// What a sensor pixel reads: the mean irradiance over its area, or the irradiance at samples of the field.
 enum class PixelSampling { integrate, point };
 
-/// A sensor without a lens (as on the paper's bench), a camera with a thin lens, or an eye; and how its reading becomes a
-/// picture.
+/// A sensor without a lens (as on the paper's bench), a camera with a thin lens, or an eye; and how the sensor's values
+/// become a picture.
 struct CameraParams {
   std::vector<double> distances{0.3};  ///< distances from the panel to the planes in focus [m], ≥ 0
   double pupil = 0;         ///< diameter of the eye's pupil or the lens [m]; 0: all light that leaves the panel

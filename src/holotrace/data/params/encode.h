@@ -35,7 +35,7 @@ enum class StartPhase { field, random };
 /// Quantity in which the two levels of a binary hologram differ.
 enum class BinaryLevels { panel, phase, amplitude };
 
-/// Iterations, and the step of sgd [rad], where 0 is given.
+/// Defaults of the iterations, and of the step of sgd [rad], used where 0 is given.
 inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, target_field_iterations = 30;
 inline constexpr double sgd_step = 0.4;
 
@@ -55,7 +55,7 @@ struct EncodeParams {
   int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
   bool resample = false;                    ///< scale a target picture of another size to that part
   bool is_joint = false;                    ///< iterations: one hologram for all wavelengths
-  int iterations = 0;                       ///< number of iterations; 0: as many as the method takes, above
+  int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
   double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: sgd_step
   StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
   int64_t seed = 1;                         ///< seed for random start phases

@@ -30,7 +30,7 @@ const char* noun(Quantity quantity) {
   return "a number";
 }
 
-// Without the value beside: "above 0 m".
+// The interval of the range in words, without the value beside it: "above 0 m".
 std::string interval_text(const Range& range, Quantity quantity) {
   const std::string low = value_text(range.low, quantity), high = value_text(range.high, quantity);
   const bool has_low = std::isfinite(range.low), has_high = std::isfinite(range.high);
@@ -61,7 +61,7 @@ std::string bounds_text(const Range& range, Quantity quantity) {
 std::string expected_text(const Range& range, Quantity quantity) {
   const std::string bounds = bounds_text(range, quantity);
   if (bounds.empty()) return std::string(noun(quantity)) + (quantity == Quantity::number ? " that is finite" : "");
-  if (range.beside) return bounds;  // "0 or 2 to 65536"
+  if (range.beside) return bounds;  // such as "0 or 2 to 65536"
   const bool is_span = std::isfinite(range.low) && std::isfinite(range.high) && !range.is_low_open;
   const bool has_preposition = range.is_low_open || bounds.starts_with("below") || bounds.starts_with("at most");
   return fmt::format("{} {}{}", noun(quantity), is_span ? "from " : has_preposition ? "" : "of ", bounds);

@@ -7,21 +7,21 @@
 
 namespace holotrace {
 
-/// The values that a parameter may have: all finite ones between two bounds, and, where it is given, one value beside
+/// The values that a parameter may have: all finite values between two bounds and, if given, one more value beside
 /// them ("0 or 2 to 65536").
 struct Range {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-  bool is_low_open = false, is_high_open = false;  ///< the bound itself is outside
+  bool is_low_open = false, is_high_open = false;  ///< the bound itself is not allowed
   std::optional<double> beside{};                  ///< also allowed, such as 0 for "the program decides"
 
-  /// Whether the range has the value; never for infinity and NaN.
+  /// Whether the range contains the value; false for infinity and NaN.
   bool has(double value) const;
 };
 
-/// What a parameter counts or measures, and so how errors and help texts write its values.
+/// What a parameter counts or measures; it decides how errors and help texts write the values.
 enum class Quantity { count, number, length, angle };
 
-/// Ranges by name, each the argument of a call of `describe` (choice.h).
+/// Ranges by name; each is used as an argument in `describe` (choice.h).
 namespace range {
 inline constexpr Range any{};
 inline constexpr Range positive{.low = 0, .is_low_open = true};
@@ -47,11 +47,11 @@ constexpr Range or_value(double beside, Range range) {
 /// The bounds in words: "1 or more", "above 0 m", "0 to 1", "0 or 2 to 65536"; "" for any value.
 std::string bounds_text(const Range& range, Quantity quantity);
 
-/// What a value of the range is: "a length above 0 m", "a whole number of 1 or more".
+/// A text for a valid value: "a length above 0 m", "a whole number of 1 or more".
 std::string expected_text(const Range& range, Quantity quantity);
 
-/// The one check of a range, for scene files, flags and the library's verbs.
-/// @param about  what the sentence says between the range and the value: " for \"pupil\""
+/// Checks a value against a range; scene files, flags and the library's verbs all use it.
+/// @param about  text between the range and the value: " for \"pupil\""
 /// @throws Error "expected a length above 0 m for "pupil", got -1 mm"
 void check_range(double value, const Range& range, Quantity quantity, const std::string& about = "");
 

@@ -5,9 +5,9 @@
 
 namespace holotrace {
 
-/// A parameter that has a new name. Its old key in a scene file and its old flag are still read, with a warning.
+/// A parameter that has a new name. Its old key in scene files and its old flag can still be used, with a warning.
 struct RenamedParameter {
-  const char* section;  ///< of the scene file
+  const char* section;  ///< table of the scene file
   const char* before;
   const char* now;
 };
@@ -20,14 +20,14 @@ inline constexpr RenamedParameter renamed_parameters[] = {
     {"render", "layers", "path_expressions"},
 };
 
-/// The old name of the parameter of that name, nullptr where it always had this one.
+/// The old name of a parameter; nullptr if it was never renamed.
 constexpr const char* name_before(std::string_view now) {
   for (const RenamedParameter& one : renamed_parameters)
     if (now == one.now) return one.before;
   return nullptr;
 }
 
-/// The warning that an old name was used, of a key or of a flag.
+/// The warning for the use of an old name, as a key or as a flag.
 inline std::string renamed_message(const std::string& before, const std::string& now) {
   return "`" + before + "` is now called `" + now + "`; the old name is still read";
 }

@@ -28,7 +28,7 @@ struct RenderParams {
   int max_depth = 8;            ///< largest number of surfaces on a light path
   double clamp = 0;             ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
   std::vector<std::string> path_expressions{};  ///< light path expressions whose light is summed; empty: all light
-  bool has_background = true;  ///< the environment is shown where no surface is; holograms leave it out
+  bool has_background = true;                   ///< shows the environment where no surface is; holograms leave it out
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
   int64_t seed = 1;                                 ///< seed for all random numbers
 };

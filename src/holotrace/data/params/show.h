@@ -21,7 +21,7 @@ struct ShowParams {
   double irradiance = 1;  ///< irradiance of the illumination on the axis [W/m²]
   Wavefront light = Wavefront::plane;
   double tilt_x = 0, tilt_y = 0;  ///< tilt of the illumination from the panel's axis [rad]
-  double source_distance = 0;     ///< spherical: of the source behind the panel [m]; < 0: it converges in front of it
+  double source_distance = 0;     ///< spherical: distance of the source behind the panel [m]; < 0: converging light
   double beam_radius = 0;         ///< gaussian: radius of the beam on the panel at 1/e² of its irradiance [m]
   double bandwidth = 0;           ///< full width at half maximum of the Gaussian spectrum [m]
   double source_angle = 0;        ///< full angle of the source, a disc, as seen from the panel [rad]

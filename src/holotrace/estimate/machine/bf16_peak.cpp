@@ -13,9 +13,9 @@ namespace holotrace {
 namespace {
 
 constexpr int steps = 10000;
-constexpr int chains = 12;  // sums side by side
+constexpr int chains = 12;  // number of independent sums
 
-// The sums start unlike each other and are all written: the compiler can leave none of them out.
+// The sums start at different values and all are written, so the compiler cannot remove any of them.
 __attribute__((target("avx512f,avx512bw,avx512vl,avx512bf16"))) void vector_products(float start, float* sums_out) {
   const __m512bh a = _mm512_cvtne2ps_pbh(_mm512_set1_ps(start), _mm512_set1_ps(start));
   __m512 sums[chains];
@@ -34,11 +34,11 @@ struct alignas(64) TileShapes {
   uint8_t rows[16];
 };
 
-// Eight tiles of 16 rows of 64 bytes. In static memory: GCC 12 takes _tile_loadconfig to read 8 bytes, and would leave
-// out the writing of the rest.
+// Eight tiles of 16 rows of 64 bytes. In static memory: GCC 12 assumes that _tile_loadconfig reads 8 bytes, and would
+// remove the code that writes the rest.
 const TileShapes eight_tiles{1, 0, {}, {64, 64, 64, 64, 64, 64, 64, 64}, {16, 16, 16, 16, 16, 16, 16, 16}};
 
-// Four tiles of sums, 16 × 16 each, and two by two tiles of factors, as a matrix product holds them.
+// Four tiles of sums, 16 × 16 each, and two by two tiles of factors, as in the inner loop of a matrix product.
 __attribute__((target("amx-tile,amx-bf16"))) void tile_products() {
   _tile_loadconfig(&eight_tiles);  // clears the tiles
   for (int s = 0; s < steps; ++s) {

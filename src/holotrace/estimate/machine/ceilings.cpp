@@ -20,7 +20,7 @@
 namespace holotrace {
 namespace {
 
-// Bytes of one of the triad's arrays: beyond the largest cache, within 1.5 GB and a quarter of the memory in all.
+// Bytes of one of the triad's three arrays: beyond the largest cache; in all at most 1.5 GB and a quarter of memory.
 double triad_array_bytes() {
   double cache = 0;
 #if defined(_SC_LEVEL3_CACHE_SIZE)
@@ -39,7 +39,7 @@ double measure_memory_bandwidth() {
   const auto for_each_block = [&](const auto& work) {
     parallel_for(0, blocks, [&](int64_t b) { work(b * block, (b + 1) * block); });
   };
-  for_each_block([&](int64_t begin, int64_t end) {  // the threads touch the memory that they will use
+  for_each_block([&](int64_t begin, int64_t end) {  // each thread first writes the memory that it will use
     for (int64_t i = begin; i < end; ++i) u[size_t(i)] = 0, v[size_t(i)] = 1, w[size_t(i)] = 2;
   });
   double best = 0;

@@ -11,10 +11,10 @@ namespace {
 
 constexpr size_t terms = summation_terms.size();
 
-// Row i, column k: what part of run i its work of kind k would take, were a unit of it to take seconds_if_all.
+// Row i, column k: fraction of run i that its work of kind k would take if one unit of it took seconds_if_all.
 struct Parts {
   std::vector<std::array<double, terms>> of_run;
-  std::array<double, terms> seconds_if_all{};  // per unit, were a run of this kind alone: the least over the runs
+  std::array<double, terms> seconds_if_all{};  // least time over the runs that one unit could take [s]
 };
 
 Parts parts_of(const std::vector<TimedWork>& timed) {
@@ -39,7 +39,7 @@ Parts parts_of(const std::vector<TimedWork>& timed) {
   return parts;
 }
 
-// Coordinate descent: each unknown in turn takes its best value ≥ 0. The problem is convex, and has a few unknowns.
+// Coordinate descent: sets each unknown in turn to its best value ≥ 0. The problem is convex, with few unknowns.
 std::array<double, terms> least_squares(const Parts& parts) {
   std::array<double, terms> x{};
   for (int sweep = 0; sweep < 20000; ++sweep)

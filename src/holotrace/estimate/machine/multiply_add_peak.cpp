@@ -14,9 +14,9 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Multiply-adds of `steps` steps; `start` and the returned sum keep the compiler from leaving them out.
+// Number of multiply-adds in `steps` steps; `start` and the sum keep the compiler from removing them.
 double MultiplyAdds(int steps, float start, float& sum) {
-  constexpr int chains = 12;  // two units with a delay of 4 or 5 need 10; with two factors they fit 16 registers
+  constexpr int chains = 12;  // two units with a latency of 4 or 5 need 10; with two factors they fit 16 registers
   const hn::ScalableTag<float> d;
   const auto a = hn::Set(d, 1 - start), b = hn::Set(d, start);
   hn::Vec<decltype(d)> sums[chains];

@@ -2,9 +2,9 @@
 
 namespace holotrace {
 
-/// The most multiply-adds per second, in single precision and on all threads, of the instruction set that vector code
-/// runs on at the moment (base/instruction_set.h): loops that stay in the registers, as many side by side as hide each
-/// other's delay. Where the set has no such instruction, a product and a sum count as one. Takes some 50 ms.
+/// The peak rate of multiply-adds [1/s], in single precision and on all threads, of the instruction set that vector
+/// code uses now (base/instruction_set.h). Loops stay in registers, with enough independent sums to hide the latency.
+/// If the set has no multiply-add, a product and a sum count as one. Takes about 50 ms.
 double measure_multiply_add_peak();
 
 }  // namespace holotrace

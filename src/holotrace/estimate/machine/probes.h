@@ -6,36 +6,36 @@
 
 namespace holotrace {
 
-/// What one probe of a part of some work has told.
+/// The result of one probe of a part of a task.
 struct ProbeResult {
-  double seconds = 0;    ///< that the probe took
-  double predicted = 0;  ///< of the whole work
-  double next = 0;       ///< that the next probe should take, where this one ran no part of the work; else 0
+  double seconds = 0;    ///< time of the probe [s]
+  double predicted = 0;  ///< predicted time of the whole task [s]
+  double next = 0;       ///< expected time of the next probe [s], if this one ran no part of the task; else 0
 };
 
-/// A piece of work that is predicted from parts of itself: each further probe is of a larger part and tells more.
+/// A task whose time is predicted from parts of it: each further probe runs a larger part and predicts better.
 struct Probe {
-  std::function<ProbeResult(double part)> run;  ///< of a part in (0, 1]
-  double part = 1;                              ///< of the first probe; then of the last
+  std::function<ProbeResult(double part)> run;  ///< runs a part in (0, 1]
+  double part = 1;                              ///< part of the first probe; then of the last one
   ProbeResult last{};
 };
 
-/// Each further probe is of a part as many times as large.
+/// Factor by which the part grows from one probe to the next.
 constexpr double probe_growth = 4;
 
-/// Probes all works once, then again in larger parts, always the work that is predicted to take longest of those that
-/// the budget still has room for: a share of what all are predicted to take, which the growing probes tell ever better.
+/// Probes all tasks once, then again in larger parts. The next one is always the task with the longest prediction for
+/// which the budget has room. The budget is a share of the predicted time of all tasks; it improves with the probes.
 ///
-/// A part grows fourfold, and a probe of it is expected to take four times as long, or what `next` says. A work is left alone when it was
-/// probed whole or for `long_enough`.
+/// A part grows fourfold, and its probe is expected to take four times as long, or `next` seconds. A task is finished
+/// when it was probed whole or for `long_enough`.
 ///
-/// @param share        of the predicted time that all probes together may take; the first ones are made in any case
-/// @param long_enough  of one probe [s]
-/// @return             seconds that the probes took
+/// @param share        fraction of the predicted time that all probes may take; the first ones are always run
+/// @param long_enough  time of one probe that is enough [s]
+/// @return             time of all probes [s]
 double refine_probes(std::vector<Probe>& probes, double share, double long_enough);
 
-/// Seconds of a stage for `times` as many holograms as in a run of one frame, from such a run and one of two frames:
-/// some of the work is done once for all, and each further hologram takes what the second frame took more.
+/// Time of a stage for `times` as many holograms as in a run of one frame [s], from such a run and one of two frames
+/// [s]: some of the work is done once, and each further hologram takes as long as the second frame added.
 double seconds_for(double times, double one, double two);
 
 }  // namespace holotrace

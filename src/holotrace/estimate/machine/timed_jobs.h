@@ -5,8 +5,8 @@
 #include "holotrace/data/sources.h"
 #include "holotrace/data/triangles.h"
 
-// What is summed, moved and shown where speed is measured: by holotrace bench, by bench/, and by the calibration of the
-// cost model. At 532 nm, from a fixed seed.
+// Jobs for measurements of speed: used by holotrace bench, by bench/, and by the calibration of the cost model. The
+// wavelength is 532 nm, and the seed is fixed.
 
 namespace holotrace {
 
@@ -17,11 +17,11 @@ inline constexpr Grid timed_ultra_hd{3840, 2160, 3.74e-6};
 /// Waves of random phase, spread evenly over the panel and over depths from `nearest` to `farthest` [m].
 Sources timed_waves(const Grid& panel, int64_t count, double nearest, double farthest);
 
-/// The half of a sphere of 8 mm that faces the panel, 0.2 m behind it, as about that many triangles of random phase,
-/// bright as their normals face the panel.
+/// The half of a sphere of 8 mm that faces the panel, 0.2 m behind it, as about `count` triangles of random phase;
+/// triangles that face the panel more directly are brighter.
 Triangles timed_half_sphere(int64_t count);
 
-/// Random phases of amplitude 1.
+/// A field of amplitude 1 and random phases.
 Field timed_field(const Grid& panel);
 
 }  // namespace holotrace

@@ -12,7 +12,7 @@ int whole(const nlohmann::json& json, const std::string& path, const char* what)
   return json.get<int>();
 }
 
-// A list of an object; none where the key is absent.
+// The list under a key of an object; an empty list if the key is absent.
 nlohmann::json list_of(const nlohmann::json& json, const std::string& path, const char* key) {
   const nlohmann::json list = json.value(key, nlohmann::json::array());
   require(list.is_array(), "{}: expected a list for \"{}\", got {}", path, key, list.dump());

@@ -5,17 +5,17 @@
 
 #include "holotrace/data/slm.h"
 
-// What a panel differs in from an ideal one, as JSON in SI units. Used by the files of this room only.
+// The effects of a panel as JSON in SI units. Only the files of this room use it.
 
 namespace holotrace {
 
-/// The effects of a panel that are there, all but its phase map, which is an image of its own: calibration {phase_rad,
-/// amplitude}, a number per level each; crosstalk_pixels; gap_amplitude, gap_phase_rad; flicker; aberration, a list of
-/// {n, m, rms_rad}; dead_fraction, dead_seed; dead_pixels, a list of [column, row, level].
+/// The effects of a panel that are on, without its phase map, which is a separate image. Keys: calibration {phase_rad,
+/// amplitude}, a list with a number per level each; crosstalk_pixels; gap_amplitude, gap_phase_rad; flicker;
+/// aberration, a list of {n, m, rms_rad}; dead_fraction, dead_seed; dead_pixels, a list of [column, row, level].
 nlohmann::ordered_json effects_to_json(const SlmEffects& effects);
 
-/// What effects_to_json wrote; a key that is absent is an effect that is not there.
-/// @throws Error naming file and key for what is of another kind; check_slm has the ranges
+/// Reads what effects_to_json wrote; if a key is absent, that effect is off.
+/// @throws Error naming file and key for values of another kind; check_slm checks the ranges
 SlmEffects effects_from_json(const nlohmann::json& json, const std::string& path);
 
 }  // namespace holotrace

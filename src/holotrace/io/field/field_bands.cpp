@@ -29,7 +29,7 @@ constexpr int chunk_rows = 128;
 
 bool is_full(int reason) { return reason == ENOSPC || reason == EDQUOT || reason == EFBIG; }
 
-// Makes what was written, or a name that was given, outlast a power cut. Some file systems know no such thing.
+// Writes a file or a folder entry to the disk, so that it survives a power cut. Some file systems cannot do this.
 bool sync_path(const fs::path& path, int flags) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
   if (file < 0) return false;
@@ -72,7 +72,7 @@ FieldBands::FieldBands(const std::string& path, const std::vector<Field>& header
     open_partial();
     reserve_room();
   } else {
-    fs::remove(journal_, ignored);  // of a run that ended between its last two steps
+    fs::remove(journal_, ignored);  // left by a run that ended between its last two steps
     make_partial();
   }
 }
@@ -83,7 +83,7 @@ FieldBands::~FieldBands() {
 
 size_t FieldBands::finished_bands() const { return size_t(std::count(finished_.begin(), finished_.end(), true)); }
 
-// The lock goes with the process, however it ends. HDF5 takes one of its own while it reads, so it reads first.
+// The lock ends with the process, however that ends. HDF5 locks the file itself while it reads, so it reads first.
 void FieldBands::open_partial() {
   file_ = open(partial_.c_str(), O_RDWR | O_CLOEXEC);
   if (file_ < 0) fail("expected to write {}, got \"{}\"; check its permissions", partial_, std::strerror(errno));
@@ -129,7 +129,7 @@ void FieldBands::make_partial() {
   }
 }
 
-// Takes the room of the whole file; a file system that cannot is left to say so band by band.
+// Reserves disk space for the whole file. If the file system cannot, a full disk is reported when a band is written.
 void FieldBands::reserve_room() const {
   struct stat status {};
   if (fstat(file_, &status) != 0) fail_to_write(errno);

@@ -11,48 +11,48 @@
 
 namespace holotrace {
 
-/// What a file of bands is the work of. Bands of another job never mix with it.
+/// The job that a file of bands belongs to. Bands of different jobs never mix.
 struct BandedJob {
-  std::string description;   ///< for people: panel, waves, method
-  uint64_t fingerprint = 0;  ///< of all that the bytes depend on
+  std::string description;   ///< text that describes the job: panel, waves, method
+  uint64_t fingerprint = 0;  ///< hash of all inputs that the bytes depend on
   size_t bands = 0;
-  std::map<std::string, double> settings{};  ///< what the machine of the first run chose by: kept for those that go on
+  std::map<std::string, double> settings{};  ///< settings that depend on the first run's machine; later runs reuse them
 };
 
-/// An HDF5 field file, as save_fields makes, that is written band by band, in bounded memory, and survives a kill.
+/// An HDF5 field file, as save_fields writes it, that is written band by band, in bounded memory, and survives a kill.
 ///
-/// Until it is whole it is PATH.partial, and PATH.partial.json, the journal, says which bands are finished. HDF5 makes
-/// the file once, with a place for every sample; the samples then go straight to their places, so that no kill can
-/// damage the file's structure. A band counts as finished when its samples are on the disk and after them, in one
-/// rename, the journal. The room on the disk is taken at the start: a disk that is too full is told of before the work.
-/// A file taken up again and finished has the bytes of one written in one go.
+/// While incomplete it is PATH.partial; PATH.partial.json, the journal, lists the finished bands. HDF5 creates
+/// the file once, with a place for every sample. The samples are then written directly to their places, so a kill
+/// cannot damage the file's structure. A band is finished when its samples are on the disk and then, by a
+/// rename, the journal. Disk space is reserved at the start: a disk that is too full is reported before the work.
+/// A file that was resumed and finished has the same bytes as one written in one run.
 ///
-/// Not for use from several threads at once, except write_rows.
+/// Only write_rows may be called from several threads at once.
 class FieldBands {
  public:
-  /// Opens PATH.partial, made where there is none, or one without a journal.
-  /// @param path     that the whole file will have, .h5
-  /// @param headers  fields without samples that differ in wavelength alone: [wavelength]
-  /// @throws Error   where the journal is of another job, another run writes the file, the disk is too full, or a file
+  /// Opens PATH.partial; makes it if it is missing or has no journal.
+  /// @param path     path of the finished file, .h5
+  /// @param headers  fields without samples that differ only in wavelength: [wavelength]
+  /// @throws Error   if the journal is of another job, another run writes the file, the disk is too full, or a file
   ///                 cannot be written
   FieldBands(const std::string& path, const std::vector<Field>& headers, const BandedJob& job);
   ~FieldBands();
   FieldBands(const FieldBands&) = delete;
 
-  /// The job's, or of a file taken up again those of the run that began it.
+  /// The settings of the job; for a resumed file, those of the run that began it.
   const std::map<std::string, double>& settings() const { return job_.settings; }
 
   bool is_finished(size_t band) const { return finished_[band]; }
   size_t finished_bands() const;
 
-  /// Writes whole rows of a field, from `first_row` on: samples[row][column], shape (rows, nx).
-  /// @throws Error  saying so where the disk is full
+  /// Writes whole rows of a field, from `first_row` on: samples[row][column], shape (rows, nx) [√(W/m²)].
+  /// @throws Error  if the disk is full
   void write_rows(size_t field, int first_row, int rows, const std::complex<float>* samples) const;
 
-  /// Notes that all rows of a band are written, once they are on the disk. @throws Error as write_rows does
+  /// Records that all rows of a band are written, once they are on the disk. @throws Error as write_rows does
   void finish_band(size_t band);
 
-  /// Gives the file its name and removes the journal. @throws Error unless all bands are finished
+  /// Renames the file to its final name and removes the journal. @throws Error unless all bands are finished
   void finish();
 
  private:
@@ -68,7 +68,7 @@ class FieldBands {
   std::vector<Field> headers_;
   BandedJob job_;
   std::vector<bool> finished_;
-  std::vector<uint64_t> chunks_;  // where they begin in the file
+  std::vector<uint64_t> chunks_;  // offsets of the chunks in the file [bytes]
   int file_ = -1;
 };
 

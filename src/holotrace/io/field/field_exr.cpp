@@ -52,7 +52,7 @@ void write_field_exr(const std::string& path, const Field& field) {
 
 bool is_field_exr(const std::string& path) {
   const auto input = OIIO::ImageInput::open(path);
-  if (!input) OIIO::geterror();  // clears it
+  if (!input) OIIO::geterror();  // clears the error
   return input && input->spec().channelindex("real") >= 0 && input->spec().channelindex("imag") >= 0;
 }
 

@@ -7,12 +7,12 @@
 
 namespace holotrace {
 
-/// Writes fields that differ in wavelength alone, a field in colour, with their geometry. The extension picks the
+/// Writes fields that differ only in wavelength (a field in colour), with their geometry. The extension selects the
 /// format:
 ///
 /// - `.npy`  complex64 or complex128, shape (ny, nx) for one wavelength, (wavelengths, ny, nx) for several, as
 ///           numpy.load reads it, and beside it NAME.json {pitch_m, wavelengths_m, z_m, image, centre_x_m, centre_y_m,
-///           name, frame, filter}, the centre only off the axis, the rest only if it says something
+///           name, frame, filter}. The centre is left out if it is on the axis, other keys if they are empty.
 /// - `.h5`   dataset "field" {r, i} of that shape, as h5py reads it, with the same metadata as attributes
 /// - `.exr`  float channels "real" and "imag", with the same metadata as attributes; one wavelength in single
 ///           precision only
@@ -22,23 +22,23 @@ namespace holotrace {
 template <class Real>
 void save_fields(const std::string& path, const std::vector<BasicField<Real>>& stack);
 
-/// Reads what save_fields wrote, by wavelength. complex128 samples are rounded to complex64.
-/// @throws Error naming the file for what is missing (also the sidecar), truncated, of another kind of
-///         number or shape than (ny, nx) or (wavelengths, ny, nx), and for samples that are not finite
+/// Reads what save_fields wrote, one field per wavelength. complex128 samples are rounded to complex64.
+/// @throws Error naming the file if it or its sidecar is missing or truncated, has another kind of
+///         number or a shape other than (ny, nx) or (wavelengths, ny, nx), or has samples that are not finite
 std::vector<Field> load_fields(const std::string& path);
 
-/// As load_fields, in double precision. complex64 samples are widened.
+/// Like load_fields, in double precision. complex64 samples are widened.
 std::vector<FieldDouble> load_fields_double(const std::string& path);
 
-/// As save_fields, of one field.
+/// Like save_fields, for one field.
 template <class Real>
 void save_field(const std::string& path, const BasicField<Real>& field);
 
-/// As load_fields, of one field. @throws Error for several wavelengths too
+/// Like load_fields, for one field. @throws Error also for several wavelengths
 Field load_field(const std::string& path);
 FieldDouble load_field_double(const std::string& path);
 
-/// Whether a file is a field rather than an image: .npy and .h5 are, an EXR with channels "real" and "imag" is.
+/// Whether a file is a field rather than an image: .npy and .h5 are fields, and an EXR with channels "real" and "imag".
 bool is_field_file(const std::string& path);
 
 }  // namespace holotrace

@@ -6,23 +6,23 @@
 
 #include "holotrace/data/field.h"
 
-// One pair of functions per file format of fields; field_file.cpp picks by extension. Writers fill
+// One pair of functions per file format of fields; field_file.cpp selects it by extension. Writers fill
 // the file in place, for use inside write_atomically.
 
 namespace holotrace {
 
-/// Fields of one grid, plane, image side and filter, by wavelength.
+/// Fields that share one grid, plane, image side and filter, one per wavelength.
 template <class Real>
 void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Real>>& stack);
 template <class Real>
 std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path);
 
-/// A file as write_fields_hdf5 makes, in chunks of that many whole rows, with a fixed place for every sample and none
-/// of them written yet: the same bytes for the same headers.
+/// Makes a file like write_fields_hdf5, in chunks of that many whole rows, with a fixed place for every sample, but no
+/// samples. The same headers give the same bytes.
 /// @param headers  fields without samples, of one grid
 void create_fields_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows);
 
-/// Where the chunks of such a file begin [bytes]: of the first field from the top on, then of the next.
+/// Offsets of the chunks of such a file [bytes]: those of the first field from the top down, then of the next field.
 std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows);
 
 void write_field_exr(const std::string& path, const Field& field);

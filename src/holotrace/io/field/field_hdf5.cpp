@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-// An HDF5 identifier, closed with its own function.
+// An HDF5 identifier that is closed by the function of its kind.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -28,7 +28,7 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-// HDF5 prints its errors unless told not to; here they become an Error.
+// Turns off HDF5's printing of errors; here they become an Error.
 class Silence {
  public:
   Silence() {
@@ -119,7 +119,7 @@ hid_t native_real() {
   return sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
 }
 
-// The file layout since HDF5 1.8 has checksums: damage is found instead of followed.
+// The file format of HDF5 1.8 and later has checksums, so that damage is detected.
 hid_t create_file(const std::string& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
@@ -128,7 +128,7 @@ hid_t create_file(const std::string& path) {
   return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access);
 }
 
-// The dataset "field" with its metadata, of the fields' grid and wavelengths, without samples.
+// Makes the dataset "field" with its metadata, for the fields' grid and wavelengths, without samples.
 template <class Real>
 hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid_t properties,
                      const std::string& path) {
@@ -193,7 +193,7 @@ void create_fields_hdf5(const std::string& path, const std::vector<Field>& heade
   const std::array<hsize_t, 3> chunk{1, hsize_t(chunk_rows), hsize_t(headers.front().grid.nx)};
   const bool is_one = headers.size() == 1;
   H5Pset_chunk(properties, is_one ? 2 : 3, chunk.data() + (is_one ? 1 : 0));
-  H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY);  // every chunk has its place from the start
+  H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY);  // every chunk gets its place from the start
   H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);
   { const Handle data(create_dataset(file, headers, properties, path), H5Dclose); }
   require_written(file.close() >= 0, path);
@@ -204,7 +204,7 @@ std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vec
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   const Handle data(file.valid() ? H5Dopen2(file, "field", H5P_DEFAULT) : -1, H5Dclose);
   require(data.valid(), "{}: expected an unfinished HDF5 field, got other bytes; delete it", path);
-  const size_t first = headers.size() == 1 ? 1 : 0;  // a field alone has no axis of wavelengths
+  const size_t first = headers.size() == 1 ? 1 : 0;  // a single field has no axis of wavelengths
   std::vector<uint64_t> offsets;
   for (hsize_t n = 0; n < headers.size(); ++n)
     for (hsize_t row = 0; row < hsize_t(headers.front().grid.ny); row += hsize_t(chunk_rows)) {

@@ -17,7 +17,7 @@
 namespace holotrace {
 namespace {
 
-// Greys per level: the code of level ℓ is round(ℓ·scale).
+// Grey values per level: the grey of level ℓ is round(ℓ·scale).
 double grey_scale(int levels, Modulation modulation, int bits) {
   const double greys = bits == 8 ? 256 : 65536;
   return modulation == Modulation::amplitude ? (greys - 1) / (levels - 1) : greys / levels;
@@ -27,8 +27,8 @@ void check_levels(int levels, const std::string& path) {
   require(levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}", path, levels);
 }
 
-// What goes beside a hologram: "out/h.png" → "out/h_modulus.png", the amplitudes of a complex one, and
-// "out/h_phase_map.exr", the static error of its panel [rad].
+// Path of a file beside a hologram: "out/h.png" → "out/h_modulus.png", the amplitudes of a complex one, and
+// "out/h_phase_map.exr", the static phase error of its panel [rad].
 std::string beside(const std::string& path, const char* ending) {
   return path.substr(0, path.size() - extension_of(path).size()) + ending;
 }
@@ -51,7 +51,7 @@ std::shared_ptr<const Array2D<float>> load_phase_map(const std::string& path) {
   return map;
 }
 
-// The panel that a sidecar names, on the hologram's grid.
+// Reads the panel of a sidecar, on the hologram's grid.
 Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& path, const std::string& sidecar) {
   require(json.is_object(), "{}: expected an object for \"slm\", got {}", sidecar, json.dump());
   Slm slm;
@@ -105,7 +105,7 @@ Greys read_greys(const std::string& path) {
     require(channels < 3 || (pixel[0] == pixel[1] && pixel[1] == pixel[2]),
             "{}: expected a grey hologram, got a coloured pixel at row {}, column {}", path, i / size_t(spec.width),
             i % size_t(spec.width));
-    greys.values[i] = uint16_t(is_8 ? pixel[0] / 257 : pixel[0]);  // 8 bits come widened by 65535/255 = 257
+    greys.values[i] = uint16_t(is_8 ? pixel[0] / 257 : pixel[0]);  // 8-bit values were widened by 65535/255 = 257
   }
   return greys;
 }
@@ -127,7 +127,7 @@ nlohmann::ordered_json to_json(const Slm& slm) {
   return json;
 }
 
-// Writes levels as greys; `before_named` runs when all is written but has not its name yet.
+// Writes levels as greys; calls `before_named` when all is written but the file does not have its name yet.
 void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels, Modulation modulation,
                  const std::function<void()>& before_named = {}) {
   const int bits = levels <= 256 ? 8 : 16;

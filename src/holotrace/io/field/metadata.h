@@ -8,26 +8,26 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/slm.h"
 
-// The metadata beside fields and holograms, as JSON. Used by the files of this room only.
+// The metadata beside fields and holograms, as JSON. Only the files of this room use it.
 
 namespace holotrace {
 
 /// Parses the sidecar at `path`.
-/// @throws Error with file, line and column for broken JSON, and for what is not an object
+/// @throws Error with file, line and column for broken JSON, and if it is not an object
 nlohmann::json read_metadata(const std::string& path);
 
 /// A number of a JSON object, or `fallback` where the key is absent and a fallback is given.
-/// @throws Error naming file and key for what is missing, no number, or not finite
+/// @throws Error naming file and key if the value is missing, not a number, or not finite
 double metadata_number(const nlohmann::json& json, const std::string& path, const char* key,
                        std::optional<double> fallback = std::nullopt);
 
-/// A text of a JSON object, `fallback` where the key is absent.
-/// @throws Error naming file and key for what is no text
+/// A text of a JSON object, or `fallback` if the key is absent.
+/// @throws Error naming file and key if the value is not a text
 std::string metadata_text(const nlohmann::json& json, const std::string& path, const char* key,
                           const std::string& fallback);
 
 /// A list of texts of a JSON object, empty where the key is absent.
-/// @throws Error naming file and key for what is no list of texts
+/// @throws Error naming file and key if the value is not a list of texts
 std::vector<std::string> metadata_texts(const nlohmann::json& json, const std::string& path, const char* key);
 
 const char* image_side_name(ImageSide side);                                   ///< "virtual" or "real"
@@ -35,12 +35,12 @@ ImageSide image_side_from(const std::string& name, const std::string& path);   /
 const char* modulation_name(Modulation modulation);                            ///< "phase", "amplitude" or "complex"
 Modulation modulation_from(const std::string& name, const std::string& path);  ///< @throws Error naming the file
 
-/// The number of a frame. @throws Error naming the file unless it is whole and 0 … 2³²−1
+/// A number as the index of a frame. @throws Error naming the file unless it is whole and 0 … 2³²−1
 uint32_t frame_from(double number, const std::string& path);
 
 nlohmann::json filter_to_json(const SpectralFilter& filter);
 
-/// The filter of a JSON object, none where the key "filter" is absent or null.
+/// The filter of a JSON object; none if the key "filter" is absent or null.
 std::optional<SpectralFilter> filter_from_json(const nlohmann::json& json, const std::string& path);
 
 }  // namespace holotrace

@@ -23,7 +23,7 @@ struct Header {
   size_t data_begin = 0;
 };
 
-// The text after 'key': in a Python dictionary.
+// The text after 'key': in the text of a Python dictionary.
 std::string_view value_of(std::string_view dictionary, std::string_view key, const std::string& path) {
   const std::string quoted = fmt::format("'{}':", key);
   const size_t at = dictionary.find(quoted);
@@ -70,12 +70,12 @@ std::string format_shape(const std::vector<int64_t>& shape) {
   return text + (shape.size() == 1 ? ",)" : ")");
 }
 
-// Where the sample (n, row, column) of an array of shape (count, ny, nx) stands in the file [samples].
+// Distances in the file between neighbouring samples (n, row, column) of an array (count, ny, nx) [samples].
 struct Strides {
   size_t array, row, column;
 };
 
-// In C order the last index counts fastest, in Fortran order the first.
+// In C order the last index varies fastest, in Fortran order the first.
 Strides strides_of(const std::vector<int64_t>& shape, bool fortran_order) {
   const size_t count = size_t(shape[0]), ny = size_t(shape[1]), nx = size_t(shape[2]);
   return fortran_order ? Strides{1, count, count * ny} : Strides{ny * nx, nx, 1};
@@ -123,7 +123,7 @@ std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path) {
           "{}: expected the shape (ny, nx) or (wavelengths, ny, nx), got {}", path, format_shape(header.shape));
   const size_t count = size_t(shape[1]) * size_t(shape[2]), sample = is_single ? 8 : 16;
   const size_t present = bytes.size() - header.data_begin;
-  const double expected = double(shape[0]) * double(count) * double(sample);  // may be more than 64 bits hold
+  const double expected = double(shape[0]) * double(count) * double(sample);  // may exceed 64 bits
   require(double(present) == expected,
           "{}: expected {} bytes of samples for shape {}, got {}; the file is truncated or damaged, write it again",
           path, expected, format_shape(header.shape), present);

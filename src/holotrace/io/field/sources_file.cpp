@@ -14,7 +14,7 @@
 namespace holotrace {
 namespace {
 
-// The text of a comment "key …", nothing where there is none.
+// The text of a comment "key …"; nothing if there is none.
 std::optional<std::string_view> comment_of(const PlyVertices& vertices, std::string_view key) {
   for (const std::string& comment : vertices.comments)
     if (comment.starts_with(key) && comment.size() > key.size() && comment[key.size()] == ' ')
@@ -36,7 +36,7 @@ void parse_comment(const PlyVertices& vertices, const char* key, const char* exp
   }
 }
 
-// The keys of phases, as two halves: doubles, as which columns are read, hold 32 bits exactly and not 64.
+// The phase keys, from two halves: columns are read as doubles, which hold 32 bits exactly but not 64.
 std::vector<uint64_t> phase_keys_of(const PlyVertices& vertices) {
   const auto *low = vertices.find("phase_key_low"), *high = vertices.find("phase_key_high");
   if (!low && !high) return {};
@@ -70,7 +70,7 @@ TileAmplitudes tiles_of(const PlyVertices& vertices) {
   return tiles;
 }
 
-// The name is a line of the header.
+// Checks that the name fits into one line of the header.
 void check_name(const std::string& path, const Sources& sources) {
   require(sources.name.find_first_of("\r\n") == std::string::npos,
           "expected a name of one line for the sources to save as {}, got \"{}\"", path, sources.name);

@@ -5,11 +5,11 @@
 
 namespace holotrace {
 
-/// The user's cache folder of this program, ($XDG_CACHE_HOME or ~/.cache)/holotrace, made if it is missing; nothing
-/// where there is none that can be written to.
+/// The program's folder in the user's cache, ($XDG_CACHE_HOME or ~/.cache)/holotrace. It is made if it is missing.
+/// Empty if no folder can be written to.
 std::optional<std::string> writable_cache_folder();
 
-/// A file whose lock one program holds at a time; the system lets go of it if the program dies.
+/// A file whose lock only one program holds at a time; the system releases it if the program dies.
 class LockFile {
  public:
   explicit LockFile(const std::string& path);

@@ -33,7 +33,7 @@ void check_destination(const std::string& path) {
     fail("expected the folder {} to write {} into, but it does not exist; make it first", folder.string(), path);
 }
 
-// ".name.tmp-PID-N.ext": unlike any file a user keeps, and of the extension that picks the format.
+// ".name.tmp-PID-N.ext": unlike any file a user keeps, with the extension that selects the format.
 std::string temporary_name(const fs::path& path) {
   static std::atomic<int> counter{0};
   const std::string name =
@@ -82,7 +82,7 @@ void write_atomically(const std::string& path, const std::function<void(const st
   const std::string temporary = temporary_name(path);
   std::error_code error;
   try {
-    write_bytes(temporary, "", 0);  // says why a folder cannot be written to better than an image library would
+    write_bytes(temporary, "", 0);  // explains a folder without write permission better than an image library would
     write(temporary);
     fs::rename(temporary, path, error);
     if (error) fail_to_write(path, error.message());

@@ -10,27 +10,27 @@ namespace holotrace {
 /// @throws Error if it is missing, a folder, or not readable, naming the path.
 std::string read_text(const std::string& path);
 
-/// Gives a file its content whole or not at all: `write` fills a temporary file in the same folder
-/// with the same extension, which then takes the name `path`. A run that is killed leaves what was
-/// there before.
-/// @param write  fills the file of the name it is given; what it throws reaches the caller, with
-///               `path` in place of the temporary name, and the temporary file is gone
+/// Writes a file completely or not at all: `write` fills a temporary file in the same folder
+/// with the same extension, which is then renamed to `path`. If a run is killed, the earlier
+/// file stays.
+/// @param write  fills the file with the given name; its exceptions reach the caller, with
+///               `path` in place of the temporary name, and the temporary file is removed
 /// @throws Error if the folder is missing, the path is a folder, or writing fails (permission, full
 ///         disk), naming the path
 void write_atomically(const std::string& path, const std::function<void(const std::string& temporary)>& write);
 
-/// Makes `path` a file of this text, whole or not at all.
+/// Writes a text to the file `path`, completely or not at all.
 /// @throws Error as write_atomically does
 void write_text(const std::string& path, const std::string& text);
 
-/// Fills a file with bytes, in place: for use inside write_atomically.
-/// @throws Error if not all of them could be written, naming the path and the system's reason
+/// Fills a file with bytes, in place; for use inside write_atomically.
+/// @throws Error if not all of them can be written, naming the path and the system's reason
 void write_bytes(const std::string& path, const void* bytes, size_t size);
 
-/// @throws Error unless `path` is a file, naming it; `kind` says what was expected ("a mesh").
+/// @throws Error unless `path` is a file, naming it; `kind` states what was expected ("a mesh").
 void check_file_exists(const std::string& path, const char* kind);
 
-/// The extension in small letters, with its dot: ".png". Empty where there is none.
+/// The extension in lower case, with its dot: ".png". Empty if there is none.
 std::string extension_of(const std::string& path);
 
 /// The path of the metadata beside a data file: "out/f.npy" → "out/f.json".

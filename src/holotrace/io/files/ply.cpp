@@ -20,7 +20,7 @@ enum class Format { ascii, little_endian, big_endian };
 struct Property {
   std::string name;
   Kind kind = Kind::float32;
-  std::optional<Kind> list_count;  // the kind of a list's length
+  std::optional<Kind> list_count;  // type of a list's length
 };
 
 struct Element {
@@ -34,7 +34,7 @@ size_t size_of(Kind kind) {
   return sizes[size_t(kind)];
 }
 
-// The largest value of an integer; 1, the most of a colour, for numbers with a fraction.
+// The largest value of an integer type; for floating-point types 1, the largest value of a colour.
 double largest_of(Kind kind) {
   constexpr std::array<double, 8> values{127, 255, 32767, 65535, 2147483647, 4294967295, 1, 1};
   return values[size_t(kind)];
@@ -139,7 +139,7 @@ Header read_header(const std::string& bytes, const std::string& path) {
   fail("{}: expected \"end_header\" in the PLY header, but the file ends before it; write it again", path);
 }
 
-// The numbers after the header, one after the other, whatever the format.
+// Reads the numbers after the header one by one, in any format.
 class Numbers {
  public:
   Numbers(const std::string& bytes, const Header& header, const std::string& path)
@@ -164,7 +164,7 @@ class Numbers {
     double value = 0;
     const auto [next, error] = std::from_chars(at_, end_, value);
     const bool ends = next == end_ || *next == ' ' || *next == '\t' || *next == '\n' || *next == '\r';
-    // A number too small or large for a double is left to the checks of what it means.
+    // Numbers outside the range of a double are passed on; the checks of the values report them.
     if ((error != std::errc() && error != std::errc::result_out_of_range) || !ends) {
       const char* stop = at_;
       while (stop < end_ && stop < at_ + 40 && *stop > ' ') ++stop;
@@ -216,7 +216,7 @@ class Numbers {
   const std::string& path_;
 };
 
-// The fewest bytes an element's row can take.
+// The smallest possible number of bytes of an element's row.
 size_t least_row_size(const Element& element, Format format) {
   size_t size = 0;
   for (const Property& p : element.properties)

@@ -37,7 +37,7 @@ void append_chunk(std::string& bytes, uint32_t kind, std::string content, char f
   bytes += content;
 }
 
-// The JSON and the binary part of a GLB.
+// Splits a GLB into its JSON and its binary part.
 std::pair<std::string, std::string> split_glb(const std::string& path, std::string_view bytes) {
   const auto damaged = [&] { fail("{}: expected a binary glTF model, but it is truncated; export it again", path); };
   require(bytes.substr(0, 4) == "glTF", "{}: expected a binary glTF model, but it is damaged; export it again", path);
@@ -65,7 +65,7 @@ void check_version(const GltfFile& gltf) {
           "{}: expected a glTF model of version 2, got version {}; export it again as glTF 2.0", gltf.path, version);
 }
 
-// Extensions that a file may need and still be read.
+// Refuses files that require an extension without which they cannot be read.
 void check_required_extensions(const GltfFile& gltf) {
   constexpr std::array harmless{"KHR_texture_transform", "KHR_lights_punctual", "EXT_texture_webp"};
   for (const Json& item : gltf.document.value("extensionsRequired", Json::array())) {
@@ -80,7 +80,7 @@ void check_required_extensions(const GltfFile& gltf) {
   }
 }
 
-// Nodes are trees: one that has itself below it would be read without end.
+// Checks that nodes are trees: a node below itself would be read without end.
 void check_nodes(const GltfFile& gltf) {
   const Json nodes = gltf.document.value("nodes", Json::array());
   std::vector<int> parents(nodes.size(), 0), places(nodes.size(), 0);
@@ -104,7 +104,7 @@ std::string decode_base64(std::string_view text) {
     if (c >= '0' && c <= '9') digit = c - '0' + 52;
     if (c == '+') digit = 62;
     if (c == '/') digit = 63;
-    if (digit < 0) break;  // the filling at the end
+    if (digit < 0) break;  // padding at the end
     buffer = buffer << 6 | uint32_t(digit);
     bits += 6;
     if (bits < 8) continue;
@@ -135,7 +135,7 @@ std::string beside(const GltfFile& gltf, const std::string& uri) {
   return (std::filesystem::path(gltf.path).parent_path() / decode_percents(uri)).string();
 }
 
-// The bytes that a URI holds or names; "" where it names a file that is missing.
+// The bytes that a URI contains or refers to; "" for a file that is missing.
 std::string read_uri(const GltfFile& gltf, const std::string& uri, std::string& label) {
   if (uri.starts_with("data:")) {
     const size_t comma = uri.find(',');

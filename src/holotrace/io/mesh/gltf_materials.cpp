@@ -86,7 +86,7 @@ class Materials {
     return clipped;
   }
 
-  // The image that a texture shows; -1 for one of a format that is not known here.
+  // Index of a texture's image; -1 if its format is not supported.
   int image_of(const Json& texture) {
     if (texture.contains("source")) return texture["source"].get<int>();
     return member(member(texture, "extensions"), "EXT_texture_webp").value("source", -1);
@@ -109,7 +109,7 @@ class Materials {
     return image;
   }
 
-  // Where the texture is read; a mesh has one set of coordinates, so the first texture of a material says.
+  // Reads the texture's coordinates; a mesh has one set, so the first texture of a material decides.
   void place(const Json& info) {
     const Json& transform = member(member(info, "extensions"), "KHR_texture_transform");
     TextureCoordinates t;

@@ -7,17 +7,17 @@
 
 namespace holotrace {
 
-/// The materials of a glTF 2.0 model, in its order, and behind them the one of primitives without any.
+/// The materials of a glTF 2.0 model, in its order, followed by the material of primitives that have none.
 ///
-/// The core's metallic-roughness model with its textures, normal map and emission; of the extensions
-/// KHR_materials_emissive_strength, _unlit (a surface that shines in its colour), _transmission of a factor 1 with
-/// _ior and _volume (glass; without a thickness a pane), _pbrSpecularGlossiness (its diffuse colour and glossiness)
-/// and KHR_texture_transform. The rest is named in a warning, once per feature: what is partly or by its alpha
-/// see-through, coats, sheen, and textures of one material at different coordinates.
-/// @throws Error naming the file for what is damaged
+/// Supported: the core's metallic-roughness model with its textures, normal map and emission, and the extensions
+/// KHR_materials_emissive_strength, _unlit (a surface that emits its colour), _transmission with a factor of 1, with
+/// _ior and _volume (glass; a pane if it has no thickness), _pbrSpecularGlossiness (its diffuse colour and glossiness)
+/// and KHR_texture_transform. A warning names the rest, once per feature: partial transmission and alpha
+/// transparency, coats, sheen, and textures of one material at different coordinates.
+/// @throws Error naming the file if the data are damaged
 std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& warn);
 
-/// What a model has beside shapes and materials, and is not shown: bones, morph targets, animations, lights, cameras,
+/// Warns of features that are not shown: bones, morph targets, animations, lights, cameras,
 /// and other extensions.
 void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn);
 

@@ -28,7 +28,7 @@ Frame to_frame(const aiMatrix4x4& m) {
   return {{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}, {m.a4, m.b4, m.c4}};
 }
 
-// Shapes and materials of a file that Assimp has read.
+// Converts the shapes and materials that Assimp has read from a file.
 struct Reader {
   const std::string& path;
   LoadedModel model{};
@@ -55,7 +55,7 @@ struct Reader {
     return std::make_shared<Image>(std::move(image));
   }
 
-  // Where the material of a mesh stands in `materials`: of a glTF model its name is its number, none is the last.
+  // Index of a mesh's material in `materials`. In a glTF model its name is its number; the last one means none.
   size_t material_of(const aiMaterial& source, unsigned index) const {
     if (!is_gltf) return index;
     const std::string name = source.GetName().C_Str();
@@ -171,7 +171,7 @@ struct Reader {
   }
 };
 
-// A face without vertices is what a truncated file leaves; Assimp's triangulation would end the program over it.
+// Refuses faces without vertices, which a truncated file leaves: Assimp's triangulation would end the program.
 void check_faces(const aiScene& scene, const std::string& path) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m)
     for (unsigned f = 0; f < scene.mMeshes[m]->mNumFaces; ++f)
@@ -179,7 +179,7 @@ void check_faces(const aiScene& scene, const std::string& path) {
               "{}: expected vertices in face {}, got none; the file is truncated or damaged, export it again", path, f);
 }
 
-// The files of the disk, but for one, whose bytes are others.
+// The files on disk, except one, whose bytes are replaced.
 class FilesWithOneReplaced : public Assimp::DefaultIOSystem {
  public:
   FilesWithOneReplaced(std::string path, std::string bytes) : path_(std::move(path)), bytes_(std::move(bytes)) {}
@@ -197,7 +197,7 @@ class FilesWithOneReplaced : public Assimp::DefaultIOSystem {
 
 Vec2 transform_coordinates(const TextureCoordinates& t, Vec2 uv) {
   if (t == TextureCoordinates{.set = t.set}) return uv;
-  // KHR_texture_transform: scale, turn counter-clockwise as seen with v down, move.
+  // KHR_texture_transform: scale, rotate (counter-clockwise as seen with v down), move.
   const double u = uv.x * t.scale_u, v = (1 - uv.y) * t.scale_v;
   const double c = std::cos(t.rotation), s = std::sin(t.rotation);
   return {c * u + s * v + t.offset_u, 1 - (-s * u + c * v + t.offset_v)};
@@ -217,15 +217,15 @@ LoadedModel load_meshes(const std::string& path) {
   Reader reader{path};
   reader.is_gltf = extension != ".obj";
   if (reader.is_gltf) {
-    // Assimp numbers materials anew and knows only some of what they hold: it reads the shapes.
+    // Assimp renumbers materials and knows only a part of their data, so it reads only the shapes.
     const GltfFile gltf = read_gltf(path);
     reader.materials = gltf_materials(gltf, reader.warn);
     warn_of_gltf_features(gltf, reader.warn);
-    importer.SetIOHandler(new FilesWithOneReplaced(path, gltf_shapes(gltf)));  // which the importer owns
+    importer.SetIOHandler(new FilesWithOneReplaced(path, gltf_shapes(gltf)));  // the importer owns it
   } else {
     check_obj_indices(path);
   }
-  // Validation turns indices out of range into an error before any other step trusts them.
+  // Validation reports indices out of range before any other step uses them.
   const aiScene* scene = importer.ReadFile(path, aiProcess_ValidateDataStructure);
   if (scene) {
     check_faces(*scene, path);

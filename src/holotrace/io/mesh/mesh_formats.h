@@ -9,44 +9,44 @@
 
 struct aiMaterial;
 
-// What mesh_file.cpp asks of each format.
+// Functions of each format that mesh_file.cpp calls.
 namespace holotrace {
 
-/// Where a texture is read: (u, v), v down, of a set of texture coordinates, scaled, turned and moved.
+/// Texture coordinates: (u, v), v down, of one set of the mesh, scaled, rotated and moved.
 struct TextureCoordinates {
   int set = 0;
-  double scale_u = 1, scale_v = 1, rotation = 0, offset_u = 0, offset_v = 0;  ///< [rad]
+  double scale_u = 1, scale_v = 1, rotation = 0, offset_u = 0, offset_v = 0;  ///< rotation in [rad]
   bool operator==(const TextureCoordinates&) const = default;
 };
 
-/// (u, v), v up, of a vertex, where its textures are read.
+/// Converts the (u, v) of a vertex, v up, to the coordinates at which its textures are read.
 Vec2 transform_coordinates(const TextureCoordinates& t, Vec2 uv);
 
-/// A material as its file has it.
+/// A material as stored in a file.
 struct FileMaterial {
   Material material{};
   bool has_textures = false;
-  bool repeats = true;  ///< its textures, beyond their borders, as all are shown
+  bool repeats = true;  ///< whether its textures repeat beyond their borders, as all are shown
   TextureCoordinates coordinates{};
 };
 
-/// Takes a sentence about what is not shown, once per feature.
+/// Receives a sentence about a feature that is not shown, once per feature.
 using WarnOnce = std::function<void(const std::string& feature, const std::string& sentence)>;
 
-/// Loads a texture beside an OBJ file; nullptr where it is missing.
+/// Loads a texture beside an OBJ file; nullptr if it is missing.
 using ObjTextures = std::function<std::shared_ptr<const Image>(const std::string& name, ImageContent content)>;
 
-/// A material of an MTL file as Assimp reads it. Diffuse, of Kd and map_Kd; where it has a highlight (illum 2 or more
-/// and Ks, or Pr, Pm), metallic-roughness, of the roughness Pr, or that of a lobe as wide as Ns'; where light goes
-/// through (illum 4, 6, 7, 9, d < 1 and Ni > 1), glass of index Ni.
+/// A material of an MTL file as Assimp reads it. It is diffuse, from Kd and map_Kd; with a highlight (illum 2 or more
+/// and Ks, or Pr, Pm) metallic-roughness, with the roughness Pr or that of a lobe as wide as with Ns; if it transmits
+/// (illum 4, 6, 7, 9, d < 1 and Ni > 1), glass of the index Ni.
 FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, const WarnOnce& warn);
 
-/// Assimp drops texture coordinates and normals whose indices are out of range without a word, and says of vertices
-/// only that one is. So the faces of an OBJ file are read here first.
+/// Checks the indices of the faces of an OBJ file. Assimp silently drops texture coordinates and normals whose indices
+/// are out of range, and reports bad vertex indices without their line.
 /// @throws Error naming file, line, kind and index
 void check_obj_indices(const std::string& path);
 
-/// A PLY mesh. Assimp stops the program at some damaged ones, so the reader of point files reads them.
+/// Reads a PLY mesh with the reader of point files, because Assimp ends the program at some damaged files.
 LoadedModel load_ply_mesh(const std::string& path);
 
 }  // namespace holotrace

@@ -13,9 +13,9 @@
 namespace holotrace {
 namespace {
 
-constexpr const char* illumination_key = "$mat.illum";  // what Assimp calls the number after "illum"
+constexpr const char* illumination_key = "$mat.illum";  // Assimp's key for the number after "illum"
 
-// What a number or colour of the material is, `otherwise` where the file does not say.
+// A number or colour of the material, or `otherwise` if the file does not state it.
 template <class T>
 T get(const aiMaterial& source, const char* key, T otherwise) {
   T value;
@@ -30,8 +30,8 @@ bool has_texture(const aiMaterial& source, aiTextureType type, aiString& name) {
   return source.GetTexture(type, 0, &name) == aiReturn_SUCCESS;
 }
 
-// Phong's exponent s as the roughness of a GGX lobe of like width: α² = 2/(s + 2) (Walter et al., Microfacet Models
-// for Refraction through Rough Surfaces, EGSR 2007, section 5.2), and α = roughness².
+// Converts Phong's exponent s to the roughness of a GGX lobe of similar width: α² = 2/(s + 2) (Walter et al.,
+// Microfacet Models for Refraction through Rough Surfaces, EGSR 2007, section 5.2), and α = roughness².
 double roughness_of_exponent(double exponent) { return std::pow(2 / (std::max(exponent, 0.0) + 2), 0.25); }
 
 }  // namespace
@@ -55,7 +55,7 @@ FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, con
     result.has_textures = result.has_textures || image;
     return image;
   };
-  // Without map_Kd a colour of 0 under a texture would be black: exporters that write it mean the texture alone.
+  // Kd 0 with a texture would be black. Exporters that write this mean the texture alone.
   const auto base_texture = texture(aiTextureType_DIFFUSE, ImageContent::colour);
   const Vec3 base = base_texture && diffuse.IsBlack() ? Vec3{1, 1, 1} : clip(diffuse);
 
@@ -88,8 +88,8 @@ FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, con
   return result;
 }
 
-// Assimp drops texture coordinates and normals whose indices are out of range without a word, and says of vertices
-// only that one is. So the faces of an OBJ file are read here first.
+// Assimp silently drops texture coordinates and normals whose indices are out of range, and reports bad vertex
+// indices without their line. So the faces of an OBJ file are checked here first.
 void check_obj_indices(const std::string& path) {
   struct Farthest {
     int64_t index = 0;

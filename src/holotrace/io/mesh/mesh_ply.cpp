@@ -9,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// Colours of the vertices, linear: whole numbers are codes of sRGB, those with a fraction are linear already.
+// Reads the colours of the vertices as linear light: integer colours are sRGB-coded, floating-point ones linear.
 void read_colours(const PlyVertices& vertices, Mesh& mesh, std::vector<std::string>& warnings) {
   const std::array<std::string, 3> names{"red", "green", "blue"};
   std::array<const std::vector<double>*, 3> columns{};
@@ -79,7 +79,7 @@ LoadedModel load_ply_mesh(const std::string& path) {
     for (double index : face)
       require(index >= 0 && index < double(vertices.count) && index == std::floor(index),
               "{}: expected vertex indices below {}, got {} in face {}", path, vertices.count, index, f);
-    for (size_t i = 2; i < face.size(); ++i)  // a fan, right for convex faces
+    for (size_t i = 2; i < face.size(); ++i)  // a fan, correct for convex faces
       mesh.triangles.push_back({uint32_t(face[0]), uint32_t(face[i - 1]), uint32_t(face[i])});
   }
   if (vertices.find("face_idx") && mesh.triangles.empty()) {  // the triangle soup of the OpenHolo library
@@ -88,7 +88,7 @@ LoadedModel load_ply_mesh(const std::string& path) {
   }
   require(!mesh.triangles.empty(), "{}: expected a mesh with triangles, got none", path);
   read_colours(vertices, mesh, model.warnings);
-  if (!mesh.colours.empty()) model.materials[0] = DiffuseMaterial{{1, 1, 1}};  // the colours alone
+  if (!mesh.colours.empty()) model.materials[0] = DiffuseMaterial{{1, 1, 1}};  // vertex colours only
   model.meshes.push_back(std::move(mesh));
   return model;
 }

@@ -14,7 +14,7 @@
 namespace holotrace {
 namespace {
 
-// In three channels, which the writer of GIF takes.
+// The picture as 8-bit sRGB codes in three channels, as the GIF writer expects.
 std::vector<uint8_t> codes_of(const Image& image, double white) {
   std::vector<uint8_t> codes(size_t(image.nx) * size_t(image.ny) * 3);
   parallel_for(0, image.ny, [&](int64_t j) {

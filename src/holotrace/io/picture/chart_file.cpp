@@ -21,11 +21,11 @@ extern "C" char** environ;
 namespace holotrace {
 namespace {
 
-// M. Okabe and K. Ito, "Color Universal Design" (2008), without the yellow, which is lost on white.
+// M. Okabe and K. Ito, "Color Universal Design" (2008), without yellow, which is hard to see on white.
 constexpr std::array palette{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"};
 constexpr std::array markers{7, 5, 9, 13, 11, 6, 4};  // gnuplot's shapes: a disc, a square, triangles, a diamond, …
 
-// Text for gnuplot, in which nothing has a meaning of its own.
+// A text quoted for gnuplot, so that no character has a special meaning.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) {
@@ -35,14 +35,14 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
-// The scale of an axis. gnuplot finds its range by itself unless all points share one coordinate.
+// The scale of an axis. gnuplot finds its range automatically, except if all points share one coordinate.
 std::string axis_script(const char* axis, const Chart& chart, std::vector<double> Series::*coordinate, bool is_log) {
   double low = INFINITY, high = -INFINITY;
   for (const Series& s : chart.series)
     for (const double v : s.*coordinate) low = std::min(low, v), high = std::max(high, v);
   std::string script;
   if (is_log) {
-    const bool has_powers = low < 1e-3 || high > 1e4;  // else plain numbers are read more easily
+    const bool has_powers = low < 1e-3 || high > 1e4;  // otherwise plain numbers are easier to read
     script += fmt::format("set logscale {0}\nset format {0} '{1}'\n", axis, has_powers ? "10^{%L}" : "%g");
   }
   if (low < high) return script;
@@ -69,7 +69,7 @@ std::string style_of(const Series& s, size_t n) {
   const size_t place = s.colour < 0 ? n : size_t(s.colour);
   const char* kind = s.has_line && s.has_markers ? "linespoints" : s.has_line ? "lines" : "points";
   std::string style = fmt::format("with {} lc rgb '{}'", kind, palette[place % palette.size()]);
-  // Beyond the palette lines of one colour differ by their dashes.
+  // Series that reuse a colour of the palette differ by their dashes.
   if (s.has_line) style += fmt::format(" lw 2.5 dt {}", s.is_dashed ? 2 : 1 + n / palette.size() * 3);
   if (s.has_markers) style += fmt::format(" pt {} ps 1.3", markers[place % markers.size()]);
   return style;
@@ -113,8 +113,8 @@ File temporary_file(const std::string& path) {
   return file;
 }
 
-// Runs gnuplot with the script as its input, no settings of the user's, and the picture as its output. What it says
-// goes to `messages`. Files, not pipes: neither side can wait for the other.
+// Runs gnuplot with the script as its input, without user settings, and with the picture as its output. Its messages
+// go to `messages`. Files are used, not pipes, so that the two processes cannot block each other.
 int run_gnuplot(std::FILE* script, const std::string& picture, std::FILE* messages) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -136,7 +136,7 @@ int run_gnuplot(std::FILE* script, const std::string& picture, std::FILE* messag
   return status;
 }
 
-// The last line with words on it: gnuplot repeats the faulty line before it says what is wrong.
+// The last line that is not blank: gnuplot repeats the faulty line before the message.
 std::string last_words(std::FILE* messages) {
   std::rewind(messages);
   std::string words, line;

@@ -10,7 +10,7 @@
 namespace holotrace {
 namespace {
 
-// Depth pictures are often saved in three channels that are alike.
+// The grey value of a pixel of a depth picture; such pictures often have three equal channels.
 float grey(const Image& image, int row, int column, const std::string& path) {
   const float value = image(row, column);
   for (int c = 1; c < image.channels; ++c)

@@ -21,7 +21,7 @@ namespace {
 constexpr const char* known_extensions = ".png or .exr";
 
 float decode(float code, int steps, ImageContent content) {
-  // Codes are whole numbers of steps: in double the value is right to the last bit of a float.
+  // Codes are whole numbers of steps: in double precision the value is correct to the last bit of a float.
   const double value = std::round(double(code) * steps) / steps;
   return float(content == ImageContent::colour ? srgb_decode(value) : value);
 }
@@ -55,7 +55,7 @@ Image read_image(OIIO::ImageInput& input, const std::string& name, ImageContent 
   return image;
 }
 
-// Colours as the file has them, not multiplied by the alpha that is about to be dropped.
+// Options that read colours as stored, not multiplied by alpha, which is dropped.
 OIIO::ImageSpec plain_colours() {
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
@@ -63,7 +63,7 @@ OIIO::ImageSpec plain_colours() {
 }
 
 [[noreturn]] void fail_not_an_image(const std::string& name) {
-  OIIO::geterror();  // clears it
+  OIIO::geterror();  // clears the error
   fail("{}: expected an image, but it is not an image in a format known here; convert it to PNG, JPEG or EXR", name);
 }
 
@@ -88,7 +88,7 @@ bool is_truncated_png(const std::string& path) {
   std::string bytes(signature.size(), ' ');
   file.read(bytes.data(), std::streamsize(bytes.size()));
   if (bytes != signature) return false;
-  constexpr int most = 1024;  // what other programs add after the end
+  constexpr int most = 1024;  // bytes that other programs may add after the end
   file.seekg(0, std::ios::end);
   file.seekg(-std::min<std::streamoff>(most, file.tellg()), std::ios::end);
   bytes.resize(most);
@@ -117,7 +117,7 @@ Image decode_image(const void* bytes, size_t size, const std::string& name, Imag
   OIIO::ImageSpec config = plain_colours();
   OIIO::Filesystem::IOProxy* source = &memory;
   config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
-  // The name only picks the format; the bytes come from memory.
+  // The name only selects the format; the bytes come from memory.
   const auto input = OIIO::ImageInput::open(kind, &config, source);
   if (!input) fail_not_an_image(name);
   return read_image(*input, name, content);
@@ -167,7 +167,7 @@ void save_image(const std::string& path, const Image& image, double white, int b
 
 Image resample_image(const Image& image, int columns, int rows) {
   const OIIO::ImageSpec from(image.nx, image.ny, image.channels, OIIO::TypeDesc::FLOAT);
-  const OIIO::ImageBuf source(from, const_cast<float*>(image.values.data()));  // read only, as const ImageBuf
+  const OIIO::ImageBuf source(from, const_cast<float*>(image.values.data()));  // only read, as by const ImageBuf
   Image out(rows, columns, image.channels);
   OIIO::ImageBuf target(OIIO::ImageSpec(columns, rows, image.channels, OIIO::TypeDesc::FLOAT), out.values.data());
   require(OIIO::ImageBufAlgo::resize(target, source, "triangle"),

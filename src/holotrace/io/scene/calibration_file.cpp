@@ -24,7 +24,7 @@ std::vector<std::string> cells_of(const std::string& line) {
 
 struct Columns {
   size_t level = 0, phase = 0, amplitude = 0, count = 0;
-  double radians = 1;  // per unit of the phase column
+  double radians = 1;  // radians per unit of the phase column
   bool has_amplitude = false;
 };
 

@@ -15,7 +15,7 @@ using namespace literals;
 
 constexpr double model_size = 7_mm, model_depth = 200_mm;
 
-// The uniform scale and shift that give the model its size and place.
+// The uniform scale and the shift that give the model its size and position.
 Frame placing(const std::vector<Mesh>& meshes, const std::string& path) {
   Vec3 low = meshes.front().positions.front(), high = low;
   for (const Mesh& mesh : meshes)
@@ -29,7 +29,7 @@ Frame placing(const std::vector<Mesh>& meshes, const std::string& path) {
   return {{scale, 0, 0}, {0, scale, 0}, {0, 0, scale}, (low + high) * (-0.5 * scale) + Vec3{0, 0, -model_depth}};
 }
 
-// A square lamp that faces the model from above left, before it. Its radiance L lights a white surface that faces it
+// A square lamp above left in front of the model, facing it. Its radiance L lights a white surface that faces it
 // to L·A·cos/(π·d²) = 0.7, with A its area, d its distance, and cos = 1.
 RectangleLight key_light() {
   constexpr double side = 60_mm, white = 0.7;
@@ -54,13 +54,13 @@ Job job_for_model(const std::string& path) {
   job.warnings = std::move(model.warnings);
   job.wavelengths = {532_nm};
   job.slm = slm_preset("pluto");
-  job.trace.columns = 1024, job.trace.rows = 768;  // waves 13 × 17 µm apart, about as the panel resolves there
+  job.trace.columns = 1024, job.trace.rows = 768;  // waves 13 × 17 µm apart, about the panel's resolution there
   job.trace.paths = 16;
   double front = -model_depth;
   for (const Mesh& mesh : job.scene.meshes)
     for (const Vec3 p : mesh.positions) front = std::max(front, p.z);
   job.camera.distances = {model_depth};
-  if (front + model_depth > 0.2_mm) job.camera.distances = {-front, model_depth};  // the panel's depth of focus there
+  if (front + model_depth > 0.2_mm) job.camera.distances = {-front, model_depth};  // more than the depth of focus there
   job.render.focus = model_depth;
   check_scene(job.scene);
   return job;

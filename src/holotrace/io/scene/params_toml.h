@@ -4,8 +4,8 @@
 
 namespace holotrace {
 
-/// Reads the table `section` of `parent`, if it is there, into a parameter set: its `describe` in
-/// data/params/ names every key once.
+/// Reads the table `section` of `parent`, if it is there, into a parameter set, whose `describe` in
+/// data/params/ lists every key once.
 /// @throws Error with file:line:column for values of another kind and for unknown keys
 template <class Params>
 void read_params(TomlTable& parent, const char* section, Params& params) {

@@ -22,7 +22,7 @@
 namespace holotrace {
 namespace {
 
-// Path expressions that cannot be read, each at its own place in the list.
+// Reports path expressions that cannot be read, each with its own position in the list.
 void check_path_expressions(TomlTable& root, const char* section, const std::vector<std::string>& expressions) {
   const auto table = root.table(section);
   if (!table || expressions.empty()) return;
@@ -47,7 +47,7 @@ std::vector<double> read_wavelengths(TomlTable& root) {
   return wavelengths;
 }
 
-// Effects that the scene's own [slm] tells of are on where [show] and [encode] say nothing of effects.
+// Turns on the effects that the scene's own [slm] defines, unless [show] and [encode] have the key `effects`.
 void turn_on(const std::vector<std::string>& own, TomlTable& root, Job& job) {
   const auto says_nothing = [&](const char* section) {
     const auto table = root.table(section);
@@ -71,7 +71,7 @@ Job read_job(TomlTable& root, const std::string& path) {
   std::vector<std::string> own_effects;
   const auto slm = root.table("slm");
   job.slm = slm ? read_slm(*slm, "pluto", own_effects) : slm_preset("pluto");
-  if (!own_effects.empty()) job.slm.preset = path;  // which has them, where the preset has not
+  if (!own_effects.empty()) job.slm.preset = path;  // a panel with effects of its own is read from this file again
 
   SceneObjects objects(job);
   std::vector<std::string> names;
@@ -97,7 +97,7 @@ Job read_job(TomlTable& root, const std::string& path) {
   return job;
 }
 
-// Gives keys that have their old name the new one, with a warning each.
+// Renames keys that have their old names, with a warning for each.
 void rename_keys(toml::table& scene, const std::string& path, std::vector<std::string>& warnings) {
   for (const RenamedParameter& one : renamed_parameters) {
     toml::table* section = scene[one.section].as_table();
@@ -109,7 +109,7 @@ void rename_keys(toml::table& scene, const std::string& path, std::vector<std::s
             "{}expected one of `{}` and its old name `{}`, got both; leave out the old one", place, one.now,
             one.before);
     warnings.push_back(place + renamed_message(one.before, one.now));
-    section->insert(one.now, std::move(*value));  // moved, not copied: a node keeps its place in its file
+    section->insert(one.now, std::move(*value));  // moved, not copied: a node keeps its position in its file
     section->erase(one.before);
   }
 }
@@ -126,8 +126,8 @@ toml::table parse_file(const std::string& path, std::vector<std::string>& warnin
   }
 }
 
-// Puts the keys of `over` into `base`: tables key by key; all else (lists of tables, and tables that say their type,
-// such as another kind of material) as a whole.
+// Puts the keys of `over` into `base`: tables key by key; everything else is replaced as a whole (lists of tables, and
+// tables with the key `type`, such as another kind of material).
 void overrule(toml::table& base, toml::table&& over) {
   for (auto&& [key, node] : over) {
     toml::node* present = base.get(key);
@@ -136,11 +136,11 @@ void overrule(toml::table& base, toml::table&& over) {
       continue;
     }
     base.erase(key);
-    base.insert(key, std::move(node));  // moved, not copied: a node keeps its place in its file
+    base.insert(key, std::move(node));  // moved, not copied: a node keeps its position in its file
   }
 }
 
-// The tables of a scene file over those of the file that it extends, the names of all files read, and warnings.
+// The tables of a scene file merged over those of the file that it extends, the names of all files, and warnings.
 toml::table read_scene(const std::string& path, std::vector<std::string>& files, std::vector<std::string>& warnings) {
   files.push_back(path);
   toml::table scene = parse_file(path, warnings);
@@ -163,7 +163,7 @@ toml::table read_scene(const std::string& path, std::vector<std::string>& files,
 Slm load_slm(const std::string& name) {
   if (extension_of(name) != ".toml") return slm_preset(name);
   check_file_exists(name, "a scene or panel file");
-  std::vector<std::string> files, own_effects, unheard;  // warnings are of other tables than [slm]
+  std::vector<std::string> files, own_effects, unheard;  // `unheard` has warnings about other tables than [slm]
   const toml::table parsed = read_scene(name, files, unheard);
   const bool is_panel = !parsed.contains("wavelength") && !parsed.contains("slm");
   TomlTable root(parsed, files, is_panel ? "the panel file" : "the scene file");

@@ -18,7 +18,7 @@ void check_sample(const RefractiveIndex::Sample& sample, const std::string& wher
   require(std::isfinite(sample.k) && sample.k >= 0, "{}expected an absorption k of 0 or more, got {}", where, sample.k);
 }
 
-// Samples by rising wavelength, as a RefractiveIndex has them.
+// The index with its samples sorted by wavelength.
 RefractiveIndex in_order(RefractiveIndex index, const std::string& where) {
   auto& samples = index.samples;
   std::sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.wavelength < b.wavelength; });
@@ -29,7 +29,7 @@ RefractiveIndex in_order(RefractiveIndex index, const std::string& where) {
   return index;
 }
 
-// A list of [wavelength, n] or [wavelength, n, k].
+// An index from a list of [wavelength, n] or [wavelength, n, k].
 RefractiveIndex from_list(TomlTable& table, const char* key, const toml::array& list, const char* expected) {
   RefractiveIndex index;
   require(!list.empty(), "{}expected one sample or more for \"{}\", got none", table.where(key), key);
@@ -63,7 +63,7 @@ RefractiveIndex from_file(TomlTable& table, const char* key, const std::string& 
   return index;
 }
 
-// The samples of a list in the scene, or of a file beside it.
+// An index from a list in the scene, or from a file beside it.
 RefractiveIndex from_table(TomlTable& table, const char* key, const toml::node& node, const char* expected) {
   if (const toml::array* list = node.as_array()) return from_list(table, key, *list, expected);
   const auto name = node.value_exact<std::string>();

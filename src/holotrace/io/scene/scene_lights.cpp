@@ -25,7 +25,7 @@ Vec3 read_place(TomlTable& table, const char* key) {
   return value;
 }
 
-// The way the light goes: `direction`, or from its position to `target`.
+// The direction in which the light travels: `direction`, or from its position to `target`.
 Vec3 read_direction(TomlTable& table, Vec3 position) {
   Vec3 direction{0, 0, -1}, target;
   require(!(table.has("direction") && table.has("target")), "{}expected either \"direction\" or \"target\", got both",
@@ -63,7 +63,7 @@ SpotLight read_spot(TomlTable& table) {
   return light;
 }
 
-// Position first: a target is seen from it.
+// Reads the position first: the direction to a target needs it.
 DirectionalLight read_directional(TomlTable& table) {
   DirectionalLight light;
   table.length_vector("position", light.position);

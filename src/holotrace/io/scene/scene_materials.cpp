@@ -34,7 +34,7 @@ DiffuseMaterial read_diffuse(TomlTable& table) {
   table.colour("reflectance", surface.reflectance, 1);
   table.colour("transmittance", surface.transmittance, 1);
   surface.texture = read_texture(table, "texture");
-  // Alone, a texture is the reflectance, and a transmittance leaves the rest of the light to it.
+  // Without `reflectance`, a texture is the reflectance, and it is limited to 1 − transmittance.
   if (!table.has("reflectance")) {
     if (surface.texture) surface.reflectance = {1, 1, 1};
     const Vec3 rest = Vec3{1, 1, 1} - surface.transmittance;
@@ -42,13 +42,13 @@ DiffuseMaterial read_diffuse(TomlTable& table) {
                            std::min(surface.reflectance.z, rest.z)};
   }
   const double most = max_component(surface.reflectance + surface.transmittance);
-  constexpr double rounding = 1e-12;  // 0.9 + 0.1 may be a little more than 1
+  constexpr double rounding = 1e-12;  // 0.9 + 0.1 may be slightly more than 1
   require(most <= 1 + rounding, "{}expected a reflectance and a transmittance of at most 1 together, got {}",
           table.where("transmittance"), most);
   return surface;
 }
 
-// A refractive index, by the name of its substance (the key `kind`) or itself (the key "index").
+// Reads a refractive index, from the name of its substance (the key `kind`) or from the key "index".
 template <class Index, class ByName, class Read>
 void read_index_or_name(TomlTable& table, const char* kind, Index& index, const ByName& by_name, const Read& read) {
   std::string name;
@@ -103,7 +103,7 @@ Material read_material(TomlTable table) {
         table.where("type") +
         unknown_name_message("material type", type, {"diffuse", "conductor", "dielectric", "metallic-roughness"}));
   material.emission_texture = read_texture(table, "emission_texture");
-  if (material.emission_texture) material.emission = {1, 1, 1};  // the texture alone, unless the file says more
+  if (material.emission_texture) material.emission = {1, 1, 1};  // the texture alone, unless the file has an emission
   table.colour("emission", material.emission, std::numeric_limits<double>::infinity());
   material.normal_map = read_texture(table, "normal_map", ImageContent::data);
   table.number("normal_scale", material.normal_scale, range::not_negative);

@@ -5,9 +5,9 @@
 
 namespace holotrace {
 
-/// One table [materials.NAME] of a scene file: a surface of the type that it names, and what all types may have
-/// (emission, normal map, sides). Textures of colour are decoded to linear light; normal maps and
-/// metallic-roughness textures are numbers, taken as they are.
+/// Reads one table [materials.NAME] of a scene file: a surface of the type that it names, and the keys that all types
+/// have (emission, normal map, sides). Colour textures are decoded to linear light; normal maps and
+/// metallic-roughness textures are data and are not decoded.
 /// @throws Error with file:line:column for unknown types, keys, metals and glasses (naming the nearest), for numbers
 ///         out of range, and for textures that cannot be read
 Material read_material(TomlTable table);

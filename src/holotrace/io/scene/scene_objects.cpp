@@ -52,7 +52,7 @@ void transform(const Frame& frame, Geometry& geometry) {
 
 Frame scaling(double factor) { return {{factor, 0, 0}, {0, factor, 0}, {0, 0, factor}, {}}; }
 
-// The uniform scale and shift that centre the bounds at the origin, their largest side being `size`.
+// The uniform scale and the shift that centre the bounds at the origin and make their largest side `size`.
 Frame fitting(const Bounds& bounds, double size, const std::string& where) {
   const double largest = max_component(bounds.high - bounds.low);
   require(largest > 0, "{}expected an object with an extent for \"fit\", got a single point", where);
@@ -112,7 +112,7 @@ void SceneObjects::add_object(TomlTable object) {
   job_.scene.points.insert(job_.scene.points.end(), geometry.points.begin(), geometry.points.end());
 }
 
-// place · rotate · scale of what the type says, once per place.
+// Reads an object's geometry and applies place · rotate · scale, once per place.
 SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
   std::string type, name;
   object.require_key("type");
@@ -215,7 +215,7 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
       return {{}, make_point_quad(width, height, columns, rows, &texture, channel_weights(job_.wavelengths.front()))};
     }
     std::string none;
-    object.text("texture", none);  // makes the key known
+    object.text("texture", none);  // marks the key as known
     return {{}, make_point_quad(width, height, columns, rows)};
   }
   if (type == "quad") {

@@ -11,25 +11,25 @@
 
 namespace holotrace {
 
-/// The objects of a scene file: reads [[object]] and [[shape.NAME]] tables and puts their meshes and
-/// points into a job's scene. Materials and shapes come first.
+/// Reads the objects of a scene file, the tables [[object]] and [[shape.NAME]], and adds their meshes and
+/// points to a job's scene. Add materials and shapes before objects.
 class SceneObjects {
  public:
-  /// @param job  gets materials, meshes, points and warnings; outlives this
+  /// @param job  receives materials, meshes, points and warnings; must outlive this object
   explicit SceneObjects(Job& job) : job_(job) {}
 
   void add_material(const std::string& name, const Material& material);
-  void add_shapes(TomlTable& shapes);  ///< the table that holds every [[shape.NAME]]
+  void add_shapes(TomlTable& shapes);  ///< the table with all [[shape.NAME]]
 
-  /// @throws Error with file:line:column for unknown types, keys and names, for what a shape or a
-  ///         file refuses, and for an object that reaches the panel (z ≥ 0)
+  /// @throws Error with file:line:column for unknown types, keys and names, for errors in a shape or a
+  ///         file, and for an object that reaches the panel (z ≥ 0)
   void add_object(TomlTable object);
 
-  /// Reads the shapes that no object showed, for the errors in them.
+  /// Reads the shapes that no object uses, to report errors in them.
   void check_unused_shapes();
 
  private:
-  // Meshes and points on their way to the scene; material -1 is for whoever uses them to say.
+  // Meshes and points before they are added to the scene; material -1: set by the code that uses them.
   struct Geometry {
     std::vector<Mesh> meshes;
     std::vector<ScenePoint> points;
@@ -45,13 +45,13 @@ class SceneObjects {
 
   struct Model {
     LoadedModel loaded;
-    int first_material = -1;  // where its materials stand in the scene; -1: not there yet
+    int first_material = -1;  // index of its first material in the scene; -1: not added yet
   };
 
   Job& job_;
   std::map<std::string, int> materials_;
   std::map<std::string, std::vector<TomlTable>> shapes_;
-  std::set<std::string> open_shapes_;  // being read, to stop a shape that holds itself
+  std::set<std::string> open_shapes_;  // shapes being read, to refuse a shape that contains itself
   std::set<std::string> used_shapes_;
   std::map<std::string, Model> models_;
   int default_material_ = -1;

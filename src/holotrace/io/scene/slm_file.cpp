@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The calibration of other levels: level ℓ of M is level ℓ·L/M of L.
+// Converts a calibration of L levels to M levels: level ℓ of M is level ℓ·L/M of L, by linear interpolation.
 std::vector<CalibrationPoint> with_levels(const std::vector<CalibrationPoint>& points, int levels) {
   if (points.empty() || points.size() == size_t(levels)) return points;
   std::vector<CalibrationPoint> out;
@@ -81,7 +81,7 @@ std::shared_ptr<const Array2D<float>> load_phase_map(const std::string& path, do
   return map;
 }
 
-// The effects that the table itself says something of, over those of the preset.
+// Reads the effects that the table itself defines, over those of the preset.
 void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<std::string>& names) {
   SlmEffects& effects = slm.effects;
   const auto has_any = [&](std::initializer_list<const char*> keys) {
@@ -115,7 +115,7 @@ void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<s
   if (has_any({"aberration"})) names.push_back("aberration");
   if (has_any({"phase_map", "phase_map_range"})) names.push_back("phase-map");
   if (has_any({"dead_fraction", "dead_seed", "dead_pixels"})) names.push_back("dead-pixels");
-  const std::vector<std::string> on = effects_of(slm);  // one of 0 is told off
+  const std::vector<std::string> on = effects_of(slm);  // a value of 0 turns an effect off
   std::erase_if(names, [&](const std::string& name) { return std::find(on.begin(), on.end(), name) == on.end(); });
 }
 
@@ -127,12 +127,12 @@ std::string environment(const char* name) {
 [[noreturn]] void fail_unknown(const std::string& name) {
   const std::vector<std::string> known = slm_preset_names();
   std::string sentence = unknown_name_message("SLM", name, known);
-  // Where a near name is suggested, the others are told, too.
+  // If a similar name is suggested, the other names are listed, too.
   if (!nearest_name(name, known).empty()) sentence += fmt::format(" (known: {})", fmt::join(known, ", "));
   throw Error(sentence);
 }
 
-// The file of a panel, or "".
+// The path of a panel's file, or "".
 std::string panel_file(const std::string& name) {
   for (const std::string& folder : panel_folders()) {
     const fs::path file = fs::path(folder) / (name + ".toml");
@@ -149,7 +149,7 @@ namespace {
 Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain,
               std::vector<std::string>& effects);
 
-// A panel by name, on the way from those in `chain`, each a change of the next.
+// Loads a panel by name. `chain` has the panels that led here, each of which extends the next.
 Slm load_panel(const std::string& name, std::vector<std::string> chain) {
   require(std::find(chain.begin(), chain.end(), name) == chain.end(),
           "expected a panel that does not extend itself, got \"{}\"", name);

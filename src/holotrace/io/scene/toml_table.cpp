@@ -1,8 +1,6 @@
 #include "holotrace/io/scene/toml_table.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -11,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// What a reader of the file would call the value.
+// The kind of a value in words for error messages.
 std::string describe_value(const toml::node& node) {
   if (const auto value = node.value_exact<int64_t>()) return fmt::format("the bare number {}", *value);
   if (const auto value = node.value_exact<double>()) return fmt::format("the bare number {}", *value);
@@ -40,7 +38,7 @@ bool TomlTable::is_placed(const Error& error) const {
 }
 
 std::string TomlTable::place(const toml::source_region& source) const {
-  // Tables that the file only implies have no place of their own.
+  // Tables that the file does not define explicitly have no position of their own.
   return fmt::format("{}:{}:{}: ", file(source), std::max(source.begin.line, 1u), std::max(source.begin.column, 1u));
 }
 
@@ -184,138 +182,6 @@ void TomlTable::angle(const char* key, double& value, const Range& range, const 
   if (!text) fail_kind(key, "an angle with its unit, such as \"15 deg\",", *node);
   locate(key, [&] { value = parse_angle(*text); });
   check(key, *node, value, range, Quantity::angle);
-}
-
-Vec3 TomlTable::read_vector(const char* key, const toml::node& node) const {
-  const std::vector<double> values = read_lengths(key, node);
-  require(values.size() == 3, "{}expected three lengths for \"{}\", such as \"0 0 -300 mm\", got {}",
-          place(node.source()), key, values.size());
-  return {values[0], values[1], values[2]};
-}
-
-void TomlTable::length_vector(const char* key, Vec3& value, const Range& range) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  value = read_vector(key, *node);
-  for (const double one : {value.x, value.y, value.z}) check(key, *node, one, range, Quantity::length);
-}
-
-void TomlTable::position(const char* key, Vec3& value, const Range& range_of_z, const char*) {
-  length_vector(key, value);
-  if (const toml::node* node = find(key)) try {
-      check_range(value.z, range_of_z, Quantity::length, fmt::format(" for z of \"{}\"", key));
-    } catch (const Error& e) {
-      throw Error(place(node->source()) + e.what());
-    }
-}
-
-void TomlTable::length_vectors(const char* key, std::vector<Vec3>& value) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  const toml::array* items = node->as_array();
-  if (!items) fail_kind(key, "a list of texts such as \"0 0 -300 mm\"", *node);
-  require(!items->empty(), "{}expected one place or more for \"{}\", got none", where(key), key);
-  value.clear();
-  for (const toml::node& item : *items) value.push_back(read_vector(key, item));
-}
-
-void TomlTable::colour(const char* key, Vec3& value, double most) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  const auto component = [&](const toml::node& item) {
-    const auto number = to_number(item);
-    if (!number) fail_kind(key, "a number or [red, green, blue]", item);
-    if (!(std::isfinite(*number) && *number >= 0 && *number <= most)) {
-      const std::string range = std::isfinite(most) ? fmt::format("from 0 to {}", most) : "of 0 or more";
-      fail("{}expected finite numbers {} for \"{}\", got {}", place(item.source()), range, key, *number);
-    }
-    return *number;
-  };
-  if (const toml::array* items = node->as_array()) {
-    require(items->size() == 3, "{}expected a number or [red, green, blue] for \"{}\", got {} numbers", where(key), key,
-            items->size());
-    value = {component((*items)[0]), component((*items)[1]), component((*items)[2])};
-  } else {
-    const double grey = component(*node);
-    value = {grey, grey, grey};
-  }
-}
-
-void TomlTable::direction(const char* key, Vec3& value) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  const char* expected = "a direction [x, y, z] of three plain numbers";
-  const toml::array* items = node->as_array();
-  if (!items || items->size() != 3) fail_kind(key, expected, *node);
-  std::array<double, 3> numbers{};
-  for (size_t i = 0; i < 3; ++i) {
-    const auto number = to_number((*items)[i]);
-    if (!number) fail_kind(key, expected, (*items)[i]);
-    require(std::isfinite(*number), "{}expected finite numbers for \"{}\", got {}", place((*items)[i].source()), key,
-            *number);
-    numbers[i] = *number;
-  }
-  const Vec3 given{numbers[0], numbers[1], numbers[2]};
-  const double size = std::hypot(given.x, given.y, given.z);
-  require(size > 0 && std::isfinite(size), "{}expected a direction for \"{}\", got [0, 0, 0], which points nowhere",
-          where(key), key);
-  value = given / size;
-}
-
-void TomlTable::rotation(const char* key, Frame& value) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  value = Frame{};
-  const auto turn = [&](const toml::node& item) {
-    const auto text = item.value_exact<std::string>();
-    const char* expected = "an axis and an angle, such as \"y 30 deg\",";
-    if (!text) fail_kind(key, expected, item);
-    if (text->size() < 3 || std::string_view("xyz").find((*text)[0]) == std::string_view::npos || (*text)[1] != ' ')
-      fail_kind(key, expected, item);
-    double angle = 0;
-    try {
-      angle = parse_angle(std::string_view(*text).substr(2));
-    } catch (const Error& e) {
-      fail("{}{} for \"{}\"", place(item.source()), e.what(), key);
-    }
-    const Frame step = (*text)[0] == 'x'   ? rotation_x(angle)
-                       : (*text)[0] == 'y' ? rotation_y(angle)
-                                           : rotation_z(angle);
-    value = compose(step, value);
-  };
-  if (const toml::array* items = node->as_array())
-    for (const toml::node& item : *items) turn(item);
-  else
-    turn(*node);
-}
-
-void TomlTable::outline(const char* key, std::vector<Vec2>& value) {
-  auto inner = table(key);
-  if (!inner) return;
-  inner->require_key("unit");
-  inner->require_key("points");
-  std::string unit;
-  inner->text("unit", unit);
-  const toml::node* node = inner->find("points");
-  inner->refuse_unknown_keys();
-  const toml::array* points = node->as_array();
-  const char* expected = "a list of pairs [[1, 2], …]";
-  if (!points) inner->fail_kind("points", expected, *node);
-  value.clear();
-  for (const toml::node& item : *points) {
-    const toml::array* pair = item.as_array();
-    if (!pair || pair->size() != 2) inner->fail_kind("points", expected, item);
-    const auto coordinate = [&](const toml::node& number) {
-      const auto in_units = to_number(number);
-      if (!in_units) inner->fail_kind("points", "plain numbers", number);
-      double metres = 0;
-      // The number and its unit are read together, so that they round once.
-      inner->locate("unit", [&] { metres = parse_length(fmt::format("{} {}", *in_units, unit)); });
-      return metres;
-    };
-    const double x = coordinate((*pair)[0]), y = coordinate((*pair)[1]);
-    value.push_back({x, y});
-  }
 }
 
 std::optional<TomlTable> TomlTable::table(const char* key) {

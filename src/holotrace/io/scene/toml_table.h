@@ -18,19 +18,19 @@
 
 namespace holotrace {
 
-/// The number of a TOML value, whole or not; none for values of another kind.
+/// The number of a TOML value, whole or not; nothing for values of another kind.
 std::optional<double> to_number(const toml::node& node);
 
-/// One table of a TOML file, read key by key. Each reader leaves its value alone where the key is
-/// absent, and remembers the key, so that refuse_unknown_keys can name the others. It has the
-/// members that `describe` of data/params/ asks of a visitor: a parameter set reads itself by
-/// describe(table, params).
+/// One table of a TOML file, read key by key. Each reader leaves its value unchanged if the key is
+/// absent, and remembers the key, so that refuse_unknown_keys can find the others. It has the
+/// members that `describe` of data/params/ expects of a visitor: describe(table, params) reads a
+/// parameter set.
 ///
 /// Each value is checked against the range that its reader is given. Every Error starts with file:line:column.
 class TomlTable {
  public:
-  /// @param files  that the tables were read from, the one that names the others first
-  /// @param name   what errors call the table: "[slm]"; the table outlives this view of it
+  /// @param files  paths of the files that the tables were read from, the main file first
+  /// @param name   the table's name in errors: "[slm]". The table must outlive this object.
   TomlTable(const toml::table& table, std::vector<std::string> files, std::string name)
       : table_(&table), files_(std::move(files)), name_(std::move(name)) {}
 
@@ -38,13 +38,13 @@ class TomlTable {
   const toml::table& toml() const { return *table_; }
   bool has(const char* key) const { return table_->contains(key); }
 
-  /// "file:line:column: " of a key's value, or of the table where the key is "" or absent.
+  /// "file:line:column: " of a key's value, or of the table if the key is "" or absent.
   std::string where(const char* key) const;
 
-  /// Path of the file `name`, which stands beside the file that holds the key.
+  /// Path of the file `name` relative to the folder of the file that has the key.
   std::string beside(const char* key, const std::string& name) const;
 
-  /// Runs `read`; an Error it throws gets the place of the key in front.
+  /// Runs `read`; an Error that it throws gets the position of the key in front.
   template <class Read>
   void locate(const char* key, const Read& read) const {
     try {
@@ -68,7 +68,7 @@ class TomlTable {
                 const char* = "");                                                      ///< "0 0 300 mm" or three texts
   void texts(const char* key, std::vector<std::string>& value, const char* help = "");  ///< a text or a list of them
 
-  /// One of a few names.
+  /// One of the names of an enumeration.
   template <class Enum>
   void choice(const char* key, Enum& value, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices,
               const char* = "") {
@@ -90,32 +90,32 @@ class TomlTable {
   void length_vector(const char* key, Vec3& value, const Range& range = range::any);
   void length_vectors(const char* key, std::vector<Vec3>& value);  ///< a list of such texts
   void colour(const char* key, Vec3& value, double most);          ///< one number or [r, g, b], each in [0, most]
-  void direction(const char* key, Vec3& value);                    ///< [x, y, z] of any length above 0, made 1
-  void rotation(const char* key, Frame& value);                    ///< "y 30 deg" or a list of turns, first one first
+  void direction(const char* key, Vec3& value);                    ///< [x, y, z] of any length above 0, normalized
+  void rotation(const char* key, Frame& value);                    ///< "y 30 deg" or a list of rotations, in this order
   void outline(const char* key, std::vector<Vec2>& value);         ///< { unit = "mm", points = [[1, 2], …] }
 
   std::optional<TomlTable> table(const char* key);                                        ///< the table [key]
   std::vector<TomlTable> tables(const char* key);                                         ///< the tables [[key]]
   std::vector<TomlTable> named_tables(const char* key, std::vector<std::string>& names);  ///< the tables [key.NAME]
 
-  /// Makes a key known before it is read.
+  /// Marks a key as known before it is read.
   void know(const char* key) { known_.insert(key); }
 
-  /// @throws Error unless the table has the key. A misspelt key is named instead, if one is near.
+  /// @throws Error unless the table has the key. If a similar key is there, the error names it.
   void require_key(const char* key);
 
-  /// @throws Error for the first key that no reader asked for, naming the nearest that one did
+  /// @throws Error for the first key that no reader asked for, naming the most similar known key
   void refuse_unknown_keys() const;
 
-  /// The value of a key, which is known from then on; nullptr where it is absent. With place and fail_kind it serves
-  /// the values that one reader alone has.
+  /// The value of a key; nullptr if it is absent. The key is known from then on. With place and fail_kind it serves
+  /// readers of values of a special form.
   const toml::node* find(const char* key);
   std::string place(const toml::source_region& source) const;  ///< "file:line:column: "
   [[noreturn]] void fail_kind(const char* key, const char* expected, const toml::node& got) const;
 
  private:
   const std::string& file(const toml::source_region& source) const;
-  bool is_placed(const Error& error) const;  // whether it starts with a place in one of the files
+  bool is_placed(const Error& error) const;  // whether it starts with a position in one of the files
   void check(const char* key, const toml::node& node, double value, const Range& range, Quantity quantity) const;
   std::string length_text(const char* key, const toml::node& node) const;
   std::vector<double> read_lengths(const char* key, const toml::node& node) const;

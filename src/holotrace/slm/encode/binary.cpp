@@ -25,7 +25,7 @@ void encode_binary(const Field& field, const PhaseLevels& levels, const EncodePa
       const std::complex<double> r = cis_cycles(carrier.x * grid.x(i) + carrier.y * grid.y(double(j)));
       const bool is_plus = u[i].real() * r.real() + u[i].imag() * r.imag() >= 0;
       const bool is_dark = u[i] == std::complex<float>();
-      level[i] = is_dark || is_plus == is_phase ? 0 : high;  // phase 0 is the plus of ±1
+      level[i] = is_dark || is_plus == is_phase ? 0 : high;  // phase 0 is the value +1 of ±1
     }
   });
   const double efficiency = (is_phase ? 4 : 1) / (pi * pi);

@@ -17,7 +17,7 @@ void encode_double_phase(const Field& field, const PhaseLevels& levels, const En
     const std::complex<float>* u = inside.samples.row(int(j));
     uint16_t* level = hologram.level.row(int(j));
     for (int i = 0; i < field.grid.nx; ++i) {
-      // exp(iφ±) = exp(i·arg U)·(a ± i√(1 − a²)); of no light the phase is 0.
+      // exp(iφ±) = exp(i·arg U)·(a ± i√(1 − a²)); without light the phase is 0.
       const double modulus = std::min(1.0, std::abs(std::complex<double>(u[i])));
       const std::complex<double> turn = modulus > 0 ? std::complex<double>(u[i]) / modulus : 1.0;
       const double aside = std::sqrt(1 - modulus * modulus) * ((i + j) % 2 ? -1 : 1);

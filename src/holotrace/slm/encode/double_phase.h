@@ -8,17 +8,17 @@
 
 namespace holotrace {
 
-/// A complex field as two phases in turn, on a checkerboard (Hsueh and Sawchuk, Appl. Opt. 17, 3874, 1978; on one panel
-/// Mendoza-Yero et al., Opt. Lett. 39, 1740, 2014):
+/// A complex field as two alternating phases, on a checkerboard (Hsueh and Sawchuk, Appl. Opt. 17, 3874, 1978; on one
+/// panel Mendoza-Yero et al., Opt. Lett. 39, 1740, 2014):
 ///
 ///     φ± = arg U ± acos(|U|/A),   + where column + row is even,   so   exp(iφ±) = U/A ± i·exp(i·arg U)·√(1 − |U|²/A²)
 ///
-/// Each pixel takes the field at its own place, so nothing is shifted: the first term is the field, exactly; the second
-/// is noise on a carrier at the panel's corner frequency (1/2p, 1/2p), which the stop that the hologram asks for,
-/// |u|, |v| ≤ params.stop/2p about the axis, keeps out as far as the noise's own band does not reach in. The field is
-/// cut to the stop beforehand. Suits smooth phases; the noise of a random one fills the whole band.
+/// Each pixel uses the field at its own place, so nothing is shifted. The first term is exactly the field. The second
+/// is noise on a carrier at the panel's corner frequency (1/2p, 1/2p). The stop |u|, |v| ≤ params.stop/2p of the
+/// hologram blocks it, except where the noise's own band reaches into the stop. The field is limited to the stop
+/// beforehand. The method suits smooth phases; with a random phase the noise fills the whole band.
 ///
-/// A is the modulus that 1 in 1000 pixels exceed: those are clipped. E = A².
+/// A is the modulus that 1 in 1000 pixels exceeds; these pixels are clipped. E = A².
 /// @throws Error  for a stop outside (0, 1]
 /// Facts: those of low_pass.h.
 void encode_double_phase(const Field& field, const PhaseLevels& levels, const EncodeParams& params,

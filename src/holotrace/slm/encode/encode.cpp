@@ -64,7 +64,7 @@ void check_samples(const Field& field) {
     }
 }
 
-// What the pixels of a hologram differ in.
+// The modulation of a hologram's pixels.
 Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
   switch (params.method) {
     case Encoding::amplitude:
@@ -103,14 +103,14 @@ bool can_allow_for(const std::string& effect, const EncodeParams& params, const 
   return effect == "calibration" && modulation_of(params, slm) != Modulation::amplitude;
 }
 
-// Those of the panel's effects that are named and that the levels allow for.
+// The named effects of the panel that the levels compensate.
 std::vector<std::string> allowed_effects(const Slm& slm, const EncodeParams& params) {
   std::vector<std::string> allowed = effects_of(with_effects(slm, params.effects));
   std::erase_if(allowed, [&](const std::string& effect) { return !can_allow_for(effect, params, slm); });
   return allowed;
 }
 
-// Says which of the effects that are named take no part in the levels.
+// Reports which of the named effects the levels do not compensate.
 void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& observer) {
   const std::vector<std::string> has = effects_of(slm);
   for (const std::string& name : params.effects) {
@@ -128,7 +128,7 @@ void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& ob
 void check_params(const Slm& slm, const EncodeParams& params) {
   check_slm(slm);
   check_ranges(params);
-  with_effects(slm, params.effects);  // refuses unknown names before anything is told
+  with_effects(slm, params.effects);  // rejects unknown names before anything is reported
   require(params.levels <= slm.levels,
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
@@ -149,7 +149,7 @@ void check_field(const Field& field, const Slm& slm, const Observer& observer) {
     observer.warn("the field is dark everywhere, so the hologram is empty; is a source inside the panel's view?");
 }
 
-// What the panel is to show: the field, or its conjugate for the real image.
+// The field that the panel is to show: the field itself, or its conjugate for the real image.
 Field shown_side(const Field& field, ImageSide image) {
   Field shown = field;
   if (image == ImageSide::real_image)
@@ -176,7 +176,7 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
   return hologram;
 }
 
-// The encoders that look at the panel alone.
+// The encoders that use the field on the panel alone.
 void encode_directly(const Field& shown, const EncodeParams& params, const PhaseLevels& levels,
                      const Observer& observer, Hologram& hologram) {
   switch (params.method) {
@@ -199,7 +199,7 @@ void encode_directly(const Field& shown, const EncodeParams& params, const Phase
   }
 }
 
-// What iterations begin with: the phase of the field, or a random one.
+// The start of iterations: the phase of the field, or a random one.
 Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params) {
   Array2D<std::complex<float>> pattern = shown_side(field, params.image).samples;
   parallel_for(0, pattern.ny, [&](int64_t j) {

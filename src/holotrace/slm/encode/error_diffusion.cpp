@@ -15,7 +15,7 @@ void encode_error_diffusion(const Field& field, const PhaseLevels& levels, const
   const double top = normalise_modulus(1e-3, observer, inside);
   const int nx = field.grid.nx;
   const std::vector<Complex>& shown = levels.phasors();
-  std::vector<Complex> here(size_t(nx) + 2), below(size_t(nx) + 2);  // pixel i at i + 1: errors may leave at the sides
+  std::vector<Complex> here(size_t(nx) + 2), below(size_t(nx) + 2);  // pixel i at i + 1: errors leave at the sides
   for (int j = 0; j < field.grid.ny; ++j) {
     const int step = j % 2 ? -1 : 1;
     for (int n = 0, i = step > 0 ? 0 : nx - 1; n < nx; ++n, i += step) {

@@ -5,18 +5,18 @@
 #include "holotrace/data/hologram.h"
 #include "holotrace/slm/encode/phase_levels.h"
 
-// The encoders that look at one pixel at a time. Each writes `level` and `illumination` of a hologram whose grid,
+// The encoders that treat each pixel by itself. Each writes `level` and `illumination` of a hologram whose grid,
 // levels, wavelength and modulation are set. `field` is what the panel is to show: U, or its conjugate.
 
 namespace holotrace {
 
-/// Moments of |U| over the panel that brightness follows from.
+/// Largest |U|, sum of |U| and sum of |U|² over the panel. The brightness follows from them.
 struct ModulusMoments {
   double largest = 0, sum = 0, square = 0;
 };
 ModulusMoments modulus_moments(const Field& field);
 
-/// Kinoform: the level nearest to arg(U); |U| is dropped. The panel shows exp(i·arg U), whose part along U is
+/// Kinoform: the level nearest to arg(U); |U| is dropped. The panel shows exp(i·arg U). Its part along U is
 /// ⟨|U|⟩/⟨|U|²⟩·U: E = (⟨|U|²⟩/⟨|U|⟩)².
 void encode_phase(const Field& field, const PhaseLevels& levels, Hologram& hologram);
 
@@ -24,7 +24,8 @@ void encode_phase(const Field& field, const PhaseLevels& levels, Hologram& holog
 /// Facts: `modulus_max` [√(W/m²)], `mean_transmittance`.
 void encode_amplitude(const Field& field, const Observer& observer, Hologram& hologram);
 
-/// Both, on a panel that modulates both: `level` as the kinoform, `modulus_level` as the amplitude. E = max|U|².
+/// Phase and amplitude, on a panel that modulates both: `level` as the kinoform, `modulus_level` as the amplitude
+/// encoding. E = max|U|².
 /// Facts: as encode_amplitude.
 void encode_complex(const Field& field, const PhaseLevels& levels, const Observer& observer, Hologram& hologram);
 

@@ -23,7 +23,7 @@ Field within_stop(const Field& field, const SpectralFilter& stop, const Observer
   Field inside = field;
   fft_2d(inside.samples.values.data(), ny, nx, FftDirection::forward);
   const float scale = 1 / float(field.grid.pixels());
-  // An edge that falls on a bin is inside, as in apply_order_stop.
+  // An edge that falls on a bin counts as inside, as in apply_order_stop.
   const auto passes = [](int k, int n, double side, double half) {
     return std::abs(signed_frequency(k, n)) / side <= half * (1 + 1e-9);
   };

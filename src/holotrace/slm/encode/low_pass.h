@@ -4,22 +4,23 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/encode.h"
 
-// What the encoders that put their noise at high frequencies share: the stop that keeps it out, the field within it,
-// and the modulus that a pixel of 1 stands for.
+// Shared by the encoders whose noise is at high frequencies: the stop that blocks the noise, the field within the stop,
+// and the modulus that a pixel value of 1 stands for.
 
 namespace holotrace {
 
-/// The stop about the axis of half width params.stop/2p along both axes.
+/// The stop on the axis with half width params.stop/2p along both axes.
 /// @throws Error  unless params.stop is in (0, 1]
 SpectralFilter low_pass_stop(const EncodeParams& params, const Grid& grid);
 
-/// The field cut to a stop on the axis: what lies beyond would be lost anyway, and would be turned into noise within.
-/// Fact: `band_power`, the part of the field's power within.
+/// The field limited to a stop on the axis. Light beyond the stop would be lost anyway, and would turn into noise
+/// within it.
+/// Fact: `band_power`, the fraction of the field's power within the stop.
 Field within_stop(const Field& field, const SpectralFilter& stop, const Observer& observer);
 
-/// The field with moduli of at most 1, U/A clipped: A is the modulus that all but `clipped_part` of the pixels have
-/// less than, found to 1/4096 of the largest. A smaller A wastes less light on noise, at the cost of what is clipped.
-/// Facts: `modulus_max` = A [√(W/m²)], `clipped_part`: the part of the power of U that is cut away.
+/// Scales the field to moduli of at most 1: U/A, clipped. All pixels but the fraction `clipped_pixels` have a modulus
+/// below A, which is found to 1/4096 of the largest. A smaller A loses less light to noise but clips more.
+/// Facts: `modulus_max` = A [√(W/m²)]; `clipped_part`, the fraction of the power of U that is cut off.
 /// @return A
 double normalise_modulus(double clipped_pixels, const Observer& observer, Field& field);
 

@@ -16,7 +16,7 @@
 namespace holotrace {
 namespace {
 
-// Fraction of the power of U that lies in |u| ≤ half_u, |v| ≤ half_v.
+// Fraction of the power of U in the band |u| ≤ half_u, |v| ≤ half_v.
 double power_inside(const Field& field, const SpectralFilter& filter) {
   const int nx = field.grid.nx, ny = field.grid.ny;
   Array2D<std::complex<float>> spectrum = field.samples;

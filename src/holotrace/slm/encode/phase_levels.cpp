@@ -31,7 +31,7 @@ int PhaseLevels::level_of(double real, double imaginary) const {
 
 namespace {
 
-// What to do about a range [turns] short of one: by what makes it short.
+// Advice on a range [turns] below one, according to its cause.
 std::string advice_on(const Slm& slm, double range, double wavelength) {
   const double stretch = slm.design_wavelength > 0 ? slm.design_wavelength / wavelength : 1, own = range / stretch;
   if (own >= 1 - 1e-6)

@@ -13,21 +13,21 @@
 
 namespace holotrace {
 
-/// The level nearest to a phase, and the phase that a level shows, of a panel at one wavelength: by even steps, or by
-/// the panel's calibration where that is known.
+/// Conversion between phases and levels of a panel at one wavelength: the level nearest to a phase, and the phase that
+/// a level shows. Steps are even, or those of the panel's calibration if it is known.
 class PhaseLevels {
  public:
-  /// @param known   the panel with the effects that the levels allow for (with_effects)
+  /// @param known   panel with the effects that the levels compensate (with_effects)
   /// @param levels  M of the hologram
   PhaseLevels(const Slm& known, int levels, double wavelength);
 
   /// The level whose phase is nearest to that of (real, imaginary).
   int level_of(double real, double imaginary) const;
 
-  /// exp(iφ) of each level.
+  /// exp(iφ) for each level.
   const std::vector<std::complex<double>>& phasors() const { return phasors_; }
 
-  /// From the lowest to the highest phase that can be shown, with one more step [turns].
+  /// Phase range from the lowest to the highest phase that can be shown, plus one step [turns].
   double range() const { return range_; }
 
  private:
@@ -37,9 +37,9 @@ class PhaseLevels {
   std::vector<std::complex<double>> phasors_;
 };
 
-/// Says what phase a panel reaches (fact `phase_range` [rad]) and whether its calibration is allowed for
-/// (`calibrated`), and warns where the range is short of 2π, with advice by what makes it so: the design wavelength,
-/// the panel's phase range or its calibration.
+/// Reports the phase range of a panel (fact `phase_range` [rad]) and whether the levels use its calibration (fact
+/// `calibrated`). Warns if the range is short of 2π, with advice for its cause: the design wavelength, the panel's
+/// phase range or its calibration.
 void tell_phase_range(const Slm& slm, double range, double wavelength, const Observer& observer);
 
 /// The level nearest to the phase of each sample, or of its conjugate.

@@ -25,7 +25,7 @@ void check_distances(const std::vector<double>& distances) {
             format_length(distance));
 }
 
-// 1 in the middle, 0 around it; empty where that is all.
+// 1 in the middle, 0 around it; empty if the middle is the whole panel.
 Array2D<float> weight_of(const Grid& panel, TargetSize size) {
   if (size.columns == panel.nx && size.rows == panel.ny) return {};
   Array2D<float> weight(panel.ny, panel.nx);
@@ -35,7 +35,7 @@ Array2D<float> weight_of(const Grid& panel, TargetSize size) {
   return weight;
 }
 
-// The target's modulus with the phase that the parameters name.
+// Field with the target's modulus and the phase that the parameters name.
 Field target_field(const TargetPlane& target, const Grid& panel, const EncodeParams& params) {
   Field field(panel, target.wavelength, target.z);
   parallel_for(0, panel.ny, [&](int64_t j) {
@@ -49,7 +49,7 @@ Field target_field(const TargetPlane& target, const Grid& panel, const EncodePar
   return field;
 }
 
-// u ← u + momentum·(u − before), before ← u.
+// Step with momentum: u ← u + momentum·(u − before), before ← u.
 void go_on(double momentum, Field& before, Field& u) {
   const float m = float(momentum);
   parallel_for(
@@ -80,7 +80,7 @@ std::vector<TargetPlane> targets_of(const Field& field, const EncodeParams& para
   const TargetSize size = target_size(field.grid, params);
   std::vector<TargetPlane> targets;
   for (const double distance : params.target_distances) {
-    // |conj(U)| at +d is |U| at −d.
+    // |conj(U)| at +d equals |U| at −d.
     const Field there = propagate(field, -distance);
     TargetPlane target{place(distance, params.image), field.wavelength, Array2D<float>(field.grid.ny, field.grid.nx),
                        weight_of(field.grid, size)};
@@ -126,7 +126,7 @@ Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodePar
   for (int step = 0, since = 0; step < steps; ++step, ++since) {
     Field shown = propagation.to_plane(u);
     convergence.push_back(leave_residual(target, 1, shown) / power);
-    if (step > 0 && convergence[size_t(step)] > convergence[size_t(step) - 1]) since = 0;  // too fast: begin again
+    if (step > 0 && convergence[size_t(step)] > convergence[size_t(step) - 1]) since = 0;  // restarts the momentum
     add_part(propagation.to_panel(shown), 1, u);
     go_on(double(since) / (since + 3.0), before, u);
     observer.progress((step + 1.0) / steps);

@@ -8,7 +8,7 @@
 namespace holotrace {
 namespace {
 
-// The panel repeats.
+// The panel is taken as periodic.
 int wrap_index(int i, int n) {
   while (i < 0) i += n;
   while (i >= n) i -= n;
@@ -65,7 +65,7 @@ void PixelBlur::from_cells(const float* cells, float* row) const {
     const float* kx = along_x_.of_cell(cx);
     const float* from = cells + size_t(cx) * size_t(nx_);
     for (int i = 0; i < nx_ + 2 * reach; ++i) wide[size_t(i)] = from[wrap_index(i - reach, nx_)];
-    for (int d = 0; d <= 2 * reach; ++d)  // cell i read pixel i + d − reach
+    for (int d = 0; d <= 2 * reach; ++d)  // cell i has read pixel i + d − reach
       for (int i = 0; i < nx_; ++i) row[i] += kx[d] * wide[size_t(i + 2 * reach - d)];
   }
 }

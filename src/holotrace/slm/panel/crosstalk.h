@@ -7,37 +7,37 @@
 
 namespace holotrace {
 
-/// Crosstalk: the field between the electrodes of neighbours runs over, so that the phase (unwrapped, as
-/// they are driven) does not jump from pixel to pixel but is blurred by a Gaussian of σ pixels. Of pixels of even phase
-/// that blur is known in closed form: along each axis, at q from the centre of pixel i,
+/// Crosstalk: the electric fields of neighbouring electrodes overlap. The phase (unwrapped, as it is driven) therefore
+/// does not jump from pixel to pixel but is blurred by a Gaussian of σ pixels. For pixels of even phase
+/// this blur has a closed form. Along each axis, at q from the centre of pixel i,
 ///
 ///     φ(q) = Σ_d K(q − d)·φ(i + d),   K(x) = ½·[erf((x + ½)/√2σ) − erf((x − ½)/√2σ)]
 ///
-/// It is taken at the centres of the s cells that the lit part w of a pixel is cut into, and the cells then shine
-/// evenly: the error falls as 1/s². The panel is taken to repeat.
+/// It is evaluated at the centres of the s cells into which the lit part w of a pixel is divided. Each cell has one
+/// phase, and the error falls as 1/s². The panel is taken as periodic.
 ///
 /// Reference: M. Persson, D. Engström, M. Goksör, Reducing the effect of pixel crosstalk in phase only spatial light
-/// modulators, Opt. Express 20, 22334 (2012), whose kernel, measured, is bell-shaped.
+/// modulators, Opt. Express 20, 22334 (2012); their measured kernel is bell-shaped.
 class PixelBlur {
  public:
-  /// @param slm    σ of its crosstalk, its pixels and their lit sides; without crosstalk there is nothing to call
-  /// @param cells  s
+  /// @param slm    σ of its crosstalk, its pixels and their lit sides; for a panel with crosstalk only
+  /// @param cells  s, cells per pixel and axis
   PixelBlur(const Slm& slm, int cells);
 
-  /// From all pixels, shape (ny, nx), to the cells of pixel row j that lie in cell row `cy` of the pixel: [cx][column].
+  /// From all pixels, shape (ny, nx), to the cells of pixel row j in cell row `cy` of the pixel: [cx][column].
   void to_cells(const float* pixels, int j, int cy, float* cells) const;
 
-  /// The adjoint of to_cells in two steps. Along x, of one row of cells, summed over cx: [column].
+  /// The adjoint of to_cells in two steps. First step, along x, for one row of cells, summed over cx: [column].
   void from_cells(const float* cells, float* row) const;
 
-  /// Along y: what row j of the pixels takes from all the rows that from_cells made, [cy][j][column].
+  /// Second step, along y: the contribution to pixel row j from all rows that from_cells made, [cy][j][column].
   void from_rows(const float* rows, int j, float* to) const;
 
  private:
-  // K of one axis.
+  // K along one axis.
   struct Taps {
-    int reach = 0;              // neighbours to each side: |d| ≤ reach, beyond which K < 1e-9
-    std::vector<float> values;  // [cell][d + reach], of sum 1 in each cell
+    int reach = 0;              // neighbours on each side, |d| ≤ reach; K < 1e-9 beyond
+    std::vector<float> values;  // [cell][d + reach]; the sum is 1 in each cell
 
     Taps() = default;
     Taps(double sigma, double lit, int cells);
@@ -48,8 +48,8 @@ class PixelBlur {
   Taps along_x_, along_y_;
 };
 
-/// Cells per pixel and axis: 1 without crosstalk; else `params.fine_samples`, or 4 where that is 0 and 8 where σ is
-/// below 0.2 pixels as well.
+/// Cells per pixel and axis: 1 without crosstalk, otherwise `params.fine_samples`. If that is 0: 4, or 8 for σ below
+/// 0.2 pixels.
 int crosstalk_cells(const Slm& slm, const ShowParams& params);
 
 }  // namespace holotrace

@@ -23,7 +23,7 @@ void require_held(double steepest_u, double steepest_v, const Grid& grid, double
           format_length(wavelength), format_angle(std::asin(std::min(1.0, steepest * wavelength))));
 }
 
-// exp(2πi·u·x − x²/w²) of the samples along one axis.
+// exp(2πi·u·x − x²/w²) at the samples along one axis.
 template <class Position>
 AlignedVector<Complex> line(int count, double u, double beam_radius, const Position& position) {
   AlignedVector<Complex> out(static_cast<size_t>(count));
@@ -41,7 +41,7 @@ Array2D<Complex> spherical(const Grid& grid, Vec3 centre, double distance, doubl
     for (int i = 0; i < grid.nx; ++i) {
       const Vec3 p{grid.x(i), grid.y(double(j)), 0};
       const double r = length(p - centre);
-      // r − |d| without cancellation: |p − c|² − |c|² = p·(p − 2c).
+      // r − |d| without cancellation, by |p − c|² − |c|² = p·(p − 2c).
       const double beyond = dot(p, p - 2 * centre) / (r + reach);
       out(int(j), i) = Complex(reach / r * cis_cycles(sign * beyond / wavelength));
     }
@@ -67,7 +67,7 @@ Illumination illuminate(const Grid& grid, const ShowParams& params, const Illumi
             format_length(d));
     const Vec3 centre = -d * Vec3{sx, sy, std::sqrt(1 - sx * sx - sy * sy)};
     double steepest_u = 0, steepest_v = 0;
-    // At the edges, and nearest to the centre along the other axis.
+    // The steepest places: at the edges along one axis, nearest to the centre along the other.
     const double right = grid.x(grid.nx - 1), top = grid.y(0);
     const double near_x = std::clamp(centre.x, -right, right), near_y = std::clamp(centre.y, -top, top);
     for (const double sign : {-1.0, 1.0}) {

@@ -14,23 +14,22 @@ namespace holotrace {
 ///     plane      exp(2πi(x·sin αx + y·sin αy)/λ)
 ///     gaussian   that times exp(−(x² + y²)/w²), w the beam radius
 ///     spherical  (|d|/r)·exp(±ik(r − |d|)), r the distance to the point at −d·(sin αx, sin αy, cos α): + for light
-///     that
-///                comes from there (d > 0), − for light that goes there (d < 0)
+///                that comes from there (d > 0), − for light that goes there (d < 0)
 ///
-/// The first two are a column times a row.
+/// The first two are a function of the column times a function of the row.
 struct Illumination {
-  AlignedVector<std::complex<float>> along_x, along_y;  ///< factors, of plane and Gaussian light; empty: 1
-  Array2D<std::complex<float>> samples;                 ///< of spherical light; empty else
+  AlignedVector<std::complex<float>> along_x, along_y;  ///< factors of plane and Gaussian light; empty: 1
+  Array2D<std::complex<float>> samples;                 ///< for spherical light, otherwise empty
 
   bool is_even() const { return along_x.empty() && samples.size() == 0; }
 };
 
-/// @param state   its wavelength and tilt hold
-/// @throws Error  for tilts of 90° and more; for a source distance or beam radius of 0 or not finite where one is
-///                needed; for light too steep for the samples of the grid, with the steepest that they can hold
+/// @param state   its wavelength and tilt are used
+/// @throws Error  for tilts of 90° and more; for a source distance or beam radius that is needed but 0 or not finite;
+///                for light too steep for the samples of the grid, giving the steepest that they can represent
 Illumination illuminate(const Grid& grid, const ShowParams& params, const IlluminationState& state);
 
-/// The mean of |light|² over the grid: its power over that of plane light.
+/// The mean of |light|² over the grid: its power relative to plane light.
 double mean_irradiance(const Illumination& light);
 
 }  // namespace holotrace

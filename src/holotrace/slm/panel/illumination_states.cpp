@@ -13,18 +13,18 @@
 namespace holotrace {
 namespace {
 
-// Fraction of point i along each axis: the additive recurrence of the generalised golden ratio in four dimensions,
-// x⁵ = x + 1, centred, so that one point is the middle of all.
+// Coordinates of point i along each axis, in [0, 1): the additive recurrence of the generalised golden ratio in four
+// dimensions, x⁵ = x + 1, centred so that a single point is the middle.
 struct Sequence {
   double operator()(int point, int count, int axis) const {
-    if (axis == 0) return (point + 0.5) / count;  // the first may be even: the count is known
-    const double g = 1.2207440846057596;          // x⁴ = x + 1, for the three that follow
+    if (axis == 0) return (point + 0.5) / count;  // evenly spaced: the count is known
+    const double g = 1.2207440846057596;          // x⁴ = x + 1, for the other three axes
     const double turned = 0.5 + (point + 0.5 - count / 2.0) * std::pow(1 / g, axis);
     return turned - std::floor(turned);
   }
 };
 
-// x of the standard normal distribution below which the fraction p lies: Newton's steps on erfc.
+// The p-quantile of the standard normal distribution, by Newton steps on erfc.
 double normal_quantile(double p) {
   double x = 0;
   for (int step = 0; step < 60; ++step) {
@@ -37,7 +37,7 @@ double normal_quantile(double p) {
   return x;
 }
 
-// Of few points the middle is not that of what they stand for: moved there, one point is the middle itself.
+// The mean of few points differs from the mean of their distribution: shifts them so that it agrees.
 void centre(std::vector<IlluminationState>& all, double IlluminationState::*value, double middle) {
   double sum = 0;
   for (const IlluminationState& state : all) sum += state.*value - middle;
@@ -56,7 +56,7 @@ std::vector<IlluminationState> illumination_states(const Slm& slm, const ShowPar
   std::vector<IlluminationState> all;
   const Sequence at;
   for (int i = 0; i < count; ++i) {
-    // The axis that is in use alone takes the even steps.
+    // If only one axis is in use, it gets the evenly spaced points.
     int axis = 0;
     IlluminationState state{wavelength, params.tilt_x, params.tilt_y, 0, 1.0 / count};
     if (params.bandwidth > 0) state.wavelength += sigma * normal_quantile(at(i, count, axis++));

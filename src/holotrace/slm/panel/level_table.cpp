@@ -29,7 +29,7 @@ int LevelTable::level_of(double cycles) const {
   const auto above = std::lower_bound(sorted_.begin(), sorted_.end(), cycles,
                                       [](const Shown& shown, double c) { return shown.cycles < c; });
   const Shown& next = above == sorted_.end() ? sorted_.front() : *above;
-  // The first of those that show the phase below: levels of equal phase lie lowest first.
+  // Of the levels that show the phase below, take the first: levels of equal phase are sorted lowest first.
   const Shown& before = above == sorted_.begin() ? sorted_.back() : *(above - 1);
   const auto around = [](double difference) { return std::abs(difference - std::round(difference)); };
   const double off_next = around(next.cycles - cycles), off_before = around(before.cycles - cycles);

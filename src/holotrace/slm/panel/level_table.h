@@ -6,23 +6,23 @@
 
 namespace holotrace {
 
-/// Which level shows a phase best: the nearest shown phase around the circle, of all M levels of a hologram. For panels
-/// whose calibration makes the steps between levels uneven; of even steps pixel_kernel.h's phase_level is the same
-/// within the first turn, and quicker.
+/// The level that shows a phase best: the nearest phase around the circle, among all M levels of a hologram. For panels
+/// whose calibration makes uneven steps between levels. For even steps, phase_level of pixel_kernel.h gives the same
+/// within the first turn, and is faster.
 class LevelTable {
  public:
-  /// @param slm      with its calibration on; without one the steps are even
+  /// @param slm      panel with its calibration on; without a calibration the steps are even
   /// @param levels   M of the hologram, 2 … 65536
-  /// @param stretch  λ₀/λ: design wavelength over that of the light
+  /// @param stretch  λ₀/λ: design wavelength over the wavelength of the light
   LevelTable(const Slm& slm, int levels, double stretch);
 
-  /// The level whose phase is nearest to 2π·cycles around the circle; of two as near, the lower.
+  /// The level whose phase is nearest to 2π·cycles around the circle; of two equally near, the lower one.
   int level_of(double cycles) const;
 
   /// The phase that a level shows, in [0, 1) cycles.
   double cycles_of(int level) const { return cycles_[size_t(level)]; }
 
-  /// What lies between the lowest and the highest phase shown, in cycles, not wrapped.
+  /// Difference of the highest and the lowest phase shown [cycles], not wrapped.
   double range() const { return range_; }
 
   int levels() const { return int(cycles_.size()); }

@@ -1,4 +1,4 @@
-// Gradients by what a panel is driven with, from those by the light that leaves it.
+// Gradients by the drive of a panel, from gradients by the light that leaves it.
 
 #include "holotrace/base/complex_product.h"
 #include "holotrace/base/threads.h"
@@ -17,7 +17,7 @@ Complex product_conjugate(Complex a, Complex b) {  // a·conj(b)
 
 }  // namespace
 
-// The adjoint of spread_columns, from the gradient times conj(light): [cell][row of pixels][column of samples].
+// The adjoint of spread_columns, applied to the gradient times conj(light): [cell][row of pixels][column of samples].
 void PanelModel::Parts::gather_columns(const Array2D<Complex>& gradient, Complex* rows) const {
   const size_t height = size_t(s) * size_t(ny()), length = size_t(out.ny);
   parallel_for(0, (out.nx + column_block - 1) / column_block, [&](int64_t b) {
@@ -40,7 +40,7 @@ Complex PanelModel::Parts::unlit(Complex g, int j, int i) const {
 }
 
 // ∂f/∂cycles and ∂f/∂amplitude of the cells of one row, from q = ∂f/∂v of the light v·exp(iψ) that they send:
-// Re(conj(q)·∂v) of v = a·exp(iφ). No amplitudes: a is 1.
+// Re(conj(q)·∂v), v = a·exp(iφ). Without amplitudes a is 1.
 void PanelModel::Parts::gradient_of_cells(const Complex* q, int j, const Cells& cells, float* of_cycles,
                                           float* of_amplitudes) const {
   for (int cx = 0; cx < s; ++cx)
@@ -76,7 +76,7 @@ Array2D<float> PanelModel::Parts::pull_back(const Array2D<float>& drive, const A
   gather_columns(gradient, rows);
 
   Array2D<float> result(ny(), nx());
-  // With crosstalk: the gradients of the rows of cells, their blur along x undone, [phase, amplitude][cell][row].
+  // With crosstalk: gradients of the rows of cells after the adjoint blur along x, [phase, amplitude][cell][row].
   Workspace::Loan unblurred(workspace, has_crosstalk ? pixels * size_t(s) * (has_a ? 2 : 1) : 0);
   parallel_for(0, int64_t(s) * ny(), [&](int64_t r) {
     const int cy = int(r / ny()), j = int(r % ny());

@@ -14,7 +14,7 @@ void PanelModel::Parts::leave(const Array2D<float>& drive, const Array2D<float>*
   Workspace::Loan pixels(workspace, blur_floats(modulus));
   const DrivenPixels driven_pixels = driven(drive, modulus, pixels.data());
 
-  // Rows go to the top of the result where they fit there: columns are read whole before they are written.
+  // If the rows fit, they are stored at the top of the result; columns are read completely before they are written.
   const bool in_place = s <= params.subpixels;
   Workspace::Loan space(workspace, in_place ? 0 : 2 * size_t(s) * size_t(ny()) * row_stride());
   Complex* rows = in_place ? field.samples.values.data() : reinterpret_cast<Complex*>(space.data());
@@ -53,7 +53,7 @@ void PanelModel::Parts::spread_columns(const PixelLine& line, const Complex* row
   });
 }
 
-// γ·exp(iψ) on whole pixels, of which the lit areas are taken off again.
+// γ·exp(iψ) over whole pixels; the caller subtracts it again on the lit areas.
 Array2D<Complex> PanelModel::Parts::full_pixels(const Array2D<Complex>& phasors_of_pixels) const {
   const PixelLine whole_row(nx(), params.subpixels, 1, 1, std::sqrt(params.irradiance));
   const PixelLine whole_column(ny(), params.subpixels, 1, 1, 1);

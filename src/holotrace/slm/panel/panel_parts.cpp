@@ -60,7 +60,7 @@ void PanelModel::Parts::check(const Array2D<float>& drive, const char* what) con
           what, nx(), ny(), slm.name, drive.nx, drive.ny);
 }
 
-// The drive of row j with its dead pixels in place.
+// The drive of row j, with the levels of its dead pixels.
 const float* PanelModel::Parts::drive_of_row(const Array2D<float>& drive, int j, AlignedVector<float>& copy,
                                              bool is_modulus) const {
   const size_t begin = stuck_of_row[size_t(j)], end = stuck_of_row[size_t(j) + 1];
@@ -72,7 +72,7 @@ const float* PanelModel::Parts::drive_of_row(const Array2D<float>& drive, int j,
   return copy.data();
 }
 
-// Phase and amplitude as driven, of the pixels of row j.
+// Phase and amplitude of the pixels of row j, before crosstalk.
 void PanelModel::Parts::phases_of_row(const Array2D<float>& drive, int j, bool wraps, float* cycles) const {
   AlignedVector<float> copy;
   const float* level = drive_of_row(drive, j, copy, false);

@@ -14,20 +14,20 @@
 #include "holotrace/slm/panel/pixel_line.h"
 #include "holotrace/slm/panel/pixel_response.h"
 
-// What a PanelModel holds, and its steps: rows of pixels here, the light that leaves in panel_light.cpp, gradients in
+// The members of a PanelModel and its steps: rows of pixels here, light in panel_light.cpp, gradients in
 // panel_gradient.cpp.
 
 namespace holotrace {
 
-/// A pattern on the panel, and with crosstalk the phases [cycles] and amplitudes of all its pixels for blurs to read:
-/// arrays of (ny, nx), nullptr where there are none.
+/// A pattern on the panel. With crosstalk also the phases [cycles] and amplitudes of all its pixels, which the blur
+/// reads: arrays of (ny, nx), otherwise nullptr.
 struct DrivenPixels {
   const Array2D<float>& drive;
   const Array2D<float>* modulus = nullptr;
   const float *cycles = nullptr, *amplitudes = nullptr;
 };
 
-/// Columns that are taken together, so that memory is read by cache lines.
+/// Number of columns that are processed together, so that memory is read in whole cache lines.
 inline constexpr int column_block = 16;
 
 struct PanelModel::Parts {
@@ -46,10 +46,10 @@ struct PanelModel::Parts {
   PixelLine row, column;
   Illumination light;
   Array2D<Complex> static_errors;
-  Complex gap;                 ///< γ
-  Array2D<Complex> gap_field;  ///< of gaps under static errors; empty: the same everywhere
+  Complex gap;                 ///< light of the gaps, γ
+  Array2D<Complex> gap_field;  ///< light of the gaps under static errors; empty: γ everywhere
   std::vector<StuckPixel> stuck;
-  std::vector<size_t> stuck_of_row;  ///< first of each row
+  std::vector<size_t> stuck_of_row;  ///< index of the first stuck pixel of each row
   mutable Workspace workspace;
 
   Parts(const Slm& panel, const ShowParams& params, Modulation modulation, int levels, double design,
@@ -61,10 +61,10 @@ struct PanelModel::Parts {
   size_t row_stride() const { return size_t(out.nx); }
   bool has_amplitude(const Array2D<float>* modulus) const { return response.has_amplitude() || modulus; }
 
-  /// @throws Error for a drive or modulus of another size than the panel's
+  /// @throws Error  for a drive or modulus whose size differs from the panel's
   void check(const Array2D<float>& drive, const char* what) const;
 
-  // Phases [cycles] and amplitudes (where there are any) of the cells of one row of pixels.
+  // Phases [cycles] and, if there are any, amplitudes of the cells of one row of pixels.
   struct Cells {
     explicit Cells(const Parts& parts)
         : cycles(size_t(parts.s) * size_t(parts.nx())), amplitudes(cycles.size()), values(cycles.size()) {}
@@ -72,13 +72,13 @@ struct PanelModel::Parts {
     AlignedVector<Complex> values;
   };
 
-  /// Floats that blurs need for the phases, and amplitudes if there are any, of all pixels: 0 without crosstalk.
+  /// Number of floats that the blur needs for the phases, and amplitudes if any, of all pixels: 0 without crosstalk.
   size_t blur_floats(const Array2D<float>* modulus) const;
 
-  /// The pattern with its phases and amplitudes where there is crosstalk, written to `space` of blur_floats.
+  /// The pattern; with crosstalk also its phases and amplitudes, written to `space` of blur_floats floats.
   DrivenPixels driven(const Array2D<float>& drive, const Array2D<float>* modulus, float* space) const;
 
-  /// Phases and amplitudes of the cells of pixel row j, place cy down the pixel.
+  /// Phases and amplitudes of the cells in pixel row j and cell row cy.
   void cells_of_row(const DrivenPixels& pixels, int j, int cy, Cells& cells) const;
 
   // panel_light.cpp

@@ -5,17 +5,17 @@
 
 #include "holotrace/base/host_device.h"
 
-// What one pixel does: level → light and light → level. The loops over pixels are elsewhere.
+// The response of one pixel: level → light and light → level. The loops over pixels are elsewhere.
 
 namespace holotrace {
 
-/// Complex amplitude that a pixel lets through, of light of amplitude 1.
+/// Complex amplitude that a pixel transmits, for light of amplitude 1.
 struct Transmittance {
   double real, imaginary;
 };
 
 /// exp(2πi·stretch·ℓ/M): a phase pixel at level ℓ of M. `stretch` is the design wavelength over the
-/// wavelength of the light: the pixel delays by a length, so shorter waves turn further.
+/// wavelength of the light. The pixel delays light by a length, so shorter waves get a larger phase.
 HOLOTRACE_HOST_DEVICE inline Transmittance phase_transmittance(int level, int levels, double stretch) {
   const double cycles = stretch * level / levels;
   const double angle = 2 * std::numbers::pi * (cycles - std::floor(cycles));
@@ -28,8 +28,8 @@ HOLOTRACE_HOST_DEVICE inline Transmittance amplitude_transmittance(int level, in
 }
 
 /// The level of M whose phase 2π·stretch·ℓ/M is nearest, around the circle, to the phase of (real, imaginary), among
-/// the levels of the first turn; level 0 for 0. Where the levels reach beyond 2π (stretch > 1), those beyond are not
-/// used; where they fall short of it, phases in the gap take the nearer end.
+/// the levels of the first turn; level 0 for 0. Levels beyond 2π (stretch > 1) are not
+/// used. If the levels do not reach 2π, phases in the gap get the nearer end.
 HOLOTRACE_HOST_DEVICE inline int phase_level(double real, double imaginary, int levels, double stretch = 1) {
   double cycles = std::atan2(imaginary, real) / (2 * std::numbers::pi);
   if (cycles < 0) cycles += 1;

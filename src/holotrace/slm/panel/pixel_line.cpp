@@ -21,10 +21,10 @@ PixelLine::PixelLine(int pixels, int samples_per_pixel, int cells, double lit, d
     const double place = lit * ((c + 0.5) / cells - 0.5);
     for (int k = 0; k < samples_; ++k) {
       const int f = signed_frequency(k, samples_);
-      // Sample t of the line stands (t − (n−1)/2)/n pixels from the centre of pixel 0.
+      // Sample t of the line lies (t − (n−1)/2)/n pixels from the centre of pixel 0.
       const double angle = -pi * f * (samples_per_pixel - 1.0) / samples_ - 2 * pi * f * place / pixels;
       std::complex<double> weight = aperture_spectrum(double(f) / pixels, lit / cells) * std::polar(1.0, angle);
-      if (2 * f == -samples_) weight = weight.real();  // the mean of both signs
+      if (2 * f == -samples_) weight = weight.real();  // the mean of both signs of n/2
       const size_t at = size_t(c) * size_t(samples_) + size_t(k);
       weights_[at] = std::complex<float>(weight * scale / double(pixels));
       conjugate_weights_[at] = std::conj(weights_[at]);

@@ -7,17 +7,17 @@
 
 namespace holotrace {
 
-/// One row or column of pixels → the light that leaves it, on n samples per pixel. The lit part w of each pixel is cut
-/// into s equal cells, each of one complex amplitude v:
+/// From one row or column of pixels to the light that leaves it, on n samples per pixel. The lit part w of each pixel
+/// is divided into s equal cells, each of one complex amplitude v:
 ///
 ///     û(f) = Σ_c [Σᵢ v(c, i)·exp(−2πi·f·i)]·(w/s)·sinc(w·f/s)·exp(−2πi·f·q_c),   q_c = w·((c + ½)/s − ½)
 ///
-/// f in cycles per pixel, cut to |f| ≤ n/2, where n/2 itself takes the mean of both signs. The pixels' spectrum repeats
-/// at every whole f: s transforms of the pixels make all of it. A panel is rows, then columns.
+/// f is in cycles per pixel, limited to |f| ≤ n/2; n/2 itself gets the mean of both signs. The pixels' spectrum repeats
+/// at every whole f, so s transforms of the pixels give all of it. A panel is computed along rows, then columns.
 class PixelLine {
  public:
-  /// @param pixels, samples_per_pixel, cells  of the line, n and s, all ≥ 1
-  /// @param lit    w, part of a pixel's side that is lit, in (0, 1]
+  /// @param pixels, samples_per_pixel, cells  length of the line [pixels], n and s, all ≥ 1
+  /// @param lit    w, lit fraction of a pixel's side, in (0, 1]
   /// @param scale  factor on the light
   PixelLine(int pixels, int samples_per_pixel, int cells, double lit, double scale);
 
@@ -26,7 +26,7 @@ class PixelLine {
   int cells() const { return cells_; }
 
   /// @param cell  s × pixels values, [cell][pixel]; overwritten
-  /// @param out   n·pixels samples; does not overlap with `cell`
+  /// @param out   n·pixels samples; must not overlap `cell`
   void spread(std::complex<float>* cell, std::complex<float>* out) const;
 
   /// The adjoint of spread: Σ conj(out)·spread(cell) = Σ conj(gather(out))·cell. `out` is overwritten.

@@ -125,8 +125,8 @@ void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, con
 
 }  // namespace
 
-Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
-           const Observer& observer) {
+ShownField show_moment(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                       const IlluminationState& state, const Observer& observer) {
   check_slm(slm);
   check_hologram(hologram, slm);
   check_modulation(hologram, slm, observer);
@@ -155,7 +155,12 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
   observer.fact("efficiency", Fact(power_in > 0 ? power_out / power_in : 0.0));
   tell_effects(slm, with, params, observer);
   warn_other_effects(hologram, with, observer);
-  return field;
+  return {std::move(field), power_in};
+}
+
+Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
+           const Observer& observer) {
+  return show_moment(hologram, slm, params, state, observer).field;
 }
 
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer) {

@@ -35,9 +35,17 @@ namespace holotrace {
 /// Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer = {});
 
+/// A field that leaves a panel, and the light on the way.
+struct ShownField {
+  Field field;
+  double power_in = 0;  ///< of the light on the panel [W]
+};
+
 /// The same at one illumination state of partly coherent light or of a panel that flickers (illumination_states.h); wavelength and tilts are
-/// the state's. The function above is that of the mean state: the middle of the spectrum and of the source, no
+/// the illumination state's. The function above is that of the mean illumination state: the middle of the spectrum and of the source, no
 /// ripple.
+ShownField show_moment(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                       const IlluminationState& state, const Observer& observer = {});
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
            const Observer& observer = {});
 

@@ -11,7 +11,7 @@ namespace holotrace {
 
 namespace {
 
-// A Zernike polynomial made ready for many points: R_n^|m|(ρ)·{cos, sin}(|m|θ) is a polynomial in ρ² times the real or
+// A Zernike polynomial, prepared for many points: R_n^|m|(ρ)·{cos, sin}(|m|θ) is a polynomial in ρ² times the real or
 // imaginary part of (x + iy)^|m|.
 class Polynomial {
  public:

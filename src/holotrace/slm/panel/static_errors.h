@@ -7,7 +7,7 @@
 
 namespace holotrace {
 
-/// Zernike polynomial Z_n^m at (ρ, θ) in the OSA/ANSI norm: its mean square over the unit disc is 1.
+/// Zernike polynomial Z_n^m at (ρ, θ) in the OSA/ANSI normalisation: its mean square over the unit disc is 1.
 ///
 ///     Z = √(2(n+1)/(1 + δ_m0))·R_n^|m|(ρ)·{cos mθ for m ≥ 0, sin |m|θ for m < 0}
 ///     R_n^m(ρ) = Σ_s (−1)^s (n−s)! / (s! ((n+m)/2−s)! ((n−m)/2−s)!)·ρ^(n−2s)
@@ -16,8 +16,8 @@ namespace holotrace {
 /// Surg. 18, S652 (2002).
 double zernike(int n, int m, double rho, double theta);
 
-/// exp(i·(λ₀/λ)·ψ) of every pixel, ψ the static error of the panel's phase: Zernike terms over the circle through the
-/// panel's corners, at the pixels' centres, and its phase map. Empty where the panel has neither.
+/// exp(i·(λ₀/λ)·ψ) for every pixel. ψ is the static phase error of the panel: Zernike terms over the circle through the
+/// panel's corners, evaluated at the pixels' centres, plus its phase map. Empty if the panel has neither.
 Array2D<std::complex<float>> static_phasors(const Slm& slm, double stretch);
 
 }  // namespace holotrace

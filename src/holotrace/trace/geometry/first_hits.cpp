@@ -27,7 +27,7 @@ double integrate(double from, double to, const Function& function) {
   return sum * half;
 }
 
-/// Samples of all frames share seed and frame; this one is no sample's.
+/// Sample number for the pairing. The samples of all frames share seed and frame; no sample has this number.
 constexpr uint64_t pairing_sample = ~uint64_t(0);
 
 }  // namespace

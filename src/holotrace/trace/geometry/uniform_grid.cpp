@@ -17,13 +17,13 @@ namespace holotrace {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double margin = 1e-9;       // of a box around the triangles and of cells: far above rounding, far below cells
-constexpr double most_across = 2048;  // cells along an axis
-constexpr int64_t block_size = 1024;  // triangles or cells that one task takes
+constexpr double margin = 1e-9;       // relative margin of boxes and cells: far above rounding, far below a cell
+constexpr double most_across = 2048;  // largest number of cells along an axis
+constexpr int64_t block_size = 1024;  // triangles or cells per task
 
 double component(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-/// A ray in the frame of the watertight test: its largest component of direction along z, sheared to lie on it.
+/// A ray in the frame of the watertight test: z is the axis of its largest component, and a shear puts it along z.
 struct ShearedRay {
   int x, y, z;
   double shear_x, shear_y, shear_z;
@@ -32,15 +32,15 @@ struct ShearedRay {
     const double size[] = {std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)};
     z = size[0] > size[1] ? (size[0] > size[2] ? 0 : 2) : (size[1] > size[2] ? 1 : 2);
     x = (z + 1) % 3, y = (z + 2) % 3;
-    if (component(direction, z) < 0) std::swap(x, y);  // keeps the sense of triangles
+    if (component(direction, z) < 0) std::swap(x, y);  // keeps the winding of triangles
     shear_z = 1 / component(direction, z);
     shear_x = component(direction, x) * shear_z;
     shear_y = component(direction, y) * shear_z;
   }
 };
 
-/// Where a ray meets a triangle: the signed areas U, V, W of the ray with its edges have one sign. An edge gives the
-/// same number with the other sign to the triangle beyond it, so no ray slips between the two.
+/// Where a ray meets a triangle: the signed areas U, V, W of the ray with its edges have one sign. The neighbour across
+/// an edge gets the same number with the opposite sign, so no ray passes between the two triangles.
 bool meets(const ShearedRay& ray, Vec3 origin, Vec3 pa, Vec3 pb, Vec3 pc, double limit, double& distance, double& b1,
            double& b2) {
   const Vec3 a = pa - origin, b = pb - origin, c = pc - origin;
@@ -58,14 +58,15 @@ bool meets(const ShearedRay& ray, Vec3 origin, Vec3 pa, Vec3 pb, Vec3 pc, double
   return true;
 }
 
-/// Whether the projections of a triangle and of a cube about the origin on an axis overlap.
+/// Whether the projections of a triangle and of a box centred at the origin onto an axis overlap.
 bool overlap(Vec3 axis, Vec3 a, Vec3 b, Vec3 c, Vec3 half) {
   const double p = dot(axis, a), q = dot(axis, b), r = dot(axis, c);
   const double reach = half.x * std::abs(axis.x) + half.y * std::abs(axis.y) + half.z * std::abs(axis.z);
   return std::min({p, q, r}) <= reach && std::max({p, q, r}) >= -reach;
 }
 
-/// Separating axes of a triangle and a box, beside the box's own (T. Akenine-Möller, J. Graphics Tools 6(1), 29, 2001).
+/// Separating-axis test of a triangle and a box, without the box's own axes (T. Akenine-Möller, J. Graphics Tools 6(1),
+/// 29, 2001).
 bool touches(Vec3 a, Vec3 b, Vec3 c, Vec3 half) {
   const Vec3 edges[] = {b - a, c - b, a - c};
   if (!overlap(cross(edges[0], edges[1]), a, b, c, half)) return false;
@@ -119,7 +120,7 @@ void UniformGrid::list_triangles(const Scene& scene) {
 
 void UniformGrid::choose_cells(double density) {
   const Vec3 size = high_ - low_;
-  // Flat scenes have few cells across: the side of a cube is found over the axes that it cuts at all.
+  // A flat scene has one cell across its thin axes: the side of a cell follows from the other axes alone.
   const double wanted = density * double(triangles_.size());
   std::array<int, 3> axes{0, 1, 2};
   std::sort(axes.begin(), axes.end(), [&](int i, int j) { return component(size, i) < component(size, j); });
@@ -141,7 +142,7 @@ void UniformGrid::choose_cells(double density) {
   statistics_.width = size.x, statistics_.height = size.y, statistics_.depth = size.z;
 }
 
-/// Calls visit(cell) for every cell that a triangle touches, each a little enlarged.
+/// Calls visit(cell) for every cell that a triangle touches; cells are slightly enlarged for the test.
 template <class Visit>
 void UniformGrid::for_each_cell(const Triangle& triangle, const Visit& visit) const {
   int first[3], last[3];
@@ -189,7 +190,7 @@ void UniformGrid::fill_cells() {
   for_each_triangle([&](uint32_t triangle, size_t cell) {
     entries_[starts_[cell] + sizes[cell].fetch_sub(1, std::memory_order_relaxed) - 1] = triangle;
   });
-  // Threads have come in any order.
+  // The order of the entries depends on the threads: sort them.
   parallel_for(0, (int64_t(cells) + block_size - 1) / block_size, [&](int64_t b) {
     for (size_t i = size_t(b * block_size); i < std::min(cells, size_t((b + 1) * block_size)); ++i)
       std::sort(entries_.begin() + int64_t(starts_[i]), entries_.begin() + int64_t(starts_[i + 1]));
@@ -215,7 +216,7 @@ bool UniformGrid::walk(const Ray& ray, double limit, GridHit& hit, GridCounts* c
   }
   if (!(enter <= leave)) return false;
 
-  // Distance to the next cell along each axis, from the planes themselves so that no rounding adds up.
+  // Distance to the next cell along each axis, computed from the cell's faces so that rounding does not accumulate.
   int cell[3], step[3];
   double next[3];
   const auto distance_to_next = [&](int axis) {

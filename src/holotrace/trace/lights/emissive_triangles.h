@@ -10,25 +10,25 @@
 
 namespace holotrace {
 
-/// The triangles of a scene that shine, to be drawn in proportion to what they send out.
+/// The emitting triangles of a scene, drawn with a probability that follows their emitted power.
 ///
 ///     P(t) ∝ Aₜ·(L̄ₜ + L̄/20),   density over solid angle: P(t)/Aₜ · d²/cosθ'
 ///
-/// A is the area, L̄ₜ the emission (texture included) averaged over 16 places of the triangle and summed over the lines,
-/// L̄ that of its whole material, so that a triangle whose bright spots lie between the places has its share. Memory: 32
-/// bytes per triangle that shines. Keeps a reference to the scene.
+/// Aₜ is the area. L̄ₜ is the emission (with texture) averaged over 16 places of the triangle, summed over the lines.
+/// L̄ is the mean of its whole material; with it, triangles whose bright spots lie between the places are drawn too.
+/// Memory: 32 bytes per emitting triangle. Keeps a reference to the scene.
 class EmissiveTriangles {
  public:
   EmissiveTriangles(const Scene& scene, const Lines& lines);
 
   bool is_empty() const { return triangles_.empty(); }
 
-  /// Draws a way from the point `from` [m] to a place evenly over the triangle that u_triangle draws; numbers in
-  /// [0, 1). Radiance at the lines, 0 from behind a one-sided surface. O(log n).
+  /// Draws a direction from the point `from` [m]: u_triangle selects a triangle, u a place evenly over it; both are in
+  /// [0, 1). The sample holds the radiance at the lines, 0 from behind a one-sided surface. Cost: O(log n).
   LightSample sample(Vec3 from, double u_triangle, Vec2 u) const;
 
-  /// The density over solid angle [1/sr] with which `sample` draws a place that a ray has met at a distance [m] and at
-  /// |cosθ'| to its normal.
+  /// Density over solid angle [1/sr] with which `sample` draws a place that a ray has met, for its distance [m] and
+  /// |cosθ'| to the surface normal.
   double pdf(uint32_t mesh, uint32_t triangle, double distance, double cosine) const {
     const auto& densities = densities_[mesh];
     return densities.empty() ? 0 : double(densities[triangle]) * distance * distance / cosine;
@@ -41,8 +41,8 @@ class EmissiveTriangles {
   const Scene& scene_;
   Lines lines_;
   std::vector<Triangle> triangles_;
-  std::vector<double> cumulative_;             // of P(t), the last one 1
-  std::vector<std::vector<float>> densities_;  // P(t)/A [1/m²] by mesh and triangle, none for a dark mesh
+  std::vector<double> cumulative_;             // running sums of P(t), the last one 1
+  std::vector<std::vector<float>> densities_;  // P(t)/A [1/m²] by mesh and triangle; empty for a dark mesh
 };
 
 }  // namespace holotrace

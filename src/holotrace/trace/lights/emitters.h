@@ -13,7 +13,7 @@
 
 namespace holotrace {
 
-/// What sends light in a scene, ready to be asked for it. Light groups are numbered: the lights of Scene::lights in
+/// All emitters of a scene, prepared for sampling. Light groups are numbered: the lights of Scene::lights in
 /// their order, then the meshes that emit (together), then background and environment (together). Keeps a reference to
 /// the scene.
 class Emitters {
@@ -24,13 +24,13 @@ class Emitters {
   int mesh_group() const { return int(lights_.size()); }
   int background_group() const { return mesh_group() + 1; }
 
-  /// "light 0", …, "emission", "background": what separate holograms are called.
+  /// Name of a group's separate hologram: "light 0", …, "emission", "background".
   std::string group_name(int group) const;
 
-  /// Scene::lights, with their strengths at the lines in place of red, green and blue.
+  /// Scene::lights; their strengths are at the lines instead of red, green and blue.
   const std::vector<Light>& lights() const { return lights_; }
 
-  /// The triangles that shine.
+  /// The emitting triangles.
   const EmissiveTriangles& triangles() const { return triangles_; }
   bool is_emissive(int material) const { return is_emissive_[size_t(material)]; }
 
@@ -41,19 +41,20 @@ class Emitters {
   Vec3 background(Vec3 direction) const {
     return environment_ ? background_ + environment_->radiance(direction) : background_;
   }
-  /// That of the background alone, the same from everywhere.
+  /// Radiance of the background alone, the same in every direction [W/m²/sr].
   Vec3 even_background() const { return background_; }
 
-  /// Whether a ray that meets no further mesh can find light: background, environment, or a light with an area.
+  /// Whether a ray that meets no further mesh can find light from the background, the environment or a light with an
+  /// area.
   bool shine_beyond_surfaces() const { return shine_beyond_surfaces_; }
 
-  /// The lights with an area that rays meet and go through: indices into lights(). The visible ones are surfaces.
+  /// Lights with an area that rays meet and pass through, as indices into lights(). Visible ones are surfaces.
   const std::vector<int>& lights_on_way() const { return lights_on_way_; }
 
  private:
   std::vector<Light> lights_;
   EmissiveTriangles triangles_;
-  std::vector<char> is_emissive_;  // by material
+  std::vector<char> is_emissive_;  // index: material
   std::optional<EnvironmentLight> environment_;
   Vec3 background_;
   std::vector<int> lights_on_way_;

@@ -10,7 +10,7 @@ namespace holotrace {
 
 namespace {
 
-/// The interval of a rising table of cumulative shares that holds u, and how far into it u lies, in [0, 1).
+/// The interval of an ascending table of cumulative shares that contains u, and the position of u in it, in [0, 1).
 struct Interval {
   int index;
   double rest;
@@ -44,7 +44,7 @@ EnvironmentLight::EnvironmentLight(const Environment& environment, const Lines& 
   for (int row = 0; row < ny_; ++row) {
     double sum = 0;
     for (int column = 0; column < nx_; ++column) {
-      // The bilinear radiance over a pixel has the mean 1/8, 6/8, 1/8 of its neighbours, in either direction.
+      // The mean of the bilinear radiance over a pixel has weights 1/8, 6/8, 1/8 along either axis.
       Vec3 mean;
       for (const int j : {-1, 0, 1})
         for (const int i : {-1, 0, 1})
@@ -62,7 +62,7 @@ EnvironmentLight::EnvironmentLight(const Environment& environment, const Lines& 
     for (double& value : rows_) value /= total_;
 }
 
-/// The colour of a pixel at the lines, columns going round and rows held.
+/// The colour of a pixel at the lines; columns wrap around, rows are clamped.
 Vec3 EnvironmentLight::pixel(int row, int column) const {
   const Image& map = *environment_.map;
   row = std::clamp(row, 0, ny_ - 1);

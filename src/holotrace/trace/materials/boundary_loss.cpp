@@ -15,7 +15,7 @@ namespace holotrace {
 
 namespace {
 
-/// 1 − the mean over visible microfacets of what each sends to a side where it arrives, not onto its neighbours.
+/// 1 − the mean, over visible microfacets, of the light that each one sends to a side without hitting its neighbours.
 double loss_at(double cosine, double index, double alpha) {
   const Vec3 o{std::sqrt(1 - cosine * cosine), 0, cosine};
   const double masking = smith_masking(o, alpha);
@@ -45,7 +45,7 @@ BoundaryLoss::Side side_of(double index, double alpha) {
   return side;
 }
 
-/// 2∫F·μ dμ of a smooth boundary.
+/// Mean reflectance 2∫F·μ dμ of a smooth boundary.
 double mean_reflectance(double index) {
   constexpr int steps = 256;
   double sum = 0;
@@ -59,7 +59,7 @@ double mean_reflectance(double index) {
 BoundaryLoss make(double index, double alpha) {
   BoundaryLoss loss{side_of(index, alpha), side_of(1 / index, alpha)};
   if (loss.thin.mean < 1e-6 || loss.dense.mean < 1e-6) return loss;
-  const double most = loss.dense.mean * index * index / loss.thin.mean;  // with which all goes through the other way
+  const double most = loss.dense.mean * index * index / loss.thin.mean;  // here all light passes from the other side
   loss.through = std::fmin(1 - mean_reflectance(index), most);
   return loss;
 }
@@ -67,12 +67,12 @@ BoundaryLoss make(double index, double alpha) {
 }  // namespace
 
 const BoundaryLoss& boundary_loss(double exact_index, double alpha) {
-  const double index = float(exact_index);  // n and 1/(1/n) are one boundary
+  const double index = float(exact_index);  // rounded, so that n and 1/(1/n) are one boundary
   struct Entry {
     double index = 0, alpha = 0;
     const BoundaryLoss* loss = nullptr;
   };
-  thread_local Entry last;  // neighbouring paths meet the same glass
+  thread_local Entry last;  // neighbouring paths often meet the same glass
   if (last.loss && last.index == index && last.alpha == alpha) return *last.loss;
   static std::shared_mutex mutex;
   static std::map<std::pair<double, double>, std::unique_ptr<const BoundaryLoss>> known;

@@ -14,10 +14,10 @@
 #include "holotrace/trace/shared/lines.h"
 #include "holotrace/trace/shared/surface_point.h"
 
-// What surfaces do to light, at one point: textures looked up, colours and indices taken at the lines of the path.
-// Directions are unit vectors away from the surface: `outgoing` toward where the path came from (the viewer's side),
-// `incoming` toward where it goes on (the light's side). Each kind of surface has its functions in a file of
-// its own and its place in the variant.
+// What surfaces do to light at one point. Textures are looked up; colours and indices are taken at the path's lines.
+// Directions are unit vectors away from the surface: `outgoing` points to where the path came from (the viewer's side),
+// `incoming` to where it continues (the light's side). Each kind of surface has a file with its functions and a type in
+// the variant.
 
 namespace holotrace {
 
@@ -26,16 +26,16 @@ using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRo
 /// The BSDF of a material at a point whose normal map has been applied (shading_point).
 ///
 /// - Textures and the vertices' colour multiply colours; a product above 1 counts as 1.
-/// - A one-sided surface seen from behind is black. A solid dielectric has no such side: its back is its inside.
-/// - Metals and coats have air before them. A dielectric has air outside; it refracts by its index at the first line,
-///   so that what disperses is traced with three equal lines.
+/// - A one-sided surface seen from behind is black. A solid dielectric has two sides: its back is its inside.
+/// - Metals and coats are in air. A dielectric has air outside. It refracts by its index at the first line, so a
+///   dispersive one is traced with three equal lines.
 ///
 /// @throws Error for a refractive index without samples
-/// Cost: some 30 ns, 200 ns for a rough conductor at three lines; the first one with a rough lobe makes a table (30
+/// Cost: some 30 ns, 200 ns for a rough conductor at three lines; the first rough lobe computes a table (30
 /// ms).
 Bsdf make_bsdf(const Material& material, const SurfacePoint& point, const Lines& lines);
 
-/// The lobes that `eval` can answer for: all but the specular ones.
+/// The lobes that `eval_bsdf` can evaluate: all but the specular one.
 inline LobeSet lobes_of(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return lobes(b); }, bsdf);
 }
@@ -45,43 +45,43 @@ inline Vec3 eval_bsdf(const Bsdf& bsdf, Vec3 outgoing, Vec3 incoming, Lobe lobe)
   return std::visit([&](const auto& b) { return eval(b, outgoing, incoming, lobe); }, bsdf);
 }
 
-/// Density with which sample_bsdf draws that direction in that lobe [1/sr], the probability of the lobe included: over
-/// all lobes and directions it integrates to 1, less the specular part and what is drawn into the surface.
+/// Density with which sample_bsdf draws this direction in this lobe [1/sr], including the probability of the lobe. Over
+/// all lobes and directions it integrates to 1, less the specular part and directions drawn into the surface.
 inline double pdf_bsdf(const Bsdf& bsdf, Vec3 outgoing, Vec3 incoming, Lobe lobe) {
   return std::visit([&](const auto& b) { return pdf(b, outgoing, incoming, lobe); }, bsdf);
 }
 
-/// Draws a lobe by `u_lobe` and a direction in it by `u`, each in [0, 1). Nothing: the surface takes the path.
+/// Draws a lobe by `u_lobe` and a direction in it by `u`, each in [0, 1). No result means that the path is absorbed.
 inline std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, Vec3 outgoing, double u_lobe, Vec2 u) {
   return std::visit([&](const auto& b) { return sample(b, outgoing, u_lobe, u); }, bsdf);
 }
 
-/// The ways of the specular lobe, at most a reflection and a refraction, each with its whole weight: for those
-/// who follow both instead of drawing one.
+/// The branches of the specular lobe, at most a reflection and a refraction, each with its full weight. For callers
+/// that follow both instead of drawing one.
 inline SpecularBranches specular_branches(const Bsdf& bsdf, Vec3 outgoing) {
   return std::visit([&](const auto& b) { return branches(b, outgoing); }, bsdf);
 }
 
-/// The point as its BSDF wants it: its normal turned by the material's normal map, if it has one and the mesh has
-/// texture coordinates, then made to face the viewer's side of the triangle.
+/// The point with its shading normal: the normal is turned by the material's normal map, if it has one and the mesh has
+/// texture coordinates, and then made to face the viewer's side of the triangle.
 ///
 ///     normal = normalize(s·x·T + s·y·B + z·N),  (x, y, z) = 2·map − 1,  s = normal_scale
 ///
-/// T is ∂position/∂u without its part along the normal N, B = ±N × T toward ∂position/∂v. From behind, the turned
-/// normal is that of the front, negated (glTF 2.0, 3.7.2.1).
+/// T is ∂position/∂u without its part along the normal N; B = ±N × T points toward ∂position/∂v. Seen from behind, the
+/// turned normal is that of the front, negated (glTF 2.0, 3.7.2.1).
 SurfacePoint shading_point(const Material& material, const SurfacePoint& point);
 
-/// Whether a surface is thin glass, which sends light straight on and back, and nowhere else.
+/// Whether a surface is thin glass, which only transmits light straight on and reflects it.
 bool is_pane(const Material& material);
 
-/// The material of a surface. That of a light, whose own its light is, is black.
+/// The material of a surface; black for the surface of a light, whose emission belongs to the light itself.
 const Material& material_at(const Scene& scene, const SurfacePoint& point);
 
-/// Radiance that a material sends out by itself toward where the path came from [W/m²/sr], at the lines.
+/// Radiance that a material emits toward where the path came from, at the lines [W/m²/sr].
 Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines);
 
-/// Refractive index of what lies on the side of the surface that the path came from, and on the other side, at a
-/// wavelength; 1 and 1 for a surface that is not of a solid dielectric. Indices of air are 1.
+/// Refractive indices on the side of the surface that the path came from (near) and on the other side (far), at one
+/// wavelength. Both are 1 unless the surface is a solid dielectric. The index of air is 1.
 struct MediumIndices {
   double near = 1, far = 1;
 };

@@ -12,12 +12,12 @@
 namespace holotrace {
 
 /// A metal in air: a mirror (specular), or GGX microfacets with Fresnel's reflectance (glossy, rough_reflection.h). A
-/// white rough metal reflects everything; phases follow only mirrors.
+/// white rough metal reflects everything. Only mirrors add a phase.
 struct ConductorBsdf {
   Vec3 normal, geometric_normal;
-  std::array<std::complex<double>, 3> index;  ///< at the lines
-  bool is_grey = false;                       ///< the same index at all three
-  RoughReflection rough{};                    ///< below smooth_alpha: a mirror
+  std::array<std::complex<double>, 3> index;  ///< n + ik at the lines
+  bool is_grey = false;                       ///< whether all three indices are equal
+  RoughReflection rough{};                    ///< a mirror if its α is below smooth_alpha
 
   bool is_smooth() const { return rough.alpha < smooth_alpha; }
 };
@@ -29,14 +29,14 @@ inline Vec3 reflectance(const ConductorBsdf& b, double cosine) {
 }
 
 /// @param index  n + ik at the lines
-/// @param alpha  of the GGX distribution, at most 1
+/// @param alpha  α of the GGX distribution, at most 1
 inline ConductorBsdf make_conductor_bsdf(Vec3 normal, Vec3 geometric_normal,
                                          const std::array<std::complex<double>, 3>& index, double alpha) {
   ConductorBsdf b{normal, geometric_normal, index, index[0] == index[1] && index[1] == index[2], {alpha}};
   if (b.is_smooth()) return b;
   b.rough.albedo = MicrofacetAlbedo(alpha);
   const double loss = b.rough.albedo.mean().loss;
-  // F̄ = 2∫F·μ dμ by the three points of Gauss and Jacobi, exact to the fifth power: Schlick's.
+  // F̄ = 2∫F·μ dμ by three-point Gauss–Jacobi quadrature. It is exact for Schlick's reflectance (degree 5).
   constexpr double nodes[] = {0.2123405382391529, 0.5905331355592653, 0.9114120404872961};
   constexpr double weights[] = {0.1396539598029080, 0.4584822127191740, 0.4018638274779180};
   Vec3 mean;
@@ -61,7 +61,7 @@ inline double pdf(const ConductorBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lob
   return pdf_reflection(b.rough, view.outgoing, view.local(incoming), b.rough.loss(view.outgoing.z));
 }
 
-/// The way of a mirror, with its whole weight.
+/// The branch of a mirror, with its full weight.
 inline SpecularBranches branches(const ConductorBsdf& b, Vec3 outgoing) {
   if (!b.is_smooth()) return {};
   const Vec3 normal = facing_normal(b.normal, outgoing), direction = reflect(outgoing, normal);
@@ -74,7 +74,7 @@ inline SpecularBranches branches(const ConductorBsdf& b, Vec3 outgoing) {
   return {{BsdfSample{direction, reflectance(b, cosine), 1, Lobe::specular, false, phase}}, 1};
 }
 
-/// Draws a visible microfacet, or by cosθ/π for the part of the light that single scattering leaves out.
+/// Draws a visible microfacet, or, for the light of multiple scattering, a direction by cosθ/π.
 inline std::optional<BsdfSample> sample(const ConductorBsdf& b, Vec3 outgoing, double u_lobe, Vec2 u) {
   if (b.is_smooth()) {
     const SpecularBranches mirror = branches(b, outgoing);

@@ -10,36 +10,37 @@
 
 namespace holotrace {
 
-/// The boundary of glass, water or crystal with air: smooth (specular), or of GGX microfacets (glossy; Walter et al.,
-/// EGSR 2007, with the heights of a reflection correlated); or a thin pane.
+/// The boundary of glass, water or crystal with air: smooth (specular); rough, with GGX microfacets (glossy; Walter et
+/// al., EGSR 2007, with height-correlated masking for reflection); or a thin pane.
 ///
-/// Radiance is traced from the viewer, and L/n² is what a lossless boundary keeps: refraction brings
-/// (1 − F)·(n_near/n_far)²·L, as a given flux fills n² as much solid angle. Into glass and out again the factors
-/// cancel; lights inside glass are seen with theirs. In equilibrium the radiance is n², and the two ways bring
+/// Radiance is traced from the viewer. A lossless boundary keeps L/n², so refraction brings
+/// (1 − F)·(n_near/n_far)²·L: a given flux fills a solid angle proportional to 1/n². Into glass and out again, the
+/// factors cancel; lights inside glass keep theirs. In equilibrium the radiance is n², and reflection and refraction
+/// together bring
 /// F·n_near² + (1 − F)·(n_near/n_far)²·n_far² = n_near².
 ///
 /// Light that meets more than one microfacet of a rough boundary leaves it diffusely (after Kulla and Conty,
-/// rough_reflection.h), so that a furnace keeps everything, seen from either side. With ℓ the loss of single scattering
-/// and ℓ̄ its mean over the hemisphere, t the part that goes through (BoundaryLoss),
+/// rough_reflection.h). The boundary therefore conserves energy, seen from either side. With ℓ the loss of single
+/// scattering, ℓ̄ its mean over the hemisphere, and t the fraction of it that is transmitted (BoundaryLoss),
 ///
 ///     f_r += (1 − t)·ℓ(o)·ℓ(i)/(π·ℓ̄_near),   f_t += t·ℓ(o)·ℓ(i)/(π·ℓ̄_far)·(n_near/n_far)².
 ///
-/// A pane (Born & Wolf 1.5) is smooth and without a thickness: the light goes straight through, and the many
-/// reflections between its faces add up by their power, R' = R + T²R/(1 − R²) = 2R/(1 + R), T' = 1 − R'. Its phases are
-/// those of the first face.
+/// A pane (Born & Wolf 1.5) is smooth and has no thickness. Light is transmitted straight on. The powers of multiple
+/// reflections between its faces add up, R' = R + T²R/(1 − R²) = 2R/(1 + R), T' = 1 − R'. Its phases are those of the
+/// first face.
 struct DielectricBsdf {
   Vec3 normal, geometric_normal;
-  double index = 1;  ///< of the far medium over that of the near one, at the first line
-  double alpha = 0;  ///< below smooth_alpha: smooth
+  double index = 1;  ///< relative index: far medium over near medium, at the first line
+  double alpha = 0;  ///< roughness α; smooth below smooth_alpha
   bool is_thin = false;
-  const BoundaryLoss* loss = nullptr;  ///< of a rough one
+  const BoundaryLoss* loss = nullptr;  ///< losses of a rough boundary
 
-  /// Equal media have no boundary to be rough.
+  /// Media of equal index have no boundary, so it counts as smooth.
   bool is_smooth() const { return is_thin || alpha < smooth_alpha || std::fabs(index - 1) < 1e-6; }
 };
 
-/// @param index  of the far medium over that of the near one, at the first line
-/// @param alpha  of the GGX distribution, at most 1
+/// @param index  index of the far medium over that of the near one, at the first line
+/// @param alpha  α of the GGX distribution, at most 1
 inline DielectricBsdf make_dielectric_bsdf(Vec3 normal, Vec3 geometric_normal, double index, double alpha,
                                            bool is_thin) {
   DielectricBsdf b{normal, geometric_normal, index, alpha, is_thin};
@@ -49,7 +50,7 @@ inline DielectricBsdf make_dielectric_bsdf(Vec3 normal, Vec3 geometric_normal, d
 
 inline LobeSet lobes(const DielectricBsdf& b) { return {.has_glossy = !b.is_smooth()}; }
 
-/// The microfacet normal that turns `o` into `i`, both local, on the near side; 0 if there is none.
+/// Normal of the microfacet that sends `o` to `i`, both local, on the near side; 0 if there is none.
 inline Vec3 half_vector(const DielectricBsdf& b, Vec3 o, Vec3 i) {
   if (i.z == 0) return {};
   if (i.z > 0) return normalize(o + i);
@@ -59,17 +60,17 @@ inline Vec3 half_vector(const DielectricBsdf& b, Vec3 o, Vec3 i) {
   return dot(o, h) > 0 && dot(i, h) < 0 ? h : Vec3{};
 }
 
-/// dω_h/dω_i of refraction about h: index²·|i·h|/(o·h + index·i·h)² (Walter et al., eq. 17).
+/// Jacobian dω_h/dω_i of refraction at h: index²·|i·h|/(o·h + index·i·h)² (Walter et al., eq. 17).
 inline double refraction_jacobian(const DielectricBsdf& b, Vec3 o, Vec3 i, Vec3 h) {
   const double sum = dot(o, h) + b.index * dot(i, h);
   return b.index * b.index * std::fabs(dot(i, h)) / (sum * sum);
 }
 
-/// The losses as seen from the near side, and the part t of them that goes through.
+/// The losses from the near side and from the far side, and the fraction t of the near loss that is transmitted.
 struct Boundary {
   const BoundaryLoss::Side &near, &far;
   double through;
-  bool has_many;  ///< light worth following meets many microfacets
+  bool has_many;  ///< whether multiple scattering carries enough light to follow
 
   explicit Boundary(const DielectricBsdf& b)
       : near(b.index < 1 ? b.loss->dense : b.loss->thin),
@@ -80,11 +81,11 @@ struct Boundary {
   }
 };
 
-/// Light of many microfacets between two directions, o.z > 0.
+/// Multiple scattering between two directions, o.z > 0.
 struct ManyFacets {
-  double probability = 0;  ///< to draw it: what single scattering leaves out
-  double value = 0;        ///< its f·|cosθ_i|
-  double pdf = 0;          ///< [1/sr], without the probability
+  double probability = 0;  ///< probability to draw it: the loss of single scattering
+  double value = 0;        ///< f·|cosθ_i| of multiple scattering
+  double pdf = 0;          ///< density without `probability` [1/sr]
 };
 
 inline ManyFacets many_facets(const DielectricBsdf& b, Vec3 o, Vec3 i) {
@@ -109,7 +110,7 @@ inline RoughBoundary between(const DielectricBsdf& b, Vec3 o, Vec3 i) {
   if (h.z <= 0) return all;
   const double cosine = std::fmin(1, dot(o, h)), density = ggx_density(h, b.alpha);
   const double reflected = reflectance_dielectric(cosine, b.index), masking = smith_masking(o, b.alpha);
-  const double once = (1 - many.probability) * masking;  // probability, masking of the visible normals
+  const double once = (1 - many.probability) * masking;  // single scattering; masking of visible normals
   if (i.z > 0) {
     const double common = reflected * density / (4 * o.z);
     all.value += common * smith_masking_shadowing(o, i, b.alpha);
@@ -122,7 +123,7 @@ inline RoughBoundary between(const DielectricBsdf& b, Vec3 o, Vec3 i) {
   return all;
 }
 
-/// The same at the surface; nothing for directions that only the shading normal puts on their side.
+/// The same for world directions; 0 if the shading normal and the geometric normal put `incoming` on different sides.
 inline RoughBoundary between(const DielectricBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lobe) {
   if (lobe != Lobe::glossy || b.is_smooth()) return {};
   const ShadingView view(b.normal, outgoing);
@@ -140,7 +141,7 @@ inline double pdf(const DielectricBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lo
   return between(b, outgoing, incoming, lobe).pdf;
 }
 
-/// Reflection, then refraction where there is one, each with its whole weight.
+/// Reflection, then refraction if there is one, each with its full weight.
 inline SpecularBranches branches(const DielectricBsdf& b, Vec3 outgoing) {
   SpecularBranches result;
   if (!b.is_smooth()) return result;
@@ -163,8 +164,8 @@ inline SpecularBranches branches(const DielectricBsdf& b, Vec3 outgoing) {
   return result;
 }
 
-/// A local direction off a rough boundary: for what single scattering leaves out by its cosine alone, else what a
-/// visible microfacet reflects or refracts, by Fresnel's reflectance. Nothing where that is on the wrong side.
+/// Draws a local direction off a rough boundary: for multiple scattering by its cosine alone, otherwise by reflection
+/// or refraction at a visible microfacet, with Fresnel's probability. No result if it ends on the wrong side.
 inline std::optional<Vec3> draw(const DielectricBsdf& b, Vec3 o, double u_lobe, Vec2 u) {
   const Boundary side(b);
   const double many = side.has_many ? side.near.at(o.z) : 0;
@@ -184,7 +185,7 @@ inline std::optional<Vec3> draw(const DielectricBsdf& b, Vec3 o, double u_lobe, 
   return i;
 }
 
-/// Draws reflection or refraction by Fresnel's reflectance, or off a rough boundary.
+/// Draws reflection or refraction with Fresnel's probability at a smooth boundary; see `draw` for a rough one.
 inline std::optional<BsdfSample> sample(const DielectricBsdf& b, Vec3 outgoing, double u_lobe, Vec2 u) {
   if (b.is_smooth()) {
     const SpecularBranches both = branches(b, outgoing);

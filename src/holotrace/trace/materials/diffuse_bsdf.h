@@ -31,7 +31,7 @@ inline double pdf(const DiffuseBsdf& b, Vec3, Vec3 incoming, Lobe lobe) {
                          : (1 - b.transmission_probability) * pdf_cosine(b.normal, incoming);
 }
 
-/// Draws a side, then by cosθ/π.
+/// Draws a side, then a direction by cosθ/π.
 inline std::optional<BsdfSample> sample(const DiffuseBsdf& b, Vec3, double u_lobe, Vec2 u) {
   const bool is_transmission = u_lobe < b.transmission_probability;
   const Vec3 normal = is_transmission ? -b.normal : b.normal;

@@ -6,38 +6,38 @@
 
 #include "holotrace/base/units.h"
 
-// What a smooth boundary between two media does to a plane wave (Born & Wolf, Principles of Optics, 7th edition, 1999,
-// sections 1.5 and 14.4). Time factor exp(−iωt), so that an index n + ik with k > 0 absorbs. `index` is that of the
-// far medium over that of the near one, `cosine` that of the angle of incidence, in [0, 1].
+// Reflection and refraction of a plane wave at a smooth boundary (Born & Wolf, Principles of Optics, 7th edition, 1999,
+// sections 1.5 and 14.4). The time factor is exp(−iωt), so an index n + ik with k > 0 absorbs. `index` is the index of
+// the far medium over that of the near one; `cosine` is the cosine of the angle of incidence, in [0, 1].
 //
-// The phase of scalar light. Vectors have two, of r_s and r_p; a scalar wave has one. Its own boundary conditions, that
-// U and ∂U/∂n are continuous, give
+// The phase of scalar light. Vector waves have two reflection phases, of r_s and r_p; a scalar wave has one. The scalar
+// boundary conditions, U and ∂U/∂n continuous, give
 //
 //     r = (k₁z − k₂z)/(k₁z + k₂z),
 //
-// which is r_s to the letter. So the phase here is arg r_s: π off a denser medium at every angle (at grazing incidence
-// too: Lloyd's mirror), 0 off a thinner one, Goos and Hänchen's phase at total reflection, continuous at the critical
-// angle and π at grazing. Brewster's angle, where r_p changes its sign, leaves no mark. Off dielectrics
-// below the critical angle it is also the phase of the mean of r_s and −r_p, the two amplitudes in the
-// convention in which they agree at normal incidence, since |r_p| ≤ |r_s|. How much is reflected is that of unpolarised
+// which equals r_s. The phase here is therefore arg r_s: π off a denser medium at every angle (at grazing incidence
+// too: Lloyd's mirror), 0 off a less dense one. At total reflection it is the Goos–Hänchen phase, continuous at the
+// critical angle and π at grazing incidence. At Brewster's angle r_p changes its sign, without effect. Off dielectrics
+// below the critical angle, the phase is also that of the mean of r_s and −r_p, since |r_p| ≤ |r_s|; with this sign the
+// two amplitudes agree at normal incidence. The reflected power is that of unpolarised
 // light, (|r_s|² + |r_p|²)/2.
 
 namespace holotrace {
 
-/// Amplitudes of the reflected and the transmitted wave over the incident one, E across the plane of incidence (s)
-/// and in it (p; r_p = −r_s at normal incidence).
+/// Amplitudes of the reflected and the transmitted wave over the incident one, with E perpendicular to the plane of
+/// incidence (s) and in it (p; r_p = −r_s at normal incidence).
 struct FresnelAmplitudes {
   std::complex<double> r_s, r_p, t_s, t_p;
 };
 
-/// q = √(index² − sin²θ), the far medium's normal wave number over the near one's wave number, decaying into the far
-/// medium: both parts at least 0.
+/// q = √(index² − sin²θ): normal wave number in the far medium over the wave number in the near one. The wave decays
+/// into the far medium: both parts are at least 0.
 inline std::complex<double> far_normal_component(double cosine, std::complex<double> index) {
   const double n = index.real(), k = index.imag();
   const double real = n * n - k * k - (1 - cosine * cosine), imaginary = 2 * n * k;
   const double larger = std::sqrt(0.5 * (std::sqrt(real * real + imaginary * imaginary) + std::fabs(real)));
   if (larger == 0) return 0;
-  const double smaller = imaginary / (2 * larger);  // without the cancellation of a difference
+  const double smaller = imaginary / (2 * larger);  // avoids the cancellation of a difference
   return real > 0 ? std::complex<double>(larger, smaller) : std::complex<double>(smaller, larger);
 }
 
@@ -82,10 +82,10 @@ inline double reflection_phase(double cosine, std::complex<double> index) {
   const std::complex<double> q = far_normal_component(cosine, index);
   const double a = q.real(), b = q.imag();
   if (b == 0) return cosine < a ? pi : 0;
-  return std::atan2(-2 * b * cosine, cosine * cosine - a * a - b * b);  // of (c − q)·(c + conj q)
+  return std::atan2(-2 * b * cosine, cosine * cosine - a * a - b * b);  // argument of (c − q)·(c + conj q)
 }
 
-/// Phase that transmission adds to scalar light: arg t_s [rad], 0 from one dielectric to another.
+/// Phase that transmission adds to scalar light: arg t_s [rad]; 0 between two dielectrics.
 inline double transmission_phase(double cosine, std::complex<double> index) {
   return -std::arg(cosine + far_normal_component(cosine, index));
 }

@@ -10,23 +10,23 @@
 
 namespace holotrace {
 
-/// The metallic-roughness model of glTF 2.0 (Khronos, 2021, appendix B): the mix by `metallic` m of a metal whose F₀ is
-/// the base colour c, and of a dielectric coat of F₀ = 0.04 over a diffuse base of that colour,
+/// The metallic-roughness model of glTF 2.0 (Khronos, 2021, appendix B). With `metallic` m it mixes a metal whose F₀ is
+/// the base colour c, and a dielectric coat of F₀ = 0.04 over a diffuse base of that colour,
 ///
 ///     f = (1 − m)·(f_coat + c/π · (1 − A(o))·(1 − A(i))/(1 − Ā)) + m·f_metal.
 ///
 /// Metal and coat are GGX microfacets with Schlick's reflectance (glossy, rough_reflection.h; specular when smooth). A
-/// is the albedo of the coat, Ā its mean: the reciprocal coupling of Kelemen and Szirmay-Kalos (Eurographics 2001). A
-/// white metal and a white dielectric reflect everything at every roughness. The appendix's own example lets
-/// microfacets scatter once, so that rough metals are darker than their colour, and couples by 1 − F(o·h), which
-/// reflects more than it receives at grazing angles.
+/// is the albedo of the coat and Ā its mean: the reciprocal coupling of Kelemen and Szirmay-Kalos (Eurographics 2001).
+/// A white metal and a white dielectric reflect everything at every roughness. The example in the appendix has single
+/// scattering only, so rough metals are darker than their colour; it couples by 1 − F(o·h), which reflects more than it
+/// receives at grazing angles.
 struct MetallicRoughnessBsdf {
   static constexpr double coat = 0.04;  ///< F₀ of the dielectric, index 1.5
 
   Vec3 normal, geometric_normal;
   Vec3 base;                      ///< (1 − m)·c/(1 − Ā)
-  Vec3 f0;                        ///< F₀ of the mix
-  RoughReflection rough{};        ///< of the mix; below smooth_alpha: specular
+  Vec3 f0;                        ///< F₀ of the mixture
+  RoughReflection rough{};        ///< glossy lobe of the mixture; specular if its α is below smooth_alpha
   double multiple_coat = 0;       ///< K of the coat
   double mean_loss = 0;           ///< 1 − Ē
   double brightest_base = 0;      ///< largest of (1 − m)·c
@@ -40,7 +40,7 @@ struct MetallicRoughnessBsdf {
     return is_smooth() ? MicrofacetAlbedo::Value{0, schlick_weight(cosine)} : rough.albedo.at(cosine);
   }
 
-  /// 1 − A, what the coat lets through.
+  /// 1 − A: the fraction that the coat transmits.
   double through_coat(const MicrofacetAlbedo::Value& albedo) const {
     return 1 - albedo.reflected(coat) - multiple_coat * mean_loss * albedo.loss;
   }
@@ -49,14 +49,14 @@ struct MetallicRoughnessBsdf {
 };
 
 /// @param colour    base colour c at the lines, each in [0, 1]
-/// @param metallic  in [0, 1]
-/// @param alpha     of the GGX distribution, at most 1
+/// @param metallic  fraction of metal m, in [0, 1]
+/// @param alpha     α of the GGX distribution, at most 1
 inline MetallicRoughnessBsdf make_metallic_roughness_bsdf(Vec3 normal, Vec3 geometric_normal, Vec3 colour,
                                                           double metallic, double alpha) {
   constexpr double coat = MetallicRoughnessBsdf::coat;
   MetallicRoughnessBsdf b{
       normal, geometric_normal, {}, Vec3{coat, coat, coat} * (1 - metallic) + colour * metallic, {alpha}};
-  MicrofacetAlbedo::Value mean{0, 1.0 / 21};  // of a smooth one: 2∫(1 − μ)⁵·μ dμ
+  MicrofacetAlbedo::Value mean{0, 1.0 / 21};  // for a smooth surface: 2∫(1 − μ)⁵·μ dμ
   if (!b.is_smooth()) {
     b.rough.albedo = MicrofacetAlbedo(alpha);
     mean = b.rough.albedo.mean();
@@ -77,10 +77,10 @@ inline LobeSet lobes(const MetallicRoughnessBsdf& b) {
   return {.has_diffuse = max_component(b.base) > 0, .has_glossy = !b.is_smooth()};
 }
 
-/// Probabilities of what `sample` draws, in proportion to the albedos in the brightest lines.
+/// Probabilities of the lobes that `sample` draws, in proportion to the albedos in the brightest lines.
 struct MetallicRoughnessChoice {
-  double base = 1;      ///< of the diffuse lobe
-  double multiple = 0;  ///< of cosθ/π inside the glossy lobe
+  double base = 1;      ///< probability of the diffuse lobe
+  double multiple = 0;  ///< probability of drawing by cosθ/π inside the glossy lobe
 };
 
 inline MetallicRoughnessChoice choose(const MetallicRoughnessBsdf& b, const MicrofacetAlbedo::Value& albedo) {
@@ -110,7 +110,7 @@ inline double pdf(const MetallicRoughnessBsdf& b, Vec3 outgoing, Vec3 incoming, 
   return b.is_smooth() ? 0 : (1 - choice.base) * pdf_reflection(b.rough, o, i, choice.multiple);
 }
 
-/// The way of a smooth coat or metal, with its whole weight. Its phase is π: that of air to a denser medium.
+/// The branch of a smooth coat or metal, with its full weight. Its phase is π: reflection off a denser medium.
 inline SpecularBranches branches(const MetallicRoughnessBsdf& b, Vec3 outgoing) {
   if (!b.is_smooth()) return {};
   const Vec3 normal = facing_normal(b.normal, outgoing), direction = reflect(outgoing, normal);

@@ -5,14 +5,14 @@
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
 
-// Microfacets of the GGX distribution under Smith's model, in the local frame whose z is the normal of the surface.
-// α scales the slopes of the microfacets: half of them (by projected area) are less steep than α. α = roughness².
+// Microfacets of the GGX distribution with Smith's masking, in the local frame whose z is the surface normal.
+// α scales the slopes: half of the microfacets (by projected area) are less steep than α. α = roughness².
 // Walter et al., Microfacet models for refraction, EGSR 2007; Heitz, JCGT 3(2), 2014.
 
 namespace holotrace {
 
-/// Below this α a surface is smooth, with a specular lobe: a glossy one would be about 2α = 0.01° wide, less than what
-/// the pupil of an eye (3 mm) diffracts visible light by.
+/// Below this α a surface is smooth and has a specular lobe. A glossy lobe would be about 2α = 0.01° wide, less than
+/// the diffraction of visible light at the pupil of an eye (3 mm).
 inline constexpr double smooth_alpha = 1e-4;
 
 /// Density of microfacet normals over projected area [1/sr]: ∫D(h)·cosθ_h dω = 1,
@@ -25,23 +25,23 @@ inline double ggx_density(Vec3 h, double alpha) {
   return 1 / (pi * t * t);
 }
 
-/// Smith's Λ of a direction on either side, (−1 + √(1 + α²·tan²θ))/2: hidden area over visible area.
+/// Smith's Λ of a direction on either side, (−1 + √(1 + α²·tan²θ))/2: ratio of hidden area to visible area.
 inline double smith_lambda(Vec3 w, double alpha) {
   const double cosine_squared = w.z * w.z;
   if (cosine_squared == 0) return HUGE_VAL;
   const double x = alpha * alpha * (w.x * w.x + w.y * w.y) / cosine_squared;
-  return 0.5 * x / (1 + std::sqrt(1 + x));  // without the cancellation of −1 + √
+  return 0.5 * x / (1 + std::sqrt(1 + x));  // avoids the cancellation of −1 + √
 }
 
-/// Masking G₁ = 1/(1 + Λ): the part of the microfacets that is seen from a direction.
+/// Masking G₁ = 1/(1 + Λ): the fraction of the microfacets that is visible from a direction.
 inline double smith_masking(Vec3 w, double alpha) { return 1 / (1 + smith_lambda(w, alpha)); }
 
-/// Masking and shadowing of a reflection, G₂ = 1/(1 + Λ_o + Λ_i): heights correlated (Heitz 2014, eq. 99).
+/// Masking and shadowing of a reflection with correlated heights, G₂ = 1/(1 + Λ_o + Λ_i) (Heitz 2014, eq. 99).
 inline double smith_masking_shadowing(Vec3 outgoing, Vec3 incoming, double alpha) {
   return 1 / (1 + smith_lambda(outgoing, alpha) + smith_lambda(incoming, alpha));
 }
 
-/// A microfacet normal h drawn among those seen from `outgoing` (z > 0), with density
+/// Draws a microfacet normal h among those visible from `outgoing` (z > 0), with density
 /// D_o(h) = G₁(o)·max(0, o·h)·D(h)/o.z (Dupuy and Benyoub, Sampling visible GGX normals with spherical
 /// caps, HPG 2023).
 inline Vec3 sample_visible_normal(Vec3 outgoing, double alpha, Vec2 u) {
@@ -51,13 +51,13 @@ inline Vec3 sample_visible_normal(Vec3 outgoing, double alpha, Vec2 u) {
   return normalize({alpha * h.x, alpha * h.y, std::fmax(1e-300, h.z)});
 }
 
-/// The density of sample_visible_normal [1/sr].
+/// Density of sample_visible_normal [1/sr].
 inline double pdf_visible_normal(Vec3 outgoing, Vec3 h, double alpha) {
   return smith_masking(outgoing, alpha) * std::fmax(0, dot(outgoing, h)) * ggx_density(h, alpha) / outgoing.z;
 }
 
-/// The mean of f(h) over the visible microfacet normals h of a viewer, whose azimuths are alike to its left and right.
-/// The rule is of midpoints, in the height with v = 1 − (1 − t)³: what is lost is lost off the few steep microfacets at
+/// The mean of f(h) over the microfacet normals h visible to a viewer; f must be symmetric to its left and right. It is
+/// a midpoint rule. In the height it uses v = 1 − (1 − t)³, because the loss comes from the few steep microfacets at
 /// v near 1.
 template <int azimuths, class Function>
 auto mean_over_visible_normals(Vec3 outgoing, double alpha, const Function& f) {

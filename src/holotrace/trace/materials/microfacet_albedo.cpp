@@ -9,7 +9,7 @@ namespace {
 
 using Table = MicrofacetAlbedoTable;
 
-/// Means over the visible microfacet normals: of the weight G₂/G₁ of sampling them, and of that times (1 − o·h)⁵.
+/// Means over the visible microfacet normals of two quantities: the sampling weight G₂/G₁, and this times (1 − o·h)⁵.
 Table::Entry integrate(double cosine, double alpha) {
   const Vec3 outgoing{std::sqrt(1 - cosine * cosine), 0, cosine};
   const double masking = smith_masking(outgoing, alpha);

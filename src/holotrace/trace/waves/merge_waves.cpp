@@ -7,7 +7,7 @@ namespace holotrace {
 
 namespace {
 
-/// The amplitude of two waves' light together.
+/// The amplitude of the summed power of two waves.
 float add_light(float a, float b) { return float(std::sqrt(double(a) * a + double(b) * b)); }
 
 }  // namespace

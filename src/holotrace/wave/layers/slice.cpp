@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-// Indices from the farthest depth to the nearest; the same order for the same depths.
+// Indices from the largest depth to the smallest; equal depths always give the same order.
 std::vector<uint32_t> from_far_to_near(const std::vector<double>& depths) {
   std::vector<uint32_t> order(depths.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -35,11 +35,11 @@ DepthSlices slice_in_order(const std::vector<double>& depths, const std::vector<
   return result;
 }
 
-// The pixels [low, high] of an axis, centred on the axis at 0, that a box around `at` lights.
+// The lit interval [low, high] along an axis, from the panel's centre [m], for a wave at `at`.
 struct Lit {
   double low, high;
   double length() const { return std::max(0.0, high - low); }
-  // ∫ (x − at)ⁿ dx over it
+  // ∫ (x − at)ⁿ dx over the interval
   double moment(double at, int n) const { return (std::pow(high - at, n + 1) - std::pow(low - at, n + 1)) / (n + 1); }
 };
 
@@ -64,7 +64,7 @@ DepthSlices slice_depths_into(const std::vector<double>& depths, int count) {
   DepthSlices best = slice_in_order(depths, order, low);
   if (int(best.slices.size()) <= count) return best;
   best = slice_in_order(depths, order, high);
-  for (int round = 0; round < 50; ++round) {  // halves a range of any size to a double's last bit
+  for (int round = 0; round < 50; ++round) {  // 50 halvings take any range to the last bit of a double
     const double middle = (low + high) / 2;
     DepthSlices found = slice_in_order(depths, order, middle);
     if (int(found.slices.size()) <= count) {
@@ -90,7 +90,7 @@ double depth_error_per_metre(double x, double y, double depth, const Grid& panel
 
 SlicedSources slice_sources(const Sources& sources, const Grid& panel, int slices, double tolerance) {
   require(slices >= 0, "expected 0 slices (as many as the tolerance needs) or more, got {}", slices);
-  // Of the waves that light the panel: depth, energy on the panel, and error per metre.
+  // For the waves that light the panel: depth, energy on the panel, and error per metre.
   std::vector<uint32_t> waves;
   std::vector<double> depths, energies, errors;
   SlicedSources result;

@@ -1,4 +1,4 @@
-// Layers of waves: sum_layers and make_layers of Sources.
+// Layers of waves: sum_layers and make_layers for Sources.
 
 #include <algorithm>
 #include <cmath>
@@ -22,11 +22,11 @@ namespace {
 
 using Complex = std::complex<float>;
 
-// Shares of the tolerance: moved depths make most of the error.
+// Shares of the tolerance: moving the depths causes most of the error.
 constexpr double depth_share = 0.8, spread_share = 0.1;
 constexpr size_t many_slices = 1000;
 
-// All that is known before the first slice is summed.
+// Everything that is computed before the first slice is summed.
 struct Plan {
   SlicedSources sliced;
   std::vector<PlannedSlice> slices;
@@ -109,7 +109,7 @@ Plan make_plan(const Sources& sources, const Grid& grid, const SynthesizeParams&
   return plan;
 }
 
-// The waves of a slice as points with i·a·exp(i(k·d + φ)): the phase at the panel on the wave's axis.
+// The waves of a slice as points of strength i·a·exp(i(k·d + φ)), which holds the phase at the panel on the axis.
 std::vector<PointOnSlice> points_of(const DepthSlice& slice, const Sources& sources, const Grid& grid) {
   std::vector<PointOnSlice> points;
   points.reserve(slice.members.size());
@@ -122,7 +122,7 @@ std::vector<PointOnSlice> points_of(const DepthSlice& slice, const Sources& sour
   return points;
 }
 
-// Radii of the discs that hide, of all waves in the order of the slices' members.
+// Radii of the hiding discs of all waves, per slice, in the order of the slice's members.
 std::vector<std::vector<double>> radii_of(const DepthSlices& depth, const Sources& sources, const Grid& grid) {
   std::vector<PointOnSlice> points;
   std::vector<double> depths;
@@ -151,7 +151,7 @@ AxisWeights weights_of(const Taper& taper, double depth, double wavelength, doub
   return weights;
 }
 
-// Adds a slice of points, `distance` before the plane of the spectrum.
+// Adds a slice of points; its light travels `distance` to the plane of the spectrum.
 void add_points(LayerSpectrum& spectrum, const std::vector<PointOnSlice>& points, const PlannedSlice& slice,
                 const Plan& plan, double distance) {
   const double pitch = spectrum.panel.pitch, width = spectrum.nx * pitch, height = spectrum.ny * pitch;
@@ -202,7 +202,7 @@ Layers make_layers(const Sources& sources, const Grid& grid, const SynthesizePar
   const double samples = double(w.nx) * w.ny;
   require_memory(double(plan.slices.size()) * samples * (params.has_silhouettes ? 12 : 8),
                  fmt::format("{} slices of {} × {} samples", plan.slices.size(), w.nx, w.ny));
-  // The window as a raster around the panel: its samples (0, 0) to (nx − 1, ny − 1), those left and above wrapped.
+  // The window as a raster around the panel: samples (0, 0) to (nx − 1, ny − 1); what lies left or above wraps around.
   const int left = (w.nx - grid.nx) / 2, top = (w.ny - grid.ny) / 2;
   Grid raster{w.nx, w.ny, grid.pitch};
   raster.centre_x = grid.x(0) + ((w.nx - 1) / 2.0 - left) * grid.pitch;

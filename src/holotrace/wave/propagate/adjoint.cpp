@@ -44,7 +44,7 @@ template <class Real>
 void filter_transfer(Propagator<Real>& p, const std::function<double(double)>& along_x,
                      const std::function<double(double)>& along_y) {
   require_lattice(p.is_on_lattice());
-  // A column holds the frequencies of y part by part: k of part k modulo parts, at k/parts.
+  // A column stores the frequencies of y part by part: frequency k is in part k modulo parts, at index k/parts.
   std::vector<Real> of_column(size_t(p.transfer.nx));
   for (int bin = 0; bin < p.y.padded; ++bin)
     of_column[size_t(bin % p.y.parts * p.y.part_length() + bin / p.y.parts)] =

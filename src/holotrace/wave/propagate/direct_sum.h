@@ -7,12 +7,12 @@
 
 namespace holotrace {
 
-/// The first Rayleigh–Sommerfeld integral summed sample by sample, at any points: the slow twin that the
+/// The first Rayleigh–Sommerfeld integral at any points, summed sample by sample: the slow exact reference that the
 /// fast propagators are tested against.
 ///
 ///     U(p) = Σ h(p − p′)·u(p′)·pitch²,   h as rayleigh_sommerfeld_kernel
 ///
-/// @param points  where the light is wanted, z relative to the field's plane, of either sign [m]
+/// @param points  points at which to evaluate the field, z relative to the field's plane, of either sign [m]
 /// @return        complex amplitude at each point [√(W/m²)]
 ///
 /// Cost: samples × points square roots, sines and cosines.

@@ -14,18 +14,19 @@
 
 namespace holotrace {
 
-/// The places along an axis where a kernel is sampled, in the order of a transform, and what it is multiplied by there.
+/// Positions along an axis at which a kernel is sampled, in the order of the transform, and the weights there.
 struct KernelSamples {
   std::vector<double> place, weight;
 
   int size() const { return int(place.size()); }
 };
 
-/// On a lattice all offsets from sample to sample, elsewhere a period around them, tapered past those that count.
+/// On a lattice all offsets from sample to sample. Elsewhere a period around them, tapered beyond the offsets in use.
 KernelSamples kernel_samples(const PropagationAxis& axis);
 
-/// A forward transform of kernel(x, y) over the samples of both axes. Calls store(slot, column) for each slot of x,
-/// with the frequencies of y as the transform orders them. Kernels that are even along an axis are read on half of it.
+/// Forward transform of kernel(x, y) over the samples of both axes. Calls store(slot, column) for each slot of x; the
+/// column holds the frequencies of y in the transform's order. A kernel that is even along an axis is sampled on half
+/// of it.
 template <class Kernel, class Store>
 void transform_kernel(const PropagationAxis& x, const PropagationAxis& y, const Kernel& kernel, const Store& store) {
   using Complex = std::complex<double>;
@@ -33,7 +34,7 @@ void transform_kernel(const PropagationAxis& x, const PropagationAxis& y, const 
   const int nx = across.size(), ny = down.size(), slots = x.slots(), rows = y.is_even ? ny / 2 + 1 : ny;
   const Fft<double> along_x(nx, FftDirection::forward), along_y(ny, FftDirection::forward);
   LargeBuffer<Complex> turned(size_t(slots) * size_t(rows));  // [slot][row]
-  constexpr int group = 8;                                    // rows at once, for whole cache lines
+  constexpr int group = 8;                                    // rows per group, for whole cache lines
   parallel_for(0, (rows + group - 1) / group, [&](int64_t g) {
     const int first = int(g) * group, count = std::min(group, rows - first);
     AlignedVector<Complex> lines(size_t(nx) * group);

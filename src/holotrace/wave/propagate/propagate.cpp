@@ -7,7 +7,7 @@
 namespace holotrace {
 namespace {
 
-// The samples of the field on another window that lies on its lattice, dark where it has none.
+// The samples of the field on another window of the same lattice; 0 where the field has no sample.
 template <class Real>
 BasicField<Real> on_window(const BasicField<Real>& field, const Grid& window, int shift_x, int shift_y) {
   BasicField<Real> out(window, field.wavelength, field.z);

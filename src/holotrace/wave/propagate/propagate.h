@@ -7,7 +7,7 @@
 
 namespace holotrace {
 
-/// The field `distance` [m] further along z, of either sign: free space in the scalar theory, by the
+/// The field after propagation over `distance` [m] along z, of either sign: free space in the scalar theory, by the
 /// method that the parameters name. For many fields over one distance, use a Propagator.
 ///
 /// @return        complex amplitude on the output window [√(W/m²)], at z + distance

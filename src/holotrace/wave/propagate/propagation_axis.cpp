@@ -13,7 +13,7 @@
 namespace holotrace {
 namespace {
 
-// Places closer than this part of a pitch are the same: a fringe at Nyquist turns by 3e-11 of a cycle there.
+// Positions closer than this fraction of a pitch count as equal: a Nyquist fringe turns by 3e-11 of a cycle there.
 constexpr double same_place = 1e-11;
 
 PropagationAxis make_axis(const char* name, int inputs, int outputs, double input_pitch, double output_pitch,
@@ -56,7 +56,7 @@ struct Band {
   double first, last;
 };
 
-// Of the light that goes from some input to some output sample: between hard edges, those of the period.
+// Frequencies whose light goes from some input to some output sample; wider, up to the offsets of a whole period.
 Band band_of(const PropagationAxis& a, int padded, bool is_paraxial) {
   const double half = padded * a.input_pitch / 2, nyquist = 1 / a.input_pitch;
   if (a.z == 0) return std::abs(a.middle()) > half ? Band{1, -1} : Band{-nyquist, nyquist};
@@ -70,11 +70,12 @@ struct Taper {
   BandEdge edge;
 };
 
-// A smooth edge on one side of the offsets that count, x: over the width W the frequency must pass `widths` deviations
-// s on either side of the edge, and the edge's own light, which is spread by 1/2πs, must stay as many away from x.
+// A smooth band edge beyond the outermost offset x. Light of the taper's frequencies moves past x by up to the width W.
+// Both halves of the rise must span `widths` deviations s of the edge, and the edge's own spread in space, 1/2πs, must
+// stay `widths` times that away from x.
 Taper taper_beyond(const PropagationAxis& a, double x, double sign, bool is_paraxial, double widths) {
   const auto frequency = [&](double beyond) { return sign * frequency_at(a, x + sign * beyond, is_paraxial); };
-  if (a.z == 0 || frequency(0) >= 1 / (2 * a.input_pitch)) return {};  // the samples' own band ends before
+  if (a.z == 0 || frequency(0) >= 1 / (2 * a.input_pitch)) return {};  // the samples' own band ends first
   const double most = 2 * (a.farthest() - a.nearest() + a.input_pitch);
   const auto has_room = [&](double width) {
     const double rise = std::min(frequency(width) - frequency(width / 2), frequency(width / 2) - frequency(0));
@@ -85,7 +86,7 @@ Taper taper_beyond(const PropagationAxis& a, double x, double sign, bool is_para
   return {width, {sign * frequency(width / 2), widths / (pi * width)}};
 }
 
-// With fewer samples than this the band's edge, which rings, is all there is.
+// With fewer than 16 samples in the band, the ringing of its edges dominates the result.
 bool holds_angular_spectrum(const PropagationAxis& a) {
   if (std::abs(a.z) <= critical(a)) return true;
   const int padded = least_period(a);
@@ -93,7 +94,7 @@ bool holds_angular_spectrum(const PropagationAxis& a) {
   return std::min((band.last - band.first) * padded * a.input_pitch, double(padded)) >= 16;
 }
 
-// Mean side of the input and output windows that makes it sixteen: (window/λz)·window/2 samples, times 2.
+// Mean side of the input and output windows that gives 16 samples: (window/λz)·window/2 samples, times 2.
 double window_needed(const PropagationAxis& a) { return std::sqrt(4 * a.wavelength * std::abs(a.z)); }
 
 // The pitch at which the Rayleigh–Sommerfeld kernel is sampled well over the windows.
@@ -109,7 +110,7 @@ std::string explain(const PropagationAxis& x, const PropagationAxis& y, double z
       wide.name);
 }
 
-// A method named by the user must suit the distance, or say what would.
+// Checks that a method chosen by the user suits the distance; the error or warning says what would.
 void check_method(PropagationMethod method, const PropagationAxis& x, const PropagationAxis& y,
                   const Observer& observer) {
   const double farthest = std::max(critical(x), critical(y)), z = std::abs(x.z);
@@ -139,8 +140,8 @@ void check_method(PropagationMethod method, const PropagationAxis& x, const Prop
                   format_length(z), format_length(farthest), format_length(pitch)));
 }
 
-// A period that the output's pitch divides as well, if the pitches are as small numbers: plain transforms then make
-// the output, and no chirps.
+// A period that is also a multiple of the output's pitch, if the pitches have a ratio of small integers. Plain
+// transforms then give the output, without chirps.
 int common_period(const PropagationAxis& a, int samples) {
   for (int n = 1; n <= 8; ++n) {
     const double m = a.output_pitch / a.input_pitch * n;
@@ -151,7 +152,7 @@ int common_period(const PropagationAxis& a, int samples) {
   return fft_good_length(samples);
 }
 
-// The frequencies of a band, as far as the samples hold them.
+// Restricts the frequencies to a band, as far as the samples can represent it.
 void hold(PropagationAxis& a, Band band) {
   a.first = int(std::ceil(std::max(band.first * a.period(), -double(a.padded / 2))));
   a.last = int(std::floor(std::min(band.last * a.period(), double((a.padded - 1) / 2))));
@@ -192,12 +193,12 @@ void sample_spectrum(PropagationAxis& a, bool is_paraxial, double widths) {
   hold(a, band);
 }
 
-// The kernel's own frequencies over the offsets that count and the taper beyond them. A Gaussian edge of standard
-// deviation s falls off over `widths`·s in space and widths/2πs in frequency: the taper that makes period × band least.
+// Takes the kernel's own frequencies over the offsets in use and over the taper beyond them. A Gaussian edge of
+// standard deviation s falls off over `widths`·s in space and widths/2πs in frequency. The taper minimizes period·band.
 void sample_kernel(PropagationAxis& a, bool is_paraxial, double widths) {
   const double span = a.farthest() - a.nearest();
   const auto frequency = [&](double x) { return frequency_at(a, x, is_paraxial); };
-  const double product = widths * widths / pi;  // of the taper's width and its frequencies
+  const double product = widths * widths / pi;  // product of the taper's width and its bandwidth
   const double band = std::max(frequency(a.farthest()) - frequency(a.nearest()), product / (span + a.input_pitch));
   a.taper = std::sqrt(product * (span + a.input_pitch) / band);
   a.edge = a.taper / (2 * widths);

@@ -10,7 +10,7 @@ namespace holotrace {
 
 /// Transfer function of free space over z [m] at the spatial frequency (u, v) [1/m]:
 ///
-///     H = exp(i2πz·√(λ⁻² − u² − v²));   evanescent waves decay by |z|, for either sign of z
+///     H = exp(i2πz·√(λ⁻² − u² − v²));   evanescent waves decay with |z|, for either sign of z
 ///
 /// @param start_cycles  cycle_fraction(z, λ): the axial phase, reduced once
 inline std::complex<double> angular_spectrum_transfer(double u, double v, double wavelength, double z,
@@ -33,8 +33,8 @@ inline std::complex<double> rayleigh_sommerfeld_kernel(double rho2, double wavel
   return z < 0 ? std::conj(h) : h;
 }
 
-/// Distance z* up to which the padded angular spectrum holds the whole Nyquist band of a pitch, and from
-/// which the Rayleigh–Sommerfeld kernel does: S·√((2p/λ)² − 1), S the largest offset between the windows.
+/// Distance z* = S·√((2p/λ)² − 1), S the largest offset between the windows. Up to z* the padded angular spectrum
+/// represents the whole Nyquist band of the pitch p; from z* on the Rayleigh–Sommerfeld kernel does.
 inline double critical_distance(double offset, double wavelength, double pitch) {
   const double ratio = 2 * pitch / wavelength;
   return ratio > 1 ? offset * std::sqrt(ratio * ratio - 1) : 0;

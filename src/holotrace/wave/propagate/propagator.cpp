@@ -15,11 +15,11 @@
 namespace holotrace {
 namespace {
 
-// Standard deviations of a tapered kernel's edge: 1e-11 of its light is beyond in double, 1e-6 in float.
+// Width of a tapered kernel's edge in standard deviations: 1e-11 of its light lies beyond in double, 1e-6 in float.
 template <class Real>
 constexpr double edge_widths = sizeof(Real) == sizeof(double) ? 7 : 5;
 
-// Windows, axes and method: all but the transfer function.
+// Sets windows, axes and method: everything but the transfer function.
 template <class Real>
 Propagator<Real> plan(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
                       const Observer& observer) {
@@ -34,8 +34,8 @@ Propagator<Real> plan(const Grid& grid, double wavelength, double distance, cons
   p.x = make_axis_x(p.input, p.output, wavelength, distance);
   p.y = make_axis_y(p.input, p.output, wavelength, distance);
   if (params.is_periodic) {
-    // A window that repeats has a spectrum of lines at the frequencies of the DFT: the transfer function there is all
-    // there is to know, without padding or band limit.
+    // A window that repeats has a spectrum of lines at the frequencies of the DFT. The transfer function at these
+    // frequencies is exact, without padding or band limit.
     require(params.method == PropagationMethod::automatic || params.method == PropagationMethod::angular_spectrum,
             "expected the method angular-spectrum for a periodic window, got {}", method_name(params.method));
     p.method = PropagationMethod::angular_spectrum;
@@ -77,7 +77,7 @@ Grid propagation_output(const Grid& input, const PropagateParams& params) {
   check_ranges(params);
   Grid out{params.columns > 0 ? params.columns : input.nx, params.rows > 0 ? params.rows : input.ny, input.pitch,
            params.centre_x, params.centre_y};
-  // A pitch that was written in another unit is the input's all the same.
+  // A pitch that was written in another unit still counts as the input's.
   if (params.pitch > 0 && std::abs(params.pitch - input.pitch) > 1e-13 * input.pitch) out.pitch = params.pitch;
   return out;
 }

@@ -8,58 +8,58 @@
 
 namespace holotrace {
 
-/// Free space between two parallel windows, made ready for any number of fields: a linear convolution by FFT,
-/// zero-padded so that nothing wraps around; or, where the window repeats, the cyclic one.
+/// Propagation through free space between two parallel windows, prepared for any number of fields. It is a linear
+/// convolution by FFT, zero-padded so that nothing wraps around, or a cyclic convolution if the window repeats.
 ///
-/// Windows of one pitch, wherever they lie, take the way of wave/propagate/convolve.h, all others that of
+/// Windows of one pitch, wherever they lie, use wave/propagate/convolve.h; all others use
 /// wave/propagate/window_transform.h.
 template <class Real>
 struct Propagator {
   Grid input, output;
   double wavelength = 0, distance = 0;
-  PropagationMethod method = PropagationMethod::automatic;  ///< the one in use, never automatic
+  PropagationMethod method = PropagationMethod::automatic;  ///< the method in use, never automatic
   PropagationAxis x, y;
   int padded_nx = 0, padded_ny = 0;  ///< input samples in a period
 
-  /// Transfer function, a row per slot of x. Its columns are the frequencies of y: on a lattice all of the period,
-  /// part by part, else first … last.
+  /// Transfer function, one row per slot of x. Its columns are the frequencies of y: on a lattice the whole period,
+  /// part by part; else first … last.
   Array2D<std::complex<Real>> transfer;
 
   bool is_on_lattice() const { return x.is_on_lattice() && y.is_on_lattice(); }
   double bytes() const { return double(transfer.size()) * sizeof(std::complex<Real>); }
 };
 
-/// The window that the parameters ask for: its columns, rows and pitch the input's where they are 0.
+/// The output window that the parameters ask for. Columns, rows or pitch of 0 mean those of the input.
 /// @throws Error  for a size or pitch below 0, or a centre that is not finite
 Grid propagation_output(const Grid& input, const PropagateParams& params);
 
 /// Prepares the propagation over `distance` [m] (either sign, or 0) of fields on `grid` to a parallel window of any
 /// size, pitch and centre.
 ///
-/// `auto` takes Rayleigh–Sommerfeld where its kernel is sampled well over both windows, z ≥ z*, and else the angular
-/// spectrum with Matsushima's band limit, whose loss leaves the window anyway. Rayleigh–Sommerfeld is the direct sum
-/// Σ h(p − p′)·u(p′)·pitch² of any samples, to rounding at one pitch, to 1e-10 (float: 1e-6) at others. The angular
-/// spectrum is the same to 1e-9 for fields that are limited in space and band.
+/// `auto` uses Rayleigh–Sommerfeld where its kernel is sampled well over both windows, z ≥ z*. Otherwise it uses the
+/// angular spectrum with Matsushima's band limit, which drops only light that leaves the window. Rayleigh–Sommerfeld is
+/// the direct sum Σ h(p − p′)·u(p′)·pitch² for any samples: to rounding at one pitch, to 1e-10 (float: 1e-6) at others.
+/// The angular spectrum agrees with it to 1e-9 for fields that are limited in space and band.
 ///
 /// @throws Error  for a distance that is not finite, or that no method (or not the one named) can sample, naming the
 ///                window or pitch needed; for a window that no light of the input's band reaches; and as
 ///                propagation_output does
 ///
-/// Memory at its peak, here or in propagate, with S complex samples of Real, of padded windows X × Y (about the sum of
-/// both sides): on a lattice X·Y/2·S for the transfer function (twice that off the axis), max(rows)·X/2·S for the
-/// spectrum; Rayleigh–Sommerfeld makes its kernel in 16·(X/2)·(Y/2) bytes (four times that off the axis). Other
-/// pitches: K_x·K_y·S, (rows in + rows out)·K_x·S and 16·K_x·K_y, K the frequencies that go from window to window.
+/// Memory at its peak, here or in propagate, for S bytes per complex sample of Real and padded windows of X × Y samples
+/// (about the sum of both sides). On a lattice: X·Y/2·S for the transfer function (twice that off the axis) and
+/// max(rows)·X/2·S for the spectrum; making a Rayleigh–Sommerfeld kernel takes 16·(X/2)·(Y/2) bytes (four times off the
+/// axis). Other pitches, with K frequencies in use: K_x·K_y·S, (rows in + rows out)·K_x·S and 16·K_x·K_y.
 template <class Real>
 Propagator<Real> make_propagator(const Grid& grid, double wavelength, double distance,
                                  const PropagateParams& params = {}, const Observer& observer = {});
 
-/// Bytes that a propagation takes at its peak: its transfer function, what makes it, and a field on its way, without
-/// the field that comes in.
+/// Bytes that a propagation needs at its peak: transfer function, work space, and the field in transit; the input field
+/// does not count.
 double propagation_bytes(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
                          size_t bytes_per_real);
 
-/// The field at the other end of the propagator.
-/// @throws Error  if the field's grid or wavelength is not the propagator's
+/// The field at the output window of the propagator.
+/// @throws Error  if the field's grid or wavelength differs from the propagator's
 template <class Real>
 BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>& propagator,
                            const Observer& observer = {});

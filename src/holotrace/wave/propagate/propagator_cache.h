@@ -6,16 +6,16 @@
 
 namespace holotrace {
 
-/// The propagator that make_propagator makes of the same arguments, kept for the next who asks: the frames of a job
-/// share one for each wavelength and distance. Facts and warnings are told every time. May be called from any thread.
+/// The propagator that make_propagator makes of the same arguments, kept for reuse: the frames of a job share one for
+/// each wavelength and distance. Facts and warnings are reported on every call. May be called from any thread.
 ///
-/// Those used last are kept, propagator_cache_bytes of them for each precision; one larger than that is not.
+/// Keeps the most recently used ones, up to propagator_cache_bytes for each precision. A larger one is not kept.
 /// @throws Error  as make_propagator does
 template <class Real>
 std::shared_ptr<const Propagator<Real>> cached_propagator(const Grid& grid, double wavelength, double distance,
                                                           const PropagateParams& params, const Observer& observer = {});
 
-/// Bytes of transfer functions that are kept for each precision at most: 512 MiB, or a sixteenth of the memory.
+/// Limit of the transfer functions kept for each precision [bytes]: 512 MiB, or a sixteenth of the memory.
 double propagator_cache_bytes();
 
 }  // namespace holotrace

@@ -10,9 +10,9 @@
 namespace holotrace {
 namespace {
 
-// As FFTW's plans, the rates are the machine's and not the caller's: one place for the life of the program.
+// The rates belong to the machine and not to the caller, as FFTW's plans do: one instance for the whole program.
 struct Machine {
-  std::recursive_mutex mutex;  // a measurement may itself sum waves, and ask
+  std::recursive_mutex mutex;  // recursive: a measurement may itself sum waves and ask for the rates
   std::function<SummationRates()> measure;
   std::optional<SummationRates> rates;
 };

@@ -6,28 +6,28 @@
 
 namespace holotrace {
 
-/// Seconds that a summation should take:
+/// Seconds that a summation is expected to take:
 ///
 ///     t = Σ over kinds of work of count / (rate · threads)
 ///
-/// @param rates    of one thread
-/// @param threads  that share the work, ≥ 1
-/// @return         infinite for work of a kind that this machine has no rate for
+/// @param rates    rates of one thread
+/// @param threads  threads that share the work, ≥ 1
+/// @return         seconds; infinite for a kind of work that this machine has no rate for
 ///
-/// Linear: it knows nothing of caches, of memory that threads share, or of tiles left over for the last thread. Good
-/// to some 30 %, which is what a choice between methods needs.
+/// The model is linear: it ignores caches, memory bandwidth that threads share, and tiles left over for the last
+/// thread. It is accurate to some 30 %, which is enough to choose a method.
 double predict_seconds(const SummationWork& work, const SummationRates& rates, int threads);
 
-/// 5·N·log₂N: the operations by which a transform of N samples is counted (Frigo and Johnson, 2005).
+/// 5·N·log₂N: the usual count of operations for a transform of N samples (Frigo and Johnson, 2005).
 double fft_operations(double samples);
 
-/// Where the rates of this machine come from: called once, when a method is to be chosen for the first time. It should
-/// give the same rates on every run, or the choice, and with it the last bits of the field, could change from one run
-/// to the next. Without it, and for what it sums itself, the default rates are taken.
+/// Sets the source of this machine's rates. `measure` is called once, when a method is first chosen. It should give the
+/// same rates on every run; otherwise the choice, and with it the last bits of the field, could change between runs.
+/// Without it, and for sums made by `measure` itself, the default rates are used.
 void set_summation_rates(std::function<SummationRates()> measure);
 
-/// The rates of one thread of this machine, by what set_summation_rates was given; kept for the life of the program.
-/// They do not depend on the threads in use: nor may the choice of a method.
+/// Rates of one thread of this machine, as measured by the function of set_summation_rates; kept while the program
+/// runs. They do not depend on the number of threads in use, because the choice of a method must not.
 SummationRates summation_rates();
 
 }  // namespace holotrace

@@ -9,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// Coefficients of the polynomial in s ∈ [−½, ½] that meets f at the Chebyshev points, by divided differences.
+// Coefficients of the polynomial in s ∈ [−½, ½] that equals f at the Chebyshev points, by divided differences.
 template <class Function>
 std::vector<double> interpolate(const Function& f, int degree) {
   std::vector<double> points(size_t(degree) + 1), differences(size_t(degree) + 1);
@@ -46,7 +46,7 @@ double SemicircleKernel::value(double x) const {
 }
 
 double SemicircleKernel::moment(int n, double xi) const {
-  // With x = (w/2)·sin θ the integrand is smooth, and small at the ends: the midpoint rule converges fast.
+  // With x = (w/2)·sin θ the integrand is smooth and small at the ends, so the midpoint rule converges fast.
   constexpr int points = 200;
   double sum = 0;
   for (int i = 0; i < points; ++i) {
@@ -62,7 +62,7 @@ double gridding_error(int width) {
   constexpr int outputs = 32, fractions = 16;
   double error = 0;
   for (int i = 0; i < outputs; ++i) {
-    const double xi = ((i + 0.5) / outputs - 0.5) / 2, scale = 1 / kernel.transform(xi);  // half of the FFT's outputs
+    const double xi = ((i + 0.5) / outputs - 0.5) / 2, scale = 1 / kernel.transform(xi);  // middle half of the outputs
     for (int j = 0; j < fractions; ++j) {
       const double t = (j + 0.5) / fractions;
       std::complex<double> sum = 0;

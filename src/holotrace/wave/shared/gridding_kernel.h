@@ -12,24 +12,24 @@ namespace holotrace {
 ///
 struct SemicircleKernel {
   int width = 0;    ///< w [cells]
-  double beta = 0;  ///< for a grid σ times as fine as needed, some 0.97π·w(1 − 1/2σ)
+  double beta = 0;  ///< β, about 0.97π·w(1 − 1/2σ) for a grid σ times as fine as needed
 
   double value(double x) const;
 
-  /// ∫xⁿφ(x)·exp(2πiξx)dx, of which the even moments are real and the odd ones i times what is given; ξ in cycles per
-  /// cell.
+  /// ∫xⁿφ(x)·exp(2πiξx)dx, with ξ in cycles per cell. Even moments are real; odd ones are i times the value that is
+  /// returned.
   double moment(int n, double xi) const;
 };
 
 /// Spreads a plane wave of any frequency over the `width` nearest frequencies of a grid, so that an FFT of the grid
-/// evaluates it: that kernel with β = 2.30·w, for a grid twice as fine as the FFT's outputs need. Its error falls about
-/// tenfold per cell of width.
+/// evaluates it. It is SemicircleKernel with β = 2.30·w, for a grid twice as fine as the FFT's outputs need. Its error
+/// falls about tenfold for each added cell of width.
 class GriddingKernel {
  public:
   static constexpr int greatest_width = 8;
   static constexpr int degree = 11;
 
-  /// @param width  cells, 2 … 8
+  /// @param width  width in cells, 2 … 8
   explicit GriddingKernel(int width);
 
   int width() const { return kernel_.width; }
@@ -48,7 +48,7 @@ class GriddingKernel {
   std::vector<float> coefficients_;
 };
 
-/// Relative L2 error of a plane wave in one axis, over the outputs that are used: measured.
+/// Relative L2 error of a plane wave along one axis, over the outputs that are used. The values are measured.
 double gridding_error(int width);
 
 }  // namespace holotrace

@@ -8,7 +8,7 @@
 
 namespace holotrace {
 
-/// Numbers to draw waves by: the running sums of their weights, scaled to end at 1.
+/// Draws waves at random, with probability proportional to a weight, from the running sums of the weights.
 class WaveDraw {
  public:
   template <class Weight>
@@ -27,21 +27,21 @@ class WaveDraw {
   std::vector<double> sums_;
 };
 
-/// About the energy that a wave brings to the panel, in units of the pixel's area.
+/// Approximate energy that a wave brings to the panel [W/m² times the pixel's area].
 inline double energy_of(const PreparedWave& w) { return w.amplitude * w.amplitude * double(w.box.pixels()); }
 
 inline double nearness_of(const PreparedWave& w) { return energy_of(w) / (w.depth * w.depth); }
 
-/// A pixel that a wave lights. An energy there over the density is an estimate of the energy of all waves everywhere.
+/// A pixel that a wave lights. The sum of energy/density over drawn pixels estimates the energy of all waves.
 struct DrawnPixel {
   PreparedWave wave;
   int column, row;
   double density;
 };
 
-/// 8192 pixels of the waves' boxes, drawn from a fixed seed. Half of the draws go to waves by their energy, half by
-/// their energy over depth squared, which near waves with their greater errors have most of: a few near waves among
-/// many far ones are found. None for waves without light.
+/// 8192 pixels of the waves' boxes, drawn from a fixed seed. Half of the draws choose waves by their energy. The other
+/// half choose by energy over depth squared, which favours near waves: their errors are larger, and even a few of them
+/// among many far ones are then found. Empty if the waves have no light.
 inline std::vector<DrawnPixel> draw_pixels(const std::vector<PreparedWave>& waves) {
   constexpr int draws = 8192;
   std::vector<DrawnPixel> pixels;

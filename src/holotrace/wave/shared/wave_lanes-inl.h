@@ -18,12 +18,12 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// exp(2πi·c) of `cycles` c, |c| < 2^21, within 2e-7: half turns are split off as signs, the rest is in ±1/4 of a
-/// cycle, where least-maximum polynomials in c² hold a float's precision.
+/// exp(2πi·c) of `cycles` c, |c| < 2^21, within 2e-7. Half turns are split off as signs; the rest is in ±1/4 of a
+/// cycle, where minimax polynomials in c² reach the precision of a float.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void cis_lanes(D d, V cycles, V& re, V& im) {
   const hn::RebindToUnsigned<D> du;
-  // Adding 1.5·2²³ rounds to whole numbers, whose last bit ends up as the last bit of the sum.
+  // Adding 1.5·2²³ rounds to a whole number; its last bit becomes the last bit of the sum.
   const V magic = hn::Set(d, 12582912.0f);
   const V rounded = hn::MulAdd(cycles, hn::Set(d, 2.0f), magic);
   const V halves = hn::Sub(rounded, magic);
@@ -43,7 +43,8 @@ HWY_INLINE void cis_lanes(D d, V cycles, V& re, V& im) {
 }
 
 /// One axis of a wave. For an offset u from the tile's centre and the source's distance x along that axis,
-/// t = u(2x + u)/r₀² gives r = r₀√(1+t). Of that: (r − r₀)/r₀ without cancellation, and r₀/r.
+/// t = u(2x + u)/r₀² gives r = r₀√(1+t). Computed are (r − r₀)/r₀ without cancellation, and r₀/r, by a series of two
+/// or three terms where `series_for` allows it.
 enum class Series { none, long_series, short_series };
 
 template <Series series, class D, class V = hn::Vec<D>>
@@ -62,7 +63,8 @@ HWY_INLINE void growth(D d, V t, V& beyond, V& modulus) {
   }
 }
 
-/// The terms left out, t³/16 or 5t⁴/128 of r₀/λ cycles and 3t²/8 or 35t⁴/128 of the modulus, stay below 10⁻⁶.
+/// The shortest series that suffices: the terms left out, t³/16 or 5t⁴/128 of r₀/λ cycles and 3t²/8 or 35t⁴/128 of
+/// the modulus, stay below 10⁻⁶.
 inline Series series_for(float t, float r0_over_wavelength) {
   const float t2 = t * t;
   if (t2 * t * r0_over_wavelength < 1.6e-5f && t2 < 2.6e-6f) return Series::short_series;
@@ -70,7 +72,7 @@ inline Series series_for(float t, float r0_over_wavelength) {
   return Series::none;
 }
 
-/// Calls `work` with the series as a constant.
+/// Calls `work` with the series as a compile-time constant.
 template <class Work>
 inline void call_with(Series series, const Work& work) {
   if (series == Series::short_series) work(std::integral_constant<Series, Series::short_series>());

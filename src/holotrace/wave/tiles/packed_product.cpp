@@ -28,8 +28,8 @@ std::string packed_unit_name() {
 #ifdef HOLOTRACE_HAS_PACKED_PRODUCTS
 namespace {
 
-// Registers of AMX: sums 0–3 (two by two), rows 4 and 5, columns 6 and 7, each 16 lines of 64 bytes. The compiler does
-// not see that _tile_loadconfig reads it: static memory keeps it from being left out.
+// Registers of AMX: sums 0–3 (two by two), rows 4 and 5, columns 6 and 7, each 16 lines of 64 bytes. Objects of this
+// type must be static: the compiler does not see that _tile_loadconfig reads them, and would drop the stores.
 struct alignas(64) TileConfiguration {
   uint8_t palette = 1, start_row = 0, reserved[14] = {};
   uint16_t bytes[16] = {64, 64, 64, 64, 64, 64, 64, 64};
@@ -37,7 +37,7 @@ struct alignas(64) TileConfiguration {
 };
 
 __attribute__((target("amx-tile,amx-bf16"))) void multiply_by_amx(const PackedProduct& p) {
-  constexpr int line = 16;  // words of a register's line
+  constexpr int line = 16;  // words in a line of a register
   static const TileConfiguration configuration;
   _tile_loadconfig(&configuration);
   const size_t row_step = size_t(p.pair_stride) * sizeof(uint32_t), sum_step = size_t(p.column_count) * sizeof(float);

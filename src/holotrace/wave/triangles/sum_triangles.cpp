@@ -28,11 +28,11 @@ void sum_parts(const std::vector<TrianglePart>& parts, const TriangleChoice& cho
       observer);
 }
 
-// Parts whose bulge suits the tolerance, and which tiles of 32 × 16 pixels hold, and the tile for them. Where no tile
-// meets the tolerance, they are cut finer.
+// Cuts the triangles into parts and chooses their tile. The parts' bulge suits the tolerance, and tiles of 32 × 16
+// pixels can represent their phases. If no tile meets the tolerance, the triangles are cut finer.
 TriangleChoice prepare(const Triangles& triangles, const Grid& grid, double tolerance, double coherence,
                        std::vector<TrianglePart>& parts) {
-  // A bulge of β leaves β²/13 where it is largest; sides of all sizes leave about a third of that.
+  // A bulge of β causes an error of β²/13 where it is largest; sides of all sizes cause about a third of that.
   const double bulge = std::min(0.5, std::sqrt(13 * tolerance * std::sqrt(coherence)));
   const double slope = most_phase_change / (std::hypot(32, 16) / 2 * grid.pitch);
   TriangleChoice choice;
@@ -50,7 +50,7 @@ double energy_of(const Field& field) {
   return sum;
 }
 
-// Whether a triangle is out of reach: neither it nor any part of it lights a pixel.
+// Warns of triangles that light no pixel, not even with a part of their area.
 void warn_of_missed(const Triangles& triangles, const Grid& grid, const Observer& observer) {
   if (!observer.on_warning) return;
   const double tangent = acceptance_tangent(triangles.acceptance_wavelength(), grid.pitch);
@@ -88,7 +88,7 @@ Field sum_triangles(const Triangles& triangles, const Grid& grid, double toleran
   observer.fact("triangles", triangles.triangles.size());
   observer.fact("method", std::string("triangles"));
 
-  // Where the triangles turn out to cancel, errors weigh more: the second round knows by how much.
+  // If the triangles partly cancel, errors weigh more. The second round uses the coherence that the first one found.
   double coherence = 1, expected = 0;
   std::vector<TrianglePart> parts;
   TriangleChoice choice;

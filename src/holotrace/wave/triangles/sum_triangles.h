@@ -6,27 +6,27 @@
 
 namespace holotrace {
 
-/// Field on the panel of triangles that shine (Triangle), each in the pixels that it lights (cut_triangles).
+/// Field on the panel of emitting triangles (Triangle), each in the pixels that it lights (cut_triangles).
 ///
-/// Seen from the panel a triangle is the spherical wave of its centroid times its Fourier transform, which is known in
-/// closed form (triangle_moments.h), with the bulge of the wave fronts across it as a quadratic polynomial. Tile by
-/// tile the wave is split into a column times a row, and the transform, which is smooth there, is a polynomial of
-/// degree 3 (triangle_tile.h): a matrix product of up to four terms for each triangle.
+/// Seen from the panel, a triangle is the spherical wave of its centroid times its Fourier transform, which has a
+/// closed form (triangle_moments.h); the curvature of the wave fronts across it (its bulge) is a quadratic polynomial.
+/// In a tile the wave is split into a column times a row. The transform is smooth there and is replaced by a polynomial
+/// of degree 3 (triangle_tile.h). The sum is a matrix product with up to four terms for each part.
 ///
-/// Triangles are cut until the bulge of their parts leaves less than a third of the tolerance; the tile is the
-/// largest whose error, measured on 2048 places drawn from the very parts, keeps the rest; terms that are faint enough
-/// are left out.
+/// Triangles are cut until the bulge of their parts causes less than a third of the tolerance. The tile is the largest
+/// one whose error keeps the rest, measured at 2048 places drawn from these parts. Terms that are faint enough are left
+/// out.
 ///
 /// @param triangles  corners at z < 0 [m], at least one triangle
 /// @param grid       panel pixels: nx, ny, pitch [m]
 /// @param tolerance  bound on the relative L2 error against sum_triangles_exact, 1e-5 or more
 /// @return           complex amplitude, shape (ny, nx) [√(W/m²)]; the same bytes on any number of threads
-/// @throws Error     for triangles that check_triangles or cut_triangles refuses, and a tolerance that cannot be met
+/// @throws Error     for triangles that check_triangles or cut_triangles rejects, and a tolerance that cannot be met
 ///
-/// Tells its observer the triangles, the parts, the tile and the expected error; warns of triangles that light no
+/// Facts: the triangles, the parts, the tile and the expected error. Warning: triangles that light no
 /// pixel.
 ///
-/// Cost: 4 multiply-adds per part, pixel in its box and term, 1 to 4 of them, and some 300 ns per part and tile.
+/// Cost: 4 multiply-adds per part, pixel in its box and term (1 to 4 terms), and some 300 ns per part and tile.
 /// Memory: the field, and 240 bytes per part.
 Field sum_triangles(const Triangles& triangles, const Grid& grid, double tolerance, const Observer& observer = {});
 

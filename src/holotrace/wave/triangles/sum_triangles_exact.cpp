@@ -32,12 +32,12 @@ FieldDouble sum_triangles_exact(const Triangles& triangles, const Grid& grid, do
 
 namespace {
 
-// The padded window along one axis, about the panel's centre.
+// The padded window along one axis, centred on the panel.
 struct Axis {
   int padded;
   double side, centre;
 
-  // Frequencies of light that reaches the window from a place of that depth, at most the panel's: [lowest, highest].
+  // Frequencies whose light reaches the window from a place at that depth, at most the panel's: [lowest, highest].
   std::array<double, 2> band(double from, double depth, double wavelength, double pitch) const {
     const auto frequency = [&](double x) { return x / (wavelength * std::hypot(x, depth)); };
     const double edge = 1 / (2 * pitch);
@@ -46,7 +46,7 @@ struct Axis {
 };
 
 Axis make_axis(int pixels, double pitch, double centre, double farthest, int padding) {
-  // A frequency goes at most `farthest` from the centre; what passes the window by more than the panel comes in again.
+  // Light goes at most `farthest` from the centre. What leaves the window by more than the panel's width wraps around.
   const double wanted = pixels * pitch / 2 + farthest;
   const int padded = fft_good_length(int(std::ceil(std::min(wanted / pitch, double(padding) * pixels))));
   const int least = fft_good_length(2 * pixels);
@@ -100,7 +100,7 @@ FieldDouble sum_triangles_spectrum(const Triangles& triangles, const Grid& grid,
             const Phasor<double> none[3] = {};
             const Phasor<double> m =
                 combine(triangle_moments(phases[o.first], phases[o.middle], phases[o.last]), a, none);
-            // The centroid's own phase, less that of the window's corner pixel, where the transform starts.
+            // Phase of the centroid less the phase of the window's corner pixel, where the transform starts.
             const double cycles =
                 start + cycle_fraction(-c.z, lambda) - slack * c.z - u * (c.x - grid.x(0)) - v * (c.y - grid.y(0));
             spectrum(int(row), i) += std::complex<double>(m.re, m.im) * cis_cycles(cycles) * (scale / w);

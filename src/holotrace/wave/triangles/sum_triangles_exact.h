@@ -6,12 +6,12 @@
 
 namespace holotrace {
 
-/// Field on the panel of triangles that shine (Triangle), each in the pixels that it lights (cut_triangles), pixel by
-/// pixel in double: the slow twin of sum_triangles in space.
+/// Field on the panel of emitting triangles (Triangle), each in the pixels that it lights (cut_triangles), pixel by
+/// pixel in double: the slow reference of sum_triangles, computed in space.
 ///
 /// @param triangles  corners at z < 0 [m]
 /// @param grid       panel pixels: nx, ny, pitch [m]
-/// @param bulge      see PartLimits; the relative L2 error is about bulge²/13
+/// @param bulge      largest bulge of a part [rad], see PartLimits; the relative L2 error is about bulge²/13
 /// @return           complex amplitude, shape (ny, nx) [√(W/m²)]
 /// @throws Error     as check_triangles and cut_triangles do
 ///
@@ -19,17 +19,17 @@ namespace holotrace {
 FieldDouble sum_triangles_exact(const Triangles& triangles, const Grid& grid, double bulge = 0.01,
                                 const Observer& observer = {});
 
-/// The same light by way of its angular spectrum, in closed form at every frequency: the slow twin in frequency.
+/// The same light by its angular spectrum, in closed form at every frequency: the slow reference in frequency.
 ///
 ///     Û(u, v) = 1/(λ·w)·∬ a(s)·exp(iφ(s))·exp(−2πi(u·x + v·y + w·z)) |n·e| dA,   w = √(1/λ² − u² − v²)
 ///
-/// band-limited to |u|, |v| ≤ 1/2p and, for each triangle, to the frequencies that stay inside the padded window on
-/// their way from its centroid to the panel; one inverse FFT brings it to the panel. The window is the panel and,
-/// around it, as much as keeps what leaves it from coming in again on the other side; at most `padding` panels wide,
-/// which then limits the band (as Matsushima and Shimobaba's, Opt. Express 17, 19662, 2009).
+/// The band is limited to |u|, |v| ≤ 1/2p and, for each triangle, to frequencies whose light stays inside the padded
+/// window on its way from the centroid to the panel. One inverse FFT then gives the field on the panel. The window is
+/// the panel with a margin that keeps light from wrapping around to the other side. It is at most `padding` panels
+/// wide, which then limits the band (as Matsushima and Shimobaba's limit, Opt. Express 17, 19662, 2009).
 ///
-/// Instead of by boxes of pixels the light is limited by the band, which cuts it nearly at the same places: where the
-/// boxes cover the panel both twins agree.
+/// The light is limited by the band instead of by boxes of pixels. Both cut it at nearly the same places: where the
+/// boxes cover the panel, this field and that of sum_triangles_exact agree.
 ///
 /// Cost: some 100 ns per triangle and frequency in its band.
 FieldDouble sum_triangles_spectrum(const Triangles& triangles, const Grid& grid, int padding = 4,

@@ -14,22 +14,22 @@ namespace {
 // From fast to accurate; 32 columns suit every vector width.
 constexpr std::array<TileShape, 6> shapes{{{64, 64}, {64, 32}, {32, 32}, {32, 16}, {32, 8}, {32, 4}}};
 
-// Single precision in the factors, the moments and the sum.
+// Rounding error from single precision in the factors, the moments and the sum.
 constexpr double float_rounding = 1e-5;
 
-// A place where a part's light is compared; `weight` turns a value there into its share of a sum over all pixels.
+// A place at which a part's light is compared; `weight` times a value there is its share of a sum over all pixels.
 struct Draw {
   const TrianglePart* part;
   int column, row;
   double weight;
-  std::complex<double> envelope;  // of the part cut finely
+  std::complex<double> envelope;  // reference: envelope of the part cut finely
 };
 
-// The pixels about where a part's light goes, half of the first zero of its transform to each side, within its box.
+// The pixels that receive most of a part's light: within its box, half of the way to its transform's zeros.
 PixelBox lobe_of(const TrianglePart& part, const Grid& grid, double wavelength) {
   double most = 0;
   for (size_t j = 0; j < 3; ++j) most = std::max(most, length(part.offsets[j] - part.offsets[(j + 1) % 3]));
-  // The slope of the triangle's own phase is the direction of its light: along = e·offset.
+  // The slope of the triangle's own phase gives the direction of its light: along = e·offset.
   const Vec3 a = part.offsets[1] - part.offsets[0], b = part.offsets[2] - part.offsets[0];
   const double along_a = part.along[1] - part.along[0] - a.z, along_b = part.along[2] - part.along[0] - b.z;
   const double turn = a.x * b.y - a.y * b.x, small = 1e-3 * most * most;
@@ -47,7 +47,7 @@ PixelBox lobe_of(const TrianglePart& part, const Grid& grid, double wavelength) 
 
 std::vector<Draw> draw_places(const std::vector<TrianglePart>& parts, const Grid& grid, double wavelength) {
   constexpr int draws = 2048;
-  std::vector<double> sums;  // parts are drawn by their power
+  std::vector<double> sums;  // running sums of power: a part is drawn in proportion to its power
   double sum = 0;
   const auto power_of = [](const TrianglePart& part) {
     double squares = 0;
@@ -76,7 +76,7 @@ std::vector<Draw> draw_places(const std::vector<TrianglePart>& parts, const Grid
   return places;
 }
 
-// What one shape of tile does at one place: the energies of its error and of its rows' coefficients there.
+// Errors of one tile shape at one place: energy of the error, and energy of each row's coefficients.
 struct Outcome {
   double error;
   std::array<double, envelope_nodes> rows;
@@ -122,7 +122,7 @@ TriangleChoice choose_triangle_tile(const std::vector<TrianglePart>& parts, cons
   }
   if (!(choice.energy > 0)) return choice;
   const double tangent = acceptance_tangent(wavelength, grid.pitch);
-  double widest = 0;  // change of phase between corners [rad/m]
+  double widest = 0;  // largest change of phase between corners [rad/m]
   for (const TrianglePart& part : parts)
     for (size_t j = 0; j < 3; ++j)
       widest = std::max(widest, 2 * pi / wavelength / part.depth *
@@ -130,7 +130,7 @@ TriangleChoice choose_triangle_tile(const std::vector<TrianglePart>& parts, cons
   for (const TileShape tile : shapes) {
     if (widest * std::hypot(tile.columns, tile.rows) * grid.pitch / 2 > most_phase_change) continue;
     double error = 0;
-    std::vector<std::pair<double, double>> rows;  // squared size, share of all pixels
+    std::vector<std::pair<double, double>> rows;  // energy of a row's coefficients, weight of its place
     for (const Draw& d : draws) {
       const Outcome outcome = outcome_of(d, grid, wavelength, tile);
       error += d.weight * outcome.error;
@@ -151,7 +151,7 @@ TriangleChoice choose_triangle_tile(const std::vector<TrianglePart>& parts, cons
     if (choice.meets_tolerance) return choice;
   }
   choice.meets_tolerance = false;
-  if (choice.error == 0) choice.error = 1;  // parts so large that no tile holds their phases
+  if (choice.error == 0) choice.error = 1;  // no tile can represent the phases of parts this large
   return choice;
 }
 

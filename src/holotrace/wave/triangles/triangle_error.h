@@ -7,23 +7,23 @@
 
 namespace holotrace {
 
-/// How parts of triangles will be summed, and the relative L2 error that is expected of it, the root of the energy of
-/// all errors over that of the parts.
+/// How parts of triangles are summed, and the relative L2 error that is expected: the root of the energy of all errors
+/// over the energy of the parts.
 struct TriangleChoice {
   TileShape tile{};
   double faint = 0;   ///< see sum_triangle_tile [√(W/m²)]
-  double error = 0;   ///< expected
-  double energy = 0;  ///< that the parts bring to the panel, phases random, per pixel area [W/m²]
+  double error = 0;   ///< expected relative L2 error
+  double energy = 0;  ///< energy that the parts bring to the panel, with random phases, over the pixel's area [W/m²]
   bool meets_tolerance = false;
 };
 
-/// The largest tile whose measured error, with a margin of a quarter, keeps the tolerance, and the threshold whose
-/// faint terms add no more than half the tolerance; the most accurate tile if none does.
+/// Chooses the largest tile whose measured error, with a margin of 25 %, keeps the tolerance, and the threshold below
+/// which dropped terms add at most half the tolerance. If no tile keeps it, the most accurate one.
 ///
-/// At 2048 places, drawn from a fixed seed, half of them evenly over the parts' boxes and half over their lobes, the
-/// polynomial and the split of the wave are compared with the envelope of the part cut four times.
+/// The error is measured at 2048 places drawn from a fixed seed, half evenly over the parts' boxes and half over their
+/// main lobes. There the polynomial and the split wave are compared with the envelope of the part cut four times.
 ///
-/// @param coherence  energy of the field over the sum of its parts' energies, if known to be below 1
+/// @param coherence  energy of the field over the sum of its parts' energies; 1 if it is not known to be smaller
 TriangleChoice choose_triangle_tile(const std::vector<TrianglePart>& parts, const Grid& grid, double wavelength,
                                     double tolerance, double coherence = 1);
 

@@ -46,7 +46,7 @@ void expand_envelope(const PartInTile& part, double half_x, double half_y, Envel
       for (int j = 0; j < 3; ++j)
         phase[j] =
             part.phase[j] + part.slope_x[j] * envelope_node[k] * half_x + part.slope_y[j] * envelope_node[l] * half_y;
-      // Not triangle_moments: the corners keep the order of the centre over the whole tile.
+      // Not triangle_moments: over the whole tile the corners keep the order that they have at the centre.
       const TriangleMoments<double> m = moment_method(part) == MomentMethod::quotients
                                             ? moments_by_quotients(phase[0], phase[1], phase[2])
                                             : moments_by_series<30>(phase[0], phase[1], phase[2]);

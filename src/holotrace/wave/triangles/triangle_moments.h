@@ -13,9 +13,9 @@
 //
 //     exp[x₀ … xₙ] = exp(m)·Σₖ hₖ(x₀ − m, …, xₙ − m)/(k + n)!,   hₖ the complete homogeneous polynomials.
 //
-// Written once, for double and for vectors of floats: `Real` has + − · / with itself, `real(x, c)` makes a constant,
-// `cis_of(angle, re, im)` the unit phasor and `small_or(h2, small, large)` picks per lane where h2 < 0.5. The formulas
-// are in a file of their own, for the vectors' code is compiled anew for each instruction set.
+// Written once, for double and for vectors of floats. `Real` has + − · / with itself, `real(x, c)` makes a constant,
+// `cis_of(angle, re, im)` makes the unit phasor, and `small_or(h2, small, large)` selects `small` per lane where
+// h2 < 0.5. The formulas are in a separate file because the vector code is compiled once for each instruction set.
 
 namespace holotrace {
 
@@ -28,7 +28,7 @@ inline double small_or(double h2, double small, double large) { return h2 < 0.5 
 
 #include "holotrace/wave/triangles/triangle_moments_formulas.h"
 
-/// Order of the corners in which the phases of the first and the last are the farthest apart.
+/// Order of the corners such that the phases of the first and the last differ most; `gap` is that difference [rad].
 struct CornerOrder {
   int first, middle, last;
   double gap;
@@ -41,7 +41,7 @@ inline CornerOrder order_corners(const double phase[3]) {
   return {0, 1, 2, g02};
 }
 
-/// Moments of the corners in the order given, in double, good to 1e-14 of their values at equal phases.
+/// Moments of the corners in the order given, in double. Absolute error: 1e-14 of their values at equal phases.
 inline TriangleMoments<double> triangle_moments(double first, double middle, double last) {
   return std::abs(first - last) < 1.5 ? moments_by_series<18>(first, middle, last)
                                       : moments_by_quotients(first, middle, last);

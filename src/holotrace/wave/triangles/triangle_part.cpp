@@ -9,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// Longest side, by any measure: 0 is 01, 1 is 12, 2 is 02.
+// The longest side by a given measure; side 0 joins corners 0 and 1, side 1 joins 1 and 2, side 2 joins 0 and 2.
 template <class Corners, class Measure>
 std::pair<int, double> longest_side(const Corners& corners, const Measure& measure) {
   const double sides[3] = {measure(corners[1] - corners[0]), measure(corners[2] - corners[1]),
@@ -56,7 +56,7 @@ class Cutter {
       part.along[j] = dot(part.offsets[j], e);
       part.weights[j] = 2 * area / wavelength_ * c.amplitudes[j];
     }
-    // φ(s)/2π − 1/4, and the depth that r starts at.
+    // φ(s)/2π − 1/4, plus the cycles of the depth that r is measured from.
     part.start_cycles = t.phase / (2 * pi) - 0.25 - cycle_fraction(-of_all.z / e.z, wavelength_) +
                         dot(centre - of_all, e) / wavelength_ + cycle_fraction(part.depth, wavelength_);
     part.start_cycles -= std::floor(part.start_cycles);
@@ -64,8 +64,7 @@ class Cutter {
   }
 
  private:
-  // Whether no part of it, at whatever depth it has, reaches a pixel: large surfaces are not cut where they are out of
-  // view.
+  // Whether neither the whole nor any part of it reaches a pixel, at whatever depth. Such surfaces are not cut further.
   bool misses_panel(const Corners& c) const {
     const auto [left, right] = std::minmax({c[0].x, c[1].x, c[2].x});
     const auto [low, high] = std::minmax({c[0].y, c[1].y, c[2].y});
@@ -75,7 +74,7 @@ class Cutter {
            low > grid_.centre_y + half_y;
   }
 
-  // Cuts until each part has a box that suits all of it.
+  // Cuts until one box of lit pixels suits the whole part.
   template <class Visit>
   void whole(const Triangle& t, const Corners& c, const Visit& visit) const {
     if (misses_panel(c)) return;

@@ -1,4 +1,4 @@
-// A tile is a complex matrix product, as in tile_sum.cpp: samples[row][column] += Σⱼ row factorⱼ[row]·column
+// A tile's sum is a complex matrix product, as in tile_sum.cpp: samples[row][column] += Σⱼ row factorⱼ[row]·column
 // factorⱼ[column], where each part of a triangle makes up to four terms j.
 
 #include "holotrace/wave/triangles/triangle_tile.h"
@@ -26,10 +26,10 @@ constexpr int block_rows = 4;
 constexpr int block_rows = 2;
 #endif
 constexpr int block_vectors = 2;
-constexpr int batch = 64;  // terms whose factors are held at once
+constexpr int batch = 64;  // number of terms whose factors are held at once
 constexpr int nodes = envelope_nodes;
 
-// A vector of floats as the formulas of triangle_moments.h want their numbers.
+// A vector of floats with the operators that the formulas of triangle_moments.h need.
 struct Lanes {
   V v;
   friend HWY_INLINE Lanes operator+(Lanes a, Lanes b) { return {hn::Add(a.v, b.v)}; }
@@ -48,7 +48,7 @@ HWY_INLINE Lanes small_or(Lanes h2, Lanes small, Lanes large) {
 
 #include "holotrace/wave/triangles/triangle_moments_formulas.h"
 
-// The envelope at the 16 nodes, [row][column].
+// The envelope at the 16 Chebyshev nodes, [row][column].
 HWY_INLINE void envelope(const PartInTile& p, MomentMethod method, const float* node_x, const float* node_y, float* re,
                          float* im) {
   const Floats d;
@@ -76,7 +76,7 @@ HWY_INLINE void envelope(const PartInTile& p, MomentMethod method, const float* 
   }
 }
 
-// Values at Chebyshev's points to coefficients, along rows then columns.
+// Converts values at the Chebyshev nodes to coefficients, along rows, then columns.
 void to_coefficients(const float* at, float* c) {
   constexpr float f[nodes][nodes] = {
       {0.25f, 0.25f, 0.25f, 0.25f},
@@ -146,11 +146,11 @@ HWY_INLINE void factor(V u, V index, float twice_x, const WaveInTile& w, float s
   im = hn::Mul(im, modulus);
 }
 
-// Adds the term of row l of the coefficients.
+// Adds the term of row l of the Chebyshev coefficients.
 void add_term(Workspace& s, TileShape tile, int l, const float* c_re, const float* c_im) {
   const Floats d;
   const int n = int(hn::Lanes(d)), panel = block_vectors * n, k = s.held;
-  V p_re[nodes], p_im[nodes];  // Chebyshev to powers: T₂ = 2x² − 1, T₃ = 4x³ − 3x
+  V p_re[nodes], p_im[nodes];  // from Chebyshev coefficients to powers: T₂ = 2x² − 1, T₃ = 4x³ − 3x
   const auto powers = [&](const float* c, V* p) {
     p[0] = hn::Set(d, c[0] - c[2]);
     p[1] = hn::Set(d, c[1] - 3 * c[3]);
@@ -228,7 +228,7 @@ void multiply_held(Workspace& s, TileShape tile) {
   s.held = 0;
 }
 
-// The factors of the centroid's wave; the column holds its start and 1/r.
+// The column and row factors of the centroid's wave. The column factor includes its start phase.
 void wave_factors(Workspace& s, TileShape tile, const TrianglePart& part, double x, double y, double r0,
                   double wavelength, const PixelBox& box) {
   const Floats d;

@@ -12,7 +12,7 @@ namespace holotrace {
 
 namespace {
 
-// The drive at which the phase has gone once around, 0 where it does not.
+// The drive at which the phase completes one turn, 0 if it never does.
 double drive_of_turn(const PixelResponse& response, int levels) {
   const double start = response.cycles_at(0);
   double low = 0, high = levels;

@@ -14,7 +14,7 @@
 namespace holotrace {
 namespace {
 
-// What falls short asks for more.
+// Raises the wanted amplitude of pixels that are too dark, and lowers that of pixels that are too bright.
 void strengthen(const TargetPlane& wanted, const Field& shown, double scale, TargetPlane& target) {
   parallel_for(0, target.amplitude.ny, [&](int64_t j) {
     const float* a = wanted.amplitude.row(int(j));

@@ -16,15 +16,15 @@
 namespace holotrace {
 namespace {
 
-// One wavelength: the panel in its light, and the ways to its planes.
+// One wavelength: the panel in its light, and the propagations to its target planes.
 struct Colour {
   DrivenPanel panel;
   std::vector<const TargetPlane*> targets;
   std::vector<TargetPropagation> propagations;
   Field u;
-  double scale = 1, error = 0;  // of the pattern looked at last
-  double light = 0;             // of it, where the weight is not 0
-  double power = 0;             // of the targets
+  double scale = 1, error = 0;  // for the latest pattern
+  double light = 0;             // its light where the weight is not 0
+  double power = 0;             // power of the targets
 
   Colour(const Slm& slm, const Hologram& hologram, double wavelength)
       : panel(slm, hologram, wavelength), u(slm.grid, wavelength) {}
@@ -46,7 +46,7 @@ std::vector<std::unique_ptr<Colour>> colours_of(const std::vector<TargetPlane>& 
   return colours;
 }
 
-// The light of a pattern in the planes of a colour, its scale and error; the gradient by u, if one is wanted.
+// Light of a pattern in the target planes of one colour, its scale and error; on request the gradient by u.
 Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
   colour.panel.leave(drive, colour.u);
   std::vector<Field> shown;
@@ -62,7 +62,7 @@ Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
   colour.error = colour.power - colour.scale * sums.cross;
   Field gradient;
   if (!has_gradient) return gradient;
-  // s²·Σw(|v| − a/s)², and its gradient −2s² times the residual.
+  // s²·Σw(|v| − a/s)²; its gradient is −2s² times the residual.
   colour.error = 0;
   for (size_t k = 0; k < colour.targets.size(); ++k) {
     colour.error += colour.scale * colour.scale * leave_residual(*colour.targets[k], 1 / colour.scale, shown[k]);
@@ -73,7 +73,7 @@ Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
   return gradient;
 }
 
-// Of all colours that have light, each against its own peak.
+// PSNR over all colours that have light, each relative to its own peak.
 double psnr(const std::vector<std::unique_ptr<Colour>>& colours) {
   double error = 0, weight = 0;
   for (const auto& colour : colours) {
@@ -113,7 +113,7 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
              const Observer& observer, Hologram& hologram) {
   const int iterations = iterations_of(params);
   const std::vector<std::unique_ptr<Colour>> colours = colours_of(targets, slm, hologram);
-  // Each colour counts by its own light, so that a dim one is not left to the brightest; a dark one does not count.
+  // Each colour is weighted by its own light, so that dim colours count as much as bright ones; dark ones do not count.
   double lit = 0;
   for (const auto& colour : colours) lit += colour->power > 0;
   const auto part = [&](const Colour& colour) { return colour.power > 0 ? 1 / (colour.power * lit) : 0; };
@@ -124,7 +124,7 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
   };
 
   const DrivenPanel& first = colours.front()->panel;
-  const float turn = colours.size() == 1 ? float(first.turn()) : 0;  // the levels of a circle
+  const float turn = colours.size() == 1 ? float(first.turn()) : 0;  // levels in a whole turn
   const double step = (params.step > 0 ? params.step : sgd_step) * first.levels_per_radian();
   constexpr double beta1 = 0.9, beta2 = 0.99;
   const int nx = hologram.level.nx, ny = hologram.level.ny;

@@ -14,7 +14,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::ScalableTag<float>;
 using One = hn::CappedTag<float, 1>;
 
-// Calls step(tag, i) for every vector of samples, and for those left over one by one.
+// Calls step(tag, i) for every vector of samples, then for each of the remaining samples.
 template <class Step>
 HWY_INLINE void each(size_t count, const Step& step) {
   const Tag d;
@@ -24,12 +24,12 @@ HWY_INLINE void each(size_t count, const Step& step) {
   for (; i < count; ++i) step(One(), i);
 }
 
-// Sums in lanes; what is left over is added last.
+// Sums in vector lanes; the remaining samples are added last.
 struct Sum {
   hn::Vec<Tag> lanes;
   double rest;
 
-  HWY_INLINE Sum() : lanes(hn::Zero(Tag())), rest(0) {}  // written out, so that it is compiled for the set, too
+  HWY_INLINE Sum() : lanes(hn::Zero(Tag())), rest(0) {}  // explicit, so that it is compiled for the instruction set too
 
   HWY_INLINE void add(Tag, hn::Vec<Tag> v) { lanes = hn::Add(lanes, v); }
   template <class D, hwy::EnableIf<(hn::MaxLanes(D()) < hn::MaxLanes(Tag()))>* = nullptr>

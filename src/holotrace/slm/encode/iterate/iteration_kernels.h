@@ -3,8 +3,8 @@
 #include <complex>
 #include <cstddef>
 
-// What iterations do to every pixel, on every instruction set. Sums are in lanes of float over the `count` samples of a
-// call, which is a row: callers add rows in double and in their order.
+// The pixel loops of iterations, compiled for every instruction set. Sums use float lanes over the `count` samples of
+// one call, which is a row; callers add the rows in double, in order.
 
 namespace holotrace {
 
@@ -14,30 +14,30 @@ void make_unit_modulus(std::complex<float>* u, size_t count);
 /// u ← (u + d)/|u + d|, and 1 where the sum is 0.
 void add_and_make_unit_modulus(std::complex<float>* u, const std::complex<float>* d, size_t count);
 
-/// What fits the modulus of a field to a target: Σw·a·|v| and Σw·|v|².
+/// Sums that fit the modulus of a field to a target: Σw·a·|v| and Σw·|v|².
 struct ModulusSums {
   double cross = 0, square = 0;
 };
 
-/// @param weight  nullptr: 1 everywhere
+/// @param weight  w; nullptr means 1 everywhere
 ModulusSums modulus_sums(const std::complex<float>* v, const float* amplitude, const float* weight, size_t count);
 
-/// v ← w·(s·a − |v|)·v/|v|: what v lacks to have the modulus s·a. @return Σw·(|v| − s·a)²
+/// v ← w·(s·a − |v|)·v/|v|, the change that gives v the modulus s·a. @return Σw·(|v| − s·a)²
 double take_residual(std::complex<float>* v, const float* amplitude, const float* weight, float scale, size_t count);
 
-/// d ← d + factor·Im(g·u*): the gradient by the phase of u, from g = ∂f/∂Re u + i·∂f/∂Im u.
+/// d ← d + factor·Im(g·u*): adds the gradient by the phase of u, given g = ∂f/∂Re u + i·∂f/∂Im u.
 void add_phase_gradient(const std::complex<float>* g, const std::complex<float>* u, float factor, float* d,
                         size_t count);
 
-/// One step of Adam (Kingma and Ba, 2015): m ← β₁m + (1−β₁)d, v ← β₂v + (1−β₂)d², x ← x − step·m/(√v + ε), where step
-/// and ε hold the corrections of the start.
+/// One step of Adam (Kingma and Ba, 2015): m ← β₁m + (1−β₁)d, v ← β₂v + (1−β₂)d², x ← x − step·m/(√v + ε). `step`
+/// and ε include the bias corrections of the first steps.
 struct AdamStep {
   float beta1, beta2, step, epsilon;
 };
 void adam_step(const AdamStep& adam, const float* d, float* m, float* v, float* x, size_t count);
 
-/// Puts drives into their range and rounds them to levels. With `turn` > 0, the levels of a whole turn of phase, the
-/// range is a circle: drive ← drive mod turn, and the level after the last is level 0. Else it is [0, levels − 1].
+/// Moves drives into their range and rounds them to levels. With `turn` > 0, the levels of a whole turn of phase, the
+/// range is a circle: drive ← drive mod turn, and the level after the last is level 0. Otherwise it is [0, levels − 1].
 void settle_drive(float turn, float levels, float* drive, float* rounded, size_t count);
 
 }  // namespace holotrace

@@ -4,13 +4,13 @@
 
 namespace holotrace {
 
-/// Whether a method looks for its levels in iterations that aim at targets (target.h).
+/// Whether a method finds its levels by iterations toward targets (target.h).
 inline bool aims_at_targets(Encoding method) {
   return method == Encoding::gerchberg_saxton || method == Encoding::weighted_gerchberg_saxton ||
          method == Encoding::sgd;
 }
 
-/// Iterations that a method takes: as many as asked for, or where that is 0 its own number; 0 of methods without.
+/// Number of iterations of a method: as many as asked for, or for 0 the method's default; 0 for methods without any.
 inline int iterations_of(const EncodeParams& params) {
   if (!aims_at_targets(params.method)) return 0;
   if (params.iterations > 0) return params.iterations;

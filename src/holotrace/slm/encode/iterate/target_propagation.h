@@ -6,8 +6,8 @@
 
 namespace holotrace {
 
-/// The way of light from the pixels of a panel to a plane that it is to show something in, and the adjoint way back,
-/// made ready for iterations: windows as large as the panel, zero-padded.
+/// The propagation from the pixels of a panel to a target plane, and its adjoint, prepared for iterations. The windows
+/// are as large as the panel, and zero-padded.
 struct TargetPropagation {
   Propagator<float> there, back;
 
@@ -15,13 +15,13 @@ struct TargetPropagation {
   Field to_panel(const Field& plane) const;
 };
 
-/// How the aperture of the pixels is taken into account: not, or as a part of the way: the transfer function is then
-/// H·w_x·sinc(w_x·p·u)·w_y·sinc(w_y·p·v), which makes of one sample per pixel what order 0 of the panel shows.
+/// Whether the propagation includes the aperture of the pixels. If included, the transfer function is
+/// H·w_x·sinc(w_x·p·u)·w_y·sinc(w_y·p·v); from one sample per pixel it then gives the light of the panel's order 0.
 enum class PixelAperture { left_out, included };
 
 /// @param wavelength  [m]
-/// @param z           of the plane [m]: > 0 before the panel
-/// @param stop        half width of a stop on the axis, as a part of 1/2p
+/// @param z           distance of the plane [m]: > 0 in front of the panel
+/// @param stop        half width of a stop on the axis, as a fraction of 1/2p
 /// @throws Error      as make_propagator does
 TargetPropagation make_target_propagation(const Slm& slm, double wavelength, double z, PixelAperture aperture,
                                           double stop = 1);

@@ -13,7 +13,7 @@ const float* weights_of(const TargetPlane& target, int row) {
   return target.weight.size() == 0 ? nullptr : target.weight.row(row);
 }
 
-// Σ over rows of what `work(row)` gives, in their order.
+// Σ over rows of `work(row)`, in their order.
 template <class Work>
 double sum_of_rows(int rows, const Work& work) {
   std::vector<double> parts(static_cast<size_t>(rows));

@@ -4,7 +4,7 @@
 #include "holotrace/data/target.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
 
-// Sums over a plane: by rows in float, rows in double and in their order, the same on any number of threads.
+// Sums over a target plane: within a row in float, over rows in double and in order; the same on any number of threads.
 
 namespace holotrace {
 
@@ -23,7 +23,7 @@ double leave_residual(const TargetPlane& target, double scale, Field& shown);
 /// to ← to + factor·from, or factor·from where `to` has no samples yet.
 void add_part(const Field& from, double factor, Field& to);
 
-/// What is largest of a, where w is not 0: the peak of PSNR.
+/// The largest a where w is not 0: the peak of the PSNR.
 double target_peak(const TargetPlane& target);
 
 }  // namespace holotrace

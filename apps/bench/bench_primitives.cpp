@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "bench.h"
+#include "bench/bench.h"
 #include "holotrace/estimate/machine/timed_jobs.h"
 #include "holotrace/wave/layers/sum_layers.h"
 #include "holotrace/wave/triangles/sum_triangles.h"

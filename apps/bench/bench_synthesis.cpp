@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "bench.h"
+#include "bench/bench.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/instruction_set.h"
 #include "holotrace/base/threads.h"

@@ -1,10 +1,10 @@
-#include "trace_probe.h"
+#include "holotrace/run/estimate/trace_probe.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "holotrace/base/thread_count.h"
-#include "median_seconds.h"
+#include "holotrace/estimate/machine/median_seconds.h"
 
 namespace holotrace {
 namespace {

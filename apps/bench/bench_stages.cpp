@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "bench.h"
+#include "bench/bench.h"
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/machine/ceilings.h"
 #include "holotrace/estimate/machine/timed_jobs.h"

@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bench.h"
+#include "bench/bench.h"
 #include "commands.h"
 #include "console.h"
 #include "holotrace/base/cpu.h"

@@ -8,11 +8,11 @@
 #include <limits>
 #include <memory>
 
-#include "bench.h"
+#include "bench/bench.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/estimate/grid_cost.h"
+#include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/trace/geometry/accelerator.h"
-#include "median_seconds.h"
 
 namespace holotrace {
 namespace {

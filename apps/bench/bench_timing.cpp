@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench.h"
-#include "median_seconds.h"
+#include "bench/bench.h"
+#include "holotrace/estimate/machine/median_seconds.h"
 
 namespace holotrace {
 namespace {

@@ -4,15 +4,15 @@
 
 #include <atomic>
 
-#include "bench.h"
+#include "bench/bench.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
+#include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/trace.h"
-#include "median_seconds.h"
 
 namespace holotrace {
 namespace {

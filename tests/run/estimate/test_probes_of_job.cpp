@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "display_probe.h"
+#include "holotrace/run/estimate/display_probe.h"
+#include "holotrace/run/estimate/synthesis_probe.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/viewing.h"
-#include "synthesis_probe.h"
 
 namespace holotrace {
 namespace {

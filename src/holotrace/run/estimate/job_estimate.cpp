@@ -1,4 +1,4 @@
-#include "job_estimate.h"
+#include "holotrace/run/estimate/job_estimate.h"
 
 #include <fmt/format.h>
 
@@ -7,19 +7,20 @@
 #include <complex>
 #include <new>
 
-#include "display_probe.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/estimate/grid_cost.h"
+#include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/estimate/machine/probes.h"
+#include "holotrace/run/estimate/display_probe.h"
+#include "holotrace/run/estimate/synthesis_probe.h"
+#include "holotrace/run/estimate/trace_probe.h"
 #include "holotrace/run/pipeline.h"
+#include "holotrace/run/renders.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/wave/synthesize.h"
-#include "median_seconds.h"
-#include "synthesis_probe.h"
-#include "trace_probe.h"
 
 namespace holotrace {
 namespace {
@@ -27,32 +28,18 @@ namespace {
 constexpr double share_of_job = 0.06;  // that probes may take; what is made once is beside it
 constexpr double long_enough = 0.4;    // seconds of a probe
 
-// Fewer rows and columns of the render; the scene is made ready as for tracing.
-ProbeResult probe_render(const Job& job, double prepare_seconds, double part) {
-  RenderParams some = job.render;
-  some.has_background = false;
-  if (some.path_expressions.empty()) some.path_expressions = job.trace.path_expressions;
-  const double side = std::sqrt(part);
-  some.rows = std::max(1, int(std::lround(job.render.rows * side)));
-  some.columns = std::max(1, int(std::lround((job.render.columns > 0 ? job.render.columns : job.render.rows) * side)));
-  const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone);
-  const double seconds = median_seconds(1, [&] { render(job.scene, job.slm.grid, wavelength, some); });
-  const double pixels = double(job.render.columns > 0 ? job.render.columns : job.render.rows) * job.render.rows;
-  const double scale = pixels / (double(some.columns) * some.rows), prepare = std::min(prepare_seconds, seconds);
-  return {seconds, prepare + (seconds - prepare) * scale};
-}
+int render_columns(const RenderParams& params) { return params.columns > 0 ? params.columns : params.rows; }
+double render_pixels(const RenderParams& params) { return double(params.rows) * render_columns(params); }
 
-// Renders of a run: one for all distances or one for each, and two for a pair of eyes.
-std::vector<std::string> renders_of(const Job& job) {
-  std::vector<std::string> names;
-  const bool is_same_for_all = job.render.lens == Lens::pinhole && job.render.eye == Vec3{};
-  if (is_same_for_all || job.camera.distances.size() == 1)
-    names = {"render"};
-  else
-    for (const double distance : job.camera.distances) names.push_back("render focused at " + format_length(distance));
-  if (job.render.eye_separation > 0)
-    for (const char* eye : {"left", "right"}) names.push_back(fmt::format("render for the {} eye", eye));
-  return names;
+// Fewer rows and columns of the render; the scene is made ready as for tracing.
+ProbeResult probe_render(const Job& job, const RenderParams& params, double prepare_seconds, double part) {
+  RenderParams some = params;
+  const double side = std::sqrt(part);
+  some.rows = std::max(1, int(std::lround(params.rows * side)));
+  some.columns = std::max(1, int(std::lround(render_columns(params) * side)));
+  const double seconds = median_seconds(1, [&] { make_render(job, some); });
+  const double scale = render_pixels(params) / render_pixels(some), prepare = std::min(prepare_seconds, seconds);
+  return {seconds, prepare + (seconds - prepare) * scale};
 }
 
 void add_trace(const Job& job, const TraceProbe& probe, JobEstimate& e) {
@@ -137,7 +124,8 @@ JobEstimate estimate_job(const Job& job) {
     const double trace_part = find_light(trace);
     require_light(trace);
     e.sets = std::max(1.0, double(trace.light.sets()));
-    const std::vector<std::string> renders = renders_of(job);
+    std::vector<PlannedRender> renders = plan_renders(job);
+    for (const PlannedRender& render : plan_stereo_renders(job)) renders.push_back(render);
     DisplayProbe display(job);
     display.holograms = e.holograms();
     SynthesisProbe sum(job, all_waves(job, trace));
@@ -147,10 +135,10 @@ JobEstimate estimate_job(const Job& job) {
     };
     std::vector<Probe> probes(4);
     probes[0] = {[&](double part) { return trace.run(part); }, trace_part};
-    const double pixels = double(job.render.rows) * (job.render.columns > 0 ? job.render.columns : job.render.rows);
+    const RenderParams& one = renders.front().params;
     probes[1] = {
-        [&](double part) { return times(double(renders.size()), probe_render(job, trace.prepare_seconds, part)); },
-        std::min(1.0, 1024 / pixels)};
+        [&](double part) { return times(double(renders.size()), probe_render(job, one, trace.prepare_seconds, part)); },
+        std::min(1.0, 1024 / render_pixels(one))};
     probes[2] = {[&](double part) {
                    if (!sum.sets.empty()) return times(e.frames, sum.run(part));
                    return times(e.frames, probe_other_sum(job, other, part));
@@ -165,8 +153,8 @@ JobEstimate estimate_job(const Job& job) {
     e.method = sum.sets.empty() ? "" : sum.method;
     e.why_no_simulation = display.why_none;
     if (e.is_whole())
-      for (const std::string& name : renders)
-        e.stages.push_back({name, probes[1].last.predicted / double(renders.size())});
+      for (const PlannedRender& render : renders)
+        e.stages.push_back({render.stage, probes[1].last.predicted / double(renders.size())});
     e.stages.push_back({"trace", probes[0].last.predicted});
     e.stages.push_back({"synthesize", probes[2].last.predicted});
     for (const StageReport& stage : display.stages) e.stages.push_back({stage.stage, stage.seconds});
@@ -191,42 +179,34 @@ void measure_other_accelerator(const Job& job, JobEstimate& e) {
   }
 }
 
-std::string compare_with_run(const JobEstimate& estimate, Report& report) {
+std::vector<StageComparison> compare_with_run(const JobEstimate& estimate, Report& report) {
   StageReport entry;
   entry.stage = "estimate";
   entry.seconds = estimate.probe_seconds;
-  std::string text =
-      fmt::format("{:<28} {:>12} {:>12} {:>18}\n", "stage", "predicted s", "taken s", "predicted / taken");
-  double predicted = 0, taken = 0;
-  const auto line = [&](const std::string& name, double expected, double outcome) {
-    text += fmt::format("{:<28} {:>12.3f} {:>12.3f} {:>18}\n", name, expected, outcome,
-                        outcome > 0 ? fmt::format("{:.2f}", expected / outcome) : "-");
-    entry.facts.emplace_back(name + " predicted_seconds", Fact(expected));
-    if (outcome > 0) entry.facts.emplace_back(name + " ratio", Fact(expected / outcome));
+  std::vector<StageComparison> lines;
+  const auto add = [&](const std::string& name, double predicted, double taken) {
+    lines.push_back({name, predicted, taken});
+    entry.facts.emplace_back(name + " predicted_seconds", Fact(predicted));
+    if (taken > 0) entry.facts.emplace_back(name + " ratio", Fact(predicted / taken));
   };
-  double simulation = 0, simulated = 0;
+  StageComparison all{"all"}, simulation{"simulation"};
+  const auto count = [](double predicted, double taken, StageComparison& sum) {
+    sum.predicted += predicted;
+    sum.taken += taken;
+  };
   for (const StageReport& stage : report.stages) {
     const auto found = std::find_if(estimate.stages.begin(), estimate.stages.end(),
                                     [&](const StageEstimate& s) { return s.stage == stage.stage; });
     if (found == estimate.stages.end()) continue;
-    line(stage.stage, found->seconds, stage.seconds);
-    predicted += found->seconds;
-    taken += stage.seconds;
+    add(stage.stage, found->seconds, stage.seconds);
+    count(found->seconds, stage.seconds, all);
     const bool is_light = stage.stage == "trace" || stage.stage == "synthesize" || stage.stage.starts_with("render");
-    if (is_light) continue;
-    simulation += found->seconds;
-    simulated += stage.seconds;
+    if (!is_light) count(found->seconds, stage.seconds, simulation);
   }
-  if (estimate.is_whole()) {
-    line("simulation", simulation, simulated);
-    line("all", predicted, taken);
-    text += "\"simulation\" is all stages after the sum. ";
-  } else {
-    text += fmt::format("The other stages could not be probed: {}\n", estimate.why_no_simulation);
-  }
-  text += fmt::format("The estimate itself took {:.1f} s.\n", estimate.probe_seconds);
+  if (estimate.is_whole())
+    for (const StageComparison& sum : {simulation, all}) add(sum.name, sum.predicted, sum.taken);
   report.stages.push_back(std::move(entry));
-  return text;
+  return lines;
 }
 
 }  // namespace holotrace

@@ -1,12 +1,12 @@
-#include "synthesis_probe.h"
+#include "holotrace/run/estimate/synthesis_probe.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "holotrace/base/random.h"
+#include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/wave/summation.h"
 #include "holotrace/wave/synthesize.h"
-#include "median_seconds.h"
 
 namespace holotrace {
 namespace {

@@ -1,4 +1,4 @@
-#include "display_probe.h"
+#include "holotrace/run/estimate/display_probe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +6,11 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
-#include "median_seconds.h"
 
 namespace holotrace {
 namespace {

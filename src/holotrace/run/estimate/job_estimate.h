@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "facts.h"
 #include "holotrace/data/job.h"
 #include "holotrace/data/report.h"
 
@@ -49,9 +48,15 @@ JobEstimate estimate_job(const Job& job);
 /// Adds T_t by the accelerator that the job does not ask for, and what the uniform grid should cost. Takes seconds.
 void measure_other_accelerator(const Job& job, JobEstimate& estimate);
 
-/// Seconds of each stage beside those that a run took, in its report as a stage "estimate": the facts
-/// "STAGE predicted_seconds" and "STAGE ratio", prediction over outcome.
-/// @return  the same as a table
-std::string compare_with_run(const JobEstimate& estimate, Report& report);
+/// What was predicted for a stage, and what it took.
+struct StageComparison {
+  std::string name;
+  double predicted = 0, taken = 0;  ///< [s]
+};
+
+/// Seconds of each stage beside those that a run took, then, of a whole estimate, of "simulation", all stages after the
+/// sum, and of "all". Adds them to the report as a stage "estimate": the facts "NAME predicted_seconds" and "NAME
+/// ratio", prediction over outcome.
+std::vector<StageComparison> compare_with_run(const JobEstimate& estimate, Report& report);
 
 }  // namespace holotrace

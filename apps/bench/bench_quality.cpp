@@ -4,16 +4,16 @@
 
 #include <fmt/format.h>
 
-#include "bench.h"
+#include "bench/bench.h"
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/encoder_quality.h"
+#include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/estimate/machine/timed_jobs.h"
 #include "holotrace/estimate/test_picture.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/target.h"
-#include "median_seconds.h"
 
 namespace holotrace {
 namespace {

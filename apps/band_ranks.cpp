@@ -1,0 +1,74 @@
+// What the ranks beside rank 0 do for a field made in bands.
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <new>
+
+#include "band_messages.h"
+#include "banded_field.h"
+#include "holotrace/wave/bands.h"
+#include "holotrace/wave/shared/cost_model.h"
+
+namespace holotrace {
+namespace {
+
+// Pieces that need little memory on the other side.
+void send_rows(const Ranks& ranks, const BandOrder& order, const Field& field) {
+  const int piece = std::max(1, int((4 << 20) / (sizeof(std::complex<float>) * size_t(field.grid.nx))));
+  for (int row = 0; row < field.grid.ny; row += piece) {
+    const int rows = std::min(piece, field.grid.ny - row);
+    std::string bytes;
+    pack(bytes, RowsHead{order.index, order.band.first_row + row, rows});
+    const std::complex<float>* from = field.samples.row(row);
+    pack(bytes, std::vector<std::complex<float>>(from, from + size_t(rows) * size_t(field.grid.nx)));
+    ranks.send(0, tag_rows, bytes);
+  }
+}
+
+void serve_job(const Ranks& ranks, const Ranks::Message& job) {
+  JobHead head;
+  Unpacker(job.bytes).get(head);
+  std::vector<Sources> sets;
+  while (int(sets.size()) < head.sets) sets.push_back(unpack_set(ranks.receive().bytes));
+  const int threads = head.threads > 0 ? head.threads : ranks.threads();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
+  set_summation_rates([rates = head.rates] { return rates; });
+  SynthesizeParams params;
+  params.method = head.method;
+  params.tolerance = head.tolerance;
+  ranks.send(0, tag_ready);
+  for (Ranks::Message message = ranks.receive(); message.tag == tag_band; message = ranks.receive()) {
+    BandOrder order;
+    Unpacker(message.bytes).get(order);
+    send_rows(ranks, order, synthesize_band(sets[size_t(order.band.set)], head.panel, order.band, params));
+    std::string done;
+    pack(done, order.index);
+    ranks.send(0, tag_finished, done);
+  }
+}
+
+}  // namespace
+
+void serve_bands(Ranks& ranks) {
+  try {
+    const Ranks::Message message = ranks.receive();
+    if (message.tag == tag_job) serve_job(ranks, message);
+  } catch (const std::bad_alloc&) {
+    ranks.send(0, tag_failed,
+               "expected enough memory for a band, but it ran out; give a smaller --memory or fewer ranks");
+    ranks.receive();
+  } catch (const std::exception& error) {
+    ranks.send(0, tag_failed, error.what());
+    ranks.receive();
+  }
+  ranks.leave();
+}
+
+void dismiss_ranks(Ranks& ranks, int exit_code) {
+  if (ranks.others_work) ranks.end_all(exit_code);
+  for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_end);
+  ranks.leave();
+}
+
+}  // namespace holotrace

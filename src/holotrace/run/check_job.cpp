@@ -1,0 +1,91 @@
+#include "holotrace/run/check_job.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/run/illumination_plan.h"
+#include "holotrace/run/viewing.h"
+#include "holotrace/slm/encode/stop.h"
+#include "holotrace/trace/gather.h"
+#include "holotrace/trace/shade_triangles.h"
+
+namespace holotrace {
+namespace {
+
+// Sets that are known before tracing: those of separate lights are counted once they are there.
+size_t least_sets(const Job& job) {
+  return job.wavelengths.size() *
+         (job.trace.separate_path_groups ? std::max<size_t>(1, job.trace.path_expressions.size()) : 1);
+}
+
+}  // namespace
+
+int64_t states_at(const Job& job, double wavelength, const std::vector<Viewpoint>& from) {
+  const auto stop = stop_of(job.encode, job.slm.grid, wavelength);
+  const double lit_with = job.show.wavelength > 0 ? job.show.wavelength : wavelength;
+  return int64_t(plan_illumination(job.slm, job.show, lit_with, job.encode.image, from, stop).states.size());
+}
+
+int64_t most_states(const Job& job, const std::vector<Viewpoint>& from) {
+  int64_t most = 1;
+  for (const double wavelength : job.wavelengths) most = std::max(most, states_at(job, wavelength, from));
+  return most;
+}
+
+// The fields of two frames, all holograms, the light that leaves the
+// panel and its transform, the propagation to the sensor, padded to the sum of both windows, and the sums of views.
+void check_memory(const Job& job, size_t sets) {
+  const Grid& panel = job.slm.grid;
+  const double pixels = double(panel.pixels()), frames = job.trace.frames;
+  const std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
+  const ViewingNeed need = viewing_need(job.slm, job.show.subpixels, job.wavelengths, job.encode.image, job.propagate,
+                                        from, job.show.source_angle);
+  const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
+  const double fields = 8 * pixels * double(sets) * kept;
+  const double planes = job.encode.method == Encoding::complex ? 2 : 1;  // of levels
+  const double holograms = 2 * planes * pixels * double(sets) * frames;
+  const int64_t states = most_states(job, from);
+  const bool is_one = sets == 1 && frames == 1 && states == 1 && from.size() == job.camera.distances.size();
+  const double views = is_one ? 0 : viewing_bytes(need.columns * need.rows, from.size(), double(sets), states);
+  require_memory(fields + holograms + need.shown + need.passing + views,
+                 fmt::format("a run of {} hologram(s) on {} × {} pixels at {} samples per pixel and axis, seen by a "
+                             "sensor of {} × {} pixels,",
+                             double(sets) * frames, panel.nx, panel.ny, job.show.subpixels, std::llround(need.columns),
+                             std::llround(need.rows)));
+}
+
+void check_job(const Job& job) {
+  require(!job.wavelengths.empty(), "expected at least one wavelength, got none");
+  check_ranges(job.trace);
+  check_ranges(job.render);
+  check_ranges(job.synthesize);
+  check_ranges(job.encode);
+  check_ranges(job.show);
+  check_ranges(job.propagate);
+  check_ranges(job.camera);
+  for (const double wavelength : job.wavelengths) check_wavelength(wavelength);
+  for (size_t i = 0; i < job.wavelengths.size(); ++i)
+    require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,
+            "expected wavelengths that differ, got {} twice; leave one out, or ask for frames",
+            format_length(job.wavelengths[i]));
+  const bool is_coloured = job.wavelengths.size() > 1;
+  require(!is_coloured || job.show.wavelength == 0,
+          "expected [show] wavelength with a scene of one wavelength, got {} of {}; leave it out: each hologram is lit "
+          "with its own",
+          format_length(job.show.wavelength), job.wavelengths.size());
+  require(!is_coloured || !job.encode.is_joint,
+          "expected [encode] joint with pictures as targets (holotrace encode), got a scene of {} wavelengths, whose "
+          "holograms are one for each; leave it out",
+          job.wavelengths.size());
+  if (job.synthesize.method == SynthesisMethod::triangles)
+    check_shading(job.scene, job.trace);
+  else if (job.trace.strategy == Strategy::gather)
+    check_gather(job.trace);
+  check_memory(job, least_sets(job));
+}
+
+}  // namespace holotrace

@@ -1,0 +1,128 @@
+#include "holotrace/run/scene_light.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/trace/gather.h"
+#include "holotrace/trace/shade_triangles.h"
+#include "holotrace/trace/trace.h"
+#include "holotrace/wave/synthesize.h"
+#include "holotrace/wave/triangles/sum_triangles.h"
+
+namespace holotrace {
+namespace {
+
+std::vector<Field> fields_of_triangles(const std::vector<Triangles>& sets, uint32_t frame, const Grid& panel,
+                                       const SynthesizeParams& params, const Observer& observer) {
+  require(std::any_of(sets.begin(), sets.end(), [](const Triangles& set) { return !set.triangles.empty(); }),
+          "expected at least one luminous triangle, got none; is the scene lit and in view?");
+  std::vector<Field> fields;
+  for (size_t i = 0; i < sets.size(); ++i) {
+    Triangles set = sets[i];
+    set_frame(set, frame);
+    fields.push_back(set.triangles.empty()
+                         ? Field(panel, set.wavelength)
+                         : sum_triangles(set, panel, params.tolerance, part_of(observer, int(i), int(sets.size()))));
+    fields.back().name = set.name;
+    fields.back().frame = frame;
+    fields.back().cone_wavelength = set.cone_wavelength;
+  }
+  return fields;
+}
+
+}  // namespace
+
+double SceneLight::wavelength(size_t set) const {
+  if (!sources.empty()) return sources[set].wavelength;
+  return triangles.empty() ? gathered[set].front().wavelength : triangles[set].wavelength;
+}
+
+bool SceneLight::has_random_phase() const {
+  const auto is_random = [](const auto& set) {
+    return std::any_of(set.phase_keys.begin(), set.phase_keys.end(),
+                       [](uint64_t key) { return key != Sources::no_phase_key; });
+  };
+  return std::any_of(sources.begin(), sources.end(), is_random) ||
+         std::any_of(triangles.begin(), triangles.end(), is_random);
+}
+
+bool SceneLight::is_dark(size_t set) const {
+  return (set < sources.size() && sources[set].waves.empty()) ||
+         (set < triangles.size() && triangles[set].triangles.empty());
+}
+
+SceneLight trace_light(const Job& job, const Observer& observer) {
+  SceneLight light;
+  if (job.synthesize.method == SynthesisMethod::triangles) {
+    light.triangles = shade_triangles(job.scene, job.slm.grid, job.wavelengths, job.trace, job.synthesize.shading,
+                                      job.synthesize.triangle_phase, observer);
+    return light;
+  }
+  if (job.trace.strategy != Strategy::gather) {
+    light.sources = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, observer);
+    return light;
+  }
+  const size_t frames = size_t(job.trace.frames);
+  std::vector<Field> fields = gather(job.scene, job.slm.grid, job.wavelengths, job.trace, observer);
+  light.gathered.resize(fields.size() / frames);
+  for (size_t i = 0; i < fields.size(); ++i) light.gathered[i / frames].push_back(std::move(fields[i]));
+  return light;
+}
+
+std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
+                                   const SynthesizeParams& params, const Observer& observer) {
+  if (!light.gathered.empty()) {
+    std::vector<Field> fields;
+    for (const std::vector<Field>& frames : light.gathered) {
+      require(frame < frames.size(), "expected a frame below {}, as many as were gathered, got {}; use more frames",
+              frames.size(), frame);
+      fields.push_back(frames[frame]);
+    }
+    return fields;
+  }
+  if (!light.triangles.empty()) return fields_of_triangles(light.triangles, frame, panel, params, observer);
+  const std::vector<Sources>& sources = light.sources;
+  require(params.method != SynthesisMethod::triangles,
+          "expected a scene or a mesh for the method triangles, which needs surfaces, got waves; use another "
+          "method, or the scene that they were traced from");
+  const bool has_waves =
+      std::any_of(sources.begin(), sources.end(), [](const Sources& set) { return !set.waves.empty(); });
+  std::vector<Field> fields;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    Observer part = observer;
+    part.on_progress = [&, i](double fraction) { observer.progress((double(i) + fraction) / double(sources.size())); };
+    if (sources[i].waves.empty() && has_waves) {
+      fields.emplace_back(panel, sources[i].wavelength);
+    } else if (sources[i].frame == frame) {
+      fields.push_back(synthesize(sources[i], panel, params, part));
+    } else {
+      Sources set = sources[i];
+      set_frame(set, frame);
+      fields.push_back(synthesize(set, panel, params, part));
+    }
+    fields.back().name = sources[i].name;
+    fields.back().frame = frame;
+    fields.back().cone_wavelength = sources[i].cone_wavelength;
+  }
+  return fields;
+}
+
+template <class Real>
+std::vector<std::vector<BasicField<Real>>> group_by_name(std::vector<BasicField<Real>> fields) {
+  std::vector<std::vector<BasicField<Real>>> groups;
+  for (BasicField<Real>& field : fields) {
+    const auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.front().name == field.name; });
+    if (group == groups.end())
+      groups.emplace_back().push_back(std::move(field));
+    else
+      group->push_back(std::move(field));
+  }
+  return groups;
+}
+
+template std::vector<std::vector<Field>> group_by_name(std::vector<Field>);
+template std::vector<std::vector<FieldDouble>> group_by_name(std::vector<FieldDouble>);
+
+}  // namespace holotrace

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/data/chart.h"
+#include "holotrace/data/image.h"
+#include "holotrace/run/repeated_stages.h"
+#include "holotrace/run/viewpoints.h"
+#include "holotrace/view/combine_views.h"
+
+namespace holotrace {
+
+/// Pictures in one exposure.
+struct ViewSeries {
+  std::vector<Image> images;  ///< irradiance as the sensor reads it [W/m²]
+  double white = 1;           ///< [W/m²]
+};
+
+/// The views of one kind, in one exposure, as the camera's sensor reads them (view/sensor_noise.h).
+ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
+                         const CameraParams& camera);
+
+/// States the curves of a sweep, where there is one, as the end of its stage: `position_m`; `sharpness`, the variance
+/// of the irradiance over its squared mean, which is greatest where most of the picture is in focus; and
+/// `mean_irradiance` [W/m²].
+void report_sweep(const std::vector<Viewpoint>& from, const ViewSeries& sweep, RepeatedStages& repeat);
+
+/// A sweep as a chart: the sharpness against the distance in focus, or the mean irradiance against the eye's place.
+/// @throws Error  where there is no sweep
+Chart sweep_chart(const std::vector<Viewpoint>& from, const ViewSeries& sweep);
+
+}  // namespace holotrace
