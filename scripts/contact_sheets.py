@@ -78,19 +78,19 @@ def shrink(linear, size):
 
 
 def develop(linear, white):
-    """An sRGB picture with that light as white."""
+    """An sRGB picture in which that light is white."""
     light = np.clip(linear / white, 0, 1)
     code = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     return Image.fromarray((255 * code + 0.5).astype(np.uint8))
 
 
 def white_of(pictures):
-    """One exposure for pictures to be compared: nearly all of their light below white."""
+    """One exposure for pictures to be compared: nearly all of their light is below white."""
     return max(max(np.percentile(p, 99.7) for p in pictures), 1e-6)
 
 
 def thicken(linear):
-    """Luminous points, drawn one pixel wide, become visible: the mean of 3 × 3 pixels, two times over."""
+    """Makes luminous points, drawn one pixel wide, visible: the mean of 3 × 3 pixels, applied twice."""
     rows, columns = linear.shape[:2]
     for _ in range(2):
         padded = np.pad(linear, ((1, 1), (1, 1), (0, 0)))
@@ -165,7 +165,7 @@ def make_sheet(figure, output):
 
 
 def make_table(output):
-    """Waves and milliseconds; simulation is one look: show, and the mean of the looks at the two depths."""
+    """Waves and milliseconds; simulation is one view: show, and the mean of the views at the two depths."""
     lines = ["| scene | waves | synthesis (ms) | simulation (ms) |", "|---|---:|---:|---:|"]
     for figure in FIGURES:
         for scene in figure.scenes:

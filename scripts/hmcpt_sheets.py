@@ -39,7 +39,7 @@ def lay_out(title, caption, rows):
 
 
 def developed(path, size, channel=None, percentile=99.7):
-    """One picture by itself; channel: that of red, green and blue alone, of a render beside a view in one colour."""
+    """One picture; channel: only this channel, of a render beside a view in one colour."""
     linear = shrink(load_linear(path), size)
     if channel is not None:
         linear = np.repeat(linear[:, :, channel : channel + 1], 3, axis=2)
@@ -94,20 +94,20 @@ def parallax_sheet(output):
 
 
 def flat_places(render):
-    """Where the picture is bright and, in a window of 7 × 7 pixels, even to 15 %."""
+    """Where the picture is bright and, in a window of 7 × 7 pixels, uniform to 15 %."""
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(render, 3, mode="edge"), (7, 7))
     most, least = windows.max(axis=(2, 3)), windows.min(axis=(2, 3))
     return (render > 0.25 * np.percentile(render, 99.5)) & (most - least < 0.15 * most)
 
 
 def psnr_of(view, render):
-    """Of the view, scaled to the render's mean, against the render, whose largest value is the peak."""
+    """PSNR of the view, scaled to the render's mean, against the render, whose largest value is the peak."""
     scale = render.mean() / view.mean()
     return 10 * np.log10(render.max() ** 2 / np.mean((scale * view - render) ** 2))
 
 
 def frames_table(folder):
-    """Contrast of the view over the render in its flat places, and PSNR there and of the whole picture."""
+    """Contrast of the view over the render in its uniform places, and PSNR there and of the whole picture."""
     render = load_linear(folder / "render.png")[:, :, 0]
     flat = flat_places(render)
     lines = ["| holograms M | speckle contrast | that of one, over √M | PSNR, flat places (dB) "

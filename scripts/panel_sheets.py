@@ -26,7 +26,7 @@ PICTURE = (640, 352)
 
 
 def detail(path, size):
-    """The middle of a hologram, one pixel for one."""
+    """The middle of a hologram, one picture pixel per panel pixel."""
     picture = Image.open(path)
     if picture.mode.startswith("I"):  # more than 256 levels
         picture = Image.fromarray((np.asarray(picture) >> 8).astype(np.uint8))
