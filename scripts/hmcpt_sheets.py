@@ -65,12 +65,12 @@ def colour_sheet(output):
 
 def layers_sheet(output):
     size, folder = (720, 405), output / "cornell_layers"
-    names = ["EL: the lamp", "E(D|G)L: direct light", "E(D|G).+L: what surfaces send on", "ES.*L: what the glass shows"]
+    names = ["EL: the lamp", "E(D|G)L: direct light", "E(D|G).+L: indirect light", "ES.*L: what the glass shows"]
     layers = [(name, developed(folder / f"view_of_{i}.png", size, percentile=99.5)) for i, name in enumerate(names, 1)]
-    return lay_out("Layers: a hologram for each light path expression", "The Cornell box at 532 nm, each layer with an "
-                   "exposure of its own. Together they are all light.",
+    return lay_out("A hologram for each light path expression", "The Cornell box at 532 nm, each picture "
+                   "with its own exposure. Together they are all light.",
                    [layers[:2], layers[2:],
-                    [("all four, shown in turn", developed(folder / "view.png", size, percentile=99.5)),
+                    [("all four, shown one after the other", developed(folder / "view.png", size, percentile=99.5)),
                      ("render of all light", developed(folder / "render.png", size, channel=1, percentile=99.5))]])
 
 
@@ -88,7 +88,7 @@ def parallax_sheet(output):
     size, folder = (474, 474), output / "parallax"
     names = {-3: "eye at the left, x = −3 mm", 0: "eye in the middle", 3: "eye at the right, x = 3 mm"}
     return lay_out("Parallax: an eye that moves across the panel", "Posts at 143 mm hide other parts of the chart at "
-                   "158 mm; the ball's highlights wander. Pupil 2 mm.",
+                   "158 mm; the ball's highlights move. Pupil 2 mm.",
                    [[(f"hologram, {names[e]}", developed(folder / f"view_from_{e}.png", size)) for e in EYES],
                     [(f"render, {names[e]}", developed(folder / f"render_from_{e}.png", size)) for e in EYES]])
 
