@@ -26,7 +26,7 @@ struct PropagationAxis {
   int first = 0, last = 0;  ///< frequencies held
   bool is_even = false;     ///< the transfer function at −k is that at k
 
-  BandEdge low, high;  ///< of an angular spectrum to a window off the axis or of another pitch
+  BandEdge low{}, high{};  ///< of an angular spectrum to a window off the axis or of another pitch
 
   // On a lattice, where the outputs lie between the inputs all alike: offset = shift·pitch + rest.
   int shift = 0;

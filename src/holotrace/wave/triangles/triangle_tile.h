@@ -50,7 +50,7 @@ void expand_envelope(const PartInTile& part, double half_x, double half_y, Envel
 /// Sums the parts whose boxes meet `box` into the samples there, in single precision: the hot loop of sum_triangles,
 /// compiled for every instruction set and chosen at run time. Rows of an envelope whose coefficients are below `faint`,
 /// as root of the sum of their squares over r [√(W/m²)], are left out.
-void sum_triangle_tile(const std::vector<TrianglePart>& parts, const Grid& grid, double wavelength, TileShape tile,
+void sum_triangle_tile(const std::vector<TrianglePart>& parts, const LitGrid& panel, TileShape tile,
                        const PixelBox& box, double faint, Array2D<std::complex<float>>& samples);
 
 }  // namespace holotrace
