@@ -113,15 +113,16 @@ class Flags {
       CLI::Option* option =
           app.add_option_function<std::string>(dashed(name) + other, keep, help + " [" + shown + "]")->type_name(kind);
       if (!group.empty()) option->group(group);
-      if (const char* before = name_before(name)) add_old_name(name, before, option);
+      if (const char* before = name_before(name)) add_old_name(name, before);
     }
-    // The flag by its old name, which the help text leaves out.
-    void add_old_name(const std::string& name, const std::string& before, CLI::Option* option) {
+    // The flag by its old name, which the help text leaves out. Its callback comes after that of the new one.
+    void add_old_name(const std::string& name, const std::string& before) {
       const auto keep = [&given = given, name, before](const std::string& text) {
+        if (given.count(name)) throw CLI::ExcludesError(dashed(before), dashed(name));
         given[name] = text;
         fmt::print(stderr, "warning: {}\n", renamed_message(dashed(before), dashed(name)));
       };
-      app.add_option_function<std::string>(dashed(before), keep)->group("")->excludes(option);
+      app.add_option_function<std::string>(dashed(before), keep)->group("");
     }
     // The help text tells bounds but for the plain one of 0, which most parameters have.
     static std::string with_bounds(const char* help, const Range& range, Quantity quantity) {

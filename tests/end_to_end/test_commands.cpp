@@ -385,7 +385,9 @@ TEST(Commands, OldNamesAreReadWithAWarning) {
   std::vector<std::string> both = show;
   both.insert(both.end(), {"--moments", "9", "--illumination-states", "9", "-o", "both.png"});
   EXPECT_EQ(work.run(both).exit_code, 2);  // wrong usage
-  EXPECT_EQ(work.run({"show", "--help"}).out.find("--moments"), std::string::npos);
+  const std::string help = work.run({"show", "--help"}).out;
+  EXPECT_EQ(help.find("--moments"), std::string::npos);
+  EXPECT_EQ(help.find("Excludes"), std::string::npos);
 
   work.write("old.toml", mesh_scene() + "[show]\nmoments = 1\n");
   const Outcome traced = work.run({"trace", "old.toml", "-o", "sources.ply"});
