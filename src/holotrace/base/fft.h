@@ -63,8 +63,8 @@ void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction);
 std::string fft_library_version();
 
 /// Where plans are kept between runs and shared by programs: FFTW's knowledge of fast plans ("wisdom") as text.
-/// Around the making of each new plan, `open` is called for the text kept so far, and `close` with the new
-/// one; between the two nobody else may write it, so that all programs that share it plan alike.
+/// For a plan that this program does not know yet, `open` is called for the text kept so far, then `close` with the
+/// new one, or the same where it had the plan; between the two nobody else may write it, so that all plan alike.
 struct FftWisdomStore {
   std::function<std::string()> open;
   std::function<void(const std::string& wisdom)> close;

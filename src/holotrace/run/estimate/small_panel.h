@@ -1,0 +1,42 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/data/grid.h"
+
+namespace holotrace {
+
+/// Pixels of a panel on which a job is tried: on less, work is over before threads are up.
+constexpr double fewest_pixels = 1 << 14;
+
+/// The part of a panel that is tried first.
+inline double smallest_part(const Grid& panel) {
+  return std::min(1.0, std::max(1.0 / 64, fewest_pixels / double(panel.pixels())));
+}
+
+/// What transforms of a panel's pixels take, but for a factor: P·log₂P.
+inline double transform_work(const Grid& grid) {
+  const double pixels = double(grid.pixels());
+  return pixels * std::log2(std::max(2.0, pixels));
+}
+
+/// What a probe of a part predicted for the whole.
+struct PartPrediction {
+  double part = 0, seconds = 0;
+};
+
+/// The prediction of a probe, with what an earlier one of a smaller part tells: work that takes t = a + b·part has an
+/// overhead a that the small part pays as well, so that it predicts too much,
+///
+///     t(1) = t₂ + (t₂ − t₁)/(p₂ − p₁)·(1 − p₂),   tᵢ = pᵢ·predictionᵢ
+///
+/// within half of the later prediction and the whole of it: beyond that it is noise.
+inline double without_overhead(const PartPrediction& earlier, const PartPrediction& later) {
+  if (!(earlier.part > 0 && earlier.part < later.part)) return later.seconds;
+  const double t1 = earlier.part * earlier.seconds, t2 = later.part * later.seconds;
+  const double whole = t2 + (t2 - t1) / (later.part - earlier.part) * (1 - later.part);
+  return std::clamp(whole, later.seconds / 2, later.seconds);
+}
+
+}  // namespace holotrace
