@@ -125,11 +125,10 @@ TEST(EstimateCommand, HasAllStagesOfAnObjectThatACoarseRasterMisses) {
 // Where the stages of the display cannot run there is no total.
 TEST(EstimateCommand, HasNoTotalOfAPart) {
   const Workplace work;
-  std::string scene = mesh_scene();  // a lens without a pupil, which only looking finds
-  scene.replace(scene.find("[camera]\n"), 9, "[camera]\nfocal_length = \"50 mm\"\n");
-  work.write("scene.toml", scene);
+  // An encoding that a panel of phase alone cannot show, which only the encoder finds.
+  work.write("scene.toml", mesh_scene() + "[encode]\nmethod = \"complex\"\n");
   const auto cost = json_of(work, {"estimate", "scene.toml", "--json"});
-  EXPECT_NE(cost.at("why_no_simulation").get<std::string>().find("pupil"), std::string::npos);
+  EXPECT_NE(cost.at("why_no_simulation").get<std::string>().find("got \"complex\""), std::string::npos);
   for (const char* key : {"seconds", "simulation_seconds", "render_seconds"})
     EXPECT_TRUE(cost.at(key).is_null()) << key;
   EXPECT_GT(cost.at("trace_seconds").get<double>(), 0);

@@ -62,8 +62,9 @@ Job on_small_panel(const Job& job, double side) {
   const auto fewer = [&](int& count) {
     if (count > 0) count = std::max(2, int(std::lround(count * side)));
   };
-  for (int* count : {&panel.nx, &panel.ny, &small.encode.target_columns, &small.encode.target_rows,
-                     &small.propagate.columns, &small.propagate.rows, &small.render.rows, &small.render.columns})
+  for (int* count : {&panel.nx, &panel.ny}) *count = fewer_pixels(*count, side);
+  for (int* count : {&small.encode.target_columns, &small.encode.target_rows, &small.propagate.columns,
+                     &small.propagate.rows, &small.render.rows, &small.render.columns})
     fewer(*count);
   CameraParams& camera = small.camera;
   for (double& distance : camera.distances) distance *= side;
@@ -125,8 +126,8 @@ ProbeResult DisplayProbe::run(double part) {
 
 double DisplayProbe::predict(double part) {
   Job small = on_small_panel(job, std::sqrt(part));
-  const int iterations = iterations_of(job.encode), few = std::min(iterations, 2);
-  const int more = std::min(iterations, few + std::max(4, iterations / 8));
+  const int iterations = iterations_of(job.encode), few = std::min(iterations, 1);
+  const int more = std::min(iterations, few + std::max(2, iterations / 16));
   if (iterations > 0) small.encode.iterations = few;
   const int64_t all_moments = most_moments(small, viewpoints(small.camera, small.render));
   const bool has_many = all_moments > 2 * few_moments;

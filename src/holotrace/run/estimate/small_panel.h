@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "holotrace/base/fft.h"
 #include "holotrace/data/grid.h"
 
 namespace holotrace {
@@ -13,6 +14,13 @@ constexpr double fewest_pixels = 1 << 14;
 /// The part of a panel that is tried first.
 inline double smallest_part(const Grid& panel) {
   return std::min(1.0, std::max(1.0 / 64, fewest_pixels / double(panel.pixels())));
+}
+
+/// Columns or rows of a smaller panel: about `side` times as many, and of small factors where the panel's are, for
+/// transforms of other lengths take several times as long.
+inline int fewer_pixels(int count, double side) {
+  const int fewer = std::max(2, int(std::lround(count * side)));
+  return fft_good_length(count) == count ? std::min(count, fft_good_length(fewer)) : fewer;
 }
 
 /// What transforms of a panel's pixels take, but for a factor: P·log₂P.

@@ -90,7 +90,8 @@ SynthesisProbe::SynthesisProbe(const Job& whole, std::vector<Sources> all) : job
     if (set.waves.empty()) continue;
     waves += double(set.waves.size());
     waves_pixels += double(holotrace::waves_pixels(set, job.slm.grid));
-    if (params.method == SynthesisMethod::layers) slices.back() = double(slice_count(set, job.slm.grid, params));
+    if (params.method == SynthesisMethod::layers)
+      slices.back() = params.slices > 0 ? params.slices : double(slice_count(set, job.slm.grid, params));
     if (!has_forecast(params.method)) continue;
     SumForecast sum;
     planning +=
@@ -145,25 +146,30 @@ ProbeResult SynthesisProbe::run(double part) {
 }
 
 ProbeResult SynthesisProbe::run_slices(const Sources& set, double part) {
-  // Half of the way by fewer slices: on a panel that is too small they need windows of a larger share.
-  const double of_panel = std::sqrt(part), side = std::sqrt(of_panel);
+  // Rather by fewer slices: on a small panel, at a short distance, they need windows of a larger share.
+  const double of_panel = std::sqrt(part), side = std::sqrt(of_panel), of_slices = part / of_panel;
   const Sources some = in_the_small(take_part(set, part), side);
-  Grid panel = middle_of(job.slm.grid, of_panel);
+  Grid panel = job.slm.grid;
+  panel.nx = fewer_pixels(panel.nx, side);
+  panel.ny = fewer_pixels(panel.ny, side);
   panel.centre_x *= side;
   panel.centre_y *= side;
   SynthesizeParams same = job.synthesize;
-  same.slices = std::max(1, int(std::lround(of_panel * slices.at(size_t(&set - sets.data())))));
+  same.slices = std::max(1, int(std::lround(of_slices * slices.at(size_t(&set - sets.data())))));
   double made = 1, transforms = 0;  // one for each slice, and one back
   Observer observer;
   observer.on_fact = [&](const std::string& name, const Fact& value) {
     if (name == "slices") made = double(std::get<int64_t>(value));
   };
   for (const double count : slices) transforms += count > 0 ? count + 1 : 0;
+  SynthesizeParams one = same;
+  one.slices = 1;
+  const double begun = median_seconds(1, [&] { synthesize(take_part(some, 0.1), panel, one); });  // plans transforms
   const double taken = median_seconds(1, [&] { synthesize(some, panel, same, observer); });
   const double whole = taken * transform_work(job.slm.grid) / transform_work(panel) * transforms / (made + 1);
   const double predicted = without_overhead(of_slices_, {part, whole});
   of_slices_ = {part, whole};
-  return {taken, predicted};
+  return {begun + taken, predicted};
 }
 
 }  // namespace holotrace
