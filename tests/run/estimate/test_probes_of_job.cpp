@@ -106,6 +106,15 @@ TEST(JobProbes, ASmallPanelIsAsEasyToTransformAsTheJobs) {
   EXPECT_EQ(on_small_panel(job, std::sqrt(0.125)).slm.grid.nx, 192);
 }
 
+TEST(JobProbes, SlicesTakeATransformEachAndOneBackOfEachSet) { EXPECT_EQ(transforms_of({4, 0, 2}), 5 + 0 + 3); }
+
+// 1 s done once and 0.5 s for each moment: two take 2 s, four 3 s, thirty 16 s.
+TEST(JobProbes, MomentsTakeTheSameEach) {
+  EXPECT_DOUBLE_EQ(seconds_of_moments(30, 2, 2, 3), 16);
+  EXPECT_DOUBLE_EQ(seconds_of_moments(30, 2, 2, 1.9), 2) << "noise: no less than nothing";
+  EXPECT_DOUBLE_EQ(seconds_of_moments(30, 2, 2, 9), 30) << "and no more than the first each";
+}
+
 // Luminous points are all there in any part of the rays: nothing grows.
 TEST(JobProbes, PointsAloneDoNotGrowWithTheRays) {
   Job job = job_of_spectrum();

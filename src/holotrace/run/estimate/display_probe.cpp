@@ -163,8 +163,9 @@ double DisplayProbe::predict(double part) {
     const StageReport& stage = one[i];
     double seconds = seconds_for(times, stage.seconds, seconds_of(two, i, 2 * stage.seconds));
     if (stage.stage != "encode" && has_many && stage.seconds > 0) {
-      const double each = std::clamp(seconds_of(brighter, i, 0) - stage.seconds, 0.0, stage.seconds) / few_moments;
-      seconds *= 1 + double(all_moments - few_moments) * each / stage.seconds;
+      const double of_all =
+          seconds_of_moments(double(all_moments), few_moments, stage.seconds, seconds_of(brighter, i, 0));
+      seconds *= of_all / stage.seconds;
     }
     if (stage.stage == "encode" && more > few) {
       const double each = std::max(0.0, seconds_of(longer, i, 0) - stage.seconds) / (more - few);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "holotrace/base/fft.h"
 #include "holotrace/data/grid.h"
@@ -27,6 +28,18 @@ inline int fewer_pixels(int count, double side) {
 inline double transform_work(const Grid& grid) {
   const double pixels = double(grid.pixels());
   return pixels * std::log2(std::max(2.0, pixels));
+}
+
+/// Transforms that carry the slices of some sets to the panel: one for each slice, and one back for each set that has any.
+inline double transforms_of(const std::vector<double>& slices) {
+  double transforms = 0;
+  for (const double count : slices) transforms += count > 0 ? count + 1 : 0;
+  return transforms;
+}
+
+/// Seconds of `all` moments, from those of `few` and of twice as many: each takes the same, beside what is done once.
+inline double seconds_of_moments(double all, double few, double of_few, double of_twice) {
+  return of_few + (all - few) * std::clamp(of_twice - of_few, 0.0, of_few) / few;
 }
 
 /// What a probe of a part predicted for the whole.

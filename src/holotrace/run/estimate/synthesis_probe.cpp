@@ -156,17 +156,17 @@ ProbeResult SynthesisProbe::run_slices(const Sources& set, double part) {
   panel.centre_y *= side;
   SynthesizeParams same = job.synthesize;
   same.slices = std::max(1, int(std::lround(of_slices * slices.at(size_t(&set - sets.data())))));
-  double made = 1, transforms = 0;  // one for each slice, and one back
+  double made = 1;
   Observer observer;
   observer.on_fact = [&](const std::string& name, const Fact& value) {
     if (name == "slices") made = double(std::get<int64_t>(value));
   };
-  for (const double count : slices) transforms += count > 0 ? count + 1 : 0;
   SynthesizeParams one = same;
   one.slices = 1;
   const double begun = median_seconds(1, [&] { synthesize(take_part(some, 0.1), panel, one); });  // plans transforms
   const double taken = median_seconds(1, [&] { synthesize(some, panel, same, observer); });
-  const double whole = taken * transform_work(job.slm.grid) / transform_work(panel) * transforms / (made + 1);
+  const double whole =
+      taken * transform_work(job.slm.grid) / transform_work(panel) * transforms_of(slices) / transforms_of({made});
   const double predicted = without_overhead(of_slices_, {part, whole});
   of_slices_ = {part, whole};
   return {begun + taken, predicted};
