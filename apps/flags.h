@@ -50,7 +50,7 @@ inline double length_within(const std::string& text, const Range& range) {
   return metres;
 }
 inline std::vector<double> lengths_within(const std::string& text, const Range& range) {
-  const std::vector<double> lengths = parse_lengths(text);
+  std::vector<double> lengths = parse_lengths(text);
   for (const double metres : lengths) check_range(metres, range, Quantity::length);
   return lengths;
 }
@@ -106,22 +106,22 @@ class Flags {
     const std::set<std::string>& without;
     const std::string& group;
 
-    void add(std::string name, const std::string& help, const std::string& shown, const std::string& kind) {
+    void add(const std::string& name, const std::string& help, const std::string& shown, const std::string& kind) {
       if (without.count(name)) return;
       const std::string other = name == "distances" ? ",--distances" : "";
       const auto keep = [&given = given, name](const std::string& text) { given[name] = text; };
       CLI::Option* option =
           app.add_option_function<std::string>(dashed(name) + other, keep, help + " [" + shown + "]")->type_name(kind);
       if (!group.empty()) option->group(group);
-      if (const char* before = name_before(name)) add_old_name(name, before, option);
+      if (const char* before = name_before(name)) add_old_name(name, before);
     }
-    // The flag with its old name; the help text leaves it out.
-    void add_old_name(const std::string& name, const std::string& before, CLI::Option* option) {
+    // The flag by its old name, which the help text leaves out.
+    void add_old_name(const std::string& name, const std::string& before) {
       const auto keep = [&given = given, name, before](const std::string& text) {
-        given[name] = text;
+        if (!given.emplace(name, text).second) throw CLI::ExcludesError(dashed(before), dashed(name));
         fmt::print(stderr, "warning: {}\n", renamed_message(dashed(before), dashed(name)));
       };
-      app.add_option_function<std::string>(dashed(before), keep)->group("")->excludes(option);
+      app.add_option_function<std::string>(dashed(before), keep)->group("");
     }
     // The help text states bounds, except a lower bound of 0 alone, which most parameters have.
     static std::string with_bounds(const char* help, const Range& range, Quantity quantity) {

@@ -88,7 +88,8 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+// What is not an Error is a mistake in the program: it ends it with its own message.
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   using namespace holotrace;
   std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit on file sizes becomes an Error
   try {

@@ -36,22 +36,22 @@ class Figure:
 
 FIGURES = [
     Figure("fig06", "Fig. 6  Wireframe cube",
-           "Edges are thin at the camera's depth and spread away from it: blur by propagation, no lens.",
+           "Edges are sharp at the camera's distance and blurred elsewhere: by propagation, without a lens.",
            [Scene("fig06_wireframe_cube", "")]),
     Figure("fig07", "Fig. 7  Wireframe sphere",
-           "The front is sharp and the back wide, then the other way round.",
+           "First the front is sharp and the back blurred, then the opposite.",
            [Scene("fig07_wireframe_sphere", "")]),
     Figure("fig08", "Fig. 8  Quad tilted about its main diagonal",
            "The diagonal is sharp at 300 mm, the upper right corner at 296.8 mm. "
-           "256 × 256 points interfere: fringes, or speckle.",
-           [Scene("fig08_quad_16", "16 × 16 points"), Scene("fig08_quad_256", "256 × 256 points in step"),
+           "256 × 256 points interfere: fringes or speckle.",
+           [Scene("fig08_quad_16", "16 × 16 points"), Scene("fig08_quad_256", "256 × 256 points in phase"),
             Scene("fig08_quad_256_diffuse", "256 × 256 points of random phase")]),
     Figure("fig09", "Fig. 9  Textured quad of 128 × 128 points",
-           "Coarse bars, text and greys come back; the finest bars are at the sampling of the quad. "
+           "Coarse bars, text and greys are reproduced; the finest bars are as fine as the points. "
            "Speckle lowers the contrast.",
            [Scene("fig09_textured_quad", "")]),
     Figure("fig10", "Fig. 10  A chess game by path tracing",
-           "White's side is sharp at the first depth, Black's at the second. Twice the samples a side: "
+           "White's side is sharp at the first depth, Black's at the second. Twice the samples per side: "
            "dots become surfaces.",
            [Scene("fig10_chess_256", "256 × 256 first hits"), Scene("fig10_chess_512", "512 × 512 first hits")]),
 ]
@@ -78,19 +78,19 @@ def shrink(linear, size):
 
 
 def develop(linear, white):
-    """An sRGB picture with that light as white."""
+    """An sRGB picture in which that light is white."""
     light = np.clip(linear / white, 0, 1)
     code = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     return Image.fromarray((255 * code + 0.5).astype(np.uint8))
 
 
 def white_of(pictures):
-    """One exposure for pictures to be compared: nearly all of their light below white."""
+    """One exposure for pictures to be compared: nearly all of their light is below white."""
     return max(max(np.percentile(p, 99.7) for p in pictures), 1e-6)
 
 
 def thicken(linear):
-    """Luminous points, drawn one pixel wide, become visible: the mean of 3 × 3 pixels, two times over."""
+    """Makes luminous points, drawn one pixel wide, visible: the mean of 3 × 3 pixels, applied twice."""
     rows, columns = linear.shape[:2]
     for _ in range(2):
         padded = np.pad(linear, ((1, 1), (1, 1), (0, 0)))
@@ -165,7 +165,7 @@ def make_sheet(figure, output):
 
 
 def make_table(output):
-    """Waves and milliseconds; simulation is one look: show, and the mean of the looks at the two depths."""
+    """Waves and milliseconds; simulation is one view: show, and the mean of the views at the two depths."""
     lines = ["| scene | waves | synthesis (ms) | simulation (ms) |", "|---|---:|---:|---:|"]
     for figure in FIGURES:
         for scene in figure.scenes:

@@ -39,7 +39,7 @@ def lay_out(title, caption, rows):
 
 
 def developed(path, size, channel=None, percentile=99.7):
-    """One picture by itself; channel: that of red, green and blue alone, of a render beside a view in one colour."""
+    """One picture; channel: only this channel, of a render beside a view in one colour."""
     linear = shrink(load_linear(path), size)
     if channel is not None:
         linear = np.repeat(linear[:, :, channel : channel + 1], 3, axis=2)
@@ -65,12 +65,12 @@ def colour_sheet(output):
 
 def layers_sheet(output):
     size, folder = (720, 405), output / "cornell_layers"
-    names = ["EL: the lamp", "E(D|G)L: direct light", "E(D|G).+L: what surfaces send on", "ES.*L: what the glass shows"]
+    names = ["EL: the lamp", "E(D|G)L: direct light", "E(D|G).+L: indirect light", "ES.*L: what the glass shows"]
     layers = [(name, developed(folder / f"view_of_{i}.png", size, percentile=99.5)) for i, name in enumerate(names, 1)]
-    return lay_out("Layers: a hologram for each light path expression", "The Cornell box at 532 nm, each layer with an "
-                   "exposure of its own. Together they are all light.",
+    return lay_out("A hologram for each light path expression", "The Cornell box at 532 nm, each picture "
+                   "with its own exposure. Together they are all light.",
                    [layers[:2], layers[2:],
-                    [("all four, shown in turn", developed(folder / "view.png", size, percentile=99.5)),
+                    [("all four, shown one after the other", developed(folder / "view.png", size, percentile=99.5)),
                      ("render of all light", developed(folder / "render.png", size, channel=1, percentile=99.5))]])
 
 
@@ -88,26 +88,26 @@ def parallax_sheet(output):
     size, folder = (474, 474), output / "parallax"
     names = {-3: "eye at the left, x = −3 mm", 0: "eye in the middle", 3: "eye at the right, x = 3 mm"}
     return lay_out("Parallax: an eye that moves across the panel", "Posts at 143 mm hide other parts of the chart at "
-                   "158 mm; the ball's highlights wander. Pupil 2 mm.",
+                   "158 mm; the ball's highlights move. Pupil 2 mm.",
                    [[(f"hologram, {names[e]}", developed(folder / f"view_from_{e}.png", size)) for e in EYES],
                     [(f"render, {names[e]}", developed(folder / f"render_from_{e}.png", size)) for e in EYES]])
 
 
 def flat_places(render):
-    """Where the picture is bright and, in a window of 7 × 7 pixels, even to 15 %."""
+    """Where the picture is bright and, in a window of 7 × 7 pixels, uniform to 15 %."""
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(render, 3, mode="edge"), (7, 7))
     most, least = windows.max(axis=(2, 3)), windows.min(axis=(2, 3))
     return (render > 0.25 * np.percentile(render, 99.5)) & (most - least < 0.15 * most)
 
 
 def psnr_of(view, render):
-    """Of the view, scaled to the render's mean, against the render, whose largest value is the peak."""
+    """PSNR of the view, scaled to the render's mean, against the render, whose largest value is the peak."""
     scale = render.mean() / view.mean()
     return 10 * np.log10(render.max() ** 2 / np.mean((scale * view - render) ** 2))
 
 
 def frames_table(folder):
-    """Contrast of the view over the render in its flat places, and PSNR there and of the whole picture."""
+    """Contrast of the view over the render in its uniform places, and PSNR there and of the whole picture."""
     render = load_linear(folder / "render.png")[:, :, 0]
     flat = flat_places(render)
     lines = ["| holograms M | speckle contrast | that of one, over √M | PSNR, flat places (dB) "

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws examples/test_chart.png: bars, a star, grey steps, a smooth ball and text, to judge a hologram by.
+"""Draws examples/test_chart.png: bars, a star, grey steps, a smooth ball and text, to judge holograms.
 
 Usage: scripts/make_test_chart.py [OUTPUT.png]    needs Pillow and NumPy
 """
@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 SIDE = 512
-FINE = 4  # drawn this much larger, then averaged
+FINE = 4  # drawn larger by this factor, then averaged
 FONT = "DejaVuSans-Bold.ttf"
 
 
@@ -29,7 +29,7 @@ def draw_star(image, x, y, side, spokes=16):
 
 
 def draw_ball(image, x, y, side):
-    """A matt ball lit from the upper left before a soft backdrop: smooth greys, as a photograph has."""
+    """A matt ball lit from the upper left on a soft background: smooth greys, as in a photograph."""
     left, top, right, bottom = square(x, y, side)
     v, u = np.mgrid[-1 : 1 : (bottom - top) * 1j, -1 : 1 : (right - left) * 1j]
     backdrop = 70 + 60 * (1 - v) / 2

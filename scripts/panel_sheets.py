@@ -26,7 +26,7 @@ PICTURE = (640, 352)
 
 
 def detail(path, size):
-    """The middle of a hologram, one pixel for one."""
+    """The middle of a hologram, one picture pixel per panel pixel."""
     picture = Image.open(path)
     if picture.mode.startswith("I"):  # more than 256 levels
         picture = Image.fromarray((np.asarray(picture) >> 8).astype(np.uint8))
@@ -44,10 +44,10 @@ def encoders_sheet(folder):
              ("convergence", Image.open(folder / "sgd_convergence.png").convert("RGB").resize(PICTURE))]]
     for name, title in ENCODERS.items():
         psnr = metrics(folder, name)["psnr_amplitude_db"]
-        rows.append([(f"{title}: what the camera sees, {psnr:.1f} dB",
+        rows.append([(f"{title}: view, {psnr:.1f} dB",
                       developed(folder / f"{name}_view.png", PICTURE, percentile=99.7)),
                      ("its levels (detail)", detail(folder / f"{name}.png", PICTURE))])
-    return lay_out("Encoders: the same picture in levels", "1600 × 880 pixels within a panel of 1920 × 1080, 8 µm, 8 bit; "
+    return lay_out("Encoders: levels for the same picture", "1600 × 880 pixels within a panel of 1920 × 1080, 8 µm, 8 bit; "
                    "200 mm away at 520 nm.", rows)
 
 
@@ -68,8 +68,8 @@ def effects_sheet(folder):
 
 def stereo_sheet(folder):
     size = (420, 420)
-    return lay_out("Stereo pair and hologram: two eyes on the panel", "Above two renders, as a stereoscopic display would "
-                   "send; below what the same eyes see of one hologram.",
+    return lay_out("Stereo pair and hologram: two eyes on the panel", "Above: two renders, as a stereoscopic display would "
+                   "show. Below: what the same eyes see of one hologram.",
                    [[(f"{kind}, {which}", developed(folder / f"{stem}_{eye}.png", size))
                      for eye, which in (("left", "left eye"), ("right", "right eye"))] +
                     [(f"{kind}, anaglyph", Image.open(folder / f"{stem}_anaglyph.png").convert("RGB").resize(size))]

@@ -376,25 +376,25 @@ TEST(Commands, OldNamesAreReadWithAWarning) {
     arguments.insert(arguments.end(), {flag, "9", "-o", output});
     return work.run(arguments);
   };
-  const Outcome before = run("--illumination-states", "before.png"), now = run("--illumination-states", "now.png");
+  const Outcome before = run("--moments", "before.png"), now = run("--illumination-states", "now.png");
   EXPECT_EQ(before.exit_code, 0);
-  EXPECT_EQ(before.err,
-            "warning: `--illumination-states` is now called `--illumination-states`; the old name is still read\n");
+  EXPECT_EQ(before.err, "warning: `--moments` is now called `--illumination-states`; the old name is still read\n");
   EXPECT_EQ(now.err, "");
   EXPECT_EQ(work.read("before.png"), work.read("now.png"));
 
   std::vector<std::string> both = show;
-  both.insert(both.end(), {"--illumination-states", "9", "--illumination-states", "9", "-o", "both.png"});
+  both.insert(both.end(), {"--moments", "9", "--illumination-states", "9", "-o", "both.png"});
   EXPECT_EQ(work.run(both).exit_code, 2);  // wrong usage
-  EXPECT_EQ(work.run({"show", "--help"}).out.find("--illumination-states"), std::string::npos);
+  const std::string help = work.run({"show", "--help"}).out;
+  EXPECT_EQ(help.find("--moments"), std::string::npos);
+  EXPECT_EQ(help.find("Excludes:"), std::string::npos);  // by a name that is not shown
 
   work.write("old.toml", mesh_scene() + "[show]\nmoments = 1\n");
   const Outcome traced = work.run({"trace", "old.toml", "-o", "sources.ply"});
   EXPECT_EQ(traced.exit_code, 0);
   EXPECT_EQ(std::count(traced.err.begin(), traced.err.end(), '\n'), 1) << traced.err;
-  EXPECT_NE(traced.err.find("`illumination_states` is now called `illumination_states`"), std::string::npos);
-  EXPECT_NE(work.run({"run", "old.toml", "-o", "out"}).err.find("`illumination_states` is now called"),
-            std::string::npos);
+  EXPECT_NE(traced.err.find("`moments` is now called `illumination_states`"), std::string::npos);
+  EXPECT_NE(work.run({"run", "old.toml", "-o", "out"}).err.find("`moments` is now called"), std::string::npos);
 }
 
 }  // namespace
