@@ -115,10 +115,11 @@ class Flags {
       if (!group.empty()) option->group(group);
       if (const char* before = name_before(name)) add_old_name(name, before);
     }
-    // The flag by its old name, which the help text leaves out.
+    // The flag by its old name, which the help text leaves out. Its callback comes after that of the new one.
     void add_old_name(const std::string& name, const std::string& before) {
       const auto keep = [&given = given, name, before](const std::string& text) {
-        if (!given.emplace(name, text).second) throw CLI::ExcludesError(dashed(before), dashed(name));
+        if (given.count(name)) throw CLI::ExcludesError(dashed(before), dashed(name));
+        given[name] = text;
         fmt::print(stderr, "warning: {}\n", renamed_message(dashed(before), dashed(name)));
       };
       app.add_option_function<std::string>(dashed(before), keep)->group("");

@@ -10,6 +10,12 @@
 
 namespace holotrace {
 
+/// Where waves are summed: the panel's pixels, in their light.
+struct LitGrid {
+  const Grid& grid;
+  double wavelength;  ///< [m]
+};
+
 /// Size of a tile of the tile-separable sum [pixels].
 struct TileShape {
   int columns, rows;
