@@ -160,8 +160,8 @@ TEST(VisibleLight, IsInThePictureTheGatheredFieldAndTheTriangles) {
 
 TEST(VisibleLight, GathersItsRadianceOverTheAcceptance) {
   // Cells of 1 nm: independent waves, whose mean irradiance is L·∫∫ dΩ over the acceptance, ±asin(λ/2p) on both axes,
-  // 4s²(1 − s²/3). The lamp fills it: R = 6.65 mm at 200 mm. 8 waves a pixel have a contrast of √(1 − 1/8): 16384 pixels
-  // leave 0.73 % of noise.
+  // 4s²(1 − s²/3). The lamp fills it: R = 6.65 mm at 200 mm. 8 waves per pixel have a contrast of √(1 − 1/8); 16384
+  // pixels leave 0.73 % of noise.
   const Grid panel{128, 128, 8e-6};
   const TraceParams params{.strategy = Strategy::gather,
                            .pixel_samples = 8,

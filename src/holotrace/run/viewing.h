@@ -41,8 +41,8 @@ double view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams&
 /// Number of stages that view_hologram runs for a hologram with so many illumination states.
 int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from);
 
-/// What showing one hologram and looking at it from all viewpoints takes, with a source, or with that part of it which
-/// moves light the furthest (widest_part, moment_plan.h).
+/// Memory needed to show one hologram and view it from all viewpoints, for a source or for the part of it that
+/// moves light the farthest (widest_part, illumination_plan.h).
 struct ViewingNeed {
   double columns = 0, rows = 0;  ///< pixels of the first viewpoint's sensor
   double shown = 0;              ///< bytes of the field that leaves the panel

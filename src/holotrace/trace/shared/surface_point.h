@@ -10,7 +10,7 @@ namespace holotrace {
 /// came from.
 struct SurfacePoint {
   Vec3 position;          ///< [m]
-  Vec3 geometric_normal;  ///< of the triangle
+  Vec3 geometric_normal;  ///< normal of the triangle
   Vec3 normal;            ///< interpolated, for shading
   Vec2 uv;
   Vec3 tangent_u, tangent_v;        ///< ∂position/∂u and ∂position/∂v [m]; 0 without texture coordinates

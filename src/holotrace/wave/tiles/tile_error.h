@@ -10,7 +10,7 @@
 
 namespace holotrace {
 
-/// Where waves are summed: the panel's pixels, in their light.
+/// The panel's pixels and the wavelength of their light.
 struct LitGrid {
   const Grid& grid;
   double wavelength;  ///< [m]
