@@ -10,15 +10,15 @@
 #include "holotrace/data/summation_rates.h"
 #include "holotrace/wave/bands.h"
 
-// What ranks tell each other of a field made in bands.
+// Messages that ranks exchange about a field made in bands.
 
 namespace holotrace {
 
-/// Rank 0 sends a job, its sets, bands one at a time, and the end; the others ask for a band, send its rows in pieces,
-/// say that it is finished, or that it failed.
+/// Rank 0 sends a job, its sets, single bands, and the end. The other ranks ask for a band, send its rows in pieces,
+/// and report that it is finished or has failed.
 enum BandTag { tag_job, tag_set, tag_band, tag_end, tag_ready, tag_rows, tag_finished, tag_failed };
 
-/// The head of the samples of a message of rows: rows of band `band`, from row `first_row` of the panel on.
+/// Header of a message of rows: the rows of band `band`, from row `first_row` of the panel on.
 struct RowsHead {
   uint64_t band = 0;
   int32_t first_row = 0, rows = 0;
@@ -29,7 +29,7 @@ struct JobHead {
   SynthesisMethod method{};
   double tolerance = 0;
   int32_t threads = 0, sets = 0;
-  SummationRates rates;  ///< by which plans are chosen: the same on every rank
+  SummationRates rates;  ///< plans are chosen by these rates: the same on every rank
 };
 
 struct BandOrder {

@@ -1,4 +1,4 @@
-// What the ranks beside rank 0 do for a field made in bands.
+// The part of the ranks other than rank 0 in a field made in bands.
 
 #include <tbb/global_control.h>
 
@@ -13,7 +13,7 @@
 namespace holotrace {
 namespace {
 
-// Pieces that need little memory on the other side.
+// Sends the rows in pieces, so that the receiver needs little memory.
 void send_rows(const Ranks& ranks, const BandOrder& order, const Field& field) {
   const int piece = std::max(1, int((4 << 20) / (sizeof(std::complex<float>) * size_t(field.grid.nx))));
   for (int row = 0; row < field.grid.ny; row += piece) {

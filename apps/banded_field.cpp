@@ -26,26 +26,26 @@
 namespace holotrace {
 namespace {
 
-// One file of the job: the sets of a name, as its planes, and their bands, in the order of the job's.
+// One output file of the job: the sets of one name, and their bands in the order of the job.
 struct BandFile {
   std::vector<size_t> sets, bands;
   std::unique_ptr<FieldBands> file;
 };
 
 struct Place {
-  size_t file = 0, plane = 0, index = 0;  // index: of the band among the file's
+  size_t file = 0, plane = 0, index = 0;  // index: index of the band within the file
 };
 
-// The work of rank 0, held by its two threads.
+// The work of rank 0, shared by its two threads.
 struct Work {
   BandedField job;
   Observer observer;
   std::vector<Band> bands;
   std::vector<BandFile> files;
-  std::vector<Place> places;  // of the bands
+  std::vector<Place> places;  // places of the bands
   std::deque<size_t> waiting;
-  std::mutex mutex;            // of `waiting`, `done` and the journals
-  std::vector<double> shares;  // of the bands in the work
+  std::mutex mutex;            // guards `waiting`, `done` and the journals
+  std::vector<double> shares;  // fraction of the work in each band
   std::atomic<double> done{0};
   std::exception_ptr failure;
   std::atomic<bool> is_alone_done{false};
@@ -105,8 +105,8 @@ void check_sets(const BandedField& job) {
   require(has_waves, "expected at least one source, got none; is the scene lit and in view?");
 }
 
-// Plans are chosen by the machine's rates, and with them the last bits: a run that goes on, and every rank, goes by the
-// rates of the run that began.
+// Plans depend on the machine's rates, and the last bits of the field depend on the plans. So a resumed run, and every
+// rank, uses the rates of the run that began.
 std::map<std::string, double> named_rates() {
   std::map<std::string, double> named;
   const SummationRates rates = summation_rates();
@@ -121,7 +121,7 @@ void go_by(const std::map<std::string, double>& named) {
   set_summation_rates([rates] { return rates; });
 }
 
-// Sets of one name are the planes of one file.
+// Sets of one name go into one file.
 void sort_into_files(Work& work) {
   const std::vector<Sources>& sets = work.job.sets;
   for (size_t set = 0; set < sets.size(); ++set) {
@@ -221,8 +221,8 @@ void hear(Work& work, const Ranks& ranks, const Ranks::Message& message, int& wo
   }
 }
 
-// This thread hears the others, for MPI is its own; another one makes bands here. It holds the work too: where this
-// one fails, it is not waited for.
+// This thread receives the messages, because MPI may be used by one thread only; another thread makes bands here. It
+// shares ownership of the work: if this thread fails, it does not wait for the other one.
 void share_bands(const std::shared_ptr<Work>& work, Ranks& ranks) {
   ranks.others_work = true;
   send_job(*work, ranks);

@@ -11,14 +11,14 @@ namespace holotrace {
 
 class Ranks;
 
-/// Flags that every subcommand takes.
+/// Flags that every subcommand has.
 struct GlobalFlags {
   int threads = 0;
   bool is_quiet = false;
   Ranks* ranks = nullptr;  ///< the processes of this run
 };
 
-// Each adds its subcommands with their flags and what they do.
+// Each function adds its subcommands with their flags and actions.
 void add_scene_commands(CLI::App& app, const GlobalFlags& global);  // run, render, trace
 void add_field_command(CLI::App& app, const GlobalFlags& global);
 void add_encode_command(CLI::App& app, const GlobalFlags& global);
@@ -43,10 +43,10 @@ inline void add_wavelength(CLI::App& command, std::string& text) {
       ->type_name("LENGTHS");
 }
 
-/// A panel by the name of a preset, the [slm] of a scene file, or a panel's own file. @throws Error as load_slm does
+/// A panel by preset name, from the [slm] of a scene file, or from a panel file. @throws Error as load_slm does
 inline Slm slm_by_name(const std::string& name) { return load_slm(name); }
 
-/// What a field can be saved as; EXR holds single precision only.
+/// Extensions of the formats for fields; EXR has single precision only.
 inline std::vector<std::string> field_extensions(bool is_double) {
   return is_double ? std::vector<std::string>{".npy", ".h5"} : std::vector<std::string>{".npy", ".h5", ".exr"};
 }

@@ -1,4 +1,4 @@
-// holotrace compare: how far two images, or two fields, differ.
+// holotrace compare: the difference between two images, or two fields.
 
 #include <algorithm>
 #include <cstdio>
@@ -36,7 +36,7 @@ Json field_facts(const FieldDouble& reference, const FieldDouble& field) {
           {"scale_phase_rad", number(std::arg(m.scale))}};
 }
 
-// Of fields in colour: all wavelengths together, and each by itself where its reference has light.
+// Differences of fields in colour: of all wavelengths together, and of each wavelength where its reference has light.
 Json field_facts(const std::vector<FieldDouble>& reference, const std::vector<FieldDouble>& fields) {
   if (reference.size() == 1 && fields.size() == 1) return field_facts(reference.front(), fields.front());
   Json facts{{"relative_l2_error", number(relative_error(reference, fields))}};
@@ -55,15 +55,15 @@ struct CompareOptions {
   Flags flags;
 };
 
-// What is compared, on the same pixels, and what is said of how it came there.
+// Two images on the same pixels, and the facts about their registration.
 struct ImagePair {
   Image reference, image;
   Json facts = Json::object();
-  int rows = 0, columns = 0;            // of the reference as it was given
-  int first_row = 0, first_column = 0;  // of what is compared, in it
+  int rows = 0, columns = 0;            // size of the reference before it was cut
+  int first_row = 0, first_column = 0;  // first compared pixel of the reference
 };
 
-// A colour photograph of a monochrome simulation, or the other way: the mean of its channels.
+// The mean of the channels, to compare a colour photograph with a monochrome simulation or the other way round.
 Image in_one_channel(const Image& image) {
   Image grey(image.ny, image.nx, 1);
   grey.pitch = image.pitch;
@@ -71,7 +71,7 @@ Image in_one_channel(const Image& image) {
   return grey;
 }
 
-// The value that a picture file shows as white: 1, unless it holds light as it is.
+// The value that a picture file shows as white: 1, unless the file has linear light.
 double white_of(const std::string& path, const Image& image) {
   return extension_of(path) == ".exr" ? *std::max_element(image.values.begin(), image.values.end()) : 1;
 }
@@ -117,7 +117,7 @@ ImagePair registered_pair(const CompareOptions& o, Console& console) {
           covered.first_column};
 }
 
-// Both along the row in the middle of what is compared, at the reference's own places.
+// Profiles of both images along the middle row of the compared part, at the reference's own positions.
 Chart profile_of(const ImagePair& pair, double scale) {
   const int row = pair.reference.ny / 2;
   const double pitch = pair.reference.pitch;
@@ -163,7 +163,7 @@ void compare_images(const CompareOptions& o, Console& console) {
   if (!o.profile.empty()) save_chart(o.profile, profile_of(pair, m.scale));
 }
 
-// Flags that have no bearing on what is asked are mistakes.
+// Refuses flags that have no effect on the requested comparison.
 void check_flags(const CompareOptions& o, bool is_field) {
   for (const auto& [flag, is_given] : {std::pair{"--register", o.is_registered},
                                        {"--difference", !o.difference.empty()},

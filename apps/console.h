@@ -8,8 +8,8 @@
 
 namespace holotrace {
 
-/// What the program shows of its work on the terminal (stderr): a progress bar per stage on a terminal,
-/// nothing of it in a pipe, and every warning.
+/// Output of the program on the terminal (stderr): one progress bar per stage on a terminal, no bars in a
+/// pipe, and every warning.
 class Console {
  public:
   explicit Console(bool is_quiet);

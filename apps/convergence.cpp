@@ -27,7 +27,7 @@ Chart convergence_chart(const Report& report) {
       Series series;
       series.name = stage.stage;
       for (size_t i = 0; i < values.size(); ++i) {
-        if (values[i] <= 0) continue;  // nothing left to draw on a scale of decibels
+        if (values[i] <= 0) continue;  // has no place on a scale of decibels
         series.x.push_back(double(i));
         series.y.push_back(10 * std::log10(values[i]));
       }

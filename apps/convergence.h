@@ -7,16 +7,16 @@
 
 namespace holotrace {
 
-/// Whether a stage of the report iterated, and told how its error fell.
+/// Whether a stage of the report iterated and recorded its error.
 bool has_convergence(const Report& report);
 
-/// The course of every stage that iterated: its error, as a part of the wanted light, against iterations.
+/// Chart of every stage that iterated: its error, as a fraction of the wanted light, against iterations.
 Chart convergence_chart(const Report& report);
 
 class Console;
 
-/// Draws a chart that comes beside other results: where it cannot be drawn, as where gnuplot is not installed, that is
-/// a warning.
+/// Draws a chart that accompanies other results. If it cannot be drawn, for instance because gnuplot is not installed,
+/// the console shows a warning.
 void try_save_chart(const std::string& path, const Chart& chart, Console& console);
 
 }  // namespace holotrace

@@ -40,7 +40,7 @@ void DepthImageFlags::add(CLI::App& command) {
 
 bool DepthImageFlags::check(const std::vector<std::string>& inputs, bool is_double) const {
   if (depth_.empty()) {
-    for (const char* name : {"near", "far", "width", "projection", "field_of_view", "phase", "seed"})
+    for (const char* name : {"near", "far", "width", "projection", "field_of_view", "phase", "seed", "common_cone"})
       require(!flags_.has(name),
               "expected --depth with {}, which describes a picture with depths; give both or neither", dashed(name));
     require(!is_picture(inputs.front()), "{}: expected --depth with a picture, got none; give its depth image",
@@ -66,13 +66,14 @@ std::vector<Field> DepthImageFlags::fields(const std::string& picture, const Gri
           "--method: expected layers for a picture with depths, got {}; leave it out", method_name(synthesize.method));
   const DepthImage image = load_depth_image(picture, depth_, params.near, params.far);
   if (wavelengths.empty()) wavelengths = {532_nm};
-  // One field of view for all colours, the common cone's: each colour's own would show the picture at another size.
+  const double cone = view_wavelength(wavelengths, params.has_common_cone);
+  // One field of view for all colours: each colour's own would show the picture at another size.
   if (params.projection == Projection::perspective && params.field_of_view == 0 && wavelengths.size() > 1)
-    params.field_of_view =
-        std::asin(acceptance_sine(*std::min_element(wavelengths.begin(), wavelengths.end()), panel.pitch));
+    params.field_of_view = std::asin(acceptance_sine(cone, panel.pitch));
+  const bool has_cone = params.has_common_cone && wavelengths.size() > 1;
   std::vector<Field> fields;
   for (size_t i = 0; i < wavelengths.size(); ++i)
-    fields.push_back(sum_depth_image(image, panel, wavelengths[i], params, synthesize, frame,
+    fields.push_back(sum_depth_image(image, panel, {wavelengths[i], has_cone ? cone : 0}, params, synthesize, frame,
                                      part_of(observer, int(i), int(wavelengths.size()))));
   return fields;
 }

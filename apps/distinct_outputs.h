@@ -9,8 +9,9 @@
 
 namespace holotrace {
 
-/// @param outputs  flags and the paths that they give; those without a path are left out
-/// @throws Error   where two of them name one file, of which the last would be left
+/// Checks that outputs do not overwrite each other.
+/// @param outputs  flags and the paths that they give; flags without a path are skipped
+/// @throws Error   if two of them name one file
 inline void check_distinct(const std::vector<std::pair<std::string, std::string>>& outputs) {
   for (size_t i = 0; i < outputs.size(); ++i)
     for (size_t j = 0; j < i; ++j)

@@ -1,4 +1,4 @@
-// holotrace encode: fields, or a picture that is to appear, to the levels that an SLM shows.
+// holotrace encode: converts fields, or a target picture, to the levels of an SLM.
 
 #include <memory>
 #include <vector>
@@ -24,7 +24,7 @@
 namespace holotrace {
 namespace {
 
-// Anything else is taken for a field, whose reader says what is wrong.
+// All other files count as fields; their reader reports errors.
 bool is_picture(const std::string& path) {
   const std::string extension = extension_of(path);
   for (const char* known : {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr"})
@@ -32,7 +32,7 @@ bool is_picture(const std::string& path) {
   return false;
 }
 
-// What the holograms are made of: targets, one list for each, and the field at the panel for each.
+// Inputs of the holograms: a list of targets for each, and the field at the panel for each.
 struct Wanted {
   std::vector<std::vector<TargetPlane>> targets;
   std::vector<Field> fields;
@@ -67,7 +67,7 @@ Wanted wanted_of_fields(const std::string& path, const std::vector<Field>& field
   return wanted;
 }
 
-// One hologram for all wavelengths.
+// Makes one hologram for all wavelengths.
 void join(Wanted& wanted) {
   for (size_t i = 1; i < wanted.targets.size(); ++i)
     wanted.targets[0].insert(wanted.targets[0].end(), wanted.targets[i].begin(), wanted.targets[i].end());

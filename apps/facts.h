@@ -10,7 +10,7 @@ namespace holotrace {
 
 using Json = nlohmann::ordered_json;
 
-/// Figures for people, a line each: name and value; or as JSON.
+/// Prints facts, one line each with name and value; or as JSON.
 inline void print_facts(const Json& facts, bool is_json) {
   if (is_json) {
     fmt::print("{}\n", facts.dump(2));
@@ -24,7 +24,7 @@ inline void print_facts(const Json& facts, bool is_json) {
                                        : value.dump());
 }
 
-/// JSON has no infinity: PSNR of equal images is null.
+/// A number as JSON; null if it is infinite, such as the PSNR of equal images.
 inline Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 }  // namespace holotrace

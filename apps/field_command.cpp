@@ -1,4 +1,4 @@
-// The subcommand field: from a scene, sources or a picture with depths to the field on the panel.
+// The subcommand field: computes the field on the panel from a scene, sources or a picture with depths.
 
 #include <filesystem>
 #include <memory>
@@ -27,7 +27,7 @@
 namespace holotrace {
 namespace {
 
-// --double overrules a scene file's method, but not flags beside it.
+// --double replaces the method of a scene file, but contradicts flags of other methods.
 void check_is_for_double(const Flags& flags) {
   SynthesizeParams given;
   flags.apply(given);
@@ -38,7 +38,7 @@ void check_is_for_double(const Flags& flags) {
           is_fast ? "--method " + method_name(given.method) : "--tolerance");
 }
 
-// A flag of a method that is not in use would be passed over without a word.
+// Refuses flags of a method that is not in use.
 void check_flags_of_method(const Flags& flags, const SynthesizeParams& params) {
   const auto check = [&](const char* flag, SynthesisMethod method) {
     require(!flags.has(flag) || params.method == method,
@@ -51,7 +51,7 @@ void check_flags_of_method(const Flags& flags, const SynthesizeParams& params) {
   check("triangle_phase", SynthesisMethod::triangles);
 }
 
-// The waves of a scene, or of files of one set each.
+// Reads the waves of files with one set each.
 std::vector<Sources> read_sources(const std::vector<std::string>& paths, const std::vector<double>& wavelengths) {
   require(wavelengths.size() <= 1 || wavelengths.size() == paths.size(),
           "--wavelength: expected one length, or one for each of {} files of sources, got {}", paths.size(),
@@ -62,7 +62,7 @@ std::vector<Sources> read_sources(const std::vector<std::string>& paths, const s
     sets.push_back(load_sources(paths[i], given));
     if (given > 0) {
       sets.back().wavelength = given;
-      if (sets.back().cone_wavelength > given) sets.back().cone_wavelength = 0;  // the panel holds less of them
+      if (sets.back().cone_wavelength > given) sets.back().cone_wavelength = 0;  // the new cone is narrower
     }
     for (size_t j = 0; j < i; ++j)
       require(sets[j].wavelength != sets[i].wavelength || sets[j].name != sets[i].name,
@@ -87,7 +87,7 @@ std::vector<FieldDouble> exact_fields(std::vector<Sources> sets, uint32_t frame,
   return fields;
 }
 
-// A panel that is not a preset: the one named, with these rows, columns and pitch.
+// Flags for a panel that is not a preset: the named panel, with these rows, columns and pitch.
 struct PanelFlags {
   std::optional<int> columns, rows;
   std::string pitch;
@@ -107,7 +107,7 @@ struct PanelFlags {
   }
 };
 
-// Under mpirun bands are the work that ranks share; without --memory each may use this.
+// Under mpirun the ranks share a field by bands; without --memory each rank may use this much [bytes].
 constexpr double memory_of_a_rank = 2e9;
 
 void check_is_for_bands(const Job& job, bool is_double) {
@@ -122,7 +122,7 @@ void make_in_bands(const std::string& output, SceneLight light, uint32_t frame, 
                    const std::string& memory, const GlobalFlags& global, const Observer& observer) {
   for (Sources& set : light.sources) {
     set_frame(set, frame);
-    std::vector<uint64_t>().swap(set.phase_keys);  // needed for other frames only
+    std::vector<uint64_t>().swap(set.phase_keys);  // only needed for other frames
   }
   const double bytes = memory.empty() ? memory_of_a_rank : parse_size_flag("--memory", memory);
   make_field_in_bands(
@@ -130,7 +130,7 @@ void make_in_bands(const std::string& output, SceneLight light, uint32_t frame, 
       *global.ranks, observer);
 }
 
-// Told before the waves are traced.
+// Checks the memory before the waves are traced.
 void check_whole_fits(const Grid& panel, bool is_double) {
   const double bytes = double(panel.pixels()) * (is_double ? 16 : 8);
   require(bytes <= physical_memory(),

@@ -22,13 +22,13 @@
 
 namespace holotrace {
 
-/// The flag of a field: "field_of_view" is --field-of-view. Distances are given one at a time more often than not.
+/// The flag of a field: "field_of_view" becomes --field-of-view. Only "distances" becomes the singular --distance.
 inline std::string dashed(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
   return name == "distances" ? "--distance" : "--" + name;
 }
 
-/// What `read` returns; an Error it throws gets the name of the flag in front.
+/// Returns what `read` returns; puts the name of the flag in front of an Error that it throws.
 template <class Read>
 auto read_flag(const std::string& flag, const Read& read) {
   try {
@@ -38,12 +38,12 @@ auto read_flag(const std::string& flag, const Read& read) {
   }
 }
 
-/// A number given by a flag that is no field of a parameter struct. @throws Error, naming the flag, outside the range
+/// Checks a number of a flag that is not in a parameter struct. @throws Error, naming the flag, outside the range
 inline void check_flag(const char* flag, double value, const Range& range, Quantity quantity) {
   read_flag(flag, [&] { check_range(value, range, quantity); });
 }
 
-/// A text as a length, lengths or an angle within a range. @throws Error for another text or a value outside it
+/// Reads a length [m], lengths [m] or an angle [rad] from a text. @throws Error if it is invalid or outside the range
 inline double length_within(const std::string& text, const Range& range) {
   const double metres = parse_length(text);
   check_range(metres, range, Quantity::length);
@@ -60,7 +60,7 @@ inline double angle_within(const std::string& text, const Range& range) {
   return radians;
 }
 
-/// The same, given by a flag that is no field of a parameter struct. @throws Error, naming the flag
+/// The same for a flag that is not in a parameter struct. @throws Error, naming the flag
 inline double parse_length_flag(const char* flag, const std::string& text, const Range& range) {
   return read_flag(flag, [&] { return length_within(text, range); });
 }
@@ -71,16 +71,16 @@ inline double parse_angle_flag(const char* flag, const std::string& text, const 
   return read_flag(flag, [&] { return angle_within(text, range); });
 }
 
-/// A size in bytes given by a flag. @throws Error, naming the flag
+/// A size [bytes] from a flag. @throws Error, naming the flag
 inline double parse_size_flag(const char* flag, const std::string& text) {
   return read_flag(flag, [&] { return parse_size(text); });
 }
 
 /// Flags made from the list of fields of a parameter struct (data/params/). They keep the text that
-/// was given, so that a flag can overrule a scene file that is read later.
+/// was given, so that a flag can replace a value of a scene file that is read later.
 class Flags {
  public:
-  /// Adds a flag per field of `defaults`, except the fields named in `without`. `group` heads them in the help text.
+  /// Adds a flag per field of `defaults`, except the fields in `without`. `group` is their heading in the help text.
   template <class Params>
   void add(CLI::App& app, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "") {
     Adder adder{app, texts_, without, group};
@@ -90,7 +90,7 @@ class Flags {
   /// Whether the flag of that field was given.
   bool has(const std::string& name) const { return texts_.count(name) > 0; }
 
-  /// Sets the fields whose flags were given. @throws Error for a text that is not such a value.
+  /// Sets the fields whose flags were given. @throws Error for a text that is not a valid value.
   template <class Params>
   void apply(Params& params) const {
     Setter setter{texts_};
@@ -98,7 +98,7 @@ class Flags {
   }
 
  private:
-  using Texts = std::map<std::string, std::string>;  // by field, of the flags that were given
+  using Texts = std::map<std::string, std::string>;  // texts of the given flags, by field
 
   struct Adder {
     CLI::App& app;
@@ -115,15 +115,16 @@ class Flags {
       if (!group.empty()) option->group(group);
       if (const char* before = name_before(name)) add_old_name(name, before);
     }
-    // The flag by its old name, which the help text leaves out.
+    // The flag by its old name, which the help text leaves out. Its callback comes after that of the new one.
     void add_old_name(const std::string& name, const std::string& before) {
       const auto keep = [&given = given, name, before](const std::string& text) {
-        if (!given.emplace(name, text).second) throw CLI::ExcludesError(dashed(before), dashed(name));
+        if (given.count(name)) throw CLI::ExcludesError(dashed(before), dashed(name));
+        given[name] = text;
         fmt::print(stderr, "warning: {}\n", renamed_message(dashed(before), dashed(name)));
       };
       app.add_option_function<std::string>(dashed(before), keep)->group("");
     }
-    // The help text tells bounds but for the plain one of 0, which most parameters have.
+    // The help text states bounds, except a lower bound of 0 alone, which most parameters have.
     static std::string with_bounds(const char* help, const Range& range, Quantity quantity) {
       const bool is_plain = range.low == 0 && !range.is_low_open && !std::isfinite(range.high);
       const std::string bounds = bounds_text(range, quantity);

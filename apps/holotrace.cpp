@@ -24,13 +24,13 @@ int report_error(const std::string& sentence) {
   return 1;
 }
 
-// CLI11's own check would list the largest double there is.
+// Checks --threads. CLI11's own check would print the largest double in its message.
 std::string check_threads(const std::string& text) {
   const bool is_count = !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == std::string::npos;
   return is_count ? "" : "expected a whole number of 0 or more, got \"" + text + "\"";
 }
 
-// CLI11 says of a misspelt subcommand only that one is required.
+// Reports wrong usage. For a misspelt subcommand CLI11 only says that one is required.
 int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const bool is_unknown = argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty();
   if (!is_unknown) return app.exit(error) == 0 ? 0 : 2;
@@ -91,7 +91,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
 // What is not an Error is a mistake in the program: it ends it with its own message.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   using namespace holotrace;
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its write, with a sentence
+  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit on file sizes becomes an Error
   try {
     Ranks ranks(argc, argv);
     if (ranks.rank() > 0) {

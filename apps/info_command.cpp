@@ -1,4 +1,4 @@
-// holotrace info: what a file or a panel holds.
+// holotrace info: prints the content of a file or a panel.
 
 #include <fmt/ranges.h>
 

@@ -1,4 +1,4 @@
-// holotrace limits: what a panel can show, or what a wanted one has to be.
+// holotrace limits: what a panel can show, or what panel is needed.
 
 #include <cmath>
 #include <memory>
@@ -27,7 +27,7 @@ struct LimitsOptions {
   std::string slm = "pluto", wavelength = "632.8 nm", distance = "300 mm", period, angle, size, resolution, scene,
               picture, plot;
   int order = 1, colours = 1;
-  double frames = 0;  // per second
+  double frames = 0;  // frames per second
   bool is_json = false;
 };
 
@@ -43,7 +43,7 @@ LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command) {
     q.points = points_of(job.scene);
   }
   q.distance = parse_length_flag("--distance", o.distance, range::positive);
-  // Of a scene that is given, its middle.
+  // By default the mean depth of the scene, if one is given.
   if (!q.points.empty() && command.count("--distance") == 0) {
     double sum = 0;
     for (const Vec3 point : q.points) sum -= point.z;
@@ -56,7 +56,7 @@ LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command) {
   return q;
 }
 
-// volume.png and volume_y.png: the cuts along x and along y.
+// Path of the second cut: volume.png is the cut along x, volume_y.png the cut along y.
 std::string picture_across_y(const std::string& path) { return path.empty() ? path : path_with_suffix(path, "_y"); }
 
 void save_pictures(const std::string& path, const LimitsQuestion& q) {
@@ -79,7 +79,7 @@ void answer_about_panel(const LimitsOptions& o, const CLI::App& command) {
   if (!o.plot.empty()) save_chart(o.plot, half_angle_chart(q.wavelengths));
 }
 
-// The panel for a wanted angle, size and resolution.
+// The panel that is needed for a given angle, size and resolution.
 void answer_backwards(const LimitsOptions& o, bool has_rate) {
   const double wavelength = parse_length_flag("--wavelength", o.wavelength, range::positive);
   const double angle = parse_angle_flag("--angle", o.angle, range::between(0, pi / 2)),
@@ -110,7 +110,7 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
     line("pixels", fmt::format("{:.4g}", pixels), "the space-bandwidth product");
     if (has_rate) {
       const double rate = pixel_rate(pixels, o.colours, o.frames);
-      facts["pixels_per_second"] = facts["bytes_per_second"] = rate;  // of 8 bits
+      facts["pixels_per_second"] = facts["bytes_per_second"] = rate;  // at 8 bits per pixel
       line("pixels per second", fmt::format("{:.4g}", rate),
            fmt::format("{:g} frames of {} colour(s); as many bytes at 256 levels", o.frames, o.colours));
     }

@@ -14,7 +14,7 @@ namespace {
 
 double degrees(double radians) { return radians * 180 / pi; }
 
-// Levels take whole bytes.
+// Levels are stored in whole bytes.
 double bytes_per_pixel(const Slm& slm) { return slm.levels > 256 ? 2 : 1; }
 
 const char* everywhere =
@@ -66,7 +66,7 @@ Json json_at(const LimitsQuestion& q, double wavelength) {
   return json;
 }
 
-// Rows of a table: a name, a value per wavelength, and what it means.
+// Rows of a table: a name, a value per wavelength, and the meaning of the value.
 class Table {
  public:
   explicit Table(const LimitsQuestion& question) : q_(question) {}
@@ -87,7 +87,7 @@ class Table {
   std::string text_;
 };
 
-// Four digits are enough for people.
+// A length with four digits.
 std::string short_length(double metres) {
   if (metres == 0) return "none";
   if (!std::isfinite(metres)) return "infinite";

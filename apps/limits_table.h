@@ -9,26 +9,26 @@
 
 namespace holotrace {
 
-/// What `holotrace limits` is asked about a panel.
+/// Inputs of `holotrace limits` for a panel.
 struct LimitsQuestion {
   Slm slm;
-  std::vector<double> wavelengths;  ///< [m], at least one
-  double distance = 0.3;            ///< of the scene behind, and of the viewer before the panel [m]
-  double period = 0;                ///< of a grating [m]; 0: not asked
+  std::vector<double> wavelengths;  ///< wavelengths [m], at least one
+  double distance = 0.3;            ///< distance of the scene behind the panel and of the viewer in front of it [m]
+  double period = 0;                ///< period of a grating [m]; 0: none
   int order = 1;
-  double frames = 0;  ///< per second; 0: not asked
+  double frames = 0;  ///< frame rate [1/s]; 0: none
   int colours = 1;
-  std::vector<Vec3> points{};  ///< of a scene
+  std::vector<Vec3> points{};  ///< points of a scene [m]
 };
 
-/// All figures under names of their own, in SI units and degrees: those of the first wavelength by themselves, and with
-/// several those of each in "wavelengths".
+/// All figures in SI units and degrees, by name. Those of the first wavelength are at the top level; with several
+/// wavelengths, "wavelengths" has the figures of each.
 Json limits_json(const LimitsQuestion& question);
 
-/// The same for people: sections, a column per wavelength, units, and what each figure means.
+/// The figures as a table: sections, a column per wavelength, units, and the meaning of each figure.
 std::string limits_table(const LimitsQuestion& question);
 
-/// What an eye asks of the panel, and whether it is met, one sentence a line.
+/// The requirements of an eye, and whether the panel meets them, one sentence per line.
 std::string vision_text(const LimitsQuestion& question);
 
 }  // namespace holotrace

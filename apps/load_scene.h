@@ -9,7 +9,7 @@
 
 namespace holotrace {
 
-/// load_job, with its warnings on stderr: for every command but `run`, whose first stage tells them.
+/// load_job, with its warnings on stderr: for all commands but `run`, whose first stage reports them.
 /// @throws Error as load_job does
 inline Job load_scene(const std::string& path) {
   Job job = load_job(path);

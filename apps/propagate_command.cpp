@@ -1,4 +1,4 @@
-// holotrace propagate: a field to the field at another distance.
+// holotrace propagate: computes a field at another distance.
 
 #include <memory>
 #include <utility>

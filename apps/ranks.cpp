@@ -11,7 +11,7 @@
 #include "holotrace/base/error.h"
 
 #ifdef HOLOTRACE_HAS_MPI
-// The C interface alone: that of C++ is of the past.
+// Only the C interface: MPI has withdrawn the one of C++.
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
@@ -20,7 +20,7 @@
 namespace holotrace {
 namespace {
 
-// The number of ranks that a launcher says it started: mpirun of Open MPI, of MPICH and its kin, or another's PMIx.
+// The number of ranks that a launcher reports: mpirun of Open MPI, of MPICH and its derivatives, or another's PMIx.
 int launched_ranks() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
     if (const char* text = std::getenv(name)) return std::max(1, std::atoi(text));
@@ -40,7 +40,7 @@ cpu_set_t own_cores() {
   return cores;
 }
 
-// Of the ranks on this machine, each says where it may run.
+// The cores of this rank, divided by the number of ranks on this machine that may use them, too.
 int fair_threads() {
   MPI_Comm machine;
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);

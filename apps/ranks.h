@@ -6,11 +6,11 @@
 
 namespace holotrace {
 
-/// The processes that `mpirun -n K holotrace …` starts, ranks 0 … K−1. Without a launcher, and in a build without MPI,
-/// there is rank 0 alone and nothing is set up. The only place of the program that knows MPI; for one thread.
+/// The processes that `mpirun -n K holotrace …` starts, ranks 0 … K−1. Without a launcher, or in a build without MPI,
+/// there is only rank 0 and nothing is set up. No other part of the program uses MPI. For use by one thread.
 class Ranks {
  public:
-  /// Joins the other ranks, if a launcher started this process. @throws Error if it did and MPI was not built in
+  /// Connects to the other ranks if a launcher started this process. @throws Error if it did but MPI was not built in
   Ranks(int& argc, char**& argv);
   Ranks(const Ranks&) = delete;
 
@@ -18,7 +18,7 @@ class Ranks {
   int size() const { return size_; }
   bool has_launcher() const { return has_launcher_; }
 
-  /// Processor cores for this rank: those that it may run on, shared with the ranks that may run there too.
+  /// Number of processor cores for this rank: its own cores, divided among the ranks that may use them.
   int threads() const;
 
   struct Message {
@@ -26,23 +26,23 @@ class Ranks {
     std::string bytes;
   };
 
-  /// Sends up to 2 GiB; returns when the bytes may be reused.
+  /// Sends up to 2 GiB; when it returns, the bytes may be reused.
   void send(int to, int tag, const void* bytes, size_t size) const;
   void send(int to, int tag, const std::string& bytes = "") const { send(to, tag, bytes.data(), bytes.size()); }
 
-  /// The next message to this rank, nothing where none is there.
+  /// The next message to this rank; nothing if there is none.
   std::optional<Message> try_receive() const;
 
-  /// Waits for one, without burning a core.
+  /// Waits for the next message without using a core.
   Message receive() const;
 
-  /// Leaves the others, who must leave too.
+  /// Disconnects from the other ranks; each of them must do the same.
   void leave();
 
-  /// Ends all ranks at once, this one with the exit code.
+  /// Ends all ranks at once, this one with the given exit code.
   [[noreturn]] void end_all(int exit_code) const;
 
-  bool others_work = false;  ///< they are in the midst of something, and hear no one
+  bool others_work = false;  ///< the other ranks are working and receive no messages
 
  private:
   int rank_ = 0, size_ = 1, threads_ = 0;

@@ -29,7 +29,7 @@ std::string picture_path(const std::string& view, size_t i) {
   return path_with_suffix(view, fmt::format("_sweep_{:02}", i + 1));
 }
 
-// Of a picture of an earlier call. Holograms have a sidecar beside them, and stay. @return whether there is a file
+// Removes a picture of an earlier call. Holograms, which have a sidecar, stay. @return whether there is a file
 bool remove_picture(const std::string& path) {
   if (fs::exists(sidecar_path(path))) return fs::exists(path);
   return fs::remove(path);

@@ -40,7 +40,7 @@ void add_scene(CLI::App& command, std::string& path) {
 
 constexpr const char* trace_group = "Tracing (overrides the scene's [trace])";
 
-// Writes numbered files, and removes those of an earlier run that had more.
+// Writes numbered files, and removes further ones of an earlier run.
 template <class Item, class Save>
 void save_numbered(const std::string& path, const std::vector<Item>& items, const Save& save) {
   for (size_t i = 0; i < items.size(); ++i) save(numbered_path(path, i), items[i]);
@@ -65,7 +65,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     std::string scene, folder, wavelengths, eye_separation;
     std::optional<int64_t> seed;
     bool is_estimated = false;
-    Flags flags, trace_flags, synthesize_flags;  // two have samples, rows, …
+    Flags flags, trace_flags, synthesize_flags;  // separate sets, because some names (samples, rows, …) occur twice
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
@@ -99,7 +99,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     if (o->seed) check_flag("--seed", double(*o->seed), range::not_negative, Quantity::count);
     if (o->seed) job.trace.seed = job.render.seed = *o->seed;
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
-    check_job(job);  // before a folder is made for nothing
+    check_job(job);  // before a folder is made in vain
     make_folder(o->folder);
     std::optional<JobEstimate> estimate;
     if (o->is_estimated) estimate = estimate_job(job);

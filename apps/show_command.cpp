@@ -68,10 +68,10 @@ int64_t states_of(const Hologram& hologram, const Slm& slm, const ShowParams& pa
 void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& params,
                   const PropagateParams& propagation, const std::vector<Viewpoint>& from, double wavelength,
                   size_t sets) {
+  const IlluminationPlan plan = plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter);
   const ViewingNeed need =
-      viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from, params.source_angle);
-  const double views = viewing_bytes(need.columns * need.rows, from.size(), double(sets),
-                                     states_of(hologram, slm, params, from, wavelength));
+      viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from, widest_part(plan));
+  const double views = viewing_bytes(need.columns * need.rows, from.size(), double(sets), int64_t(plan.states.size()));
   require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", from.size(),
                                                                 std::llround(need.columns), std::llround(need.rows)));
 }

@@ -1,4 +1,4 @@
-// Iterations of the encoders on a full-HD panel, beside one propagation of its size in the same run:
+// Iterations of the encoders on a full-HD panel, and one propagation of its size for comparison:
 //   build/release/bench/holotrace_bench --benchmark_filter='iteration|one_propagation'
 
 #include "holotrace/estimate/test_picture.h"
@@ -12,8 +12,8 @@ namespace {
 
 constexpr int iterations = 10;
 
-// Ten iterations, divided by ten: what stands around them (transfer functions, the quality of the levels) is counted
-// in.
+// Ten iterations, divided by ten. The time includes the work around them (transfer functions, the quality of the
+// levels).
 void iteration(benchmark::State& state, Encoding method) {
   const Slm slm{.name = "ideal", .grid = timed_full_hd};
   EncodeParams params{.method = method, .target_distances = {0.2_m}, .target_columns = 1600, .target_rows = 880};

@@ -1,4 +1,4 @@
-// Propagation, encoding and the virtual SLM on their own.
+// Benchmarks of propagation, encoding and the virtual SLM by themselves.
 
 #include "holotrace/estimate/machine/ceilings.h"
 #include "holotrace/io/scene/slm_file.h"

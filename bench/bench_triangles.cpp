@@ -1,4 +1,4 @@
-// Triangles on a full-HD panel, beside a tiled sum of waves in the same run:
+// Triangles on a full-HD panel, and a tiled sum of waves for comparison:
 //   build/release/bench/holotrace_bench --benchmark_filter='triangles|reference'
 
 #include <benchmark/benchmark.h>
@@ -26,7 +26,7 @@ BENCHMARK(triangles)
     ->Unit(benchmark::kSecond)
     ->UseRealTime();
 
-// Waves at the same depth: what the machine has left for this run.
+// Waves at the same depth: they show the speed of the machine during this run.
 void reference_for_triangles(benchmark::State& state) {
   const Sources sources = timed_waves(full_hd, 10000, 0.19, 0.21);
   for (auto _ : state) benchmark::DoNotOptimize(sum_tiled(sources, full_hd, 1e-3));

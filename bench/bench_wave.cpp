@@ -1,4 +1,4 @@
-// Summation of waves on its own, for profiling and for comparing two builds:
+// Summation of waves by itself, for profiling and for comparing two builds:
 //   build/release/bench/holotrace_bench --benchmark_filter=tiled --benchmark_repetitions=5
 
 #include "holotrace/base/instruction_set.h"
@@ -46,7 +46,7 @@ void by_method(benchmark::State& state, SynthesisMethod method) {
   count_waves_pixels(state, sources, panel, ceiling);
 }
 
-// The kernels by instruction set are known only when the program runs.
+// The kernels for the available instruction sets are known only at run time.
 const bool is_registered = [] {
   for (const std::string& name : instruction_sets())
     benchmark::RegisterBenchmark(("tiled_" + name).c_str(), tiled_on, name)

@@ -9,51 +9,51 @@
 
 namespace holotrace {
 
-/// How long the benchmark may take.
+/// Limits on the duration of the benchmark.
 struct BenchOptions {
-  bool is_quick = false;        ///< the small jobs alone
-  double seconds_per_row = 2;   ///< runs are repeated for so long, seven times at most
-  double longest_seconds = 15;  ///< a job that should take longer is left out
+  bool is_quick = false;        ///< only the small jobs
+  double seconds_per_row = 2;   ///< total time of the repeated runs of a row [s]; at most seven runs
+  double longest_seconds = 15;  ///< a job that would take longer is left out [s]
 };
 
-/// A stage on a job: what it took, and what part of the ceiling it reached.
+/// A stage on a job: its time, and the fraction of the ceiling that it reached.
 struct BenchRow {
-  std::string stage{};  ///< "tiled AVX2"
-  std::string job{};    ///< "1920x1080, 1e4 waves, 0.19-0.21 m"
-  double seconds = 0;   ///< of one run: the median
+  std::string stage{};  ///< stage, such as "tiled AVX2"
+  std::string job{};    ///< job, such as "1920x1080, 1e4 waves, 0.19-0.21 m"
+  double seconds = 0;   ///< median time of one run [s]
   int runs = 0;
   double rate = 0;                 ///< in `unit` per second
-  std::string unit{};              ///< "waves·pixels"
-  double ceiling_rate = 0;         ///< in `unit` per second: what the machine could do at best; 0: no ceiling known
-  std::string ceiling{};           ///< what bounds it: "multiply-adds AVX2"
-  double of_ceiling = 0;           ///< rate / ceiling_rate, each run by the ceiling measured beside it
+  std::string unit{};              ///< such as "waves·pixels"
+  double ceiling_rate = 0;         ///< highest possible rate of the machine, in `unit` per second; 0: unknown
+  std::string ceiling{};           ///< what limits it, such as "multiply-adds AVX2"
+  double of_ceiling = 0;           ///< rate / ceiling_rate; each run uses the ceiling measured beside it
   double error = -1;               ///< relative L2 error against the exact sum; -1: not measured
-  std::string left_out{};          ///< why it was not run
-  nlohmann::ordered_json facts{};  ///< what the stage said of its work
+  std::string left_out{};          ///< the reason if it was not run; else ""
+  nlohmann::ordered_json facts{};  ///< facts that the stage reported
 };
 
-/// A row and the work that fills it.
+/// A row and the function that fills it.
 struct BenchStep {
   std::string name;
   std::function<BenchRow()> run;
 };
 
-/// The median of several runs, each beside a measurement of what bounds it.
+/// The median of several runs, each with a measurement of its ceiling beside it.
 struct Timing {
   double seconds = 0, ceiling_rate = 0, of_ceiling = 0;
   int runs = 0;
 };
 
-/// Times `work`, which does `amount` units: once to see how long it takes, then as often as the options allow.
-/// @param ceiling  units per second that the machine could do at best, measured anew around each run; may be empty
+/// Times `work`, which does `amount` units: once to learn its duration, then as often as the options allow.
+/// @param ceiling  measures the highest possible units per second, anew around each run; may be empty
 Timing time_work(const BenchOptions& options, const std::function<void()>& work, double amount,
                  const std::function<double()>& ceiling = {});
 
-/// A row with what was timed.
+/// A row with the measured times.
 BenchRow make_row(const std::string& stage, const std::string& job, const Timing& timing, double amount,
                   const std::string& unit, const std::string& ceiling = "");
 
-/// 1e4, 5e5: a round number in short.
+/// A round number in short form: 1e4, 5e5.
 std::string short_count(int64_t count);
 
 // The steps of each group, in the order of the table.
@@ -69,7 +69,7 @@ std::vector<BenchStep> propagate_steps(const BenchOptions& options);
 std::vector<BenchStep> show_steps(const BenchOptions& options);
 std::vector<BenchStep> quality_steps(const BenchOptions& options);
 
-/// The time of a ray against the number of triangles, of the rows of accelerators_steps.
+/// Chart of the time of a ray against the number of triangles, from the rows of accelerators_steps.
 Chart accelerators_chart(const std::vector<BenchRow>& rows);
 
 }  // namespace holotrace

@@ -1,4 +1,4 @@
-// The steps of holotrace bench that follow the same rays through Embree's trees and through a uniform grid, from
+// Steps of holotrace bench that follow the same rays through Embree's trees and through a uniform grid, from
 // hundreds of triangles to a million: the cost of the paper's appendix, predicted and measured.
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// A sphere that fills the cube of the cloud, of about that many triangles.
+// A sphere of about `count` triangles that fills the cube of the cloud.
 Scene make_sphere_scene(int count) {
   Scene scene;
   scene.materials.emplace_back();
@@ -35,7 +35,7 @@ struct AcceleratorJob {
   std::vector<Ray> rays;
 };
 
-// Seconds that a ray takes on one thread.
+// Measures the time of a ray on one thread.
 BenchRow time_rays(const BenchOptions& options, const AcceleratorJob& job, Acceleration kind) {
   const double build = median_seconds(1, [&] { Accelerator{job.scene, kind}; });
   const Accelerator accelerator(job.scene, kind);

@@ -1,4 +1,4 @@
-// holotrace bench: what this machine reaches at best, and what part of it each stage does, measured in one run.
+// holotrace bench: the highest rates of this machine, and the fraction of them that each stage reaches, in one run.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -27,7 +27,7 @@ struct BenchGroup {
   std::vector<BenchStep> (*steps)(const BenchOptions&);
 };
 
-// In the order of the table. A stage joins the benchmark by a line here and its steps in bench.h.
+// Groups in the order of the table. To add a stage, add a line here and its steps in bench.h.
 const BenchGroup groups[] = {{"trace", trace_steps},         {"accelerators", accelerators_steps},
                              {"exact", exact_steps},         {"tiled", tiled_steps},
                              {"planes", planes_steps},       {"layers", layers_steps},
@@ -60,7 +60,7 @@ Json json_of(const Ceilings& c) {
           {"fft_3840x2160_operations_per_s", c.fft_of_panel}};
 }
 
-// 45.3e9 in place of 4.53e10: rates are read in powers of a thousand.
+// A rate with an exponent that is a multiple of three: 45.3e9 instead of 4.53e10.
 std::string format_rate(double rate) {
   int power = 0;
   for (; rate >= 1000; rate /= 1000) power += 3;
@@ -122,7 +122,7 @@ void print_row(const BenchRow& row) {
              row.error >= 0 ? fmt::format("{:.1e}", row.error) : "-");
 }
 
-// A stage that refuses its job is a line that says so: the others still run.
+// Runs a step. If the stage refuses its job, the row contains the reason, and the other rows still run.
 BenchRow run_step(const BenchStep& step) {
   try {
     return step.run();

@@ -12,7 +12,7 @@ namespace {
 
 const Grid full_hd = timed_full_hd;
 
-// Waves all over the panel, in 20 mm of depth around 0.2 m.
+// Waves spread over the whole panel, in 20 mm of depth around 0.2 m.
 BenchRow bench_layers(const BenchOptions& options, int count, int slices) {
   const Sources sources = timed_waves(full_hd, count, 0.19, 0.21);
   SynthesizeParams params;

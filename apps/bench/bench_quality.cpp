@@ -1,6 +1,6 @@
-// The steps of holotrace bench that show how well each encoder does, in full HD: a natural-looking picture of 1600 ×
-// 880 in a plane 0.1 m away, seen through the virtual SLM; the light integrated over the picture's pixels, and at their
-// middles alone.
+// Steps of holotrace bench that measure the quality of each encoder, in full HD: a natural-looking picture of 1600 ×
+// 880 in a plane 0.1 m away, seen through the virtual SLM. The light is integrated over the picture's pixels, or taken
+// at their centres only.
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 using namespace literals;
 
-// A panel, what the encoder knows of it, and what light meets.
+// A panel, the effects that the encoder compensates, and the light that is measured.
 struct QualityJob {
   const char* name;
   Encoding method;

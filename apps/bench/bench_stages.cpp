@@ -23,8 +23,8 @@ const Grid full_hd = timed_full_hd, ultra_hd = timed_ultra_hd;
 
 std::string size_of(const Grid& grid) { return fmt::format("{}x{}", grid.nx, grid.ny); }
 
-// Two transforms of the padded field, counted whole: parts that are known to be zero are left out, which shows as a
-// larger part of the ceiling.
+// Two transforms of the padded field, counted in full. The transform skips parts that are known to be zero, which
+// appears as a larger fraction of the ceiling.
 template <class Real>
 BenchRow bench_propagation(const BenchOptions& options, const Grid& panel, const char* precision, bool is_cached) {
   const auto field = convert<Real>(timed_field(panel));
@@ -46,9 +46,9 @@ BenchRow bench_propagation(const BenchOptions& options, const Grid& panel, const
 BenchRow bench_encode(const BenchOptions& options) {
   const Slm slm = slm_preset("pluto");
   const Field field = timed_field(slm.grid);
-  // A complex sample in, a level out.
+  // a complex sample is read, a level is written
   const double bytes = double(slm.grid.pixels()) * (sizeof(std::complex<float>) + sizeof(uint16_t));
-  const double bandwidth = measure_memory_bandwidth();  // takes longer than encoding does: once
+  const double bandwidth = measure_memory_bandwidth();  // takes longer than encoding: measured only once
   const Timing timing = time_work(
       options, [&] { encode(field, slm, {}); }, bytes, [&] { return bandwidth; });
   return make_row("encode", size_of(slm.grid) + ", phase", timing, bytes, "bytes", "memory");
@@ -66,7 +66,7 @@ BenchRow bench_show(const BenchOptions& options, int subpixels) {
                   "FFT in cache, float");
 }
 
-// All that a panel of orders 3×3 does, on 4 × 4 cells per pixel.
+// All effects of a panel with the orders 3×3, on 4 × 4 cells per pixel.
 BenchRow bench_effects(const BenchOptions& options) {
   const Slm slm = slm_preset("pluto");
   const Hologram hologram = encode(timed_field(slm.grid), slm, {});

@@ -43,11 +43,11 @@ struct WaveJob {
 WaveJob narrow(const Grid& panel, int waves) { return {panel, waves, 0.19_m, 0.21_m}; }
 WaveJob wide(const Grid& panel, int waves) { return {panel, waves, 0.15_m, 0.25_m}; }
 
-// As many pixels as the exact sum does in about a second.
+// Number of pixels that the exact sum computes in about a second.
 int compared_pixels(const WaveJob& job) { return std::clamp(int(3e7 / job.waves), 100, 2000); }
 
-// A sum of complex products takes four real ones for each wave and pixel: the most that a tile by tile sum by the
-// schoolbook could reach.
+// A sum of complex products takes four real multiply-adds for each wave and pixel: the highest rate of a direct
+// (schoolbook) sum by tiles.
 double tile_ceiling() { return measure_multiply_add_peak() / 4; }
 
 using Facts = nlohmann::ordered_json;
@@ -84,7 +84,7 @@ BenchRow bench_exact(const BenchOptions& options, const WaveJob& job) {
   return make_row("exact", job.name(), timing, amount, "waves·pixels");
 }
 
-// A way to multiply in tiles: an instruction set, and the products on it.
+// A kernel of the tiled sum: an instruction set and a precision of its products.
 struct TiledKernel {
   std::string instruction_set;
   TileProducts products;
@@ -103,7 +103,7 @@ struct TiledKernel {
   }
 };
 
-// The fastest shape that keeps the tolerance with these products, as choose_tile finds it with all.
+// The fastest tile shape that keeps the tolerance with these products, as choose_tile finds it among all products.
 TilePlan plan_for(const TiledKernel& kernel, const std::vector<PreparedWave>& waves, const Grid& panel,
                   double wavelength, double tolerance) {
   const std::vector<DrawnPixel> pixels = draw_pixels(waves);
@@ -149,8 +149,8 @@ BenchStep tiled_step(const BenchOptions& options, const TiledKernel& kernel, con
   return {kernel.name(), [=] { return bench_kernel(options, kernel, job, tolerance); }};
 }
 
-// Seconds for a wave and pixel by a method, the least of all jobs so far: whether a larger job takes too long is then
-// known before it runs.
+// Least time per wave and pixel of a method in all jobs so far [s]: it tells before a larger job runs whether it would
+// take too long.
 using Expectation = std::shared_ptr<double>;
 
 BenchStep method_step(const BenchOptions& options, const std::string& stage, SynthesisMethod method, const WaveJob& job,

@@ -31,7 +31,7 @@ Timing time_work(const BenchOptions& options, const std::function<void()>& work,
     before = after;
   };
   run();
-  // The first run makes what the others find made: it counts only where there is no time for others.
+  // The first run also makes what later runs reuse: it counts only if there is no time for others.
   const int at_least = seconds[0] < 3 ? 1 : 0;
   const int more = std::clamp(int(options.seconds_per_row / seconds[0]), at_least, 7);
   if (more > 0) {

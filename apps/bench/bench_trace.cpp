@@ -1,4 +1,4 @@
-// The step of holotrace bench that traces paths, beside the same rays followed by Embree alone.
+// The step of holotrace bench that traces paths, compared with the same rays followed by Embree alone.
 
 #include <fmt/format.h>
 
@@ -19,8 +19,8 @@ namespace {
 
 using namespace literals;
 
-/// A board with 32 turned pieces in 48 segments, tilted, 0.3 m behind the panel: some 65 000 triangles, lit by two
-/// rectangles and a point.
+/// A board with 32 lathe-turned pieces of 48 segments, tilted, 0.3 m behind the panel: about 65 000 triangles, lit by
+/// two rectangles and a point.
 Scene make_board_scene() {
   Scene scene;
   for (const double albedo : {0.7, 0.2, 0.1}) scene.materials.push_back({DiffuseMaterial{Vec3{1, 1, 1} * albedo}});
@@ -66,7 +66,7 @@ Scene make_board_scene() {
   return scene;
 }
 
-/// The rays of `trace`, each of its first hits followed again.
+/// The rays of `trace`; each of its first hits is followed again.
 std::vector<LoggedRay> log_rays(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params) {
   PathScene path_scene(scene, make_lines(wavelength, wavelength, wavelength), params.path_expressions,
                        {.max_depth = params.max_depth, .seed = uint64_t(params.seed)});
@@ -107,7 +107,7 @@ BenchRow bench_trace() {
       found += accelerator.replay(&rays[size_t(i * block)], std::min(block, count - i * block));
     });
   };
-  // One after the other, so that a change of the machine's speed meets both.
+  // Alternately, so that changes of the machine's speed affect both.
   std::vector<double> traced, bare;
   for (int run = 0; run < 7; ++run) {
     traced.push_back(median_seconds(1, [&] { trace(scene, panel, wavelength, params); }) - build);

@@ -21,7 +21,7 @@ AlignedVector<std::complex<Real>> noise(size_t count, uint32_t seed) {
 template <class Real>
 class ComplexArrays : public ::testing::Test {
  protected:
-  // Three roundings of numbers below 1.
+  // Three rounding errors of numbers below 1.
   void expect_near(std::complex<Real> a, std::complex<Real> b) {
     EXPECT_LT(std::abs(a - b), 3 * std::numeric_limits<Real>::epsilon());
   }
@@ -30,7 +30,7 @@ class ComplexArrays : public ::testing::Test {
 using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(ComplexArrays, Reals);
 
-// Counts that do and do not fill vectors, and places off their boundaries.
+// Counts that fill vectors and counts that do not, at addresses off the vector boundaries.
 TYPED_TEST(ComplexArrays, MultiplyAndAddNumberByNumber) {
   for (const size_t count : {0, 1, 3, 8, 21, 64})
     for (const size_t offset : {0, 1}) {
@@ -43,7 +43,7 @@ TYPED_TEST(ComplexArrays, MultiplyAndAddNumberByNumber) {
         this->expect_near(product[i], a[i] * b[i]);
         this->expect_near(sum[i], before[i] + a[i] * b[i]);
       }
-      EXPECT_EQ(product.back(), before.back());  // nothing past the end
+      EXPECT_EQ(product.back(), before.back());  // nothing is written past the end
       EXPECT_EQ(sum.back(), before.back());
     }
 }
@@ -74,7 +74,7 @@ TYPED_TEST(ComplexArrays, EnergyIsTheSumOfSquaredModuli) {
     const auto a = noise<TypeParam>(count, 8);
     double expected = 0;
     for (const auto& v : a) expected += std::norm(std::complex<double>(v));
-    EXPECT_NEAR(energy(a.data(), count), expected, 1e-14 * double(count));  // another order of the sum
+    EXPECT_NEAR(energy(a.data(), count), expected, 1e-14 * double(count));  // summed in another order
   }
 }
 

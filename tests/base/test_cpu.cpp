@@ -9,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// What the system itself says of its first processor, by key; empty where it says nothing.
+// What the system reports about its first processor, by key; empty if it reports nothing.
 std::string system_says(const std::string& key) {
   std::ifstream in("/proc/cpuinfo");
   for (std::string line; std::getline(in, line);)
@@ -33,7 +33,7 @@ TEST(Cpu, NameIsTheOneThatTheSystemGives) {
 TEST(Cpu, ReducedPrecisionIsFoundWhereTheSystemListsIt) {
   if (system_says("flags").empty()) GTEST_SKIP() << "the system lists no features";
   EXPECT_EQ(has_avx512_bf16(), system_has("avx512_bf16"));
-  // The system may still refuse the state of tiles: only the other direction is sure.
+  // The system may still refuse the state of tiles: only this direction is certain.
   if (enable_amx_bf16()) {
     EXPECT_TRUE(system_has("amx_bf16"));
   }

@@ -20,7 +20,7 @@ AlignedVector<std::complex<Real>> noise(int count) {
   return data;
 }
 
-// The definition, summed in double.
+// The definition of the transform, summed in double.
 std::vector<std::complex<double>> slow_transform(const std::complex<double>* data, int n, int sign) {
   std::vector<std::complex<double>> out(static_cast<size_t>(n));
   for (int k = 0; k < n; ++k)
@@ -35,7 +35,7 @@ TEST(Fft, IsTheDefinitionForwardAndBackward) {
       auto data = noise<double>(n);
       const auto expected = slow_transform(data.data(), n, sign);
       Fft<double>(n, direction)(data.data());
-      // √n sums of numbers below 1, each to 1e-16
+      // √n sums of numbers below 1, each with an error of 1e-16
       for (int k = 0; k < n; ++k) EXPECT_LT(std::abs(data[size_t(k)] - expected[size_t(k)]), 1e-13) << n;
     }
   }
@@ -51,7 +51,7 @@ TEST(Fft, TransformsDataOffTheSimdBoundaryAlike) {
   for (int k = 0; k < n; ++k) EXPECT_LT(std::abs(data[size_t(k) + 1] - aligned[size_t(k)]), 1e-5F);  // 60·2⁻²⁴
 }
 
-// Columns of a row-major block become contiguous spectra, and go back.
+// Columns of a row-major block become contiguous spectra, and columns again.
 TEST(FftBatch, TransformsColumnsAsOneByOne) {
   for (const int n : {1, 12, 35, 90}) {
     constexpr int columns = 4;
@@ -75,7 +75,7 @@ TEST(Fft, TransformsRowsAndColumns) {
   auto data = noise<double>(ny * nx);
   const auto original = data;
   fft_2d(data.data(), ny, nx, FftDirection::forward);
-  std::complex<double> expected = 0;  // one coefficient by the definition, (3, 5)
+  std::complex<double> expected = 0;  // one coefficient, (3, 5), by the definition
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i)
       expected += original[size_t(j * nx + i)] * std::polar(1.0, -2 * pi * (3.0 * j / ny + 5.0 * i / nx));
@@ -91,9 +91,9 @@ TEST(Fft, HasGoodLengthsOfSmallFactors) {
   EXPECT_EQ(fft_good_length(0), 1);
 }
 
-// What one program measures, the next takes from the store, and plans alike.
-TEST(Fft, AsksItsStoreAroundEachNewPlanAndKeepsWhatItLearns) {
-  std::string kept = "no wisdom";  // is passed over
+// A program takes from the store what another one measured, and plans alike.
+TEST(Fft, UsesItsStoreForEachNewPlanAndKeepsTheWisdom) {
+  std::string kept = "no wisdom";  // invalid wisdom is ignored
   int opened = 0, closed = 0;
   FftWisdomStore store;
   store.open = [&] {
@@ -109,7 +109,7 @@ TEST(Fft, AsksItsStoreAroundEachNewPlanAndKeepsWhatItLearns) {
   set_fft_wisdom_store({[] { return std::string(); }, [](const std::string&) {}});
   EXPECT_EQ(opened, 1);
   EXPECT_EQ(closed, 1);
-  EXPECT_NE(kept.find("fftwf_wisdom"), std::string::npos);  // both precisions
+  EXPECT_NE(kept.find("fftwf_wisdom"), std::string::npos);  // wisdom of both precisions
   EXPECT_NE(kept.find("fftw_wisdom"), std::string::npos);
 }
 

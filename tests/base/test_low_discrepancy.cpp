@@ -25,7 +25,7 @@ std::vector<Vec2> points(LowDiscrepancy sequence, int pair, uint32_t count, uint
   return result;
 }
 
-/// Whether 2ᵐ points fall one in each of the 2ᵃ × 2ᵐ⁻ᵃ boxes of equal area, for every a.
+/// Whether exactly one of 2ᵐ points is in each of the 2ᵃ × 2ᵐ⁻ᵃ boxes of equal area, for every a.
 bool is_net(const std::vector<Vec2>& points, int m) {
   for (int a = 0; a <= m; ++a) {
     std::vector<bool> taken(size_t(1) << m);
@@ -75,12 +75,12 @@ TEST(LowDiscrepancy, TheOrderOfPathsDoesNotMatter) {
   LowDiscrepancy sequence(1, 2, 3);
   for (uint32_t i = count; i-- > 0;) {
     sequence.start(i);
-    sequence.one();  // a path may end anywhere, and a dimension is a place in the path, single or pair
+    sequence.one();  // a path may end anywhere; a dimension, single or pair, is a position in the path
     EXPECT_EQ(sequence.two(), forward[i]);
   }
 }
 
-TEST(LowDiscrepancy, ANewSequenceStandsAtPathZero) {
+TEST(LowDiscrepancy, ANewSequenceStartsAtPathZero) {
   LowDiscrepancy fresh(1, 2, 3), started(1, 2, 3);
   started.start(9);
   started.two();
@@ -101,7 +101,7 @@ TEST(LowDiscrepancy, SeedFrameSampleAndPathEachChangeTheNumbers) {
 }
 
 TEST(LowDiscrepancy, OnePathOfManySamplesIsUniform) {
-  // Paths 0 and 1, a middle one and the last: a scramble of few random bits would show at path 0.
+  // Paths 0 and 1, one in the middle and the last. A scramble with few random bits would show at path 0.
   for (uint32_t path : {0u, 1u, 1000u, 0xffffffffu})
     for (int pair : {0, 5}) {
       constexpr int per_cell = 100;
@@ -123,8 +123,8 @@ TEST(LowDiscrepancy, OnePathOfManySamplesIsUniform) {
     }
 }
 
-TEST(LowDiscrepancy, TwoPathsOfASampleMeetAsAScrambleHasIt) {
-  // Points 0 and 1 share no half of the interval. Beyond the first binary digit their digits are
+TEST(LowDiscrepancy, TwoPathsOfASampleAreDistributedAsInAnOwenScramble) {
+  // Points 0 and 1 lie in different halves of the interval. Beyond the first binary digit their digits are
   // independent in an Owen scramble: 16 × 16 cells of the digits 2 to 5 of the two points.
   constexpr int per_cell = 400;
   std::vector<int> counts(256);
@@ -136,13 +136,13 @@ TEST(LowDiscrepancy, TwoPathsOfASampleMeetAsAScrambleHasIt) {
   EXPECT_LT(std::abs(chi_square_z(counts, per_cell)), deviations);
 }
 
-/// Variance of the mean of (u − ½)(v − ½) over many paths, for two dimensions of different pairs or samples, in units
-/// of that of independent numbers: 1 + 15·(1/15)². Each dimension has one point of a block of 16 in each sixteenth, so
-/// two points of a block have the correlation −1/15 in u and in v, and 1/225 in the product; blocks add next to
+/// Variance of the mean of (u − ½)(v − ½) over many paths, for two dimensions of different pairs or samples, relative
+/// to that of independent numbers: 1 + 15·(1/15)². Each dimension has one point of a block of 16 in each sixteenth, so
+/// two points of a block have the correlation −1/15 in u and in v, and 1/225 in the product; blocks add almost
 /// nothing.
 constexpr double product_variance = 1 + 1.0 / 15;
 
-/// √(144·N) times the mean of (u − ½)(v − ½), about normal with variance 1 for independent u and v.
+/// √(144·N) times the mean of (u − ½)(v − ½): for independent u and v about normal, with variance 1.
 double correlation_z(const std::vector<double>& u, const std::vector<double>& v) {
   double sum = 0;
   for (size_t i = 0; i < u.size(); ++i) sum += (u[i] - 0.5) * (v[i] - 0.5);
@@ -150,7 +150,7 @@ double correlation_z(const std::vector<double>& u, const std::vector<double>& v)
 }
 
 TEST(LowDiscrepancy, DimensionsOfAPathAreUncorrelated) {
-  // The numbers of path 0 … 1023, eight pairs and so sixteen dimensions, of 50 samples. Inside a pair the net
+  // The numbers of path 0 … 1023 in eight pairs, which are sixteen dimensions, of 50 samples. Within a pair the net
   // itself lowers the correlation, so only dimensions of different pairs are compared.
   constexpr uint32_t count = 1024;
   constexpr int samples = 50, pairs = 8;
@@ -178,7 +178,7 @@ TEST(LowDiscrepancy, DimensionsOfAPathAreUncorrelated) {
   EXPECT_LT(std::abs(sum), deviations * std::sqrt(compared));
   // z² has mean v and variance 2v² for a normal z of variance v.
   EXPECT_LT(std::abs(squares / product_variance - compared), deviations * std::sqrt(2.0 * compared));
-  // 5600 comparisons at p = 6e-5 together: 5.7 standard deviations each (Šidák), of √product_variance.
+  // 5600 comparisons with p = 6e-5 for all together: 5.7 standard deviations each (Šidák), of √product_variance.
   EXPECT_LT(largest, 5.7 * std::sqrt(product_variance));
 }
 
@@ -206,7 +206,7 @@ TEST(LowDiscrepancy, NeighbouringSamplesFramesAndSeedsAreUncorrelated) {
   }
 }
 
-/// A smooth integrand over one pair, and its integral over the unit square.
+/// A smooth integrand over one pair of dimensions, and its integral over the unit square.
 struct Integrand {
   const char* name;
   double (*value)(Vec2);
@@ -235,9 +235,9 @@ double error_of(const Integrand& integrand, uint32_t count) {
 }
 
 TEST(LowDiscrepancy, ErrorsOfSmoothIntegrandsFallFasterThanWithIndependentNumbers) {
-  // Owen (1997): N^(−3/2)·√log N for s = 2 and smooth integrands. From 16 to 1024 points that is a slope of
-  // −1.5 + ½·log(log 1024/log 16)/log 64 = −1.39; independent numbers have −0.5. The root mean square of
-  // 256 samples is known to 1/√512 = 4 %, the slope between two of them to 0.014: −1.25 leaves a margin.
+  // Owen (1997): N^(−3/2)·√log N for s = 2 and smooth integrands. From 16 to 1024 points this is a slope of
+  // −1.5 + ½·log(log 1024/log 16)/log 64 = −1.39; for independent numbers −0.5. The root mean square of
+  // 256 samples has an error of 1/√512 = 4 %, the slope between two of them 0.014: −1.25 leaves a margin.
   for (const Integrand& integrand : smooth) {
     const double slope = std::log(error_of(integrand, 1024) / error_of(integrand, 16)) / std::log(64.0);
     EXPECT_LT(slope, -1.25) << integrand.name;
@@ -261,14 +261,14 @@ TEST(LowDiscrepancy, SumsOverPairsKeepTheRateAndProductsAreAboutAsWithIndependen
     of_product += std::pow(product / count, 2);
   }
   const double e = std::exp(1.0), variance = std::pow((e * e - 1) / 2, 2) - std::pow(e - 1, 4);
-  // The net lowers the variance by about N²/log N, above 10⁴ here; a hundredfold leaves no doubt.
+  // The net lowers the variance by about N²/log N, here above 10⁴; the test asks for a factor of 100.
   EXPECT_LT(of_sum / samples, 0.01 * 2 * variance / count);
-  // The variance of a normal number is known from 4096 samples to √(2/4096).
+  // The variance of a normal number from 4096 samples has an error of √(2/4096).
   EXPECT_NEAR(of_product / samples * 144 * count, product_variance, deviations * std::sqrt(2.0 / samples));
 }
 
 TEST(LowDiscrepancy, MeansAreUnbiasedForAnyNumberOfPaths) {
-  // Over many samples the mean error is normal with the standard error found from the errors themselves.
+  // Over many samples the mean error is normal, with a standard error estimated from the errors themselves.
   for (const Integrand& integrand : smooth)
     for (uint32_t count : {1u, 3u, 16u, 100u}) {
       constexpr int samples = 4096;

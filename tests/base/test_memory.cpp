@@ -6,7 +6,7 @@
 namespace holotrace {
 namespace {
 
-TEST(Memory, WhatFitsPassesAndWhatDoesNotIsNamed) {
+TEST(Memory, SizesThatFitPassAndLargerOnesAreNamed) {
   const double present = physical_memory();
   EXPECT_GT(present, 1e8);  // any machine that builds this has more than 100 MB
   EXPECT_NO_THROW(require_memory(present, "all of it"));

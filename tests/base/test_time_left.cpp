@@ -5,7 +5,7 @@
 namespace holotrace {
 namespace {
 
-TEST(TimeLeft, OfASteadyWorkIsTheRest) {
+TEST(TimeLeft, OfASteadyTaskIsExact) {
   TimeLeft left;
   EXPECT_FALSE(left.estimate(0, 0));
   EXPECT_FALSE(left.estimate(1, 0.01)) << "too early to tell";
@@ -14,8 +14,8 @@ TEST(TimeLeft, OfASteadyWorkIsTheRest) {
   EXPECT_FALSE(left.estimate(100, 1)) << "nothing is left";
 }
 
-TEST(TimeLeft, OfAWorkTakenUpAgainCountsFromThere) {
-  // Half was done before; a tenth of the whole takes 10 s.
+TEST(TimeLeft, OfAResumedTaskCountsFromItsResumption) {
+  // Half was done before; then a tenth of the whole takes 10 s.
   TimeLeft left;
   EXPECT_FALSE(left.estimate(0.1, 0.5));
   EXPECT_FALSE(left.estimate(0.9, 0.508)) << "less than a fiftieth of the rest";
@@ -24,8 +24,8 @@ TEST(TimeLeft, OfAWorkTakenUpAgainCountsFromThere) {
   EXPECT_NEAR(*left.estimate(20.1, 0.7), 30, 1e-9);
 }
 
-TEST(TimeLeft, WaversLessThanTheRate) {
-  // Bands that come two at a time: two in the time of one, then none.
+TEST(TimeLeft, VariesLessThanTheRate) {
+  // Bands are finished two at a time: two in the time of one, then none.
   TimeLeft left;
   left.estimate(1, 0.01);
   double before = *left.estimate(10, 0.1);
@@ -36,7 +36,7 @@ TEST(TimeLeft, WaversLessThanTheRate) {
   }
 }
 
-TEST(Duration, IsReadInTheUnitsThatSuit) {
+TEST(Duration, IsWrittenInSuitableUnits) {
   EXPECT_EQ(format_duration(4.21), "4.2 s");
   EXPECT_EQ(format_duration(59.96), "1 min 00 s");
   EXPECT_EQ(format_duration(185), "3 min 05 s");

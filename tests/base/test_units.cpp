@@ -10,8 +10,8 @@ namespace {
 
 using test::error_of;
 
-// A decimal number and a power of ten divide with one rounding, so the result is the double nearest
-// to the length, which is what the compiler makes of the literal: equality is exact.
+// The quotient of a decimal number and a power of ten is rounded once, so the result is the double nearest
+// to the length. The compiler makes the same double of the literal: equality is exact.
 TEST(Units, LengthsRoundOnce) {
   EXPECT_EQ(parse_length("532 nm"), 532e-9);
   EXPECT_EQ(parse_length("632.8 nm"), 632.8e-9);
@@ -72,14 +72,14 @@ TEST(Units, SizesHaveUnitsOfAThousandOr1024) {
   EXPECT_EQ(error_of([] { parse_size("1 GB 2 GB"); }), "expected one size, got 2 in \"1 GB 2 GB\"");
 }
 
-TEST(Units, PeopleReadSizesInTheUnitThatSuits) {
+TEST(Units, SizesAreWrittenInASuitableUnit) {
   EXPECT_EQ(format_bytes(1023), "1023 B");
   EXPECT_EQ(format_bytes(1024), "1 KiB");
   EXPECT_EQ(format_bytes(2.5 * 1024 * 1024), "2.5 MiB");
-  EXPECT_EQ(format_bytes(0x1p50), "1024 TiB");  // the largest unit goes on
+  EXPECT_EQ(format_bytes(0x1p50), "1024 TiB");  // there is no larger unit
 }
 
-TEST(Units, PeopleReadLengthsInTheUnitThatSuits) {
+TEST(Units, LengthsAreWrittenInASuitableUnit) {
   EXPECT_EQ(format_length(532e-9), "532 nm");
   EXPECT_EQ(format_length(8e-6), "8 µm");
   EXPECT_EQ(format_length(0.3), "300 mm");

@@ -1,4 +1,4 @@
-// A point's wave on a panel comes back to a point: the installed library in a dozen lines.
+// Focuses the wave of a point on a panel back to the point: a dozen lines with the installed library.
 
 #include <cstdio>
 
@@ -10,7 +10,7 @@ using namespace holotrace;
 using namespace holotrace::literals;
 
 int main() {
-  const Grid panel{129, 97, 8.0_um};  // odd: its middle pixel lies on the axis
+  const Grid panel{129, 97, 8.0_um};  // odd: its central pixel is on the axis
   const Sources sources{532_nm, {{{0, 0, -20_mm}, 1, 0}}};
   const Field field = synthesize(sources, panel, {});
   const Field focus = propagate(field, -20_mm);

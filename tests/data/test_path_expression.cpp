@@ -14,7 +14,7 @@
 namespace holotrace {
 namespace {
 
-/// All words of at most `longest` letters of an alphabet, shortest first.
+/// All words of at most `longest` letters from an alphabet, shortest first.
 std::vector<std::string> words(const std::string& letters, size_t longest) {
   std::vector<std::string> all = {""};
   for (size_t i = 0; i < all.size() && all[i].size() < longest; ++i)
@@ -22,7 +22,7 @@ std::vector<std::string> words(const std::string& letters, size_t longest) {
   return all;
 }
 
-/// What can stand between the eye and a light in paths of at most eight events.
+/// All words between the eye and a light in paths of at most eight events.
 const std::vector<std::string> between = words("DGS", 6);
 
 PathAutomaton::State walk(const PathAutomaton& automaton, const std::string& events) {
@@ -32,7 +32,7 @@ PathAutomaton::State walk(const PathAutomaton& automaton, const std::string& eve
   return state;
 }
 
-/// The same language for the standard library's matcher, which knows nothing of automata of paths.
+/// The same language for the standard library's matcher, which does not use automata of paths.
 std::regex as_regex(const std::string& expression) {
   std::string pattern;
   for (char c : expression)
@@ -51,7 +51,7 @@ TEST(PathExpression, NamesThePathsOfThePaper) {
     for (const char* path : {"EL", "ESL", "EDSL", "ESDDL"}) EXPECT_FALSE(matches(expression, path)) << path;
   }
   for (const std::string& events : between) EXPECT_TRUE(matches("E.*L", "E" + events + "L")) << events;
-  // Eq. 15, with the light it ends at.
+  // Eq. 15, with the final light.
   for (const char* path : {"EDL", "EGL", "EDSGL", "EGSDSDL"}) EXPECT_TRUE(matches("E[(D|G)S]*(D|G)L", path)) << path;
   for (const char* path : {"EL", "EDSL", "ESDL", "EDDL"}) EXPECT_FALSE(matches("E[(D|G)S]*(D|G)L", path)) << path;
 }
@@ -64,7 +64,7 @@ TEST(PathExpression, SquareBracketsGroupAndDoNotChoose) {
 TEST(PathExpression, BlanksAreIgnored) { EXPECT_TRUE(matches(" E ( D | G ) +\tL\n", "EDGL")); }
 
 TEST(PathExpression, OnlyWordsFromTheEyeToTheirOnlyLightArePaths) {
-  // "E.*L" as a language of words: each word of five letters is named exactly when it is E, D G S …, L.
+  // "E.*L" as a language: a word of at most five letters matches exactly if it is E, any of D, G, S, then L.
   const std::regex path("E[DGS]*L");
   for (const std::string& word : words("EDGSL", 5))
     EXPECT_EQ(matches("E.*L", word), std::regex_match(word, path)) << word;
@@ -85,7 +85,7 @@ TEST(PathExpression, AgreesWithAnIndependentMatcher) {
   }
 }
 
-/// A random expression over D, G, S, '.' of a few operators.
+/// A random expression of D, G, S, '.' with a few operators.
 std::string random_piece(std::mt19937& random, int depth) {
   const auto one_of = [&](const char* choices) { return std::string(1, choices[random() % 4]); };
   switch (depth == 0 ? 0 : random() % 4) {
@@ -102,7 +102,7 @@ std::string random_piece(std::mt19937& random, int depth) {
 
 TEST(PathExpression, RandomExpressionsAgreeWithAnIndependentMatcher) {
   std::mt19937 random(1);
-  const std::vector<std::string> shorter = words("DGS", 4);  // nested stars are slow in a matcher that backtracks
+  const std::vector<std::string> shorter = words("DGS", 4);  // nested stars are slow in a backtracking matcher
   for (int i = 0; i < 100; ++i) {
     const std::string expression = fmt::format("E{}L", random_piece(random, 4));
     const PathAutomaton automaton({expression});
@@ -115,8 +115,8 @@ TEST(PathExpression, RandomExpressionsAgreeWithAnIndependentMatcher) {
 
 TEST(PathExpression, EveryPathIsInExactlyOneLayerOfAPartition) {
   const std::vector<std::vector<std::string>> partitions = {
-      {"EL", "EDL", "E(G|S)L", "E..+L"},  // by length: seen light, direct light, the rest
-      {"EL", "ED.*L", "EG.*L", "ES.*L"},  // by what is seen first
+      {"EL", "EDL", "E(G|S)L", "E..+L"},  // by length: directly visible light, direct light, the rest
+      {"EL", "ED.*L", "EG.*L", "ES.*L"},  // by the first surface
       {"E[D|G]*L", "E.*S.*L"},            // without and with a specular event
       {"EL", "E(D|G)L", "ES+L", "ES+(D|G)L", "E(D|G).+L|ES+(D|G).+L"},
   };
@@ -155,7 +155,7 @@ TEST(PathExpression, AStateIsDeadExactlyWhenNoContinuationCompletesALayer) {
   for (const std::vector<std::string>& path_groups :
        {std::vector<std::string>{"E(D|G)L"}, {"ED*L"}, {"E.*L"}, {"ES*(D|G)L", "EDDL"}, {"EDGS(D|G)L", "E(SS)+L"}}) {
     const PathAutomaton automaton(path_groups);
-    // The states number fewer than six, so a continuation of six events passes each that can be reached.
+    // There are fewer than six states, so the continuations of up to six events pass each reachable one.
     for (const std::string& events : words("DGS", 4)) {
       const std::string& before = events;
       bool completes = false;

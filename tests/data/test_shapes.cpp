@@ -27,14 +27,14 @@ double area(const Mesh& mesh) {
   return sum;
 }
 
-// By the divergence theorem; positive when triangles turn outward.
+// Volume by the divergence theorem; positive if triangles face outward.
 double volume(const Mesh& mesh) {
   double sum = 0;
   for (auto [a, b, c] : mesh.triangles) sum += dot(mesh.positions[a], cross(mesh.positions[b], mesh.positions[c])) / 6;
   return sum;
 }
 
-// Every edge is run once each way, corners compared bit for bit.
+// Whether every edge occurs once in each direction; corners are compared bit for bit.
 bool is_closed(const Mesh& mesh) {
   std::map<std::pair<Key, Key>, int> edges;
   for (const auto& t : mesh.triangles)
@@ -48,7 +48,7 @@ bool is_closed(const Mesh& mesh) {
   return true;
 }
 
-// Normals are unit and on the side their triangle looks to.
+// Checks that normals have unit length and are on the front side of their triangle.
 void expect_sound_normals(const Mesh& mesh) {
   ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
   ASSERT_EQ(mesh.texture_coordinates.size(), mesh.positions.size());
@@ -56,7 +56,7 @@ void expect_sound_normals(const Mesh& mesh) {
     const Vec3 p = mesh.positions[t[0]];
     const Vec3 face = cross(mesh.positions[t[1]] - p, mesh.positions[t[2]] - p);
     for (uint32_t i : t) {
-      EXPECT_NEAR(length(mesh.normals[i]), 1, 1e-14);  // a few roundings
+      EXPECT_NEAR(length(mesh.normals[i]), 1, 1e-14);  // a few rounding errors
       EXPECT_GT(dot(mesh.normals[i], face), 0);
     }
   }
@@ -65,11 +65,11 @@ void expect_sound_normals(const Mesh& mesh) {
 TEST(Shapes, AWireframeCubeCountsItsCornersOnce) {
   for (int n : {2, 3, 11}) {
     const auto points = make_wireframe_cube(0.02, n);
-    EXPECT_EQ(points.size(), size_t(12 * n - 16));  // 12 (n − 2) between 8 corners
+    EXPECT_EQ(points.size(), size_t(12 * n - 16));  // 12 (n − 2) points between 8 corners
     std::set<Key> different;
     for (const ScenePoint& p : points) {
       different.insert(key(p.position));
-      // On an edge two coordinates are ±half the side.
+      // On an edge two coordinates are ± half the side.
       const int at_side =
           (std::abs(p.position.x) == 0.01) + (std::abs(p.position.y) == 0.01) + (std::abs(p.position.z) == 0.01);
       EXPECT_GE(at_side, 2);
@@ -80,8 +80,8 @@ TEST(Shapes, AWireframeCubeCountsItsCornersOnce) {
 }
 
 TEST(Shapes, AWireframeSphereHasItsPointsOnceAndOnItsRadius) {
-  // 2 poles + 4 half circles of 7 points between the poles + 3 parallels of 16. The parallels pass
-  // points of the meridians (16 / 4 meridians, at multiples of 2 of the 8 steps): 3·4 points shared.
+  // 2 poles + 4 half circles with 7 points between the poles + 3 parallels of 16. The parallels cross the meridians
+  // at points of these (16 / 4 meridians, at multiples of 2 of the 8 steps): 3·4 points are shared.
   const auto points = make_wireframe_sphere(0.02, 4, 3, 16);
   EXPECT_EQ(points.size(), 2u + 4 * 7 + 3 * 16 - 3 * 4);
   for (size_t i = 0; i < points.size(); ++i) {
@@ -102,9 +102,9 @@ TEST(Shapes, ATextureGivesAPointQuadTheRootOfItsLight) {
   texture.values = {0, 0, 0, 0.25f, 0.25f, 0.25f};
   const auto points = make_point_quad(1, 1, 3, 2, &texture, {0.5, 0.5, 0});
   EXPECT_EQ(points[0].amplitude, 0);
-  EXPECT_NEAR(points[1].amplitude, std::sqrt(0.125), 1e-7);  // halfway between the pixels; float
+  EXPECT_NEAR(points[1].amplitude, std::sqrt(0.125), 1e-7);  // halfway between the pixels; float precision
   EXPECT_NEAR(points[2].amplitude, 0.5, 1e-7);
-  texture.values = {0, 1, 1, 1, 0, 0};  // cyan and red: red light sees the second alone
+  texture.values = {0, 1, 1, 1, 0, 0};  // cyan and red: red light sees only the second
   const auto red = make_point_quad(1, 1, 3, 2, &texture, {1, 0, 0});
   EXPECT_EQ(red[0].amplitude, 0);
   EXPECT_EQ(red[2].amplitude, 1);
@@ -132,7 +132,7 @@ TEST(Shapes, ASphereIsClosedAndNearsItsVolume) {
     const Mesh sphere = make_sphere(2, segments);
     EXPECT_TRUE(is_closed(sphere));
     expect_sound_normals(sphere);
-    // A regular n-gon lies within (2π/n)²/6 of its circle's area; the profile loses as much again.
+    // A regular n-gon lacks (2π/n)²/6 of its circle's area; the profile lacks as much again.
     const double loss = std::pow(2 * pi / segments, 2) / 6;
     EXPECT_LT(volume(sphere), 4 * pi / 3);
     EXPECT_GT(volume(sphere), 4 * pi / 3 * (1 - 2.5 * loss));
@@ -143,7 +143,7 @@ TEST(Shapes, ASphereIsClosedAndNearsItsVolume) {
   }
 }
 
-// Of n steps, a circle becomes an n-gon of area (n/2) sin(2π/n) r².
+// A circle of n steps is an n-gon of the area (n/2) sin(2π/n) r².
 double polygon_area(int n) { return n / 2.0 * std::sin(2 * pi / n); }
 
 TEST(Shapes, ALatheOfARectangleIsACylinderEitherWayRound) {
@@ -153,7 +153,7 @@ TEST(Shapes, ALatheOfARectangleIsACylinderEitherWayRound) {
     EXPECT_TRUE(is_closed(cylinder));
     expect_sound_normals(cylinder);
     EXPECT_NEAR(volume(cylinder), 2 * polygon_area(12), 1e-13);
-    EXPECT_EQ(cylinder.triangles.size(), 48u);  // two fans of 12 and 12 rectangles
+    EXPECT_EQ(cylinder.triangles.size(), 48u);  // two fans of 12 triangles and 12 rectangles
   }
 }
 
@@ -164,9 +164,9 @@ TEST(Shapes, ALatheOfAClosedProfileIsARing) {
   EXPECT_NEAR(volume(ring), 3 * polygon_area(16), 1e-13);  // (2² − 1²)·1
 }
 
-TEST(Shapes, ALatheOfAThinShellTurnsOutwardEitherWayRound) {
-  // A slanted shell: ten short steps outside, one long step inside. Its volume is small, so that a sum which is not
-  // exactly that of cones would have the wrong sign.
+TEST(Shapes, ALatheOfAThinShellFacesOutwardEitherWayRound) {
+  // A slanted shell: ten short steps outside, one long step inside. Its volume is so small that a formula other than
+  // the exact one of cones would give the wrong sign.
   std::vector<Vec2> profile;
   for (int i = 0; i <= 10; ++i) profile.push_back({1 + 0.1 * i + 0.02 * (i > 0 && i < 10), 0.1 * i});
   profile.push_back(profile.front());
@@ -179,10 +179,10 @@ TEST(Shapes, ALatheOfAThinShellTurnsOutwardEitherWayRound) {
 }
 
 TEST(Shapes, ALatheKeepsCreasesAndSmoothsTheRest) {
-  // 20° is smooth: the two steps share the normal between theirs. 40° and 90° are creases: the limit is 30°.
+  // 20° is smooth: the two steps share their mean normal. 40° and 90° are creases: the limit is 30°.
   const double turn = 20 * pi / 180;
   const Mesh bend = make_lathe({{1, 0}, {1, 1}, {1 - std::sin(turn), 1 + std::cos(turn)}}, 8);
-  EXPECT_EQ(bend.positions.size(), 3u * 9);  // one ring per point, the seam twice
+  EXPECT_EQ(bend.positions.size(), 3u * 9);  // one ring per point; the seam has two
   EXPECT_NEAR(bend.normals[9].y, std::sin(turn / 2), 1e-15);
   const Mesh corner = make_lathe({{1, 0}, {1, 1}, {0, 1}}, 8);
   EXPECT_EQ(corner.positions.size(), 4u * 9);  // the crease has two rings
@@ -199,7 +199,7 @@ TEST(Shapes, AnExtrusionOfAConcaveOutlineHasItsVolumeEitherWayRound) {
     expect_sound_normals(solid);
     EXPECT_NEAR(volume(solid), 1.5, 1e-14);
     EXPECT_NEAR(area(solid), 2 * 3 + 8 * 0.5, 1e-14);   // two caps and the perimeter of 8
-    EXPECT_EQ(solid.triangles.size(), 2u * 4 + 2 * 6);  // n − 2 per cap, 2 per side
+    EXPECT_EQ(solid.triangles.size(), 2u * 4 + 2 * 6);  // n − 2 triangles per cap, 2 per side
     std::reverse(outline.begin(), outline.end());
   }
 }
@@ -219,10 +219,10 @@ TEST(Shapes, AnExtrusionOfAStarHasItsArea) {
   }
   const Mesh solid = make_extrusion(star, 1);
   EXPECT_TRUE(is_closed(solid));
-  EXPECT_NEAR(volume(solid), n * 0.5 * 0.3 * std::sin(2 * pi / n), 1e-14);  // n triangles of sides 1 and 0.3
+  EXPECT_NEAR(volume(solid), n * 0.5 * 0.3 * std::sin(2 * pi / n), 1e-14);  // n triangles with sides 1 and 0.3
 }
 
-TEST(Shapes, MeshesStayOutwardWhenTurnedAndMirrored) {
+TEST(Shapes, MeshesFaceOutwardWhenRotatedAndMirrored) {
   Mesh turned = make_box({1, 2, 3}), mirrored = make_box({1, 2, 3});
   Frame frame = rotation_y(0.7);
   frame.origin = {5, 6, 7};
@@ -233,11 +233,11 @@ TEST(Shapes, MeshesStayOutwardWhenTurnedAndMirrored) {
   EXPECT_NEAR(volume(mirrored), 12, 1e-13);
 }
 
-TEST(Shapes, NormalsOfASquashedSphereStayAcrossItsSurface) {
+TEST(Shapes, NormalsOfASquashedSphereStayPerpendicularToItsSurface) {
   Mesh ellipsoid = make_sphere(2, 32);
   transform_mesh({{1, 0, 0}, {0, 3, 0}, {0, 0, 1}, {}}, ellipsoid);
   for (size_t i = 0; i < ellipsoid.positions.size(); ++i) {
-    const Vec3 p = ellipsoid.positions[i];  // on x² + y²/9 + z² = 1: the gradient is across
+    const Vec3 p = ellipsoid.positions[i];  // on x² + y²/9 + z² = 1 the normal is along the gradient
     EXPECT_NEAR(dot(ellipsoid.normals[i], normalize({p.x, p.y / 9, p.z})), 1, 1e-14);
   }
 }

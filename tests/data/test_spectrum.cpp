@@ -9,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// What the wavelengths make of a colour: M·W·rgb.
+// The colour that the wavelengths reproduce: M·W·rgb.
 Vec3 round_trip(const std::vector<double>& wavelengths, Vec3 rgb) {
   const std::vector<Vec3> matrix = colour_matrix(wavelengths);
   Vec3 seen;
@@ -23,10 +23,10 @@ void expect_near(Vec3 a, Vec3 b, double tolerance) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-// The condition of W is below 10 for these, that of WᵀW below 100: 100 roundings of 2e-16.
+// For these the condition number of W is below 10, that of WᵀW below 100: 100 rounding errors of 2e-16.
 constexpr double rounding = 1e-13;
 
-TEST(ColourMatrix, BringsEveryColourBackWhereTheWavelengthsTellThreeApart) {
+TEST(ColourMatrix, RecoversEveryColourIfTheWavelengthsDistinguishThree) {
   for (const std::vector<double>& wavelengths : {std::vector<double>{638e-9, 520e-9, 450e-9},
                                                  {630e-9, 532e-9, 460e-9},
                                                  {660e-9, 600e-9, 550e-9, 500e-9, 440e-9}})
@@ -51,7 +51,7 @@ TEST(ColourMatrix, OnTheThreeLinesOfTheScenesColoursItIsTheIdentity) {
   expect_near(matrix[2], {0, 0, 1}, rounding);
 }
 
-TEST(ColourMatrix, IsTheInverseOfMooreAndPenrose) {
+TEST(ColourMatrix, IsTheMoorePenroseInverse) {
   // M·W·M = M and W·M·W = W with both products symmetric, for ranks 3, 2 and 1.
   for (const std::vector<double>& wavelengths : {std::vector<double>{638e-9, 590e-9, 520e-9, 450e-9},
                                                  {638e-9, 520e-9},
@@ -71,18 +71,18 @@ TEST(ColourMatrix, IsTheInverseOfMooreAndPenrose) {
   }
 }
 
-TEST(ColourMatrix, TwoWavelengthsGiveTheNearestColoursThatTheyTell) {
-  // 638 nm is red alone; 520 nm is 5/6 green and 1/6 blue: blue and green come back in that proportion.
+TEST(ColourMatrix, TwoWavelengthsGiveTheNearestColoursThatTheyCanShow) {
+  // 638 nm is pure red; 520 nm is 5/6 green and 1/6 blue, so blue and green are recovered in that proportion.
   const Vec3 white = round_trip({638e-9, 520e-9}, {1, 1, 1});
   const double g = 60. / 72, b = 12. / 72, square = g * g + b * b;
   expect_near(white, {1, g / square, b / square}, rounding);
 }
 
-TEST(ColourMatrix, WavelengthsTooNearToTellApartCountAsOne) {
-  // 0.1 pm beside each other: weights differ by 1e-4/98 = 1e-6, squares of singular values by 1e-12 of the largest. To
-  // tell their colours apart would magnify noise a million times; as one, no column exceeds that of one wavelength.
+TEST(ColourMatrix, WavelengthsTooCloseToDistinguishCountAsOne) {
+  // 0.1 pm apart: weights differ by 1e-4/98 = 1e-6, squares of singular values by 1e-12 of the largest. Separating
+  // their colours would amplify noise a million times; as one colour, no column exceeds that of one wavelength.
   const std::vector<Vec3> near = colour_matrix({600e-9, 600.0001e-9}), one = colour_matrix({600e-9});
-  for (const Vec3 column : near) EXPECT_LT(length(column * 2 - one[0]), 1e-5);  // 1e-6, and a margin
+  for (const Vec3 column : near) EXPECT_LT(length(column * 2 - one[0]), 1e-5);  // 1e-6, with a margin
 }
 
 TEST(ColourMatrix, RefusesNoWavelengthAndBadOnes) {

@@ -14,7 +14,7 @@
 #include "holotrace/io/field/sources_file.h"
 #include "support/program.h"
 
-// Fields made band by band, by the program: a panel of 16 bands and some waves near it.
+// Fields that the program makes band by band: a panel of 16 bands and some waves near it.
 
 namespace holotrace::test {
 
@@ -30,13 +30,13 @@ inline Sources waves_of_bands(int count) {
   return sources;
 }
 
-/// The flags of `field` for 96 × 2048 pixels, slow enough that a run can be met in its midst.
+/// The flags of `field` for 96 × 2048 pixels; slow enough that a test can act during the run.
 inline std::vector<std::string> field_in_bands(const std::string& output) {
   return {"field", "waves.ply", "--columns", "96",      "--rows", "2048", "--method",
           "exact", "--memory",  "400 MB",    "--quiet", "-o",     output};
 }
 
-/// How many bands the journal of an unfinished file says are finished; −1 where there is none.
+/// Number of finished bands in the journal of an unfinished file; −1 if there is none.
 inline int journal_of(const Workplace& work, const std::string& output) {
   if (!work.has(output + ".partial.json")) return -1;
   const auto json = nlohmann::json::parse(work.read(output + ".partial.json"), nullptr, false);
@@ -46,7 +46,7 @@ inline int journal_of(const Workplace& work, const std::string& output) {
   return count;
 }
 
-/// Waits until `holds` or the child's end; whether it holds.
+/// Waits until `holds` is true or the child ends; returns whether it became true.
 inline bool wait_until(pid_t child, const std::function<bool()>& holds) {
   while (!holds()) {
     if (waitpid(child, nullptr, WNOHANG) != 0) return false;

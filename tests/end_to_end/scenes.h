@@ -15,13 +15,13 @@ namespace holotrace::test {
 inline constexpr Grid small_panel{256, 192, 8e-6};
 inline constexpr double test_wavelength = 532e-9;
 
-/// The head of a scene file with that light and panel; `more` are further keys of the file itself.
+/// The head of a scene file with the wavelength and that panel; `more` has further keys of the top level.
 inline std::string scene_head(const Grid& panel = small_panel, const std::string& more = "") {
   return fmt::format("wavelength = \"532 nm\"\n{}[slm]\ncolumns = {}\nrows = {}\npitch = \"{} um\"\n", more, panel.nx,
                      panel.ny, panel.pitch * 1e6);
 }
 
-/// A PLY file of luminous points.
+/// A luminous point of a PLY file.
 struct Luminous {
   Vec3 at;
   double amplitude = 1;
@@ -36,12 +36,12 @@ inline std::string point_file(const std::vector<Luminous>& points) {
   return text;
 }
 
-/// Shows the points of a file beside the scene, with the phases that `phase` gives them.
+/// An object with the points of a file beside the scene, with the phases that the key `phase` gives them.
 inline std::string points_object(const std::string& file = "points.ply") {
   return "[trace]\nphase = \"constant\"\n[[object]]\ntype = \"points\"\nfile = \"" + file + "\"\n";
 }
 
-/// A lit, shadowed scene of meshes and a wireframe, 30 mm behind the small panel; few samples, so that it is quick.
+/// A scene of meshes and a wireframe with lights and shadows, 30 mm behind the small panel; few samples, to be quick.
 inline std::string mesh_scene() {
   return scene_head(small_panel, "background = 0.1\n") +
          "[trace]\ncolumns = 48\nrows = 48\npaths = 4\n"

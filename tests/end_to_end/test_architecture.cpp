@@ -1,5 +1,5 @@
-// The rooms of the library and the arrows between them. CONTRIBUTING.md has the table; these tests read it and hold the
-// code to it.
+// The rooms of the library and the allowed includes between them. The table is in CONTRIBUTING.md; these tests read
+// it and check the code against it.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ const fs::path library = source / "src" / "holotrace";
 
 using Arrows = std::map<std::string, std::set<std::string>>;  // room → the rooms that it may include besides itself
 
-// Names in backticks, as `wave/tiles/`, without the last slash.
+// Names in backticks, such as `wave/tiles/`, without the last slash.
 std::vector<std::string> names_in(const std::string& text) {
   static const std::regex name("`([a-z0-9_/]+?)/?`");
   std::vector<std::string> names;
@@ -30,7 +30,7 @@ std::vector<std::string> names_in(const std::string& text) {
   return names;
 }
 
-// The rows "| `room/` | what it holds | `room/`, `room/` |" of CONTRIBUTING.md.
+// The rows "| `room/` | contents | `room/`, `room/` |" of CONTRIBUTING.md.
 Arrows table_of_rooms() {
   static const std::regex row(R"(^\| (`[a-z0-9_/]+/`) \|[^|]*\|([^|]*)\|$)");
   Arrows arrows;
@@ -45,7 +45,7 @@ Arrows table_of_rooms() {
   return arrows;
 }
 
-// The room of "wave/tiles/tile_sum.h" is "wave/tiles"; folders that are no room belong to the one around them.
+// The room of "wave/tiles/tile_sum.h" is "wave/tiles"; folders that are not rooms belong to the room around them.
 std::string room_of(const Arrows& arrows, const fs::path& file) {
   fs::path folder = file.parent_path();
   while (!folder.empty() && !arrows.contains(folder.string())) folder = folder.parent_path();
@@ -121,7 +121,7 @@ TEST(Architecture, EveryFileIsInARoomAndEveryRoomHasItsReadme) {
 
 TEST(Architecture, ArrowsBetweenRoomsMakeNoCycle) {
   Arrows left = table_of_rooms();
-  // Rooms that include no room that is left are taken away, again and again: those of a cycle stay.
+  // Removes rooms that include none of the remaining rooms until nothing changes: rooms of a cycle remain.
   for (size_t before = 0; before != left.size();) {
     before = left.size();
     std::erase_if(left, [&](const auto& entry) {
@@ -133,7 +133,7 @@ TEST(Architecture, ArrowsBetweenRoomsMakeNoCycle) {
 }
 
 TEST(Architecture, OnlyTheProgramOpensFiles) {
-  // io is used by apps/ and nowhere else in the library: not even by run.
+  // Only apps/ uses io; no room of the library does, not even run.
   for (const Include& i : all_includes())
     EXPECT_FALSE(i.included.starts_with("io/") && !i.file.starts_with("io/"))
         << "src/holotrace/" << i.file << ":" << i.line << " includes " << i.included;
@@ -145,7 +145,7 @@ TEST(Architecture, EveryIncludedHeaderExists) {
 }
 
 TEST(Architecture, TheLibraryNeitherPrintsNorExits) {
-  // Rule 8 of the style: errors are thrown and doubts go to the observer.
+  // Rule 8 of the style: errors are thrown and warnings go to the observer.
   static const std::regex pattern(
       "(std::cout|std::cerr|\\bprintf\\(|fmt::print\\(|std::exit\\(|\\bexit\\(|std::abort\\()");
   for (const fs::path& path : source_files()) {

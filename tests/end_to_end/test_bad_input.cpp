@@ -1,4 +1,4 @@
-// Bad input, by the command line: exit 1, one helpful sentence on stderr, and no file left behind.
+// Bad input on the command line: exit code 1, one helpful sentence on stderr, and no new file.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// The contract of every error: exit 1, one line "holotrace: …" that holds these words, and no file more or less.
+// The contract of every error: exit code 1, one line "holotrace: …" with these words, and the same files as before.
 void expect_error(const Workplace& work, const std::vector<std::string>& arguments, const Words& words) {
   const auto before = work.names();
   const Outcome outcome = work.run(arguments);
@@ -28,12 +28,12 @@ void expect_error(const Workplace& work, const std::vector<std::string>& argumen
   EXPECT_EQ(outcome.out, "");
   EXPECT_EQ(outcome.err.substr(0, 11), "holotrace: ");
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << "expected one line";
-  EXPECT_GT(outcome.err.size(), 30U) << "expected a sentence";  // shorter than any that says what to do
+  EXPECT_GT(outcome.err.size(), 30U) << "expected a sentence";  // shorter than any sentence that says what to do
   for (const std::string& word : words) EXPECT_NE(outcome.err.find(word), std::string::npos) << word;
   EXPECT_EQ(work.names(), before);
 }
 
-// A scene that is right but for `line`, which takes the place of `instead_of`.
+// A correct scene except for `line`, which replaces `instead_of`.
 std::string scene_with(const std::string& instead_of, const std::string& line) {
   std::string scene = mesh_scene();
   const size_t at = scene.find(instead_of);
@@ -137,7 +137,7 @@ TEST(BadInput, ObjectsInFrontOfThePanelAreRefused) {
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"behind the panel", "100 mm"});
 }
 
-TEST(BadInput, ASceneOfNothingIsRefused) {
+TEST(BadInput, AnEmptySceneIsRefused) {
   const Workplace work;
   work.write("scene.toml", scene_head());
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"at least one object"});
@@ -167,7 +167,7 @@ TEST(BadInput, DamagedMeshesAreRefused) {
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:8:", "no.obj", "no such file"});
 }
 
-TEST(BadInput, WhatIsNoImageIsRefused) {
+TEST(BadInput, FilesThatAreNotImagesAreRefused) {
   const Workplace work;
   work.write("no.png", "this is text\n");
   expect_error(work, {"show", "no.png", "-o", "x.png"}, {"no.png", "not an image"});
@@ -176,7 +176,7 @@ TEST(BadInput, WhatIsNoImageIsRefused) {
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:", "no.png", "not an image"});
 }
 
-TEST(BadInput, MaterialsThatCannotBeArePlaced) {
+TEST(BadInput, ImpossibleMaterialsArePlaced) {
   const auto material = [](const std::string& lines) { return "[materials.m]\n" + lines + "\n[[light]]"; };
   expect_scene_errors({
       {"[[light]]",
@@ -204,7 +204,7 @@ TEST(BadInput, LightsThatPointNowhereArePlaced) {
   });
 }
 
-TEST(BadInput, AnEnvironmentMapThatIsNoneIsNamed) {
+TEST(BadInput, InvalidEnvironmentMapsAreNamed) {
   const Workplace work;
   work.write("text.exr", "this is text\n");
   const auto scene = [&](const std::string& map) {
@@ -275,7 +275,7 @@ TEST(BadInput, OutputsThatCannotBeWrittenAreRefusedBeforeTheWork) {
   expect_error(work, {"run", "scene.toml", "-o", "file"}, {"file", "choose another place"});
   expect_error(work, {"run", "scene.toml", "-o", "file/out"}, {"file/out"});
   expect_error(work, {"field", "scene.toml", "-o", "file/f.npy"}, {"file"});
-  // Neither root nor anyone else can make a file in /proc, so this holds in containers too.
+  // Not even root can make a file in /proc, so this also holds in containers.
   expect_error(work, {"field", "scene.toml", "-o", "/proc/f.npy"}, {"/proc/f.npy"});
   expect_error(work, {"run", "scene.toml", "-o", "/proc/holotrace"}, {"/proc/holotrace"});
 }
@@ -300,7 +300,7 @@ TEST(BadInput, OutputsOfAnUnknownFormatAreRefusedBeforeTheWork) {
   expect_error(work, {"render", "scene.toml", "-o", "r"}, {".png or .exr"});
 }
 
-// A field file of complex64 without holotrace's help, so that it can be wrong.
+// A complex64 field file made without holotrace, so that it can be invalid.
 void write_field(const Workplace& work, const std::string& name, int ny, int nx, std::complex<float> middle = 1.0F,
                  const std::string& sidecar = "{\"pitch_m\": 8e-6, \"wavelengths_m\": [532e-9]}") {
   std::string header = fmt::format("{{'descr': '<c8', 'fortran_order': False, 'shape': ({}, {}), }}", ny, nx);
@@ -320,7 +320,7 @@ TEST(BadInput, DistancesThatNoMethodCanSampleSayWhatWould) {
   write_field(work, "f", 16, 1920);
   expect_error(work, {"propagate", "f.npy", "--distance", "300 mm", "-o", "g.npy"},
                {"no method", "300 mm", "in y", "or wider", "or finer"});
-  // The remedy that it names works: 1.6 mm are the 200 rows of √(16λz) = 1.598 mm.
+  // The remedy in the message works: 1.6 mm are the 200 rows of √(16λz) = 1.598 mm.
   write_field(work, "f", 200, 1920);
   EXPECT_EQ(work.run({"propagate", "f.npy", "--distance", "300 mm", "-o", "g.npy"}).exit_code, 0);
 }
@@ -340,7 +340,7 @@ TEST(BadInput, DamagedFieldsAreRefused) {
     expect({"f.npy"});
   }
   work.write("f.npy", whole + "x");
-  expect({"f.npy", "513"});  // 8·8·8 bytes and one
+  expect({"f.npy", "513"});  // 8·8·8 bytes and one more
   write_field(work, "f", 8, 8, 1.0F, "{\"wavelengths_m\": [532e-9]}");
   expect({"f.json", "pitch_m", "missing"});
   write_field(work, "f", 8, 8, 1.0F, "{\"pitch_m\": -8e-6, \"wavelengths_m\": [532e-9]}");

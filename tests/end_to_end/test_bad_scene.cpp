@@ -1,5 +1,5 @@
-// Scenes that cannot be shown, by the program: the whole sentence on stderr, with the place in the file, exit 1, and no
-// file left behind. What looks wrong and is not is shown.
+// Scenes that cannot be shown, given to the program: the whole sentence on stderr with the position in the file, exit
+// code 1, and no new file. Scenes that only look wrong are shown.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace holotrace::test {
 namespace {
 
-// A lit quad whose file has `lines` from line 6 on.
+// A lit quad in a scene file that has `lines` from line 6 on.
 std::string scene_with(const std::string& lines) {
   return scene_head() + lines +
          "[[light]]\ntype = \"point\"\nposition = \"1 2 -20 mm\"\nintensity = 1e-3\n"
@@ -41,7 +41,7 @@ void expect_sentences(const std::vector<BadScene>& cases) {
   for (const BadScene& bad : cases) {
     SCOPED_TRACE(bad.lines);
     work.write("scene.toml", scene_with(bad.lines));
-    for (const char* command : {"run", "trace"})  // refused alike by all that read it
+    for (const char* command : {"run", "trace"})  // every command that reads the scene refuses it
       expect_sentence(work, {command, "scene.toml", "-o", std::string(command) == "run" ? "out" : "s.ply"},
                       bad.sentence);
   }

@@ -1,4 +1,4 @@
-// Large panels: made band by band, in bounded memory, and taken up again after a kill.
+// Large panels: made band by band, in bounded memory, and resumed after a kill.
 
 #include <fcntl.h>
 #include <sys/mount.h>
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Bands, MakeTheFieldThatIsMadeWhole) {
+TEST(Bands, EqualTheFieldMadeInOnePiece) {
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(30));
   ASSERT_EQ(work.run(field_in_bands("f.h5")).exit_code, 0);
@@ -29,11 +29,11 @@ TEST(Bands, MakeTheFieldThatIsMadeWhole) {
   EXPECT_NE(work.run({"info", "f.h5"}).out.find("96x2048"), std::string::npos);
 }
 
-TEST(Bands, KilledAtAnyMomentAreTakenUpAgainToTheSameBytes) {
+TEST(Bands, KilledAtAnyMomentAreResumedToTheSameBytes) {
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(100));
   ASSERT_EQ(work.run(field_in_bands("whole.h5")).exit_code, 0);
-  // As soon as there is any file; the journal; 1, 4, 8 and 14 finished bands.
+  // Kills as soon as there is any file; the journal; 1, 4, 8 and 14 finished bands.
   int kills = 0;
   for (const int moment : {-2, -1, 1, 4, 8, 14}) {
     const pid_t child = work.start(field_in_bands("f.h5"));
@@ -60,7 +60,7 @@ TEST(Bands, KilledAtAnyMomentAreTakenUpAgainToTheSameBytes) {
   EXPECT_FALSE(work.has("f.h5.partial.json"));
 }
 
-// Leaves an unfinished field, the last of the arguments, with some bands.
+// Leaves an unfinished field, whose path is the last argument, with some finished bands.
 void leave_unfinished(const Workplace& work, const std::vector<std::string>& arguments = field_in_bands("f.h5")) {
   const std::string& output = arguments.back();
   const pid_t child = work.start(arguments);
@@ -86,7 +86,7 @@ TEST(Bands, OfAnotherJobAreRefusedAndKept) {
   EXPECT_EQ(work.read("f.h5.partial.json"), journal);
 }
 
-// Nothing but the tolerance differs: bands of one tolerance and bands of another do not fit together.
+// Only the tolerance differs: bands of different tolerances do not fit together.
 TEST(Bands, OfAnotherToleranceAreRefused) {
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(100));
@@ -98,18 +98,18 @@ TEST(Bands, OfAnotherToleranceAreRefused) {
   EXPECT_NE(outcome.err.find("tolerance 0.002, 16 bands), got one of another"), std::string::npos) << outcome.err;
 }
 
-// Where tiles are told to be the fastest by far, `auto` takes them; where planes are, those: other bits, within the
-// tolerance. A run that began by some rates goes on by them, though the machine's have changed since.
-TEST(Bands, GoOnByTheRatesOfTheRunThatBegan) {
+// With rates that make tiles by far the fastest, `auto` uses them; with rates for planes, those. The bits differ within
+// the tolerance. A resumed run uses the rates of its first run, although the machine's rates have changed.
+TEST(Bands, UseTheRatesOfTheFirstRunWhenResumed) {
   const Workplace work;
-  save_sources(work.path("waves.ply"), waves_of_bands(8000));  // enough for a run that can be met in its midst
+  save_sources(work.path("waves.ply"), waves_of_bands(8000));  // enough that a test can act during the run
   const auto field_to = [](const std::string& output) {
     std::vector<std::string> arguments = field_in_bands(output);
     std::replace(arguments.begin(), arguments.end(), std::string("exact"), std::string("auto"));
-    std::replace(arguments.begin(), arguments.end(), std::string("400 MB"), std::string("430 MB"));  // for plans
+    std::replace(arguments.begin(), arguments.end(), std::string("400 MB"), std::string("430 MB"));  // memory for plans
     return arguments;
   };
-  ASSERT_EQ(work.run(field_to("measured.h5")).exit_code, 0);  // measures and keeps the machine's rates
+  ASSERT_EQ(work.run(field_to("measured.h5")).exit_code, 0);  // measures and saves the machine's rates
   const std::string rates = work.cache_path("summation_rates.json"), measured = bytes_of(rates);
   const auto make_fast = [&](bool planes) {
     auto machines = nlohmann::json::parse(measured);
@@ -129,7 +129,7 @@ TEST(Bands, GoOnByTheRatesOfTheRunThatBegan) {
   EXPECT_TRUE(work.read("f.h5") == work.read("whole.h5"));
 }
 
-// A disk of its own for a test that fills it.
+// A small disk of its own, for a test that fills it.
 class SmallDisk {
  public:
   SmallDisk(const std::string& folder, const char* size) : folder_(folder) {
@@ -146,10 +146,10 @@ class SmallDisk {
   bool is_mounted_;
 };
 
-TEST(Bands, ADiskThatIsTooSmallIsToldOfBeforeTheWork) {
+TEST(Bands, ADiskThatIsTooSmallIsReportedBeforeTheWork) {
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(10));
-  const SmallDisk disk(work.path("disk"), "size=1m");  // the field has 1.5 MiB
+  const SmallDisk disk(work.path("disk"), "size=1m");  // the field needs 1.5 MiB
   if (!disk.is_mounted()) GTEST_SKIP() << "a small disk can be mounted by root only";
   const Outcome outcome = work.run(field_in_bands("disk/f.h5"));
   EXPECT_EQ(outcome.exit_code, 1);
@@ -165,7 +165,7 @@ TEST(Bands, FinishedBandsOutliveAFullDisk) {
   if (!disk.is_mounted()) GTEST_SKIP() << "a small disk can be mounted by root only";
   ASSERT_EQ(work.run(field_in_bands("whole.h5")).exit_code, 0);
   leave_unfinished(work, field_in_bands("disk/f.h5"));
-  // As on a file system that takes no room beforehand, and fills up: some bands have no place, another file does.
+  // Simulates a file system without reservation that fills up: some bands lose their place, another file gets it.
   const int file = open(work.path("disk/f.h5.partial").c_str(), O_RDWR);
   ASSERT_EQ(fallocate(file, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 1 << 20, 400 << 10), 0);
   close(file);
@@ -189,7 +189,7 @@ TEST(Bands, KeepToTheirMemory) {
 #endif
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(20));
-  // 512 MiB of samples in 256 MB.
+  // 512 MiB of samples with a limit of 256 MB.
   const pid_t child = work.start({"field", "waves.ply", "--columns", "8192", "--rows", "8192", "--pitch", "4 um",
                                   "--method", "tiled", "--memory", "256 MB", "--quiet", "-o", "f.h5"});
   int status = 0;
@@ -200,7 +200,7 @@ TEST(Bands, KeepToTheirMemory) {
   EXPECT_GT(fs::file_size(work.path("f.h5")), 8192u * 8192 * 8);
 }
 
-TEST(Bands, OfAColourSceneAreThePlanesOfOneFile) {
+TEST(Bands, OfAColourSceneAreInOneFile) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.03}}, {{0.0004, 0.0002, -0.031}}}));
   work.write("scene.toml", scene_head() + points_object());

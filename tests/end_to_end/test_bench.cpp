@@ -1,4 +1,4 @@
-// holotrace bench: what it prints and what programs read of it. No timing is asserted.
+// holotrace bench: its table, and its JSON for other programs. No timing is asserted.
 
 #include <gtest/gtest.h>
 
@@ -38,12 +38,12 @@ TEST(Bench, JsonHasTheCeilingsAndEachStageAsAPartOfItsOwn) {
       continue;
     }
     ++tiled;
-    // Each run is divided by the ceiling beside it; their medians need not be of the same run.
+    // Each run is divided by the ceiling beside it; the medians of both may come from different runs.
     EXPECT_GT(stage["of_ceiling"].get<double>(), 0);
     EXPECT_GT(stage["ceiling_per_s"].get<double>(), 0);
     const std::string job = stage["job"];
     EXPECT_LE(stage["error"].get<double>(), std::stod(job.substr(job.rfind(' ')))) << "the tolerance, at the job's end";
-    // A kernel cannot light more than all pixels by all waves: the amount over the time is the rate.
+    // A kernel handles at most all waves on all pixels, and the rate is that amount over the time.
     EXPECT_LE(rate * seconds, 1e3 * 1920 * 1080 * 1.0001);
     EXPECT_GT(rate * seconds, 0.3 * 1e3 * 1920 * 1080) << "at 0.2 m most waves light most of the panel";
   }

@@ -1,4 +1,4 @@
-// Scene → Sources → Field where phase is the physics: estimators of the mean field, interference of laser light, images
+// Scene → Sources → Field where the phase matters: estimators of the mean field, interference of laser light, images
 // in mirrors and behind glass, occlusion and parallax.
 
 #include <gtest/gtest.h>
@@ -24,13 +24,13 @@ using testing::relative_error;
 
 constexpr double lambda = green_light;
 
-// --- Monte Carlo with phase: both strategies estimate one mean field -----------------------------
-// With a wave for each ray a field is a sum of independent waves, whose mean grows as √N.
+// --- Monte Carlo with phase: both strategies estimate the same mean field ------------------------
+// With one wave per ray, a field is a sum of independent waves, whose mean grows as √N.
 
 const Grid small{64, 64, 8e-6};
 constexpr double depth = 20e-3, half = 0.15e-3, grain = 0.1e-3;
 
-/// A patch of radiance 1 whose box holds every pixel: 0.15 + 0.256 mm < R = 20 mm·tan(asin(λ/2p)) = 0.67 mm.
+/// A patch of radiance 1 whose boxes contain every pixel: 0.15 + 0.256 mm < R = 20 mm·tan(asin(λ/2p)) = 0.67 mm.
 Scene make_patch() {
   Scene scene;
   scene.materials = {grey(0, 1)};
@@ -38,7 +38,7 @@ Scene make_patch() {
   return scene;
 }
 
-/// M(p) = (√L/2s)·∫ cos²θ/r²·exp(i(kr + φ)) dS, the mean of U/√N of both strategies, by midpoints of 2 µm.
+/// M(p) = (√L/2s)·∫ cos²θ/r²·exp(i(kr + φ)) dS, the mean of U/√N of both strategies; midpoint rule in steps of 2 µm.
 FieldDouble make_mean_field(double& irradiance) {
   const double s = acceptance_sine(lambda, small.pitch);
   constexpr int cells = 150;
@@ -73,7 +73,7 @@ const MeanField& mean_field() {
   return mean;
 }
 
-/// U/√N of the shared strategy: rays of that seed, the surface phases of seed 1.
+/// U/√N of the shared strategy: rays of `seed`, surface phases of seed 1.
 FieldDouble shared_estimate(int64_t samples, int64_t seed) {
   const TraceParams params{.pattern = Pattern::random,
                            .samples = samples,
@@ -103,7 +103,7 @@ FieldDouble gathered_estimate(int samples) {
   return field;
 }
 
-/// Re Σ U·conj M/Σ|M|²: 1 for an estimate without bias.
+/// Re Σ U·conj M/Σ|M|²: 1 for an unbiased estimate.
 double projection(const FieldDouble& field, const FieldDouble& mean) {
   double sum = 0, energy = 0;
   for (size_t i = 0; i < mean.samples.size(); ++i) {
@@ -113,28 +113,28 @@ double projection(const FieldDouble& field, const FieldDouble& mean) {
   return sum / energy;
 }
 
-// A ray contributes E|a|² = E, so the relative error is √((E − |M|²)/(N·|M|²)) at most; strata make it less.
+// A ray contributes E|a|² = E, so the relative error is at most √((E − |M|²)/(N·|M|²)); strata lower it.
 // Deterministic differences of the weights are O(θ²) = (0.4/20)² = 4e-4.
 TEST(Coherence, SharedAndGatheredFieldsHaveOneMean) {
   const MeanField& mean = mean_field();
   const double variance = mean.irradiance / mean.intensity() - 1;
-  // Speckles of λz/0.3 mm = 35 µm: 200 on the panel, errors of a shared wave are alike within one.
+  // Speckles of λz/0.3 mm = 35 µm: 200 on the panel. Within a speckle the errors of a shared wave are similar.
   const FieldDouble few = shared_estimate(40000, 5), many = shared_estimate(640000, 6);
   const double expected = std::sqrt(variance / 640000);
-  EXPECT_LT(relative_error(many, mean.field), 1.2 * expected);  // 200 speckles: 1/√400 of it, 4 of those
+  EXPECT_LT(relative_error(many, mean.field), 1.2 * expected);  // 200 speckles: a standard error of 1/√400; 4 of them
   EXPECT_NEAR(relative_error(few, mean.field) / relative_error(many, mean.field), 4, 4 * 0.3);
   EXPECT_NEAR(projection(many, mean.field), 1, 4 * expected / std::sqrt(2 * 200) + 1e-2);
 
-  // Pixels of gather are independent of each other.
+  // The pixels of gather are independent of each other.
   const FieldDouble sparse = gathered_estimate(16), dense = gathered_estimate(256);
   const double of_dense = std::sqrt(variance / 256);
   EXPECT_LT(relative_error(dense, mean.field), 1.05 * of_dense);
-  // As N^(−1/2), or faster where strata resolve the fringes.
+  // The error falls as N^(−1/2), or faster where strata resolve the fringes.
   EXPECT_GT(relative_error(sparse, mean.field) / relative_error(dense, mean.field), 4 * 0.9);
   EXPECT_NEAR(projection(dense, mean.field), 1, 4 * of_dense / std::sqrt(2.0 * 4096) + 1e-2);
 }
 
-// closed_forms.md 16: E|Û_N|² = |M|² + Var/N; halves of independent rays have no bias.
+// closed_forms.md 16: E|Û_N|² = |M|² + Var/N; the product of two independent halves of the rays has no bias.
 TEST(Coherence, IntensityIsBiasedByOneOverNAndTheCrossEstimatorIsNot) {
   const MeanField& mean = mean_field();
   const double pixels = double(small.pixels());
@@ -172,9 +172,9 @@ TEST(Coherence, IntensityIsBiasedByOneOverNAndTheCrossEstimatorIsNot) {
                              variance[1].standard_error() / variance[1].mean()));
 }
 
-// --- one wave per cell: both strategies converge to one field ------------------------------------
+// --- one wave per cell: both strategies converge to the same field -------------------------------
 
-/// A patch of 3 × 3 whole cells of `grain`, whose faces lie at (n − (0.41421356, 0.73205081))·grain.
+/// A patch of 3 × 3 whole cells of the side `grain`, whose faces lie at (n − (0.41421356, 0.73205081))·grain.
 constexpr Vec3 corner{-1.41421356 * grain, -1.73205081 * grain, -depth};
 
 Scene make_cells() {
@@ -184,9 +184,9 @@ Scene make_cells() {
   return scene;
 }
 
-/// U(p) = Σ_c √(∫_c z²/r⁴ dA)·exp(i(k·r_c + φ_c)) over the cells, r_c from their middles: the irradiance of each.
+/// U(p) = Σ_c √(∫_c z²/r⁴ dA)·exp(i(k·r_c + φ_c)) over the cells, r_c from their centres: each has its irradiance.
 FieldDouble make_field_of_cells(const Grid& grid) {
-  constexpr int parts = 4;  // z²/r⁴ is straight over a quarter of a cell, to (25 µm/20 mm)² = 2e-6
+  constexpr int parts = 4;  // z²/r⁴ is linear over a quarter of a cell, to (25 µm/20 mm)² = 2e-6
   FieldDouble field(grid, lambda);
   for (int j = 0; j < grid.ny; ++j)
     for (int i = 0; i < grid.nx; ++i)
@@ -216,19 +216,19 @@ TEST(Coherence, WithOneWavePerCellBothStrategiesConvergeToTheFieldOfTheCells) {
     const Sources sources = trace(make_cells(), small, lambda, params);
     ASSERT_EQ(sources.waves.size(), 9u);
     errors[i] = relative_error(convert<double>(synthesize(sources, small, {SynthesisMethod::exact})), expected);
-    // n hits in a cell, by its share of the étendue; the nearest of them to the middle is off by g/√(πn), rms, which
-    // turns the phase by k times that times the slope of the way to a pixel, rms of panel and patch over one axis.
+    // A cell has n hits, from its share of the étendue. The hit nearest to its centre is off by g/√(πn) rms. This
+    // changes the phase by k times that distance times the slope of the path to a pixel (rms, one axis).
     const double n = double(params.samples) * grain * grain / (depth * depth) / (4 * s * s);
     const double slope = std::sqrt((0.512_mm * 0.512_mm + 0.3_mm * 0.3_mm) / 12) / depth;
     const double of_place = k * grain / std::sqrt(pi * n) * slope, of_light = 0.5 / std::sqrt(n);
-    EXPECT_LT(errors[i], 2 * std::hypot(of_place, of_light));  // nine waves: their rms scatters by a quarter or so
+    EXPECT_LT(errors[i], 2 * std::hypot(of_place, of_light));  // nine waves: their rms varies by about a quarter
   }
   EXPECT_GT(errors[0] / errors[1], 2) << "16 times the rays, a quarter of the error";
 
   const Grid part{32, 32, 8e-6};
   params.pixel_samples = 2048;
   const FieldDouble gathered = convert<double>(gather(make_cells(), part, {lambda}, params).at(0));
-  // Counts in a cell are Poisson's at most: √n/2 of √n.
+  // The counts in a cell vary at most as in a Poisson law: √n/2 of √n.
   const double n = 2048 * grain * grain / (depth * depth) / (4 * s * s);
   EXPECT_LT(relative_error(gathered, make_field_of_cells(part)), 0.5 / std::sqrt(n));
 }
@@ -259,7 +259,7 @@ Fringes measure(const std::vector<double>& intensity, double pitch, double guess
 }
 
 TEST(Coherence, YoungsSlitsInLaserLight) {
-  // Two spots at ±s/2, one laser between them; the raster has one ray for each: its cells' centres at ±T/2, T = s/L.
+  // Two spots at ±s/2 and one laser between them. The raster has one ray for each: cell centres at ±T/2, T = s/L.
   const double s = 1_mm, distance = 0.2;
   const Grid panel{256, 64, 8e-6};
   Scene scene;
@@ -275,8 +275,8 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
                            .phase = SourcePhase::laser};
   const Sources sources = trace(scene, panel, lambda, params);
   ASSERT_EQ(sources.waves.size(), 2u);
-  // The spots are rough, each with a phase of its own; so are the slits', but for the way of the laser, once these are
-  // taken off.
+  // The spots are rough, each with its own phase. Without these phases only the path from the laser counts, as for two
+  // slits.
   const auto without_surface = [](Sources waves) {
     for (size_t i = 0; i < waves.waves.size(); ++i)
       waves.waves[i].phase -= float(random_phase(waves.seed, waves.frame, waves.phase_keys.at(i)));
@@ -289,12 +289,12 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
   const Fringes fringes = measure(row, panel.pitch, lambda * distance / s);
   EXPECT_NEAR(fringes.period / (lambda * distance / s), 1, 0.005);
   EXPECT_GT(fringes.visibility, 0.98);
-  // The laser stands on the axis: the ways by both spots are alike, and the middle of the panel is bright.
+  // The laser is on the axis: the paths over both spots are equal, so the middle of the panel is bright.
   const double middle = std::norm(field.samples(32, 127)), mean = power(field) / (256 * 64 * 64e-12);
   EXPECT_GT(middle, 1.9 * mean);
 
-  // Any other phase that the surface keeps shows the same fringes, elsewhere; the laser moved by δ across shifts them
-  // by λ/s·(path difference)/λ: at 0.15 m, 50 mm before the spots, δ = 10 µm makes s·δ/50 mm = 200 nm.
+  // Other surface phases would give the same fringes at other places. Moving the laser sideways by δ shifts them
+  // by λ/s·(path difference)/λ: at 0.15 m, 50 mm in front of the spots, δ = 10 µm gives s·δ/50 mm = 200 nm.
   scene.lights = {PointLight{{10_um, 0, -0.15}, {1, 1, 1}, true}};
   const Field moved = synthesize(without_surface(trace(scene, panel, lambda, params)), panel, {SynthesisMethod::exact});
   const auto phase_of = [&](const Field& f) {
@@ -309,10 +309,10 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
 }
 
 TEST(Coherence, LloydsMirror) {
-  // A spot on the axis, h above a mirror perpendicular to the panel; the raster's rows look at the spot and at its
-  // image 2h below, and one past both.
+  // A spot on the axis, at the height h above a mirror perpendicular to the panel. The rows of the raster see the spot,
+  // its image 2h below, and, with one row, neither.
   const double h = 0.5_mm, distance = 0.2;
-  const Grid panel{64, 96, 8e-6};  // 0.38 mm to each side: wholly above the mirror's plane
+  const Grid panel{64, 96, 8e-6};  // 0.38 mm to each side: completely above the mirror's plane
   Scene scene;
   scene.materials = {grey(0.8), ConductorMaterial{}};
   scene.meshes = {make_test_quad({0, 0, -distance}, {20_um, 0, 0}, {0, 20_um, 0}, 0),
@@ -334,18 +334,18 @@ TEST(Coherence, LloydsMirror) {
   const Fringes fringes = measure(column, panel.pitch, lambda * distance / (2 * h));
   EXPECT_NEAR(fringes.period / (lambda * distance / (2 * h)), 1, 0.005);
   EXPECT_GT(fringes.visibility, 0.98);
-  // The mirror turns the phase by π at grazing incidence: I(y) ∝ 1 − cos(2π·y'/Λ), y' from the mirror's plane.
+  // The mirror changes the phase by π at grazing incidence: I(y) ∝ 1 − cos(2π·y'/Λ), y' from the mirror's plane.
   for (int j = 8; j < panel.ny; j += 8) {
     const double y = panel.y(j) + h, path = std::hypot(y + h, distance) - std::hypot(y - h, distance);
     const double expected = 2 * std::pow(std::sin(pi * path / lambda), 2);
     EXPECT_NEAR(column[size_t(j)] / (2 * double(sources.waves[0].amplitude) * sources.waves[0].amplitude), expected,
-                0.05);  // a metal's phase is π − O(cosθ = 0.005) and its amplitude 1 − O(0.005)
+                0.05);  // for a metal the phase is π − O(cosθ = 0.005), the amplitude 1 − O(0.005)
   }
 }
 
 // --- images in mirrors and behind glass -----------------------------------------------------------
 
-/// Brightest |U|² around the axis at a depth.
+/// Highest |U|² near the axis at a depth.
 double peak_at(const Field& field, double at_depth) {
   const Field plane = propagate(field, -at_depth);
   double peak = 0;
@@ -361,8 +361,8 @@ Field field_of(const Scene& scene, SourcePhase phase) {
   return synthesize(trace(scene, panel, lambda, params), panel, {});
 }
 
-// A spot 50 mm from a mirror that stands 100 mm before the panel; the depth of focus 2λz²/S² is 2.5 mm at 0.1 m and
-// 5.7 mm at 0.15 m: out of focus by 50 mm a spot spreads over some (50/150·256)² pixels.
+// A spot 50 mm from a mirror that is 100 mm behind the panel. The depth of focus 2λz²/S² is 2.5 mm at 0.1 m and
+// 5.7 mm at 0.15 m: 50 mm out of focus, a spot spreads over about (50/150·256)² pixels.
 TEST(Coherence, ASpotInAMirrorIsInFocusAtItsOpticalDistance) {
   Scene scene;
   scene.materials = {grey(0, 1), ConductorMaterial{}};
@@ -388,11 +388,11 @@ TEST(Coherence, ASpotBehindASlabOfGlassIsInFocusAtItsApparentDepth) {
     scene.meshes.push_back(make_test_quad(centre + z * side, x * side, y, 1));
   }
   const Field field = field_of(scene, SourcePhase::path);
-  // 10 mm beside the focus are 5 depths of it (2λz²/S² = 2.1 mm at 90 mm); 4 mm beside it w = 1.4.
+  // 10 mm out of focus are 5 depths of focus (2λz²/S² = 2.1 mm at 90 mm); for 4 mm, w = 1.4.
   EXPECT_GT(peak_at(field, apparent), 10 * peak_at(field, at));
   EXPECT_GT(peak_at(field, apparent), 3 * peak_at(field, apparent + 4_mm));
   EXPECT_GT(peak_at(field, apparent), 3 * peak_at(field, apparent - 4_mm));
-  // Under random phases the wave begins on the glass, 45 mm before the panel.
+  // With random phases the wave begins on the glass, 45 mm behind the panel.
   const Field random = field_of(scene, SourcePhase::random);
   EXPECT_GT(peak_at(random, 45_mm), 10 * peak_at(random, apparent));
 }
@@ -400,7 +400,7 @@ TEST(Coherence, ASpotBehindASlabOfGlassIsInFocusAtItsApparentDepth) {
 // --- occlusion -------------------------------------------------------------------------------------
 
 TEST(Coherence, ANearCardHidesAFarPointFromItsHalfOfThePanel) {
-  // The card covers x > 50 µm at 50 mm; the ways to the axis at 0.2 m from pixels with x > 67 µm pass it.
+  // The card covers x > 50 µm at 50 mm; it blocks the paths from the axis at 0.2 m to pixels with x > 67 µm.
   const Grid panel{256, 256, 8e-6};
   Scene scene;
   scene.materials = {grey(0, 1), grey(0)};
@@ -420,7 +420,7 @@ TEST(Coherence, ANearCardHidesAFarPointFromItsHalfOfThePanel) {
     return result;
   };
   const auto [shared_left, shared_right] = peaks(Strategy::shared);
-  EXPECT_NEAR(shared_left / shared_right, 1, 0.05);  // mirror images; the pixel of the peak is half a pixel aside
+  EXPECT_NEAR(shared_left / shared_right, 1, 0.05);  // mirror images; the pixel of the peak is half a pixel off
   const auto [tiled_left, tiled_right] = peaks(Strategy::tiled);
   EXPECT_NEAR(tiled_left / shared_left, 1, 1e-3);  // the tolerance of both sums
   EXPECT_LT(tiled_right, 1e-6 * tiled_left);

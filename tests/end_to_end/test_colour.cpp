@@ -1,4 +1,4 @@
-// Colours, layers and frames through the whole chain, by the library and by the program.
+// Colours, path groups and frames through the whole chain, with the library and with the program.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 const std::vector<double> laser_lines{638e-9, 520e-9, 450e-9};
 
-// Quads in a row under an even sky of 1 W/m²/sr, whose radiance is their reflectance.
+// Quads in a row under a uniform sky of 1 W/m²/sr: their radiance equals their reflectance.
 Job quads(const std::vector<Vec3>& colours, double depth, double side, const Grid& panel) {
   Job job;
   job.wavelengths = laser_lines;
@@ -32,7 +32,7 @@ Job quads(const std::vector<Vec3>& colours, double depth, double side, const Gri
   job.scene.background = {1, 1, 1};
   job.trace.columns = job.trace.rows = 96;
   job.trace.paths = 16;
-  // The raster just holds the row, alike at all wavelengths.
+  // The raster just covers the row, in the same way at all wavelengths.
   job.trace.field_of_view = std::atan(0.6 * side * double(colours.size()) / depth);
   job.render.rows = 64;
   job.render.paths = 4;
@@ -40,7 +40,7 @@ Job quads(const std::vector<Vec3>& colours, double depth, double side, const Gri
   return job;
 }
 
-// Mean colour of the view around quad i of n, a part of its side.
+// Mean colour of the view over a part of the side of quad i of n.
 Vec3 mean_colour(const Image& view, size_t i, size_t n, double side, double part = 0.7) {
   const double x = 1.2 * side * (double(i) - (double(n) - 1) / 2) / view.pitch + (view.nx - 1) / 2.0;
   const int half = int(part * side / view.pitch / 2), middle = int(std::lround(x)), row = view.ny / 2;
@@ -50,7 +50,7 @@ Vec3 mean_colour(const Image& view, size_t i, size_t n, double side, double part
   return sum / std::pow(2.0 * half + 1, 2);
 }
 
-// Mean over runs of other random phases.
+// Mean over runs with different random phases.
 std::vector<Vec3> mean_colours(Job job, const std::vector<Vec3>& colours, double side, int runs) {
   std::vector<Vec3> means(colours.size());
   for (int seed = 1; seed <= runs; ++seed) {
@@ -66,10 +66,10 @@ std::vector<Vec3> mean_colours(Job job, const std::vector<Vec3>& colours, double
 const Grid panel{320, 256, 8e-6};
 
 TEST(Colour, AWhiteIsWhite) {
-  // Speckle: a grain of red is λd/S wide, 638 nm·d/2.56 mm by 2.05 mm, so the 0.7 mm square holds 1700 grains at 60 mm,
-  // 280 at 150 mm; the ratio of two means over four runs is known to √2/√(4·grains), and the tolerance is three of
-  // that. At 30 mm the boxes are narrower than the panel, blue's by 0.7 times red's: without the camera's white balance
-  // red would be 1.6 times blue. What the kinoform makes of the panel's dim border is left: some 5 %.
+  // Speckle: a grain of red is λd/S wide, 638 nm·d/2.56 mm by 2.05 mm, so a 0.7 mm square has 1700 grains at 60 mm and
+  // 280 at 150 mm. The ratio of two means over four runs has a standard error of √2/√(4·grains); the tolerance is three
+  // of these. At 30 mm the boxes are narrower than the panel, blue's by 0.7 times red's: without the camera's white
+  // balance red would be 1.6 times blue. The kinoform's error at the dim border of the panel remains: about 5 %.
   struct Case {
     double depth, tolerance;
   };
@@ -82,10 +82,10 @@ TEST(Colour, AWhiteIsWhite) {
 }
 
 TEST(Colour, TheViewHasTheColoursOfTheScene) {
-  // Far enough for the boxes of all wavelengths to hold the panel from everywhere on the row. Squares of 0.42 mm hold
-  // 160 grains of red, 30 × 37 µm: 8 %, over ten runs 2.5 %, and 8 % is three of that. The dropped modulus of a
-  // kinoform is noise too, 1 − π/4 of the light, but it falls far around; the pixels' roll-off is 4 % of blue at the
-  // outer quads.
+  // At this distance the boxes of all wavelengths contain the panel from everywhere on the row. Squares of 0.42 mm have
+  // 160 grains of red, 30 × 37 µm: an error of 8 %, over ten runs 2.5 %; the tolerance of 8 % is three of these. The
+  // lost modulus of a kinoform also gives noise, 1 − π/4 of the light, but it falls far outside. The pixels' roll-off
+  // is 4 % of blue at the outer quads.
   const std::vector<Vec3> colours{{1, 0.5, 0.25}, {1, 1, 1}, {0.25, 0.5, 1}};
   const double side = 0.6e-3;
   const std::vector<Vec3> seen = mean_colours(quads(colours, 0.12, side, panel), colours, side, 10);
@@ -140,7 +140,7 @@ TEST(Colour, TheReportTellsColoursSetsAndFramesInOneEntryPerStage) {
   EXPECT_EQ(std::get<int64_t>(stages.at("synthesize").at("waves")), 2 * waves);
   EXPECT_TRUE(stages.at("look at 30 mm").contains("psnr_db"));
   EXPECT_TRUE(stages.at("look at 30 mm").contains("speckle_contrast"));
-  ASSERT_EQ(warnings.size(), 1u);  // constant phases: told once
+  ASSERT_EQ(warnings.size(), 1u);  // constant phases: one warning
   EXPECT_NE(warnings[0].find("all 2 frames are alike"), std::string::npos);
 }
 
@@ -155,12 +155,12 @@ TEST(Colour, FramesThatAreAlikeAreTheFirst) {
   for (size_t i = 0; i < one.values.size(); ++i) EXPECT_FLOAT_EQ(three.values[i], one.values[i]);
 }
 
-TEST(Colour, ALensIsFocusedAtEveryDistanceLookedAt) {
+TEST(Colour, ALensIsFocusedAtEveryViewingDistance) {
   Job job = quads({{1, 1, 1}}, 0.03, 1e-3, small_panel);
   job.wavelengths = {532e-9};
   job.trace.columns = job.trace.rows = 16;
   job.camera.distances = {0.03, 0.035, 0.04};
-  EXPECT_EQ(run(job).renders.size(), 1u);  // a pinhole needs no focus
+  EXPECT_EQ(run(job).renders.size(), 1u);  // a pinhole has no focus
   job.render.lens = Lens::round;
   const Boxes boxes = run(job);
   EXPECT_EQ(boxes.renders.size(), 3u);

@@ -1,4 +1,4 @@
-// Every subcommand of the design's section 4 with the flags it promises, run by its command line.
+// Every subcommand of section 4 of the design with its flags, run by its command line.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 using namespace literals;
 
-// Runs a command that must succeed and say nothing on stderr, and returns what it printed.
+// Runs a command that must succeed without output on stderr, and returns its output.
 std::string succeed(const Workplace& work, const std::vector<std::string>& arguments) {
   const Outcome outcome = work.run(arguments);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -39,7 +39,7 @@ TEST(Commands, RunWritesEveryBoxOfThePipeline) {
                                        "out/view.png",     "out/report.json"};
   EXPECT_EQ(work.names(), expected);
   EXPECT_EQ(load_image(work.path("out/render.png")).ny, 64);                     // [render] rows of the scene
-  EXPECT_GT(load_sources(work.path("out/sources.ply"), 0).waves.size(), 1000U);  // 48×48 first hits, nearly all lit
+  EXPECT_GT(load_sources(work.path("out/sources.ply"), 0).waves.size(), 1000U);  // 48×48 first hits, almost all lit
   EXPECT_EQ(load_field(work.path("out/field.npy")).grid, small_panel);
   EXPECT_EQ(load_hologram(work.path("out/hologram.png")).levels, 256);  // 8 bit
   EXPECT_EQ(load_image(work.path("out/view.png")).nx, small_panel.nx);  // a sensor as large as the panel
@@ -72,7 +72,7 @@ TEST(Commands, TheStagesOneByOneMakeTheSameFilesAsRun) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   succeed(work, {"run", "scene.toml", "-o", "out"});
-  succeed(work, {"render", "scene.toml", "-o", "render.png", "--background", "false"});  // no waves come from there
+  succeed(work, {"render", "scene.toml", "-o", "render.png", "--background", "false"});  // it sends no waves
   succeed(work, {"trace", "scene.toml", "-o", "sources.ply"});
   succeed(work, {"field", "scene.toml", "-o", "field.npy"});
   succeed(work, {"encode", "field.npy", "-o", "hologram.png", "--slm", "scene.toml"});
@@ -91,7 +91,7 @@ TEST(Commands, RunLooksAtSeveralDistancesInOneExposure) {
   EXPECT_TRUE(work.has("out/view_2.png"));
   EXPECT_FALSE(work.read("out/view.png") == work.read("out/view_2.png"));
   succeed(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm"});
-  EXPECT_FALSE(work.has("out/view_2.png"));  // of the earlier run
+  EXPECT_FALSE(work.has("out/view_2.png"));  // left by the earlier run
 }
 
 TEST(Commands, FieldTakesSourcesAndAPanelByName) {
@@ -109,7 +109,7 @@ TEST(Commands, FieldTakesSourcesAndAPanelByName) {
 TEST(Commands, FieldKeepsItsToleranceAgainstTheExactMethod) {
   const Workplace work;
   std::string scene = mesh_scene();
-  scene.replace(scene.find("columns = 48"), 12, "columns = 6");  // exact is slow: an eighth of the waves will do
+  scene.replace(scene.find("columns = 48"), 12, "columns = 6");  // exact is slow: an eighth of the waves suffices
   work.write("scene.toml", scene);
   succeed(work, {"field", "scene.toml", "-o", "exact.npy", "--method", "exact"});
   succeed(work, {"field", "scene.toml", "-o", "double.npy", "--double"});
@@ -118,7 +118,7 @@ TEST(Commands, FieldKeepsItsToleranceAgainstTheExactMethod) {
     const auto json = nlohmann::json::parse(succeed(work, {"compare", "double.npy", name, "--json"}));
     return json.at("relative_l2_error").get<double>();
   };
-  EXPECT_LT(error("tiled.npy"), 2e-3);  // what was asked for
+  EXPECT_LT(error("tiled.npy"), 2e-3);  // the requested tolerance
   EXPECT_LT(error("exact.npy"), 6e-8);  // complex64 keeps 24 bits: 2⁻²⁴ relative
 }
 
@@ -149,7 +149,7 @@ TEST(Commands, ShowTakesAPanelByNameAndAHologramWithoutItsSidecar) {
   succeed(work, {"field", "scene.toml", "-o", "f.npy"});
   succeed(work, {"encode", "f.npy", "-o", "h.png"});
   succeed(work, {"show", "h.png", "-o", "with.png", "--slm", "pluto", "--distance", "300 mm"});
-  std::filesystem::remove(work.path("h.json"));  // a bare PNG, as another program would leave
+  std::filesystem::remove(work.path("h.json"));  // a bare PNG, as from another program
   succeed(work,
           {"show", "h.png", "-o", "without.png", "--slm", "pluto", "--distance", "300 mm", "--wavelength", "632.8 nm"});
   EXPECT_TRUE(work.read("with.png") == work.read("without.png"));
@@ -160,7 +160,7 @@ TEST(Commands, PropagateThereAndBackIsTheField) {
   work.write("points.ply", point_file({{{0, 0, -0.03}}}));
   work.write("scene.toml", scene_head() + points_object());
   succeed(work, {"field", "scene.toml", "-o", "f.npy"});
-  // A window that repeats keeps all light: there and back is the identity.
+  // A periodic window keeps all light: forward and back is the identity.
   succeed(work, {"propagate", "f.npy", "--distance", "10 mm", "-o", "g.npy", "--periodic", "true"});
   succeed(work, {"propagate", "g.npy", "--distance", "-10 mm", "-o", "back.npy", "--periodic", "true"});
   EXPECT_NEAR(load_field(work.path("g.npy")).z, 0.01, 1e-15);
@@ -169,7 +169,7 @@ TEST(Commands, PropagateThereAndBackIsTheField) {
   EXPECT_LT(json.at("relative_l2_error").get<double>(), 1e-6);  // the design's bound for single precision
 }
 
-// The window that flags ask for holds what a sum over the samples of the file gives at its places.
+// The requested window contains the sum over the samples of the file at its own positions.
 TEST(Commands, PropagateGoesToAWindowOfAnyPitchAndPlace) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
@@ -226,7 +226,7 @@ TEST(Commands, CompareTellsEqualFilesAndScaledOnes) {
   succeed(work, {"field", "scene.toml", "-o", "f.exr"});
   const auto exr = nlohmann::json::parse(succeed(work, {"compare", "f.npy", "f.exr", "--json"}));
   EXPECT_EQ(exr.at("relative_l2_error").get<double>(), 0);  // EXR keeps the same floats
-  EXPECT_TRUE(images.at("psnr_db").is_null());              // infinite, which JSON cannot say
+  EXPECT_TRUE(images.at("psnr_db").is_null());              // infinite, which JSON cannot represent
   EXPECT_EQ(images.at("ssim").get<double>(), 1);
   EXPECT_NE(succeed(work, {"compare", "r.exr", "r.exr"}).find("infinite"), std::string::npos);
 }
@@ -236,7 +236,7 @@ TEST(Commands, LimitsAreThePapers) {
   const auto panel = nlohmann::json::parse(
       succeed(work, {"limits", "--slm", "pluto", "--wavelength", "532 nm", "--distance", "200 mm", "--json"}));
   EXPECT_NEAR(panel.at("half_angle_deg").get<double>(), 1.905, 5e-4);         // closed_forms.md, section 1
-  EXPECT_NEAR(panel.at("alias_free_radius_m").get<double>() / 8e-6, 832, 1);  // the same: 832 px
+  EXPECT_NEAR(panel.at("alias_free_radius_m").get<double>() / 8e-6, 832, 1);  // the same section: 832 px
   const auto wanted =
       nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "632.8 nm", "--angle", "15 deg", "--json"}));
   EXPECT_NEAR(wanted.at("wanted_pitch_m").get<double>(), 1.181e-6, 5e-10);  // the paper: 1.18 µm
@@ -298,8 +298,8 @@ TEST(Commands, EstimateProbesTheScene) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
-  // A probe of fewer rays than the scene's 48×48 knows where surfaces end to a column and a row of its raster, of 23 or
-  // more: 2/23 of each count.
+  // A probe with fewer rays than the scene's 48×48 finds the edges of surfaces to one column and one row of its
+  // raster, of 23 or more: 2/23 of each count.
   succeed(work, {"run", "scene.toml", "-o", "out"});
   const auto report = nlohmann::json::parse(work.read("out/report.json"));
   for (const auto& stage : report.at("stages")) {
@@ -323,7 +323,7 @@ TEST(Commands, EstimateScalesItsProbeToTheWholeRaster) {
   const auto report = nlohmann::json::parse(work.read("out/report.json"));
   for (const auto& stage : report.at("stages")) {
     if (stage.at("stage") != "trace") continue;
-    // 64×64 rays for 96×96: hits differ along the quad's outline alone, one row of 64 on each side of two, 2/64 each.
+    // 64×64 rays instead of 96×96: hits differ only along the quad's outline, by one row of 64 at two sides: 2/64 each.
     for (const char* name : {"paths", "rays", "shadow_rays", "waves"})
       EXPECT_NEAR(cost.at(name).get<double>() / stage.at(name).get<double>(), 1, 4 * 2.0 / 64) << name;
   }

@@ -1,4 +1,4 @@
-// holotrace compare: of a picture with its photograph.
+// holotrace compare: a picture and its photograph.
 
 #include <gtest/gtest.h>
 
@@ -13,12 +13,12 @@
 namespace holotrace::test {
 namespace {
 
-// Known at every place [pixels from the centre, y up]; between 0.05 and 0.65.
+// A function known at every position [pixels from the centre, y up], between 0.05 and 0.65.
 double picture(double x, double y) {
   return 0.35 + 0.1 * (std::sin(x / 3) + std::sin(0.21 * x + 0.13 * y + 1) + std::sin(y / 11 - x / 40 + 2));
 }
 
-// gain·picture at p, q = scale·R(angle)·p + shift, as an 8-bit PNG.
+// Saves gain·picture at p, q = scale·R(angle)·p + shift, as an 8-bit PNG.
 void save_photograph(const std::string& path, int ny, int nx, double scale, double angle, double shift_x,
                      double shift_y, double gain) {
   Image image(ny, nx, 1);
@@ -31,7 +31,7 @@ void save_photograph(const std::string& path, int ny, int nx, double scale, doub
   save_image(path, image, 1, 8);
 }
 
-TEST(CompareCommand, LaysAPhotographUponASimulation) {
+TEST(CompareCommand, RegistersAPhotographWithASimulation) {
   const Workplace work;
   save_photograph(work.path("simulated.png"), 128, 160, 1, 0, 0, 0, 1);
   save_photograph(work.path("capture.png"), 180, 200, 1.2, 0.2, 7, -4, 0.5);
@@ -40,7 +40,7 @@ TEST(CompareCommand, LaysAPhotographUponASimulation) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   const auto facts = nlohmann::json::parse(outcome.out);
-  // A tenth of a pixel in the centre and at 100 pixels from it, which is 1e-3 and 0.057°.
+  // A tenth of a pixel in the centre and 100 pixels from it, which is 1e-3 and 0.057°.
   EXPECT_NEAR(facts["magnification"].get<double>(), 1.2, 1e-3);
   EXPECT_NEAR(facts["rotation_deg"].get<double>(), 0.2 * 180 / M_PI, 0.057);
   EXPECT_NEAR(facts["shift_x_pixels"].get<double>(), 7, 0.1);
@@ -70,12 +70,12 @@ TEST(CompareCommand, DrawsDifferenceAndProfileWithoutRegistering) {
   EXPECT_EQ(load_image(work.path("p.png")).nx, 1200);
 }
 
-// The photograph shows a part beside the middle; the row in the title and the places are the simulation's own.
+// The photograph shows a part off the centre; the row in the title and the positions are the simulation's own.
 TEST(CompareCommand, ProfilesAPhotographOfAPartAtTheSimulationsOwnPlaces) {
   const Workplace work;
   Image simulated(128, 160, 1);
   for (int j = 0; j < simulated.ny; ++j)
-    for (int i = 0; i < simulated.nx; ++i)  // with a spot: sines alone look alike upside down
+    for (int i = 0; i < simulated.nx; ++i)  // with a spot: sines alone look the same upside down
       simulated(j, i) = float(picture(i, -j) + 0.3 * std::exp(-(std::pow(i - 110, 2) + std::pow(j - 60, 2)) / 80));
   save_image(work.path("simulated.png"), simulated, 1, 8);
   save_image(work.path("capture.png"), cropped(simulated, {28, 30, 100, 130}), 1, 8);
@@ -84,7 +84,7 @@ TEST(CompareCommand, ProfilesAPhotographOfAPartAtTheSimulationsOwnPlaces) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto facts = nlohmann::json::parse(outcome.out);
   const int row = facts["compared_first_row"].get<int>() + facts["compared_rows"].get<int>() / 2;
-  EXPECT_NEAR(row, 28 + 50, 2) << outcome.out;  // but for the rims, where there is nothing to interpolate with
+  EXPECT_NEAR(row, 28 + 50, 2) << outcome.out;  // without the rims, where interpolation has no neighbours
   EXPECT_NE(bytes_of(work.path("profile.svg")).find("Row " + std::to_string(row + 1) + " of 128"), std::string::npos);
 }
 

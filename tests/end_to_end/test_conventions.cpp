@@ -1,4 +1,4 @@
-// The sentences of docs/explanation/conventions.md that no room tests by itself, and that each sentence has its test.
+// The sentences of docs/explanation/conventions.md that no room tests by itself; each sentence must have a test.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ std::string text_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Names in backquotes on the lines of a sentence's "Test:" part.
+// Names in backquotes in the "Test:" part of a sentence.
 std::set<std::string> names_of_tests(const std::string& text) {
   static const std::regex name("`([A-Z][A-Za-z0-9]*)\\.([A-Z][A-Za-z0-9]*)`");
   std::set<std::string> names;
@@ -61,7 +61,7 @@ TEST(Conventions, EverySentenceNamesTestsThatExist) {
     begins.push_back(size_t(i->position()));
     EXPECT_EQ((*i)[1].str(), std::to_string(begins.size())) << "sentences are numbered in order";
   }
-  ASSERT_GE(begins.size(), 15U);  // fewer means that the pattern no longer finds them
+  ASSERT_GE(begins.size(), 15U);  // fewer means that the pattern no longer matches
   for (size_t s = 0; s < begins.size(); ++s) {
     const size_t end = s + 1 < begins.size() ? begins[s + 1] : document.size();
     const auto names = names_of_tests(document.substr(begins[s], end - begins[s]));
@@ -89,7 +89,7 @@ TEST(Conventions, XGrowsWithTheColumnAndYFallsWithTheRow) {
 }
 
 TEST(Conventions, TheFrameIsRightHandedWithZTowardTheViewer) {
-  // A point to the right turned about z by 90° is above, and the picture, which looks along −z, has it on top.
+  // A point on the right, rotated about z by 90°, is above; the picture, which looks along −z, shows it on top.
   Scene scene;
   scene.points.push_back({transform_point(rotation_z(90_deg), {0.001, 0, -0.1}), 1, 0});
   EXPECT_NEAR(scene.points[0].position.y, 0.001, 1e-15);
@@ -104,14 +104,14 @@ TEST(Conventions, TheFrameIsRightHandedWithZTowardTheViewer) {
   EXPECT_LT(row, 32);     // above it
 }
 
-// The wave of a point on the axis, summed in double.
+// The wave of a point on the axis, summed in double precision.
 FieldDouble wave_of(double depth, float amplitude = 1, const Grid& grid = small_panel) {
   return sum_exact({test_wavelength, {{{0, 0, -depth}, amplitude, 0}}}, grid);
 }
 
 TEST(Conventions, LightTravelsTowardPlusZ) {
-  // 5 mm further along +z, the wave of a point 40 mm behind is that of one 45 mm behind, weaker by 40/45. The panel
-  // cuts it, and the fringes of that edge cost some of the correlation; its phase, which 5 mm turn 9398 times, is kept.
+  // After 5 mm along +z, the wave of a point 40 mm behind is that of a point 45 mm behind, weaker by 40/45. The panel
+  // cuts it off, and the fringes of that edge lower the correlation. The phase, 9398 turns in 5 mm, is kept.
   const FieldDouble moved = propagate(wave_of(0.040), 0.005);
   const FieldDouble expected = wave_of(0.045, 40.F / 45);
   Complex sum = 0;
@@ -146,7 +146,7 @@ TEST(Conventions, APointsPhaseGrowsWithDistance) {
   for (const int column : {130, 180, 230}) {
     const double x = field.grid.x(column), y = field.grid.y(96);
     const double r = std::sqrt(x * x + y * y + depth * depth);
-    // exp(+ikr) and not its conjugate: in double k·r = 3.5e5 rad is right to 1e-10.
+    // exp(+ikr) and not its conjugate: in double precision k·r = 3.5e5 rad is correct to 1e-10.
     EXPECT_NEAR(std::arg(field.samples(96, column) * std::polar(1.0, -k * r)), 0, 1e-9) << column;
   }
 }
@@ -160,8 +160,8 @@ TEST(Conventions, AConvergingLensFocusesAtItsFocalLength) {
     });
     return std::norm(propagate(lens, f).samples(64, 64));
   };
-  // All of the aperture in phase: (S²/λf)² = 4451. The term k·ρ⁴/8f³ of the sphere that a thin lens lacks is 0.015 rad
-  // at the corner, which costs 1e-4; the angular spectrum's band and the obliquity cos θ ≥ 0.9997 less than 1 %.
+  // The whole aperture in phase: (S²/λf)² = 4451. The term k·ρ⁴/8f³ of a sphere, which a thin lens lacks, is 0.015 rad
+  // at the corner and costs 1e-4; the angular spectrum's band and the obliquity cos θ ≥ 0.9997 cost less than 1 %.
   EXPECT_NEAR(on_axis(-1) / std::pow(side * side / (test_wavelength * f), 2), 1, 0.01);
   // The opposite sign diverges: at +f the light fills twice the width, and |u|² is about 1/4, up to edge fringes.
   EXPECT_LT(on_axis(+1), 1);
@@ -170,15 +170,15 @@ TEST(Conventions, AConvergingLensFocusesAtItsFocalLength) {
 TEST(Conventions, PowerIsTheSumOfSquaredModuliTimesThePixelsArea) {
   Field field({10, 20, 8e-6}, 532_nm);
   for (auto& u : field.samples.values) u = {3, 4};      // 25 W/m²
-  EXPECT_NEAR(power(field), 25 * 200 * 64e-12, 1e-20);  // rounding of 200 additions, far below
-  // The same of a wave on the SLM: 1 W/m² on 256 × 192 pixels of 64 µm².
+  EXPECT_NEAR(power(field), 25 * 200 * 64e-12, 1e-20);  // the rounding of 200 additions is far below
+  // The same for a wave on the SLM: 1 W/m² on 256 × 192 pixels of 64 µm².
   Hologram hologram{small_panel, {small_panel.ny, small_panel.nx}, 256, Modulation::phase, 532_nm, {}, {}, "", {}};
   const Field shown = show(hologram, {.grid = small_panel, .fill_factor = 1}, {});
   EXPECT_NEAR(power(shown) / (49152 * 64e-12), 1, 1e-6);  // a flat panel of fill factor 1 loses nothing
 }
 
 TEST(Conventions, PhaseIsReducedBeforeItBecomesAFloat) {
-  // At 0.3 m one float ulp of r is 0.2 rad; reduced in double, the phase of a complex64 is right to 2⁻²³ rad.
+  // At 0.3 m one float ulp of r is 0.2 rad; reduced in double precision, a complex64 has its phase to 2⁻²³ rad.
   const double depth = 0.3;
   const Field field = convert<float>(wave_of(depth));
   const long double k = 2 * std::numbers::pi_v<long double> / 532e-9L;
@@ -195,8 +195,8 @@ TEST(Conventions, AnEightBitGreyShowsItsPartOfACycle) {
   const Grid panel{256, 2, 8e-6};
   Hologram hologram{panel, {panel.ny, panel.nx}, 256, Modulation::phase, 532_nm, {}, {}, "", {}};
   for (int i = 0; i < 256; ++i) hologram.level(0, i) = hologram.level(1, i) = uint16_t(i);
-  // Through a file, where a level is a grey, and onto a panel whose pixels touch: one sample per pixel is smoothed by
-  // the pixel's sinc, so what is compared is the spectrum's only line, the ramp's own order 1 cycle in 256 pixels.
+  // Through a file, where a level is a grey, onto a panel without gaps. One sample per pixel is smoothed by the pixel's
+  // sinc, so the test compares the only line of the spectrum: the ramp's own order, 1 cycle in 256 pixels.
   const Workplace work;
   save_hologram(work.path("h.png"), hologram);
   const Hologram loaded = load_hologram(work.path("h.png"));
@@ -204,7 +204,7 @@ TEST(Conventions, AnEightBitGreyShowsItsPartOfACycle) {
   for (const int grey : {0, 1, 64, 128, 200, 255}) {
     EXPECT_EQ(loaded.level(0, grey), grey);
     const auto u = Complex(shown.samples(0, grey));
-    EXPECT_NEAR(std::arg(u * std::polar(1.0, -2 * pi * grey / 256)), 0, 1e-6) << grey;  // a few float roundings
+    EXPECT_NEAR(std::arg(u * std::polar(1.0, -2 * pi * grey / 256)), 0, 1e-6) << grey;  // a few float rounding errors
   }
 }
 

@@ -1,4 +1,4 @@
-// A picture with depths, from its files to what a viewer sees at either depth.
+// A picture with depths, from its files to the view at each depth.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace holotrace::test {
 namespace {
 
-// Upright bars on the left, near; level bars on the right, far; black between, all on the small panel's pixels.
+// Vertical bars on the left, near; horizontal bars on the right, far; black between; on the small panel's pixels.
 constexpr int nx = small_panel.nx, ny = small_panel.ny, bar = 6;
 
 bool is_left(int i, int j) { return i >= 30 && i < 108 && j >= 60 && j < 132; }
@@ -46,7 +46,7 @@ void expect_success(const Workplace& work, const std::vector<std::string>& argum
   EXPECT_EQ(outcome.err, "");
 }
 
-// Light of the bars over light between them.
+// Ratio of the light of the bars to the light between them.
 double contrast(const Image& view, bool left) {
   double bright = 0, dark = 0;
   for (int j = 0; j < ny; ++j)
@@ -57,8 +57,8 @@ double contrast(const Image& view, bool left) {
   return bright / dark;
 }
 
-// Bars of 48 µm; the panel resolves λd/S = 8 … 16 µm. 15 mm out of focus, light is spread over 15/30 of 2 mm: bars are
-// gone. A kinoform loses the modulus: noise of a fifth of the light or so (4/π of the power of speckle) lies
+// Bars of 48 µm; the panel resolves λd/S = 8 … 16 µm. 15 mm out of focus, light spreads over 15/30 of 2 mm: bars
+// vanish. A kinoform loses the modulus: noise of about a fifth of the light (4/π of the power of speckle) is
 // everywhere.
 TEST(DepthImage, IsSharpAtEachOfItsDepths) {
   const Workplace work;
@@ -85,7 +85,7 @@ TEST(DepthImage, OfColoursIsAFieldForEachWavelength) {
   ASSERT_EQ(fields.size(), 2U);
   EXPECT_EQ(fields[0].wavelength, 630e-9);
   EXPECT_EQ(fields[1].frame, 3U);
-  // Each holds a shape of the same light, the panel takes some of it: neither is dark.
+  // Each field has a part of the same light, and the panel takes some of it: neither is dark.
   EXPECT_GT(power(fields[0]), 0.2 * power(fields[1]));
   EXPECT_GT(power(fields[1]), 0.2 * power(fields[0]));
 }
@@ -96,7 +96,7 @@ TEST(DepthImage, OfColoursHasOneFieldOfViewForAll) {
   work.write("points.ply", point_file({{{0, 0, -0.02}}}));
   write_pictures(work, {1, 1, 1}, {0, 0, 0});
   expect_success(work, field_command({"--wavelength", "638 nm, 450 nm", "--projection", "perspective"}));
-  std::vector<double> middle;  // of the light in the plane of the bars [m]
+  std::vector<double> middle;  // centre of the light in the plane of the bars [m]
   for (const Field& field : load_fields(work.path("f.npy"))) {
     const Field near = propagate(field, -0.03);
     double sum = 0, moment = 0;
@@ -107,8 +107,8 @@ TEST(DepthImage, OfColoursHasOneFieldOfViewForAll) {
       }
     middle.push_back(moment / sum);
   }
-  // Each by its own acceptance would be 638/450 = 1.42 apart. Both see some 5000 speckles of bars 0.6 mm wide at 0.45
-  // mm: the middles are known to about 0.2 mm/√5000, below 1 %.
+  // With their own acceptance they would be 638/450 = 1.42 apart. Both see about 5000 speckles of bars 0.6 mm wide at
+  // 0.45 mm: the centres have an error of about 0.2 mm/√5000, below 1 %.
   EXPECT_NEAR(middle[0] / middle[1], 1, 0.05);
   EXPECT_LT(middle[0], -0.1e-3);
 }
@@ -140,7 +140,7 @@ TEST(DepthImage, MistakesAreToldInASentence) {
             "holotrace: scene.toml: expected a picture (.png, .jpg, .tif, .exr) with --depth; leave out --depth\n");
 }
 
-// The method layers of a scene's waves, by the command line, against the exact one.
+// The method `layers` for a scene's waves, by the command line, against the exact method.
 TEST(DepthImage, AndScenesTakeTheMethodLayers) {
   const Workplace work;
   std::vector<Luminous> points;

@@ -1,4 +1,4 @@
-// A picture becomes a hologram, and the hologram the picture, by the command line alone.
+// A picture is encoded as a hologram and shown again, by the command line alone.
 
 #include <gtest/gtest.h>
 
@@ -24,9 +24,9 @@ std::vector<std::string> encode_arguments(const std::string& method) {
           "--method", method,        "-o",    "h.png",      "--target-columns", "160",    "--target-rows",      "96"};
 }
 
-// How near the picture comes, on both sides of the panel. Floors: what was measured less 2 dB, rounded down, with light
-// integrated over the pixels (sgd looks at their middles alone, where it has 33 dB; over the pixels 27.3). A view of
-// nothing, or of noise, has less than 12 dB, as the picture's own spread says.
+// Quality of the picture on both sides of the panel. Floors: measured values less 2 dB, rounded down, with light
+// integrated over the pixels (sgd uses only their centres, where it has 33 dB; over the pixels 27.3). An empty view
+// or noise has less than 12 dB, from the variance of the picture itself.
 TEST(EncodePicture, EveryEncoderShowsItOnBothSides) {
   const Workplace work;
   work.write("panel.toml", panel);
@@ -42,7 +42,7 @@ TEST(EncodePicture, EveryEncoderShowsItOnBothSides) {
       arguments.insert(arguments.end(), {"--image", side});
       const Outcome encoded = work.run(arguments);
       ASSERT_EQ(encoded.exit_code, 0) << method << ": " << encoded.err;
-      // The picture's own part of the plane, 160 × 96 pixels of 8 µm.
+      // The picture's part of the plane, 160 × 96 pixels of 8 µm.
       const Outcome shown = work.run({"show", "h.png", "--distance", "8 mm", "--width", "1.28 mm", "--height",
                                       "0.768 mm", "--bits", "16", "-o", "view.png"});
       ASSERT_EQ(shown.exit_code, 0) << method << ": " << shown.err;
@@ -53,7 +53,7 @@ TEST(EncodePicture, EveryEncoderShowsItOnBothSides) {
     }
 }
 
-TEST(EncodePicture, TellsHowTheErrorFell) {
+TEST(EncodePicture, ReportsTheConvergence) {
   const Workplace work;
   work.write("panel.toml", panel);
   save_image(work.write("picture.png", ""), natural_picture(160, 96), 1, 8);
@@ -63,7 +63,7 @@ TEST(EncodePicture, TellsHowTheErrorFell) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(work.has("c.svg"));
   const auto stage = nlohmann::json::parse(work.read("r.json")).at("stages").at(0);
-  EXPECT_EQ(stage.at("convergence").size(), 6U);  // before each iteration, and of the levels at the end
+  EXPECT_EQ(stage.at("convergence").size(), 6U);  // before each iteration, and for the levels at the end
   EXPECT_LT(stage.at("loss_last").get<double>(), stage.at("loss_first").get<double>());
 }
 

@@ -1,4 +1,4 @@
-// holotrace estimate and run --estimate, by their command line. No time is asserted: machines have other things to do.
+// holotrace estimate and run --estimate, by their command line. No time is asserted: the machine may be busy.
 
 #include <gtest/gtest.h>
 
@@ -106,8 +106,8 @@ TEST(EstimateCommand, KnowsTheOtherStrategiesAndMethods) {
   }
 }
 
-// A sphere between the rays of a coarse raster: 0.06 mm where 32 rays across the panel's field of 2 mm are that far
-// apart.
+// A sphere between the rays of a coarse raster: it is 0.06 mm wide, as far as 32 rays across the panel's field of 2 mm
+// are apart.
 TEST(EstimateCommand, HasAllStagesOfAnObjectThatACoarseRasterMisses) {
   const Workplace work;
   work.write("scene.toml", scene_head() +
@@ -122,10 +122,10 @@ TEST(EstimateCommand, HasAllStagesOfAnObjectThatACoarseRasterMisses) {
   EXPECT_EQ(cost.at("holograms"), 2);
 }
 
-// Where the stages of the display cannot run there is no total.
-TEST(EstimateCommand, HasNoTotalOfAPart) {
+// If the stages of the display cannot run, there is no total.
+TEST(EstimateCommand, HasNoTotalIfAStageIsMissing) {
   const Workplace work;
-  std::string scene = mesh_scene();  // a lens without a pupil, which only looking finds
+  std::string scene = mesh_scene();  // a lens without a pupil, which only views detect
   scene.replace(scene.find("[camera]\n"), 9, "[camera]\nfocal_length = \"50 mm\"\n");
   work.write("scene.toml", scene);
   const auto cost = json_of(work, {"estimate", "scene.toml", "--json"});
@@ -151,7 +151,7 @@ TEST(Accelerator, OfARunMayBeTheGrid) {
   EXPECT_EQ(work.run({"field", "embree.ply", "-o", "embree.npy", "--slm", "scene.toml"}).exit_code, 0);
   EXPECT_EQ(work.run({"field", "grid.ply", "-o", "grid.npy", "--slm", "scene.toml"}).exit_code, 0);
   const auto metrics = json_of(work, {"compare", "embree.npy", "grid.npy", "--json"});
-  // The same waves but for paths that turn at an edge within the rounding of single precision.
+  // The same waves, except for paths that change at an edge by the rounding of single precision.
   EXPECT_LT(metrics.at("relative_l2_error").get<double>(), 0.02);
 }
 

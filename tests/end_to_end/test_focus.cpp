@@ -1,4 +1,4 @@
-// What the hologram of known points shows, through the whole chain: in focus at their depth, at their pixel, upright.
+// Views of the hologram of known points, through the whole chain: in focus at their depth, at their pixel, upright.
 
 #include <gtest/gtest.h>
 
@@ -27,10 +27,10 @@ struct Pixel {
 
 std::ostream& operator<<(std::ostream& out, Pixel p) { return out << "row " << p.row << ", column " << p.column; }
 
-// The centre of a pixel, by the convention that row 0 is the top row.
+// The centre of a pixel; row 0 is the top row.
 Vec3 centre(const Grid& panel, Pixel p, double depth) { return {panel.x(p.column), panel.y(p.row), -depth}; }
 
-// The brightest pixel within `reach` rows and columns of a place.
+// The brightest pixel within `reach` rows and columns of a pixel.
 Pixel brightest_near(const Image& view, Pixel place, int reach) {
   Pixel best = place;
   for (int j = std::max(place.row - reach, 0); j <= std::min(place.row + reach, view.ny - 1); ++j)
@@ -45,7 +45,7 @@ double mean(const Image& view) {
   return sum / double(view.values.size());
 }
 
-// Field, hologram and views (irradiance) of the points on a panel.
+// Makes the field and the hologram of the points on a panel.
 void make_hologram(const Workplace& work, const Grid& panel, const std::vector<Luminous>& points,
                    const std::string& image) {
   work.write("points.ply", point_file(points));
@@ -67,7 +67,7 @@ struct Panel {
 
 class Focus : public testing::TestWithParam<Panel> {};
 
-// An L of three points, which no turn or mirror brings onto itself: near the top left, below it, and to its right.
+// Three points form an L, which has no symmetry: one near the top left, one below it, and one to its right.
 TEST_P(Focus, PointsAreAtTheirPixelsAndUpright) {
   const Grid& panel = GetParam().grid;
   const std::vector<Pixel> places{{40, 60}, {140, 60}, {40, 150}};
@@ -79,13 +79,13 @@ TEST_P(Focus, PointsAreAtTheirPixelsAndUpright) {
   ASSERT_EQ(view.nx, panel.nx);
   const double average = mean(view);
   for (const Pixel place : places) {
-    // The spot's half width is λz/S = 532 nm·30 mm/1.5 mm ≈ 10 µm, a pixel: within 8 pixels nothing else is as bright.
+    // The spot's half width is λz/S = 532 nm·30 mm/1.5 mm ≈ 10 µm, a pixel: nothing else within 8 pixels is as bright.
     EXPECT_EQ(brightest_near(view, place, 8), place);
-    // Three points that share the light of a kinoform: if a third of the power is lost to ghosts, and half of what is
-    // left outside the spot's brightest pixel, each still has 1/9 of 49152 averages; 1000 leaves a factor of 5.
+    // Three points share the light of a kinoform. If a third of the power is lost to ghosts, and half of the rest is
+    // outside the spot's brightest pixel, each still has 1/9 of 49152 averages; 1000 leaves a factor of 5.
     EXPECT_GT(view(place.row, place.column), 1000 * average) << place;
   }
-  // Mirrored in x, in y, and turned: dark, below a twentieth of a point.
+  // Mirrored in x, in y, and in both: dark, below a twentieth of a point.
   const float faintest = std::min({view(40, 60), view(140, 60), view(40, 150)});
   const auto peak_at = [&](int row, int column) {
     const Pixel best = brightest_near(view, {row, column}, 3);
@@ -96,7 +96,7 @@ TEST_P(Focus, PointsAreAtTheirPixelsAndUpright) {
   EXPECT_LT(peak_at(panel.ny - 1 - 40, panel.nx - 1 - 60), faintest / 20);
 }
 
-// Depth of focus 2λz²/S² = 2·532 nm·(30 mm)²/(2 mm)² = 0.24 mm: scanned in steps of 1 mm, the sharpest is at d.
+// Depth of focus 2λz²/S² = 2·532 nm·(30 mm)²/(2 mm)² = 0.24 mm: in a scan in steps of 1 mm, the sharpest is at d.
 TEST_P(Focus, APointIsSharpestAtItsDepth) {
   const Grid& panel = GetParam().grid;
   const Pixel place{70, 160};
@@ -109,7 +109,7 @@ TEST_P(Focus, APointIsSharpestAtItsDepth) {
     peaks.push_back(view(place.row, place.column));
   }
   for (const size_t i : {0U, 1U, 3U, 4U})
-    EXPECT_LT(peaks[i], peaks[2] / 4) << i;  // 1 mm is 4 depths of focus; a sinc² falls faster than 1/4 there
+    EXPECT_LT(peaks[i], peaks[2] / 4) << i;  // 1 mm is 4 depths of focus; a sinc² falls faster than 1/4 over it
 }
 
 INSTANTIATE_TEST_SUITE_P(Panels, Focus,
@@ -127,8 +127,8 @@ TEST(FocusInDepth, EachOfTwoPointsIsSharpAtItsOwnDistance) {
   const Image near = look_at(work, "20 mm"), far = look_at(work, "40 mm");
   EXPECT_EQ(brightest_near(near, left, 8), left);
   EXPECT_EQ(brightest_near(far, right, 8), right);
-  // Out of focus by 20 mm, the light of a point spreads over ≥ (20 mm/40 mm·1.5 mm)² = 8789 pixels; in focus
-  // over one or two. A ratio of 100 leaves room for ghosts and for the other's fringes.
+  // 20 mm out of focus, the light of a point spreads over ≥ (20 mm/40 mm·1.5 mm)² = 8789 pixels; in focus
+  // over one or two. A ratio of 100 allows for ghosts and for the other point's fringes.
   EXPECT_GT(near(left.row, left.column), 100 * far(left.row, left.column));
   EXPECT_GT(far(right.row, right.column), 100 * near(right.row, right.column));
 }
@@ -139,13 +139,13 @@ TEST(FocusInDepth, RunsOwnViewShowsThePointToo) {
   work.write("points.ply", point_file({{centre(small_panel, place, 0.03)}}));
   work.write("scene.toml", scene_head() + points_object());
   expect_success(work, {"run", "scene.toml", "-o", "out", "--distance", "30 mm", "--exposure", "1e6"});
-  // White is above the peak, so that no pixel saturates: the 8-bit image has one brightest place.
+  // White is above the peak, so no pixel saturates: the 8-bit image has one brightest pixel.
   const Image view = load_image(work.path("out/view.png"));
   EXPECT_EQ(brightest_near(view, {view.ny / 2, view.nx / 2}, 1000), place);
 }
 
 TEST(FocusOffAxis, ThePointOfAnOffAxisHologramIsAtItsPixelToo) {
-  // A quarter of the panel's cone carries the image beside the reference: nearer the axis than λ/8p·z.
+  // The image has a quarter of the panel's cone beside the reference: nearer to the axis than λ/8p·z.
   const Pixel place{80, 150};
   const Workplace work;
   work.write("points.ply", point_file({{centre(small_panel, place, 0.06)}}));
@@ -158,7 +158,7 @@ TEST(FocusOffAxis, ThePointOfAnOffAxisHologramIsAtItsPixelToo) {
   EXPECT_NEAR(best.column, place.column, 1);
 }
 
-// Pearson's correlation of two images of a size.
+// Pearson correlation of two images of one size.
 double correlation(const Image& a, const Image& b) {
   const double mean_a = mean(a), mean_b = mean(b);
   double aa = 0, bb = 0, ab = 0;
@@ -180,7 +180,7 @@ Image turned(const Image& image, bool in_x, bool in_y) {
 
 class Reconstruction : public testing::TestWithParam<const char*> {};
 
-// The letter F, white on black: no turn or mirror of it looks alike.
+// The letter F, white on black, which has no symmetry.
 TEST_P(Reconstruction, OfATexturedQuadIsItsRender) {
   const std::vector<std::string> letter{"........", ".#####..", ".#......", ".#......",
                                         ".####...", ".#......", ".#......", "........"};
@@ -189,7 +189,7 @@ TEST_P(Reconstruction, OfATexturedQuadIsItsRender) {
     for (int i = 0; i < 8; ++i) texture(j, i) = letter[size_t(j)][size_t(i)] == '#' ? 1.0F : 0.0F;
   const Workplace work;
   save_image(work.path("letter.png"), texture, 1, 8);
-  // An even sky lights the quad: its radiance is its texture, without noise.
+  // A uniform sky lights the quad: its radiance is its texture, without noise.
   work.write("scene.toml", scene_head(small_panel, "background = 1\n") +
                                "[trace]\ncolumns = 160\nrows = 160\npaths = 1\n"
                                "[render]\nrows = 256\npaths = 16\n"
@@ -205,8 +205,8 @@ TEST_P(Reconstruction, OfATexturedQuadIsItsRender) {
   const Image render = load_image(work.path("render.exr"));
   const Image reference = project_render(seen_at(render, {test_wavelength}),
                                          acceptance_tangent(test_wavelength, small_panel.pitch), view, 0.03);
-  // 64 pixels of speckle of contrast 1 in a bin: the correlation with a picture in black and white is at most
-  // 1/√(1 + 2/64) = 0.985. A kinoform loses the modulus of the field, about 1 − π/4 of the light as noise.
+  // 64 pixels of speckle of contrast 1 in a bin: the correlation with a black-and-white picture is at most
+  // 1/√(1 + 2/64) = 0.985. A kinoform loses the modulus of the field; about 1 − π/4 of the light becomes noise.
   const double upright = correlation(reference, view);
   EXPECT_GT(upright, 0.8);
   EXPECT_LT(correlation(reference, turned(view, true, false)), upright - 0.3);

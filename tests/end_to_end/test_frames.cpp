@@ -1,4 +1,4 @@
-// Time multiplexing: frames of other random phases, averaged by the camera.
+// Time multiplexing: frames with different random phases, averaged by the camera.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@
 namespace holotrace::test {
 namespace {
 
-// A flat, evenly bright square of points, each with a random phase of its own.
+// A flat, uniform square of points, each with its own random phase.
 Sources patch(double side, int points, double depth = 0.03, uint64_t seed = 1) {
   Sources sources;
   sources.wavelength = test_wavelength;
@@ -38,7 +38,7 @@ Sources patch(double side, int points, double depth = 0.03, uint64_t seed = 1) {
   return sources;
 }
 
-// The middle of a view, over the roll-off of the panel's pixels: sinc²(p·sin/λ) along each axis.
+// The middle of a view, divided by the roll-off of the panel's pixels: sinc²(p·sin/λ) along each axis.
 Image middle(const Image& view, double side, double depth, bool has_roll_off) {
   const int half = int(side / view.pitch / 2);
   const Grid grid{view.nx, view.ny, view.pitch};
@@ -58,10 +58,10 @@ Image middle(const Image& view, double side, double depth, bool has_roll_off) {
 const Grid square_panel{256, 256, 8e-6};
 
 TEST(Frames, SpeckleOfAHologramFallsAsOneOverTheRootOfTheFrames) {
-  // A panel of 0.77 mm sees grains of λd/S = 83 µm at 120 mm, 72² = 5200 of them in 6 mm: a contrast is known to
-  // 1/√5200 = 1.4 % for one frame and 1 % for many. Points 18 µm apart, some 20 in a grain, make the speckle a sum of
-  // enough phases: their number costs the contrast 1 %. All boxes, ±4 mm, hold the panel. The kinoform's own noise is
-  // speckle too, so the law holds for the hologram as for the field itself.
+  // A panel of 0.77 mm has grains of λd/S = 83 µm at 120 mm, 72² = 5200 of them in 6 mm: the contrast has an error of
+  // 1/√5200 = 1.4 % for one frame and 1 % for many. Points 18 µm apart, about 20 per grain, make the speckle a sum of
+  // enough phases: their number lowers the contrast by 1 %. All boxes, ±4 mm, contain the panel. The kinoform's own
+  // noise is speckle, too, so the law holds for the hologram and for the field itself.
   const double depth = 0.12;
   const Grid grid{96, 96, 8e-6};
   const Sources sources = patch(7e-3, 390, depth);
@@ -80,8 +80,8 @@ TEST(Frames, SpeckleOfAHologramFallsAsOneOverTheRootOfTheFrames) {
       const double of_hologram = speckle_contrast(middle(by_hologram.image(), 6e-3, depth, true)) * std::sqrt(frames);
       EXPECT_NEAR(of_field, 1, 0.03) << frames;
       EXPECT_NEAR(of_hologram, 1, 0.03) << frames;
-      // Against the flat patch that it stands for the PSNR is that law in decibels, 10·log₁₀M, and 6.02 dB more for
-      // four times the frames: the 3 % of the contrast are 0.26 dB.
+      // Compared with the flat patch, the PSNR is this law in decibels, 10·log₁₀M, with 6.02 dB more for
+      // four times the frames: 3 % of the contrast are 0.26 dB.
       for (const Image& view :
            {middle(by_field.image(), 6e-3, depth, false), middle(by_hologram.image(), 6e-3, depth, true)}) {
         double mean = 0;
@@ -99,12 +99,12 @@ TEST(Frames, AreIndependentOfEachOtherAndReproducible) {
   const auto frame = [&](uint32_t m) { return fields_of_frame({{sources}, {}}, m, square_panel, {}).front(); };
   const Field first = frame(0), second = frame(1), third = frame(2);
   // 3600 random phases: the correlation of independent fields has the modulus 1/√3600 = 0.017, a Rayleigh variable;
-  // 4 of that is passed with the probability e⁻¹⁶.
+  // it exceeds 4 times this with the probability e⁻¹⁶.
   EXPECT_LT(std::abs(compare(first, second).correlation), 4 / 60.);
   EXPECT_LT(std::abs(compare(first, third).correlation), 4 / 60.);
   EXPECT_LT(std::abs(compare(second, third).correlation), 4 / 60.);
   EXPECT_EQ(frame(2).samples.values, third.samples.values);
-  // Frame 2 by way of frame 1, as a loop would go: the same phases, to a float's rounding of each.
+  // Frame 2 after frame 1, as in a loop: the same phases, to a float rounding error of each.
   Sources moved = sources;
   set_frame(moved, 1);
   set_frame(moved, 2);
@@ -142,7 +142,7 @@ TEST(Frames, TheProgramAveragesThemAsThoseMadeOneByOne) {
   for (size_t i = 0; i < mean.values.size(); ++i) {
     double expected = 0;
     for (size_t m = 0; m < 3; ++m) expected += views[m].values[i] * illuminations[m] / brightest / 3;
-    ASSERT_NEAR(mean.values[i], expected, 1e-6 * expected + 1e-12);  // a float's rounding
+    ASSERT_NEAR(mean.values[i], expected, 1e-6 * expected + 1e-12);  // a float rounding error
   }
 }
 
@@ -167,7 +167,7 @@ TEST(Frames, RunWritesEveryHologramOfColoursAndFramesAndRemovesOlderOnes) {
   EXPECT_EQ(load_fields(work.path("out/field.npy")).size(), 3u);
   EXPECT_EQ(load_image(work.path("out/view.png")).channels, 3);
   EXPECT_EQ(load_hologram(work.path("out/hologram_5.png")).wavelength, 520e-9);
-  // Shown again from their files they are the same view.
+  // The view from the saved files is the same.
   std::vector<std::string> again{"show"};
   for (int i = 0; i < 6; ++i) again.push_back(i == 0 ? "out/hologram.png" : fmt::format("out/hologram_{}.png", i + 1));
   again.insert(again.end(), {"--distance", "30 mm, 32 mm", "-o", "view.png"});

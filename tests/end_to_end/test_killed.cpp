@@ -1,4 +1,4 @@
-// A run that is killed leaves whole files or none.
+// A killed run leaves complete files or none.
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -23,11 +23,11 @@ std::string large_scene() {
   return scene + "[render]\nrows = 32\npaths = 1\n[camera]\ndistances = \"0 mm\"\n";
 }
 
-// Every file of a final name must be readable: what a reader takes for whole is whole.
+// Every file with a final name must be readable and complete.
 void expect_whole_files(const Workplace& work) {
   for (const std::string& name : work.names()) {
     const std::string file = std::filesystem::path(name).filename().string();
-    if (!name.starts_with("out/") || file.starts_with(".")) continue;  // a temporary name is no promise
+    if (!name.starts_with("out/") || file.starts_with(".")) continue;  // temporary names may be incomplete
     const std::string path = work.path(name);
     if (file == "field.npy") {
       EXPECT_NO_THROW(load_field(path)) << name;
@@ -62,11 +62,11 @@ TEST(Killed, ARunLeavesNoFileThatLooksWholeAndIsNot) {
   expect_whole_files(work);
 }
 
-TEST(Killed, InTheMidstOfWritingTooAndTheNextRunIsWhole) {
+TEST(Killed, DuringWritingLeavesWholeFilesAndTheNextRunIsWhole) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.1}}}));
   work.write("scene.toml", large_scene());
-  // Killed as soon as the folder holds that many files, of temporary names or final ones: at each stage of writing.
+  // Killed as soon as the folder has that many files, with temporary or final names: at each stage of writing.
   for (const size_t count : {1U, 3U, 5U, 6U}) {
     std::filesystem::remove_all(work.path("out"));
     const pid_t child = work.start({"run", "scene.toml", "-o", "out"});

@@ -30,7 +30,7 @@ TEST(LimitsCommand, TellsOrdersZonesAndWhatAnEyeNeeds) {
   EXPECT_EQ(gaea.at("orders")[6].at("order"), 1);
   EXPECT_NEAR(gaea.at("orders")[6].at("offset_m").get<double>(), gaea.at("order_spacing_m").get<double>(), 1e-15);
   EXPECT_EQ(gaea.at("vision").size(), 5U);
-  EXPECT_TRUE(gaea.at("vision")[0].at("is_met").get<bool>());  // resolution, of a panel wider than 2.2 mm
+  EXPECT_TRUE(gaea.at("vision")[0].at("is_met").get<bool>());  // resolution, for a panel wider than 2.2 mm
   const auto pluto = json_of(work, {"--wavelength", "532 nm"});
   EXPECT_NEAR(pluto.at("alias_free_distance_m").get<double>(), 0.4617, 5e-5);  // z* of closed_forms.md, section 2
 }
@@ -66,7 +66,7 @@ TEST(LimitsCommand, DrawsTheSceneInTheAliasFreeVolume) {
   work.write("scene.toml", mesh_scene());
   const auto facts = json_of(work, {"--scene", "scene.toml", "--picture", "volume.svg", "--plot", "angles.svg"});
   EXPECT_EQ(facts.at("pitch_m").get<double>(), 8e-6);
-  EXPECT_NEAR(facts.at("wavelength_m").get<double>(), 532e-9, 1e-15);  // the scene's
+  EXPECT_NEAR(facts.at("wavelength_m").get<double>(), 532e-9, 1e-15);  // the scene's wavelength
   const auto& scene = facts.at("scene");
   EXPECT_GT(scene.at("points").get<int>(), 50);
   EXPECT_EQ(scene.at("lighting_the_whole_panel").get<int>() + scene.at("lighting_a_part").get<int>() +
@@ -100,8 +100,8 @@ TEST(LimitsCommand, RefusesWhatItCannotAnswer) {
   EXPECT_FALSE(work.has("w.png"));
 }
 
-// λ/P above 1: a grating of 0.4 µm sends nothing into order 1 at 532 nm, and all of it at 300 nm.
-TEST(LimitsCommand, CallsAnEvanescentOrderSo) {
+// λ/P above 1: a grating of 0.4 µm has no order 1 at 532 nm, but has one at 300 nm.
+TEST(LimitsCommand, ReportsAnEvanescentOrder) {
   const Workplace work;
   const std::vector<std::string> flags{"--wavelength", "532 nm, 300 nm", "--period", "0.4 um"};
   const std::string table = ask(work, flags).out;

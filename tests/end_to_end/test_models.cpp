@@ -1,4 +1,4 @@
-// A file of meshes where a scene is due, by the command line.
+// A file of meshes in place of a scene, by the command line.
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 namespace holotrace::test {
 namespace {
 
-// A square of 10 mm in the middle of the picture, of the grey 0.8 of meshes without a material. Around it is the light
-// from all around, of radiance 0.3.
+// A square of 10 mm in the middle of the picture, of the grey 0.8 of meshes without a material. Around it is the
+// uniform light of radiance 0.3.
 TEST(Models, AModelAloneIsLitFromAllAroundAndByItsLamp) {
   const Workplace work;
   work.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
@@ -20,9 +20,9 @@ TEST(Models, AModelAloneIsLitFromAllAroundAndByItsLamp) {
   double sum = 0;
   for (int row = 12; row < 20; ++row)
     for (int column = 12; column < 20; ++column) sum += image(row, column) / 64;
-  // 0.8·(0.3 + 0.7·cos) of a square that faces the panel, the lamp standing at (-80, 100, 150) mm from it:
-  // cos = 150/197. The lamp has a size: from its edges the way is longer and more oblique, by (60 mm/197 mm)² = 9 % at
-  // most and by half of that on the whole.
+  // 0.8·(0.3 + 0.7·cos) for a square that faces the panel, with the lamp at (-80, 100, 150) mm from it:
+  // cos = 150/197. The lamp has a size: from its edges the distance is longer and the angle steeper, by at most
+  // (60 mm/197 mm)² = 9 %, and by half of this for the whole lamp.
   EXPECT_NEAR(sum, 0.8 * (0.3 + 0.7 * 150 / 197), 0.05 * 0.8 * 0.7);
   EXPECT_LT(sum, 0.8 * (0.3 + 0.7));
 }

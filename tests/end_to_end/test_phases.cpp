@@ -6,7 +6,7 @@
 
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/trace.h"
-#include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/view/camera.h"
 #include "holotrace/wave/synthesize.h"
 #include "trace/scenes.h"
 
@@ -103,44 +103,87 @@ TEST(Phases, ASurfaceInStepBringsThePowerThatItsCellsBring) {
     }
 }
 
-TEST(Phases, NearAndFarPatchesOfEqualRadianceAreEquallyBrightInTheView) {
-  // Two squares of equal solid angle, side z·0.006, at 75 and at 300 mm, in a raster of 3.75 µm steps at the near one.
+/// Mean irradiance of a square of the view: its middle and side [m] in the plane at `depth`.
+double brightness_in_view(const Field& field, double depth, Vec2 middle, double side) {
+  CameraParams camera;
+  camera.width = camera.height = side;
+  camera.pixel = side / 64;
+  camera.centre_x = middle.x;
+  camera.centre_y = middle.y;
+  const Image view = look(field, {.grid = field.grid}, depth, {}, camera);
+  double sum = 0;
+  for (const float value : view.values) sum += value;
+  return sum / double(view.values.size());
+}
+
+class NearAndFar : public ::testing::TestWithParam<SourcePhase> {};
+
+// Two squares of radiance L and side z·0.012, at 75 and at 300 mm, through the whole panel of area A: a camera that
+// takes all its light sees L·A/z² in either. Neither's light crosses the other on its way. Both have the same 46
+// resolved places to a side, λz/2.05 mm wide, and lose the same light over their edges.
+TEST_P(NearAndFar, PatchesOfEqualRadianceAreEquallyBrightInTheView) {
+  const bool has_laser = GetParam() == SourcePhase::laser;
   const Grid panel{256, 256, 8e-6};
   Scene scene;
-  scene.materials = {grey(0, 1)};
-  const double near = 75_mm, far = 300_mm;
-  scene.meshes = {make_test_quad({-0.006 * near, 0, -near}, {0.003 * near, 0, 0}, {0, 0.003 * near, 0}),
-                  make_test_quad({0.006 * far, 0, -far}, {0.003 * far, 0, 0}, {0, 0.003 * far, 0})};
-  const TraceParams params{.columns = 400,
-                           .rows = 400,
-                           .field_of_view = std::atan(0.01),
-                           .paths = 1,
-                           .max_depth = 1,
-                           .phase = SourcePhase::surface};
+  scene.materials = {has_laser ? grey(0.8) : grey(0, 1)};
+  if (has_laser)
+    scene.lights = {
+        DirectionalLight{{0, 0, -1}, {1, 1, 1}, {0, 0, -10_mm}, std::numeric_limits<double>::infinity(), true}};
+  const double radiance = has_laser ? 0.8 / pi : 1;  // of a Lambertian plate under 1 W/m²
+  const double depths[] = {75_mm, 300_mm}, slopes[] = {-0.013, 0.01};
+  for (int i = 0; i < 2; ++i) {
+    const double half = 0.006 * depths[i];
+    scene.meshes.push_back(make_test_quad({slopes[i] * depths[i], 0, -depths[i]}, {half, 0, 0}, {0, half, 0}));
+  }
+  // Cells of 1.2e-4: the squares are 100 of them wide.
+  const TraceParams params{
+      .columns = 400, .rows = 400, .field_of_view = std::atan(0.024), .paths = 1, .max_depth = 1, .phase = GetParam()};
   Sources sources = trace(scene, panel, lambda, params);
-  const Grid wide{768, 768, 8e-6};  // holds the far square, as far as 2.7 mm
   double brightness[2] = {};
-  constexpr int frames = 4;
+  constexpr int frames = 10;
   for (int frame = 0; frame < frames; ++frame) {
     set_frame(sources, uint32_t(frame));
     const Field field = synthesize(sources, panel, {});
-    Field padded(wide, lambda);
-    for (int j = 0; j < panel.ny; ++j)
-      for (int i = 0; i < panel.nx; ++i) padded.samples(j + 256, i + 256) = field.samples(j, i);
-    for (const bool is_far : {false, true}) {
-      const double depth = is_far ? far : near, middle = (is_far ? 0.006 : -0.006) * depth, half = 0.003 * depth;
-      const Field image = propagate(padded, -depth);
-      double sum = 0;
-      for (int j = 0; j < wide.ny; ++j)
-        for (int i = 0; i < wide.nx; ++i)
-          if (std::abs(wide.x(i) - middle) < half && std::abs(wide.y(j)) < half)
-            sum += std::norm(image.samples(j, i)) * wide.pitch * wide.pitch;
-      brightness[is_far] += sum / (4 * half * half) * depth * depth / frames;  // per solid angle of the panel
-    }
+    for (int i = 0; i < 2; ++i)
+      brightness[i] += brightness_in_view(field, depths[i], {slopes[i] * depths[i], 0}, 0.012 * depths[i]) * depths[i] *
+                       depths[i] / (panel.width() * panel.height() * radiance * frames);
   }
-  // Either image has 0.006·2.05 mm/λ = 23 resolved places to a side: 530 speckles in 4 frames, a standard error of 2.2
-  // % each and 3.1 % of the ratio.
-  EXPECT_NEAR(brightness[0] / brightness[1], 1, 4 * 0.031);
+  // 46² speckles in 10 frames, exponential: 0.69 % each, 0.97 % of the ratio: 3 % are three standard errors.
+  EXPECT_NEAR(brightness[0] / brightness[1], 1, 0.03);
+  // Over the edges goes (ln(2π·46) + γ + 1)/(π²·46) = 1.6 % in each axis, the tails of sinc² from evenly in the square.
+  for (const double b : brightness) EXPECT_NEAR(b, 0.968, 0.03);
+}
+
+INSTANTIATE_TEST_SUITE_P(Phases, NearAndFar,
+                         ::testing::Values(SourcePhase::random, SourcePhase::surface, SourcePhase::path,
+                                           SourcePhase::laser));
+
+TEST(Phases, NearAndFarPatchesInStepAreEquallyBrightWhereTheCameraTakesAllTheirLight) {
+  // Under `constant` a surface sends all its light straight on: that of its cell of area p² through the whole
+  // acceptance Ω, L·p²·Ω, goes into one direction. So a camera that takes that direction sees L·Ω, whatever the depth,
+  // not L·A/z². Two squares of 64 cells at 20 and at 40 mm, side by side; the panel holds their light with 60 cells
+  // around it, which diffraction spreads by λz/0.5 mm, 3 and 5 cells.
+  const Grid panel{512, 512, 8e-6};
+  const double pixel = panel.pitch, half = 32 * pixel, depths[] = {20_mm, 40_mm}, at[] = {-100 * pixel, 100 * pixel};
+  // Faces of the cells are at (n − (0.41421356, 0.73205081)) pixels.
+  const double x0 = -0.41421356 * pixel, y0 = 0.26794919 * pixel;
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  for (int i = 0; i < 2; ++i)
+    scene.meshes.push_back(make_test_quad({at[i] + x0, y0, -depths[i]}, {half, 0, 0}, {0, half, 0}));
+  const int cells = 133, per_cell = 4;  // of the near plane, on either side of the axis; of the far one twice as many
+  const TraceParams params{.columns = 2 * cells * per_cell,
+                           .rows = 2 * cells * per_cell,
+                           .field_of_view = std::atan(cells * pixel / depths[0]),
+                           .paths = 1,
+                           .max_depth = 1,
+                           .phase = SourcePhase::constant};
+  const Field field = synthesize(trace(scene, panel, lambda, params), panel, {});
+  double brightness[2] = {};
+  for (int i = 0; i < 2; ++i) brightness[i] = brightness_in_view(field, depths[i], {at[i] + x0, y0}, 2 * half);
+  // A box of 83 pixels to either side ends at whole ones: 1/83 of its light for each axis. Nothing here is random.
+  EXPECT_NEAR(brightness[0] / brightness[1], 1, 0.03);
+  for (const double b : brightness) EXPECT_NEAR(b / irradiance_of(acceptance_tangent(lambda, pixel)), 1, 0.03);
 }
 
 TEST(Phases, APlateInALaserBeamIsLambertian) {

@@ -47,7 +47,7 @@ TEST(Ranges, OfEveryParameterHoldForFlags) {
   expect_bounds<RegisterParams>();
 }
 
-// Flags that are in no list of parameters. One scene of a point serves all.
+// Flags that are in no list of parameters. One scene with a point serves all.
 TEST(Ranges, OfTheOtherFlagsHold) {
   const Workplace work;
   work.write(

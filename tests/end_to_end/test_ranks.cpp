@@ -21,7 +21,7 @@ bool has_mpirun() {
   return false;
 }
 
-// Allowed as root, as in containers, and on fewer cores than ranks. Leaks of the MPI library are not ours.
+// Options that allow root, as in containers, and fewer cores than ranks. Leaks in the MPI library are ignored.
 std::vector<std::string> mpirun(int ranks) {
   return {"env", "ASAN_OPTIONS=detect_leaks=0", "mpirun", "--allow-run-as-root", "--oversubscribe",
           "-n",  std::to_string(ranks)};
@@ -38,7 +38,7 @@ std::vector<pid_t> children_of(pid_t parent) {
   return children;
 }
 
-// The process of that rank, by what its launcher told it; 0 where there is none yet.
+// The process of a rank, from the environment set by its launcher; 0 if there is none yet.
 pid_t process_of_rank(pid_t launcher, int rank) {
   for (const pid_t child : children_of(launcher)) {
     const std::string told = bytes_of("/proc/" + std::to_string(child) + "/environ");
@@ -67,7 +67,7 @@ TEST_F(Ranks, OneTwoAndThreeMakeTheSameBytesAsNoLauncher) {
   }
 }
 
-TEST_F(Ranks, OneThatDiesEndsTheJobAndItsBandsAreTakenUpAgain) {
+TEST_F(Ranks, OneThatDiesEndsTheJobAndItsBandsAreResumed) {
   save_sources(work.path("waves.ply"), waves_of_bands(1500));  // slower than a look at /proc
   ASSERT_EQ(work.run(field_in_bands("whole.h5")).exit_code, 0);
   for (const int victim : {1, 0}) {
@@ -83,7 +83,7 @@ TEST_F(Ranks, OneThatDiesEndsTheJobAndItsBandsAreTakenUpAgain) {
     EXPECT_FALSE(work.has("f.h5"));
     EXPECT_GE(journal_of(work, "f.h5"), before + 2);
   }
-  // Another number of ranks may finish what was begun.
+  // A different number of ranks may finish the work.
   const Outcome again = work.run_under(mpirun(3), field_in_bands("f.h5"));
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_TRUE(work.read("f.h5") == work.read("whole.h5"));
@@ -102,7 +102,7 @@ TEST_F(Ranks, SayWhatIsWrongOnce) {
   EXPECT_NE(before.exit_code, 0);
   EXPECT_EQ(count(before.err, "holotrace: expected a PLY file at nowhere.ply"), 1u) << before.err;
 
-  // In the midst of the work, on whichever rank: no tile holds 1e-6.
+  // During the work, on any rank: no tile reaches a tolerance of 1e-6.
   std::vector<std::string> hard = field_in_bands("f.h5");
   hard[7] = "tiled";
   hard.insert(hard.end(), {"--tolerance", "1e-6"});

@@ -1,5 +1,5 @@
-// A textured, lit model through the whole chain: the hologram's view is the picture that the panel's own area would
-// take as a lens, sharp where it is focused, and the nearer the more frames are shown.
+// A textured, lit model through the whole chain: the hologram's view is the picture that a lens with the panel's area
+// would give. It is sharp in focus, and better with more frames.
 
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -25,12 +25,12 @@
 namespace holotrace::test {
 namespace {
 
-// A square panel of 2 mm: at 60 mm its grain λd/S is 16 µm, half of a sensor pixel of 4 panel pixels, and a plane 10 mm
+// A square panel of 2 mm: at 60 mm its grain λd/S is 16 µm, half of a sensor pixel of 4 panel pixels. A plane 10 mm
 // behind the focus is blurred by 2.05·10/70 = 0.29 mm.
 const Grid square_panel{256, 256, 8e-6};
 constexpr double depth = 60e-3;
 
-// Rooms of four shades, 4 × 4 on a face, none like its neighbours; a face is 1.1 mm wide, a room 0.28 mm.
+// Squares of four shades, 4 × 4 on a face, each different from its neighbours; a face is 1.1 mm wide, a square 0.28 mm.
 void write_textured_box(const Workplace& work) {
   const float shades[4] = {0.05F, 1, 0.35F, 0.7F};
   Image texture(64, 64, 1);
@@ -40,7 +40,7 @@ void write_textured_box(const Workplace& work) {
   work.write("box.mtl", "newmtl rooms\nKd 1 1 1\nmap_Kd rooms.png\n");
   std::string obj = "mtllib box.mtl\nusemtl rooms\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
   for (int k = 0; k < 8; ++k) obj += fmt::format("v {} {} {}\n", k & 1, k >> 1 & 1, k >> 2);
-  for (const char* face : {"5 6 8 7", "2 1 3 4", "6 2 4 8", "1 5 7 3", "7 8 4 3", "1 2 6 5"}) {  // from outside
+  for (const char* face : {"5 6 8 7", "2 1 3 4", "6 2 4 8", "1 5 7 3", "7 8 4 3", "1 2 6 5"}) {  // seen from outside
     int corner = 0;
     obj += "f";
     for (const char* c = face; *c; c += c[1] ? 2 : 1) obj += fmt::format(" {}/{}", *c, ++corner);
@@ -68,15 +68,15 @@ double half_tangent(const Job& job) { return acceptance_tangent(job.wavelengths[
 void expect_recognised(const Job& job) {
   const Boxes boxes = run(job);
   ASSERT_EQ(boxes.views.size(), 2u);
-  // The picture in focus, by its tangents on both sensors: out of focus it would be the same but for the blur.
+  // The picture in focus, at the same tangents on both sensors. Out of focus it would only be blurred.
   const Image picture = seen_at(boxes.renders.at(0), job.wavelengths);
   const Image reference = project_render(picture, half_tangent(job), boxes.views[0], 60e-3);
   const Metrics sharp = compare(reference, boxes.views[0]);
   const Metrics blurred = compare(project_render(picture, half_tangent(job), boxes.views[1], 70e-3), boxes.views[1]);
   testing::Test::RecordProperty("metrics", fmt::format("sharp {:.2f} dB, {:.3f}; blurred {:.2f} dB, {:.3f}", sharp.psnr,
                                                        sharp.ssim, blurred.psnr, blurred.ssim));
-  // Speckle is what is left: a bin of 2.05 grains averages 2.6² of them (their autocorrelation is sinc²), and 8 frames
-  // make 53: an error of I/√53 at a pixel of I. 2 dB below that are for the edges and for the kinoform, which loses the
+  // Speckle remains: a bin of 2.05 grains averages 2.6² of them (their autocorrelation is sinc²), with 8 frames
+  // 53: an error of I/√53 at a pixel of I. 2 dB less allow for the edges and for the kinoform, which loses the
   // modulus of the field.
   double squares = 0;
   float most = 0;
@@ -85,7 +85,7 @@ void expect_recognised(const Job& job) {
     most = std::max(most, value);
   }
   EXPECT_GT(sharp.psnr, 10 * std::log10(double(most) * most / (squares / 53)) - 2);
-  // Out of focus rooms of 0.28 mm run into each other: the error is that of their contrast, not of a seventh of it.
+  // Out of focus the squares of 0.28 mm blend: the error is their contrast, not a seventh of it.
   EXPECT_GT(sharp.psnr, blurred.psnr + 6);
   EXPECT_GT(sharp.ssim, 0.7);
   EXPECT_LT(blurred.ssim, 0.35);
@@ -102,7 +102,7 @@ TEST(Recognisable, ATexturedModelOfAFile) {
   expect_recognised(model_job(work, data_file("textured_box.glb")));
 }
 
-TEST(Recognisable, TheMoreTheMoreFramesAreShown) {
+TEST(Recognisable, BetterWithMoreFrames) {
   const Workplace work;
   write_textured_box(work);
   const Job job = model_job(work, "box.obj");
@@ -112,7 +112,7 @@ TEST(Recognisable, TheMoreTheMoreFramesAreShown) {
   const std::vector<Sources> sources = trace(job.scene, job.slm.grid, job.wavelengths, job.trace);
   CameraParams camera = job.camera;
   camera.binning = 1;
-  camera.sampling = PixelSampling::point;  // all the speckle: pixels that integrate average some of it
+  camera.sampling = PixelSampling::point;  // all the speckle: integrating pixels would average some of it
   CombinedViews by_field, by_hologram;
   std::vector<double> of_field, of_hologram;
   for (uint32_t frame = 0; frame < 16; ++frame) {
@@ -130,12 +130,12 @@ TEST(Recognisable, TheMoreTheMoreFramesAreShown) {
   }
   RecordProperty("psnr",
                  fmt::format("field {:.2f}, hologram {:.2f}", fmt::join(of_field, " "), fmt::join(of_hologram, " ")));
-  // Speckle of M frames has the variance I²/M. Under the scale that fits best, 1/(1 + 1/M), it leaves the error
-  // I²/(M + 1): from 1 to 4 frames 10·log₁₀(5/2) = 3.98 dB are won, from 4 to 16 10·log₁₀(17/5) = 5.31 dB. The picture
-  // has some 4000 grains, so the mean of a frame's squares is known to √(20/4000) = 7 %, 0.3 dB.
+  // Speckle of M frames has the variance I²/M. At the best scale, 1/(1 + 1/M), the remaining error is
+  // I²/(M + 1): from 1 to 4 frames 10·log₁₀(5/2) = 3.98 dB are gained, from 4 to 16 10·log₁₀(17/5) = 5.31 dB. The
+  // picture has about 4000 grains, so the mean of a frame's squares has an error of √(20/4000) = 7 %, 0.3 dB.
   EXPECT_NEAR(of_field[1] - of_field[0], 3.98, 0.5);
   EXPECT_NEAR(of_field[2] - of_field[1], 5.31, 0.5);
-  // The kinoform's own noise is of random phases, too, and fades likewise but for its mean, which stays.
+  // The kinoform's own noise has random phases, too, and falls in the same way, except for its mean.
   EXPECT_NEAR(of_hologram[1] - of_hologram[0], 3.98, 1);
   EXPECT_NEAR(of_hologram[2] - of_hologram[1], 5.31, 1);
 }

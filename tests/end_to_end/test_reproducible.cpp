@@ -1,4 +1,4 @@
-// Same input and seed: same bytes, on any number of threads, in the first run on a machine and in the next.
+// The same input and seed give the same bytes, on any number of threads, in the first run on a machine and later.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ TEST(Reproducible, TheSameBytesComeFromOneTwoAndSevenThreads) {
 }
 
 TEST(Reproducible, TheFirstRunOnAMachineGivesTheBytesOfTheNext) {
-  // The first run measures FFTW's plans and keeps them; whoever reads them rounds alike.
+  // The first run measures FFTW's plans and saves them; later runs read them and round in the same way.
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   expect_success(work, {"field", "scene.toml", "-o", "f.npy"});
@@ -43,7 +43,7 @@ TEST(Reproducible, TheFirstRunOnAMachineGivesTheBytesOfTheNext) {
 }
 
 TEST(Reproducible, AnotherMachinesPlansChangeNoMoreThanTheRounding) {
-  // Plans measured anew may be others, and each rounds in its own order: the bytes may differ, the field does not.
+  // Newly measured plans may differ, and each rounds in its own order: the bytes may differ, the field does not.
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   expect_success(work, {"field", "scene.toml", "-o", "f.npy"});
@@ -51,7 +51,7 @@ TEST(Reproducible, AnotherMachinesPlansChangeNoMoreThanTheRounding) {
   work.clear_cache();
   expect_success(work, {"propagate", "f.npy", "--distance", "30 mm", "-o", "there.npy"});
   const Field here = load_field(work.path("here.npy")), there = load_field(work.path("there.npy"));
-  // Single precision keeps 1e-6 against the direct sum (design, section 3.6), so two of them agree to 2e-6.
+  // Single precision is within 1e-6 of the direct sum (design, section 3.6), so two results agree to 2e-6.
   EXPECT_LT(holotrace::testing::relative_error(here, there), 2e-6);
 }
 
@@ -129,7 +129,7 @@ TEST(Reproducible, ASceneWithEverythingGivesTheSameBytesOnAnyNumberOfThreadsAndA
   expect_success(work, {"run", "scene.toml", "-o", "again", "--threads", "7"});
   int files = 0;
   for (const std::string& name : work.names()) {
-    if (name.rfind("out1/", 0) != 0 || name == "out1/report.json") continue;  // it tells the times
+    if (name.rfind("out1/", 0) != 0 || name == "out1/report.json") continue;  // it has times
     const std::string part = name.substr(5);
     for (const char* other : {"out2/", "out7/", "again/"})
       EXPECT_TRUE(work.read(name) == work.read(other + part)) << other << part;

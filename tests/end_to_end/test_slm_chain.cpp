@@ -1,4 +1,4 @@
-// From levels through the virtual SLM to the far field: the figures that books and makers give for gratings.
+// From levels through the virtual SLM to the far field: values for gratings from textbooks and manufacturers.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using Effects = std::vector<std::string>;
 
-// Through the file that goes to a panel, and back.
+// Saves a hologram to the file for a panel and loads it again.
 Hologram through_file(const Workplace& here, const Hologram& hologram) {
   const std::string path = here.path("hologram.png");
   save_hologram(path, hologram);
@@ -27,8 +27,8 @@ Hologram through_file(const Workplace& here, const Hologram& hologram) {
 
 Slm lit_fully(int nx, int ny, int levels) { return make_panel(nx, ny, levels, 1); }
 
-// A plane wave into order 1 of a grating of `period` pixels, as an encoder is given it: phases in the middle of the
-// levels' steps, so that rounding decides nothing.
+// A plane wave into order 1 of a grating of `period` pixels, as input of an encoder: phases in the middle of the
+// levels' steps, so that rounding has no effect.
 Field ramp(const Slm& slm, int period) {
   Field f(slm.grid, test_wavelength);
   for (int j = 0; j < slm.grid.ny; ++j)
@@ -40,8 +40,8 @@ Field ramp(const Slm& slm, int period) {
 }
 
 TEST(SlmChain, BlazedGratingsHaveTheEfficiencyOfTheirLevels) {
-  // closed_forms.md, section 3: η₁ = sinc²(1/M) to the digits there, orders 1 + qM with sinc²(m/M), no other. Single
-  // precision holds 1e-6.
+  // closed_forms.md, section 3: η₁ = sinc²(1/M) to the digits there, and only orders 1 + qM with sinc²(m/M). Single
+  // precision is correct to 1e-6.
   const Workplace here;
   struct Case {
     int levels;
@@ -62,7 +62,7 @@ TEST(SlmChain, BlazedGratingsHaveTheEfficiencyOfTheirLevels) {
   }
 }
 
-TEST(SlmChain, TheOrdersThatBooksName) {
+TEST(SlmChain, OrdersHaveTheEfficienciesOfTextbooks) {
   // M = 4: order −3 0.090063, 5 0.032423; M = 8: −7 0.019380, 9 0.011724.
   for (const auto& [levels, order, expected] :
        {std::tuple{4, -3, 0.090063}, {4, 5, 0.032423}, {8, -7, 0.019380}, {8, 9, 0.011724}}) {
@@ -72,7 +72,7 @@ TEST(SlmChain, TheOrdersThatBooksName) {
   }
 }
 
-// Power of a beam that falls in order m of a grating of `period` pixels at z, of that in all the window.
+// Power of a beam in order m of a grating of `period` pixels at z, as a fraction of the power in the window.
 double power_in_order(const Field& at_z, int period, int m, double z) {
   const double place = z * std::tan(std::asin(m * test_wavelength / (period * test_pitch)));
   const double next = z * test_wavelength / (period * test_pitch);
@@ -83,10 +83,10 @@ double power_in_order(const Field& at_z, int period, int m, double z) {
   return inside * at_z.grid.pitch * at_z.grid.pitch;
 }
 
-TEST(SlmChain, OrdersPartInSpaceWhereTheGratingEquationSays) {
-  // A beam of w = 0.1 mm on a blazed grating of 4 levels, 30 mm on: the orders stand 0.5 mm apart, 4.4 beam radii, and
-  // a window of that width holds all but erfc(3.1) = 1e-5 of each. Edges of the pattern under the beam's slope, whose
-  // width in frequency is 1/(πw) of 1/4p apart, move what an order has by (4p/πw)² = 1e-2 of its slope in frequency.
+TEST(SlmChain, OrdersAreSeparateWhereTheGratingEquationSays) {
+  // A beam of w = 0.1 mm on a blazed grating of 4 levels, at 30 mm: the orders are 0.5 mm apart, 4.4 beam radii, and
+  // a window of that width contains all but erfc(3.1) = 1e-5 of each. The beam's width in frequency is 1/(πw), compared
+  // with 1/4p between orders: the slope of the envelope changes the power of an order by (4p/πw)² = 1e-2 of that slope.
   const int period = 4;
   const double z = 0.03;
   Slm slm = lit_fully(640, 96, 4);
@@ -100,7 +100,7 @@ TEST(SlmChain, OrdersPartInSpaceWhereTheGratingEquationSays) {
   EXPECT_NEAR(power_in_order(far, period, 0, z) / in, 0, 1e-4);
   EXPECT_NEAR(power_in_order(far, period, -1, z) / in, 0, 1e-4);
 
-  // With the light tilted, all orders move by its angle: what was order 0's place is now empty, order 1 stands in 2's.
+  // With tilted light, all orders move by its angle: the place of order 0 is now empty, and order 1 is at that of 2.
   params.tilt_x = std::asin(test_wavelength / (period * test_pitch));
   const Field moved = propagate(show(h, slm, params), z);
   EXPECT_NEAR(power_in_order(moved, period, 2, z) / in, 0.810569, 2e-3);
@@ -108,8 +108,8 @@ TEST(SlmChain, OrdersPartInSpaceWhereTheGratingEquationSays) {
 }
 
 TEST(SlmChain, AnEncoderThatKnowsTheCalibrationGetsItsLightBack) {
-  // A panel whose phase bends and reaches 2.2π: taken for an even 2π it loses light; by the nearest shown phase it has
-  // that of a blazed grating again, but for the steps that are left, at most 1.25 levels of 256 wide: (π·1.25/256)²/3.
+  // A panel with a curved phase response up to 2.2π. Assuming an even 2π loses light. The nearest phases give that of
+  // a blazed grating again, except for the remaining steps of at most 1.25 levels of 256: a loss of (π·1.25/256)²/3.
   const int period = 32;
   Slm slm = lit_fully(64, 2, 256);
   for (int level = 0; level < 256; ++level) {
@@ -135,7 +135,7 @@ TEST(SlmChain, EveryFaultOfAPanelTakesLightFromTheImage) {
     const ShowParams params{.subpixels = 3, .effects = {name}};
     const IlluminationState crest{test_wavelength, 0, 0, 1};
     const double left = efficiency_of(show(h, slm, params, crest), 8);
-    if (name == "gaps") {  // which send on light that the pattern does not turn: to the panel's own orders alone
+    if (name == "gaps") {  // they reflect light that the pattern does not change: only to the panel's own orders
       EXPECT_NEAR(left, none, 1e-6);
     } else {
       EXPECT_LT(left, none) << name;
@@ -168,7 +168,7 @@ TEST(SlmChain, TheProgramShowsAPanelsEffects) {
     EXPECT_EQ(stage["effects_off"], "calibration, gaps, flicker, aberration");
   }
   EXPECT_TRUE(is_told);
-  // The sidecar keeps the panel and its effects, which can be named there, too.
+  // The sidecar has the panel and its effects, which can be named there, too.
   const Outcome with = here.run({"show", "out/hologram.png", "-o", "with.exr", "--effects", "crosstalk"});
   ASSERT_EQ(with.exit_code, 0) << with.err;
   const Outcome without = here.run({"show", "out/hologram.png", "-o", "without.exr"});

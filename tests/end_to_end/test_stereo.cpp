@@ -1,4 +1,4 @@
-// A viewer's two eyes, of the scene and of its hologram.
+// A viewer's two eyes, looking at a scene and at its hologram.
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 namespace holotrace::test {
 namespace {
 
-// A point 40 mm behind the panel, seen in focus at 30 mm by eyes 0.8 mm apart: the left eye's is farther right than the
-// right eye's by 0.8 mm·(30 − 40)/40 = −0.2 mm.
+// A point 40 mm behind the panel, seen with focus at 30 mm by eyes 0.8 mm apart. The left eye sees it farther right
+// than the right eye, by 0.8 mm·(30 − 40)/40 = −0.2 mm.
 std::string scene() {
   return scene_head() + points_object() +
          "[camera]\ndistances = \"30 mm\"\npupil = \"0.6 mm\"\n"
@@ -49,7 +49,7 @@ TEST(Stereo, ThePairOfARenderShowsDisparityBySimilarTriangles) {
     const double seen =
         (centre_of_light(load_image(work.path("x_left.exr"))) - centre_of_light(load_image(work.path("x_right.exr")))) *
         pixel;
-    // Floats of EXR share a point's light between four pixels to 1e-7.
+    // The floats of an EXR file divide a point's light among four pixels to 1e-7.
     EXPECT_NEAR(seen, 0.8e-3 * (0.03 - depth) / depth, 1e-5 * pixel) << depth;
   }
   EXPECT_TRUE(work.has("x.exr"));
@@ -64,7 +64,7 @@ TEST(Stereo, TheFlagOverrulesTheSceneAndTheAnaglyphHoldsBothPictures) {
   const Image left = load_image(work.path("x_left.exr")), right = load_image(work.path("x_right.exr")),
               both = load_image(work.path("x.exr"));
   for (size_t i = 0; i < both.values.size(); i += 3) {
-    ASSERT_FLOAT_EQ(both.values[i], left.values[i]);  // of grey light the luminance is the light
+    ASSERT_FLOAT_EQ(both.values[i], left.values[i]);  // for grey light the luminance is the light
     ASSERT_EQ(both.values[i + 1], right.values[i + 1]);
     ASSERT_EQ(both.values[i + 2], right.values[i + 2]);
   }
@@ -73,7 +73,7 @@ TEST(Stereo, TheFlagOverrulesTheSceneAndTheAnaglyphHoldsBothPictures) {
   EXPECT_FALSE(work.has("one_left.png"));
 }
 
-// The disc of blur of the holographic views is even about the ray through the pupil's middle: within half a pixel.
+// In the holographic views the disc of blur is symmetric about the ray through the pupil's centre to half a pixel.
 TEST(Stereo, TheHolographicPairShowsTheSameDisparity) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.04}}}));
@@ -84,7 +84,7 @@ TEST(Stereo, TheHolographicPairShowsTheSameDisparity) {
     return centre_of_light(load_image(work.path("out/" + name + "_left.png"))) -
            centre_of_light(load_image(work.path("out/" + name + "_right.png")));
   };
-  const double pixel = small_panel.pitch;                        // of the render too: the panel's height at 30 mm
+  const double pixel = small_panel.pitch;                        // also of the render: the panel's height at 30 mm
   EXPECT_NEAR(apart("stereo") * pixel, disparity, 0.1 * pixel);  // 8-bit codes
   EXPECT_NEAR(apart("holo") * pixel, disparity, 0.5 * pixel);
   for (const char* name : {"out/stereo_anaglyph.png", "out/holo_anaglyph.png"}) {

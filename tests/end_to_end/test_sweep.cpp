@@ -1,4 +1,4 @@
-// Series of views through distances and places of the eye, and their animations, by the command line.
+// Series of views at several distances and positions of the eye, and their animations, by the command line.
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace holotrace::test {
 namespace {
 
-// Points 26 mm and 34 mm behind the small panel, on the axis and beside it.
+// Points 26 mm and 34 mm behind the small panel, one on the axis and one beside it.
 void make_hologram(const Workplace& work) {
   work.write("points.ply", point_file({{{-0.0003, 0, -0.026}}, {{0.0003, 0, -0.034}}}));
   work.write("scene.toml", scene_head() + points_object() + "[camera]\ndistances = \"30 mm\"\n[render]\nrows = 32\n");
@@ -39,7 +39,7 @@ nlohmann::json stage_of(const Workplace& work, const std::string& report, const 
   return {};
 }
 
-// Where the light of a small disc near the axis stands between two columns: the middle of the brightest ten.
+// Position between two columns of the light of a small disc near the axis: the centre of the ten brightest pixels.
 double place_between(const Image& image, int first, int last) {
   constexpr int width = 10;
   double most = -1;
@@ -54,7 +54,7 @@ double place_between(const Image& image, int first, int last) {
   return small_panel.x(at + (width - 1) / 2.0);
 }
 
-// Each of the two points is sharpest where the camera's focus is on it.
+// Each of the two points is sharpest when the camera is focused on it.
 TEST(Sweep, AFocusSweepIsSharpestWhereThePointsAre) {
   const Workplace work;
   make_hologram(work);
@@ -75,10 +75,10 @@ TEST(Sweep, AFocusSweepIsSharpestWhereThePointsAre) {
   EXPECT_TRUE(work.has("view_sweep_01.png"));
   EXPECT_TRUE(work.has("view_sweep_09.png"));
   EXPECT_FALSE(work.has("view_sweep_10.png"));
-  EXPECT_EQ(frames_of(work.path("view_sweep.gif")), 16);  // there and back
+  EXPECT_EQ(frames_of(work.path("view_sweep.gif")), 16);  // forward and back
 }
 
-// Views of an earlier call are gone where a later one has fewer, and holograms stay, whatever their names.
+// A later call with fewer views removes those of an earlier one; holograms stay, whatever their names.
 TEST(Show, RemovesViewsOfAnEarlierCallAndNoHologram) {
   const Workplace work;
   make_hologram(work);
@@ -117,7 +117,7 @@ TEST(Show, ASweepOfFewerViewsLeavesNoneOfAnEarlierOne) {
   EXPECT_FALSE(work.has("view_sweep_03.png") || work.has("view_sweep_04.png"));
 }
 
-// The same by `run`, whose series go by the number of their views, too.
+// The same for `run`, which also numbers the series by views.
 TEST(Run, ASweepOfFewerViewsLeavesNoneOfAnEarlierOne) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.03}}}));
@@ -175,7 +175,7 @@ TEST(Sweep, ASweepIsInOneExposureAndDoesNotChangeTheView) {
   with("view.png");
   with("view.exr");
   EXPECT_TRUE(work.read("view.png") == work.read("out/view.png"));
-  // A PNG shows value/white; whatever the pixel, white is the same in both pictures, to a code of 255 near the middle.
+  // A PNG shows value/white. At any pixel both pictures have the same white, to one code of 255 near the middle.
   double white[2] = {0, 0};
   for (const int i : {0, 1}) {
     const std::string name = "view_sweep_0" + std::to_string(i + 1);
@@ -186,7 +186,7 @@ TEST(Sweep, ASweepIsInOneExposureAndDoesNotChangeTheView) {
     ASSERT_NEAR(shown.values[middle], 0.5, 0.3);
     white[i] = double(linear.values[middle]) / double(shown.values[middle]);
   }
-  EXPECT_NEAR(white[0] / white[1], 1, 0.02);  // a code is 1/255 of sRGB, so below 2 · 0.5 % of light in either
+  EXPECT_NEAR(white[0] / white[1], 1, 0.02);  // a code is 1/255 of sRGB, so below 2 · 0.5 % of the light in either
 }
 
 TEST(Sweep, AnAnimatedFileIsTheSweepAlone) {
@@ -201,8 +201,8 @@ TEST(Sweep, AnAnimatedFileIsTheSweepAlone) {
   EXPECT_FALSE(work.has("view_sweep_01.png"));
 }
 
-// In focus at 30 mm, a point of depth d is seen at x + (e − x)·(d − 30 mm)/d, e the eye's place on the panel: each of
-// its own half of the picture, so the point at 26 mm moves against the eye and that at 34 mm with it.
+// With focus at 30 mm, a point of depth d is seen at x + (e − x)·(d − 30 mm)/d, with e the eye's position on the panel.
+// Each point is in its own half of the picture: the one at 26 mm moves against the eye, the one at 34 mm with it.
 TEST(Sweep, PointsBeforeAndBehindTheFocusMoveAgainstEachOther) {
   const Workplace work;
   make_hologram(work);
@@ -216,8 +216,8 @@ TEST(Sweep, PointsBeforeAndBehindTheFocusMoveAgainstEachOther) {
     for (const int half : {0, 1}) x[half][view] = place_between(image, half * image.nx / 2, (half + 1) * image.nx / 2);
   }
   const double near = 0.8e-3 * (0.026 - 0.03) / 0.026, far = 0.8e-3 * (0.034 - 0.03) / 0.034;
-  // Discs of 0.5 mm·4/26 = 10 pixels and of 7, with rings that make either side the brighter: a pixel and a half at
-  // either end.
+  // Discs of 0.5 mm·4/26 = 10 pixels and of 7, whose rings may make either side brighter: 1.5 pixels at
+  // each end.
   EXPECT_NEAR(x[0][1] - x[0][0], near, 3 * small_panel.pitch);
   EXPECT_NEAR(x[1][1] - x[1][0], far, 3 * small_panel.pitch);
 }
@@ -243,7 +243,7 @@ TEST(Sweep, RunWritesItBesideItsViewsAndClearsAnEarlierOne) {
     EXPECT_FALSE(work.has(name)) << name;
 }
 
-TEST(Sweep, SweepsThatCannotBeAreRefused) {
+TEST(Sweep, ImpossibleSweepsAreRefused) {
   CameraParams camera;
   const auto sentence = [&] { return error_of([&] { viewpoints(camera); }); };
   camera.sweep = Sweep::focus;

@@ -1,4 +1,4 @@
-// Scenes as triangles that shine, from the mesh to the light at its depth, and by the command line.
+// Scenes as luminous triangles, from the mesh to the light at its depth, and by the command line.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace holotrace::test {
 namespace {
 
-// Two squares of 0.4 mm side by side at 30 mm, of radiance 1 and 4.
+// Two squares of 0.4 mm, side by side at 30 mm, of radiance 1 and 4.
 Job two_squares(Shading shading, TrianglePhase phase) {
   Job job;
   job.wavelengths = {test_wavelength};
@@ -35,7 +35,7 @@ Job two_squares(Shading shading, TrianglePhase phase) {
   return job;
 }
 
-// Mean |U|² over the middle of a square in the image at its depth, half its width aside from all edges.
+// Mean |U|² over the middle of a square in the image at its depth, half its width away from all edges.
 double brightness(const Field& image, double x) {
   double sum = 0;
   int count = 0;
@@ -48,11 +48,11 @@ double brightness(const Field& image, double x) {
   return sum / count;
 }
 
-// The panel's wave, sent back to the squares' depth, shows them with |U|² = L·Ω, Ω the solid angle of the panel's part
-// in their box: in x from R = 0.998 mm on the inner side to the panel's edge on the outer one, in y all of the panel.
-// With constant phases the middle of a square is even to the edges' ripples, 5 %. With random ones a third of the light
-// goes beyond the band: triangles of 31 µm, four pixels, send it there. Both squares lose the same to 20 %, as 100
-// triangles in each middle average phases to 1/√100, twice that.
+// The panel's wave, propagated back to the squares, shows them with |U|² = L·Ω, Ω the solid angle of the panel's part
+// in their box: in x from R = 0.998 mm on the inner side to the panel's edge on the outer one, in y the whole panel.
+// With constant phases the middle of a square is uniform except for ripples from the edges, 5 %. With random phases a
+// third of the light goes beyond the band, because the triangles are only 31 µm (four pixels) wide. Both squares lose
+// the same to 20 %: 100 triangles in each middle average phases to 1/√100; the tolerance is twice that.
 TEST(TriangleScenes, ShowRadianceAtItsDepth) {
   const double angle = (0.998e-3 + 1.024e-3 - 0.25e-3) * 1.536e-3 / (30e-3 * 30e-3);
   for (const Shading shading : {Shading::flat, Shading::smooth})

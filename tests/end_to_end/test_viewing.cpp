@@ -180,7 +180,7 @@ TEST(Viewing, AsManyIlluminationStatesAsTheViewsNeed) {
 TEST(Viewing, SamplesBeyondAnIntAreRefused) {
   const Slm slm{.name = "test", .grid = {40000000, 4, 8e-6}};
   EXPECT_EQ(
-      error_of([&] { viewing_need(slm, 64, {532e-9}, ImageSide::virtual_image, {}, viewpoints(CameraParams{}), 0); }),
+      error_of([&] { viewing_need(slm, 64, {532e-9}, ImageSide::virtual_image, {}, viewpoints(CameraParams{})); }),
       "expected at most 2147483647 samples a side, got 2560000000 × 256; use fewer subpixels");
 }
 

@@ -30,11 +30,11 @@ TEST(AliasFree, APointLightsWhatItsBoxCovers) {
   EXPECT_EQ(reach_of({0, -(radius - sy - little), -z}, panel, 532_nm), Reach::whole_panel);
   EXPECT_EQ(reach_of({0, -(radius + sy + little), -z}, panel, 532_nm), Reach::nothing);
   EXPECT_EQ(reach_of({0, 0, 0.1}, panel, 532_nm), Reach::nothing) << "before the panel";
-  // From whole_panel_distance on there are points that light all of it.
+  // From whole_panel_distance on, some points light the whole panel.
   const double nearest = limits(panel, 532_nm, 1).whole_panel_distance;
   EXPECT_EQ(reach_of({0, 0, -nearest * 1.001}, panel, 532_nm), Reach::whole_panel);
   EXPECT_EQ(reach_of({0, 0, -nearest * 0.999}, panel, 532_nm), Reach::part_of_panel);
-  // A panel off the axis has its zone about its own middle.
+  // The zone of a panel off the axis is centred on the panel.
   Grid aside = panel;
   aside.centre_x = 1;
   EXPECT_EQ(reach_of({1 + radius - sx - little, 0, -z}, aside, 532_nm), Reach::whole_panel);
@@ -63,14 +63,14 @@ TEST(AliasFree, CountsAndDrawsTheScene) {
   EXPECT_EQ(series_of(chart, "panel").y, (std::vector<double>{-7.68, 7.68}));
   EXPECT_EQ(series_of(chart, "points that light it").x, (std::vector<double>{-300, -300}));
   EXPECT_EQ(series_of(chart, "points outside").y, (std::vector<double>{200}));
-  // The cone begins on the axis where the box of its point just covers the width.
+  // The cone begins where the box of a point on the axis just covers the width.
   const Series& cone = series_of(chart, "lights the whole panel");
   EXPECT_NEAR(-cone.x[1] / 1e3, limits(panel, 532_nm, 1).whole_panel_distance, 1e-12);
   EXPECT_EQ(cone.y[1], 0);
   const Limits l = limits(panel, 532_nm, 0.3);
   EXPECT_NEAR(series_of(chart, "eyebox: light from every pixel").y[1] / 1e3, l.eyebox_x / 2, 1e-15);
   check_chart(chart);
-  check_chart(alias_free_chart({}, panel, 532_nm, 0.1, AcrossPanel::y));  // too near for an eyebox, no scene
+  check_chart(alias_free_chart({}, panel, 532_nm, 0.1, AcrossPanel::y));  // too near for an eyebox; no scene
   check_chart(half_angle_chart({638_nm, 520_nm, 450_nm}));
   EXPECT_EQ(error_of([] {
               alias_free_chart({}, {10, 10, 0.2e-6}, 532_nm, 1, AcrossPanel::x);

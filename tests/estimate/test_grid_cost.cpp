@@ -19,8 +19,8 @@ GridCost count(const UniformGrid& grid) {
 }
 
 TEST(GridCost, OfEvenlySpreadTrianglesIsPredicted) {
-  // The law of chords is put at its mean, and triangles near the faces of the box are fewer: 15 %, less than half of
-  // the 2.15 that the cost grows by from one of these to the next. Standard errors of 20000 rays are below 1 %.
+  // All chords are assumed to have the mean length, and fewer triangles are near the faces of the box: 15 %, less than
+  // half of the factor of 2.15 from one of these to the next. Standard errors of 20000 rays are below 1 %.
   for (const int triangles : {1000, 10000, 100000}) {
     const UniformGrid grid(make_triangle_cloud(triangles));
     const GridCost predicted = predict_grid_cost(grid.statistics(), {}), counted = count(grid);
@@ -32,7 +32,7 @@ TEST(GridCost, OfEvenlySpreadTrianglesIsPredicted) {
 TEST(GridCost, GrowsAsTheCubeRootOfTheTriangles) {
   const double few = count(UniformGrid(make_triangle_cloud(1000))).cells;
   const double many = count(UniformGrid(make_triangle_cloud(64000))).cells;
-  EXPECT_NEAR(many / few, 4, 0.3);  // 64^(1/3), less the one cell that every ray begins in
+  EXPECT_NEAR(many / few, 4, 0.3);  // 64^(1/3), minus the one cell in which every ray begins
 }
 
 TEST(GridCost, OfASurfaceIsPredictedToAFactorOfTwo) {
@@ -47,7 +47,7 @@ TEST(GridCost, OfASurfaceIsPredictedToAFactorOfTwo) {
 }
 
 TEST(GridCost, WithoutHitsIsTheMeanChord) {
-  // Triangles of no area to speak of: cells = 1 + (4V/S)/2·Σ1/s, for a cube of n³ cells 1 + (2/3)/2·3n = 1 + n.
+  // Triangles of almost no area: cells = 1 + (4V/S)/2·Σ1/s, for a cube of n³ cells 1 + (2/3)/2·3n = 1 + n.
   const GridStatistics empty{.triangles = 1,
                              .cells = 1000,
                              .entries = 10,
@@ -64,8 +64,8 @@ TEST(GridCost, WithoutHitsIsTheMeanChord) {
   EXPECT_NEAR(cost.seconds, 5 + 2 * 11 + 3 * 0.11, 1e-12);
 }
 
-TEST(GridCost, RaysOfACloudAreTheLinesOfCauchy) {
-  // Mean chord of a cube of side 1 for even lines from all around: 4V/S = 2/3; standard deviation below 0.5.
+TEST(GridCost, RaysOfACloudAreUniformIsotropicLines) {
+  // Mean chord of a cube of side 1 for uniform isotropic lines: 4V/S = 2/3; standard deviation below 0.5.
   const auto rays = cloud_rays(20000);
   double sum = 0;
   for (const Ray& ray : rays) {

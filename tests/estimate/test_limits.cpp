@@ -4,7 +4,7 @@
 #include "holotrace/estimate/limits.h"
 #include "support/panels.h"
 
-// Numbers are those of closed_forms.md; a tolerance is half of the last digit printed there.
+// The numbers are from closed_forms.md; a tolerance is half of the last digit printed there.
 
 namespace holotrace {
 namespace {
@@ -29,7 +29,7 @@ TEST(Limits, HalfDiffractionAngles) {
 }
 
 TEST(Limits, BoxOfASource) {
-  // In pixels of 8 µm, as closed_forms.md counts them.
+  // In pixels of 8 µm, as in closed_forms.md.
   EXPECT_NEAR(limits(pluto, 532_nm, 0.1_m).box_radius / 8e-6, 416, 0.5);
   EXPECT_NEAR(limits(pluto, 532_nm, 0.2_m).box_radius / 8e-6, 832, 0.5);
   EXPECT_NEAR(limits(pluto, 532_nm, 0.3_m).box_radius / 8e-6, 1248, 0.5);
@@ -77,13 +77,13 @@ TEST(WantedPitch, IsThePapersRule) {
   EXPECT_EQ(wanted_pixels(0.1, pitch), int64_t(std::ceil(0.1 * 2 * std::tan(15.0_deg) / 632.8e-9)));
   EXPECT_EQ(wanted_pixels(1920 * 8e-6, 8e-6), 1920);  // divides evenly
   EXPECT_EQ(wanted_pixels(8.1e-6, 8e-6), 2);
-  EXPECT_DOUBLE_EQ(pixel_rate(4e9, 3, 30), 3.6e11);  // the paper's figure is that of 4e9 pixels, 3 colours, 30 frames/s
+  EXPECT_DOUBLE_EQ(pixel_rate(4e9, 3, 30), 3.6e11);  // the paper's value is for 4e9 pixels, 3 colours, 30 frames/s
 }
 
 TEST(Limits, OrdersOfPlutoAndGaea) {
-  // sin θₙ = nλ/p, by hand: 633/3740 is 9.7447°, its double 19.784°, three times 30.515°.
+  // sin θₙ = nλ/p, by hand: 633/3740 gives 9.7447°, twice this ratio 19.784°, three times 30.515°.
   const auto gaea = diffraction_orders(3.74e-6, 633_nm, 0.3_m);
-  ASSERT_EQ(gaea.size(), 11U);  // −5 … 5, of which 5·633 nm < 3.74 µm
+  ASSERT_EQ(gaea.size(), 11U);  // −5 … 5, since 5·633 nm < 3.74 µm
   EXPECT_EQ(gaea.front().order, -5);
   EXPECT_EQ(gaea[5].angle, 0);
   EXPECT_NEAR(degrees(gaea[6].angle), 9.7447, 5e-4);
@@ -99,24 +99,24 @@ TEST(Limits, AliasFreeDistances) {
   // closed_forms.md, section 2: z* of 1920 × 1080 pixels of 8 µm at 532 nm.
   EXPECT_NEAR(limits(pluto, 532_nm, 1).alias_free_distance, 0.4617, 5e-5);
   EXPECT_NEAR(limits({1080, 1080, 8e-6}, 532_nm, 1).alias_free_distance, 0.2597, 5e-5);
-  // There the box of a point behind the panel's edge reaches its other edge: R = S.
+  // There the box of a point behind one edge of the panel reaches the other edge: R = S.
   const double z = limits(pluto, 532_nm, 1).alias_free_distance;
   EXPECT_NEAR(limits(pluto, 532_nm, z).box_radius, pluto.width(), 1e-12);
   EXPECT_NEAR(limits(pluto, 532_nm, z).whole_panel_x, pluto.width(), 1e-12);
-  // Half as far, that of the point on the axis does, and no other's.
+  // At half that distance the box of the point on the axis covers the panel, and no other.
   const double half = limits(pluto, 532_nm, 1).whole_panel_distance;
   EXPECT_NEAR(half, z / 2, 1e-15);
   EXPECT_NEAR(limits(pluto, 532_nm, half).box_radius, pluto.width() / 2, 1e-12);
   EXPECT_EQ(limits(pluto, 532_nm, 0.99 * half).whole_panel_x, 0);
-  EXPECT_EQ(limits({10, 10, 0.2_um}, 532_nm, 1).whole_panel_distance, 0);  // every direction fits
+  EXPECT_EQ(limits({10, 10, 0.2_um}, 532_nm, 1).whole_panel_distance, 0);  // every direction is below the limit
 }
 
 TEST(Limits, ThePapersFigures) {
   // "A pixel pitch of about 5 µm […] The diffraction angle is under 10°".
   EXPECT_LT(degrees(limits({4000, 4000, 5e-6}, 632.8_nm, 1).field_of_view), 10);
-  // 3000 lines per mm are gratings of 0.333 µm, the "at least 0.3 µm" of the paper: two pixels of half that.
+  // 3000 lines per mm are gratings of 0.333 µm, the paper's "at least 0.3 µm": two pixels of half that size.
   EXPECT_NEAR(limits({10, 10, 1e-3 / 6000}, 632.8_nm, 1).finest_grating, 1e-3 / 3000, 1e-18);
-  // 100 mm at 1.18 µm in three colours 30 times a second are 6.5e11 pixels; the 3.6e11 of the paper are those of a side
+  // 100 mm at 1.18 µm in three colours 30 times per second are 6.5e11 pixels; the paper's 3.6e11 are those of a side
   // of 75 mm, or of a pitch of 1.58 µm.
   const double pixels = double(wanted_pixels(0.1, 1.18e-6));
   EXPECT_NEAR(pixel_rate(pixels * pixels, 3, 30), 6.46e11, 0.01e11);
@@ -133,7 +133,7 @@ TEST(WantedSize, ResolvesWhatIsWanted) {
   const double side = wanted_size(532_nm, 0.3_m, 10_um);
   EXPECT_DOUBLE_EQ(side, 532e-9 * 0.3 / 1e-5);
   const int pixels = int(wanted_pixels(side, 8e-6));
-  EXPECT_NEAR(limits({pixels, pixels, 8e-6}, 532_nm, 0.3_m).resolution_x, 10e-6, 10e-6 / pixels);  // of a whole pixel
+  EXPECT_NEAR(limits({pixels, pixels, 8e-6}, 532_nm, 0.3_m).resolution_x, 10e-6, 10e-6 / pixels);  // to a whole pixel
   EXPECT_EQ(error_of([] { wanted_size(532e-9, 1, 0); }), "expected a resolution above 0 m, got 0 m");
 }
 

@@ -6,12 +6,12 @@
 #include "support/statistics.h"
 #include "trace/follow.h"
 
-// The paper's count of rays (Eq. 19, 20) against paths in closed scenes, where no ray escapes.
+// The paper's number of rays (Eq. 19, 20), compared with paths in closed scenes, from which no ray escapes.
 
 namespace holotrace {
 namespace {
 
-// Moments of the number of surfaces on a path that goes on with probability ρ and ends at the latest after `most`:
+// Moments of the number of surfaces on a path that continues with probability ρ and has at most `most` surfaces:
 // P(l ≥ j) = ρʲ⁻¹, so E l = Σρʲ⁻¹ and E l² = Σ(2j − 1)ρʲ⁻¹ for j = 1 … most.
 double standard_deviation(double rho, int most) {
   double mean = 0, square = 0;
@@ -23,8 +23,8 @@ double standard_deviation(double rho, int most) {
 }
 
 TEST(PathLength, InAClosedFurnaceIsEquation20) {
-  // Every wall takes the path with probability 1 − ρ: roulette goes on with min(1, weight), and a surface of albedo ρ
-  // gives each path that is left the weight ρ.
+  // Every wall ends the path with probability 1 − ρ: Russian roulette continues with min(1, weight), and a surface of
+  // albedo ρ gives each remaining path the weight ρ.
   constexpr int count = 40000;
   for (const double rho : {0.2, 0.5, 0.8}) {
     const Scene scene = make_box_scene({0, 0, -0.3}, {0.1, 0.1, 0.1}, grey(rho, 1));
@@ -54,7 +54,7 @@ TEST(PathLength, CutAfterKBouncesIsEquation19) {
     }
     const double standard_error = error / std::sqrt(double(count));
     EXPECT_LT(std::abs(counts.mean_path_length() - expected) / standard_error, deviations) << depth;
-    // The paper's closed form ends the sum a term early: (1 − ρᵏ)/(1 − ρ) is ρᵏ less, 0.21 at k = 7.
+    // The paper's closed form ends the sum one term early: (1 − ρᵏ)/(1 − ρ) is less by ρᵏ, 0.21 at k = 7.
     EXPECT_GT(expected - (1 - std::pow(rho, depth - 1)) / (1 - rho), 10 * standard_error);
   }
 }

@@ -42,7 +42,7 @@ TEST(Vision, FieldEyeboxAndFlicker) {
   // asin(632.8/700) = 64.7°, twice that is 129°.
   EXPECT_TRUE(is_met(compare_with_vision(fine, 632.8_nm, 0.3_m, 60), "peripheral field"));
   EXPECT_TRUE(is_met(compare_with_vision(fine, 632.8_nm, 0.3_m, 60), "flicker"));
-  EXPECT_EQ(compare_with_vision(pluto, 532_nm, 0.3_m).size(), 4U);  // no frame rate, no flicker
+  EXPECT_EQ(compare_with_vision(pluto, 532_nm, 0.3_m).size(), 4U);  // without a frame rate, no flicker
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ const std::string head =
     "wavelength = \"532 nm\"\n[[object]]\ntype = \"quad\"\nwidth = \"1 mm\"\nheight = \"1 mm\"\n"
     "position = \"0 0 -50 mm\"\n";
 
-// The sentence for one line more in a section of a scene, without the folder of the file.
+// The error for an additional line in a section of a scene, without the folder of the file.
 std::string sentence_for(const std::string& lines) {
   const std::string path = test::make_file("scene.toml", head + lines);
   std::string sentence = error_of([&] { load_job(path); });
@@ -33,7 +33,7 @@ void expect_bounds(const std::string& section) {
     if (t.is_inside) {
       EXPECT_EQ(sentence, "no error") << section << "." << t.key << " = " << value;
     } else {
-      // The key is on line 8, its value behind "key = ".
+      // The key is on line 8, its value after "key = ".
       const std::string place = fmt::format("scene.toml:8:{}: expected ", t.key.size() + 4);
       EXPECT_EQ(sentence.substr(0, place.size()), place) << section << "." << t.key << " = " << value;
       EXPECT_NE(sentence.find("\"" + t.key + "\", got "), std::string::npos) << sentence;
@@ -52,7 +52,7 @@ TEST(Ranges, OfEveryParameterHoldInSceneFiles) {
   expect_bounds<CameraParams>("camera");
 }
 
-TEST(Ranges, AreToldInWords) {
+TEST(Ranges, AreWrittenInWords) {
   const auto sentence = [](double value, const Range& range, Quantity quantity) {
     return error_of([&] { check_range(value, range, quantity); });
   };

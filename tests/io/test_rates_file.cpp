@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A cache folder of the test's own, and a calibration that counts its calls.
+// A separate cache folder for the test, and a calibration that counts its calls.
 class RatesFile : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -57,7 +57,7 @@ TEST_F(RatesFile, MachinesThatShareAFolderKeepTheirOwn) {
   EXPECT_EQ(keep("another version").spreads, 1002);
 }
 
-TEST_F(RatesFile, DamageIsMended) {
+TEST_F(RatesFile, DamagedFilesAreReplaced) {
   keep("this machine");
   const std::string whole = read_text(path());
   const std::string half = whole.substr(0, whole.size() / 2);
@@ -77,7 +77,7 @@ TEST_F(RatesFile, DamageIsMended) {
 }
 
 TEST_F(RatesFile, WhereNothingCanBeKeptTheDefaultsHold) {
-  // A file where the folder should be: neither made nor written to, by root either.
+  // A file where the folder should be: not even root can make the folder or write to it.
   fs::create_directories(cache_);
   std::ofstream(cache_ + "/holotrace") << "in the way";
   EXPECT_EQ(keep("this machine").spreads, SummationRates().spreads);

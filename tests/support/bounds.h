@@ -11,16 +11,16 @@
 
 namespace holotrace::test {
 
-/// A value just inside or just outside the range of a parameter, as a scene file or a flag writes it.
+/// A value just inside or just outside the range of a parameter, as written in a scene file or in a flag.
 struct Try {
   std::string key, text;
-  bool has_quotes = false;  ///< in a scene file: it has a unit
+  bool has_quotes = false;  ///< whether a scene file needs quotes, for its unit
   bool is_inside = false;
 };
 
-/// A visitor of `describe` that lists the values on either side of each bound. A bound that belongs to the range is
-/// tried itself; the value across it is the next whole number, or a billionth of the bound's size (1 m, 1 rad or 1
-/// where it is 0) away. Where a range has no bound, -1 and 1 are inside.
+/// A visitor of `describe` that lists the values on both sides of each bound. A bound that belongs to the range is
+/// itself a value; the one across it is the next whole number, or differs by a billionth of the bound's size (1 m,
+/// 1 rad or 1 for a bound of 0). If a range has no bound, -1 and 1 are inside.
 struct Bounds {
   std::vector<Try> tries;
 

@@ -53,7 +53,7 @@ Sources make_random_sources(int count, const Grid& panel, double wavelength, dou
 
 namespace {
 
-// The part of the pixel [c − p/2, c + p/2] that lies in [−a, a].
+// The length of the part of the pixel [c − p/2, c + p/2] that lies in [−a, a].
 double covered(double c, double p, double a) {
   return std::max(0.0, std::min(c + p / 2, a) - std::max(c - p / 2, -a)) / p;
 }
@@ -66,7 +66,7 @@ FieldDouble make_square_aperture(const Grid& grid, double wavelength, double a) 
 }
 
 FieldDouble make_disc_aperture(const Grid& grid, double wavelength, double a) {
-  constexpr int parts = 64;  // strips per pixel; a strip's covered length is exact
+  constexpr int parts = 64;  // strips per pixel; the covered length of a strip is exact
   return make_field(grid, wavelength, [&](double x, double y) {
     const double reach = grid.pitch;
     if (std::hypot(x, y) < a - reach) return 1.0;

@@ -9,7 +9,7 @@
 
 namespace holotrace::test {
 
-/// Bytes as the text of a data URI.
+/// Bytes in base64, as in a data URI.
 inline std::string base64(const std::string& bytes) {
   constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -29,13 +29,13 @@ std::string bytes_of(const std::vector<T>& values) {
   return bytes;
 }
 
-/// A glTF model of one triangle (0,0,0), (1,0,0), (0,1,0) whose primitives may name the accessors
+/// A glTF model of one triangle (0,0,0), (1,0,0), (0,1,0). Its primitives may use the accessors
 /// 0 positions, 1 and 2 texture coordinates (v down) of the sets 0 and 1, 3 colours, 4 indices.
 struct GltfTriangle {
   std::string nodes = R"([{"mesh": 0}])";
   std::string primitives = R"([{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 4, "material": 0}])";
   std::string materials = "[{}]";
-  std::string more;  ///< further members of the document, each with a comma behind it
+  std::string more;  ///< further members of the document, each followed by a comma
   std::vector<float> set_0{0.25f, 0, 1, 0, 0.25f, 0.75f}, set_1{0.5f, 0.5f, 1, 0, 0, 1};
   std::vector<uint8_t> colours{255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 188, 255};
 
@@ -46,7 +46,7 @@ struct GltfTriangle {
   }
 
   /// @param buffer  "uri": "…" of the buffer, or "" for that of a GLB
-  /// @param views   further buffer views, each with a comma before it
+  /// @param views   further buffer views, each preceded by a comma
   std::string document(const std::string& buffer, size_t size, const std::string& views = "") const {
     return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": )" + nodes +
            R"(, "meshes": [{"name": "triangle", "primitives": )" + primitives + R"(}], "materials": )" + materials +
@@ -68,7 +68,7 @@ struct GltfTriangle {
     return document(R"("uri": "data:application/octet-stream;base64,)" + base64(bytes) + "\"", bytes.size());
   }
 
-  /// The model as a GLB that holds an image file behind the triangle, as the buffer view 5.
+  /// The model as a GLB with an image file after the triangle, as the buffer view 5.
   std::string glb(std::string image) const {
     image.resize((image.size() + 3) / 4 * 4, '\0');
     const std::string bytes = binary() + image;

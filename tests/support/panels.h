@@ -17,7 +17,7 @@
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/slm.h"
 
-// Small panels, patterns on them and what light makes of them, for the tests of slm/ and view/.
+// Small panels, patterns on them and their diffraction, for the tests of slm/ and view/.
 
 namespace holotrace {
 
@@ -42,7 +42,7 @@ inline Hologram make_hologram(const Slm& slm, Modulation modulation, const std::
   return h;
 }
 
-/// Amplitude of the plane wave exp(2πi(a·x/width + b·y/height)) in a field, whole a and b: its DFT, taken with the
+/// Amplitude of the plane wave exp(2πi(a·x/width + b·y/height)) in a field, for whole a and b: a DFT at the
 /// positions of the samples.
 inline std::complex<double> wave_in(const Field& f, int a, int b) {
   std::complex<double> sum = 0;
@@ -54,10 +54,10 @@ inline std::complex<double> wave_in(const Field& f, int a, int b) {
   return sum / double(f.grid.pixels());
 }
 
-/// The part of a panel's light (1 W/m²) that goes into that wave.
+/// The fraction of a panel's light (1 W/m²) in that wave.
 inline double efficiency_of(const Field& f, int a, int b = 0) { return std::norm(wave_in(f, a, b)); }
 
-/// A plane wave of a periodic field, a whole number of cycles over the panel.
+/// A plane wave of a periodic field, with a whole number of cycles over the panel.
 struct PlaneWave {
   int a, b;
   std::complex<double> amplitude;
@@ -88,7 +88,7 @@ inline Field sum_of(const std::vector<PlaneWave>& waves, const Grid& grid, doubl
   return f;
 }
 
-/// What a verb says while it works.
+/// Records what a verb reports while it works.
 struct Heard {
   std::map<std::string, Fact> facts;
   std::vector<std::string> warnings;

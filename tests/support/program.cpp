@@ -26,7 +26,8 @@ fs::path make_folder(const char* name) {
   return pattern;
 }
 
-// In the child: the program in `folder`, after the words of a launcher, writing to these descriptors. Never returns.
+// For the child process: starts the program in `folder`, after the words of a launcher, with these descriptors
+// for its output. Never returns.
 [[noreturn]] void become_program(const std::vector<std::string>& launcher, const std::vector<std::string>& arguments,
                                  const fs::path& folder, const fs::path& cache, int out, int err) {
   std::vector<char*> argv;
@@ -41,7 +42,7 @@ fs::path make_folder(const char* name) {
   _exit(127);
 }
 
-// Reads both pipes to their ends, so that neither can fill up and stop the program.
+// Reads both pipes to their ends, so that neither fills up and blocks the program.
 void drain(int out, int err, Outcome& outcome) {
   std::array<pollfd, 2> pipes{{{out, POLLIN, 0}, {err, POLLIN, 0}}};
   const std::array<std::string*, 2> texts{&outcome.out, &outcome.err};

@@ -9,13 +9,13 @@
 
 namespace holotrace::test {
 
-/// What a run of the program left behind.
+/// The results of a run of the program.
 struct Outcome {
-  int exit_code = 0;  ///< 128 + signal where a signal ended it
+  int exit_code = 0;  ///< 128 + signal if a signal ended it
   std::string out, err;
 };
 
-/// A folder of a test's own, gone with it, in which the program runs with a cache folder of its own: no
+/// A folder for one test, removed afterwards, in which the program runs with a separate cache folder: no
 /// test sees the files or the FFTW wisdom of another.
 class Workplace {
  public:
@@ -31,30 +31,30 @@ class Workplace {
   /// Writes an input and returns its path.
   std::string write(const std::string& name, const std::string& bytes) const;
 
-  /// Every file and folder here, hidden ones too, relative to the folder; the cache is left out.
+  /// Every file and folder here, also hidden ones, relative to the folder; without the cache.
   std::set<std::string> names() const;
 
-  /// Runs `holotrace arguments…` in this folder, its output in pipes, and waits for its end.
+  /// Runs `holotrace arguments…` in this folder, records its output, and waits for its end.
   Outcome run(const std::vector<std::string>& arguments) const;
 
   /// The same under a launcher: `launcher… holotrace arguments…`, found on the PATH.
   Outcome run_under(const std::vector<std::string>& launcher, const std::vector<std::string>& arguments) const;
   pid_t start_under(const std::vector<std::string>& launcher, const std::vector<std::string>& arguments) const;
 
-  /// Starts it and does not wait: for a test that kills it. Its output is dropped.
+  /// Starts the program without waiting, for a test that kills it. Its output is dropped.
   pid_t start(const std::vector<std::string>& arguments) const;
 
   /// A file of the program's cache folder, such as summation_rates.json.
   std::string cache_path(const std::string& name) const { return (cache_ / "holotrace" / name).string(); }
 
-  /// Forgets FFTW's plans, as on a machine where the program never ran.
+  /// Removes FFTW's plans, as on a machine where the program never ran.
   void clear_cache() const;
 
  private:
   std::filesystem::path folder_, cache_;
 };
 
-/// Bytes of a file. Fails the test where there is none.
+/// Bytes of a file. The test fails if there is none.
 std::string bytes_of(const std::string& path);
 
 }  // namespace holotrace::test

@@ -9,14 +9,14 @@
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
 
-// Tests of samplers against the densities they claim.
+// Tests that compare samplers with the densities they state.
 
 namespace holotrace {
 
-/// Bound on a statistic that is about normal with mean 0 and variance 1, in the tests of a fixed seed: p = 6e-5.
+/// Bound on a statistic that is about normal with mean 0 and variance 1, for tests with a fixed seed: p = 6e-5.
 constexpr double deviations = 4;
 
-/// (χ² − k)/√(2k) for cells of equal chance, k degrees of freedom: about normal for k of some hundreds.
+/// (χ² − k)/√(2k) for cells of equal probability, k degrees of freedom: about normal for k of some hundreds.
 inline double chi_square_z(const std::vector<int>& counts, double expected) {
   double sum = 0;
   for (int count : counts) sum += (count - expected) * (count - expected) / expected;
@@ -38,12 +38,12 @@ struct ChiSquare {
   double p_value = 1;
 };
 
-/// Pearson's test of counts against their expectations. Cells that expect fewer than 5 are thrown together, where
-/// the law is not yet χ².
+/// Pearson's test of counts against their expectations. Cells that expect fewer than 5 are merged, because
+/// their statistic does not follow χ².
 ChiSquare chi_square(std::span<const double> observed, std::span<const double> expected);
 
-/// The unit square laid on the sphere about an axis: the density of its image over the uniform one grows toward the
-/// axis as `concentration` falls below 1; areas are uniform for a large one.
+/// A map of the unit square to the sphere about an axis: its density relative to the uniform one increases toward
+/// the axis as `concentration` falls below 1; a large one gives uniform areas.
 ///
 ///     (1 − cosθ)/2 = c·u/(1 + c − u),  φ = 2π·v
 class SphereMap {
@@ -60,14 +60,14 @@ class SphereMap {
 
 struct SphereTest {
   ChiSquare chi_square;
-  double drawn = 0;      ///< part of the tries that gave a direction
-  double integral = 0;   ///< of the density over the sphere
-  double deviation = 0;  ///< of one from the other, in standard errors
+  double drawn = 0;      ///< fraction of the tries that gave a direction
+  double integral = 0;   ///< integral of the density over the sphere
+  double deviation = 0;  ///< difference of the two in standard errors
 };
 
 /// Counts directions that `sample()` draws (std::optional<Vec3>) in 16 × 32 cells of the map and compares them with
-/// the integral of `pdf(direction)` over each, by 16 × 16 midpoints and 128 × 128 where the density ends inside; what
-/// is not drawn is a cell too.
+/// the integral of `pdf(direction)` over each cell, by 16 × 16 midpoints, or 128 × 128 where the density ends inside;
+/// tries without a direction are one more cell.
 template <class Sample, class Pdf>
 SphereTest test_sphere_sampling(const SphereMap& map, int count, Sample&& sample, const Pdf& pdf) {
   constexpr int rows = 16, columns = 32, midpoints = 16;
@@ -108,7 +108,7 @@ SphereTest test_sphere_sampling(const SphereMap& map, int count, Sample&& sample
   test.chi_square = chi_square(observed, expected);
   test.drawn = 1 - observed.back() / count;
   const double p = std::fmin(1, test.integral);
-  // The midpoints themselves are off by some 1e-4 where the lobe is cut at the horizon.
+  // The midpoint rule has an error of about 1e-4 where the lobe is cut at the horizon.
   test.deviation = std::fabs(test.drawn - test.integral) / (std::sqrt(p * (1 - p) / count) + 2e-4);
   return test;
 }

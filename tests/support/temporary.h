@@ -11,7 +11,7 @@
 
 namespace holotrace::test {
 
-/// The folder of this run's files, gone when the run ends.
+/// The folder for this run's files, removed when the run ends.
 class TemporaryFolder {
  public:
   TemporaryFolder() : path_(std::filesystem::path(::testing::TempDir()) / ("holotrace_" + std::to_string(getpid()))) {}
@@ -25,7 +25,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// A path for a test's own file. A file left there earlier in the run is gone, and its sidecar too.
+/// A path for a test's own file. A file left there earlier in the run is removed, with its sidecar.
 inline std::string temporary(const std::string& name) {
   static const TemporaryFolder run;
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
@@ -37,14 +37,14 @@ inline std::string temporary(const std::string& name) {
   return path.string();
 }
 
-/// Writes a test's input.
+/// Writes an input of a test.
 inline std::string make_file(const std::string& name, const std::string& bytes) {
   const std::string path = temporary(name);
   std::ofstream(path, std::ios::binary) << bytes;
   return path;
 }
 
-/// The sentence of the Error that `run` throws; "no error" where it throws none.
+/// The sentence of the Error that `run` throws; "no error" if it throws none.
 template <class Run>
 std::string error_of(const Run& run) {
   try {

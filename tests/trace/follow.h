@@ -8,11 +8,11 @@
 #include "holotrace/trace/paths/path.h"
 #include "trace/scenes.h"
 
-// Light paths in tests, one by one.
+// Single light paths in tests.
 
 namespace holotrace {
 
-inline constexpr int unlimited = 100000;  // surfaces: roulette ends every path long before
+inline constexpr int unlimited = 100000;  // number of surfaces; roulette ends every path long before
 
 /// Where a ray meets a scene.
 inline PathStart start_of(const PathScene& scene, const Ray& ray) {
@@ -21,7 +21,7 @@ inline PathStart start_of(const PathScene& scene, const Ray& ray) {
   return {hit.value().point, -ray.direction, scene.automaton.start(), 1};
 }
 
-/// Radiance of single independent paths from the first hit of a ray, at red, green and blue.
+/// Radiance of single independent paths from the first hit of a ray, in red, green and blue.
 inline std::vector<Vec3> radiances(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
   const PathScene path_scene(scene, Lines{}, {}, {.max_depth = max_depth});
   const PathStart start = start_of(path_scene, ray);
@@ -30,7 +30,7 @@ inline std::vector<Vec3> radiances(const Scene& scene, const Ray& ray, int count
   return all;
 }
 
-/// Statistics of their green.
+/// Statistics of the green channel of `radiances`.
 inline Statistics follow(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
   Statistics statistics;
   for (const Vec3 radiance : radiances(scene, ray, count, max_depth, counts)) statistics.add(radiance.y);
@@ -42,7 +42,7 @@ inline Statistics follow(const Scene& scene, const Ray& ray, int count, int max_
   return follow(scene, ray, count, max_depth, counts);
 }
 
-/// Green of each sum, the mean of `paths` paths of sample 0.
+/// The green channel of each sum: the mean of `paths` paths of sample 0.
 inline std::vector<double> sums_of(const Scene& scene, const Ray& ray, const std::vector<std::string>& path_groups,
                                    const PathParams& params, int paths) {
   const PathScene path_scene(scene, Lines{}, path_groups, params);
@@ -54,8 +54,8 @@ inline std::vector<double> sums_of(const Scene& scene, const Ray& ray, const std
   return green;
 }
 
-/// View factor from a small plane patch to a parallel rectangle a × b at distance c, one corner of it
-/// right above the patch (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-3).
+/// View factor from a small plane patch to a parallel rectangle a × b at distance c, with one corner
+/// directly above the patch (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-3).
 inline double corner_view_factor(double a, double b, double c) {
   const double x = a / c, y = b / c, sx = std::sqrt(1 + x * x), sy = std::sqrt(1 + y * y);
   return (x / sx * std::atan(y / sx) + y / sy * std::atan(x / sy)) / (2 * pi);

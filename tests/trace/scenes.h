@@ -13,7 +13,7 @@
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/geometry/accelerator.h"
 
-// Small scenes with known answers, and what tests measure on them.
+// Small scenes with known answers, and measurements on them.
 
 namespace holotrace {
 
@@ -76,7 +76,7 @@ inline Material grey(double reflectance, double emission = 0) {
   return {DiffuseMaterial{.reflectance = Vec3{1, 1, 1} * reflectance}, Vec3{1, 1, 1} * emission};
 }
 
-/// A wall that emits and fills more than the panel accepts.
+/// An emitting wall that fills more than the panel's acceptance.
 inline Scene make_bright_wall(double z = -0.3, double radiance = 1) {
   Scene scene;
   scene.materials = {grey(0, radiance)};
@@ -84,7 +84,7 @@ inline Scene make_bright_wall(double z = -0.3, double radiance = 1) {
   return scene;
 }
 
-/// Two walls at an angle, lit by a rectangle, with smooth noise: what a real scene asks of a tracer.
+/// Two walls at an angle, lit by a rectangle, with smooth noise, as in a real scene.
 inline Scene make_corner() {
   Scene scene;
   scene.materials = {grey(0.7), DiffuseMaterial{{0.9, 0.5, 0.2}, nullptr, {}}};
@@ -109,7 +109,7 @@ struct Statistics {
   }
 };
 
-/// What a verb has told its observer.
+/// The facts and warnings that an observer has received.
 struct Record {
   std::map<std::string, Fact> facts;
   std::vector<std::string> warnings;
@@ -120,7 +120,7 @@ struct Record {
   double number(const std::string& name) const { return std::get<double>(facts.at(name)); }
 };
 
-/// The sentence of the Error that `action` throws, or "".
+/// The message of the Error that `action` throws, or "".
 template <class Action>
 std::string error_of(const Action& action) {
   try {
@@ -131,7 +131,7 @@ std::string error_of(const Action& action) {
   return "";
 }
 
-/// Mean over the panel of Σ a²·(d₀/r)² inside boxes, by the pixels.
+/// Mean over the panel of Σ a²·(d₀/r)² inside boxes, computed pixel by pixel.
 inline double mean_intensity(const Sources& sources, const Grid& grid) {
   double sum = 0;
   for (const Source& wave : sources.waves) {

@@ -11,7 +11,7 @@
 
 namespace holotrace {
 
-/// Degrees from the normal.
+/// Angles from the normal [degrees].
 inline constexpr double view_angles[] = {0, 45, 80};
 inline constexpr double roughnesses[] = {0.25, 0.55, 0.8, 1};
 
@@ -20,7 +20,7 @@ inline Vec3 view_direction_at(double degrees) {
   return {std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn), std::cos(angle)};
 }
 
-/// A point whose normals are +z, with texture coordinates along x and y of the front.
+/// A point whose normals are +z, with texture coordinates along x and y as seen from the front.
 inline SurfacePoint flat_point(bool is_front = true) {
   SurfacePoint point;
   point.geometric_normal = point.normal = {0, 0, 1};
@@ -34,7 +34,7 @@ inline SurfacePoint flat_point(bool is_front = true) {
 struct NamedSurface {
   std::string name;
   Bsdf bsdf;
-  double alpha = 1;  ///< width of its narrowest lobe
+  double alpha = 1;  ///< α of its narrowest lobe
 };
 
 inline NamedSurface named(std::string name, const Material& material, double roughness = 1,

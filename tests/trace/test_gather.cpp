@@ -20,11 +20,11 @@ const std::vector<double> green{green_light};
 double mean_intensity(const Field& field) { return power(field) / (double(field.grid.pixels()) * 64e-12); }
 
 TEST(Gather, IndependentPhasesBringTheIrradianceOfTheAcceptance) {
-  // Cells of 1 nm: every ray a phase of its own.
+  // Cells of 1 nm: every ray has its own phase.
   const TraceParams params{
       .pixel_samples = 16, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = 1e-9};
   const double s = acceptance_sine(green_light, panel.pitch), expected = 4 * s * s * (1 - s * s / 3);
-  // Intensity of 16 unit waves: variance 1 − 1/16 of its square; 3072 pixels, 4 standard errors: 7 %.
+  // Intensity of 16 unit waves: its variance is 1 − 1/16 of its square; 3072 pixels, 4 standard errors: 7 %.
   const double error = 4 / std::sqrt(3072.0);
   EXPECT_NEAR(mean_intensity(gather(make_bright_wall(-20_mm), panel, green, params).at(0)) / expected, 1, error);
 }
@@ -43,13 +43,13 @@ TEST(Gather, PointsAreExactAndHiddenPixelByPixel) {
   scene.materials = {grey(0)};
   scene.meshes = {make_test_quad({5.004_mm, 0, -0.05}, {5_mm, 0, 0}, {0, 5_mm, 0})};  // covers x > 4 µm
   scene.points = {{{0, 0, -0.1}, 2.0f, 0.5f}};
-  scene.lights = {PointLight{{0, 0, -10_mm}, {1, 1, 1}, true}};                 // the card is black; phases are laser's
-  const double unit = green_light / std::sqrt(panel.width() * panel.height());  // of a point of 1 W/m²/sr
+  scene.lights = {PointLight{{0, 0, -10_mm}, {1, 1, 1}, true}};                 // black card; phases are the laser's
+  const double unit = green_light / std::sqrt(panel.width() * panel.height());  // for a point of 1 W/m²/sr
   const Field field = gather(scene, panel, green, {.pixel_samples = 1, .paths = 1, .phase = SourcePhase::laser}).at(0);
   for (int j = 0; j < panel.ny; ++j)
     for (int i = 0; i < panel.nx; ++i) {
       const double x = panel.x(i), y = panel.y(j), r = std::sqrt(x * x + y * y + 0.01);
-      // The way passes the card's plane at x/2.
+      // The line to the point passes the card's plane at x/2.
       const auto expected =
           x / 2 > 4_um ? 0.0 : cis_cycles(cycle_fraction(r, green_light) + 0.5 / (2 * pi)) * (0.2 / r);
       EXPECT_LT(std::abs(std::complex<double>(field.samples(j, i)) / unit - expected), 1e-6);  // floats of modulus 2
@@ -107,7 +107,7 @@ TEST(Gather, SetsAndTheirFramesComeInOrder) {
   ASSERT_EQ(fields.size(), 2u * 2u * 3u);  // wavelengths, the light and the emission, frames
   for (size_t i = 0; i < 12; ++i) EXPECT_EQ(fields[i].wavelength, i < 6 ? 630_nm : 460_nm);
   EXPECT_NE(fields[0].samples.values, fields[1].samples.values);
-  // A frame redraws phases, not amplitudes: one ray of a set per pixel keeps its modulus.
+  // A frame draws new phases, not amplitudes: one ray of a set per pixel keeps its modulus.
   const auto single = gather(make_bright_wall(-20_mm), {8, 6, 8e-6}, green,
                              {.pixel_samples = 1, .paths = 1, .phase = SourcePhase::surface, .frames = 2});
   for (size_t i = 0; i < single[0].samples.size(); ++i)
@@ -127,7 +127,7 @@ TEST(Gather, GivesTheSameBytesOnAnyNumberOfThreads) {
 
 TEST(Gather, CellsWiderThanTheRaysAreNoBrighter) {
   // Pixels of 64 µm accept ±83 µm of the wall: 30 cells of 30 µm, 8 rays each. One wave per ray would be 8 times too
-  // bright. Pixels are apart by a speckle and more, their intensities exponential: of 63 pixels and 16 frames 4
+  // bright. Pixels are a speckle or more apart, and their intensities exponential: for 63 pixels and 16 frames, 4
   // standard errors are 13 %.
   const TraceParams params{
       .pixel_samples = 256, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = 30e-6, .frames = 16};
@@ -147,9 +147,9 @@ TEST(Gather, RandomAndConstantPhasesAreGathered) {
   EXPECT_NEAR(mean_intensity(random) / expected, 1, 4 / std::sqrt(3072.0));  // as with independent phases above
   ASSERT_EQ(record.warnings.size(), 1u);
   EXPECT_NE(record.warnings[0].find("is noise of 16 rays per pixel"), std::string::npos);
-  // A wall in step shines straight on: rays of all pixels agree once they resolve the 166² cells of ±0.67 mm. Cut off
-  // there, the wave of irradiance L·(λ/p)² ripples at a pixel by the Fresnel number's −1/2, (0.67 mm)²/(λ·20 mm) = 42,
-  // on two sides.
+  // A wall of equal phase shines straight on: rays of all pixels agree once they resolve the 166² cells of ±0.67 mm.
+  // Cut off there, the wave of irradiance L·(λ/p)² ripples at a pixel by N^(−1/2) on two sides, with the Fresnel number
+  // N = (0.67 mm)²/(λ·20 mm) = 42.
   params.phase = SourcePhase::constant;
   params.pixel_samples = 200000;
   const Field constant = gather(make_bright_wall(-20_mm), {3, 3, 8e-6}, green, params).at(0);
@@ -164,8 +164,8 @@ TEST(Gather, RandomAndConstantPhasesAreGathered) {
 }
 
 TEST(Gather, RaysThatMeetACellInALaserBeamAgreeOnItsPhase) {
-  // A wall of one cell: every pixel, whichever places its rays find, has k·(r + the beam's way) to the cell's middle.
-  // From one place to another in the cell the oblique beam turns by up to k·30 µm·0.29 = 100 rad.
+  // A wall of one cell: every pixel gets k·(r + beam's path) to the cell's middle, wherever its rays meet it.
+  // Across the cell the phase of the oblique beam changes by up to k·30 µm·0.29 = 100 rad.
   const double grain = 30e-6;
   const Vec3 middle{(0.5 - 0.41421356) * grain, (0.5 - 0.73205081) * grain, -20_mm};
   const Vec3 direction = normalize({0.3, 0, -1}), position{0, 0, -10_mm};
@@ -189,7 +189,7 @@ TEST(Gather, RaysThatMeetACellInALaserBeamAgreeOnItsPhase) {
 }
 
 TEST(Gather, TheHemisphereBringsItsWholeIrradiance) {
-  // ∫ L cosθ dΩ over all that a wide wall fills: z = −20 mm and ±2 m miss (20/2000)² of π.
+  // ∫ L cosθ dΩ over all directions to a wide wall: z = −20 mm and ±2 m leave out (20/2000)² of π.
   Scene scene;
   scene.materials = {grey(0, 1)};
   scene.meshes = {make_wall(-20_mm, 2.0, 2.0)};

@@ -12,7 +12,7 @@
 namespace holotrace {
 namespace {
 
-// A shining ball seen from the tiles of a panel, and by an eye with a pinhole at the same places.
+// A glossy ball seen from the tiles of a panel, and by an eye with a pinhole at the same places.
 const Grid panel{512, 384, 8e-6};
 const Vec3 ball{0, 0, -60_mm};
 constexpr double radius = 5e-3;
@@ -56,7 +56,7 @@ TEST(Highlight, MovesOverABallFromTileToTileAsPicturesTakenThereShow) {
   Vec2 first, last;
   for (int tile = 0; tile < 6; ++tile) {
     const Vec3 eye = centre_of(panel, tile_box(panel, params.tile_columns, params.tile_rows, tile));
-    // The brightest spot: the centre of what is brighter than half the maximum.
+    // The highlight: the centroid of all that is brighter than half the maximum.
     const float* amplitude = sources.tiles.values.data() + size_t(tile) * waves;
     const float most = *std::max_element(amplitude, amplitude + waves);
     Spot on_waves, on_picture;
@@ -74,15 +74,15 @@ TEST(Highlight, MovesOverABallFromTileToTileAsPicturesTakenThereShow) {
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) {
         if (!(brightness(j, i) > 0.5 * brightest)) continue;
-        // The way from the eye through the pixel's place in the plane in focus, to the ball.
+        // The direction from the eye through the pixel's place in the plane in focus, to the ball.
         const Vec3 aim{(i - (side - 1) / 2.0) * cell, ((side - 1) / 2.0 - j) * cell, -focus};
         const Vec3 way = normalize(aim - eye), from = eye - ball;
         const double b = dot(way, from), square = b * b - dot(from, from) + radius * radius;
         if (square >= 0) on_picture.add(eye + way * (-b - std::sqrt(square)), brightness(j, i));
       }
     const Vec2 a = on_waves.place(), b = on_picture.place();
-    // Both rasters have cells of 43 µm, and a spot of hundreds of cells has its centre to a small part of one: a fifth
-    // leaves room for the cells at its rim.
+    // Both rasters have cells of 43 µm. The centroid of hundreds of cells is exact to a small fraction of one: a fifth
+    // leaves room for the cells at the rim.
     EXPECT_NEAR(a.x, b.x, cell / 5) << tile;
     EXPECT_NEAR(a.y, b.y, cell / 5) << tile;
     if (tile == 0) first = a;
@@ -90,8 +90,8 @@ TEST(Highlight, MovesOverABallFromTileToTileAsPicturesTakenThereShow) {
     RecordProperty("off " + std::to_string(tile),
                    fmt::format("{:.2g} {:.2g} um", (a.x - b.x) * 1e6, (a.y - b.y) * 1e6));
   }
-  // From corner to corner it moves by several cells, to the right and down as the eye does; one amplitude for the whole
-  // panel would leave it in place.
+  // From corner to corner it moves by several cells, to the right and down as the eye does. One amplitude for the whole
+  // panel would not move it.
   EXPECT_GT(last.x - first.x, 2 * cell / 2);
   EXPECT_LT(last.y - first.y, -cell / 2);
   RecordProperty("moved", fmt::format("{:.3g} {:.3g} um", (last.x - first.x) * 1e6, (last.y - first.y) * 1e6));

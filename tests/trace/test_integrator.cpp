@@ -177,6 +177,79 @@ Statistics follow_and_ask_at_end(const Scene& scene, const Ray& ray, int count, 
   return statistics;
 }
 
+/// Gauss–Legendre points in [0, 1] (Newton's method on the Legendre polynomial) and their weights.
+std::vector<Vec2> gauss_points(int count) {
+  std::vector<Vec2> points;
+  for (int i = 0; i < count; ++i) {
+    double z = std::cos(pi * (i + 0.75) / (count + 0.5)), slope = 1;
+    for (int step = 0; step < 20; ++step) {
+      double p = 1, before = 0;
+      for (int j = 0; j < count; ++j) {
+        const double next = ((2 * j + 1) * z * p - j * before) / (j + 1);
+        before = p, p = next;
+      }
+      slope = count * (z * p - before) / (z * z - 1);
+      z -= p / slope;
+    }
+    points.push_back({(1 + z) / 2, 1 / ((1 - z * z) * slope * slope)});
+  }
+  return points;
+}
+
+// Between two plates that shine with L₀ = 1 light leaves and meets surfaces at one angle θ, µ = cosθ:
+//
+//     L(µ) = L₀ + ∫₀¹ K(µ, µ')·L(µ') dµ',   K = ∫ f(µ, µ', φ)·µ' dφ
+//
+// solved here by Gauss points, which ask the material for f alone: no sampling, no weights, no roulette. A path has 1/(1
+// − 0.9) = 10 surfaces or so, at each of which a wrong weight of roulette would count.
+TEST(Integrator, PathsBetweenRoughMetalPlatesHaveTheLightOfTheIntegralEquation) {
+  for (const double roughness : {0.5, 1.0}) {
+    Material metal(MetallicRoughnessMaterial{.base_color = {0.9, 0.9, 0.9}, .metallic = 1, .roughness = roughness});
+    metal.emission = {1, 1, 1};
+    Scene scene;
+    scene.materials = {metal};
+    const double gap = 10_mm, side = 20;  // what leaves at the sides, µ below 1/2000, is 1/2000² of the light
+    scene.meshes = {make_wall(-0.3, side, side), make_test_quad({0, 0, -0.3 + gap}, {0, side, 0}, {side, 0, 0})};
+    const double mu = 0.8;
+    const auto direction = [](double cosine, double angle) {
+      const double sine = std::sqrt(1 - cosine * cosine);
+      return Vec3{sine * std::cos(angle), sine * std::sin(angle), cosine};
+    };
+    const Ray ray{{0, 0, -0.3 + gap / 2}, -direction(mu, 0)};
+    const PathScene path_scene(scene, Lines{}, {}, {});
+    const Bsdf bsdf = make_bsdf(metal, start_of(path_scene, ray).point, Lines{});
+    const std::vector<Vec2> points = gauss_points(24);
+    constexpr int turns = 60;  // of φ over half a turn, closer at the mirror's direction: φ = π − π·t³
+    const auto kernel = [&](double from, const Vec2& to) {
+      double sum = 0;
+      for (int k = 0; k < turns; ++k) {
+        const double t = (k + 0.5) / turns;
+        sum += 3 * t * t * eval_bsdf(bsdf, direction(from, 0), direction(to.x, pi - pi * t * t * t), Lobe::glossy).y;
+      }
+      return sum * 2 * pi / turns * to.y;
+    };
+    std::vector<double> light(points.size(), 1.0), rows;
+    for (const Vec2& from : points)
+      for (const Vec2& to : points) rows.push_back(kernel(from.x, to));
+    const auto gathered = [&](const auto& weight_of) {
+      double sum = 1;
+      for (size_t j = 0; j < points.size(); ++j) sum += weight_of(j) * light[j];
+      return sum;
+    };
+    for (int order = 0; order < 300; ++order) {  // 0.9³⁰⁰ = 2e-14
+      std::vector<double> next;
+      for (size_t i = 0; i < points.size(); ++i)
+        next.push_back(gathered([&](size_t j) { return rows[i * points.size() + j]; }));
+      light = next;
+    }
+    const double expected = gathered([&](size_t j) { return kernel(mu, points[j]); });
+    const Statistics found = follow(scene, ray, 60000, unlimited);
+    // Four times as many points change `expected` by 2e-4 of it.
+    EXPECT_NEAR(found.mean() / expected, 1, 4 * found.standard_error() / expected + 2e-4) << roughness;
+    EXPECT_LT(found.standard_error(), 0.005 * expected) << "else the line above claims little";
+  }
+}
+
 TEST(Integrator, AskingTheLampAtTheEndOfAPathFindsTheLightOfDirectPaths) {
   // One wall under a point: ρ/π·I·cosθ/d², whatever part of the paths goes on (and finds nothing).
   Scene scene;

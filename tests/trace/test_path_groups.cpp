@@ -4,12 +4,12 @@
 #include "holotrace/trace/lights/environment.h"
 #include "trace/follow.h"
 
-// Path expressions on light paths: which light each path group takes.
+// Path expressions on light paths: the light of each path group.
 
 namespace holotrace {
 namespace {
 
-/// A room with everything: diffuse, glossy and mirror surfaces, lamps of every kind and a sky.
+/// A room with all kinds of things: diffuse, glossy and mirror surfaces, lamps of every kind and a sky.
 Scene rich_scene() {
   Scene scene;
   scene.materials = {grey(0.6),
@@ -58,7 +58,7 @@ TEST(PathGroups, OfSeparateLightsAddUpToTheWhole) {
     double sum = 0;
     for (const double light : lights) sum += light;
     EXPECT_NEAR(sum / whole, 1, 1e-12);
-    // And each is what the scene with that light alone has.
+    // And each sum equals that of the scene with this light alone.
     Scene alone = rich_scene();
     alone.lights = {alone.lights[2]};
     alone.environment.reset();
@@ -77,7 +77,7 @@ TEST(PathGroups, RayCastingIsTheDirectLightAlone) {
   scene.background = {};
   scene.materials[3].emission = {};
   const Ray& ray = rich_rays[0];
-  // One point light: nothing is random in the direct light, and with one surface there is no other.
+  // One point light: the direct light has no randomness, and one surface gives no other light.
   const double direct = sums_of(scene, ray, {}, {.max_depth = 1}, 1)[0];
   EXPECT_GT(direct, 0);
   EXPECT_NEAR(sums_of(scene, ray, {"E(D|G)L"}, {}, 100)[0], direct, 1e-12 * direct);
@@ -92,7 +92,7 @@ TEST(PathGroups, RadiosityIsAllOfADiffuseSceneAndNothingOfAMirror) {
 }
 
 TEST(PathGroups, RecursiveRayTracingSeesTheWallInTheMirrorByItsReflectance) {
-  // The mirror stands at 45° on the axis; the wall that it shows lies 30 mm to the left, lit from 20 mm before it.
+  // The mirror is at 45° on the axis. The wall that it shows is 30 mm to the left, lit from 20 mm in front of it.
   Scene scene;
   scene.materials = {grey(0.6), {ConductorMaterial{constant_index(3), 0}}};
   scene.meshes = {make_test_quad({0, 0, -0.3}, normalize({1, 0, 1}) * 10_mm, {0, 10_mm, 0}, 1),
@@ -100,12 +100,12 @@ TEST(PathGroups, RecursiveRayTracingSeesTheWallInTheMirrorByItsReflectance) {
   scene.lights = {PointLight{{-10_mm, 0, -0.28}, {1, 1, 1}}};
   const Ray ray{{0, 0, 0}, {0, 0, -1}};
   const double wall = 0.6 / pi * (20 / std::sqrt(800.0)) / 800e-6;
-  // Fresnel at 45°, n = 3: the mean of s and p.
+  // Fresnel at 45°, n = 3: the mean over s and p.
   const double c = std::sqrt(0.5), t = std::sqrt(1 - 0.5 / 9);
   const double s = std::pow((c - 3 * t) / (c + 3 * t), 2), p = std::pow((3 * c - t) / (3 * c + t), 2);
   const double reflectance = (s + p) / 2, expected = reflectance * wall;
   constexpr int paths = 40000;
-  // A path of one in 1/R sees the wall.
+  // One path in 1/R sees the wall.
   const double error = 4 * wall * std::sqrt(reflectance * (1 - reflectance) / paths);
   EXPECT_NEAR(sums_of(scene, ray, {"ES*(D|G)L"}, {}, paths)[0], expected, error);
   EXPECT_EQ(sums_of(scene, ray, {"ED*L"}, {}, 1000)[0], 0);

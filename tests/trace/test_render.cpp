@@ -23,7 +23,7 @@ TEST(Texture, BilinearBetweenPixelCentresWithVUpAndRepeat) {
   Image image(2, 2, 1);
   image(0, 0) = 1, image(0, 1) = 2, image(1, 0) = 3, image(1, 1) = 4;
   const auto value = [&](double u, double v) { return eval_texture(image, {u, v}).x; };
-  // Small whole numbers and halves: exact in double.
+  // Small integers and halves: exact in double.
   EXPECT_EQ(value(0.25, 0.75), 1) << "row 0 is the top, v = 1";
   EXPECT_EQ(value(0.75, 0.75), 2);
   EXPECT_EQ(value(0.25, 0.25), 3);
@@ -45,8 +45,8 @@ TEST(Render, TexturesStandUpright) {
   scene.background = {1, 1, 1};
   const RenderParams params{.columns = 10, .rows = 10, .field_of_view = std::atan(10.0 / 300), .paths = 1024};
   const Image image = render(scene, panel, green_light, params);
-  // Pixels 2 and 7 lie around the centres of texels and span a fifth of one: bilinear weights 0.95 per axis, on
-  // average. Under a white sky the radiance is the albedo, and a path finds 0 or 1: 4 standard errors are at most
+  // Pixels 2 and 7 are at the centres of texels and span a fifth of one: bilinear weights of 0.95 per axis, on
+  // average. Under a white sky the radiance is the albedo, and a path gives 0 or 1: 4 standard errors are at most
   // 4·½/√1024.
   const double pure = 0.95 * 0.95, beside = 0.05 * 0.95, error = 2 / std::sqrt(1024);
   EXPECT_NEAR(image(2, 2, 0), pure, error);
@@ -71,7 +71,7 @@ TEST(Render, APictureOfAnEmissiveWallIsItsRadianceAndBesideItTheBackground) {
   for (int row = 0; row < 10; ++row)
     for (int column = 0; column < 10; ++column)
       for (int channel = 0; channel < 3; ++channel) {
-        // The wall ends on the axis, between the pixels; its left end lies outside the 1.9° of the view. Sums of few
+        // The wall ends on the axis, between pixels; its left end is outside the 1.9° of the view. Sums of a few
         // small numbers over 9, to float rounding.
         const double expected = column < 5 ? channel + 1 : 0.5 / (1 << channel);
         EXPECT_FLOAT_EQ(image(row, column, channel), float(expected));
@@ -85,21 +85,21 @@ TEST(Render, EdgesAreAntialiased) {
   scene.materials = {grey(0, 1)};
   scene.meshes = {make_test_quad({-10_mm, 0, -0.1}, {10_mm, 0, 0}, {0, 20_mm, 0})};  // its edge halves the only pixel
   const Image image = render(scene, panel, green_light, {.columns = 1, .rows = 1, .paths = 1024});
-  // 32 × 32 strata, the edge between them.
+  // 32 × 32 strata, with the edge between strata.
   EXPECT_NEAR(image(0, 0), 0.5, 1e-6);
 }
 
 TEST(Render, APointAtAKnownPlaceLandsInItsPixel) {
   const double t = std::tan(10_deg);
   for (const auto& [x, y, row, column] : {std::tuple{0.0, 0.0, 10, 20}, {-1.0, 0.25, 5, 0}, {0.95, -0.25, 15, 39}}) {
-    // 40 × 20 pixels: x/depth from −2T to 2T, y/depth from T down to −T. At the middle of a pixel.
+    // 40 × 20 pixels: x/depth from −2T to 2T, y/depth from T down to −T. The point is at the middle of a pixel.
     Scene scene;
     const double depth = 0.25, half = 0.05;
     scene.points = {{{(2 * x + half) * t * depth, (2 * y - half) * t * depth, -depth}, 3.0f, 0}};
     const RenderParams params{.columns = 40, .rows = 20, .field_of_view = 10_deg, .paths = 1};
     const Image image = render(scene, panel, green_light, params);
     for (int j = 0; j < 20; ++j)
-      for (int i = 0; i < 40; ++i)  // 1e-6: rounding of the place shares out a little light
+      for (int i = 0; i < 40; ++i)  // 1e-6: rounding of the place moves a little light
         EXPECT_EQ(image(j, i) > 1e-6 * image(row, column), j == row && i == column) << j << " " << i;
   }
 }
@@ -110,7 +110,7 @@ TEST(Render, APointBetweenPixelsSharesItsLight) {
   scene.points = {{{0.25 * pixel, 0.5 * pixel, -0.25}, 1.0f, 0}};
   const RenderParams params{.columns = 20, .rows = 20, .field_of_view = 10_deg, .paths = 1};
   const Image image = render(scene, panel, green_light, params);
-  // The corner of four pixels is at the axis: 3/4 of a pixel to the right of the left one's middle, on a row's middle.
+  // The corner of four pixels is on the axis: 3/4 of a pixel to the right of the left one's middle, at a row's middle.
   EXPECT_NEAR(image(9, 10) / image(9, 9), 3, 1e-5);
   EXPECT_LT(image(10, 10) / image(9, 10), 1e-5);
 }
@@ -122,7 +122,7 @@ TEST(Render, APointHasTheLightOfACellWithItsAmplitude) {
   const Image image = render(scene, panel, green_light, params);
   double sum = 0;
   for (float value : image.values) sum += value;
-  // a²·cos²θ = L·dA·cos⁴θ at the panel's centre, a² being 9 W/m²/sr times λ²/(W·H); floats.
+  // a²·cos²θ = L·dA·cos⁴θ at the panel's centre, where a² is 9 W/m²/sr times λ²/(W·H); floats.
   const double side = 2 * std::tan(10_deg) / 16, squared = 0.2 * 0.2 / (0.2 * 0.2 + 1e-4 + 0.49e-4);
   const double solid_angle = green_light * green_light / (panel.width() * panel.height());
   EXPECT_NEAR(sum / 3 / (9 * solid_angle / (side * side * squared)), 1, 1e-6);
@@ -163,8 +163,8 @@ TEST(Render, ThePictureAndTheWavesHoldTheSameLight) {
     difference.add(waves - picture);
     radiance.add(picture);
   }
-  // 4 standard errors of ten pairs, and the raster's centres against pixel means: an edge off by up to half a row
-  // in 32.
+  // 4 standard errors of ten pairs, plus the raster's centres compared with pixel means: an edge off by up to half a
+  // row in 32.
   EXPECT_NEAR(difference.mean(), 0, 4 * difference.standard_error() + 0.5 / side * radiance.mean());
   EXPECT_GT(radiance.mean(), 0.1);
 }
@@ -178,7 +178,7 @@ TEST(Render, ThroughAPinholeOnTheAxisTheFocusDoesNotMatter) {
             render(scene, panel, green_light, {.rows = 16, .focus = 0.5, .paths = 4}).values);
 }
 
-/// A wall that shines, left of the axis, at that depth.
+/// An emitting wall at that depth, left of the axis.
 Scene half_plane(double depth) {
   Scene scene;
   scene.materials = {grey(0, 1)};
@@ -187,8 +187,8 @@ Scene half_plane(double depth) {
 }
 
 TEST(Render, ARoundLensBlursAnEdgeToTheDiscOfGeometry) {
-  // In the plane in focus f an edge at depth d = 2f is blurred over a disc of diameter pupil·|d − f|/d = 2 mm.
-  const double focus = 0.2, radius = 1_mm, half = 2_mm;  // of the disc, and of the window
+  // In the plane in focus f, an edge at depth d = 2f is blurred over a disc of diameter pupil·|d − f|/d = 2 mm.
+  const double focus = 0.2, radius = 1_mm, half = 2_mm;  // of the disc; of the window
   const RenderParams params{.columns = 20,
                             .rows = 20,
                             .field_of_view = std::atan(half / focus),
@@ -197,14 +197,14 @@ TEST(Render, ARoundLensBlursAnEdgeToTheDiscOfGeometry) {
                             .focus = focus,
                             .paths = 1024};
   const Image image = render(half_plane(2 * focus), panel, green_light, params);
-  // The share of a disc left of the chord at s radii is acos(s)/π − s√(1−s²)/π; a pixel, 0.2 mm, is the mean over it.
+  // The share of a disc left of the chord at s radii is acos(s)/π − s√(1−s²)/π; a pixel of 0.2 mm is the mean over it.
   const auto share = [](double s) {
     return s <= -1 ? 1.0 : s >= 1 ? 0.0 : (std::acos(s) - s * std::sqrt(1 - s * s)) / pi;
   };
   for (int column = 0; column < 20; ++column) {
     double expected = 0;
     for (int i = 0; i < 100; ++i) expected += share(((column + (i + 0.5) / 100) / 20 * 2 - 1) * half / radius) / 100;
-    // 1024 paths of 0 or 1 in each of 20 rows, no worse than independent ones: 4 standard errors of their mean.
+    // 1024 paths of 0 or 1 in each of 20 rows, at least as good as independent ones: 4 standard errors of their mean.
     double mean = 0;
     for (int row = 0; row < 20; ++row) mean += image(row, column) / 20;
     EXPECT_NEAR(mean, expected, 4 * std::sqrt(std::abs(expected * (1 - expected)) / (20 * 1024)) + 1e-5) << column;
@@ -217,8 +217,8 @@ TEST(Render, ARoundLensBlursAnEdgeToTheDiscOfGeometry) {
 }
 
 TEST(Render, ThePanelAsALensBlursByItsOwnWidth) {
-  // 256 pixels of 8 µm: 2.048 mm wide; at f = 0.2 m its boxes reach 6.7 mm, so all of it lights the whole window. An
-  // edge at depth 2f is even over a width of 2.048 mm·|d − f|/d.
+  // 256 pixels of 8 µm: 2.048 mm wide. At f = 0.2 m its boxes extend 6.7 mm, so all of it lights the whole window. An
+  // edge at depth 2f is blurred evenly over a width of 2.048 mm·|d − f|/d.
   const double focus = 0.2, width = panel.width() / 2, half = 2_mm;
   const RenderParams params{.columns = 20,
                             .rows = 20,
@@ -241,7 +241,7 @@ TEST(Render, ThePanelAsALensIsBlackWhereNoneOfItsPixelsSendsLight) {
   scene.materials = {grey(0, 1)};
   scene.meshes = {make_wall(-0.2, 50_mm, 50_mm)};
   const double focus = 0.2, tangent = acceptance_tangent(green_light, panel.pitch);
-  const double limit = panel.width() / 2 + focus * tangent, half = 2 * limit;  // of the light, of the window
+  const double limit = panel.width() / 2 + focus * tangent, half = 2 * limit;  // of the light; of the window
   const RenderParams params{.columns = 40,
                             .rows = 1,
                             .field_of_view = std::atan(half / 40 / focus),
@@ -254,7 +254,7 @@ TEST(Render, ThePanelAsALensIsBlackWhereNoneOfItsPixelsSendsLight) {
 }
 
 TEST(Render, AnEyeOffTheAxisSeesParallax) {
-  // A square of 1 mm at P, seen from e: it lands at X = e + (P − e)·(e_z + f)/(e_z + d) in the plane in focus.
+  // A square of 1 mm at P, seen from e, appears at X = e + (P − e)·(e_z + f)/(e_z + d) in the plane in focus.
   const Vec3 at{1_mm, -0.5_mm, -0.4}, eye{2_mm, 1_mm, 0.3};
   const double focus = 0.2, half = 4_mm;
   Scene scene;
@@ -278,8 +278,8 @@ TEST(Render, AnEyeOffTheAxisSeesParallax) {
         y += image(row, column) * (1 - (row + 0.5) / 20) * half;
       }
     const double scale = (0.3 + focus) / (0.3 + 0.4);
-    // Pixels are 0.2 mm, the square has 13 of them, and some 10 that it cuts, 1.8 from its middle, know their share to
-    // ½/√256: 0.5/16·√10·1.8/13 of a pixel, four times.
+    // Pixels are 0.2 mm and the square covers 13 of them. Some 10 are cut, 1.8 from its middle; their share is known to
+    // ½/√256: 0.5/16·√10·1.8/13 of a pixel, times four.
     EXPECT_NEAR(x / sum, eye.x + (at.x - eye.x) * scale, 0.06 * 0.2_mm);
     EXPECT_NEAR(y / sum, eye.y + (at.y - eye.y) * scale, 0.06 * 0.2_mm);
     EXPECT_NEAR(sum * 0.2_mm * 0.2_mm / (scale * scale * 1e-6), 1, 0.03) << "and has its size";
@@ -335,8 +335,8 @@ TEST(Render, TheSamePictureComesFromAnyNumberOfThreads) {
   std::vector<Image> images;
   for (size_t threads : {1, 2, 7}) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    // A thread that has done its first rows waits for another one to do some (a minute at most), so that every picture
-    // is the work of as many threads as it claims, two at least.
+    // A thread that has finished its first rows waits for another one to do some (a minute at most), so that every
+    // picture is the work of as many threads as stated, at least two.
     std::mutex mutex;
     std::condition_variable another;
     std::set<std::thread::id> workers;

@@ -40,8 +40,8 @@ TEST(TiledStrategy, AnOpenDiffuseSceneHasTheAmplitudesOfTheSharedOneInEveryTile)
     for (size_t i = 0; i < shared.waves.size(); ++i) {
       EXPECT_EQ(tiled.waves[i].origin, shared.waves[i].origin);
       EXPECT_EQ(tiled.waves[i].phase, shared.waves[i].phase);
-      // The power over the panel is summed tile by tile: 1e-9 of the quadrature, and a float's rounding. No light goes
-      // to tiles that the wave reaches only at angles which the panel cannot hold.
+      // The power over the panel is summed tile by tile: 1e-9 of the quadrature, and a float's rounding. Tiles that the
+      // wave reaches only at angles beyond the panel's acceptance get no light.
       const Vec3 origin = shared.waves[i].origin;
       const double radius = box_radius(-origin.z, green_light, panel.pitch);
       for (size_t t = 0; t < 6; ++t) {
@@ -55,8 +55,8 @@ TEST(TiledStrategy, AnOpenDiffuseSceneHasTheAmplitudesOfTheSharedOneInEveryTile)
 }
 
 TEST(TiledStrategy, AFloorAtGrazingIncidenceDoesNotHideItself) {
-  // Seen from tiles at most 0.7 mm above it, a floor 1 mm below the axis and some 0.3 m away is at less than 0.3° to
-  // the ray: no tile that stands above it may miss it.
+  // A floor 1 mm below the axis and some 0.3 m away. Tiles at most 0.7 mm above it see it at less than 0.3° to the ray:
+  // every tile above the floor must see it.
   Scene scene;
   scene.materials = {grey(0, 1)};
   scene.meshes = {make_test_quad({0, -1_mm, -0.3}, {5_mm, 0, 0}, {0, 0, -20_mm})};
@@ -68,7 +68,7 @@ TEST(TiledStrategy, AFloorAtGrazingIncidenceDoesNotHideItself) {
   EXPECT_EQ(std::count(sources.tiles.values.begin(), sources.tiles.values.end(), 0.0F), 0);
 }
 
-/// A card at z = −50 mm that covers x > 50 µm hides a spot and a point at z = −0.2 m from the right of the panel.
+/// A card at z = −50 mm covers x > 50 µm. It hides a spot and a point at z = −0.2 m from the right part of the panel.
 Scene make_half_hidden_scene() {
   Scene scene;
   scene.materials = {grey(0, 1), grey(0)};
@@ -79,7 +79,7 @@ Scene make_half_hidden_scene() {
 }
 
 TEST(TiledStrategy, ACardHidesWhatIsBehindItFromTheTilesThatItCovers) {
-  // The way from (x, y) on the panel to the axis at −0.2 m passes z = −0.05 at 3x/4: hidden for x > 67 µm.
+  // The line from (x, y) on the panel to the axis at −0.2 m passes z = −0.05 at 3x/4: hidden for x > 67 µm.
   TraceParams params{.strategy = Strategy::tiled,
                      .columns = 1,
                      .rows = 1,
@@ -99,8 +99,8 @@ TEST(TiledStrategy, ACardHidesWhatIsBehindItFromTheTilesThatItCovers) {
 }
 
 TEST(TiledStrategy, RandomRaysBringHiddenWavesTheirPowerToTheTilesThatSeeThem) {
-  // A black card hides a bright wall behind it from part of the panel: E of a pixel is what it sees of the wall, here
-  // summed by tiles from the waves, and from the solid angle by rays of a raster of its own.
+  // A black card hides a bright wall behind it from part of the panel. E of a pixel is that of the visible part of the
+  // wall: summed over the waves tile by tile, and computed from the solid angle by rays of a separate raster.
   Scene scene;
   scene.materials = {grey(0, 1), grey(0)};
   scene.meshes = {make_wall(-20_mm, 50_mm, 50_mm),
@@ -125,7 +125,7 @@ TEST(TiledStrategy, RandomRaysBringHiddenWavesTheirPowerToTheTilesThatSeeThem) {
       const double a = sources.tiles.values[size_t(t) * sources.waves.size() + i];
       irradiance += a * a * o.z * o.z / dot(o - centre, o - centre);
     }
-    // Share of the cone's tangents that the card leaves open.
+    // The part of the cone's tangents that the card does not cover.
     const double x0 = std::max(-tangent, (0 - centre.x) / 10_mm), x1 = std::min(tangent, (1_mm - centre.x) / 10_mm);
     const double y0 = std::max(-tangent, (-0.6_mm - centre.y) / 10_mm),
                  y1 = std::min(tangent, (0.6_mm - centre.y) / 10_mm);
@@ -135,13 +135,13 @@ TEST(TiledStrategy, RandomRaysBringHiddenWavesTheirPowerToTheTilesThatSeeThem) {
     total_expected += expected;
     worst = std::max(worst, std::abs(irradiance - expected) / (4 * tangent * tangent));
   }
-  // 15000 waves: 1 % for the whole panel, and a tile sees about a third of them: 5 standard errors of √(1/5000), and
-  // what tiles do to the card's edge, 128 µm in 700.
+  // 15000 waves: 1 % for the whole panel. A tile sees about a third of them: 5 standard errors of √(1/5000), and the
+  // effect of tiles at the card's edge, 128 µm in 700.
   EXPECT_NEAR(total / total_expected, 1, 0.01);
   EXPECT_LT(worst, 5 * std::sqrt(1.0 / 5000) + 0.05);
 }
 
-/// Where reflection off a sphere sends light from `light` to `eye`: the normal bisects the two ways.
+/// The point of a sphere at which light from `light` is reflected to `eye`: the normal bisects the two directions.
 Vec3 highlight(Vec3 centre, double radius, Vec3 light, Vec3 eye) {
   Vec3 point = centre + Vec3{0, 0, radius};
   for (int i = 0; i < 100; ++i) point = centre + normalize(normalize(light - point) + normalize(eye - point)) * radius;
@@ -180,13 +180,13 @@ TEST(TiledStrategy, AHighlightMovesAcrossTheTiles) {
   const double expected = highlight(centre, radius, light, tile_centre(params, 1)).x -
                           highlight(centre, radius, light, tile_centre(params, 0)).x;
   EXPECT_GT(expected, 30_um);
-  // The lobe's tails reach farther where the sphere turns away: its centroid leads its peak by some per cent.
+  // The tails of the lobe extend farther where the sphere turns away, so its centroid is ahead of its peak by some %.
   EXPECT_NEAR(moved / expected, 1, 0.1);
 }
 
 TEST(TiledStrategy, ABallInAMirrorIsSeenByTheTilesWhoseWayOverTheMirrorIsOpen) {
   // A mirror at 45° shows a spot at x = −50 mm; a card between mirror and spot covers z > −0.2 + 50 µm there. The
-  // image stands at z = −0.25, the card's at z = −0.225, above x = 50 µm … seen from x_t the way passes it at 0.1·x_t.
+  // image is at z = −0.25, that of the card at z = −0.225, above x = 50 µm. From x_t the line passes it at 0.1·x_t.
   Scene scene;
   scene.materials = {grey(0, 1), ConductorMaterial{}, grey(0)};
   scene.meshes = {make_test_quad({-50_mm, 0, -0.2}, {0, 0, 20_um}, {0, 20_um, 0}, 0),
@@ -204,7 +204,7 @@ TEST(TiledStrategy, ABallInAMirrorIsSeenByTheTilesWhoseWayOverTheMirrorIsOpen) {
   EXPECT_NEAR(tiled.waves[0].origin.z, -0.25, 1e-9);
   int seen = 0;
   for (int t = 0; t < 8; ++t) {
-    // z = x_m mirrors to x: the image of the card covers x_image = z_card + 0.2 > 50 µm at depth 0.225.
+    // The mirror maps z = x_m to x: the card's image covers x_image = z_card + 0.2 > 50 µm at depth 0.225.
     const bool is_hidden = 0.1 * tile_centre(params, t).x > 50_um;
     EXPECT_EQ(tiled.tiles.values[size_t(t)] == 0, is_hidden) << t;
     seen += !is_hidden;
@@ -213,7 +213,7 @@ TEST(TiledStrategy, ABallInAMirrorIsSeenByTheTilesWhoseWayOverTheMirrorIsOpen) {
   EXPECT_LT(seen, 8);
 }
 
-/// Which tiles see the brightest wave, from the left.
+/// The tiles that see the brightest wave, from left to right.
 std::string tiles_that_see(const Sources& sources) {
   const auto is_darker = [](const Source& a, const Source& b) { return a.amplitude < b.amplitude; };
   const auto brightest = std::max_element(sources.waves.begin(), sources.waves.end(), is_darker);
@@ -225,8 +225,8 @@ std::string tiles_that_see(const Sources& sources) {
 }
 
 TEST(TiledStrategy, GlassAndMirrorsHideNothingOfWhatACardCloseToAWallCovers) {
-  // A card 2.5 mm before a spot at z = −0.3 covers x > 4 µm: the way from (x, 0) passes it at x/120, hidden for
-  // x > 0.48 mm, the right two of 8 tiles. Behind 10 mm of glass the spot seems 3.3 mm nearer: x > 0.475 mm.
+  // A card 2.5 mm in front of a spot at z = −0.3 covers x > 4 µm: the line from (x, 0) passes it at x/120, hidden for
+  // x > 0.48 mm, the right two of 8 tiles. Behind 10 mm of glass the spot appears 3.3 mm nearer: x > 0.475 mm.
   const TraceParams params{.strategy = Strategy::tiled,
                            .columns = 1,
                            .rows = 1,
@@ -257,7 +257,7 @@ TEST(TiledStrategy, GlassAndMirrorsHideNothingOfWhatACardCloseToAWallCovers) {
 }
 
 TEST(TiledStrategy, ACurvedMirrorShowsAWallToAllTiles) {
-  // A ball of chrome shows the wall behind the panel; its image stays where it is only nearly.
+  // A chrome ball shows the wall behind the panel. Its image moves only slightly.
   Scene scene;
   scene.materials = {grey(0, 1), ConductorMaterial{}};
   Mesh ball = make_round_mesh({0, 0, -0.1}, 5_mm, 128);

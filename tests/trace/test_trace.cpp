@@ -337,7 +337,8 @@ TEST(Trace, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   EXPECT_EQ(sentence({.field_of_view = 30_deg, .paths = 1}, 266_nm), "");
   EXPECT_EQ(sentence({}, -1), "expected a pixel pitch above 0 m, got -1 m");
   EXPECT_EQ(sentence({}, 8e-6, 0), "expected a wavelength above 0 m, got 0 m");
-  EXPECT_EQ(error_of([] { trace({}, panel, green_light, {}); }), "expected at least one object in the scene, got none");
+  EXPECT_EQ(error_of([] { trace({}, panel, green_light, {}); }),
+            "expected at least one object in the scene, or a visible rectangle light, got none");
 }
 
 TEST(Trace, ProgressReachesOne) {

@@ -151,17 +151,70 @@ TEST(VisibleLight, IsInThePictureTheGatheredFieldAndTheTriangles) {
   Scene scene = lamp_scene(true);
   const Image picture = render(scene, panel, green_light, {.rows = 4, .field_of_view = 0.03, .paths = 1});
   for (const float value : picture.values) EXPECT_EQ(value, 5);
-  // Of a field of independent waves the mean irradiance is L times the solid angle of the acceptance: 5 to 1 against
-  // the wall behind it, with other phases. 64 pixels of 64 waves each leave some 15 % of noise.
-  TraceParams params{.strategy = Strategy::gather, .pixel_samples = 64, .paths = 1, .phase = SourcePhase::surface};
-  const double seen = power(gather(scene, panel, {green_light}, params).front());
   const std::vector<Triangles> shaded =
       shade_triangles(scene, panel, {green_light}, {.paths = 1}, Shading::flat, TrianglePhase::random);
-  set_visible(scene, false);
-  EXPECT_NEAR(seen / power(gather(scene, panel, {green_light}, params).front()), 5, 2.5);
   float nearest = -1;
   for (const Triangle& triangle : shaded[0].triangles) nearest = std::max(nearest, float(triangle.corners[0].z));
   EXPECT_NEAR(nearest, -0.2, 1e-7);
+}
+
+TEST(VisibleLight, GathersItsRadianceOverTheAcceptance) {
+  // Cells of 1 nm: independent waves, whose mean irradiance is L·∫∫ dΩ over the acceptance, ±asin(λ/2p) in both axes,
+  // 4s²(1 − s²/3). The lamp fills it: R = 6.65 mm at 200 mm. 8 waves a pixel have a contrast of √(1 − 1/8): 16384 pixels
+  // leave 0.73 % of noise.
+  const Grid panel{128, 128, 8e-6};
+  const TraceParams params{.strategy = Strategy::gather,
+                           .pixel_samples = 8,
+                           .paths = 1,
+                           .max_depth = 1,
+                           .phase = SourcePhase::surface,
+                           .grain = 1e-9};
+  const double s = green_light / 16e-6, solid_angle = 4 * s * s * (1 - s * s / 3);
+  Scene scene = lamp_scene(true);
+  for (const bool is_visible : {true, false}) {
+    set_visible(scene, is_visible);
+    const Field field = gather(scene, panel, {green_light}, params).front();
+    const double irradiance = power(field) / (panel.width() * panel.height()), radiance = is_visible ? 5 : 1;
+    EXPECT_NEAR(irradiance / (radiance * solid_angle), 1, 4 * 0.0073);
+  }
+}
+
+TEST(VisibleLight, FarAwayLightsContactsAsTheSameLampNearby) {
+  // A card 10 µm before a wall of 2 mm, lit by a lamp of 0.1 m at 0.1 m, and by one of 1 km at 1 km, a corner over the
+  // middle of both: ρ·L·F, F the sum over the lamp's four parts about the place. In the gap, 0.4 mm from the card's edge,
+  // light comes from no more than 10/400 of the right angle at the horizon, where the lamp, up to 45° high, is not.
+  for (const double side : {0.1, 1000.0}) {
+    Scene scene;
+    scene.materials = {grey(0.6)};
+    scene.meshes = {make_wall(-0.1, 1_mm, 1_mm), make_wall(-0.1 + 10_um, 0.5_mm, 0.5_mm)};
+    scene.lights = {RectangleLight{{0, 0, -0.1 + side}, {0, side, 0}, {side, 0, 0}, {5, 5, 5}}};
+    for (const double x : {0.8_mm, 0.1_mm}) {  // on the wall, on the card
+      const double y = 0.1_mm, far_x = side - x, far_y = side - y;
+      const double factor = corner_view_factor(x, y, side) + corner_view_factor(far_x, y, side) +
+                            corner_view_factor(x, far_y, side) + corner_view_factor(far_x, far_y, side);
+      const Statistics found = follow(scene, {{x, y, -0.05}, {0, 0, -1}}, 20000, 1);
+      // The card is nearer by 10 µm: 1e-4 of 0.1 m, and twice that of F at most.
+      EXPECT_NEAR(found.mean(), 0.6 * 5 * factor, 4 * found.standard_error() + 1e-4) << side << ", " << x;
+      EXPECT_LT(found.standard_error(), 0.01 * found.mean()) << "else the line above claims little";
+    }
+    EXPECT_EQ(follow(scene, {{0.1_mm, 0.1_mm, -0.1 + 5_um}, {0, 0, -1}}, 2000, 1).mean(), 0) << side;
+  }
+}
+
+TEST(VisibleLight, AloneIsAScene) {
+  const Grid panel{8, 8, 8e-6};
+  Scene alone = lamp_scene(true);
+  alone.meshes.clear();
+  alone.materials.clear();
+  for (const float value : render(alone, panel, green_light, {.rows = 4, .field_of_view = 0.03, .paths = 1}).values)
+    EXPECT_EQ(value, 5);
+  const TraceParams params{.columns = 4, .rows = 4, .field_of_view = 0.03, .paths = 1};
+  EXPECT_EQ(trace(alone, panel, green_light, params).waves.size(), 16u);
+  const auto shaded = shade_triangles(alone, panel, {green_light}, {.paths = 1}, Shading::flat, TrianglePhase::random);
+  EXPECT_FALSE(shaded[0].triangles.empty());
+  set_visible(alone, false);  // light and nothing to light
+  EXPECT_EQ(error_of([&] { trace(alone, panel, green_light, params); }),
+            "expected at least one object in the scene, or a visible rectangle light, got none");
 }
 
 }  // namespace

@@ -297,7 +297,22 @@ TEST(Camera, LensesThatCannotImageAreRefused) {
 // A flat panel sends order (1, 0) to z·λ/p = 6.65 mm, with F²·sinc²(√F) of its light. A pupil of 3 mm takes all of a
 // beam of 2 mm but for what its edges spread, λz/(π²·2 mm)·2/0.5 mm = 1 % along each axis, and of order 0, 0.757 of the
 // light, what its edges spread from 5.15 to 8.15 mm: 1.9e-4 of it, or 3.7 % of what is expected.
-TEST(Camera, AnEyeBesideTheEyeboxIsToldAndSeesWhatOrdersGoThere) {
+TEST(Camera, APupilBetweenSamplesIsToldToGrowAndOneBesideThePanelToMove) {
+  // On a panel of even sides the nearest samples are 4√2 = 5.7 µm off the axis.
+  const Slm slm = make_panel(64, 64);
+  Field field(slm.grid, test_wavelength);
+  CameraParams camera;
+  camera.pupil = 4_um;
+  EXPECT_EQ(error_of([&] { look(field, slm, 0.1, {}, camera); }),
+            "expected a pupil that holds a sample of the field, got one of 4 µm among samples 8 µm apart; take one of "
+            "11.3137 µm or more");
+  camera.eye.x = 1_mm;
+  EXPECT_EQ(
+      error_of([&] { look(field, slm, 0.1, {}, camera); }),
+      "expected a pupil within the panel's window of 512 µm × 512 µm, got one of 4 µm at 1 mm, 0 m; move the eye");
+}
+
+TEST(Camera, AnEyeOutsideTheEyeboxIsToldAndSeesWhatOrdersGoThere) {
   Slm slm = make_panel(252, 252, 256, 0.87);
   const Hologram flat = make_hologram(slm, Modulation::phase, [](int) { return 0; });
   CameraParams camera;
@@ -313,12 +328,11 @@ TEST(Camera, AnEyeBesideTheEyeboxIsToldAndSeesWhatOrdersGoThere) {
     const double expected = subpixels == 1 ? 0 : 0.00388;
     EXPECT_NEAR(light / (slm.grid.width() * slm.grid.height()), expected, 0.04 * expected);
     ASSERT_EQ(heard.warnings.size(), 1u);
-    EXPECT_EQ(
-        heard.warnings[0],
-        std::string("the eye at 6.65 mm, 0 m is beside the eyebox, which is 6.65368 mm × 6.65368 mm at 100 mm from "
-                    "the panel: it sees less than half of order 0, or nothing of it") +
-            (subpixels == 1 ? "; higher orders need subpixels of 3 or more; move it toward the axis"
-                            : ", and light of higher orders; move it toward the axis"));
+    EXPECT_EQ(heard.warnings[0],
+              std::string("the eye at 6.65 mm, 0 m is outside the eyebox (6.65368 mm × 6.65368 mm at 100 mm from the "
+                          "panel): less than half of order 0 reaches it, ") +
+                  (subpixels == 1 ? "and higher orders need subpixels of 3 or more" : "and light of higher orders") +
+                  "; move the eye to |x| ≤ 3.32684 mm, |y| ≤ 3.32684 mm");
   }
   // Behind a plane before the panel, the same eye sees none of it: light of a real image goes past its pupil.
   Heard of_real_image;

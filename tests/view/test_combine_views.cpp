@@ -23,7 +23,7 @@ TEST(CombinedViews, OneHologramIsItsView) {
   Image view = flat(1.5F);
   view.values[1] = 0.1F;
   sum.add(532e-9, "", 0.0037, view);
-  EXPECT_EQ(sum.image().values, view.values);  // to the last bit, whatever its illumination
+  EXPECT_EQ(sum.image().values, view.values);  // to the last bit, for any illumination
   EXPECT_EQ(sum.image().channels, 1);
   EXPECT_EQ(sum.image().pitch, test_pitch);
 }
@@ -89,32 +89,32 @@ TEST(SeenAt, IsTheRadianceOfOneWavelengthAndTheColourOfThree) {
 
 TEST(AxialReach, IsTheWholePanelFarAwayAndTheAcceptanceNearby) {
   Slm slm = make_panel(256, 192);
-  slm.fill_factor = 1e-12;  // no roll-off: areas alone
+  slm.fill_factor = 1e-12;  // no roll-off: only areas matter
   EXPECT_NEAR(axial_reach(slm, 532e-9, 10, {}, {}, {}), 1, 1e-9);
-  // 10 mm away the box's half side is 10 mm·tan(asin(λ/2p)), within the panel's 1.024 and 0.768 mm.
+  // At 10 mm the box's half side is 10 mm·tan(asin(λ/2p)), inside the panel's 1.024 and 0.768 mm.
   const double sine = 532e-9 / 16e-6, box = 0.01 * sine / std::sqrt(1 - sine * sine);
   EXPECT_NEAR(axial_reach(slm, 532e-9, 0.01, {}, {}, {}), 4 * box * box / (slm.grid.width() * slm.grid.height()), 1e-9);
-  // Pixels that touch send on ∫sinc² of the band |f| ≤ 1/2 per axis: 0.77369 of the light; small angles: 1e-3.
+  // Pixels without gaps pass ∫sinc² over the band |f| ≤ 1/2 per axis: 0.77369 of the light; small angles: 1e-3.
   slm.fill_factor = 1;
   EXPECT_NEAR(axial_reach(slm, 532e-9, 0.01, {}, {}, {}) / (4 * box * box / (slm.grid.width() * slm.grid.height())),
               std::pow(0.7736950, 2), 1e-3);
 }
 
-// A pupil of 20 mm takes in all the light on its way to a point 150 mm before the panel and 150 mm before the eye, as
-// its beam is as wide there as on the panel: at most 15.36 mm.
+// A pupil of 20 mm receives all the light for a point 150 mm in front of the panel and 150 mm before the eye: its beam
+// is as wide there as on the panel, at most 15.36 mm.
 TEST(AxialReach, OfARealImageIsThatOfTheLightThatPassesThePupil) {
   const Slm slm{.name = "test", .grid = {1920, 1080, 8e-6}};
   const ImageSide real = ImageSide::real_image;
   CameraParams camera;
   const double all = axial_reach(slm, 532e-9, 0.15, real, camera, {});
-  EXPECT_LT(all, 0.9);  // not the whole panel: a pupil as of a virtual image would change it
+  EXPECT_LT(all, 0.9);  // not the whole panel: a pupil as for a virtual image would change it
   camera.pupil = 20e-3;
   camera.eye = {0, 0, 0.3};
   EXPECT_EQ(axial_reach(slm, 532e-9, 0.15, real, camera, {}), all);
   EXPECT_GT(axial_reach(slm, 532e-9, 0.15, ImageSide::virtual_image, camera, {}), all);
 }
 
-// Developed speckle by random plane waves of the whole band; each frame has other phases.
+// Developed speckle: random plane waves over the whole band; each frame has other phases.
 Field speckle(const Grid& grid, int band, uint32_t frame) {
   CounterRandom random(7, frame, 0);
   Field f(grid, test_wavelength);
@@ -142,8 +142,8 @@ Field speckle(const Grid& grid, int band, uint32_t frame) {
 }
 
 TEST(CombinedViews, SpeckleFallsAsOneOverTheRootOfTheFrames) {
-  // 97² = 9409 independent modes, one grain each: the contrast C = 1/√M of N grains is known to about 1/√N = 1 % (M =
-  // 1), 1/√(2N) = 0.7 % (many frames): 3 % is three of that.
+  // 97² = 9409 independent modes, one grain each. The contrast C = 1/√M of N grains is known to about 1/√N = 1 % (M =
+  // 1), 1/√(2N) = 0.7 % (many frames); 3 % is three times that.
   const Grid grid{128, 128, test_pitch};
   CombinedViews sum;
   for (uint32_t frame = 0; frame < 16; ++frame) {

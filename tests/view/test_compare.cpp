@@ -45,7 +45,7 @@ TEST(Compare, AScaleIsFittedAway) {
 }
 
 TEST(Compare, ConstantImagesHaveTheClosedForm) {
-  // No variance: SSIM is its luminance term (2ab + c₁)/(a² + b² + c₁), c₁ = (0.01·L)²; PSNR 20·log₁₀(L/|a − b|).
+  // Without variance, SSIM is its luminance term (2ab + c₁)/(a² + b² + c₁), c₁ = (0.01·L)²; PSNR 20·log₁₀(L/|a − b|).
   const double a = 0.75, b = 0.5;
   Image reference(15, 15, 1), image(15, 15, 1);
   std::fill(reference.values.begin(), reference.values.end(), float(a));
@@ -57,7 +57,7 @@ TEST(Compare, ConstantImagesHaveTheClosedForm) {
   EXPECT_DOUBLE_EQ(m.scale, 1.5);
 }
 
-// SSIM as written in the paper: a two-dimensional window at every pixel where it fits.
+// SSIM as in the paper: a two-dimensional window at every pixel at which it fits.
 double slow_similarity(const Image& a, const Image& b, double L) {
   double weights[11][11], total = 0, sum = 0;
   for (int y = 0; y < 11; ++y)
@@ -137,8 +137,8 @@ TEST(Compare, SaysWhatIsWrong) {
             "expected a field of 4 × 4 samples, as its reference, got 4 × 5");
 }
 
-// 1000 ratios from 0.5 to 1.499 in even steps: the 10th is 0.509, the 990th 1.489. One dark pixel and one too bright
-// take the place of the outermost: they change nothing.
+// 1000 ratios from 0.5 to 1.499 in even steps: the 10th is 0.509, the 990th 1.489. One dark and one too bright pixel
+// replace the outermost ratios; the result does not change.
 TEST(Compare, UniformityIsThatOfPercentiles) {
   Image reference(25, 40, 1), image(25, 40, 1);
   for (size_t i = 0; i < 1000; ++i) {
@@ -163,7 +163,7 @@ TEST(Difference, IsGreyWhereEqualAndColouredBySign) {
   const DifferenceImage difference = difference_image(reference, image, 2);
   EXPECT_EQ(difference.range, 0.5);
   const auto expect_colour = [&](int column, double red, double green, double blue) {
-    EXPECT_NEAR(difference.image(0, column, 0), red, 1e-4);  // the codes' linear light, in four figures
+    EXPECT_NEAR(difference.image(0, column, 0), red, 1e-4);  // the codes' linear light, to four digits
     EXPECT_NEAR(difference.image(0, column, 1), green, 1e-4);
     EXPECT_NEAR(difference.image(0, column, 2), blue, 1e-4);
   };

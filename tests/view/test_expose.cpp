@@ -1,3 +1,4 @@
+#include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/expose.h"
 #include "support/panels.h"
@@ -7,10 +8,17 @@ namespace {
 
 constexpr PixelSampling point = PixelSampling::point;
 
+/// What a sensor in the field's own plane reads.
+Image seen_in_place(const Field& field, CameraParams camera, const Observer& observer = {}) {
+  camera.centre_x = field.grid.centre_x;
+  camera.centre_y = field.grid.centre_y;
+  return look(field, {.grid = field.grid}, 0, {}, camera, observer);
+}
+
 TEST(Expose, OfPointsIsTheirMeanIrradiance) {
   Field f({6, 4, 2e-6}, test_wavelength);
   for (size_t i = 0; i < f.samples.size(); ++i) f.samples.values[i] = {float(i), 1};
-  const Image image = expose(f, {.binning = 2, .sampling = point});
+  const Image image = seen_in_place(f, {.binning = 2, .sampling = point});
   EXPECT_EQ(image.nx, 3);
   EXPECT_EQ(image.ny, 2);
   EXPECT_DOUBLE_EQ(image.pitch, 4e-6);
@@ -24,7 +32,7 @@ TEST(Expose, OfPointsIsTheirMeanIrradiance) {
 
 TEST(Expose, OfPointsWithoutBinningIsTheSquaredModulus) {
   const Field f = sum_of(random_waves(3, 4, 1), {16, 8, test_pitch});
-  const Image image = expose(f, {.sampling = point});
+  const Image image = seen_in_place(f, {.sampling = point});
   for (int j = 0; j < 8; ++j)
     for (int i = 0; i < 16; ++i) EXPECT_FLOAT_EQ(image(j, i), std::norm(f.samples(j, i)));
 }
@@ -40,7 +48,7 @@ TEST(Expose, APixelKeepsOfFringesTheSincOfItsSide) {
       Field f({nx, ny, test_pitch}, test_wavelength);
       for (int j = 0; j < ny; ++j)
         for (int i = 0; i < nx; ++i) f.samples(j, i) = float(std::sqrt(2.0) * std::cos(pi * i / period + 0.3));
-      const Image image = expose(f, {.binning = binning});
+      const Image image = seen_in_place(f, {.binning = binning});
       // A pixel's middle is at sample k·binning + (binning − 1)/2.
       const double side = binning / period, kept = std::sin(pi * side) / (pi * side);
       double off = 0, count = 0;
@@ -53,11 +61,32 @@ TEST(Expose, APixelKeepsOfFringesTheSincOfItsSide) {
     }
 }
 
+// What mean_over_pixels keeps of a fringe cos(2πfx), f in cycles per sample, against sinc(n·f), to what its header
+// states for every frequency up to the Nyquist one: 0.006 at even n, and the numbers of the odd ones.
+TEST(MeanOverPixels, KeepsFringesAsWellAsItsHeaderStates) {
+  const double stated[] = {0.09, 0.006, 0.03, 0.006, 0.018, 0.006, 0.013, 0.006};
+  for (int n = 1; n <= 8; ++n) {
+    double worst = 0;
+    for (int k = 0; k <= 50; ++k) {
+      const double f = k / 100.0;
+      Array2D<float> values(n + 2 * integration_rim, n + 2 * integration_rim);
+      // Symmetric about the pixel's middle, where the fringe is brightest: 2 + cos is above 0.
+      for (int j = 0; j < values.ny; ++j)
+        for (int i = 0; i < values.nx; ++i)
+          values(j, i) = float(2 + std::cos(2 * pi * f * (i - integration_rim - (n - 1) / 2.0)));
+      const Image image = mean_over_pixels(values, n, integration_rim, true);
+      worst = std::max(worst, std::abs(image(0, 0) - 2 - sinc(n * f)));
+    }
+    EXPECT_LT(worst, stated[n - 1]) << n;
+    EXPECT_GT(worst, stated[n - 1] * 0.8) << n << ": the header states more than is so";
+  }
+}
+
 TEST(Expose, CropsEvenlyAndSaysSo) {
   Field f({8, 5, test_pitch}, test_wavelength);
   f.samples(1, 1) = 3;
   Heard heard;
-  const Image image = expose(f, {.binning = 3, .sampling = point}, heard.observer());
+  const Image image = seen_in_place(f, {.binning = 3, .sampling = point}, heard.observer());
   EXPECT_EQ(image.nx, 2);
   EXPECT_EQ(image.ny, 1);
   EXPECT_FLOAT_EQ(image(0, 0), 1);  // 9 over 9 samples: column 1 and row 1 are the first that stay
@@ -71,7 +100,7 @@ TEST(Expose, APixelLiesWhereItsSamplesLie) {
   // Of 7 × 8 samples in bins of 3 one column is left over, the right one, and two rows, one at the top.
   const Field f({7, 8, test_pitch, 1e-3, -2e-3}, test_wavelength);
   for (const PixelSampling sampling : {PixelSampling::integrate, PixelSampling::point}) {
-    const Image image = expose(f, {.binning = 3, .sampling = sampling});
+    const Image image = seen_in_place(f, {.binning = 3, .sampling = sampling});
     ASSERT_EQ(image.nx, 2);
     ASSERT_EQ(image.ny, 2);
     // Middles of the first pixel: sample 1 of x, sample 1 + 1 of y. Roundings of 1e-3 m.
@@ -82,10 +111,10 @@ TEST(Expose, APixelLiesWhereItsSamplesLie) {
 
 TEST(Expose, SaysWhatIsWrong) {
   const Field f({8, 5, test_pitch}, test_wavelength);
-  EXPECT_EQ(error_of([&] { expose(f, {.binning = 6}); }),
+  EXPECT_EQ(error_of([&] { seen_in_place(f, {.binning = 6}); }),
             "expected a binning of 1 to 5 samples, the side of the field, or 0 for 1, got 6");
-  EXPECT_EQ(error_of([&] { expose(f, {.binning = -1}); }),
-            "expected a binning of 1 to 5 samples, the side of the field, or 0 for 1, got -1");
+  EXPECT_EQ(error_of([&] { seen_in_place(f, {.binning = -1}); }),
+            "expected a whole number of 0 or more for \"binning\", got -1");
 }
 
 TEST(ExposureWhite, IsThePercentileOrWhatIsAskedFor) {
@@ -114,7 +143,7 @@ TEST(Speckle, ExponentialIntensityHasContrastOne) {
         const double radius = std::sqrt(-std::log(1 - random.uniform()));
         f.samples.values[i] = std::complex<float>(std::polar(radius, 2 * pi * random.uniform()));
       }
-      const Image seen = expose(f, {.sampling = point});  // pixels that are independent
+      const Image seen = seen_in_place(f, {.sampling = point});  // pixels that are independent
       for (size_t i = 0; i < image.values.size(); ++i) image.values[i] += seen.values[i];
     }
     const double n = double(side) * side;

@@ -11,14 +11,14 @@ namespace {
 
 constexpr int nx = 128, ny = 64;
 
-// Off-axis hologram of those waves, shown, and its order brought back to the axis.
+// Shows an off-axis hologram of these waves and brings its order back to the axis.
 Field round_trip(const std::vector<PlaneWave>& waves, const EncodeParams& params, int subpixels) {
   const Slm slm = make_panel(nx, ny, 65536);
   const Field shown = show(encode(sum_of(waves, slm.grid), slm, params), slm, {.subpixels = subpixels});
   return apply_order_stop(shown, *shown.filter);
 }
 
-// What must come back: each wave behind the aperture's roll-off at the place where the order carries it.
+// Expected result: each wave times the aperture's roll-off at the frequency to which the order carries it.
 Field expected(const std::vector<PlaneWave>& waves, const Field& seen, double carrier_u, double carrier_v) {
   std::vector<PlaneWave> out = waves;
   for (PlaneWave& w : out)
@@ -31,15 +31,15 @@ Field expected(const std::vector<PlaneWave>& waves, const Field& seen, double ca
 constexpr double rounding = 2e-4;
 
 TEST(OrderStop, OffAxisHologramWithoutBiasGivesTheFieldBack) {
-  // All of the band: carrier 32 cycles over the panel, waves up to 30. Twin and constant stay outside.
+  // The whole band: carrier of 32 cycles over the panel, waves up to 30. The twin and the constant stay outside.
   const std::vector<PlaneWave> waves = random_waves(30, 12, 5);
   for (int n : {1, 3}) {
     const Field seen = round_trip(waves, {.method = Encoding::off_axis, .with_bias = false}, n);
     EXPECT_FALSE(seen.filter.has_value());
     const FieldMetrics m = compare(expected(waves, seen, 1 / (4 * test_pitch), 0), seen);
     EXPECT_LT(m.scaled_error, rounding) << n;
-    EXPECT_NEAR(std::arg(m.scale), 0, rounding);  // no stray phase: U·R* with a reference of phase 0 at the centre
-    // Against the field itself, the roll-off (sinc from 1 to 0.64) costs a few percent.
+    EXPECT_NEAR(std::arg(m.scale), 0, rounding);  // no added phase: U·R* with a reference of phase 0 at the centre
+    // Compared with the field itself, the roll-off (sinc from 1 to 0.64) costs a few per cent.
     EXPECT_GT(std::abs(compare(sum_of(waves, seen.grid), seen).correlation), 0.97);
   }
 }
@@ -52,7 +52,7 @@ TEST(OrderStop, OffAxisHologramWithBiasGivesANarrowFieldBack) {
 }
 
 TEST(OrderStop, TiltAlongYAndTheRealImage) {
-  // Carrier of 3 cycles over the panel in x, −12 in y: the y axis tells the orders apart, 12 ± 4. conj(U) comes back;
+  // Carrier of 3 cycles over the panel in x, −12 in y: the orders are separated along y, 12 ± 4. The result is conj(U);
   // |U|² reaches 4 cycles.
   std::vector<PlaneWave> waves = random_waves(2, 8, 7);
   const double u = 3 / (nx * test_pitch), v = -12 / (ny * test_pitch);
@@ -72,7 +72,7 @@ TEST(OrderStop, TiltAlongYAndTheRealImage) {
 }
 
 TEST(OrderStop, TakesOffACarrierBetweenBins) {
-  // A stop wide enough for all: what comes out is the field without its carrier, to single precision.
+  // A stop wide enough for everything: the result is the field without its carrier, to single precision.
   const Field field = sum_of(random_waves(5, 8, 9), {nx, ny, test_pitch});
   const double u = 10.37 / (nx * test_pitch), v = -7.81 / (ny * test_pitch);
   Field carried = field;
@@ -84,8 +84,8 @@ TEST(OrderStop, TakesOffACarrierBetweenBins) {
   EXPECT_LT(compare(field, apply_order_stop(carried, {u, v, 1e6, 1e6})).relative_error, 1e-6);
 }
 
-TEST(OrderStop, StrongReferenceDrownsTheBias) {
-  // Waves up to 14 cycles put |U|² up to 28, into the stop 32 ± 10.7, which lets the waves up to 10 through. Its
+TEST(OrderStop, StrongReferenceSuppressesTheBias) {
+  // Waves up to 14 cycles spread |U|² up to 28, into the stop 32 ± 10.7, which passes waves up to 10. Its
   // share falls as 1/ratio.
   const std::vector<PlaneWave> waves = random_waves(14, 12, 8);
   std::vector<PlaneWave> passed;
@@ -99,7 +99,7 @@ TEST(OrderStop, StrongReferenceDrownsTheBias) {
     return compare(expected(passed, seen, 1 / (4 * test_pitch), 0), seen).scaled_error;
   };
   const double at_1 = error(1), at_10 = error(10);
-  EXPECT_GT(at_1, 10 * rounding);  // there is something to drown
+  EXPECT_GT(at_1, 10 * rounding);  // large enough to see it fall
   EXPECT_NEAR(at_10 / at_1, 0.1, 0.01);
 }
 

@@ -17,7 +17,7 @@ struct Moments {
   double mean = 0, variance = 0;
 };
 
-// Of the electrons that a reading stands for.
+// Mean and variance of the electrons of a reading.
 Moments electrons_of(const Image& reading, double white, double full_well) {
   Moments m;
   for (const float v : reading.values) m.mean += double(v) / white * full_well / double(reading.values.size());
@@ -26,12 +26,12 @@ Moments electrons_of(const Image& reading, double white, double full_well) {
   return m;
 }
 
-// Of N = 256² pixels far below the full well the mean has the standard error √(V/N), and the variance V one of
-// V·√((2 + κ)/N), κ = mean/V² the excess kurtosis of a Poisson number plus a normal one. `deviations` is 6e-5 for each.
+// For N = 256² pixels far below the full well, the mean has the standard error √(V/N), and the variance V has
+// V·√((2 + κ)/N), where κ = mean/V² is the excess kurtosis of a Poisson plus a normal number. `deviations`: 6e-5 each.
 TEST(SensorNoise, MeanIsTheLightAndVarianceIsTheElectronsAndTheReadersSquare) {
   for (const double mean : {0.4, 3.0, 40.0, 2000.0})
     for (const double read_noise : {0.0, 6.0}) {
-      if (mean < 20 && read_noise > 0) continue;  // readings would be cut at 0
+      if (mean < 20 && read_noise > 0) continue;  // readings would be clipped at 0
       CameraParams camera;
       camera.electrons = 20000;
       camera.read_noise = read_noise;
@@ -40,7 +40,7 @@ TEST(SensorNoise, MeanIsTheLightAndVarianceIsTheElectronsAndTheReadersSquare) {
       const Moments m = electrons_of(add_sensor_noise(view, white, camera), white, camera.electrons);
       const double pixels = 256.0 * 256.0, variance = mean + read_noise * read_noise;
       const double kurtosis = mean / (variance * variance);
-      // Floats of the picture: 6e-8 of the mean, beside which the errors are 1e-3 of it.
+      // Floats of the picture: 6e-8 of the mean; the statistical errors are 1e-3 of it.
       EXPECT_NEAR(m.mean, mean, deviations * std::sqrt(variance / pixels)) << mean << " ± " << read_noise;
       EXPECT_NEAR(m.variance, variance, deviations * variance * std::sqrt((2 + kurtosis) / pixels))
           << mean << " ± " << read_noise;
@@ -69,7 +69,7 @@ TEST(SensorNoise, APixelHoldsNoMoreThanItsFullWellAndNoLessThanNothing) {
   CameraParams camera;
   camera.electrons = 1000;
   camera.read_noise = 5;
-  const Image bright = add_sensor_noise(even_image(32, 1.5F), 1, camera);  // 500 electrons, 13σ, beyond the well
+  const Image bright = add_sensor_noise(even_image(32, 1.5F), 1, camera);  // 500 electrons, 13σ, above the well
   for (const float v : bright.values) ASSERT_EQ(v, 1);
   const Image dark = add_sensor_noise(even_image(64, 0), 1, camera);
   int cut = 0;
@@ -77,9 +77,9 @@ TEST(SensorNoise, APixelHoldsNoMoreThanItsFullWellAndNoLessThanNothing) {
     ASSERT_GE(v, 0);
     cut += v == 0;
   }
-  // The reader errs to either side alike: half of 4096, of standard deviation 32.
+  // Read noise is symmetric: half of 4096, with standard deviation 32.
   EXPECT_NEAR(cut, 2048, deviations * 32);
-  Image negative = even_image(4, -0.1F);  // colours of speckle that differ
+  Image negative = even_image(4, -0.1F);  // as in colours whose speckle differs
   camera.read_noise = 0;
   for (const float v : add_sensor_noise(negative, 1, camera).values) EXPECT_EQ(v, 0);
 }
@@ -96,7 +96,8 @@ TEST(SensorNoise, NoiseIsTheSeedsAndTheExposuresAlone) {
   EXPECT_NE(add_sensor_noise(view, 1, camera).values, first);
 }
 
-// Frames are added up before they are read: two of half the light are one of all of it, with the noise of one reading.
+// Frames are added up before they are read: two of half the light equal one of full light, with the noise of one
+// reading.
 TEST(SensorNoise, NoiseOfOneExposureFallsWithTheRootOfItsElectrons) {
   for (const double electrons : {100.0, 10000.0}) {
     CameraParams camera;

@@ -4,7 +4,7 @@
 #include "holotrace/view/source_image.h"
 #include "support/panels.h"
 
-// Light of a source that is not a point: what its disc makes of a view.
+// Light of an extended source: the effect of its disc on a view.
 
 namespace holotrace {
 namespace {
@@ -12,8 +12,8 @@ namespace {
 using namespace literals;
 
 // A Gaussian beam of waist w on the panel has w(z) = w·√(1 + (z/z_R)²), z_R = πw²/λ, and the irradiance exp(−2r²/w²);
-// every direction of a source of angle α moves it by z times itself. The mean over the disc is summed here direction by
-// direction, 200 × 200 of them. Tilted light goes z·tan α, 1 + α²/3 of z·α at α = 0.015: 1e-4 of the radius.
+// every direction of a source of angle α moves it by z times that direction. The mean over the disc is summed here over
+// 200 × 200 directions. Tilted light moves by z·tan α, 1 + α²/3 of z·α at α = 0.015: 1e-4 of the radius.
 TEST(Source, ABeamBecomesItsConvolutionWithTheDisc) {
   const Slm slm = make_panel(256, 256);
   const double w = 40_um, z = 50_mm, angle = 0.03, rayleigh = pi * w * w / test_wavelength;
@@ -45,13 +45,13 @@ TEST(Source, ABeamBecomesItsConvolutionWithTheDisc) {
   for (const double difference : off) EXPECT_NEAR(difference, 0, 0.003 * most);  // integration: 0.26 %
 }
 
-// Speckle of a square panel S has the coherence μ = sinc(Sx/λz)·sinc(Sy/λz); averaged over a disc of radius R, whose
-// overlap with itself shifted by d is K(d) = 2/π·(acos(d/2R) − d/2R·√(1 − (d/2R)²))/πR², its contrast is
-// C² = ∫ K·|μ|². Twelve fields of some 20 independent discs each: 1/√(2·240) = 5 %, three times.
+// Speckle of a square panel S has the coherence μ = sinc(Sx/λz)·sinc(Sy/λz). A disc of radius R and the same disc
+// shifted by d overlap by K(d) = 2/π·(acos(d/2R) − d/2R·√(1 − (d/2R)²))/πR². Averaged over the disc, the contrast is
+// C² = ∫ K·|μ|². Twelve fields of some 20 independent discs each: 1/√(2·240) = 5 %, three times that.
 TEST(Source, AWideSourceSmoothsSpeckleToItsClosedForm) {
   const int side = 160;
   const Slm slm = make_panel(side, side);
-  const double z = 60_mm, grain = test_wavelength * z / (side * test_pitch), radius = 3.5 * grain;  // of 25 µm
+  const double z = 60_mm, grain = test_wavelength * z / (side * test_pitch), radius = 3.5 * grain;  // grains of 25 µm
   const double step = grain / 16;
   double expected = 0;
   for (double y = -2 * radius; y <= 2 * radius; y += step)
@@ -73,7 +73,7 @@ TEST(Source, AWideSourceSmoothsSpeckleToItsClosedForm) {
     point_variance += std::pow(speckle_contrast(look(field, slm, z, {}, camera)), 2) / fields;
   }
   EXPECT_NEAR(std::sqrt(variance / expected), 1, 0.15);
-  EXPECT_GT(std::sqrt(point_variance), 0.8);  // a point source leaves nearly all of it to pixels of a third of a grain
+  EXPECT_GT(std::sqrt(point_variance), 0.8);  // a point source keeps nearly all of it, in pixels of a third of a grain
 }
 
 TEST(Source, PartsTileTheDisc) {
@@ -88,7 +88,7 @@ TEST(Source, PartsTileTheDisc) {
     const int reach = int(std::ceil(0.1 * state.source.reach() / 4_um));
     for (const float weight : source_image(state.source, 0.1, 4_um, reach).values) sum += double(weight) / 7;
   }
-  EXPECT_NEAR(sum, 1, 1e-3);  // 1 mm of 4 µm: 16 · 125² places of the disc, less those of its rim
+  EXPECT_NEAR(sum, 1, 1e-3);  // 1 mm in samples of 4 µm: 16 · 125² directions in the disc, less those of its rim
   for (int j = -12; j <= 12; ++j)
     for (int i = -12; i <= 12; ++i) {
       const double x = i * angle / 20.1, y = j * angle / 20.1;
@@ -103,8 +103,8 @@ TEST(Source, PartsTileTheDisc) {
     }
 }
 
-// What all parts give a view is the light of a point source, however small or large the picture of the source is. The
-// parts share the directions out, so the sum is 1 but for rounding of its floats: 6e-8 of each weight. 1e-3 is asked.
+// All parts together give a view the light of a point source, however small or large the picture of the source is. The
+// parts share the directions, so the sum is 1 except for rounding of its floats: 6e-8 of each weight. Required: 1e-3.
 TEST(Source, PartsOfPicturesOfAllSizesSumToTheWhole) {
   const Slm slm = make_panel(4, 4);
   const double angle = 0.01;
@@ -124,7 +124,7 @@ TEST(Source, PartsOfPicturesOfAllSizesSumToTheWhole) {
 }
 
 // A direction at (x, y) inside the first sample, spread linearly, gives the next sample along each axis the weights |x|
-// and |y|; over a disc of radius R the mean of |x| is 4R/3π. 64 directions across the disc leave less than 1 % of it.
+// and |y|. Over a disc of radius R the mean of |x| is 4R/3π. 64 directions across the disc have an error below 1 %.
 TEST(Source, APictureWithinASampleIsSpreadAsItsDisc) {
   for (const double radius : {0.004, 0.1, 0.8}) {
     const SourcePart disc{0.01};
@@ -136,8 +136,8 @@ TEST(Source, APictureWithinASampleIsSpreadAsItsDisc) {
   }
 }
 
-// Inside a large disc all samples have the weight 1/πR² to the rounding of floats; counting 4 directions per sample and
-// axis leaves the area right to 1e-3 at R = 150.3: that of the rim, of 4·2π·R directions, is known to a part in 8R.
+// Inside a large disc all samples have the weight 1/πR² to the rounding of floats. Counting 4 directions per sample and
+// axis gives the area to 1e-3 at R = 150.3: that of the rim, 4·2π·R directions, is exact to 1/8R.
 TEST(Source, ALargePictureIsEven) {
   const double radius = 150.3;
   const Array2D<float> kernel = source_image({0.01}, radius * 4_um / 0.005, 4_um, 151);
@@ -148,8 +148,8 @@ TEST(Source, ALargePictureIsEven) {
       }
 }
 
-// A part to the right of its point blurs to the right before the panel, and to the left behind it, where light is
-// traced back; one above its point to above.
+// A part to the right of its point blurs to the right in front of the panel, and to the left behind it, where light is
+// traced back. A part above its point blurs upward.
 TEST(Source, APartMovesLightToItsSide) {
   const auto points = std::make_shared<const SourcePart::Points>(SourcePart::Points{{0.002, 0.002}, {-0.003, -0.003}});
   const SourcePart part{0.01, points, 0};
@@ -161,7 +161,7 @@ TEST(Source, APartMovesLightToItsSide) {
       for (int i = -reach; i <= reach; ++i) {
         const double weight = kernel(j + reach, i + reach);
         all += weight, x += weight * i * 4_um, y -= weight * j * 4_um;
-        const double ax = i * 1e-4, ay = j * 1e-4;  // directions themselves, up to where the part ends
+        const double ax = i * 1e-4, ay = j * 1e-4;  // the directions themselves, up to the part's edge
         if (std::hypot(0.002 + ax, 0.002 + ay) > 0.005 || std::hypot(ax, ay) > std::hypot(ax + 0.005, ay + 0.005))
           continue;
         count += 1, of_part_x += ax, of_part_y += ay;

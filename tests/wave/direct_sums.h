@@ -8,7 +8,7 @@
 
 namespace holotrace::testing {
 
-/// Relative L2 error of a propagation against the direct Rayleigh–Sommerfeld sum, over 60 pixels drawn from the output.
+/// Relative L2 error of a propagation against the direct Rayleigh–Sommerfeld sum, at 60 pixels drawn from the output.
 template <class Real>
 double error_against_direct_sum(const FieldDouble& input, double z, const PropagateParams& params) {
   const BasicField<Real> output = propagate(convert<Real>(input), z, params);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr Grid panel{96, 400, 8e-6};
 
-// Waves with random phases over and around the panel, near enough that their boxes end on it.
+// Waves with random phases above and around the panel, near enough that their boxes end on it.
 Sources make_waves(int count, uint64_t seed = 1) {
   CounterRandom random(seed, 0, 0);
   Sources sources{.wavelength = 532e-9};
@@ -27,7 +27,7 @@ Sources make_waves(int count, uint64_t seed = 1) {
   return sources;
 }
 
-// Amplitudes of their own in columns × rows tiles, some of them 0.
+// Gives the waves a separate amplitude in each of columns × rows tiles; some are 0.
 void give_tiles(Sources& sources, int columns, int rows) {
   CounterRandom random(9, 0, 0);
   sources.tiles = {columns, rows, {}};
@@ -35,7 +35,7 @@ void give_tiles(Sources& sources, int columns, int rows) {
     sources.tiles.values.push_back(random.uniform() < 0.3 ? 0.0f : float(random.uniform()));
 }
 
-// Relative L2 difference of a field made in bands from one made whole.
+// Relative L2 difference between a field made in bands and one made as a whole.
 double difference(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
                   const std::vector<Band>& bands, const FieldDouble& whole) {
   double error = 0, sum = 0;
@@ -98,7 +98,7 @@ TEST(Bands, FitTheMemoryOrSayWhatIsNeeded) {
 
 TEST(Bands, LieWhereTheirRowsLie) {
   const Grid band = band_of(panel, 128, 300);
-  // The centre is rounded once more: 1e-18 m, of 3 mm.
+  // The centre is rounded once more: 1e-18 m for 3 mm.
   for (const int row : {0, 5, 171}) EXPECT_NEAR(band.y(row), panel.y(128 + row), 1e-17);
   EXPECT_EQ(band.x(7), panel.x(7));
 }
@@ -107,7 +107,7 @@ TEST(Bands, OfExactAreTheRowsOfTheWholeToRounding) {
   const Sources sources = make_waves(40);
   const std::vector<Band> bands = plan_bands({sources}, panel, {}, 1e9);
   ASSERT_EQ(bands.size(), 4u);
-  // Samples are rounded to float once: 6e-8 of each.
+  // Samples are rounded to float once: 6e-8 of each sample.
   EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::exact), bands, sum_exact(sources, panel)), 6e-8);
 }
 
@@ -115,9 +115,9 @@ TEST(Bands, OfTiledAndAutoHoldTheTolerance) {
   const Sources sources = make_waves(200);
   const FieldDouble whole = sum_exact(sources, panel);
   const std::vector<Band> bands = plan_bands({sources}, panel, {}, 1e9);
-  for (const double tolerance : {1e-2, 1e-3})  // tiles that small as 1e-4 needs here there are none
+  for (const double tolerance : {1e-2, 1e-3})  // not 1e-4: it would need tiles smaller than any here
     EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::tiled, tolerance), bands, whole), tolerance);
-  // 1e-6 is below what single precision leaves: auto sums those bands one wave at a time.
+  // 1e-6 is below the rounding of single precision: auto sums these bands wave by wave.
   EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::automatic, 1e-6), bands, whole), 1e-6);
   for (const double tolerance : {1e-2, 1e-3, 1e-4})
     EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::automatic, tolerance), bands, whole), tolerance);
@@ -136,7 +136,7 @@ TEST(Bands, KeepTheAmplitudesOfThePanelsTiles) {
 }
 
 TEST(Bands, WithoutLightAreDark) {
-  // Its box ends 15 mm·tan(1.9°) = 0.5 mm from the axis, in the first band.
+  // The wave's box ends 15 mm·tan(1.9°) = 0.5 mm from the axis, in the first band.
   Sources sources{.wavelength = 532e-9, .waves = {{{0, 1.5e-3, -0.015}, 1, 0}}};
   for (const SynthesisMethod method : {SynthesisMethod::tiled, SynthesisMethod::automatic, SynthesisMethod::exact}) {
     EXPECT_GT(power(synthesize_band(sources, panel, {0, 0, 128}, params_of(method))), 0);

@@ -19,7 +19,7 @@ using testing::relative_error;
 const Grid panel{96, 61, 8_um};
 
 TEST(SampledError, IsThatOfAFieldOffByAFactor) {
-  // Every pixel is off by the same part of itself: any draw of pixels gives that part. Double: rounding of 1e-16 each.
+  // Every pixel is wrong by the same factor, so any draw gives that factor. In double: rounding of 1e-16 each.
   const Sources sources = make_random_sources(40, panel, 532_nm, 0.1_m, 0.3_m);
   FieldDouble field = sum_exact(sources, panel);
   for (auto& u : field.samples.values) u *= 1.003;
@@ -34,7 +34,7 @@ TEST(SampledError, OfNoiseIsThatOfTheWholeField) {
   CounterRandom random(5, 0, 0);
   for (auto& u : field.samples.values) u += std::polar(1e-2 * random.uniform(), 2 * pi * random.uniform());
   const double whole = relative_error(field, exact), sampled = sampled_error(field, sources, 2000);
-  // The squares of both sums scatter by about 1/√2000 each, the root of their ratio by 1.6 %: five of those.
+  // The squares of both sums scatter by about 1/√2000 each, the root of their ratio by 1.6 %: five times that.
   EXPECT_NEAR(sampled / whole, 1, 0.08);
 }
 
@@ -43,12 +43,12 @@ TEST(SampledError, FollowsTheAmplitudesOfTiles) {
   sources.tiles = {.columns = 3, .rows = 2, .values = {}};
   CounterRandom random(6, 0, 0);
   for (size_t k = 0; k < 6 * sources.waves.size(); ++k) sources.tiles.values.push_back(float(random.uniform()));
-  // Both sums are in double, by the same terms in the same order.
+  // Both sums are in double, with the same terms in the same order.
   EXPECT_LT(sampled_error(sum_exact(sources, panel), sources, 3000), 1e-14);
 }
 
 TEST(SampledError, OfNothingAgainstNothingIsNothing) {
-  // A wave whose box lies beside the panel.
+  // The wave's box lies outside the panel.
   const Sources beside{532_nm, {{{0.5_m, 0, -0.1_m}, 1.0F, 0.0F}}};
   Field field(panel, 532_nm);
   EXPECT_EQ(sampled_error(field, beside, 50), 0);

@@ -22,7 +22,7 @@ using testing::relative_error;
 
 constexpr double green = 532_nm;
 
-// Eq. 5–7 in long double, from the formula alone: no splitting of r, no code of the library.
+// Eq. 5–7 in long double, from the formula alone: without splitting r, and without code of the library.
 FieldDouble closed_form(const Sources& sources, const Grid& grid) {
   constexpr long double tau = 2 * std::numbers::pi_v<long double>;
   FieldDouble field(grid, sources.wavelength);
@@ -50,14 +50,14 @@ double phase_at(const Sources& sources, double x, double y) {
   return phase < 0 ? phase + 2 * pi : phase;
 }
 
-// closed_forms.md section 5, case 1; digits as given there: 1e-7.
+// closed_forms.md section 5, case 1; the digits given there: 1e-7.
 TEST(SphericalWave, HasThePhasesOfCase1) {
   EXPECT_NEAR(phase_at(one_wave({0, 0, -0.2_m}), 1_mm, 0.5_mm), 4.5467537, 1e-7);
   EXPECT_NEAR(phase_at(one_wave({0, 0, -0.3_m}), 7.68_mm, 4.32_mm), 6.0954139, 1e-7);
   EXPECT_NEAR(phase_at(one_wave({0, 0, -0.2_m}), 0, 0), 5.3383454, 1e-7);
 }
 
-// Case 2: on the n-th zone radius the path is n half waves longer than on the axis.
+// Case 2: at the n-th zone radius the path is n half waves longer than on the axis.
 TEST(SphericalWave, GainsHalfACycleFromZoneToZone) {
   const double z = 0.2_m;
   const double digits[][2] = {{1, 0.326190_mm}, {2, 0.461303_mm}, {10, 1.031507_mm}, {100, 3.262010_mm}};
@@ -102,7 +102,7 @@ struct Panel {
 };
 class SumOnPanel : public ::testing::TestWithParam<Panel> {};
 
-// Square and not, odd and even. A double holds kr of 2e6 rad to 2e-10; splitting off d₀/λ leaves 1e-11.
+// Square and not, odd and even. A double holds kr of 2e6 rad to 2e-10; splitting off d₀/λ improves it to 1e-11.
 TEST_P(SumOnPanel, ExactIsTheClosedForm) {
   const Grid grid{GetParam().nx, GetParam().ny, 8_um};
   for (const int count : {1, 25}) {
@@ -111,7 +111,7 @@ TEST_P(SumOnPanel, ExactIsTheClosedForm) {
   }
 }
 
-// The verb keeps its promise over the whole range of tolerances, near and far.
+// The tolerance holds over its whole range, near and far.
 TEST_P(SumOnPanel, TiledIsWithinItsTolerance) {
   const Grid grid{GetParam().nx, GetParam().ny, 8_um};
   for (const double depth : {0.02_m, 0.2_m, 2.0_m})
@@ -144,10 +144,10 @@ TEST(SumTiled, StatesAnErrorNearTheOneItMakes) {
   ASSERT_TRUE(choice.meets_tolerance);
   const double made = relative_error(sum_tiled(sources, grid, 3e-3), sum_exact(sources, grid));
   EXPECT_LT(made, 1.25 * choice.error);  // the margin that choose_tile keeps
-  EXPECT_GT(made, choice.error / 2);     // and the estimate is no empty promise
+  EXPECT_GT(made, choice.error / 2);     // the estimate is not far too large either
 }
 
-// The review's two traps. One bright near wave among many faint far ones: draws by energy find it.
+// One bright near wave among many faint far ones: draws by energy find it.
 TEST(SumTiled, KeepsItsToleranceForOneNearWaveAmongMany) {
   const Grid grid{256, 192, 8_um};
   Sources sources = make_random_sources(20000, grid, green, 0.5_m, 0.5_m);
@@ -157,7 +157,7 @@ TEST(SumTiled, KeepsItsToleranceForOneNearWaveAmongMany) {
   EXPECT_LT(relative_error(synthesize(sources, grid, {}), exact), 1e-3);
 }
 
-// Waves that cancel leave a field that is small beside their errors.
+// Waves that cancel leave a field that is small compared with their errors.
 TEST(SumTiled, KeepsItsToleranceForWavesThatCancel) {
   const Grid grid{512, 384, 8_um};
   const Sources sources{green,
@@ -189,7 +189,7 @@ TEST(Synthesize, FallsBackToExactWhereTilesAreTooCoarse) {
   };
   const Field field = synthesize(sources, grid, {SynthesisMethod::automatic, 1e-6}, observer);
   EXPECT_EQ(method, "exact");
-  EXPECT_LT(relative_error(field, sum_exact(sources, grid)), 1e-6);  // a float's rounding, 6e-8, and a margin
+  EXPECT_LT(relative_error(field, sum_exact(sources, grid)), 1e-6);  // rounding of a float, 6e-8, with a margin
 }
 
 TEST(Synthesize, IsLinearInTheAmplitudes) {
@@ -223,7 +223,7 @@ TEST(Synthesize, GivesTheSameBytesOnAnyNumberOfThreads) {
 TEST(Synthesize, WarnsOfWavesThatMissThePanel) {
   const Grid grid{64, 64, 8_um};
   Sources sources = one_wave({0, 0, -0.2_m});
-  sources.waves.push_back({{0.1_m, 0, -0.2_m}, 1, 0});  // 100 mm aside: R is 6.7 mm
+  sources.waves.push_back({{0.1_m, 0, -0.2_m}, 1, 0});  // 100 mm off the axis; R is 6.7 mm
   std::string warning;
   Observer observer;
   observer.on_warning = [&](const std::string& text) { warning = text; };
@@ -231,7 +231,7 @@ TEST(Synthesize, WarnsOfWavesThatMissThePanel) {
   EXPECT_EQ(warning.rfind("1 of 2 waves light no pixel", 0), 0U) << warning;
 }
 
-// --- amplitudes of their own in each tile of the panel -------------------------------------------
+// --- a separate amplitude in each tile of the panel ----------------------------------------------
 
 Sources with_tiles(Sources sources, int columns, int rows) {
   sources.tiles = {columns, rows, {}};
@@ -244,9 +244,9 @@ Sources with_tiles(Sources sources, int columns, int rows) {
 TEST(TileAmplitudes, EqualOnesAreThePlainSum) {
   const Grid grid{200, 131, 8_um};
   const Sources plain = make_random_sources(40, grid, green, 0.1_m, 0.2_m, 0.3), tiled = with_tiles(plain, 3, 2);
-  // The same terms, added in the same order: not one bit differs.
+  // The same terms, added in the same order: equal to the last bit.
   EXPECT_EQ(sum_exact(plain, grid).samples.values, sum_exact(tiled, grid).samples.values);
-  // Single precision and splits of other tiles: each is within its tolerance of the exact sum.
+  // Single precision, and splits in other tiles: each is within its tolerance of the exact sum.
   EXPECT_LT(relative_error(sum_tiled(tiled, grid, 1e-4), sum_exact(plain, grid)), 1e-4);
   EXPECT_EQ(waves_pixels(plain, grid), waves_pixels(tiled, grid));
 }
@@ -256,7 +256,7 @@ TEST(TileAmplitudes, AreTheAmplitudesOfTheirPixelsByEveryMethod) {
   const Sources plain = make_random_sources(40, grid, green, 0.1_m, 0.2_m, 0.3);
   Sources tiled = with_tiles(plain, 4, 3);
   for (size_t i = 0; i < tiled.tiles.values.size(); ++i) tiled.tiles.values[i] *= float(i % 7) / 3;
-  // By hand: in every tile, the plain sum of waves with that tile's amplitudes.
+  // Expected: in every tile, the plain sum of waves with that tile's amplitudes.
   FieldDouble expected(grid, green);
   for (int t = 0; t < 12; ++t) {
     Sources one = plain;

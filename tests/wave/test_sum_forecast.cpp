@@ -11,7 +11,7 @@ namespace holotrace {
 namespace {
 
 TEST(SumForecast, IsWhatTheSumSaysOfItself) {
-  // Waves of random phase do not cancel: one round, the plan that the forecast makes.
+  // Waves of random phase do not cancel, so there is one round, with the plan of the forecast.
   const Grid panel{192, 128, 8e-6};
   const Sources sources = timed_waves(panel, 300, 0.19, 0.21);
   for (const Approach approach : {Approach::tiled, Approach::planes, Approach::cheapest}) {

@@ -36,7 +36,7 @@ class TimeLeft {
   std::optional<double> end_;  ///< [s]
 };
 
-/// A duration for people: "4.2 s", "3 min 05 s", "2 h 10 min".
+/// Text of a duration: "4.2 s", "3 min 05 s", "2 h 10 min".
 inline std::string format_duration(double seconds) {
   if (seconds < 59.95) return fmt::format("{:.1f} s", seconds);
   const long whole = std::lround(seconds);

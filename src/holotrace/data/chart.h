@@ -13,7 +13,7 @@ struct Series {
   bool has_line = true;
   bool is_dashed = false;  ///< draws the line dashed: for limits and references
   bool is_filled = false;  ///< fills the area that the line encloses, in a pale shade of its colour
-  int colour = -1;         ///< index in the palette; -1: the next free colour in the order of the series
+  int colour = -1;         ///< index in the palette; -1: the index of the series in the chart
 };
 
 /// A text beside a point of a chart.

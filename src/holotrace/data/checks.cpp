@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
@@ -101,7 +102,12 @@ void check_mesh(const Mesh& mesh, const std::vector<Material>& materials) {
 }  // namespace
 
 void check_scene(const Scene& scene) {
-  require(!scene.meshes.empty() || !scene.points.empty(), "expected at least one object in the scene, got none");
+  const bool has_visible_light = std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& light) {
+    const auto* rectangle = std::get_if<RectangleLight>(&light);
+    return rectangle && rectangle->is_visible;
+  });
+  require(!scene.meshes.empty() || !scene.points.empty() || has_visible_light,
+          "expected at least one object in the scene, or a visible rectangle light, got none");
   for (const Mesh& mesh : scene.meshes) check_mesh(mesh, scene.materials);
   for (size_t i = 0; i < scene.points.size(); ++i) {
     const ScenePoint& p = scene.points[i];

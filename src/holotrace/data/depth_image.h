@@ -24,6 +24,7 @@ struct DepthImageParams {
   double field_of_view = 0;                          ///< half angle over the width [rad]; 0: the panel's acceptance
   SourcePhase phase = SourcePhase::random;           ///< of the light, random or constant
   int64_t seed = 1;                                  ///< of random phases
+  bool has_common_cone = true;                       ///< all wavelengths keep to the cone of the shortest
 };
 
 template <class Visitor>
@@ -40,6 +41,8 @@ void describe(Visitor& v, DepthImageParams& p) {
   v.choice("phase", p.phase, {{"random", SourcePhase::random}, {"constant", SourcePhase::constant}},
            "phase of the light: random (scatters everywhere, with speckle) or 0 (smooth, sent straight ahead)");
   v.count("seed", p.seed, range::not_negative, "seed for random phases");
+  v.flag("common_cone", p.has_common_cone,
+         "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own");
 }
 
 /// @throws Error  for sizes that differ or are none, and depths or light that are negative or not finite

@@ -28,11 +28,11 @@ bool is_dispersive(const RefractiveIndex& index);
 /// Measured indices of metals in the visible range, by chemical symbol: "Ag", "Al", "Au", "Cu", …
 /// @throws Error for an unknown name, suggesting the nearest
 RefractiveIndex metal_index(const std::string& name);
-std::vector<std::string> metal_names();
+std::vector<std::string> metal_names();  ///< all names that metal_index knows
 
 /// Indices of glasses and liquids by name: "BK7", "fused-silica", "water", "diamond", …
 /// @throws Error for an unknown name, suggesting the nearest
 RefractiveIndex glass_index(const std::string& name);
-std::vector<std::string> glass_names();
+std::vector<std::string> glass_names();  ///< all names that glass_index knows
 
 }  // namespace holotrace

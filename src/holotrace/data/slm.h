@@ -36,7 +36,7 @@ struct DeadPixel {
 struct SlmEffects {
   std::vector<CalibrationPoint> calibration;  ///< one per level; none: even steps of phase or amplitude
   double crosstalk = 0;                       ///< σ of the Gaussian that blurs the phase [pixels]: fringing fields
-  double gap_amplitude = 0, gap_phase = 0;    ///< amplitude and phase of the light reflected between pixels [1, rad]
+  double gap_amplitude = 0, gap_phase = 0;    ///< amplitude and phase of the light from gaps between pixels [1, rad]
   double flicker = 0;                         ///< amplitude of the ripple of the phase in a frame, as a part of it
   std::vector<ZernikeTerm> aberration;        ///< static error of the phase: the panel's curvature
   std::shared_ptr<const Array2D<float>> phase_map;  ///< static error of the phase [rad], a value per pixel

@@ -16,18 +16,22 @@
 namespace holotrace {
 namespace {
 
-// Sets that are known before tracing: those of separate lights are counted once they are there.
+// Number of sets that is known before tracing; sets of separate lights are counted later.
 size_t least_sets(const Job& job) {
   return job.wavelengths.size() *
          (job.trace.separate_path_groups ? std::max<size_t>(1, job.trace.path_expressions.size()) : 1);
 }
 
+IlluminationPlan plan_at(const Job& job, double wavelength, const std::vector<Viewpoint>& from) {
+  const auto stop = stop_of(job.encode, job.slm.grid, wavelength);
+  const double lit_with = job.show.wavelength > 0 ? job.show.wavelength : wavelength;
+  return plan_illumination(job.slm, job.show, lit_with, job.encode.image, from, stop);
+}
+
 }  // namespace
 
 int64_t states_at(const Job& job, double wavelength, const std::vector<Viewpoint>& from) {
-  const auto stop = stop_of(job.encode, job.slm.grid, wavelength);
-  const double lit_with = job.show.wavelength > 0 ? job.show.wavelength : wavelength;
-  return int64_t(plan_illumination(job.slm, job.show, lit_with, job.encode.image, from, stop).states.size());
+  return int64_t(plan_at(job, wavelength, from).states.size());
 }
 
 int64_t most_states(const Job& job, const std::vector<Viewpoint>& from) {
@@ -36,17 +40,17 @@ int64_t most_states(const Job& job, const std::vector<Viewpoint>& from) {
   return most;
 }
 
-// The fields of two frames, all holograms, the light that leaves the
-// panel and its transform, the propagation to the sensor, padded to the sum of both windows, and the sums of views.
+// Counts the fields of two frames, all holograms, the light that leaves the
+// panel with its transform, the propagation to the sensor, padded to the sum of both windows, and the sums of views.
 void check_memory(const Job& job, size_t sets) {
   const Grid& panel = job.slm.grid;
   const double pixels = double(panel.pixels()), frames = job.trace.frames;
   const std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
   const ViewingNeed need = viewing_need(job.slm, job.show.subpixels, job.wavelengths, job.encode.image, job.propagate,
-                                        from, job.show.source_angle);
+                                        from, widest_part(plan_at(job, job.wavelengths.front(), from)));
   const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
   const double fields = 8 * pixels * double(sets) * kept;
-  const double planes = job.encode.method == Encoding::complex ? 2 : 1;  // of levels
+  const double planes = job.encode.method == Encoding::complex ? 2 : 1;  // planes of levels
   const double holograms = 2 * planes * pixels * double(sets) * frames;
   const int64_t states = most_states(job, from);
   const bool is_one = sets == 1 && frames == 1 && states == 1 && from.size() == job.camera.distances.size();

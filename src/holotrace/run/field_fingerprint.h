@@ -9,11 +9,11 @@
 
 namespace holotrace {
 
-/// A number that differs, but for chance, between fields made in bands (wave/bands.h) that differ: of the program's
-/// version, the panel, the method and its tolerance, the first rows of the bands, and all that the field of each set
-/// depends on. An unfinished file is finished only by a job of the same number.
+/// A number that identifies fields made in bands (wave/bands.h). It depends on the program's
+/// version, the panel, the method and its tolerance, the first rows of the bands, and everything that the field of each
+/// set depends on. An unfinished file is resumed only by a job with the same number.
 ///
-/// FNV-1a: tells jobs apart, and is no protection against intent.
+/// FNV-1a: different jobs have different numbers except by chance; it does not protect against intent.
 uint64_t field_fingerprint(const Grid& panel, const SynthesizeParams& params, const std::vector<const Sources*>& sets,
                            const std::vector<int>& first_rows);
 

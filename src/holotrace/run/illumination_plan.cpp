@@ -13,16 +13,16 @@ namespace holotrace {
 namespace {
 
 constexpr int most_states = 256, of_flicker = 16, least_of_spectrum = 8;
-constexpr int most_given = 65536;  // the range of ShowParams::illumination_states
+constexpr int most_given = 65536;  // upper limit of ShowParams::illumination_states
 
 int counted(double number) { return int(std::ceil(std::clamp(number, 1.0, 1e6))); }
 
-// Parts of the source whose light a pupil or a pass band bounds alike.
+// Number of parts of the source such that a pupil or a pass band limits the light of each part evenly.
 int parts_of_source(const Slm& slm, const ShowParams& params, double wavelength, const std::vector<Viewpoint>& from,
                     const std::optional<SpectralFilter>& filter) {
   double band = params.subpixels / slm.grid.pitch;  // [1/m]
   if (filter) band = std::min({band, 2 * filter->half_u, 2 * filter->half_v});
-  double moved = params.source_angle / (wavelength * band);  // in widths of what bounds the light
+  double moved = params.source_angle / (wavelength * band);  // shift of the light in widths of the pupil or band
   for (const Viewpoint& view : from)
     if (view.camera.pupil > 0) moved = std::max(moved, params.source_angle * view.camera.eye.z / view.camera.pupil);
   return counted(pi / 4 * 64 * moved * moved);
@@ -84,13 +84,19 @@ IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, dou
   const bool is_given = params.illumination_states > 0;
   ShowParams taken = params;
   taken.illumination_states = is_given ? params.illumination_states : std::min(plan.needed, most_states);
-  // One part is the whole source, whatever else there is to average over; states that are asked for share it.
+  // With one part each state has the whole source, unless the user set the states and only the source is averaged.
   const bool is_shared = parts > 1 || (is_given && params.bandwidth == 0 && !has_flicker);
   if (!is_shared) taken.source_angle = 0;
   plan.states = illumination_states(with, taken, wavelength);
   if (!is_shared)
     for (IlluminationState& state : plan.states) state.source.angle = params.source_angle;
   return plan;
+}
+
+SourcePart widest_part(const IlluminationPlan& plan) {
+  const SourcePart& first = plan.states.front().source;
+  const SourcePart& last = plan.states.back().source;
+  return first.reach() > last.reach() ? first : last;
 }
 
 std::string doubt_of(const IlluminationPlan& plan, const ShowParams& params) {

@@ -16,36 +16,37 @@
 
 namespace holotrace {
 
-/// Every box of the pipeline's picture, from a scene to what a viewer sees of its holograms.
+/// All results of the pipeline, from a scene to the views of its holograms.
 ///
-/// A **set** is the light of one path group or lamp at one wavelength; a run shows frames × sets holograms, one after the
-/// other.
+/// A **set** is the light of one path group or lamp at one wavelength. A run shows frames × sets holograms, one after
+/// the other.
 struct Boxes {
-  /// Path-traced references in red, green and blue: one from the panel's centre, or with a lens or another eye one per
+  /// Path-traced references in red, green and blue: one from the panel's centre or, with a lens or another eye, one per
   /// camera distance, focused there.
   std::vector<Image> renders;
-  std::vector<Sources> sources;            ///< of the first frame, one per set; none with gather and triangles
+  std::vector<Sources> sources;            ///< for the first frame, one per set; empty with gather and triangles
   std::vector<std::vector<Field>> fields;  ///< at the panel in the first frame, [path group or light][wavelength]
   std::vector<Hologram> holograms;         ///< in the order shown: for each frame, each set
   std::vector<Image> views;                ///< one per camera distance: one channel, or red, green and blue
-  double white = 1;                        ///< of those views [W/m²]
-  ViewSeries sweep;                        ///< where job.camera asks for one
-  /// With job.render.eye_separation: the render for the left and the right eye, and what they see of the holograms.
+  double white = 1;                        ///< white of these views [W/m²]
+  ViewSeries sweep;                        ///< set if job.camera asks for a sweep
+  /// With job.render.eye_separation: renders for the left and the right eye, and what they see of the holograms.
   std::vector<Image> stereo_renders;
   ViewSeries stereo_views;
-  std::vector<Viewpoint> viewpoints;  ///< of all views
+  std::vector<Viewpoint> viewpoints;  ///< viewpoints of all views
   Report report;
 };
 
-/// The whole pipeline, one verb after the other. Each frame m of job.trace.frames gives the waves of every set
-/// independent phases (set_frame: no tracing anew), and its holograms are shown with irradiances in proportion to
-/// their illumination, the brightest with job.show.irradiance; the camera averages frames and illumination states and adds sets
-/// (viewing.h). A set without waves, as green light of a red scene, is dark. Encoders that iterate look at the camera's
-/// distances where the job names none for them.
+/// The whole pipeline, stage by stage. Each frame m of job.trace.frames gives the waves of every set
+/// independent phases (set_frame, without new tracing). Holograms are shown with irradiances in proportion to
+/// their illumination, the brightest with job.show.irradiance. The camera averages frames and illumination states and
+/// adds sets
+/// (viewing.h). A set without waves, such as green light of a red scene, is dark. Iterative encoders use the camera's
+/// distances if the job names none for them.
 ///
-/// With more than one hologram, or light of several illumination states, the report has one entry per kind of stage: the seconds of
-/// all, the facts of the first (waves and waves_pixels summed), each warning once.
-/// @throws Error  as the stages do, and before the first where the job does not fit in the machine's memory
+/// With several holograms or illumination states, the report has one entry per kind of stage: the seconds of
+/// all, the facts of the first (waves and waves_pixels are summed), and each warning once.
+/// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
 Boxes run(const Job& job, const StageObserver& watch = {});
 
 }  // namespace holotrace

@@ -9,20 +9,20 @@
 
 namespace holotrace {
 
-/// A path-traced picture of a run, and the stage of the report that it is.
+/// A path-traced picture of a run, and its stage in the report.
 struct PlannedRender {
   std::string stage;
-  RenderParams params;  ///< as `render` takes them
+  RenderParams params;  ///< parameters for `render`
 };
 
-/// References of a run: one for all camera distances, or, with a lens or an eye off the panel's centre, where what lies
-/// where in the picture depends on the distance, one for each.
+/// References of a run: one for all camera distances. With a lens, or an eye off the panel's centre, positions in the
+/// picture depend on the distance; then there is one for each.
 ///
-/// They show the light that makes waves: where a ray from the panel meets nothing there is none, so the background is
+/// They show the light that makes waves. Where a ray from the panel meets nothing there is none, so the background is
 /// left out.
 std::vector<PlannedRender> plan_renders(const Job& job);
 
-/// What each eye of a viewer would see of the scene itself, in focus where the holographic pair is; none without
+/// What each eye of a viewer would see of the scene itself, focused where the holographic pair is; empty without
 /// job.render.eye_separation.
 std::vector<PlannedRender> plan_stereo_renders(const Job& job);
 

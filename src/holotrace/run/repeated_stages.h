@@ -10,15 +10,15 @@
 
 namespace holotrace {
 
-/// The stages that every hologram of a run passes, at every illumination state of its light. With one of each they are stages like
-/// any other. With more, a caller watches one stage "N holograms" (or "N illumination states"), whose progress is that of them all,
-/// and the report gets one entry per name: the seconds of all, the facts and curves of the first, the counts "waves"
-/// and "waves_pixels" summed, each warning once.
+/// The stages that every hologram of a run passes, at every illumination state of its light. With one hologram and one
+/// state they are ordinary stages. With more, a caller sees one stage "N holograms" (or "N illumination states") with
+/// the progress of all. The report has one entry per name: the total seconds, the facts and curves of the first,
+/// the sums of the counts "waves" and "waves_pixels", and each warning once.
 class RepeatedStages {
  public:
-  /// @param holograms  that pass
-  /// @param states    of the light on each
-  /// @param calls      that will be made, for progress
+  /// @param holograms  number of holograms
+  /// @param states     number of illumination states of each
+  /// @param calls      number of calls that will be made, for progress
   RepeatedStages(int64_t holograms, int64_t states, int64_t calls, Report& report, const StageObserver& watch)
       : holograms_(holograms), states_(states), calls_(calls), report_(report), watch_(watch) {
     if (!is_repeated() || !watch) return;
@@ -40,8 +40,8 @@ class RepeatedStages {
   /// Whether a stage of that name has run.
   bool has_run(const std::string& name) const;
 
-  /// Runs `work(observer)` as the end of a stage that has run: its facts, curves, warnings and seconds are added to the
-  /// entry.
+  /// Runs `work(observer)` as the end of a stage that has run. Its facts, curves, warnings and seconds are added to the
+  /// stage's entry.
   template <class Work>
   void finish(const std::string& name, const Work& work) {
     Report once;

@@ -11,8 +11,8 @@
 
 namespace holotrace {
 
-/// A scene's light on its way to the panel: sets of waves, with the strategy gather the fields themselves, or with the
-/// method of synthesis triangles the surfaces that shine. One of the three is there.
+/// A scene's light on its way to the panel, in one of three forms: sets of waves; with the strategy gather the fields;
+/// or, with the synthesis method triangles, the emitting surfaces.
 struct SceneLight {
   std::vector<Sources> sources;              ///< one per set
   std::vector<std::vector<Field>> gathered;  ///< [set][frame]
@@ -20,19 +20,20 @@ struct SceneLight {
 
   size_t sets() const { return sources.size() + gathered.size() + triangles.size(); }
   double wavelength(size_t set) const;  ///< [m]
-  bool is_dark(size_t set) const;       ///< has no wave and no triangle that shines
+  bool is_dark(size_t set) const;       ///< whether it has no wave and no emitting triangle
   bool has_random_phase() const;
 };
 
-/// Traces the job's scene by its strategy, or shades its triangles where the method of synthesis is theirs.
+/// Traces the job's scene by its strategy, or shades its triangles if the synthesis method is `triangles`.
 SceneLight trace_light(const Job& job, const Observer& observer = {});
 
-/// Fields of one frame, each a layer or light at a wavelength, in the order of the sets; a set without waves is dark.
-/// @throws Error  as synthesize does; if no set has a wave, and for a frame that was not gathered
+/// Fields of one frame, one for each path group or light and wavelength, in the order of the sets. A set without waves
+/// is dark.
+/// @throws Error  as synthesize does; if no set has a wave; and for a frame that was not gathered
 std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer = {});
 
-/// Fields in stacks of one name, each in the order given: [name][wavelength].
+/// Fields grouped by name, each group in the order given: [name][wavelength].
 template <class Real>
 std::vector<std::vector<BasicField<Real>>> group_by_name(std::vector<BasicField<Real>> fields);
 

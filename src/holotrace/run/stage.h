@@ -9,7 +9,7 @@
 
 namespace holotrace {
 
-/// Makes the observer of a stage that is about to run, given its name: where a caller shows progress.
+/// Makes the observer of a stage that is about to run, from its name. This is where a caller shows progress.
 using StageObserver = std::function<Observer(const std::string& stage)>;
 
 /// Runs `stage(observer)`, adds its time, facts, curves and warnings to the report, and returns its result.

@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-// Of each pixel: the irradiance, or of a picture in colour the luminance.
+// The irradiance of each pixel; for a colour picture its luminance.
 std::vector<double> luminances(const Image& image) {
   std::vector<double> out(size_t(image.nx) * size_t(image.ny));
   for (size_t i = 0; i < out.size(); ++i) {

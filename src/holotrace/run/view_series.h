@@ -10,23 +10,23 @@
 
 namespace holotrace {
 
-/// Pictures in one exposure.
+/// Pictures with a common exposure.
 struct ViewSeries {
   std::vector<Image> images;  ///< irradiance as the sensor reads it [W/m²]
-  double white = 1;           ///< [W/m²]
+  double white = 1;           ///< irradiance of white [W/m²]
 };
 
-/// The views of one kind, in one exposure, as the camera's sensor reads them (view/sensor_noise.h).
+/// The views of one kind with a common exposure, as the camera's sensor reads them (view/sensor_noise.h).
 ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
                          const CameraParams& camera);
 
-/// States the curves of a sweep, where there is one, as the end of its stage: `position_m`; `sharpness`, the variance
-/// of the irradiance over its squared mean, which is greatest where most of the picture is in focus; and
+/// Reports the curves of a sweep, if there is one, at the end of its stage: `position_m`; `sharpness`, the variance
+/// of the irradiance over its squared mean, which is largest where most of the picture is in focus; and
 /// `mean_irradiance` [W/m²].
 void report_sweep(const std::vector<Viewpoint>& from, const ViewSeries& sweep, RepeatedStages& repeat);
 
 /// A sweep as a chart: the sharpness against the distance in focus, or the mean irradiance against the eye's place.
-/// @throws Error  where there is no sweep
+/// @throws Error  if there is no sweep
 Chart sweep_chart(const std::vector<Viewpoint>& from, const ViewSeries& sweep);
 
 }  // namespace holotrace

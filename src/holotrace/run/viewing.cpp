@@ -117,7 +117,8 @@ int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from) {
 }
 
 ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double>& wavelengths, ImageSide image,
-                         const PropagateParams& propagation, const std::vector<Viewpoint>& from, double source_angle) {
+                         const PropagateParams& propagation, const std::vector<Viewpoint>& from,
+                         const SourcePart& source) {
   require(subpixels >= 1, "expected at least 1 sample per pixel, got {}", subpixels);
   const Grid& panel = slm.grid;
   const double n = subpixels, pixels = double(panel.pixels());
@@ -139,7 +140,7 @@ ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double
   for (const double wavelength : wavelengths)
     for (const Viewpoint& view : from)
       need.passing = std::max(need.passing, looking_bytes(sampled, slm, wavelength, view.distance, image, propagation,
-                                                          view.camera, {.angle = source_angle}));
+                                                          view.camera, source));
   return need;
 }
 

@@ -10,6 +10,7 @@
 #include "holotrace/data/params/render.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/data/source_part.h"
 #include "holotrace/run/repeated_stages.h"
 #include "holotrace/run/viewpoints.h"
 #include "holotrace/view/combine_views.h"
@@ -39,7 +40,8 @@ double view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams&
 /// Stages that view_hologram runs for a hologram at so many illumination states of its light.
 int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from);
 
-/// What showing one hologram and looking at it from all viewpoints takes, under a source of that full angle [rad].
+/// What showing one hologram and looking at it from all viewpoints takes, with a source, or with that part of it which
+/// moves light the furthest (widest_part, moment_plan.h).
 struct ViewingNeed {
   double columns = 0, rows = 0;  ///< pixels of the first viewpoint's sensor
   double shown = 0;              ///< bytes of the field that leaves the panel
@@ -48,7 +50,7 @@ struct ViewingNeed {
 /// @throws Error  for less than 1 sample per pixel, and as magnification and looking_bytes do
 ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double>& wavelengths, ImageSide image,
                          const PropagateParams& propagation, const std::vector<Viewpoint>& from,
-                         double source_angle = 0);
+                         const SourcePart& source = {});
 
 /// Bytes of the sums and irradiances of `sets` kinds of holograms, seen by a sensor of that many pixels, and of the
 /// pictures that they become.

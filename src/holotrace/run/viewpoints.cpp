@@ -44,7 +44,7 @@ void add_sweep(const CameraParams& camera, std::vector<Viewpoint>& from) {
 
 void add_eyes(const CameraParams& camera, const RenderParams& stereo, std::vector<Viewpoint>& from) {
   if (stereo.eye_separation == 0) return;
-  stereo_pair(stereo);  // its checks
+  stereo_pair(stereo);  // for its checks
   require(
       camera.pupil > 0,
       "expected a pupil above 0 m for the holographic stereo pair, got 0 m, which takes all light wherever the eyes "
@@ -55,7 +55,7 @@ void add_eyes(const CameraParams& camera, const RenderParams& stereo, std::vecto
   }
 }
 
-// Refused before the work, not at its end.
+// Checked before the work, not at its end.
 void check_place(const CameraParams& camera) {
   for (const double distance : camera.distances)
     require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {}",

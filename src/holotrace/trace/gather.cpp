@@ -33,32 +33,32 @@ struct Gathering {
   const TraceParams& params;
   const Grid& panel;
   const std::vector<WaveSet>& sets;
-  Grid accepting;  // a panel that accepts the rays' directions
-  double widest;   // wavelength whose acceptance the rays fill
-  double side;     // of the cells of equal surface phase
+  Grid accepting;  // panel whose acceptance contains the rays' directions
+  double widest;   // wavelength whose acceptance the rays fill [m]
+  double side;     // side of the cells of equal phase [m]
 };
 
-/// Rays of one half of a pixel's (the even or the odd ones) that have found one cell: their squared amplitudes, and the
-/// sum of those times the phase factors.
+/// The rays of one half of a pixel's rays (even or odd numbers) that met one cell: the sum of their squared amplitudes,
+/// and that sum weighted by the phase factors.
 struct HalfWave {
   double light = 0;
   std::complex<double> phasor;
 };
 
-/// The wave of one cell to one pixel in one set.
+/// The wave from one cell to one pixel in one set.
 struct PixelWave {
   size_t set;
-  uint64_t key;  // of its random phase
+  uint64_t key;  // key of its random phase
   std::array<HalfWave, 2> halves;
 };
 
-/// Complex amplitudes of one pixel in the order set·frames + frame: of all its rays, and as either half of them tells.
+/// Complex amplitudes of one pixel, index set·frames + frame: from all its rays, and from either half of them.
 struct PixelSums {
   std::vector<std::complex<double>> whole;
   std::array<std::vector<std::complex<double>>, 2> halves;
 };
 
-/// What rays have found, and the waves of the pixel at hand.
+/// Results of the rays so far, and the waves of the current pixel.
 struct Found {
   explicit Found(double side) : cells(side) {}
 
@@ -69,21 +69,21 @@ struct Found {
   CellWaves cells;
 };
 
-/// √light in the direction of a phasor.
+/// √light with the phase of a phasor.
 std::complex<double> amplitude_of(double light, std::complex<double> phasor) {
   const double size = std::abs(phasor);
   return size > 0 ? std::sqrt(light) / size * phasor : 0.0;
 }
 
-/// The rays that the pixels send, and the light that each stands for.
+/// The panel whose acceptance contains the directions of the rays.
 Grid accepting_panel(const Grid& panel, const TraceParams& params) {
   Grid accepting = panel;
-  // A panel of a pitch too fine for any period takes light from all sides.
+  // A panel of an extremely fine pitch accepts light from all sides.
   if (params.directions == Directions::hemisphere) accepting.pitch = std::numeric_limits<double>::min();
   return accepting;
 }
 
-/// Ray j of S from a pixel.
+/// Adds ray j of a pixel's rays.
 void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, Found& found) {
   const int64_t samples = g.params.pixel_samples;
   CounterRandom random(uint64_t(g.params.seed), 0, sample);
@@ -105,7 +105,7 @@ void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, Foun
       const uint64_t key = key_in(set, g.params.phase, wave.key, sample);
       const bool is_alone = wave.cell.key == WaveCell::alone || key != wave.key || !g.params.one_wave_per_cell;
       const size_t next = found.waves.size();
-      // Sets are told apart by a turn of the key; the waves of one set by theirs.
+      // Sets are distinguished by a rotation of the key, the waves of one set by the key itself.
       const size_t number =
           is_alone ? next : found.cells.find_or_add(std::rotl(wave.cell.key, int(i % 64)) ^ i, wave.origin, next);
       if (number == next) found.waves.push_back({i, key, {}});
@@ -117,7 +117,7 @@ void add_sample(const Gathering& g, Vec3 pixel, int64_t j, uint64_t sample, Foun
     }
 }
 
-/// Adds up the waves that a pixel's rays have found, and forgets them.
+/// Adds up the waves that a pixel's rays have found, and clears them.
 void add_waves(const Gathering& g, Found& found, PixelSums& sums) {
   const size_t frames = size_t(g.params.frames);
   const double samples = g.params.pixel_samples;
@@ -166,18 +166,18 @@ void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
   }
 }
 
-/// Powers that tell waves from noise: of what halves of the rays make, and of what the two share.
+/// Powers that separate waves from noise: the mean power of the two half sums, and the power that both share.
 struct Agreement {
   double power = 0, shared = 0;
 
-  /// Adds a pixel: the noise of U_A and U_B is independent, so that Re(U_A·U_B*) has the mean |E U_A|².
+  /// Adds a pixel. The noise of U_A and U_B is independent, so the mean of Re(U_A·U_B*) is |E U_A|².
   void add(std::complex<double> a, std::complex<double> b) {
     power += (std::norm(a) + std::norm(b)) / 2;
     shared += std::real(a * std::conj(b));
   }
 };
 
-/// States the part of the light that is waves and not noise, and warns where it is the smaller one.
+/// Reports the fraction of the light that is waves and not noise, and warns if it is below one half.
 void report(const std::vector<Agreement>& rows, int samples, const Observer& observer) {
   Agreement all;
   for (const Agreement& row : rows) {
@@ -185,7 +185,7 @@ void report(const std::vector<Agreement>& rows, int samples, const Observer& obs
     all.shared += row.shared;
   }
   if (!(all.power > 0)) return;
-  // Waves grow with the rays as far as each cell has few, and the noise stays: twice the rays, twice the odds.
+  // While each cell has few rays, waves grow with their number and noise does not: twice the rays give twice the odds.
   const double of_half = std::clamp(all.shared / all.power, 0.0, 1.0), part = 2 * of_half / (1 + of_half);
   observer.fact("coherent_fraction", Fact(part));
   if (part >= 0.5) return;
@@ -197,7 +197,7 @@ void report(const std::vector<Agreement>& rows, int samples, const Observer& obs
                   100 * std::min(1.0, 1 - part), samples, need));
 }
 
-/// Adds the fields of one group of wavelengths.
+/// Adds the fields for one group of wavelengths.
 void gather_group(const Gathering& g, const Observer& observer, Found& total, std::vector<Agreement>& agreement,
                   std::vector<Field>& fields) {
   const Grid& panel = g.panel;
@@ -211,7 +211,7 @@ void gather_group(const Gathering& g, const Observer& observer, Found& total, st
       made.back().cone_wavelength = set.cone_wavelength;
     }
   std::vector<Found> found(size_t(panel.ny), Found(g.side));
-  const uint64_t points = g.scene.scene.points.size();  // whose numbers come first
+  const uint64_t points = g.scene.scene.points.size();  // the points' numbers come first
   const auto gather_row = [&](int64_t row) {
     PixelSums sums{std::vector<std::complex<double>>(made.size()), {}};
     sums.halves = {sums.whole, sums.whole};

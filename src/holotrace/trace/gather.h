@@ -42,8 +42,8 @@ namespace holotrace {
 ///
 /// @param scene        at z < 0 [m]
 /// @param panel        pixels: nx, ny, pitch [m]
-/// @param wavelengths  [m], any number; up to three share their rays, which fill the acceptance of the longest of
-///                     all: each takes those inside its own
+/// @param wavelengths  [m], any number; up to three share their rays, which fill the common cone: that of the shortest
+///                     wavelength of all, or without a common cone that of the longest, of which each takes its own
 /// @param asked        strategy and pattern are not looked at
 /// @param observer     hears the facts of `report`, "first_hits" and "coherent_fraction"; warnings of noise, and those of
 ///                     `trace` where the rays miss the scene or find it dark

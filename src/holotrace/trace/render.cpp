@@ -61,8 +61,13 @@ void add(Image& image, int row, int column, Vec3 radiance) {
   image(row, column, 2) += float(radiance.z);
 }
 
-Vec3 render_pixel(const PathScene& scene, const Eye& eye, int row, int column, const RenderParams& params,
+struct Pixel {
+  int row, column;
+};
+
+Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, const RenderParams& params,
                   std::span<Vec3> sums, PathCounts& counts) {
+  const auto [row, column] = pixel;
   LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(eye.columns) + uint64_t(column));
   std::fill(sums.begin(), sums.end(), Vec3{});
   const double seen_path_groups = std::popcount(scene.automaton.accepted(scene.automaton.start()));
@@ -148,7 +153,8 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
   const auto render_row = [&](int64_t row) {
     std::vector<Vec3> sums(size_t(path_scene.sums()));
     for (int column = 0; column < columns; ++column)
-      add(image, int(row), column, render_pixel(path_scene, eye, int(row), column, params, sums, counts[size_t(row)]));
+      add(image, int(row), column,
+          render_pixel(path_scene, eye, {int(row), column}, params, sums, counts[size_t(row)]));
   };
   parallel_for(0, rows, render_row, observer);
   draw_points(path_scene.accelerator, eye, panel, wavelength, image);

@@ -106,6 +106,7 @@ struct Shade {
   const Grid& panel;
   const std::vector<WaveSet>& sets;
   Shading shading;
+  double longest;  // wavelength, whose beams are the widest
 };
 
 // Light of a place on a piece toward the panel's centre; none where something hides it.
@@ -119,7 +120,7 @@ std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place
   const bool is_own = hit->point.mesh == piece.mesh && hit->point.triangle == piece.triangle;
   // The surface itself, though rounding has found the triangle beside: a few times the clearance along the ray.
   const double slope = std::max(1e-3, std::abs(dot(hit->point.geometric_normal, ray.direction)));
-  if (!is_own && hit->distance < distance - 4 * s.scene.accelerator.clearance() / slope) return std::nullopt;
+  if (!is_own && hit->distance < distance - 4 * hit->point.clearance / slope) return std::nullopt;
   const Material& material = material_at(s.scene.scene, hit->point);
   const PathStart start{shading_point(material, hit->point), -ray.direction, s.scene.automaton.start(), 1};
   LeafLight light;
@@ -137,12 +138,19 @@ double solid_angle(Vec3 place, const Grid& panel, double wavelength) {
   return x1 > x0 && y1 > y0 ? wave_power(depth, x0, x1, y0, y1) / (depth * depth) : 0;
 }
 
-// Where the light of a place is sent.
-Vec3 direction_from(Vec3 place, const Grid& panel, double wavelength) {
-  const double half_box = box_radius(-place.z, wavelength, panel.pitch) / 2;
+// Where the light of a piece is sent: by a beam that diffraction makes λ·depth/width wide.
+Vec3 direction_from(const Shade& s, const Corners& corners, double cone_wavelength) {
+  const Grid& panel = s.panel;
+  const Vec3 place = (corners[0] + corners[1] + corners[2]) / 3;
+  const double radius = box_radius(-place.z, cone_wavelength, panel.pitch);
+  const double width = std::sqrt(length(cross(corners[1] - corners[0], corners[2] - corners[0])));
+  const double beam = s.longest * -place.z / width;
+  // At what is nearest of the panel's part in the box, off its ends.
   const auto aim = [&](double from, double centre, double side) {
-    const double nearest = std::clamp(from, centre - side * 3 / 8, centre + side * 3 / 8);
-    return std::clamp(nearest - from, -half_box, half_box);
+    const double low = std::max(centre - side / 2, from - radius), high = std::min(centre + side / 2, from + radius);
+    if (low >= high) return std::clamp(centre - from, -radius, radius);  // the panel does not see it
+    const double margin = std::min(std::max((high - low) / 8, beam), (high - low) / 2);
+    return std::clamp(from, low + margin, high - margin) - from;
   };
   return normalize(
       {aim(place.x, panel.centre_x, panel.width()), aim(place.y, panel.centre_y, panel.height()), -place.z});
@@ -167,7 +175,7 @@ void shade_piece(const Shade& s, const Piece& piece, uint64_t index, Block& bloc
   for (size_t i = 0; i < s.sets.size(); ++i) {
     const WaveSet& set = s.sets[i];
     const double angle = solid_angle(centre, s.panel, set.cone());
-    Triangle t{piece.corners, {}, 0, direction_from(centre, s.panel, set.cone())};
+    Triangle t{piece.corners, {}, 0, direction_from(s, piece.corners, set.cone())};
     bool is_lit = false;
     for (size_t j = 0; j < 3; ++j) {
       const auto& light = lights[s.shading == Shading::flat ? 0 : j];
@@ -197,7 +205,7 @@ void check_shading(const Scene& scene, const TraceParams& params) {
           "expected the strategy shared with the method triangles, got {}; triangles have one brightness for the whole "
           "panel",
           params.strategy == Strategy::tiled ? "tiled" : "gather");
-  require(!scene.meshes.empty(),
+  require(has_surfaces(scene),
           "expected a scene with meshes for the method triangles, got only luminous points; add an object that "
           "is a surface, or use another method");
 }
@@ -211,6 +219,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   for (const double wavelength : wavelengths) check_wavelength(wavelength);
   check_shading(scene, params);
   const Cones cones = cones_of(wavelengths, params);
+  const double longest = *std::max_element(wavelengths.begin(), wavelengths.end());
   int64_t of_meshes = 0, shining = 0;
   const std::vector<Piece> pieces =
       list_pieces(scene, panel, acceptance_tangent(cones.of_rays, panel.pitch), of_meshes);
@@ -225,7 +234,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
     if (g == 0) warn_of_left_out(scene, sets, observer);
     require_memory(2 * double(sizeof(Triangle) + 8) * double(pieces.size()) * double(sets.size()),
                    fmt::format("{} sets of {} triangles", sets.size(), pieces.size()));
-    const Shade shade{path_scene, params, panel, sets, shading};
+    const Shade shade{path_scene, params, panel, sets, shading, longest};
     std::vector<Block> blocks((pieces.size() + block_size - 1) / block_size);
     parallel_for(
         0, int64_t(blocks.size()),

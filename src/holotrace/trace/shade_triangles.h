@@ -30,8 +30,9 @@ namespace holotrace {
 /// A surface of radiance L and area S, as seen from the panel, sends the power L·S·Ω through that part, and a triangle
 /// sends a²·S: brightness follows radiance, as that of the waves of `trace` does, at any depth and wavelength.
 ///
-/// **Directions.** Light leaves toward the nearest point of the panel less an eighth of its side at each edge, and no
-/// farther aside than half the box: straight ahead for what stands before the panel.
+/// **Directions.** Light leaves toward the nearest point of the panel's part in the box, less a margin at each edge:
+/// straight ahead for what stands before the panel. The margin is an eighth of that part, or the width of the beam that
+/// diffraction makes of the triangle, λd/√(2·area) for the longest wavelength, and half of the part at most.
 ///
 /// **Phases**: random, keyed by the number of the triangle (set_frame draws another), or 0 where the light arrives.
 /// With constant phases the light of a smooth surface hardly spreads; a view without a lens shows it all the same.

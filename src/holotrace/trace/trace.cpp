@@ -26,9 +26,9 @@ namespace holotrace {
 
 namespace {
 
-constexpr int64_t block_size = 64;  // rays that one task follows
+constexpr int64_t block_size = 64;  // rays per task
 
-/// Facts of all tracings of a call.
+/// Facts of all tracings in a call.
 struct Totals {
   PathCounts counts;
   int64_t rays = 0, first_hits = 0, far_waves = 0, mesh_waves = 0;
@@ -41,8 +41,8 @@ void append(std::vector<T>& to, std::vector<T>& from) {
   from = {};
 }
 
-/// The blocks' waves of set `s` after those of the points, which are in `points`, merged where they share a cell; takes
-/// the blocks' memory.
+/// Joins the waves of set `s`: those of the points (`points`), then those of the blocks, merged if they share a cell.
+/// Frees the blocks' memory.
 Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>& blocks) {
   TracedWaves all = std::move(points);
   size_t most = all.waves.size();
@@ -74,15 +74,15 @@ Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>
   return sources;
 }
 
-/// Traces one group of wavelengths; sets of lights or path groups that have no wave are left out.
+/// Traces one group of wavelengths; sets of lights or path groups without a wave are left out.
 void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std::vector<Sources>& sets) {
   const int64_t count = t.pattern ? t.pattern->count() : 0;
   const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(WaveCell) + sizeof(float) * double(t.tiles.size());
-  // A hash table of the cells of one set after the other (merge_waves.h): about 100 bytes per wave.
+  // Hash table of the cells, one set after the other (merge_waves.h): about 100 bytes per wave.
   const double cells = t.params.phase != SourcePhase::random && t.params.one_wave_per_cell ? 100 : 0;
   require_memory((2 * bytes * double(t.sets.size()) + cells) * double(count),
                  fmt::format("{} sets of waves of {} first hits", t.sets.size(), count));
-  std::atomic<int64_t> found{0};  // behind mirrors and glass rays find several waves
+  std::atomic<int64_t> found{0};  // a ray finds several waves behind mirrors and glass
   std::vector<TracedWaves> points(t.sets.size());
   add_points(t, points, totals.points);
   std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));

@@ -72,11 +72,11 @@ void warn_of_brightness(double points, double surfaces, const Observer& observer
 
 }  // namespace
 
-void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double longest,
+void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double cone,
                       const TraceParams& params, const Observer& observer) {
   if (has_surfaces(scene)) {
     if (findings.first_hits == 0)
-      observer.warn(unseen_sentence(panel, longest, params, findings.rays));
+      observer.warn(unseen_sentence(panel, cone, params, findings.rays));
     else if (findings.is_dark)
       observer.warn(dark_sentence(scene));
   }

@@ -37,8 +37,8 @@ struct TraceFindings {
 /// Warns where a tracing has not met the meshes, has found no light on them, or has no laser under the phase `laser`,
 /// each with what helps; and where luminous points are more than a thousand times as bright as the surfaces, or the other way round.
 ///
-/// @param longest  wavelength [m], whose acceptance the rays fill
-void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double longest,
+/// @param cone  wavelength [m] whose acceptance the rays fill (Cones::of_rays)
+void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double cone,
                       const TraceParams& params, const Observer& observer);
 
 }  // namespace holotrace

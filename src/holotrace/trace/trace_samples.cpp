@@ -13,7 +13,7 @@
 namespace holotrace {
 namespace {
 
-/// Adds a wave to a set. `key` is that of its random phase.
+/// Adds a wave to a set. `key` selects its random phase.
 void add_wave(const Tracing& t, TracedWaves& set, Source wave, double phase, uint64_t key, WaveCell cell) {
   if (key != Sources::no_phase_key) phase += random_phase(uint64_t(t.params.seed), 0, key);
   wave.phase = float(phase);
@@ -22,16 +22,16 @@ void add_wave(const Tracing& t, TracedWaves& set, Source wave, double phase, uin
   set.cells.push_back(cell);
 }
 
-/// The angle in [0, 2π), where a float keeps it best.
+/// The angle reduced to [0, 2π), where a float is most precise.
 double reduced(double phase) { return phase - 2 * pi * std::floor(phase / (2 * pi)); }
 
-/// A wave, and the sample whose ray has found it.
+/// A wave, and the sample whose ray found it.
 struct FoundWave {
   const RayWave& wave;
   uint64_t sample;
 };
 
-/// Adds the wave that a ray has found to a set. Its tiles' amplitudes are there.
+/// Adds a wave found by a ray to a set. Its tiles' amplitudes must be there already.
 void add_ray_wave(const Tracing& t, size_t s, const FoundWave& found, double amplitude, double light_phase,
                   Block& block) {
   const WaveSet& set = t.sets[s];
@@ -42,7 +42,7 @@ void add_ray_wave(const Tracing& t, size_t s, const FoundWave& found, double amp
   add_wave(t, block.sets[s], {wave.origin, float(amplitude)}, phase, key, is_alone ? WaveCell{} : wave.cell);
 }
 
-/// Adds the waves that a ray has found to the sets, each with one amplitude for the whole panel.
+/// Adds the waves found by a ray to the sets, each with one amplitude for the whole panel.
 void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t sample, Block& block) {
   for (size_t i = 0; i < t.sets.size(); ++i) {
     const WaveSet& set = t.sets[i];
@@ -56,14 +56,14 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t 
   }
 }
 
-/// Whether light from a place reaches a tile at an angle that the panel holds, at any of the wavelengths.
+/// Whether light from a place reaches a tile within the panel's acceptance, at any of the wavelengths.
 bool is_in_reach(const Tracing& t, const PixelBox& tile, Vec3 origin) {
   const double radius = box_radius(-origin.z, t.widest, t.panel.pitch);
   return origin.x >= t.panel.x(tile.x0) - radius && origin.x <= t.panel.x(tile.x1 - 1) + radius &&
          origin.y <= t.panel.y(tile.y0) + radius && origin.y >= t.panel.y(tile.y1 - 1) - radius;
 }
 
-/// The same, each with an amplitude for every tile in its reach that sees it.
+/// The same, each with an amplitude for every tile within reach that sees it.
 void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t sample, Block& block) {
   std::vector<std::optional<SeenLight>> seen;
   std::vector<PixelBox> visible;
@@ -127,7 +127,7 @@ void add_points(const Tracing& t, std::vector<TracedWaves>& sets, Brightness& br
   for (size_t i = 0; i < points.size(); ++i) {
     const ScenePoint& point = points[i];
     const auto is_seen = [&](Vec3 place) { return !t.scene.accelerator.is_occluded(place, point.position); };
-    std::vector<char> seen;  // by tile
+    std::vector<char> seen;  // index: tile
     for (const PanelTile& tile : t.tiles) seen.push_back(is_seen(tile.centre));
     const bool is_lit = t.tiles.empty() ? is_seen({}) : std::count(seen.begin(), seen.end(), 1) > 0;
     if (!is_lit) continue;

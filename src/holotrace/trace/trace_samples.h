@@ -10,23 +10,23 @@
 #include "holotrace/trace/waves/merge_waves.h"
 #include "holotrace/trace/waves/wave_sets.h"
 
-// The waves that single rays and points make, before they are joined to sets (trace.cpp).
+// The waves of single rays and points, before they are joined to sets (trace.cpp).
 
 namespace holotrace {
 
-/// What all rays of a tracing share.
+/// Data shared by all rays of a tracing.
 struct Tracing {
   const PathScene& scene;
   const TraceParams& params;
-  const FirstHits* pattern;  // none for a scene of points alone
+  const FirstHits* pattern;  // nullptr for a scene of points alone
   const std::vector<PanelTile>& tiles;
   const std::vector<WaveSet>& sets;
-  double side;  // of the cells of equal surface phase
+  double side;  // side of the cells of equal phase [m]
   const Grid& panel;
-  double widest;  // wavelength whose acceptance all boxes lie in
+  double widest;  // wavelength whose acceptance contains all boxes [m]
 };
 
-/// What one task finds.
+/// Results of one task.
 struct Block {
   std::vector<TracedWaves> sets;
   PathCounts counts;
@@ -37,7 +37,7 @@ struct Block {
 /// Follows ray `index` to its first hit and traces light there.
 void trace_sample(const Tracing& t, int64_t index, Block& block);
 
-/// The luminous points that the panel's centre or, tiled, any tile sees.
+/// Adds the luminous points that the panel's centre (for `tiled`: any tile) sees.
 void add_points(const Tracing& t, std::vector<TracedWaves>& sets, Brightness& brightness);
 
 }  // namespace holotrace

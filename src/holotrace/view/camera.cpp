@@ -83,17 +83,22 @@ void cut_by_pupil(Field& field, const CameraParams& camera) {
       open += is_open;
       if (!is_open) field.samples(j, i) = 0;
     }
-  require(open > 0 || camera.eye.z > 0,
+  const bool is_beside = std::abs(camera.eye.x - field.grid.centre_x) > field.grid.width() / 2 + radius ||
+                         std::abs(camera.eye.y - field.grid.centre_y) > field.grid.height() / 2 + radius;
+  require(open > 0 || !is_beside,
           "expected a pupil within the panel's window of {} × {}, got one of {} at {}, {}; move the eye",
           format_length(field.grid.width()), format_length(field.grid.height()), format_length(camera.pupil),
           format_length(camera.eye.x), format_length(camera.eye.y));
-  require(open > 0, "expected a pupil that is wider than a sample of {}, got one of {}; use a wider one",
-          format_length(field.grid.pitch), format_length(camera.pupil));
+  require(open > 0,
+          "expected a pupil that holds a sample of the field, got one of {} among samples {} apart; take one of {} or "
+          "more",
+          format_length(camera.pupil), format_length(field.grid.pitch),
+          format_length(std::sqrt(2.0) * field.grid.pitch));
 }
 
 // Where at least half of what order 0 could show is seen: the panel's own width near it, the middle's cone farther off.
 // A stop makes the cone narrower, and lets no other order through.
-void warn_beside_eyebox(const Field& shown, const Slm& slm, const CameraParams& camera, const Observer& observer) {
+void warn_outside_eyebox(const Field& shown, const Slm& slm, const CameraParams& camera, const Observer& observer) {
   const double z = camera.eye.z, pitch = slm.grid.pitch;
   const auto cone = [&](double half_band) {
     return box_radius(z, shown.wavelength, std::max(pitch, 1 / (2 * half_band)));
@@ -102,14 +107,14 @@ void warn_beside_eyebox(const Field& shown, const Slm& slm, const CameraParams& 
   const double right = std::max(slm.grid.width() / 2, cone(shown.filter ? shown.filter->half_u : open));
   const double up = std::max(slm.grid.height() / 2, cone(shown.filter ? shown.filter->half_v : open));
   if (z == 0 || (std::abs(camera.eye.x) <= right && std::abs(camera.eye.y) <= up)) return;
-  const char* others = shown.filter               ? ""
-                       : shown.grid.pitch < pitch ? ", and light of higher orders"
-                                                  : "; higher orders need subpixels of 3 or more";
+  const char* others = shown.filter               ? "and the stop lets no other order through"
+                       : shown.grid.pitch < pitch ? "and light of higher orders"
+                                                  : "and higher orders need subpixels of 3 or more";
   observer.warn(
-      fmt::format("the eye at {}, {} is beside the eyebox, which is {} × {} at {} from the panel: it sees less than "
-                  "half of order 0, or nothing of it{}; move it toward the axis",
+      fmt::format("the eye at {}, {} is outside the eyebox ({} × {} at {} from the panel): less than half of order 0 "
+                  "reaches it, {}; move the eye to |x| ≤ {}, |y| ≤ {}",
                   format_length(camera.eye.x), format_length(camera.eye.y), format_length(2 * right),
-                  format_length(2 * up), format_length(z), others));
+                  format_length(2 * up), format_length(z), others, format_length(right), format_length(up)));
 }
 
 // The sensor's window as a field in the pupil's smaller one must ask for it.
@@ -173,15 +178,18 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   const Sensor sensor =
       sensor_of(shown.grid, slm, shown.wavelength, z, propagation, camera, std::abs(z) * source.reach(), observer);
   const auto sensed = [&](const Field& field) { return read_sensor(field, sensor, source, z, m, observer); };
-  const auto stopped = [&] { return shown.filter ? apply_order_stop(shown, *shown.filter, observer) : shown; };
-  if (camera.pupil == 0) return sensed(propagate(stopped(), z, sensor.window, observer));
+  const auto stopped = [&](double over, const PropagateParams& window) {
+    return shown.filter ? propagate(apply_order_stop(shown, *shown.filter, observer), over, window, observer)
+                        : propagate(shown, over, window, observer);
+  };
+  if (camera.pupil == 0) return sensed(stopped(z, sensor.window));
 
-  warn_beside_eyebox(shown, slm, camera, observer);
+  warn_outside_eyebox(shown, slm, camera, observer);
   const std::optional<Grid> window = pupil_window(shown.grid, shown.wavelength, camera);
   const Grid plane = propagation_output(shown.grid, sensor.window);
   if (!window || !reaches(*window, plane, shown.wavelength, z - camera.eye.z))
     return sensed(Field(plane, shown.wavelength));  // dark
-  Field in_pupil = propagate(stopped(), camera.eye.z, to_window(*window, propagation.method), observer);
+  Field in_pupil = stopped(camera.eye.z, to_window(*window, propagation.method));
   cut_by_pupil(in_pupil, camera);
   return sensed(propagate(in_pupil, z - camera.eye.z, from_pupil(sensor.window, shown.grid), observer));
 }
@@ -193,23 +201,28 @@ double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, doubl
   const Sensor read = sensor_of(shown, slm, wavelength, z, propagation, camera, std::abs(z) * source.reach());
   const PropagateParams& window = read.window;
   const Grid sensor = propagation_output(shown, window);
-  // The field and its irradiance, and what blurs it; after the propagation.
-  const double reading = (sizeof(std::complex<float>) + sizeof(float)) * double(sensor.pixels()) +
-                         (read.blur > 0 ? convolved_bytes(sensor.ny, sensor.nx) : 0);
+  constexpr double complex_bytes = sizeof(std::complex<float>), real_bytes = sizeof(float);
+  // The field and its irradiance, what blurs it, and the pixels; after the propagation.
+  const double picture_side = 2.0 * read.blur + 1;  // of the source's own picture
+  const double blurring =
+      read.blur > 0 ? real_bytes * picture_side * picture_side + convolved_bytes(sensor.ny, sensor.nx) : 0;
+  const double reading =
+      (complex_bytes + real_bytes) * double(sensor.pixels()) + blurring + real_bytes * double(read.pixels.pixels());
   // A distance that cannot be sampled is refused, with its reason, where it is propagated over.
   const auto bytes_over = [&](const Grid& from, double over, const PropagateParams& params) {
     try {
       return propagation_bytes(from, wavelength, over, params, sizeof(float));
     } catch (const Error&) {
-      return sizeof(std::complex<float>) * double(sensor.pixels());
+      return complex_bytes * double(sensor.pixels());
     }
   };
-  if (camera.pupil == 0) return std::max(reading, bytes_over(shown, z, window));
+  const double stopped = complex_bytes * double(shown.pixels());  // what an encoder's stop lets through
+  if (camera.pupil == 0) return std::max(reading, stopped + bytes_over(shown, z, window));
   const std::optional<Grid> pupil = pupil_window(shown, wavelength, camera);
   if (!pupil) return reading;
-  return std::max({reading, bytes_over(shown, camera.eye.z, to_window(*pupil, propagation.method)),
-                   sizeof(std::complex<float>) * double(pupil->pixels()) +
-                       bytes_over(*pupil, z - camera.eye.z, from_pupil(window, shown))});
+  const double in_pupil = complex_bytes * double(pupil->pixels());
+  return std::max({stopped + bytes_over(shown, camera.eye.z, to_window(*pupil, propagation.method)),
+                   in_pupil + bytes_over(*pupil, z - camera.eye.z, from_pupil(window, shown)), in_pupil + reading});
 }
 
 double axial_reach(const Slm& slm, double wavelength, double distance, ImageSide image, const CameraParams& camera,

@@ -20,7 +20,7 @@ namespace holotrace {
 /// With camera.pupil > 0 an eye takes the light: only what passes a round pupil about camera.eye, parallel to the
 /// panel, goes on. The field is propagated to a window about the pupil in its plane, cut there, and from there (forward
 /// or back) to the plane looked at: an eye that focuses on that plane, its retina in the plane's own scale. An eye
-/// beside the eyebox is a warning: order 0 of the panel's middle goes to |x| ≤ z·tan(asin(λ/2p)) about the axis, at
+/// outside the eyebox is a warning: order 0 of the panel's middle goes to |x| ≤ z·tan(asin(λ/2p)) about the axis, at
 /// z·λ/p from those of its neighbours, and beyond it (and beyond the panel's own width) there is less than half of
 /// order 0, or none, and only what other orders the samples hold.
 ///

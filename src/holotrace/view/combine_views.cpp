@@ -63,7 +63,7 @@ Image CombinedViews::image() const {
   require(!groups_.empty(), "expected a view to make a picture of, got none");
   if (lines.size() == 1) return irradiance(lines.front());
   const std::vector<Vec3> matrix = colour_matrix(lines);
-  const auto reach_of = [&](double wavelength) {  // 0 for a wavelength that no hologram has
+  const auto reach_of = [&](double wavelength) {  // 0 for a wavelength of no hologram
     const auto group =
         std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) { return g.wavelength == wavelength; });
     return group == groups_.end() ? 0 : group->reach;

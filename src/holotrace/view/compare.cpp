@@ -45,7 +45,7 @@ double uniformity_of(std::vector<double> ratios) {
   return most > 0 ? 2 * least / (least + most) : 0;
 }
 
-// A value below 0, as of a photograph less its offset, is dark.
+// A value below 0, as in a photograph less its offset, counts as 0.
 double amplitude_psnr(const Image& reference, const Image& image, double peak) {
   const auto amplitude = [](float value) { return std::sqrt(std::max(0.0, double(value))); };
   double image_image = 0, image_reference = 0, squares = 0;
@@ -136,7 +136,7 @@ FieldMetrics compare(const BasicField<Real>& reference, const BasicField<Real>& 
   m.relative_error = std::sqrt(dd / rr);
   m.scale = ff > 0 ? std::conj(rf) / ff : 0;
   m.correlation = ff > 0 ? rf / std::sqrt(rr * ff) : 0;
-  double residual = 0;  // summed, not taken from the correlation, which rounds errors below 1e-8 to 0
+  double residual = 0;  // summed, not computed from the correlation, which rounds errors below 1e-8 to 0
   for (size_t i = 0; i < field.samples.size(); ++i)
     residual += std::norm(m.scale * std::complex<double>(field.samples.values[i]) -
                           std::complex<double>(reference.samples.values[i]));

@@ -9,37 +9,37 @@
 namespace holotrace {
 
 struct CompareParams {
-  /// The bright region: pixels whose reference is at least this part of the reference's maximum.
+  /// The bright region: pixels whose reference is at least this fraction of the reference's maximum.
   double bright = 0.1;
 };
 
 /// How an image differs from its reference.
 struct Metrics {
-  double scale = 0;             ///< s that makes s·image nearest to the reference (least squares)
+  double scale = 0;             ///< s for which s·image is nearest to the reference (least squares)
   double rms_error = 0;         ///< root mean square of reference − s·image [unit of the reference]
-  double psnr = 0;              ///< 20·log₁₀(L/rms error) of s·image [dB], infinite where they agree
-  double psnr_amplitude = 0;    ///< the same of amplitudes √value, with a scale of their own: as encoders are judged
-  double psnr_unscaled = 0;     ///< the same of the image as it is
+  double psnr = 0;              ///< 20·log₁₀(L/rms error) of s·image [dB], infinite if they agree
+  double psnr_amplitude = 0;    ///< the same for amplitudes √value, with their own scale, as encoders are judged
+  double psnr_unscaled = 0;     ///< psnr of the image without a scale
   double ssim = 0;              ///< mean structural similarity of s·image, at most 1
-  double ssim_unscaled = 0;     ///< the same of the image as it is
-  double speckle_contrast = 0;  ///< σ/μ of image/reference over the bright region: shading divides out
-  double bright_fraction = 0;   ///< diffraction efficiency: part of the image's light in the bright region
+  double ssim_unscaled = 0;     ///< ssim of the image without a scale
+  double speckle_contrast = 0;  ///< σ/μ of image/reference over the bright region, without shading
+  double bright_fraction = 0;   ///< diffraction efficiency: fraction of the image's light in the bright region
   double power_ratio = 0;       ///< all light of the image over all light of the reference
-  /// 1 − (b − a)/(b + a) of image/reference over the bright region, a and b its 1st and 99th percentiles: the least and
-  /// the greatest of all would tell of two pixels alone, and of their noise. In [0, 1], 1 where all are alike.
+  /// 1 − (b − a)/(b + a) of image/reference over the bright region, a and b its 1st and 99th percentiles. (The minimum
+  /// and the maximum would depend on two pixels and their noise.) In [0, 1], 1 if all ratios are equal.
   double uniformity = 0;
 };
 
-/// Compares an image with its reference, L being the reference's maximum, over all channels together.
+/// Compares an image with its reference, over all channels together. L is the reference's maximum.
 ///
-/// SSIM is Wang et al.'s, IEEE Trans. Image Process. 13, 600 (2004): Gaussian window of 11 × 11 pixels,
+/// SSIM is that of Wang et al., IEEE Trans. Image Process. 13, 600 (2004): Gaussian window of 11 × 11 pixels,
 /// σ = 1.5, K₁ = 0.01, K₂ = 0.03, averaged over the pixels whose window lies inside the image (a smaller
-/// image takes the largest odd window that fits) and over channels; population moments, linear values.
+/// image uses the largest odd window that fits) and over channels; population moments, linear values.
 ///
 /// @throws Error  unless sizes and channels agree, values are finite and the reference has light
 Metrics compare(const Image& reference, const Image& image, const CompareParams& params = {});
 
-/// Standard deviation over mean of all values: 1 for fully developed speckle, 1/√M for M frames of it; 0 for
+/// Standard deviation over mean of all values: 1 for fully developed speckle, 1/√M for the mean of M such frames; 0 for
 /// an image without light.
 double speckle_contrast(const Image& image);
 
@@ -47,8 +47,8 @@ double speckle_contrast(const Image& image);
 struct FieldMetrics {
   double relative_error = 0;         ///< ‖f − r‖/‖r‖
   double scaled_error = 0;           ///< ‖s·f − r‖/‖r‖ = √(1 − |correlation|²)
-  std::complex<double> scale;        ///< s that makes s·f nearest to r (least squares)
-  std::complex<double> correlation;  ///< Σ r*·f/(‖r‖·‖f‖): modulus 1 where f is r times a constant
+  std::complex<double> scale;        ///< s for which s·f is nearest to r (least squares)
+  std::complex<double> correlation;  ///< Σ r*·f/(‖r‖·‖f‖): its modulus is 1 if f is r times a constant
 };
 
 /// Compares a field with its reference.
@@ -56,7 +56,7 @@ struct FieldMetrics {
 template <class Real>
 FieldMetrics compare(const BasicField<Real>& reference, const BasicField<Real>& field);
 
-/// ‖f − r‖/‖r‖ over fields in colour: all their samples together.
+/// ‖f − r‖/‖r‖ of colour fields, over all their samples together.
 /// @throws Error  unless both have as many fields, of the same sizes and wavelengths (to 1e-9), and the reference has
 ///                light
 template <class Real>

@@ -7,8 +7,6 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/view/sensor.h"
-#include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace {
 namespace {
@@ -55,19 +53,6 @@ Image mean_over_pixels(const Array2D<float>& values, int n, int rim, bool is_int
     }
   };
   parallel_for(0, image.ny, read_row, observer, 16);
-  return image;
-}
-
-Image expose(const Field& field, const CameraParams& params, const Observer& observer) {
-  const bool is_integrated = params.sampling == PixelSampling::integrate;
-  const int given = params.binning == 0 ? 1 : params.binning, n = is_integrated ? 2 * given : given;
-  const Grid pixels = pixels_of(field.grid, given, observer);
-  const int rim = is_integrated ? integration_rim : 0;
-  Image image =
-      mean_over_pixels(irradiance_of(propagate(field, 0, window_of(pixels, n, rim))), n, rim, is_integrated, observer);
-  image.pitch = pixels.pitch;
-  image.centre_x = pixels.centre_x;
-  image.centre_y = pixels.centre_y;
   return image;
 }
 

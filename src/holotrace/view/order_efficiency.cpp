@@ -12,18 +12,18 @@
 namespace holotrace {
 namespace {
 
-// The cells that a frequency counts for: one, or half for each of two.
+// The cells that a frequency belongs to: twice the same one, or two that each get half of it.
 struct Cells {
   int first, second;
 };
 
-// Of every bin of n·pixels samples, whose cells are `pixels` bins wide. The middle bin of an even number stands for
-// both signs, so for the outermost cells.
+// The cells of every bin, for n·pixels samples and cells `pixels` bins wide. For an even number of samples the Nyquist
+// bin stands for both signs, so it belongs to both outermost cells.
 std::vector<Cells> cells_of(int pixels, int n) {
   const int samples = n * pixels;
   std::vector<Cells> cells;
   for (int k = 0; k < samples; ++k) {
-    const int twice = 2 * signed_frequency(k, samples) + samples;  // from the lower border, in half bins
+    const int twice = 2 * signed_frequency(k, samples) + samples;  // distance from the lower border, in half bins
     const int cell = twice / (2 * pixels);
     cells.push_back(twice == 0 ? Cells{0, n - 1} : Cells{twice % (2 * pixels) == 0 ? cell - 1 : cell, cell});
   }
@@ -56,7 +56,7 @@ std::vector<OrderPower> order_powers(const Field& shown, double pitch) {
   auto spectrum = shown.samples;
   fft_2d(spectrum.values.data(), ny, nx, FftDirection::forward);
   const std::vector<Cells> columns = cells_of(nx / n, n), rows = cells_of(ny / n, n);
-  Array2D<double> of_rows(ny, n);  // light of each row of the spectrum, by cell
+  Array2D<double> of_rows(ny, n);  // light in each row of the spectrum, by cell
   parallel_for(0, ny, [&](int64_t j) {
     const std::complex<float>* u = spectrum.row(int(j));
     for (int i = 0; i < nx; ++i) {
@@ -69,7 +69,7 @@ std::vector<OrderPower> order_powers(const Field& shown, double pitch) {
   std::vector<OrderPower> orders;
   for (int j = -outermost; j <= outermost; ++j)
     for (int i = -outermost; i <= outermost; ++i) orders.push_back({i, j, 0});
-  const double scale = shown.grid.pitch * shown.grid.pitch / double(shown.grid.pixels());  // Parseval's
+  const double scale = shown.grid.pitch * shown.grid.pitch / double(shown.grid.pixels());  // by Parseval's theorem
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < n; ++i)
       for (const int row : {rows[size_t(j)].first, rows[size_t(j)].second})  // rows of the spectrum run against y

@@ -12,21 +12,21 @@ struct OrderPower {
   double power = 0;         ///< [W]
 };
 
-/// The light in each of the orders that a shown field holds: of its spectrum, that in the order's own cell
+/// The light in each diffraction order of a shown field: the part of its spectrum in the cell of that order,
 ///
 ///     Pᵢⱼ = ∬ |U(u, v)|² du dv   over   |u − i/p| ≤ 1/2p, |v − j/p| ≤ 1/2p
 ///
-/// A frequency on the border of two cells counts half for each, so that the orders add up to the field's power. The
-/// orders are those that n samples per pixel hold whole, |i|, |j| ≤ (n−1)/2.
+/// A frequency on the border of two cells counts half for each, so the orders add up to the field's power. The
+/// orders are those that n samples per pixel represent completely, |i|, |j| ≤ (n−1)/2.
 ///
 /// @param shown   light that leaves the panel, its pitch p/n, n odd (show.h)
-/// @param pitch   of the panel's pixels, p [m]
-/// @return        n² orders, from (−(n−1)/2, −(n−1)/2) on, `column` running first
-/// @throws Error  for an n that is even or no whole number
+/// @param pitch   pitch p of the panel's pixels [m]
+/// @return        n² orders, from (−(n−1)/2, −(n−1)/2) on, with `column` running first
+/// @throws Error  for an n that is even or not an integer
 /// Cost: a copy of the field, one FFT.
 std::vector<OrderPower> order_powers(const Field& shown, double pitch);
 
-/// Whether order_powers can tell more than the field's power: n odd and above 1.
+/// Whether order_powers can give more than the field's total power: n is odd and above 1.
 bool has_orders(const Field& shown, double pitch);
 
 }  // namespace holotrace

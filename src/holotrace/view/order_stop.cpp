@@ -26,7 +26,7 @@ void check_filter(const SpectralFilter& f, const Grid& grid) {
           nyquist, format_length(grid.pitch), f.u0, f.v0);
 }
 
-// Whether the band around `centre` holds the frequency of each bin; an edge that falls on a bin is inside.
+// Whether the band around `centre` contains the frequency of each bin; an edge that falls on a bin counts as inside.
 std::vector<char> bins_inside(int n, double side, double sign, double centre, double half) {
   std::vector<char> inside(static_cast<size_t>(n));
   for (int k = 0; k < n; ++k)
@@ -34,7 +34,7 @@ std::vector<char> bins_inside(int n, double side, double sign, double centre, do
   return inside;
 }
 
-// exp(−2πi·f·x) along one axis, the phase reduced to a fraction of a cycle in double.
+// exp(−2πi·f·x) along one axis; the phase is reduced to a fraction of a cycle in double.
 template <class Position>
 std::vector<std::complex<double>> carrier(int n, double f, const Position& position) {
   std::vector<std::complex<double>> wave(static_cast<size_t>(n));

@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-// Samples of the sensor's window along one axis: the present ones and an even number more or less.
+// Samples of the sensor's window along one axis: the present number plus or minus an even number.
 int window_samples(double size, double pitch, int present) {
   if (size == 0) return present;
   const double wanted = present + 2 * std::round((size / pitch - present) / 2);
@@ -22,7 +22,7 @@ int window_samples(double size, double pitch, int present) {
   return int(wanted);
 }
 
-// Pixels of a sensor along one axis, whole ones.
+// Whole pixels of a sensor along one axis.
 int sensor_pixels(double size, double pixel) {
   const double wanted = std::round(size / pixel);
   require(wanted >= 1, "expected a sensor at least one pixel of {} wide and high, got a side of {}",
@@ -32,15 +32,15 @@ int sensor_pixels(double size, double pixel) {
   return int(wanted);
 }
 
-// The pixels that the camera's width, height and pixel give.
+// The pixel grid for the camera's width, height and pixel size.
 Grid pixels_of_side(const Slm& slm, const CameraParams& camera) {
   return {sensor_pixels(camera.width > 0 ? camera.width : slm.grid.width(), camera.pixel),
           sensor_pixels(camera.height > 0 ? camera.height : slm.grid.height(), camera.pixel), camera.pixel,
           camera.centre_x, camera.centre_y};
 }
 
-// Light of a point of the sensor comes from no farther apart than the panel's side, nor than the pupil, so its field
-// has a band of side/λz, and no more than the 1/pitch of what is shown.
+// The light at a point of the sensor comes from the panel and through the pupil. The field's band there is at most
+// side/λz for the side of either aperture, and at most the 1/pitch of the shown field.
 int samples_per_pixel(const Grid& shown, double pixel, double wavelength, double z, const CameraParams& camera,
                       const PropagateParams& propagation) {
   double resolved = shown.pitch;
@@ -90,7 +90,7 @@ Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z,
           "expected the sensor's window either by the camera's width, height, centre and pixel or by the "
           "propagation's columns, rows, centre and pitch, got both; leave one out");
   Sensor sensor;
-  int given = camera.binning;  // samples per pixel
+  int given = camera.binning;  // samples per pixel, if given
   if (camera.pixel != 0) {
     sensor.pixels = pixels_of_side(slm, camera);
   } else {

@@ -12,7 +12,7 @@
 namespace holotrace {
 namespace {
 
-// The bits of a CounterRandom, as the distributions of the standard library take them.
+// Random bits from a CounterRandom, with the interface that the standard library's distributions need.
 struct Bits {
   using result_type = uint32_t;
   static constexpr uint32_t min() { return 0; }

@@ -14,10 +14,10 @@ namespace holotrace {
 
 namespace {
 
-// Directions of the disc at (a + 1/2, b + 1/2)·step from its middle, for integers a and b. All parts of a source take
-// the same ones, and each direction belongs to one part, so that the shares of the parts sum to 1 exactly.
+// Directions in the disc at (a + 1/2, b + 1/2)·step from its middle, for integers a and b. All parts of a source use
+// the same directions, and each direction belongs to one part. The shares of the parts therefore sum to exactly 1.
 struct DiscLattice {
-  double radius = 0;  // of the disc, in steps
+  double radius = 0;  // radius of the disc, in steps
   double step = 0;    // [rad]
 
   // The directions in row b have −n ≤ a < n.
@@ -33,10 +33,10 @@ struct DiscLattice {
   }
 };
 
-// A whole number of steps per sample keeps the sum of linear weights even inside the picture. At least 4 steps a sample
-// resolve the rim of a large picture, and at least 64·√N across the disc the parts of a small one.
+// With a whole number of steps per sample, the sum of linear weights is even inside the picture. At least 4 steps per
+// sample resolve the rim of a large picture; at least 64·√N steps across the disc resolve the parts of a small one.
 DiscLattice lattice_of(const SourcePart& part, double samples_per_angle) {
-  const double samples = part.angle * samples_per_angle;  // of the disc's diameter
+  const double samples = part.angle * samples_per_angle;  // samples across the disc
   const double per_sample = std::max(4.0, std::ceil(64 * std::sqrt(double(part.count())) / samples));
   return {samples * per_sample / 2, 1 / (samples_per_angle * per_sample)};
 }
@@ -46,8 +46,8 @@ DiscLattice lattice_of(const SourcePart& part, double samples_per_angle) {
 Array2D<float> source_image(const SourcePart& part, double z, double pitch, int reach) {
   const int side = 2 * reach + 1;
   Array2D<float> kernel(side, side);
-  const double to_samples = z / pitch;  // from angles
-  // 1e-9 samples are a point.
+  const double to_samples = z / pitch;  // samples per radian
+  // A picture of 1e-9 samples counts as a point.
   if (reach == 0 || part.angle * std::abs(to_samples) < 1e-9) {
     kernel(reach, reach) = 1;
     return kernel;
@@ -55,7 +55,7 @@ Array2D<float> source_image(const SourcePart& part, double z, double pitch, int 
   const DiscLattice lattice = lattice_of(part, std::abs(to_samples));
   const auto [x0, y0] = part.place();
   const auto angle_of = [&](int64_t n) { return (double(n) + 0.5) * lattice.step; };
-  // Directions of the part are no farther from its point than this, in steps.
+  // Largest distance of a direction of the part from its point, in steps.
   const double around = (reach + 1) / (std::abs(to_samples) * lattice.step);
   const auto first = [&](double place) { return int64_t(std::floor(place / lattice.step - around)); };
   const auto last = [&](double place) { return int64_t(std::ceil(place / lattice.step + around)); };
@@ -105,7 +105,7 @@ Array2D<float> convolved(const Array2D<float>& values, const Array2D<float>& ker
   parallel_for(0, int64_t(count), [&](int64_t n) { light.data()[n] *= weights.data()[n] * scale; });
   fft_2d(light.data(), ny, nx, FftDirection::backward);
   Array2D<float> out(values.ny, values.nx);
-  for (int j = 0; j < values.ny; ++j)  // rounding may leave dark places a little below 0
+  for (int j = 0; j < values.ny; ++j)  // rounding may leave values a little below 0
     for (int i = 0; i < values.nx; ++i)
       out(j, i) = std::max(0.0F, light.data()[size_t(j) * size_t(nx) + size_t(i)].real());
   return out;

@@ -10,7 +10,7 @@
 namespace holotrace {
 namespace {
 
-// Weighted means over the window: of a, b, a², b², ab.
+// Weighted means over the window of a, b, a², b² and ab.
 using Moments = std::array<double, 5>;
 
 std::vector<double> gaussian_window(int size) {
@@ -39,7 +39,7 @@ double structural_similarity(const Image& reference, const Image& image, double 
   const std::vector<double> window = gaussian_window(size);
   const int nx = reference.nx - size + 1, ny = reference.ny - size + 1;
   std::vector<double> row_sum(static_cast<size_t>(ny));
-  // The window is a product: down the columns of one row of windows first, then along it.
+  // The window is separable: first down the columns of one row of windows, then along this row.
   parallel_for(0, ny, [&](int64_t j) {
     std::vector<Moments> column(static_cast<size_t>(reference.nx));
     for (int channel = 0; channel < reference.channels; ++channel) {

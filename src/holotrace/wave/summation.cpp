@@ -16,19 +16,19 @@
 namespace holotrace {
 namespace {
 
-constexpr double from_memory = 1.6;        // rates are of a tile in the caches, and `planes` reads all waves for each
-constexpr double seconds_to_plan = 0.2;    // of `planes`: what many waves win back
-constexpr double bytes_per_wave = 340;     // made ready, split into far and near, sorted
+constexpr double from_memory = 1.6;        // the rates hold for a tile in the caches; `planes` reads all waves per tile
+constexpr double seconds_to_plan = 0.2;    // for `planes`; it pays for many waves only
+constexpr double bytes_per_wave = 340;     // prepared, split into far and near, sorted
 constexpr double bytes_per_thread = 15e6;  // grids of a tile of 240 pixels at 4 nodes, and its transforms
 
-// The waves of one part of the panel, those for `planes` and those for tiles, and how each are summed.
+// The waves of one part of the panel, split into those for `planes` (far) and for tiles (near), and both plans.
 struct PartPlan {
   std::vector<PreparedWave> far, near;
   PlanesChoice planes;
   TileChoice tiles;
 
   bool meets_tolerance() const {
-    return (far.empty() || planes.meets_tolerance) && tiles.meets_tolerance;  // `planes` leaves some waves to tiles
+    return (far.empty() || planes.meets_tolerance) && tiles.meets_tolerance;  // `planes` also uses tiles
   }
   double error() const { return std::max(far.empty() ? 0 : planes.error, near.empty() ? 0 : tiles.error); }
   double energy() const { return planes.energies.waves + (near.empty() ? 0 : tiles.energies.waves); }
@@ -55,7 +55,7 @@ PartPlan plan_planes(const std::vector<PreparedWave>& waves, const SumGoal& goal
   PartPlan plan;
   for (const PreparedWave& wave : waves)
     (suits_planes(wave, goal.wavelength, goal.grid.pitch) ? plan.far : plan.near).push_back(wave);
-  const std::vector<PreparedWave>& in_tiles = plan.near.empty() ? waves : plan.near;  // or in corners of boxes
+  const std::vector<PreparedWave>& in_tiles = plan.near.empty() ? waves : plan.near;  // or the corners of boxes
   plan.tiles = choose_tile(draw_pixels(in_tiles), goal);
   if (!plan.far.empty()) plan.planes = choose_planes(plan.far, plan.tiles.plan, goal, most_seconds);
   return plan;
@@ -73,12 +73,12 @@ PartPlan make_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, 
   return from_memory * seconds(planes) + seconds_to_plan < by_tiles ? planes : tiles;
 }
 
-// Of all threads.
+// Predicted seconds with all threads.
 double seconds_of(const PartPlan& plan) {
   return (plan.far.empty() ? 1 : from_memory) * predict_seconds(work_of(plan), summation_rates(), thread_count());
 }
 
-// Calls work(box, buffers) for the tiles of `bounds`, from its top left corner on.
+// Calls work(box, buffers) for the tiles that cover `bounds`, from its top left corner on.
 template <class Buffers, class Work>
 void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, const Observer& observer) {
   tbb::enumerable_thread_specific<Buffers> buffers;
@@ -93,7 +93,7 @@ void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, con
       observer);
 }
 
-// Overwrites the pixels of `bounds`.
+// Computes the pixels of `bounds`; their old values are overwritten.
 void run_plan(const PartPlan& plan, const PixelBox& bounds, Field& field, const Observer& observer) {
   for (int j = bounds.y0; j < bounds.y1; ++j)
     std::fill_n(field.samples.row(j) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
@@ -145,18 +145,18 @@ std::string describe(const PartPlan& plan) {
   return text;
 }
 
-// What was done for one part of the panel, or which tolerance could be met.
+// The result for one part of the panel: how it was summed, or which tolerance could be met.
 struct PartSum {
   bool meets_tolerance = false;
   double reachable = 0;
   std::string method, how;
-  double predicted_seconds = 0;  // of all rounds
+  double predicted_seconds = 0;  // sum over all rounds
 };
 
 PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, Approach approach, bool is_whole, Field& field,
                  const Observer& observer) {
   const PixelBox& bounds = goal.bounds;
-  // The second round, where the waves cancel, knows their coherence; a field that is nearly nothing may need a third.
+  // If the waves cancel, the second round knows their coherence; a field that nearly vanishes may need a third round.
   PartSum part;
   for (int round = 0; round < 3; ++round) {
     const PartPlan plan = make_plan(waves, goal, approach);
@@ -164,7 +164,7 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, Approach 
     if (!plan.meets_tolerance()) return part;
     part.predicted_seconds += seconds_of(plan);
     run_plan(plan, bounds, field, observer);
-    // A part of a few pixels may be dark by chance. It weighs little in the whole, which is what the tolerance is of.
+    // A part of a few pixels may be dark by chance. It has little weight in the whole, to which the tolerance applies.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
     const double met = std::clamp(coherence_of(field, bounds, plan.energy()), least, 1.0);
     part.reachable = 1.25 * plan.error() * std::sqrt(goal.coherence / met);
@@ -187,7 +187,7 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
                      bytes_per_thread * thread_count(),
                  fmt::format("a field of {} × {} samples", grid.nx, grid.ny));
   Field field(grid, sources.wavelength);
-  // Parts whose error is at most the tolerance times their own energy make a whole of which the same holds.
+  // If every part has an error of at most the tolerance times its own energy, so has the whole.
   PartSum worst;
   double predicted = 0;
   const int parts = panel_parts(sources);

@@ -9,26 +9,26 @@
 
 namespace holotrace {
 
-/// Which of the fast summations may take part: tiles alone; `planes`, with tiles for the waves too near for it; or the
-/// one of the two that is expected to take less work.
+/// Which of the fast summations may be used: tiles alone; `planes`, with tiles for waves too near for it; or the
+/// one that is expected to take less work.
 enum class Approach { tiled, planes, cheapest };
 
-/// What sum_tiled.h and sum_planes.h have in common: for the panel, or one part of it after the other where waves have
-/// amplitudes of their own there, a plan whose measured error meets the tolerance, its sum, and a look at the result:
-/// where waves turn out to cancel, so that their errors weigh more, the sum is made again by a finer plan.
+/// Common core of sum_tiled.h and sum_planes.h. For the panel (or for each of its tiles, if waves have tile amplitudes)
+/// it chooses a plan whose measured error meets the tolerance, and sums. It then compares the energies: if the waves
+/// cancel, their relative error grows, and the sum is repeated with a finer plan.
 ///
 /// Facts: method, how (the plan of the part with the greatest error), expected_error, predicted_seconds (cost_model.h).
-/// @return  no field where no plan meets the tolerance; `reachable` is then set to one that does
+/// @return  the field; none if no plan meets the tolerance, and `reachable` is then a tolerance that can be met
 std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
                              double& reachable, const Observer& observer);
 
-/// The same where one method is asked for. @throws Error where no plan of it meets the tolerance
+/// The same for one method. @throws Error  if no plan of this method meets the tolerance
 Field sum_within(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
                  const Observer& observer);
 
-/// What try_sum would do, without the sum: the plan of its first round.
+/// Forecast of try_sum without the sum: the plan of its first round.
 struct SumForecast {
-  double seconds = 0;  ///< by the cost model, without the time that planning takes
+  double seconds = 0;  ///< by the cost model, without the time for planning
   std::string method;  ///< "tiled" or "planes"; "": no plan meets the tolerance
 };
 

@@ -24,15 +24,15 @@ TEST(FitRates, FindsTheRatesThatMadeTheTimes) {
   const SummationWork one_by_one{.exact_terms = 1e6};
   timed.push_back({one_by_one, predict_seconds(one_by_one, made, 1)});
   const SummationRates fitted = fit_rates(timed);
-  // No noise: what is left is the descent's own error, far below what a choice of methods could feel.
+  // Without noise, only the error of the descent remains, far below what affects the choice of a method.
   EXPECT_NEAR(fitted.multiply_adds / made.multiply_adds, 1, 1e-3);
   EXPECT_NEAR(fitted.factors / made.factors, 1, 1e-3);
   EXPECT_NEAR(fitted.wave_tiles / made.wave_tiles, 1, 1e-3);
   EXPECT_NEAR(fitted.exact_terms / made.exact_terms, 1, 1e-6) << "alone in its run";
 }
 
-TEST(FitRates, WhatWasNotTimedIsScaledByWhatWas) {
-  // Two kinds, thrice and twelve times their default rates: a machine six times as fast in the geometric mean.
+TEST(FitRates, UntimedKindsAreScaledByTheTimedOnes) {
+  // Two kinds with 3 and 12 times their default rates: in the geometric mean a machine six times as fast.
   const SummationRates usual;
   std::vector<TimedWork> timed{{{.exact_terms = 1e6}, 1e6 / (3 * usual.exact_terms)},
                                {{.fft_operations = 1e8}, 1e8 / (12 * usual.fft_operations)}};
@@ -42,7 +42,7 @@ TEST(FitRates, WhatWasNotTimedIsScaledByWhatWas) {
 }
 
 TEST(FitRates, WorkThatTakesNoTimeStaysFinite) {
-  // The second run does more of another kind in the same time: no time is left for that kind.
+  // The second run does additional work of another kind in the same time: no time remains for that kind.
   const std::vector<TimedWork> timed{{{.multiply_adds = 1e6}, 1e-3}, {{.multiply_adds = 1e6, .factors = 1e6}, 1e-3}};
   const SummationRates fitted = fit_rates(timed);
   EXPECT_NEAR(fitted.factors, 1e11, 1e6) << "a hundredth of the run of 1e6 in 1e-3 s";

@@ -18,10 +18,10 @@ TEST(Ceilings, AreMeasuredForAllThatTheMachineHas) {
   ASSERT_EQ(ceilings.multiply_adds.size(), instruction_sets().size());
   for (const MultiplyAddPeak& peak : ceilings.multiply_adds) {
     EXPECT_TRUE(std::isfinite(peak.per_second));
-    // No vector unit is slower than one product and sum in 100 cycles of a clock of 100 MHz: a count or a clock is
-    // wrong.
+    // Every vector unit does a product and a sum in 100 cycles of a 100 MHz clock; less means a wrong count or
+    // clock.
     EXPECT_GT(peak.per_second, 1e6) << peak.instruction_set;
-    // Nor faster than 4 units of 16 lanes at 10 GHz: the loop was left out by the compiler.
+    // More than 4 units of 16 lanes at 10 GHz means that the compiler removed the loop.
     EXPECT_LT(peak.per_second, 6.4e11 * ceilings.threads) << peak.instruction_set;
   }
   EXPECT_EQ(ceilings.bf16_vectors > 0, has_avx512_bf16());

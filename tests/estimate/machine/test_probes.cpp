@@ -5,7 +5,7 @@
 namespace holotrace {
 namespace {
 
-// Work whose time is known: the whole takes `whole` seconds, a part of it that part of them, and no clock is asked.
+// A task of known time: the whole takes `whole` seconds, a part of it that part of the time; no clock is used.
 Probe work_of(double whole, double first, std::vector<double>& parts) {
   return {[whole, &parts](double part) {
             parts.push_back(part);
@@ -14,9 +14,9 @@ Probe work_of(double whole, double first, std::vector<double>& parts) {
           first};
 }
 
-// 10 s and 1 s of work from a thousandth of each: the budget is 0.08 · 11 = 0.88 s. The longer work takes 0.01 + 0.04 +
-// 0.16 + 0.64 = 0.85 s, and 2.56 s more are too much. The shorter one takes 0.001 + 0.004 + 0.016 = 0.021 s: 0.871 s
-// together, to which 0.064 s are too much.
+// 10 s and 1 s of work, from a thousandth of each: the budget is 0.08 · 11 = 0.88 s. The longer task takes
+// 0.01 + 0.04 + 0.16 + 0.64 = 0.85 s; another 2.56 s would be too much. The shorter one takes
+// 0.001 + 0.004 + 0.016 = 0.021 s: 0.871 s together; another 0.064 s would be too much.
 TEST(Probes, StayWithinTheirShareOfWhatTheyPredict) {
   std::vector<double> of_long, of_short;
   std::vector<Probe> probes{work_of(10, 0.001, of_long), work_of(1, 0.001, of_short)};
@@ -26,10 +26,10 @@ TEST(Probes, StayWithinTheirShareOfWhatTheyPredict) {
   EXPECT_NEAR(probes[0].last.predicted, 10, 1e-12);
 }
 
-// A forecast of 0.5 s that runs no part of 10 s of work, from 1/64: the next part of 1/16 costs what it says, 0.625 s, and
-// not 4 · 0.5 s. The
-// budget of 1.2 s holds 0.5 + 0.625 s.
-TEST(Probes, AForecastTellsWhatTheNextProbeTakes) {
+// A forecast that takes 0.5 s and runs no part of 10 s of work, from 1/64. The next part, 1/16, takes the stated
+// 0.625 s, not 4 · 0.5 s.
+// The budget of 1.2 s covers 0.5 + 0.625 s.
+TEST(Probes, AForecastStatesTheTimeOfTheNextProbe) {
   for (const double next : {0.625, 0.8}) {
     std::vector<double> parts;
     std::vector<Probe> probes{{[&](double part) {
@@ -38,7 +38,7 @@ TEST(Probes, AForecastTellsWhatTheNextProbeTakes) {
                                },
                                1.0 / 64}};
     refine_probes(probes, 0.12, 0.2);
-    // A forecast is not long enough by itself; 0.5 + 0.8 s are beyond the 1.2 s.
+    // The time of a forecast does not count as long enough; 0.5 + 0.8 s exceed the 1.2 s.
     EXPECT_EQ(parts, next < 0.7 ? (std::vector<double>{1.0 / 64, 1.0 / 16}) : (std::vector<double>{1.0 / 64}));
   }
 }
@@ -61,7 +61,7 @@ TEST(Probes, EndWithTheWholeAndWithWhatIsLongEnough) {
   EXPECT_EQ(parts, (std::vector<double>{1.0 / 64, 1.0 / 16, 0.25}));
 }
 
-// 3 s of which 1 s is done once: two frames take 5 s, six times as many holograms 3 + 5·2 s.
+// 3 s, 1 s of which is done once: two frames take 5 s, six times as many holograms 3 + 5·2 s.
 TEST(Probes, FurtherHologramsTakeWhatTheSecondFrameTookMore) {
   EXPECT_DOUBLE_EQ(seconds_for(1, 3, 5), 3);
   EXPECT_DOUBLE_EQ(seconds_for(6, 3, 5), 13);

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Not a multiple of a chunk's 128 rows; two wavelengths.
+// Not a multiple of the 128 rows of a chunk; two wavelengths.
 std::vector<Field> make_fields(size_t count = 2) {
   std::vector<Field> fields;
   CounterRandom random(3, 0, 0);
@@ -46,7 +46,7 @@ void write_band(FieldBands& file, const std::vector<Field>& fields, size_t band)
   file.finish_band(band);
 }
 
-// Makes the bands that are missing, up to `until`.
+// Makes the missing bands, up to `until`.
 void write_missing(FieldBands& file, const std::vector<Field>& fields, size_t until) {
   for (size_t band = 0; band < until; ++band)
     if (!file.is_finished(band)) write_band(file, fields, band);
@@ -78,10 +78,10 @@ TEST(FieldBands, AreAFieldFileLikeAnyOther) {
   }
 }
 
-TEST(FieldBands, TakenUpAgainInAnyOrderHaveTheSameBytes) {
+TEST(FieldBands, ResumedInAnyOrderHaveTheSameBytes) {
   const std::vector<Field> fields = make_fields();
   const std::string whole = unbroken(fields, "whole.h5"), path = temporary("f.h5");
-  for (const size_t band : {4u, 1u, 5u, 0u, 3u}) {  // a run of its own for each band
+  for (const size_t band : {4u, 1u, 5u, 0u, 3u}) {  // a separate run for each band
     FieldBands file(path, headers_of(fields), job_of(fields));
     EXPECT_FALSE(file.is_finished(band));
     write_band(file, fields, band);
@@ -103,7 +103,7 @@ TEST(FieldBands, AHalfWrittenBandIsWrittenAgain) {
     FieldBands file(path, headers_of(fields), job_of(fields));
     write_band(file, fields, 0);
     const std::vector<std::complex<float>> wrong(37 * 50, 7.0f);
-    file.write_rows(0, 100, 50, wrong.data());  // and then the run is killed
+    file.write_rows(0, 100, 50, wrong.data());  // then the run is killed
   }
   FieldBands file(path, headers_of(fields), job_of(fields));
   EXPECT_TRUE(file.is_finished(0));
@@ -116,7 +116,7 @@ TEST(FieldBands, AHalfWrittenBandIsWrittenAgain) {
 TEST(FieldBands, LeftoversOfEveryStepOfARunAreNoObstacle) {
   const std::vector<Field> fields = make_fields(1);
   const std::string whole = unbroken(fields, "whole.h5"), path = temporary("f.h5");
-  // A file without a journal: killed while it was made. A journal without a file: killed after the last rename.
+  // A file without a journal: killed while making it. A journal without a file: killed after the last rename.
   make_file("f.h5.partial", "no HDF5 file");
   fs::remove(path + ".partial.json");
   {
@@ -132,7 +132,7 @@ TEST(FieldBands, LeftoversOfEveryStepOfARunAreNoObstacle) {
   EXPECT_EQ(bytes_of(path), bytes_of(whole));
 }
 
-TEST(FieldBands, TakenUpAgainKeepTheSettingsOfTheRunThatBegan) {
+TEST(FieldBands, ResumedKeepTheSettingsOfTheFirstRun) {
   const std::vector<Field> fields = make_fields(1);
   const std::string path = temporary("f.h5");
   BandedJob job = job_of(fields);
@@ -176,7 +176,7 @@ TEST(FieldBands, DamagedFilesAndJournalsAreRefused) {
             "expected an .h5 file for a field made in bands, got");
 }
 
-// A limit on the size of files: what lies beyond cannot be written, as on a full disk.
+// A limit on the size of files: what lies beyond it cannot be written, as on a full disk.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) : handler_(signal(SIGXFSZ, SIG_IGN)) {
@@ -194,7 +194,7 @@ class FileLimit {
   void (*handler_)(int);
 };
 
-TEST(FieldBands, ADiskThatIsFullIsToldOfAndFinishedBandsStay) {
+TEST(FieldBands, AFullDiskIsReportedAndFinishedBandsStay) {
   const std::vector<Field> fields = make_fields(1);
   const std::string whole = unbroken(fields, "whole.h5"), path = temporary("f.h5");
   {

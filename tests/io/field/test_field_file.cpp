@@ -21,11 +21,11 @@ BasicField<Real> some_field(bool with_filter = true) {
   for (int i = 0; i < 6; ++i) field.samples.values[size_t(i)] = {Real(0.1) * Real(i), Real(-1) / Real(i + 3)};
   field.image = ImageSide::real_image;
   if (with_filter) field.filter = SpectralFilter{31250.5, 0, 1e4, 62500};
-  if (with_filter) field.cone_wavelength = 450.7e-9;  // else its own, as in files from before there was one
+  if (with_filter) field.cone_wavelength = 450.7e-9;  // otherwise its own, as in older files without this key
   return field;
 }
 
-// Equality is exact: every format keeps the bits of samples and of metadata.
+// Equality is exact: every format keeps all bits of samples and metadata.
 template <class Real>
 void expect_equal(const BasicField<Real>& a, const BasicField<Real>& b) {
   EXPECT_EQ(a.grid, b.grid);
@@ -39,7 +39,7 @@ void expect_equal(const BasicField<Real>& a, const BasicField<Real>& b) {
 
 const char* const sidecar_text = R"({"pitch_m": 8e-6, "wavelengths_m": [532e-9], "z_m": 0.0, "image": "virtual"})";
 
-// A .npy file with this dictionary and these bytes of data.
+// A .npy file with this dictionary and these data bytes.
 std::string npy(std::string dictionary, const std::string& data) {
   dictionary += '\n';
   return std::string("\x93NUMPY\x01\x00", 8) + char(dictionary.size()) + '\0' + dictionary + data;
@@ -85,7 +85,7 @@ TEST_P(FieldFile, AFieldOffTheAxisKeepsItsCentre) {
   expect_equal(load_field(path), field);
   field.grid.centre_x = 0;
   field.grid.centre_y = 0;
-  save_field(path, field);  // says nothing of a centre, as files of earlier versions
+  save_field(path, field);  // without a centre, as in older files
   expect_equal(load_field(path), field);
 }
 
@@ -167,7 +167,7 @@ TEST_P(FieldFile, AFieldInColourComesBackAsSaved) {
 INSTANTIATE_TEST_SUITE_P(Formats, FieldFile, ::testing::Values(".npy", ".h5", ".exr"),
                          [](const auto& info) { return std::string(info.param + 1); });
 
-// numpy.save of an array that was transposed: the first index counts fastest (numpy.lib.format, "fortran_order").
+// numpy.save of a transposed array: the first index varies fastest (numpy.lib.format, "fortran_order").
 TEST(NpyFile, InFortranOrderIsReadAsNumpyHasIt) {
   const auto sample = [](int n, int j, int i) { return std::complex<double>(100 * n + 10 * j + i, -i); };
   const auto bytes_of = [&](int count) {  // of shape (count, 2, 3)

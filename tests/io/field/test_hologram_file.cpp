@@ -14,7 +14,7 @@ using test::error_of;
 using test::make_file;
 using test::temporary;
 
-// Every level, row after row.
+// A hologram with every level, row after row.
 Hologram all_levels(int levels, Modulation modulation) {
   Hologram hologram;
   const int nx = levels <= 256 ? levels : 256, ny = (levels + nx - 1) / nx;
@@ -61,12 +61,12 @@ TEST(HologramFile, IlluminationNameAndFrameComeBackAsSaved) {
   EXPECT_EQ(loaded.name, "ES*L");
   EXPECT_EQ(loaded.cone_wavelength, 450.7e-9);
   EXPECT_EQ(loaded.frame, 12u);
-  // Files from before, and bare ones, are alike in brightness.
+  // Older files, and those without a sidecar, have the same brightness.
   std::filesystem::remove(sidecar_path(path));
   EXPECT_EQ(load_hologram(path).illumination, 1);
 }
 
-// Grey g shows 2πg/256: level 1 of 2 is half a turn, grey 128. Amplitude level 1 of 2 is all, grey 255.
+// Grey g shows 2πg/256: level 1 of 2 is half a turn, grey 128. Amplitude level 1 of 2 is the full amplitude, grey 255.
 TEST(HologramFile, GreysAreRawAndMeanTheSameForAnyLevels) {
   const auto greys = [](Modulation modulation, int levels) {
     const std::string path = temporary("h.png");

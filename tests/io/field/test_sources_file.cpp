@@ -39,7 +39,7 @@ TEST(SourcesFile, KeysTilesNameAndFrameComeBackAsSaved) {
   const std::string path = temporary("s.ply");
   Sources sources = some_sources;
   sources.name = "lamp of the desk";
-  sources.phase_keys = {0x123456789abcdef0, Sources::no_phase_key};  // 64 bits, more than a double holds
+  sources.phase_keys = {0x123456789abcdef0, Sources::no_phase_key};  // 64 bits, more than a double can hold
   sources.seed = ~uint64_t(0) - 5;
   sources.frame = 3000000000u;
   sources.cone_wavelength = 450.7e-9;
@@ -139,7 +139,7 @@ TEST(SourcesFile, OtherExtensionsAreRefused) {
             "expected a file of sources .ply, got s.txt; change its extension");
 }
 
-// Elements before, lists within, every type, the three encodings: 1.5 as float is 3FC00000.
+// Elements before, lists in between, every type, the three encodings: 1.5 as a float is 3FC00000.
 TEST(Ply, EveryEncodingAndTypeGivesTheSameColumns) {
   const std::string head =
       "element early 1\nproperty list uchar short numbers\nelement vertex 1\nproperty char a\n"
@@ -207,7 +207,7 @@ TEST(PointFile, ColoursBecomeAmplitudes) {
   EXPECT_EQ(load_points(path)[0].phase, 0.5f);
 }
 
-// Point k of the helix of 500: t = k/499 up, four turns, red 255·t, green 255·(1 − t), blue k mod 256.
+// Point k of the helix of 500 points: height t = k/499, four turns, red 255·t, green 255·(1 − t), blue k mod 256.
 TEST(PointFile, PointsOfOpenHolosDialectAreRead) {
   const auto points = load_points(test::data_file("helix_points.ply"));
   ASSERT_EQ(points.size(), 500u);

@@ -33,7 +33,7 @@ TEST(File, AWriteThatFailsLeavesTheOldFileAndNothingElse) {
       fail("expected to write {}, got a power cut", name);
     });
   });
-  EXPECT_EQ(error, "expected to write " + path + ", got a power cut");  // the name that the user knows
+  EXPECT_EQ(error, "expected to write " + path + ", got a power cut");  // with the name that the user knows
   EXPECT_EQ(read_text(path), "old");
   EXPECT_EQ(files_in(fs::path(path).parent_path()), before);
   EXPECT_EQ(fs::path(temporary_name).extension(), ".bin");

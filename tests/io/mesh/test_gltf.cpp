@@ -19,7 +19,7 @@ using test::make_file;
 
 LoadedModel load(const GltfTriangle& triangle) { return load_meshes(make_file("m.gltf", triangle.text())); }
 
-// The material of a triangle whose file has these materials, the first of which it names.
+// The material of a triangle from a file with these materials; the triangle names the first one.
 Material material(const std::string& json, LoadedModel* whole = nullptr) {
   GltfTriangle triangle;
   triangle.materials = json;
@@ -37,7 +37,7 @@ Vec3 face_normal(const Mesh& mesh) {
   return normalize(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
 }
 
-// A picture of one colour, 188 in red, 128 in green, 0 in blue, as a PNG's bytes.
+// The bytes of a PNG of one colour: 188 in red, 128 in green, 0 in blue.
 std::string small_png() {
   Image image(1, 1, 3);
   image.values = {float(srgb_decode(188 / 255.)), float(srgb_decode(128 / 255.)), 0};
@@ -60,10 +60,10 @@ TEST(Gltf, AMaterialHasTheFactorsOfItsFileAndTheDefaultsOfTheStandard) {
   EXPECT_EQ(metallic_roughness(full).metallic, 0.125);
   EXPECT_EQ(metallic_roughness(full).roughness, 0.75);
   EXPECT_EQ(full.emission, (Vec3{4, 2, 0}));
-  EXPECT_TRUE(full.two_sided);  // the back is not left out
+  EXPECT_TRUE(full.two_sided);  // the back is shown, too
 }
 
-// Primitives name materials in any order, and need not name one.
+// Primitives name materials in any order; some name none.
 TEST(Gltf, EachPrimitiveHasTheMaterialThatItNames) {
   GltfTriangle triangle;
   triangle.primitives = R"([{"attributes": {"POSITION": 0}, "indices": 4, "material": 2},
@@ -76,7 +76,7 @@ TEST(Gltf, EachPrimitiveHasTheMaterialThatItNames) {
     return metallic_roughness(model.materials[size_t(model.meshes[mesh].material)]).roughness;
   };
   EXPECT_EQ(roughness(0), 0.25);
-  EXPECT_EQ(roughness(1), 1);  // the standard's
+  EXPECT_EQ(roughness(1), 1);  // the standard's default
   EXPECT_EQ(roughness(2), 0);
 }
 
@@ -84,7 +84,7 @@ const std::string textured = R"([{"pbrMetallicRoughness": {"baseColorTexture": {
   "metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 0, "scale": 0.5},
   "emissiveTexture": {"index": 0}, "emissiveFactor": [1, 1, 1]}])";
 
-// Colours are decoded from sRGB; the numbers of normal maps and of metal and roughness are not.
+// Colours are decoded from sRGB; the values of normal maps, metallic and roughness are not.
 void expect_textures(const Material& material) {
   const MetallicRoughnessMaterial& surface = metallic_roughness(material);
   for (const auto& colour : {surface.base_texture, material.emission_texture}) {
@@ -95,7 +95,7 @@ void expect_textures(const Material& material) {
     ASSERT_TRUE(data);
     EXPECT_EQ(data->values, (std::vector<float>{188 / 255.f, 128 / 255.f, 0}));
   }
-  EXPECT_EQ(surface.metallic_texture, material.normal_map);  // read once
+  EXPECT_EQ(surface.metallic_texture, material.normal_map);  // read only once
   EXPECT_EQ(material.normal_scale, 0.5);
 }
 
@@ -127,7 +127,7 @@ TEST(Gltf, AMissingTextureIsNamedOnce) {
   EXPECT_NE(model.warnings[0].find("none.png is missing, the plain colour is shown"), std::string::npos);
 }
 
-// Texture coordinates with v up: 1 − v of the file's.
+// Texture coordinates with v up: 1 − v of those in the file.
 TEST(Gltf, TheFirstTextureSaysAtWhichCoordinatesAllAreRead) {
   small_png();
   GltfTriangle triangle;
@@ -138,14 +138,14 @@ TEST(Gltf, TheFirstTextureSaysAtWhichCoordinatesAllAreRead) {
   EXPECT_EQ(load(triangle).meshes[0].texture_coordinates, (std::vector<Vec2>{{0.25, 1}, {1, 1}, {0.25, 0.25}}));
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}}])";
   EXPECT_EQ(load(triangle).meshes[0].texture_coordinates, (std::vector<Vec2>{{0.5, 0.5}, {1, 1}, {0, 0}}));
-  // (u, v) → (2u + 0.5, v) of the file's.
+  // (u, v) → (2u + 0.5, v) of those in the file.
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
     {"KHR_texture_transform": {"scale": [2, 1], "offset": [0.5, 0]}}}}, "normalTexture": {"index": 0}}])";
   const LoadedModel model = load(triangle);
   EXPECT_EQ(model.meshes[0].texture_coordinates, (std::vector<Vec2>{{1, 1}, {2.5, 1}, {1, 0.25}}));
-  ASSERT_EQ(model.warnings.size(), 1u);  // of the normal map
+  ASSERT_EQ(model.warnings.size(), 1u);  // about the normal map
   EXPECT_NE(model.warnings[0].find("different coordinates; those of the first are used for all"), std::string::npos);
-  // Counter-clockwise as seen, v being down: u turns to −v.
+  // Counter-clockwise as seen with v down: u turns to −v.
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
     {"KHR_texture_transform": {"rotation": 1.5707963267948966}}}}}])";
   const Vec2 turned = load(triangle).meshes[0].texture_coordinates[1];  // (1, 0), v down
@@ -159,7 +159,7 @@ TEST(Gltf, ATextureThatDoesNotRepeatIsNamedWhereItMatters) {
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])";
   triangle.more = R"("textures": [{"source": 0, "sampler": 0}], "samplers": [{"wrapS": 33071}],
     "images": [{"uri": "small.png"}], )";
-  EXPECT_TRUE(load(triangle).warnings.empty());  // inside [0, 1] it is the same
+  EXPECT_TRUE(load(triangle).warnings.empty());  // inside [0, 1] there is no difference
   triangle.set_0[0] = 1.5f;
   const LoadedModel model = load(triangle);
   ASSERT_EQ(model.warnings.size(), 1u);
@@ -174,10 +174,10 @@ TEST(Gltf, VertexColoursAreLinear) {
   EXPECT_EQ(mesh.colours[0], (Vec3{1, 0, 0}));
   EXPECT_EQ(mesh.colours[1], (Vec3{0, 1, 0}));
   EXPECT_FLOAT_EQ(float(mesh.colours[2].z), 188 / 255.f);
-  EXPECT_TRUE(mesh.normals.empty());  // flat, as the standard asks of models without
+  EXPECT_TRUE(mesh.normals.empty());  // flat shading, as the standard requires for models without normals
 }
 
-// The triangle is counter-clockwise about +z. A mirror in x leaves it facing +z, with its corners in another order.
+// The triangle is counter-clockwise about +z. A mirrored copy in x still faces +z, with its corners in another order.
 TEST(Gltf, AMirroringNodeKeepsTheFrontInFront) {
   GltfTriangle triangle;
   triangle.nodes = R"([{"children": [1], "translation": [0, 0, 5]}, {"mesh": 0, "scale": [-2, 1, 1]}])";
@@ -189,11 +189,11 @@ TEST(Gltf, AMirroringNodeKeepsTheFrontInFront) {
   }
   EXPECT_EQ(least, -2);
   EXPECT_NEAR(face_normal(mesh).z, 1, 1e-15);
-  triangle.nodes = R"([{"mesh": 0, "scale": [-2, -1, 1]}])";  // half a turn, no mirror
+  triangle.nodes = R"([{"mesh": 0, "scale": [-2, -1, 1]}])";  // half a turn, not a reflection
   EXPECT_NEAR(face_normal(load(triangle).meshes[0]).z, 1, 1e-15);
 }
 
-TEST(Gltf, WhatLetsAllLightThroughIsGlass) {
+TEST(Gltf, MaterialsWithFullTransmissionAreGlass) {
   LoadedModel model;
   const Material pane = material(R"([{"pbrMetallicRoughness": {"roughnessFactor": 0.25}, "extensions":
     {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.25}}}])",
@@ -221,7 +221,7 @@ TEST(Gltf, AnUnlitSurfaceShinesInItsColour) {
   EXPECT_EQ(std::get<DiffuseMaterial>(unlit.surface).reflectance, (Vec3{0, 0, 0}));
 }
 
-TEST(Gltf, WhatIsNotShownIsNamedOnce) {
+TEST(Gltf, FeaturesThatAreNotShownAreNamedOnce) {
   GltfTriangle triangle;
   triangle.materials = R"([{"name": "a", "alphaMode": "MASK", "extensions": {"KHR_materials_clearcoat": {}}},
     {"name": "b", "alphaMode": "MASK", "extensions": {"KHR_materials_clearcoat": {}}},

@@ -40,7 +40,7 @@ TEST(MeshFile, AnObjSquareBecomesTwoTriangles) {
   ASSERT_EQ(model.meshes.size(), 1u);
   EXPECT_EQ(model.meshes[0].triangles.size(), 2u);
   EXPECT_EQ(model.meshes[0].positions.size(), 4u);
-  EXPECT_TRUE(model.meshes[0].normals.empty());  // flat
+  EXPECT_TRUE(model.meshes[0].normals.empty());  // flat shading
   EXPECT_EQ(area(model), 2);
   EXPECT_EQ(diffuse(model).reflectance, DiffuseMaterial{}.reflectance);
   EXPECT_TRUE(model.warnings.empty());
@@ -218,7 +218,7 @@ const MetallicRoughnessMaterial& metallic(const LoadedModel& model, const Mesh& 
   return std::get<MetallicRoughnessMaterial>(model.materials[size_t(mesh.material)].surface);
 }
 
-// Of all meshes, or of those of a colour, to a float's digits.
+// The extent of all meshes, or of those of one colour, to the digits of a float.
 Extent extent(const LoadedModel& model, const Vec3* colour = nullptr) {
   Extent e;
   for (const Mesh& mesh : model.meshes) {
@@ -231,7 +231,7 @@ Extent extent(const LoadedModel& model, const Vec3* colour = nullptr) {
   return e;
 }
 
-// What make_data.py writes is said in tests/data_files/README.md.
+// tests/data_files/README.md describes the files that make_data.py writes.
 TEST(WholeMeshes, AScanHasItsVerticesAndNoNormals) {
   const LoadedModel model = load_meshes(data_file("pebble.obj"));
   ASSERT_EQ(model.meshes.size(), 1u);
@@ -259,7 +259,7 @@ TEST(WholeMeshes, ATorusKeepsEachCornersTextureCoordinatesAndNormal) {
   EXPECT_EQ(diffuse(model).texture->nx, 96);
 }
 
-// Twelve trapezoids of a cone, between circles of radii 2 and 1 and 1.5 apart, and a hexagon of side 1.
+// Twelve trapezoids of a cone, between circles of radii 2 and 1 that are 1.5 apart, and a hexagon of side 1.
 TEST(WholeMeshes, QuadsAndPolygonsOfEitherWindingAreTriangulated) {
   const LoadedModel model = load_meshes(data_file("lampshade.obj"));
   EXPECT_EQ(triangles(model), 12 * 2 + 4u);
@@ -278,11 +278,11 @@ TEST(WholeMeshes, ATexturedBoxIsAUnitCubeWithItsTexture) {
   const Image& texture = *surface.base_texture;
   EXPECT_EQ(texture.nx, 60);
   ASSERT_EQ(texture.channels, 3);
-  EXPECT_NEAR(texture(0, 0), 0.05, 0.001);  // 63 of 255 in sRGB, the nearest to 0.05: a step there is 0.0016
+  EXPECT_NEAR(texture(0, 0), 0.05, 0.001);  // 63 of 255 in sRGB is the nearest to 0.05: a step there is 0.0016
   EXPECT_NEAR(texture(0, 20), 1, 1e-6);
 }
 
-// Nodes scale by 10 and move by 100; a piston stands 20 to the left, the other 20 to the right, 10 up and a quarter
+// Nodes scale by 10 and move by 100. One piston is 20 to the left, the other 20 to the right and 10 up, with a quarter
 // turn about y, so that its head, 20 wide and 10 deep, is seen from its side.
 TEST(WholeMeshes, APumpIsPlacedByItsNodesAndHasItsColours) {
   const std::string file = data_file("pump.glb");

@@ -10,7 +10,7 @@
 namespace holotrace::test {
 namespace {
 
-// A bar of light that stands farther right in each picture.
+// A bar of light that is farther right in each picture.
 std::vector<Image> bars(int count, int nx, int ny) {
   std::vector<Image> images;
   for (int k = 0; k < count; ++k) {
@@ -48,20 +48,20 @@ Animation load(const std::string& path) {
   return a;
 }
 
-TEST(Animation, GoesThereAndBackForEver) {
+TEST(Animation, PlaysForwardAndBackEndlessly) {
   const std::string path = temporary("bars.gif");
   save_animation(path, bars(4, 64, 24), 2, 1.2);
   const Animation a = load(path);
   ASSERT_EQ(a.frames.size(), 6u);  // 1 2 3 4 3 2
   EXPECT_EQ(a.nx, 64);
   EXPECT_EQ(a.ny, 24);
-  EXPECT_EQ(a.loops, 0);  // for ever
+  EXPECT_EQ(a.loops, 0);  // endless
   EXPECT_NEAR(a.seconds_per_frame, 0.2, 1e-6);
   const std::vector<size_t> shown{0, 1, 2, 3, 2, 1};
   for (size_t k = 0; k < shown.size(); ++k)
     for (size_t i = 0; i < 64; ++i) {
       const bool is_bright = i / 16 == shown[k];
-      // 0.05 of white has the sRGB code 0.248; a palette of 256 colours per picture holds two exactly, to a code.
+      // 0.05 of white has the sRGB code 0.248; a palette of 256 colours per picture contains both colours, to one code.
       EXPECT_NEAR(a.frames[k][i * size_t(a.channels)], is_bright ? 1 : srgb_encode(0.05), 1.01 / 255) << k << " " << i;
     }
 }

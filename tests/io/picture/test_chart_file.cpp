@@ -38,7 +38,7 @@ Chart of_one_series(const std::vector<double>& x, const std::vector<double>& y) 
   return chart;
 }
 
-// How many pixels of a picture have a colour [0 … 255 per channel].
+// Number of pixels of a picture with a colour [0 … 255 per channel].
 int count_of(const Image& image, int red, int green, int blue) {
   int count = 0;
   const auto code = [&](int j, int i, int c) { return int(std::lround(255 * srgb_encode(image(j, i, c)))); };
@@ -54,7 +54,7 @@ TEST(ChartFile, APngHasEveryLineInItsColourOnWhite) {
   EXPECT_EQ(image.nx, 1200);
   EXPECT_EQ(image.ny, 800);
   EXPECT_GT(count_of(image, 255, 255, 255), 1200 * 800 / 2);
-  // A line across the plot is some 1000 pixels long and has at least one pixel in full colour across it.
+  // A line across the plot is about 1000 pixels long, with at least one pixel in full colour across it.
   EXPECT_GT(count_of(image, 0x00, 0x72, 0xB2), 500);
   EXPECT_GT(count_of(image, 0xD5, 0x5E, 0x00), 500);
   EXPECT_GT(count_of(image, 0x00, 0x9E, 0x73), 500);
@@ -86,7 +86,7 @@ TEST(ChartFile, AFilledOutlineAndALogarithmicAxisAreDrawn) {
   volume.labels = {{"a 'word'", 100, 0}};
   const std::string path = temporary("volume.png");
   save_chart(path, volume);
-  // 0.15 of #0072B2 over white; the trapezium takes more than half of a box of 1000 × 270 pixels, less its grid.
+  // 0.15 of #0072B2 over white; the trapezium covers more than half of a box of 1000 × 270 pixels, minus its grid.
   EXPECT_GT(count_of(load_image(path), 217, 234, 243), 500 * 270 / 2);
   Chart curve = of_one_series({1, 10, 100}, {1e-9, 1e-3, 5});
   curve.is_log_x = curve.is_log_y = true;
@@ -138,7 +138,7 @@ TEST(ChartFile, WithoutGnuplotItSaysWhatToInstallAndLeavesNothing) {
 }
 
 TEST(ChartFile, PassesOnWhatGnuplotSaysWhenItFails) {
-  // One that always fails stands before it on the path.
+  // A program that always fails comes first in the PATH.
   const std::string path = temporary("a.png");
   const std::string folder = std::filesystem::path(path).parent_path();
   const std::string search_path = std::getenv("PATH");

@@ -18,20 +18,20 @@ std::string picture_file(const std::string& name, int ny, int nx, int channels, 
   return path;
 }
 
-// Codes of the depth file as numbers in [0, 1], whatever curve the picture's have: brighter is nearer.
+// Values of the depth file are numbers in [0, 1] that are not decoded like the picture's: brighter is nearer.
 std::string depth_file(const std::string& name, int bits, int channels = 1) {
   Image image(2, 3, channels);
   for (int c = 0; c < channels; ++c) {
     image(0, 0, c) = 0;
     image(0, 1, c) = 1;
-    image(1, 2, c) = float(srgb_decode(0.2));  // the code 51 of 255, 13107 of 65535
+    image(1, 2, c) = float(srgb_decode(0.2));  // code 51 of 255, 13107 of 65535
   }
   const std::string path = temporary(name);
   save_image(path, image, 1, bits);
   return path;
 }
 
-TEST(DepthImageFile, BrighterIsNearerEvenlyInMetres) {
+TEST(DepthImageFile, BrighterIsNearerLinearlyInMetres) {
   const std::string picture = picture_file("p.png", 2, 3, 3);
   for (const int bits : {8, 16})
     for (const int channels : {1, 3}) {

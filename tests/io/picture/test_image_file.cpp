@@ -24,7 +24,7 @@ Image ramp(int channels) {
 }
 
 TEST(ImageFile, SrgbHasItsStandardValues) {
-  // IEC 61966-2-1: linear 0.18 is coded 0.4614, code 0.5 is linear 0.2140; to the digits given.
+  // IEC 61966-2-1: linear 0.18 has the code 0.4614, code 0.5 is linear 0.2140, to the digits given.
   EXPECT_NEAR(srgb_encode(0.18), 0.4614, 5e-5);
   EXPECT_NEAR(srgb_decode(0.5), 0.2140, 5e-5);
   for (double code : {0.0, 0.04, 0.041, 0.5, 1.0}) EXPECT_NEAR(srgb_encode(srgb_decode(code)), code, 1e-7);
@@ -37,7 +37,7 @@ TEST(ImageFile, EightBitCodesComeBackExactly) {
     save_image(path, image, 1, 8);
     const Image loaded = load_image(path);
     EXPECT_EQ(loaded.channels, channels);
-    EXPECT_EQ(loaded.values, image.values);  // the same codes, decoded alike
+    EXPECT_EQ(loaded.values, image.values);  // the same codes decode to the same values
   }
 }
 
@@ -79,14 +79,14 @@ TEST(ImageFile, TheSameImageGivesTheSameBytes) {
     save_image(a, ramp(3), 1, 8);
     save_image(b, ramp(3), 1, 8);
     EXPECT_EQ(read_text(a), read_text(b));
-    // Neither a time in the text, as "2001:02:03", nor a PNG chunk of one: both would differ a second later.
+    // Neither a time as text, such as "2001:02:03", nor a PNG chunk with a time: both would differ a second later.
     const std::time_t now = std::time(nullptr);
     EXPECT_EQ(read_text(a).find(fmt::format("{}:", 1900 + std::localtime(&now)->tm_year)), std::string::npos);
     EXPECT_EQ(read_text(a).find("tIME"), std::string::npos);
   }
 }
 
-TEST(ImageFile, WhatIsNoImageIsRefused) {
+TEST(ImageFile, FilesThatAreNotImagesAreRefused) {
   const std::string path = make_file("i.png", "only text");
   EXPECT_EQ(
       error_of([&] { load_image(path); }),
@@ -107,7 +107,7 @@ TEST(ImageFile, ATruncatedImageIsRefused) {
       << error;
 }
 
-TEST(ImageFile, WhatOtherProgramsAddAfterAPictureIsNoFault) {
+TEST(ImageFile, BytesThatOtherProgramsAddAfterAPictureAreAccepted) {
   const std::string path = temporary("i.png");
   save_image(path, ramp(3), 1, 8);
   const Image plain = load_image(path);
@@ -134,8 +134,8 @@ TEST(ImageFile, BadRequestsAreRefused) {
             "expected an image with pixels of 1 or 3 channels to save as i.png, got 0 × 0 of 1");
 }
 
-// Written by another program, by all of PNG's filters: red 255·i/95, green 255·j/63, blue 7i + 13j, in sRGB.
-TEST(ImageFile, APictureOfOthersIsRead) {
+// Written by another program, with all filters of PNG: red 255·i/95, green 255·j/63, blue 7i + 13j, in sRGB.
+TEST(ImageFile, APictureFromAnotherProgramIsRead) {
   const Image image = load_image(test::data_file("ramp.png"));
   ASSERT_EQ(image.nx, 96);
   ASSERT_EQ(image.ny, 64);

@@ -26,7 +26,7 @@ Box box_of(const Scene& scene) {
   return box;
 }
 
-// 7 mm large, its middle 200 mm behind that of the panel; a few ulps of 0.2.
+// Checks that the model is 7 mm large, its centre 200 mm behind that of the panel, to a few ulps of 0.2.
 void expect_placed(const Job& job) {
   const Box box = box_of(job.scene);
   const Vec3 size = box.high - box.low, middle = (box.low + box.high) * 0.5;
@@ -44,8 +44,8 @@ TEST(ModelJob, AModelAloneIsPlacedWhereTheCameraLooks) {
   expect_placed(load_job(test::make_file("m.obj", "v 5 5 5\nv 7 5 5\nv 5 6 5\nf 1 2 3\n")));
 }
 
-// Its square lamp shines on the model with π·0.7 W/m²: what makes white of radiance 0.7. Seen from the model its
-// solid angle is small, so that area·cos/d² is right to (side/d)²/4 or so.
+// Its square lamp lights the model with π·0.7 W/m², which gives white the radiance 0.7. Seen from the model its
+// solid angle is small, so area·cos/d² is correct to about (side/d)²/4.
 TEST(ModelJob, TheLampShinesOnTheModel) {
   const Job job = load_job(test::make_file("m.gltf", test::GltfTriangle().text()));
   ASSERT_EQ(job.scene.lights.size(), 1u);

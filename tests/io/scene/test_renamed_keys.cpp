@@ -1,4 +1,4 @@
-// Keys of scene files by the names that they had before.
+// Keys of scene files with their old names.
 
 #include <gtest/gtest.h>
 
@@ -9,14 +9,18 @@
 namespace holotrace {
 namespace {
 
-constexpr const char* head = "wavelength = \"532 nm\"\n";
+// A scene with these tables; its first line is the wavelength.
+std::string scene(const std::string& tables) {
+  return "wavelength = \"532 nm\"\n" + tables +
+         "[[object]]\ntype = \"wireframe_cube\"\nsize = \"5 mm\"\npoints_per_edge = 2\nposition = \"0 0 -300 mm\"\n";
+}
 
 using Texts = std::vector<std::string>;
 
 TEST(RenamedKeys, AreReadWithOneWarningEachThatNamesThePlace) {
-  const std::string path = test::make_file("scene.toml", std::string(head) +
-                                                             "[trace]\nlayers = [\"EL\", \"EDL\"]\nseparate_layers = "
-                                                             "true\n[render]\nlayers = \"EDL\"\n[show]\nmoments = 5\n");
+  const std::string path =
+      test::make_file("scene.toml", scene("[trace]\nlayers = [\"EL\", \"EDL\"]\nseparate_layers = "
+                                          "true\n[render]\nlayers = \"EDL\"\n[show]\nmoments = 5\n"));
   const Job job = load_job(path);
   EXPECT_EQ(job.show.illumination_states, 5);
   EXPECT_EQ(job.trace.path_expressions, (Texts{"EL", "EDL"}));
@@ -31,32 +35,31 @@ TEST(RenamedKeys, AreReadWithOneWarningEachThatNamesThePlace) {
 }
 
 TEST(RenamedKeys, ByTheirNewNamesWarnOfNothing) {
-  const Job job = load_job(test::make_file("scene.toml", std::string(head) + "[trace]\npath_expressions = \"EDL\"\n"
-                                                                             "[show]\nillumination_states = 7\n"));
+  const Job job = load_job(test::make_file("scene.toml", scene("[trace]\npath_expressions = \"EDL\"\n"
+                                                               "[show]\nillumination_states = 7\n")));
   EXPECT_EQ(job.show.illumination_states, 7);
   EXPECT_EQ(job.warnings, Texts{});
 }
 
-// The key that overrules has the new name, the one that it overrules the old.
+// The key with the new name replaces the value of the key with the old name.
 TEST(RenamedKeys, OfAnExtendedSceneAreOverruledByTheirNewNames) {
-  test::make_file("base.toml", std::string(head) + "[show]\nmoments = 5\nbandwidth = \"1 nm\"\n");
+  test::make_file("base.toml", scene("[show]\nmoments = 5\nbandwidth = \"1 nm\"\n"));
   const Job job = load_job(test::make_file("scene.toml", "extends = \"base.toml\"\n[show]\nillumination_states = 9\n"));
   EXPECT_EQ(job.show.illumination_states, 9);
   EXPECT_EQ(job.warnings.size(), 1U);
 }
 
 TEST(RenamedKeys, GivenTwiceAreAnError) {
-  const std::string path =
-      test::make_file("scene.toml", std::string(head) + "[show]\nmoments = 5\nillumination_states = 9\n");
+  const std::string path = test::make_file("scene.toml", scene("[show]\nmoments = 5\nillumination_states = 9\n"));
   EXPECT_EQ(test::error_of([&] { load_job(path); }),
             path +
                 ":3:11: expected one of `illumination_states` and its old name `moments`, got both; leave out the "
                 "old one");
 }
 
-// An old name is of its own section alone: [synthesize] never had one.
+// An old name is only valid in its own section: [synthesize] never had one.
 TEST(RenamedKeys, AreUnknownInOtherSections) {
-  const std::string path = test::make_file("scene.toml", std::string(head) + "[synthesize]\nlayers = \"EDL\"\n");
+  const std::string path = test::make_file("scene.toml", scene("[synthesize]\nlayers = \"EDL\"\n"));
   EXPECT_NE(test::error_of([&] { load_job(path); }).find("unknown key \"layers\""), std::string::npos);
 }
 

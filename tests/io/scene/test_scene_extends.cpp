@@ -1,4 +1,4 @@
-// `extends` in a scene file: the tables of one scene over those of another.
+// `extends` in a scene file: the tables of one scene replace those of another.
 
 #include "holotrace/io/scene/scene_file.h"
 #include "support/temporary.h"

@@ -10,7 +10,7 @@
 namespace holotrace {
 namespace {
 
-// What docs/reference/scene_format.md says is what load_job does.
+// Checks that docs/reference/scene_format.md describes what load_job does.
 class SceneFormat : public ::testing::Test {
  protected:
   std::string text_ = read_text(std::string(HOLOTRACE_SOURCE_DIR) + "/docs/reference/scene_format.md");
@@ -24,12 +24,12 @@ TEST_F(SceneFormat, ItsExampleLoads) {
   EXPECT_EQ(job.scene.meshes.size(), 6u);  // two pawns of two parts, the board and the crystal
   ASSERT_EQ(job.scene.lights.size(), 2u);
   const auto& lamp = std::get<RectangleLight>(job.scene.lights[0]);
-  EXPECT_LT(cross(lamp.edge_u, lamp.edge_v).y, 0);  // as its comment says
+  EXPECT_LT(cross(lamp.edge_u, lamp.edge_v).y, 0);  // as its comment states
   EXPECT_EQ(job.scene.points.size(), 12u * 20 - 16);
   EXPECT_EQ(job.encode.image, ImageSide::real_image);
 }
 
-// A visitor that looks for each key in its section.
+// A visitor that searches for each key in its section.
 struct KeysInText {
   const std::string& section;
   std::vector<std::string> missing;

@@ -117,7 +117,7 @@ TEST(SceneLights, AnEnvironmentIsAMapWithAScaleAndATurn) {
   EXPECT_EQ(sky->scale, (Vec3{1, 2, 3}));
   EXPECT_DOUBLE_EQ(sky->turn, -pi / 2);
   EXPECT_FALSE(scene("").environment);
-  // A grey map is grey in all three colours; a PNG is decoded from sRGB.
+  // A grey map has equal colours; a PNG is decoded from sRGB.
   save_map("grey.png", 2, 4, 1, float(srgb_decode(188 / 255.)));
   const auto grey = scene("[environment]\nmap = \"grey.png\"").environment;
   ASSERT_TRUE(grey);

@@ -18,7 +18,7 @@ constexpr double green = 532e-9;
 const std::string cube =
     "[[object]]\ntype = \"wireframe_cube\"\nsize = \"20 mm\"\npoints_per_edge = 3\nposition = \"0 0 -300 mm\"\n";
 
-// The material of a scene whose file has these lines in it.
+// The material of a scene file that has these lines.
 Material material(const std::string& lines) {
   const Job job = load_job(make_file("scene.toml", "wavelength = \"532 nm\"\n[materials.m]\n" + lines + "\n" + cube));
   return job.scene.materials.at(0);
@@ -44,11 +44,11 @@ std::string texture(const char* name, int channels = 3) {
   return path;
 }
 
-TEST(SceneMaterials, ADiffuseOneReflectsAndLetsThrough) {
+TEST(SceneMaterials, ADiffuseMaterialReflectsAndTransmits) {
   const auto leaf = surface<DiffuseMaterial>("reflectance = [0.1, 0.5, 0.1]\ntransmittance = 0.25");
   EXPECT_EQ(leaf.reflectance, (Vec3{0.1, 0.5, 0.1}));
   EXPECT_EQ(leaf.transmittance, (Vec3{0.25, 0.25, 0.25}));
-  // Without a reflectance, what the transmittance leaves of the default.
+  // Without a reflectance, the default is limited to 1 − transmittance.
   EXPECT_EQ(surface<DiffuseMaterial>("transmittance = 0.75").reflectance, (Vec3{0.25, 0.25, 0.25}));
   EXPECT_EQ(surface<DiffuseMaterial>("transmittance = 0.1").reflectance, (Vec3{0.8, 0.8, 0.8}));
   EXPECT_EQ(error("reflectance = 0.75\ntransmittance = [0, 0, 0.5]"),
@@ -61,7 +61,7 @@ TEST(SceneMaterials, AConductorIsOfAMetalOrAnIndex) {
   EXPECT_EQ(silver.roughness, 0.5);
   const auto own = surface<ConductorMaterial>("type = \"conductor\"\nindex = { n = 0.5, k = 3 }");
   EXPECT_EQ(index_at(own.index, green), (std::complex<double>(0.5, 3)));
-  // Half way between two samples, which the file has in falling order.
+  // Halfway between two samples, which the file has in descending order.
   const auto listed =
       surface<ConductorMaterial>("type = \"conductor\"\nindex = [[\"632 nm\", 1.5, 4], [\"432 nm\", 0.5, 2]]");
   EXPECT_NEAR(std::abs(index_at(listed.index, green) - std::complex<double>(1, 3)), 0, 1e-12);
@@ -84,7 +84,7 @@ TEST(SceneMaterials, ADielectricIsOfAGlassOrAnIndex) {
   EXPECT_TRUE(is_dispersive(listed.index));
 }
 
-// Colours are decoded from sRGB, the numbers of normal maps and of metal and roughness are not.
+// Colours are decoded from sRGB; the values of normal maps, metallic and roughness are not.
 TEST(SceneMaterials, TexturesOfColourAreDecodedAndThoseOfNumbersAreNot) {
   texture("t.png");
   const Material m = material(
@@ -99,7 +99,7 @@ TEST(SceneMaterials, TexturesOfColourAreDecodedAndThoseOfNumbersAreNot) {
   EXPECT_EQ(m.emission_texture->values[0], float(srgb_decode(188 / 255.)));
   EXPECT_EQ(s.metallic_texture->values[0], 188 / 255.f);
   EXPECT_EQ(m.normal_map->values[0], 188 / 255.f);
-  EXPECT_EQ(m.emission, (Vec3{1, 1, 1}));  // the texture alone
+  EXPECT_EQ(m.emission, (Vec3{1, 1, 1}));  // only the texture
   EXPECT_EQ(m.normal_scale, 0.5);
   EXPECT_FALSE(m.two_sided);
 }
@@ -183,7 +183,7 @@ TEST(SceneMaterials, AnObjectsOwnMaterialTakesThePlaceOfItsFiles) {
   EXPECT_TRUE(job.scene.meshes[0].colours.empty());
   EXPECT_FALSE(is_metal(1));
   EXPECT_EQ(job.scene.meshes[1].colours.size(), 3u);
-  EXPECT_EQ(job.scene.meshes[1].positions[0], (Vec3{-4e-3, -4e-3, -0.3}));  // its middle 300 mm behind the panel
+  EXPECT_EQ(job.scene.meshes[1].positions[0], (Vec3{-4e-3, -4e-3, -0.3}));  // its centre 300 mm behind the panel
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder of the user's panels for one test.
+// A folder of user-defined panels for one test.
 class UserPanels {
  public:
   explicit UserPanels(const std::string& folder) { setenv("HOLOTRACE_PANELS", folder.c_str(), 1); }
@@ -38,7 +38,7 @@ std::string fresh_folder(const std::string& name) {
   return folder;
 }
 
-// The sentence of an error, without the folder of the file at fault.
+// The sentence of an error, without the folder of the file.
 std::string sentence_in(const std::string& folder, const std::function<void()>& call) {
   std::string sentence = error_of(call);
   for (size_t at; (at = sentence.find(folder + "/")) != std::string::npos;) sentence.erase(at, folder.size() + 1);
@@ -99,7 +99,7 @@ aberration = [{ n = 2, m = -2, rms = "0.25 rad" }]
   EXPECT_DOUBLE_EQ(slm.fill_factor, 0.98 * 0.9);
   EXPECT_DOUBLE_EQ(slm.phase_range, 400 * pi / 180);
   EXPECT_EQ(slm.modulation, Modulation::complex);
-  ASSERT_EQ(slm.effects.calibration.size(), 64u);  // pluto's, at every fourth level
+  ASSERT_EQ(slm.effects.calibration.size(), 64u);  // pluto's calibration, at every fourth level
   EXPECT_EQ(slm.effects.calibration[16].phase, slm_preset("pluto").effects.calibration[64].phase);
   EXPECT_EQ(slm.effects.dead_fraction, 0.001);
   EXPECT_EQ(slm.effects.dead_seed, 5);
@@ -121,7 +121,7 @@ aberration = [{ n = 2, m = -2, rms = "0.25 rad" }]
             "d.toml:1:1: expected dead pixels on the panel of 10 × 10 pixels, got column 10, row 0");
 }
 
-TEST(SlmFile, ACalibrationIsStraightBetweenItsLevels) {
+TEST(SlmFile, ACalibrationIsLinearBetweenItsLevels) {
   const std::string path = test::make_file(
       "calibration.csv", "# measured\ngrey, phase_pi, amplitude\n0, 0.1, 1\n2, 0.5, 0.9\n\n5, 2, 0.6\n");
   const std::vector<CalibrationPoint> points = load_calibration(path, 6);
@@ -157,8 +157,9 @@ TEST(SlmFile, ABadCalibrationIsRefusedWithItsLine) {
   EXPECT_EQ(error("0,0\n1,1\n2,2\n3,3\n").substr(0, 25), "c.csv:1: unknown column \"");
 }
 
-// A panel's own calibration, of 4 levels, taken by one of 6: level l is its level 4l/6, straight between and beyond.
-TEST(SlmFile, ACalibrationOfAnotherNumberOfLevelsIsReadBetween) {
+// A panel's own calibration with 4 levels, used by one with 6: level l is its level 4l/6, interpolated linearly
+// and extrapolated.
+TEST(SlmFile, ACalibrationOfAnotherNumberOfLevelsIsInterpolated) {
   const std::string folder = fresh_folder("levels");
   const UserPanels here(folder);
   file_in(folder, "four.csv", "level,phase,amplitude\n0,0,1\n1,1,0.9\n2,2.5,0.6\n3,4,0.5\n");
@@ -167,7 +168,7 @@ TEST(SlmFile, ACalibrationOfAnotherNumberOfLevelsIsReadBetween) {
   const std::vector<CalibrationPoint> points = slm_preset("six").effects.calibration;
   ASSERT_EQ(points.size(), 6u);
   const double phases[] = {0, 2.0 / 3, 1.5, 2.5, 3.5, 4.5};
-  const double amplitudes[] = {1, 1 - 0.1 * 2 / 3, 0.8, 0.6, 0.6 - 0.1 * 2 / 3, 0.5};  // none beyond the last
+  const double amplitudes[] = {1, 1 - 0.1 * 2 / 3, 0.8, 0.6, 0.6 - 0.1 * 2 / 3, 0.5};  // constant beyond the last
   for (size_t l = 0; l < 6; ++l) {
     EXPECT_NEAR(points[l].phase, phases[l], 1e-12) << l;
     EXPECT_NEAR(points[l].amplitude, amplitudes[l], 1e-12) << l;
@@ -178,19 +179,19 @@ TEST(SlmFile, EffectsOfTheSceneItselfAreOn) {
   const std::string body =
       "wavelength = \"532 nm\"\n[[object]]\ntype = \"wireframe_cube\"\nsize = \"1 mm\"\nposition = \"0 0 -100 mm\"\n";
   const auto job_of = [&](const std::string& rest) { return load_job(test::make_file("effects.toml", body + rest)); };
-  EXPECT_TRUE(job_of("").show.effects.empty());  // those of the preset wait to be named
+  EXPECT_TRUE(job_of("").show.effects.empty());  // effects of the preset are off until they are named
   test::make_file("ramp.csv", "level,phase_pi\n0,0\n255,2\n");
   const Job own = job_of("[slm]\ncrosstalk = 0.3\ncalibration = \"ramp.csv\"\n");
   EXPECT_EQ(own.show.effects, (std::vector<std::string>{"calibration", "crosstalk"}));
   EXPECT_EQ(own.encode.effects, (std::vector<std::string>{"calibration"}));
   EXPECT_DOUBLE_EQ(own.slm.effects.calibration[255].phase, 2 * pi);
-  EXPECT_EQ(effects_of(own.slm).size(), 5u);  // pluto's others are there, and off
+  EXPECT_EQ(effects_of(own.slm).size(), 5u);  // pluto's other effects are included, but off
   EXPECT_TRUE(job_of("[slm]\ncrosstalk = 0\n").show.effects.empty());
   const Job told = job_of("[slm]\ncrosstalk = 0.3\n[show]\neffects = \"gaps\"\n");
   EXPECT_EQ(told.show.effects, (std::vector<std::string>{"gaps"}));
 }
 
-// Every effect, none of them the panel file's own figure.
+// A panel with every effect, all with values other than those of the panel file.
 Slm panel_of_all_effects() {
   Slm slm = slm_preset("pluto");
   slm.grid = {8, 4, 8e-6};
@@ -200,7 +201,7 @@ Slm panel_of_all_effects() {
   for (int level = 0; level < 16; ++level) slm.effects.calibration.push_back({level / 3.0, 1 - level / 70.0});
   slm.effects.gap_phase = 0.1;
   slm.effects.dead_fraction = 0.01;
-  slm.effects.dead_seed = (int64_t(1) << 60) + 1;  // beyond what a double holds
+  slm.effects.dead_seed = (int64_t(1) << 60) + 1;  // more than a double can hold
   slm.effects.dead_pixels = {{7, 3, 15}, {0, 1, 2}};
   Array2D<float> map(4, 8);
   for (size_t i = 0; i < map.size(); ++i) map.values[i] = 0.1F * float(i) - 1;
@@ -210,7 +211,7 @@ Slm panel_of_all_effects() {
 
 TEST(SlmFile, AHologramKeepsItsPanelsEffectsWhereverItGoes) {
   Slm slm = panel_of_all_effects();
-  slm.effects.crosstalk = 0;  // the panel file has some
+  slm.effects.crosstalk = 0;  // the panel file has crosstalk
   slm.preset = "gone.toml";
   Hologram hologram = make_hologram(slm, Modulation::phase, [](int i) { return i; });
   hologram.slm = slm;
@@ -251,7 +252,7 @@ TEST(SlmFile, AHologramKeepsItsPanelsEffectsWhereverItGoes) {
   EXPECT_EQ(effects_of(*again.slm), effects_of(slm));
 }
 
-TEST(SlmFile, AnEffectThatIsLostWithItsFileIsTold) {
+TEST(SlmFile, AWarningNamesAnEffectThatIsLostWithItsFile) {
   const Slm slm = panel_of_all_effects();
   Hologram hologram = make_hologram(slm, Modulation::phase, [](int i) { return i; });
   hologram.slm = slm;

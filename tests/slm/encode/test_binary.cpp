@@ -9,7 +9,7 @@ namespace holotrace {
 namespace {
 
 TEST(Binary, OrderOfARandomPhaseHasTheTextbookEfficiency) {
-  // t = sgn cos ψ of even ψ: |⟨t·exp(−iψ)⟩|² = (2/π)² for phase; half of that amplitude for dark and bright. Over N
+  // t = sgn cos ψ for even ψ: |⟨t·exp(−iψ)⟩|² = (2/π)² for phase; half of that amplitude for dark and bright. Over N
   // pixels the mean is off by about 1/√N; 128² pixels: 0.008, three of them 0.024 of 0.64.
   const Slm slm = make_panel(128, 128);
   Field field = random_field(slm.grid, 7);
@@ -47,7 +47,7 @@ TEST(Binary, FollowsThePanel) {
 }
 
 TEST(OffAxis, WarnsOfOverlapForAnyTilt) {
-  // A field that fills a quarter of the band: half a degree leaves the carrier inside it, in x, in y and across.
+  // The field fills a quarter of the band; at half a degree the carrier lies inside it, along x, y and the diagonal.
   const Slm slm = make_panel(128, 128);
   const Field field = sum_of(random_waves(16, 40, 3), slm.grid);
   const double small = 0.15 * pi / 180;

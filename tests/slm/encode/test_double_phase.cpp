@@ -10,15 +10,15 @@ namespace holotrace {
 namespace {
 
 TEST(DoublePhase, PlaneWavesWithinTheStopComeOutAsTheyWentIn) {
-  // A sum of slow waves whose modulus stays below its maximum: exp(iφ±) holds them exactly, and the noise stands at the
-  // corner, beyond the stop. Left: the pixels' roll-off (sinc of at most 3/64), 65536 levels, the noise's own band.
+  // A sum of slow waves whose modulus stays below its maximum: exp(iφ±) contains them exactly, and the noise is at the
+  // corner, beyond the stop. What remains: the pixels' roll-off (sinc of at most 3/64), 65536 levels, the noise's band.
   const Slm slm = make_panel(64, 64, 65536);
   const std::vector<PlaneWave> waves{{0, 0, 1.0}, {3, 0, 0.3}, {-2, 3, {0, 0.3}}};
   const Field field = sum_of(waves, slm.grid);
   Heard heard;
   const Hologram h = encode(field, slm, {.method = Encoding::double_phase}, heard.observer());
   ASSERT_TRUE(h.filter);
-  EXPECT_DOUBLE_EQ(h.filter->half_u, 0.2 / test_pitch);  // 0.4 of 1/2p
+  EXPECT_DOUBLE_EQ(h.filter->half_u, 0.2 / test_pitch);  // 0.4 times 1/2p
   EXPECT_LT(heard.number("clipped_part"), 1e-3);
   const Field shown = apply_order_stop(show(h, slm, {.irradiance = h.illumination}), *h.filter);
   for (const PlaneWave& w : waves) {
@@ -28,15 +28,15 @@ TEST(DoublePhase, PlaneWavesWithinTheStopComeOutAsTheyWentIn) {
 }
 
 TEST(DoublePhase, NeighboursDifferByTheModulus) {
-  // Of a constant field a tenth below the maximum of a spot: cos of half the difference of neighbours is |U|/A.
+  // A constant field a tenth below the maximum at a spot: the cosine of half the difference of neighbours is |U|/A.
   const Slm slm = make_panel(32, 32, 65536);
   const Hologram h = encode(sum_of({{0, 0, 1}}, slm.grid), slm, {.method = Encoding::double_phase});
   for (int i = 0; i + 1 < 32; ++i) EXPECT_EQ(h.level(5, i), h.level(5, i + 1));  // |U| = A: one phase
 }
 
 TEST(DoublePhase, SignsAlternateAsOnAChessboard) {
-  // Of a field that is real, A·(0.75 + 0.25·cos x), the phases are ±arccos(U/A): + where row and column are even
-  // together, so that the noise goes to the corners of the spectrum, the farthest there is.
+  // The field A·(0.75 + 0.25·cos x) is real, so the phases are ±arccos(U/A): + where row + column is even. The
+  // noise therefore goes to the corners of the spectrum, as far from the axis as possible.
   const Slm slm = make_panel(32, 24, 65536);
   const Field field = sum_of({{0, 0, 0.75}, {1, 0, 0.125}, {-1, 0, 0.125}}, slm.grid);
   Heard heard;
@@ -45,7 +45,7 @@ TEST(DoublePhase, SignsAlternateAsOnAChessboard) {
   for (int j = 0; j < 24; ++j)
     for (int i = 0; i < 32; ++i) {
       const double modulus = std::abs(std::complex<double>(field.samples(j, i))) / top;
-      if (modulus > 0.95) continue;  // where arccos is steep, floats show
+      if (modulus > 0.95) continue;  // arccos is steep there: floats are not exact enough
       const double phase = 2 * pi * h.level(j, i) / 65536, expected = std::acos(modulus) * ((i + j) % 2 ? -1 : 1);
       EXPECT_NEAR(std::remainder(phase - expected, 2 * pi), 0, 1e-4) << j << " " << i;  // half a level is 5e-5
     }

@@ -24,7 +24,7 @@ TEST(PhaseLevel, IsTheNearestAndWrapsAround) {
 }
 
 TEST(PhaseLevel, IsTheNearestShownPhaseForAnyRangeOfThePanel) {
-  // Against all levels of the first turn, by the distance around the circle.
+  // Compared with all levels of the first turn, by the distance around the circle.
   for (double stretch : {0.3, 0.7, 0.999, 1.0, 1.001, 1.19, 1.407, 2.5})
     for (int levels : {2, 5, 256})
       for (int k = 0; k < 997; ++k) {
@@ -36,7 +36,7 @@ TEST(PhaseLevel, IsTheNearestShownPhaseForAnyRangeOfThePanel) {
         double best = 1;
         for (int level = 0; level < levels; ++level) best = std::min(best, off(level));
         const int level = phase_level(std::cos(2 * pi * wanted), std::sin(2 * pi * wanted), levels, stretch);
-        // Levels beyond a turn may be nearer, by less than the half step that the first turn's are off at most.
+        // Levels beyond a turn may be nearer, by less than the half step by which those of the first turn may be wrong.
         const double half_step = stretch / levels / 2, gap = std::max(0.0, 1 - stretch * (levels - 1) / levels) / 2;
         EXPECT_LE(off(level), stretch <= 1 ? best + 1e-12 : std::max(half_step, gap) + 1e-12)
             << stretch << " " << levels << " " << wanted;
@@ -59,7 +59,7 @@ TEST(AmplitudeLevel, IsTheNearestAndIsClipped) {
 }
 
 TEST(EncodePhase, QuantisedRampHasEveryOrderOfItsLevels) {
-  // A smooth wave of 4·M pixels per period makes M steps of 4 pixels: orders m = 1 + qM with sinc²(m/M), no other
+  // A smooth wave of 4·M pixels per period gives M steps of 4 pixels: orders m = 1 + qM with sinc²(m/M), no other
   // (closed_forms.md 3 and case 15). 1e-6: single precision.
   for (int levels : {2, 3, 4, 8, 16, 32, 64, 128, 256}) {
     const Slm slm = make_panel(4 * levels, 2, levels);
@@ -98,7 +98,7 @@ TEST(EncodePhase, WaveKeepsItsDirectionAndPhaseInXAndY) {
     for (const auto& [a, b] : {std::pair{3, 0}, {-2, 0}, {0, 2}, {2, -3}}) {
       const Field wave = sum_of({{a, b, std::polar(2.0, 0.4)}}, slm.grid);
       const Field f = show(encode(wave, slm, {}), slm, {.subpixels = n});
-      // Modulus: the pixel's sinc in both axes. Phase: as the field's, to half a level, 5e-5 rad.
+      // Modulus: the pixel's sinc along both axes. Phase: that of the field to half a level, 5e-5 rad.
       const std::complex<double> expected = std::polar(sinc(a / 24.0) * sinc(b / 16.0), 0.4);
       EXPECT_LT(std::abs(wave_in(f, a, b) - expected), 1e-4) << n << ": " << a << ", " << b;
     }
@@ -140,12 +140,12 @@ TEST(EncodeOffAxis, DefaultReferenceLeavesTheWidestBand) {
   EXPECT_DOUBLE_EQ(carrier.x, 3 / (8 * test_pitch));
   EXPECT_EQ(carrier.y, 0);
   EXPECT_DOUBLE_EQ(off_axis_filter(carrier, grid, true).half_u, 1 / (8 * test_pitch));
-  // Without: the twins at ±f alone, f = 1/4p.
+  // Without bias: only the twins at ±f, f = 1/4p.
   EXPECT_DOUBLE_EQ(reference_carrier({.with_bias = false}, grid, test_wavelength).x, 1 / (4 * test_pitch));
 }
 
 TEST(EncodeOffAxis, HoldsTheInterferencePattern) {
-  // Eq. 9 pixel by pixel, with and without its bias, to half a level.
+  // Eq. 9 pixel by pixel, with and without bias, to half a level.
   const Slm slm = make_panel(32, 16, 65536);
   const Field field = sum_of(random_waves(3, 5, 11), slm.grid);
   EncodeParams params{.method = Encoding::off_axis, .reference_angle_x = 0.004, .reference_angle_y = -0.011};
@@ -175,7 +175,7 @@ TEST(EncodeOffAxis, HoldsTheInterferencePattern) {
 TEST(EncodeOffAxis, StopIsAroundTheOrderThatCarriesTheField) {
   const Grid grid{128, 64, test_pitch};
   const double nyquist = 1 / (2 * test_pitch);
-  // With bias: a third of the way to the axis, where |U|² begins; without: all but one bin (1/width) of the way.
+  // With bias: a third of the way to the axis, where |U|² begins. Without: all but one bin (1/width) of the way.
   EXPECT_EQ(off_axis_filter({nyquist / 2, 0}, grid, true), (SpectralFilter{-nyquist / 2, -0.0, nyquist / 6, nyquist}));
   EXPECT_NEAR(off_axis_filter({nyquist / 2, 0}, grid, false).half_u, nyquist / 2 - 1 / grid.width(), 1e-9);
   // Beyond 3/4 of Nyquist, where the twin of the next order is nearer than |U|², and along y.
@@ -194,7 +194,7 @@ TEST(EncodeOffAxis, WarnsOfAFieldTooWideForItsBand) {
   };
   // The carrier is at 32 cycles over the panel, so the half width 16.
   EXPECT_NEAR(heard_for(15).number("band_power"), 1, 1e-6);
-  EXPECT_EQ(heard_for(15).warnings.size(), 1u);  // that of the polariser
+  EXPECT_EQ(heard_for(15).warnings.size(), 1u);  // the warning about the polariser
   EXPECT_NEAR(heard_for(17).number("band_power"), 0.5, 1e-6);
   const std::vector<std::string> warnings = heard_for(17).warnings;
   ASSERT_EQ(warnings.size(), 2u);
@@ -222,8 +222,8 @@ TEST(Encode, WarnsOfAnotherPlane) {
 }
 
 TEST(EncodePhase, APanelForALongerWaveKeepsItsEfficiency) {
-  // 633 nm panel: at 532 and 450 nm the turn has 256·λ/633 = 215.2 and 182.0 levels. Rounding to them costs
-  // sinc²(1/levels) as any quantiser does, up to 1e-4; the ramp of 256 pixels a period costs sinc²(1/256) = 1 − 5e-5.
+  // A panel for 633 nm: at 532 and 450 nm a turn has 256·λ/633 = 215.2 and 182.0 levels. Rounding to them costs
+  // sinc²(1/levels), up to 1e-4, as for any quantiser; the ramp of 256 pixels per period costs sinc²(1/256) = 1 − 5e-5.
   for (double wavelength : {633e-9, 532e-9, 450e-9}) {
     Slm slm = make_panel(1024, 2);
     slm.design_wavelength = 633e-9;
@@ -234,7 +234,7 @@ TEST(EncodePhase, APanelForALongerWaveKeepsItsEfficiency) {
     EXPECT_TRUE(heard.warnings.empty());
     EXPECT_DOUBLE_EQ(heard.number("phase_range"), 2 * pi * 633e-9 / wavelength);
     const double levels = 256 * wavelength / 633e-9;
-    EXPECT_LE(*std::max_element(h.level.values.begin(), h.level.values.end()), levels + 0.5);  // of the first turn
+    EXPECT_LE(*std::max_element(h.level.values.begin(), h.level.values.end()), levels + 0.5);  // in the first turn
   }
 }
 
@@ -278,13 +278,13 @@ TEST(Encode, ShortPhaseIsToldWithWhatMakesItShort) {
   EXPECT_EQ(warning(slm, {}), "give the panel a design wavelength of 422 nm or more, now it is 350 nm");
   slm = make_panel(8, 8, 5);
   slm.effects.calibration = {{0, 1}, {0.3 * pi, 1}, {0.6 * pi, 1}, {0.9 * pi, 1}, {1.2 * pi, 1}};
-  // Four steps, and the fifth to the turn: 1.2π·5/4.
+  // Four steps, plus one to complete the turn: 1.2π·5/4.
   EXPECT_EQ(warning(slm, {.effects = {"calibration"}}),
             "its calibration spans 1.5π, one more step included: use one that reaches 2π");
 }
 
 TEST(Encode, IlluminationShowsTheFieldAtItsOwnBrightness) {
-  // What the panel shows is the wanted light to scale 1, and noise. A band of 4 cycles in 64 pixels: the pixels'
+  // The panel shows the wanted light at scale 1, plus noise. A band of 4 cycles in 64 pixels: the pixels'
   // roll-off sinc(4/64) per axis, 1.3 % at most.
   const Slm slm = make_panel(64, 64, 65536);
   const Field field = sum_of(random_waves(4, 20, 5), slm.grid);
@@ -292,7 +292,7 @@ TEST(Encode, IlluminationShowsTheFieldAtItsOwnBrightness) {
     for (const Encoding method : {Encoding::phase, Encoding::amplitude, Encoding::off_axis}) {
       const Hologram h = encode(field, slm, {.method = method, .with_bias = bias});
       const Field shown = show(h, slm, {.irradiance = h.illumination});
-      // Projection of what is shown on what is wanted: Σ shown·U* / Σ|U|². Amplitude alone: |U| is wanted.
+      // Projection of the shown field onto the wanted one: Σ shown·U* / Σ|U|². For amplitude alone |U| is wanted.
       std::complex<double> sum = 0;
       const Vec2 carrier =
           method == Encoding::off_axis ? reference_carrier({.with_bias = bias}, slm.grid, test_wavelength) : Vec2{0, 0};
@@ -306,7 +306,7 @@ TEST(Encode, IlluminationShowsTheFieldAtItsOwnBrightness) {
           square += std::norm(wanted);
         }
       const double part = std::abs(sum / square);
-      // The carrier has a roll-off of its own: sinc(3/8) with bias, sinc(1/4) without.
+      // The carrier adds its own roll-off: sinc(3/8) with bias, sinc(1/4) without.
       EXPECT_NEAR(part / (method == Encoding::off_axis ? sinc(bias ? 0.375 : 0.25) : 1), 1, 0.03) << int(method);
     }
 }

@@ -9,8 +9,8 @@ namespace holotrace {
 namespace {
 
 TEST(ErrorDiffusion, NoiseIsPushedAwayFromTheAxis) {
-  // A field of modulus 1/2 beside one bright wave: the kinoform's error is spread over all frequencies, that of error
-  // diffusion is a high pass. Slow waves come out to a tenth of the strongest, and nearer than the kinoform's.
+  // A field of modulus 1/2 plus one bright wave: the kinoform's error is spread over all frequencies, that of error
+  // diffusion is a high pass. Slow waves are correct to a tenth of the strongest, and nearer than with the kinoform.
   const Slm slm = make_panel(128, 128);
   const std::vector<PlaneWave> waves{{0, 0, 1.0}, {5, 0, 0.6}, {0, -7, {0, 0.5}}, {4, 4, 0.3}};
   const Field field = sum_of(waves, slm.grid);
@@ -27,8 +27,8 @@ TEST(ErrorDiffusion, NoiseIsPushedAwayFromTheAxis) {
   EXPECT_LT(worst(Encoding::error_diffusion), worst(Encoding::phase));
 }
 
-// Floyd and Steinberg (1976), rows forth and back, written out once more: of the error of a pixel 7/16 goes to the next
-// one, 3/16, 5/16 and 1/16 to the three below it, the last one ahead. What leaves the panel is lost.
+// Floyd and Steinberg (1976), rows in alternating directions, written a second time: of a pixel's error 7/16 goes to
+// the next pixel, 3/16, 5/16 and 1/16 to the three below it, 1/16 to the one ahead. Errors off the panel are lost.
 Array2D<int> floyd_steinberg(const Array2D<std::complex<double>>& wanted, int levels) {
   const int nx = wanted.nx, ny = wanted.ny;
   Array2D<std::complex<double>> left = wanted;
@@ -52,7 +52,7 @@ Array2D<int> floyd_steinberg(const Array2D<std::complex<double>>& wanted, int le
 }
 
 TEST(ErrorDiffusion, SpreadsErrorsByTheWeightsOfFloydAndSteinberg) {
-  // Few levels, so that none is chosen by a rounding of floats; waves inside the stop, of which nothing is cut.
+  // Few levels, so that rounding of floats decides none; waves inside the stop, so that nothing is cut off.
   const Slm slm = make_panel(40, 24, 16);
   const Field field = sum_of({{1, 0, 0.5}, {-3, 2, {0, 0.4}}, {2, -4, 0.3}}, slm.grid);
   Heard heard;

@@ -2,8 +2,8 @@
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "support/targets.h"
 
-// Each encoder on a natural picture of 208 × 152 in the middle of a 256 × 192 panel, 10 mm away: light of the band's
-// edge moves by 42 pixels, of a margin of 24 and 20. The figures of a full-HD panel are those of holotrace bench.
+// Each encoder on a natural picture of 208 × 152 in the middle of a 256 × 192 panel, 10 mm away. Light at the band's
+// edge moves by 42 pixels; the margin is 24 and 20 pixels. Figures for a full-HD panel are those of holotrace bench.
 
 namespace holotrace {
 namespace {
@@ -25,14 +25,14 @@ Slm panel() { return make_panel(256, 192); }
 TEST(Quality, AComplexPanelShowsThePictureToItsLevels) {
   Slm slm = panel();
   slm.modulation = Modulation::complex;
-  // At the pixels' middles: 8 bits of a field that rarely nears its maximum. The picture is told at the middles, so
-  // that even the exact field differs from it by what a mean over a pixel loses of the finest detail: measured 33.9 dB.
+  // At the pixels' middles: 8 bits of a field that is rarely near its maximum. The picture is given at the middles, so
+  // even the exact field differs from it over pixel areas, which average the finest detail: 33.9 dB measured.
   EXPECT_GT(psnr_of(slm, {.method = Encoding::complex}, {}, PixelSampling::point), 40);
   EXPECT_GT(psnr_of(slm, {.method = Encoding::complex}), 32);
 }
 
 TEST(Quality, DoublePhaseAndErrorDiffusionKeepTheModulus) {
-  // A kinoform loses the modulus, and with it the picture's light and shade.
+  // A kinoform loses the modulus, and with it the light and shade of the picture.
   const double kinoform = psnr_of(panel(), {.method = Encoding::phase});
   EXPECT_GT(psnr_of(panel(), {.method = Encoding::double_phase}), kinoform + 6);
   EXPECT_GT(psnr_of(panel(), {.method = Encoding::error_diffusion}), kinoform + 6);
@@ -41,12 +41,12 @@ TEST(Quality, DoublePhaseAndErrorDiffusionKeepTheModulus) {
 TEST(Quality, DescentIsTheBestOfPhasePanels) {
   EncodeParams descent{.method = Encoding::sgd}, projections{.method = Encoding::gerchberg_saxton};
   descent.iterations = 60;
-  // At the pixels' middles, which is where both iterations look: double-phase's figure in full HD is 26 and more, full
+  // At the pixels' middles, where both iterations evaluate it: double-phase reaches 26 dB and more in full HD, full
   // runs of descent reach 35 and more there.
   const double at_middles = psnr_of(panel(), descent, {}, PixelSampling::point);
   EXPECT_GT(at_middles, 28);
   EXPECT_GT(at_middles, psnr_of(panel(), projections, {}, PixelSampling::point) + 3);
-  // Over the pixels' area both are worse, by what they leave between the middles: measured 26.5 dB and 25.0 dB.
+  // Over the pixels' area both are worse, because of errors between the middles: 26.5 dB and 25.0 dB measured.
   const double integrated = psnr_of(panel(), descent);
   EXPECT_GT(integrated, 25.5);
   EXPECT_GT(integrated, psnr_of(panel(), projections) + 1);
@@ -64,11 +64,11 @@ TEST(Quality, DescentThatKnowsThePanelIsBetterByThreeDecibels) {
   params.iterations = 60;
   const double unknown = psnr_of(slm, params, {"all"});
   params.effects = {"all"};
-  EXPECT_GT(psnr_of(slm, params, {"all"}), unknown + 3);  // as the full-size figures ask
+  EXPECT_GT(psnr_of(slm, params, {"all"}), unknown + 3);  // as for the full-size figures
 }
 
-// A random start leaves phase vortices, dark points between the pixels' middles that the iteration does not see: the
-// picture is right at the middles and speckled between them, so that pixels, which take all light, measure it worse.
+// A random start leaves phase vortices: dark points between the pixels' middles, which the iteration does not see. The
+// picture is right at the middles and has speckle between them, so pixels that integrate over their area show it worse.
 TEST(Quality, VorticesBetweenThePixelsMeasureWorseThanTheirMiddles) {
   EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.01}};
   params.target_columns = 208;

@@ -6,8 +6,8 @@
 #include "holotrace/slm/panel/static_errors.h"
 #include "support/panels.h"
 
-// The panel's effects one by one, each against its closed form or a quadrature. Efficiencies are fractions of the light
-// on the panel; a field of single precision holds them to some 1e-7, and 1e-6 leaves room for the sum over samples.
+// The panel's effects one by one, each compared with its closed form or a quadrature. Efficiencies are fractions of the
+// light on the panel. A field of single precision gives them to some 1e-7; 1e-6 leaves room for the sum over samples.
 
 namespace holotrace {
 namespace {
@@ -31,7 +31,7 @@ TEST(Calibration, IsWhatAPixelShows) {
     const std::complex<double> ideal(show(h, slm, with({}, 1)).samples(0, 0));
     EXPECT_LT(std::abs(ideal - std::polar(1.0, 2 * pi * level / 4)), tolerance) << level;
   }
-  // The phase is a length: at two thirds of the wavelength it is half as large again.
+  // The pixel delays by a length: at two thirds of the wavelength the phase is 1.5 times as large.
   slm.design_wavelength = test_wavelength;
   const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 2; });
   ShowParams params = with({"calibration"}, 1);
@@ -53,10 +53,10 @@ TEST(Calibration, OfARangeAsideOf2PiIsARampOfThatDepth) {
 
 // --- crosstalk ----------------------------------------------------------------------------------
 
-// Order ±1 of a grating 0, π, 0, π, … whose phase is blurred: |½∫₀² exp(iφ(x))·exp(−iπx) dx|², φ the blur of a square
-// wave by a Gaussian: π·(½ + (2/π)·Σ over odd m of sin(πmx)/m·exp(−(πmσ)²/2)) as a Fourier series, which is exact.
+// Order ±1 of a grating 0, π, 0, π, … with a blurred phase: |½∫₀² exp(iφ(x))·exp(−iπx) dx|². φ is the blur of a square
+// wave by a Gaussian, as an exact Fourier series: π·(½ + (2/π)·Σ over odd m of sin(πmx)/m·exp(−(πmσ)²/2)).
 double blurred_binary_efficiency(double sigma) {
-  const int points = 20000;  // the periodic midpoint rule is exact to rounding for what is smooth
+  const int points = 20000;  // the midpoint rule is exact to rounding for a smooth periodic function
   std::complex<double> sum = 0;
   for (int k = 0; k < points; ++k) {
     const double x = 2 * (k + 0.5) / points;
@@ -74,17 +74,17 @@ double blurred_binary_efficiency(double sigma) {
 TEST(Crosstalk, LowersABinaryGratingAsItsQuadratureSays) {
   const Slm plain = make_panel(16, 4, 2);
   const Hologram h = make_hologram(plain, Modulation::phase, [](int i) { return i % 2; });
-  double last = 4 / (pi * pi);  // 0.4053 of a sharp grating
+  double last = 4 / (pi * pi);  // 0.4053 for a sharp grating
   for (const double sigma : {0.05, 0.1, 0.2, 0.3}) {
     Slm slm = plain;
     slm.effects.crosstalk = sigma;
     const double expected = blurred_binary_efficiency(sigma);
-    // 32 cells per pixel: φ falls by up to π/(√(2π)·σ) per pixel, and even cells of 1/32 pixel err by the square of
-    // that over 24 per cell in the edge's width 2σ: (π/2.5σ)²·2σ/(24·32²) < 1.3e-3/σ·1e-1 = 5e-4 for all σ ≥ 0.05.
+    // 32 cells per pixel: φ falls by up to π/(√(2π)·σ) per pixel. Cells of 1/32 pixel, each of one phase, err by its
+    // square over 24 per cell in the edge's width 2σ: (π/2.5σ)²·2σ/(24·32²) < 1.3e-3/σ·1e-1 = 5e-4 for all σ ≥ 0.05.
     const double fine = efficiency_of(show(h, slm, with({"crosstalk"}, 3, 32)), 8);
     EXPECT_NEAR(fine, expected, 5e-4) << sigma;
-    // What is taken by itself is within 2 % of the light for this pattern, the worst there is. Where cells are narrower
-    // than the edge, the error falls as 1/s²: by 4 for twice the cells, 3 with terms of higher order.
+    // The default number of cells is exact to 2 % of the light for this pattern, the worst case. If cells are narrower
+    // than the edge, the error falls as 1/s²: by 4 for twice the cells, by 3 with terms of higher order.
     const auto error = [&](int s) {
       return std::abs(efficiency_of(show(h, slm, with({"crosstalk"}, 3, s)), 8) - expected);
     };
@@ -94,7 +94,7 @@ TEST(Crosstalk, LowersABinaryGratingAsItsQuadratureSays) {
     EXPECT_LT(error(0), 0.02) << sigma;
     EXPECT_LT(fine, last) << sigma;
     last = fine;
-    EXPECT_NEAR(efficiency_of(show(h, slm, with({})), 8), 4 / (pi * pi), tolerance);  // off: as ever
+    EXPECT_NEAR(efficiency_of(show(h, slm, with({})), 8), 4 / (pi * pi), tolerance);  // effect off: unchanged
   }
 }
 
@@ -121,8 +121,8 @@ TEST(Crosstalk, VanishesWithItsWidthAndLeavesEvenPhasesAlone) {
     EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of 4 × 4 cells
 }
 
-// The same where pixels are lit on a part w of their pitch, about their middles: the light is that of the blurred phase
-// there, |½·Σ over two pixels of ∫ exp(iφ(x))·exp(−iπx) dx over w|², and a factor w² for the rows.
+// The same for pixels lit on a part w of their pitch, about their middles. The light is that of the blurred phase
+// there, |½·Σ over two pixels of ∫ exp(iφ(x))·exp(−iπx) dx over w|², times a factor w² for the rows.
 TEST(Crosstalk, IsLightOfTheLitPartOfAPixel) {
   Slm slm = make_panel(16, 4, 2, 0.5);
   const double w = std::sqrt(0.5);
@@ -135,11 +135,11 @@ TEST(Crosstalk, IsLightOfTheLitPartOfAPixel) {
       const double x = 2 * (k + 0.5) / points, from_middle = std::abs(x - std::floor(x) - 0.5);
       if (from_middle > w / 2) continue;
       double wave = 0.5;
-      for (int m = 1; m < 60; m += 2)  // exp(−(59π·0.15)²/2) is 0 to a double
+      for (int m = 1; m < 60; m += 2)  // exp(−(59π·0.15)²/2) underflows to 0
         wave += 2 / pi * std::sin(pi * m * x) / m * std::exp(-std::pow(pi * m * sigma, 2) / 2);
       sum += std::polar(1.0, pi * wave - pi * x);
     }
-    // The cells' midpoint rule errs as 5e-4 above; cells as if the pixel were lit throughout see more of the edges.
+    // The cells' midpoint rule has an error of 5e-4 as above; cells for a fully lit pixel would see more of the edges.
     EXPECT_NEAR(efficiency_of(show(h, slm, with({"crosstalk"}, 3, 32)), 8), std::norm(sum / double(points)) * w * w,
                 5e-4)
         << sigma;
@@ -166,7 +166,7 @@ TEST(Gaps, ShineOnWhatPixelsLeave) {
 }
 
 TEST(Gaps, OfFullAmplitudeKeepAllEnergy) {
-  // |t| = 1 everywhere: the panel sends on all light that falls on it. 65 orders per axis hold all but the tails of the
+  // |t| = 1 everywhere: the panel reflects all light that falls on it. 65 orders per axis hold all but the tails of the
   // edges between pixels and gaps, at most 2·2/(π²·65/2)·|t − γ|² = 1.3 % times |t − γ|² ≤ 4 per axis.
   Slm slm = make_panel(6, 6, 256, 0.7);
   slm.effects.gap_amplitude = 1;
@@ -181,7 +181,7 @@ TEST(Gaps, OfFullAmplitudeKeepAllEnergy) {
 // --- static errors ------------------------------------------------------------------------------
 
 TEST(StaticErrors, ZernikeTermsAreOrthonormalOverTheDisc) {
-  // The mean of Z·Z' over the disc: Gauss's rule is not needed, 400 rings and 64 angles leave (1/400)² of each ring.
+  // The mean of Z·Z' over the disc: 400 rings and 64 angles, with an error of (1/400)² per ring, are enough.
   const std::vector<std::pair<int, int>> terms{{0, 0}, {1, -1}, {1, 1}, {2, 0}, {2, 2}, {3, -1}, {4, 0}, {6, 0}};
   for (const auto& a : terms)
     for (const auto& b : terms) {
@@ -205,7 +205,7 @@ TEST(StaticErrors, TurnTheFieldPixelByPixel) {
     for (int i = 0; i < 9; ++i) (*map)(j, i) = float(0.1 * j);
   slm.effects.phase_map = map;
   const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
-  // 21 samples per pixel: its middle shows it, but for the ringing of the edges, which weak phase steps keep small.
+  // 21 samples per pixel: the middle one shows the pixel. The ringing of the edges is small for weak phase steps.
   const Field f = show(h, slm, with({"aberration", "phase-map"}, 21));
   const double radius = std::hypot(slm.grid.width(), slm.grid.height()) / 2;
   for (int j = 0; j < 7; ++j)
@@ -217,7 +217,7 @@ TEST(StaticErrors, TurnTheFieldPixelByPixel) {
 }
 
 TEST(StaticErrors, MoveTheGapsToo) {
-  // A mirror of even phase that is tilted by its map is one, whatever part of it is gap.
+  // A mirror of even phase that is tilted by its phase map is still a tilted mirror, whatever part of it is gaps.
   Slm slm = make_panel(8, 8, 4, 0.6);
   auto map = std::make_shared<Array2D<float>>(8, 8);
   for (int j = 0; j < 8; ++j)
@@ -229,7 +229,7 @@ TEST(StaticErrors, MoveTheGapsToo) {
   slm.effects.gap_amplitude = 1;
   const Field a = show(h, slm, with({"all"})), b = show(h, full, with({"all"}));
   for (size_t i = 0; i < a.samples.size(); ++i)
-    EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // two transforms' rounding
+    EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of two transforms
 }
 
 // --- dead pixels --------------------------------------------------------------------------------
@@ -245,8 +245,8 @@ TEST(DeadPixels, ShowTheirLevelWhateverTheyAreSent) {
 }
 
 TEST(DeadPixels, TakeTheirFractionFromTheImageAndScatterIt) {
-  // A fraction f at random levels: order 0 keeps the amplitude 1 − k/N, k of N pixels dead, plus k random phasors: its
-  // mean over levels is 0 and its rms √k/N. k is binomial.
+  // A fraction f at random levels: order 0 has the amplitude 1 − k/N, k of N pixels dead, plus k random phasors. Their
+  // mean over levels is 0 and their rms √k/N. k is binomial.
   const int nx = 256, ny = 256;
   const double f = 0.02, pixels = double(nx) * ny;
   Slm slm = make_panel(nx, ny, 256);
@@ -256,7 +256,7 @@ TEST(DeadPixels, TakeTheirFractionFromTheImageAndScatterIt) {
   const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
   const Field field = show(h, slm, with({"dead-pixels"}, 1));
   EXPECT_LT(std::abs(wave_in(field, 0, 0) - (1 - dead / pixels)), 4 * std::sqrt(dead) / pixels);
-  // Another seed, other pixels; the same one, the same.
+  // Another seed gives other pixels, the same seed the same ones.
   Slm other = slm;
   other.effects.dead_seed = 2;
   EXPECT_EQ(show(h, slm, with({"dead-pixels"}, 1)).samples.values, field.samples.values);
@@ -267,7 +267,7 @@ TEST(DeadPixels, TakeTheirFractionFromTheImageAndScatterIt) {
 
 TEST(Flicker, AveragesARampOverItsDepths) {
   // A ramp that ripples by ±q: its mean η₁ is that of sinc²(e) over e = q·sin θ. 16 even steps of θ integrate a smooth
-  // periodic function to rounding; 64 pixels to a period cost sinc²(1/64) and π²/3·64² = 8e-4 of the ripple's loss.
+  // periodic function to rounding; 64 pixels per period cost sinc²(1/64) and π²/3·64² = 8e-4 of the ripple's loss.
   const int steps = 64;
   Slm slm = make_panel(steps, 1, steps);
   slm.effects.flicker = 0.2;
@@ -283,7 +283,7 @@ TEST(Flicker, AveragesARampOverItsDepths) {
     const double e = 0.2 * std::sin(2 * pi * (k + 0.5) / points);
     expected += std::pow(sinc(e), 2) / points;
   }
-  EXPECT_LT(expected, 0.94);  // the loss is worth measuring: π²q²/6 = 6.6 %
+  EXPECT_LT(expected, 0.94);  // the loss is large enough to measure: π²q²/6 = 6.6 %
   EXPECT_NEAR(mean, expected * std::pow(sinc(1.0 / steps), 2), 1e-4);
   // The mean state has no ripple.
   EXPECT_NEAR(efficiency_of(show(h, slm, params), 1), std::pow(sinc(1.0 / steps), 2), tolerance);
@@ -298,7 +298,7 @@ TEST(ComplexModulation, ShowsPhaseAndAmplitudeIndependently) {
   h.modulus_level = Array2D<uint16_t>(6, 8);
   for (size_t i = 0; i < h.modulus_level.size(); ++i) h.modulus_level.values[i] = uint16_t(i * 53 % 256);
   const Field f = show(h, slm, with({}, 1));
-  // As the sum of one hologram per pixel would be: by linearity in a·exp(iφ).
+  // Expected: the sum of one hologram per pixel, because the field is linear in a·exp(iφ).
   Field sum(f.grid, f.wavelength);
   Hologram one = h;
   for (int j = 0; j < 6; ++j)

@@ -6,7 +6,7 @@
 #include "holotrace/wave/propagate/propagate.h"
 #include "support/panels.h"
 
-// The light on the panel: its shape, its direction, and how coherent it is.
+// The light on the panel: its shape, direction and coherence.
 
 namespace holotrace {
 namespace {
@@ -15,7 +15,7 @@ Hologram flat(const Slm& slm) {
   return make_hologram(slm, Modulation::phase, [](int) { return 0; });
 }
 
-// Centre of the light of a field, and its rms width in x [m].
+// Centroid of the light of a field, and its rms width in x [m].
 struct Spot {
   double x = 0, y = 0, width = 0, power = 0;
 };
@@ -37,8 +37,8 @@ Spot spot_of(const Field& f) {
 }
 
 TEST(Light, TiltedMovesTheImageByItsAngle) {
-  // A Gaussian beam in place of the panel's edges: its centre moves by z·tan α, in x and y by the ray's own slope
-  // sin αx/cos, cos = √(1 − sin²αx − sin²αy). Its angles spread by λ/πw = 1.1 mrad, whose mean slope is 1e-6 off.
+  // A Gaussian beam, so that the panel's edges do not matter. Its centre moves by z·tan α, in x and y by the ray's
+  // slope sin αx/cos, cos = √(1 − sin²αx − sin²αy). Its angles spread by λ/πw = 1.1 mrad, changing the mean by 1e-6.
   const Slm slm = make_panel(256, 256);
   const double w = 0.15e-3, z = 0.05;
   ShowParams params{.light = Wavefront::gaussian, .tilt_x = 0.01, .tilt_y = -0.006, .beam_radius = w};
@@ -89,8 +89,8 @@ TEST(Light, SphericalFocusesAFlatPanelAtItsCentre) {
   EXPECT_NEAR(std::abs(sum) / (std::sqrt(2.0) * solid), 1, 1e-5);
   EXPECT_NEAR(std::arg(sum), 0, 1e-5);
 
-  // The propagator finds that focus: |u| = √E·S²/(λR) but for obliquity of (S/R)²/6 = 1e-4, on one sample of a sinc²
-  // whose first zero is at λR/S = 20 µm, 8 samples off: half a sample costs (π/16)²/6 per axis at most.
+  // The propagator finds that focus: |u| = √E·S²/(λR) except for an obliquity of (S/R)²/6 = 1e-4, at one sample of a
+  // sinc² whose first zero is at λR/S = 20 µm, 8 samples away: half a sample costs (π/16)²/6 per axis at most.
   const Field focus = propagate(f, distance);
   double brightest = 0;
   for (const auto& u : focus.samples.values) brightest = std::max(brightest, double(std::abs(u)));
@@ -105,7 +105,7 @@ TEST(Light, SphericalFocusesAFlatPanelAtItsCentre) {
 }
 
 TEST(Light, GaussianIsTheBeamItSays) {
-  // On the panel exp(−ρ²/w²); its power E·πw²/2 where the panel holds all of it.
+  // On the panel exp(−ρ²/w²); its power is E·πw²/2 if the panel holds all of it.
   const Slm slm = make_panel(128, 128);
   const double w = 0.12e-3;
   Heard heard;
@@ -113,10 +113,10 @@ TEST(Light, GaussianIsTheBeamItSays) {
   const Field f = show(flat(slm), slm, params, heard.observer());
   EXPECT_NEAR(f.samples(10, 64).real(),
               std::sqrt(5.0) * std::exp(-(std::pow(f.grid.x(64), 2) + std::pow(f.grid.y(10), 2)) / (w * w)), 1e-6);
-  // The panel's edge is 4.3 w off: e^(−2·4.3²) = 1e-16 is beyond. The sum over samples is exact for what is so smooth.
+  // The panel's edge is at 4.3 w: e^(−2·4.3²) = 1e-16 lies beyond. The sum over samples is exact for such a beam.
   EXPECT_NEAR(heard.number("power_in") / (5 * pi * w * w / 2), 1, 1e-6);
   EXPECT_NEAR(heard.number("efficiency"), 1, 1e-6);
-  // It spreads as a beam does: w(z) = w√(1 + (z/z_R)²), z_R = πw²/λ; rms width w/2.
+  // It spreads as a Gaussian beam: w(z) = w√(1 + (z/z_R)²), z_R = πw²/λ; rms width w/2.
   const double z = 0.05, rayleigh = pi * w * w / test_wavelength;
   EXPECT_NEAR(spot_of(propagate(f, z)).width / (w / 2 * std::sqrt(1 + std::pow(z / rayleigh, 2))), 1, 1e-4);
 }
@@ -160,7 +160,7 @@ Spread spread_of(const std::vector<IlluminationState>& all, const Value& value) 
 
 TEST(IlluminationStates, HaveTheSpreadOfSpectrumSourceAndRipple) {
   // A Gaussian of σ = FWHM/2.3548, a disc of diameter α with the rms α/4 per axis, a sinusoid of rms 1/√2; all
-  // uncorrelated. 1024 even points leave 1e-3 of it (the tails of the Gaussian: 1/N·ln N = 7e-3).
+  // uncorrelated. 1024 even points have an error of 1e-3 (for the tails of the Gaussian 1/N·ln N = 7e-3).
   Slm slm = make_panel(4, 4);
   slm.effects.flicker = 0.1;
   const std::vector<IlluminationState> all = illumination_states(
@@ -193,7 +193,7 @@ TEST(IlluminationStates, HaveTheSpreadOfSpectrumSourceAndRipple) {
 }
 
 TEST(IlluminationStates, AnyNumberHasTheMiddleOfSpectrumAndSource) {
-  // Means to a hundred roundings: 100·2.2e-16 of 500 nm is 1.1e-20 m, of 0.02 rad 4.4e-16 rad.
+  // Means to a hundred roundings: 100·2.2e-16 times 500 nm is 1.1e-20 m, times 0.02 rad 4.4e-16 rad.
   const Slm slm = make_panel(4, 4);
   for (const int count : {1, 2, 3, 5, 16, 100}) {
     const ShowParams params{
@@ -207,8 +207,8 @@ TEST(IlluminationStates, AnyNumberHasTheMiddleOfSpectrumAndSource) {
 }
 
 TEST(IlluminationStates, OfAWideSourceBlurAPointByItsAngle) {
-  // Every direction of the source makes its own image of the beam, z·tan α away: the mean irradiance is wider by the
-  // source's rms, z·α/4 per axis, in squares.
+  // Every direction of the source makes its own image of the beam, z·tan α away. The mean irradiance is wider by the
+  // source's rms, z·α/4 per axis, added in squares.
   const Slm slm = make_panel(192, 192);
   const double w = 0.2e-3, z = 0.1, angle = 6e-3;
   ShowParams params{.light = Wavefront::gaussian, .beam_radius = w, .source_angle = angle, .illumination_states = 32};
@@ -223,7 +223,7 @@ TEST(IlluminationStates, OfAWideSourceBlurAPointByItsAngle) {
   const double alone = spot_of(propagate(show(flat(slm), slm, params), z)).width;
   EXPECT_NEAR(power, 1, 1e-12);
   const double blur = std::sqrt(second - first * first - alone * alone);
-  // 32 points on the disc have its second moment within some 2 %.
+  // 32 points on the disc have its second moment to some 2 %.
   EXPECT_NEAR(blur / (z * angle / 4), 1, 0.03);
 }
 
@@ -233,7 +233,7 @@ TEST(IlluminationStates, OfAWideSpectrumSpreadAnOrderByItsDispersion) {
   Slm slm = make_panel(192, 64, period);
   const Hologram h = make_hologram(slm, Modulation::phase, [&](int i) { return i % period; });
   const double z = 0.02, w = 0.15e-3, bandwidth = 30e-9;
-  // An ideal panel at each wavelength: no design wavelength would be the hologram's, whose ramp is then uneven.
+  // An ideal panel at each wavelength: a fixed design wavelength would make the hologram's ramp uneven at the others.
   ShowParams params{.light = Wavefront::gaussian, .beam_radius = w, .bandwidth = bandwidth, .illumination_states = 32};
   double first = 0, second = 0, alone = 0, power = 0;
   for (const IlluminationState& m : illumination_states(slm, params, test_wavelength)) {
@@ -247,7 +247,7 @@ TEST(IlluminationStates, OfAWideSpectrumSpreadAnOrderByItsDispersion) {
   const double mean = first / power, spread = std::sqrt((second - alone) / power - mean * mean);
   const double sigma = bandwidth / 2.354820, cosine = std::cos(std::asin(test_wavelength / (period * test_pitch)));
   EXPECT_NEAR(mean, z * std::tan(std::asin(test_wavelength / (period * test_pitch))), 2e-7);
-  // 32 quantiles have 0.985 of the Gaussian's σ: those at (i + ½)/32 leave out the tails.
+  // 32 quantiles have 0.985 of the Gaussian's σ: those at (i + ½)/32 miss the tails.
   EXPECT_NEAR(spread / (z * sigma / (period * test_pitch) / std::pow(cosine, 3)), 0.985, 0.01);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 using Complex = std::complex<float>;
 
-// A panel with every effect that a gradient goes through.
+// A panel with every effect that gradients pass through.
 Slm imperfect_panel(int nx, int ny) {
   Slm slm = make_panel(nx, ny, 16);
   slm.fill_x = 0.95;
@@ -55,7 +55,7 @@ PanelModel model_of(const Bench& s) {
 Array2D<float> random_drive(const Slm& slm, uint64_t seed) {
   Array2D<float> drive(slm.grid.ny, slm.grid.nx);
   CounterRandom random(seed, 0, 0);
-  // Away from whole levels, where a calibration has corners.
+  // Away from whole levels, where a calibration has kinks.
   for (float& level : drive.values) level = float(int(14 * random.uniform()) + 0.3 + 0.4 * random.uniform());
   return drive;
 }
@@ -77,7 +77,7 @@ double real_product(const Array2D<Complex>& a, const Array2D<Complex>& b) {
 TEST(PanelModel, PullsBackWhatFiniteDifferencesSay) {
   // f(u) = Re⟨g, u⟩ is linear in u: its gradient is g, and ∂f/∂ℓ along a direction d is [f(ℓ + hd) − f(ℓ − hd)]/2h. A
   // level is up to 0.7 rad, and h stays within it. (4·f(h/2) − f(h))/3 leaves (0.7·h)⁴/30 of each pixel's part, 3e-5 at
-  // h = 1/4. Rounding: 1e-7 of each of up to 648 samples, in all 1e-7·√648·|u|·|g|/2h or 6e-6.
+  // h = 1/4. Rounding: 1e-7 for each of up to 648 samples, in total 1e-7·√648·|u|·|g|/2h or 6e-6.
   int number = 0;
   for (const Bench& s : benches()) {
     const PanelModel model = model_of(s);
@@ -133,14 +133,14 @@ TEST(PanelModel, WholeDrivesAreThoseOfAHologram) {
   for (size_t i = 0; i < drive.size(); ++i) drive.values[i] = float(h.level.values[i]);
   const PanelModel model(slm, {.subpixels = 3}, Modulation::phase, 256, test_wavelength, {test_wavelength});
   EXPECT_EQ(model.leave(drive).samples.values, show(h, slm, {.subpixels = 3}).samples.values);
-  // A field that is used again holds nothing of what it held.
+  // A reused field keeps nothing of its old values.
   Field again = sum_of(random_waves(2, 3, 4), {36, 30, slm.grid.pitch / 3});
   model.leave(drive, again);
   EXPECT_EQ(again.samples.values, model.leave(drive).samples.values);
 }
 
 TEST(PanelModel, FractionalDrivesLieBetweenLevels) {
-  // One pixel, all of it lit: order 0 is exp(2πi·ℓ/M) itself, to 1e-6.
+  // One pixel, fully lit: order 0 is exp(2πi·ℓ/M) itself, to 1e-6.
   const Slm slm = make_panel(1, 1, 256);
   const PanelModel model(slm, {}, Modulation::phase, 256, 0, {test_wavelength});
   for (const float level : {0.0F, 0.5F, 17.25F, 255.9F, 256.0F}) {

@@ -6,7 +6,7 @@
 #include "support/panels.h"
 
 // Efficiencies are fractions of the light on the panel (1 W/m²), closed_forms.md section 3. A field of single
-// precision holds them to some 1e-7; 1e-6 leaves room for the sum over the samples.
+// precision gives them to some 1e-7; 1e-6 leaves room for the sum over the samples.
 
 namespace holotrace {
 namespace {
@@ -24,8 +24,8 @@ TEST(Show, FlatPanelSendsTheSquareOfItsFillFactorIntoOrderZero) {
     EXPECT_NEAR(efficiency_of(f, 0), c.fill_factor * c.fill_factor, tolerance);
     EXPECT_NEAR(efficiency_of(f, 0), c.order_00, 5e-4);      // the digits that closed_forms.md prints
     EXPECT_NEAR(efficiency_of(f, 8), first, tolerance);      // order (1, 0): one cycle per pixel
-    EXPECT_NEAR(efficiency_of(f, 8), c.order_10, 5e-6);      // likewise
-    EXPECT_NEAR(efficiency_of(f, 0, -8), first, tolerance);  // the orders are alike in x and y
+    EXPECT_NEAR(efficiency_of(f, 8), c.order_10, 5e-6);      // to the digits printed there
+    EXPECT_NEAR(efficiency_of(f, 0, -8), first, tolerance);  // the orders are equal in x and y
     EXPECT_NEAR(efficiency_of(f, 16, 8), std::pow(w * w * sinc(2 * w) * sinc(w), 2), tolerance);
   }
 }
@@ -37,7 +37,7 @@ TEST(Show, GratingAtNyquistIsRolledOff) {
   for (const Case& c : {Case{1, 0.4053}, Case{0.93, 0.4344}, Case{0.87, 0.4607}}) {
     const Slm slm = make_panel(16, 4, 2, c.fill_factor);
     const Field f = show(make_hologram(slm, Modulation::phase, [](int i) { return i % 2; }), slm, {.subpixels = 3});
-    // Along y the panel is flat and holds F of the light in order 0, along x w²·sinc²(w/2).
+    // Along y the panel is flat and has F of the light in order 0, along x w²·sinc²(w/2).
     const double roll_off = std::pow(sinc(std::sqrt(c.fill_factor) / 2), 2);
     for (int side : {-8, 8}) EXPECT_NEAR(efficiency_of(f, side), c.fill_factor * c.fill_factor * roll_off, tolerance);
     EXPECT_NEAR(roll_off, c.efficiency, 5e-5);
@@ -47,7 +47,7 @@ TEST(Show, GratingAtNyquistIsRolledOff) {
 TEST(Show, OneSamplePerPixelIsOrderZeroWithItsRollOff) {
   const Slm slm = make_panel(16, 4, 2);
   const Field f = show(make_hologram(slm, Modulation::phase, [](int i) { return i % 2; }), slm, {});
-  // (−1)ⁱ is a wave at Nyquist: its one bin takes the mean of both signs, sinc(1/2).
+  // (−1)ⁱ is a wave at Nyquist: its one bin gets the mean of both signs, sinc(1/2).
   for (int i = 0; i < 16; ++i) EXPECT_NEAR(f.samples(0, i).real(), (i % 2 ? -1 : 1) * sinc(0.5), tolerance);
 }
 
@@ -66,8 +66,8 @@ TEST(Show, BlazedGratingOfPixelsHasTheOrdersOfItsPixels) {
 }
 
 TEST(Show, RampThatTurnsTooFarLosesLightToOrderZero) {
-  // A shorter wave than the design's turns by 2π(1+e): η₁ = sinc²(e), η₀ = sinc²(1+e). With P steps the sum over a
-  // period is a Dirichlet kernel instead, and the step's own spectrum sinc²(m/P) follows.
+  // A wave shorter than the design wavelength gets 2π(1+e) per turn: η₁ = sinc²(e), η₀ = sinc²(1+e). With P steps the
+  // sum over a period is a Dirichlet kernel instead, times the step's own spectrum sinc²(m/P).
   const int steps = 256;
   const double e = 0.05;
   Slm slm = make_panel(steps, 2, steps);
@@ -80,7 +80,7 @@ TEST(Show, RampThatTurnsTooFarLosesLightToOrderZero) {
   EXPECT_NEAR(efficiency_of(f, 1), 0.99180, 1e-4);  // a smooth ramp: π²/3P² = 5e-5 away
   EXPECT_NEAR(efficiency_of(f, 0), 0.00225, 1e-5);
 
-  // The same stretch when the panel's design wavelength, not the light, is the odd one.
+  // The same stretch if the panel's design wavelength is changed instead of the light.
   slm.design_wavelength = test_wavelength * (1 + e);
   EXPECT_NEAR(efficiency_of(show(h, slm, {.subpixels = 3}), 1), efficiency_of(f, 1), tolerance);
 }
@@ -99,7 +99,7 @@ TEST(Show, BinaryPhaseSplitsByItsDepth) {
 TEST(Show, TextbookGratings) {
   const int period = 32, nx = 128, cycles = nx / period, levels = 65536;
   const Slm slm = make_panel(nx, 2, levels);
-  const double pixel = std::pow(sinc(1.0 / period), 2);  // a staircase of pixels in place of the smooth curve
+  const double pixel = std::pow(sinc(1.0 / period), 2);  // a staircase of pixels instead of the smooth curve
   const ShowParams params{.subpixels = 3};
   const auto angle = [&](int i) { return 2 * pi * i / period; };
 
@@ -141,8 +141,8 @@ TEST(Show, PixelsStandWhereTheGridSays) {
   }
 }
 
-// The field at a point, as show.h defines it, by summing plane waves: every frequency up to n/2 cycles per pixel, half
-// of it at n/2 itself.
+// The field at a point by the definition in show.h, as a sum of plane waves: frequencies up to n/2 cycles per pixel,
+// half of it at n/2 itself.
 std::complex<double> slow_show(const Array2D<std::complex<double>>& panel, int n, double w, double x, double y) {
   const auto waves = [&](int pixels, double position, const auto& pixel_position) {
     std::vector<std::complex<double>> weight_of_pixel(static_cast<size_t>(pixels));
@@ -185,7 +185,7 @@ TEST(Show, IsTheBandLimitedSumOfItsPixels) {
 }
 
 TEST(Show, ManySamplesPerPixelShowLitSquares) {
-  // 64 samples per pixel: inside the lit square the amplitude is 1, in the gap 0, but for Gibbs's ringing, which
+  // 64 samples per pixel: the amplitude is 1 inside the lit square and 0 in the gap, except for Gibbs's ringing, which
   // at the middle of both is below 1/(π·n·w/2) = 1 %.
   const double w = 0.5;
   const Slm slm = make_panel(4, 4, 2, w * w);
@@ -206,8 +206,8 @@ TEST(Show, PowerIsThatOfTheOrdersHeld) {
   EXPECT_NEAR(heard.number("power_in"), 7 * panel, 1e-12 * panel);  // E·area
   EXPECT_NEAR(heard.number("power_out"), power(f), 1e-6 * panel);
   EXPECT_NEAR(heard.number("efficiency"), power(f) / (7 * panel), 1e-9);
-  EXPECT_LT(heard.number("efficiency"), 0.9);  // never more than what the lit area lets through
-  // More orders hold more, up to the fill factor F = w²: an axis holds w but for the tail of (sin πwf/πf)² beyond
+  EXPECT_LT(heard.number("efficiency"), 0.9);  // at most the light that the lit area passes
+  // More orders hold more light, up to the fill factor F = w²: an axis holds w less the tail of (sin πwf/πf)² beyond
   // ±n/2, at most 4/(π²n).
   show(h, slm, {.subpixels = 41}, heard.observer());
   const double w = std::sqrt(0.9), missing = 0.9 - heard.number("efficiency");
@@ -229,7 +229,7 @@ TEST(Show, CarriesWhatABenchMustKnow) {
 }
 
 TEST(Show, StopFollowsTheOrderUnderTiltedLight) {
-  // Order 1 of a period of 4 pixels is 16 cycles over 64 pixels; tilts of 24 and −20 whole cycles move it by as many.
+  // Order 1 of a period of 4 pixels is 16 cycles over 64 pixels; tilts of 24 and −20 whole cycles move it by these.
   // With 5 samples per pixel it stays within the band of 160 cycles, with the same light around it.
   const Slm slm = make_panel(64, 64, 4);
   Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return i % 4; });
@@ -247,7 +247,7 @@ TEST(Show, StopFollowsTheOrderUnderTiltedLight) {
   tilted.tilt_y = std::asin(-20 * test_wavelength / width);
   EXPECT_GT(passed(axial), 0.5 * 320 * 320);  // it has sinc²(1/4) = 0.81 of the light
   EXPECT_NEAR(passed(tilted) / passed(axial), 1, 1e-4);
-  // A state's own direction, of a source that is spread, moves the light and not the stop.
+  // A state's own direction, for an extended source, moves the light and not the stop.
   const Field spread = show(h, slm, axial, IlluminationState{test_wavelength, tilted.tilt_x, tilted.tilt_y});
   EXPECT_EQ(spread.filter, h.filter);
 }
@@ -276,7 +276,7 @@ TEST(Show, IsOfAPanelThatModulatesAsTheHologramDoes) {
     show(made_for(any), panel_of(any), {}, heard.observer());
     EXPECT_TRUE(heard.warnings.empty());
   }
-  // Amplitudes on a phase panel: told here, but not where encode has told it of the hologram's own.
+  // Amplitudes on a phase panel: warned of here, but not if encode has warned of the hologram's own panel.
   Heard here, before;
   Hologram h = made_for(Modulation::amplitude);
   show(h, panel_of(Modulation::phase), {}, here.observer());
@@ -302,7 +302,7 @@ TEST(Show, TellsWhereLevelsAllowForOtherEffects) {
     return heard.warnings;
   };
   EXPECT_TRUE(warnings({}, {"all"}).empty());
-  EXPECT_TRUE(warnings({"crosstalk", "gaps"}, {"all"}).empty());  // no level can allow for flicker
+  EXPECT_TRUE(warnings({"crosstalk", "gaps"}, {"all"}).empty());  // no level can compensate flicker
   EXPECT_EQ(
       warnings({"crosstalk"}, {"crosstalk", "gaps"}),
       (std::vector<std::string>{"the hologram compensates crosstalk but not gaps, which are modelled on the SLM "

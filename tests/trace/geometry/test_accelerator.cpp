@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "holotrace/base/random.h"
@@ -80,6 +81,54 @@ TEST(Accelerator, OcclusionCountsWhatIsBetweenAndNotWhatIsAtTheEnds) {
   EXPECT_FALSE(accelerator.is_occluded({0, 0, 0}, {0, 0, -0.29}));
   EXPECT_FALSE(accelerator.is_occluded({0, 0, 0}, {1_mm, 2_mm, -0.3})) << "a point on the wall is seen";
   EXPECT_FALSE(accelerator.is_occluded({0, 0, 0}, {0.1, 0, -0.31})) << "beside the wall";
+}
+
+TEST(Accelerator, ALampFarAwayLeavesTheDetailAsItIs) {
+  // Two walls of 2 mm, 10 µm apart. Single precision in a scene of 1 km tells places 30 µm apart.
+  const auto walls = [] {
+    Scene scene;
+    scene.materials = {grey(0.5)};
+    scene.meshes = {make_wall(-0.1, 1_mm, 1_mm), make_wall(-0.1 + 10_um, 0.5_mm, 0.5_mm)};
+    return scene;
+  };
+  Scene scene = walls();
+  const double alone = Accelerator(scene).closest_hit({{0.2_mm, 0.3_mm, 0}, {0, 0, -1}})->point.clearance;
+  // From the back of the view, 200 m wide, and a mesh as far away.
+  scene.lights = {RectangleLight{{-100, -100, 1000}, {0, 200, 0}, {200, 0, 0}, {5, 5, 5}}};
+  scene.meshes.push_back(make_test_quad({300, 0, -1000}, {10, 0, 0}, {0, 10, 0}));
+  for (const Acceleration kind : {Acceleration::embree, Acceleration::grid}) {
+    const Accelerator accelerator(scene, kind);
+    for (int i = -9; i <= 9; ++i) {
+      const double x = i * 0.1_mm, z = std::abs(i) < 5 ? -0.1 + 10_um : -0.1;
+      if (std::abs(i) == 5) continue;  // the small wall's edge
+      const auto hit = accelerator.closest_hit({{x, 0.1_mm, 0}, {0, 0, -1}});
+      ASSERT_TRUE(hit);
+      EXPECT_NEAR(hit->point.position.z, z, 1e-15) << i;
+      EXPECT_LT(hit->point.clearance, 2 * alone);
+      EXPECT_FALSE(accelerator.is_occluded({accelerator.leave(hit->point), {0, 0, 1}}, 1)) << i << " meets itself";
+      // In the gap between the walls the far one does not see out.
+      const Ray out{{x, 0.1_mm, -0.1 + 1_um}, {0, 0, 1}};
+      EXPECT_EQ(accelerator.is_occluded(out, 1), std::abs(i) < 5) << i;
+    }
+  }
+}
+
+TEST(Accelerator, ALampInThePlaneOfAVastCeilingIsMetBeforeIt) {
+  // Slanting, so that coordinates are rounded: single precision holds the ceiling's corners, 1 km away, to 30 µm.
+  const Vec3 u = normalize({1, 0, 0.3}), v = normalize({0, 1, 0.2}), centre{0, 0, -0.2};
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_test_quad(centre + u * 20 + v * 30, u * 1000, v * 900)};
+  const Vec3 half_u = u * 10_mm, half_v = v * 10_mm;
+  scene.lights = {RectangleLight{centre - half_u - half_v, half_u * 2, half_v * 2, {5, 5, 5}}};
+  const Accelerator accelerator(scene);
+  for (int i = 0; i < 200; ++i) {
+    CounterRandom random(4, 0, uint64_t(i));
+    const double x = 6_mm * (2 * random.uniform() - 1), y = 6_mm * (2 * random.uniform() - 1);
+    const auto hit = accelerator.closest_hit({{x, y, 0}, {0, 0, -1}});
+    ASSERT_TRUE(hit);
+    ASSERT_EQ(hit->point.light, 0) << x << ", " << y;
+  }
 }
 
 TEST(Accelerator, RefusesWhatItCannotTrace) {

@@ -104,7 +104,7 @@ TEST(UniformGrid, MeetsWhatEmbreeMeets) {
   Scene scene = make_soup(3000, 0.1);
   scene.meshes.push_back(make_round_mesh({0, 0, -2}, 0.5, 40));
   const Accelerator embree(scene), grid(scene, Acceleration::grid);
-  EXPECT_EQ(embree.clearance(), grid.clearance());
+  EXPECT_EQ(embree.precision().unit, grid.precision().unit);
   int compared = 0, at_edges = 0;
   for (uint64_t i = 0; i < 20000; ++i) {
     const Ray ray = random_ray(2, i);

@@ -308,6 +308,24 @@ TEST(EnvironmentLight, AnEvenMapIsDrawnEvenlyAndIsTheBackground) {
   EXPECT_NEAR(both.mean(), 0.6 * 3, 4 * both.standard_error()) << "they add";
 }
 
+TEST(EnvironmentLight, InsideAPixelDirectionsAreEvenOverItsSolidAngle) {
+  // Pixels a quarter turn high. Even over the sphere |y| is even in [0, 1]: a mean of 1/2 and a mean square of 1/3. Even
+  // over the angle they would be 2/π and 1/2.
+  auto map = std::make_shared<Image>(2, 4, 1);
+  for (float& value : map->values) value = 1;
+  const EnvironmentLight light({map, {1, 1, 1}, 0}, Lines{});
+  Statistics height, square;
+  for (uint64_t i = 0; i < 20000; ++i) {
+    CounterRandom random(8, 0, i);
+    const double u = random.uniform(), v = random.uniform();
+    const double y = std::abs(light.sample({u, v}).direction.y);
+    height.add(y);
+    square.add(y * y);
+  }
+  EXPECT_NEAR(height.mean(), 0.5, 4 * height.standard_error());
+  EXPECT_NEAR(square.mean(), 1.0 / 3, 4 * square.standard_error());
+}
+
 TEST(EnvironmentLight, ASunInTheMapLightsTheWallByItsIntegral) {
   auto map = std::make_shared<Image>(64, 128, 1);
   for (float& value : map->values) value = 0.1F;

@@ -23,7 +23,7 @@ constexpr double single = 1e-6;  // images are of single precision
 TEST(Bsdf, ANormalMapTurnsTheNormalInTangentSpace) {
   Material material{DiffuseMaterial{}};
   const SurfacePoint point = flat_point();
-  material.normal_map = plain_image(0.5f, 0.5f, 1);  // (0, 0, 1): as it was
+  material.normal_map = plain_image(0.5f, 0.5f, 1);  // (0, 0, 1): unchanged
   expect_near(shading_point(material, point).normal, {0, 0, 1}, single);
 
   // 45° toward +u: (√½, 0, √½) is the texel ((1 + √½)/2, ½, (1 + √½)/2).
@@ -34,12 +34,12 @@ TEST(Bsdf, ANormalMapTurnsTheNormalInTangentSpace) {
   material.normal_map = plain_image(0.5f, lean, lean);  // green: toward +v
   expect_near(shading_point(material, point).normal, {0, half, half}, single);
 
-  // A scale of ½ halves x and y before they are made of unit length: the tangent of the lean is ½.
+  // A scale of ½ halves x and y before normalisation: the tangent of the lean is ½.
   material.normal_scale = 0.5;
   expect_near(shading_point(material, point).normal, normalize({0, 0.5, 1}), single);
   material.normal_scale = 1;
 
-  // Tangents that are skew and of any length: T loses its part along N, and B stands on both, on the side of v.
+  // Tangents that are skew and of any length: T loses its part along N; B is normal to both, on the side of v.
   SurfacePoint skew = point;
   skew.tangent_u = {0, 3, 1};
   skew.tangent_v = {2, 1, 0};
@@ -55,13 +55,13 @@ TEST(Bsdf, ANormalMapTurnsTheNormalInTangentSpace) {
 }
 
 TEST(Bsdf, FromBehindANormalMapTurnsAsItDoesInFront) {
-  // The front of this triangle looks to −z; the path came from +z, and normals are given on its side.
+  // The front of this triangle faces −z. The path came from +z, and normals are given on its side.
   SurfacePoint behind = flat_point(false);
   Material material{DiffuseMaterial{}};
   const double half = std::sqrt(0.5);
   const float lean = float((1 + half) / 2);
   material.normal_map = plain_image(lean, 0.5f, lean);
-  // In front the normal is (√½, 0, −√½): from behind its opposite.
+  // In front the normal is (√½, 0, −√½); from behind it is the opposite.
   expect_near(shading_point(material, behind).normal, {-half, 0, half}, single);
 }
 
@@ -70,7 +70,7 @@ TEST(Bsdf, ANormalThatFacesAwayIsTurnedToTheViewersSide) {
   SurfacePoint point = flat_point();
   point.normal = normalize({1, 0, -0.2});
   const Vec3 turned = shading_point(material, point).normal;
-  EXPECT_NEAR(turned.z, 1e-4, 5e-6);  // to where it just faces, to the 0.2² by which the turn stretches it
+  EXPECT_NEAR(turned.z, 1e-4, 5e-6);  // it just faces the viewer, exact to the 0.2² by which the turn stretches it
   EXPECT_GT(turned.x, 0.99);
   material.normal_map = plain_image(1, 0.5f, 0);  // (1, 0, −1)
   EXPECT_GT(shading_point(material, flat_point()).normal.z, 0);
@@ -103,7 +103,7 @@ TEST(Bsdf, ColoursAreThoseOfTextureVerticesAndLines) {
   metal.base_texture = plain_image(0.8f, 0.5f, 1);
   // A smooth metal reflects its base colour head-on.
   expect_near(specular_branches(make_bsdf(metal, point, Lines{}), up).ways[0].weight, {0.4, 0.25, 0.5}, single);
-  // The line halfway from green to red sees the middle of the two.
+  // The line halfway between green and red gets the mean of the two.
   const Lines yellow = make_lines(581e-9, 581e-9, 581e-9);
   expect_near(specular_branches(make_bsdf(metal, point, yellow), up).ways[0].weight, {0.325, 0.325, 0.325}, single);
   // glTF: roughness in green, metallic in blue, both multiplied.

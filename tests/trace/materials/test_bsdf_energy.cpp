@@ -4,7 +4,7 @@
 #include "holotrace/base/random.h"
 #include "trace/surfaces.h"
 
-// Energy: what a surface sends back of an even light, and that the way there and back are alike.
+// Energy: the light that a surface reflects of an even surrounding, and reciprocity.
 
 namespace holotrace {
 namespace {
@@ -12,8 +12,8 @@ namespace {
 constexpr double angles[] = {0, 20, 40, 60, 75, 85, 89};
 constexpr double all_roughnesses[] = {0.02, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1};
 
-/// Mean weight of the directions drawn, over 2¹⁴ points of an additive recurrence (Roberts' R₃): of smooth weights
-/// known to about 3e-4. `radiance(way)` is what comes along it.
+/// Mean weight of the directions drawn, over 2¹⁴ points of an additive recurrence (Roberts' R₃): for smooth weights
+/// exact to about 3e-4. `radiance(way)` is the radiance from that direction.
 template <class Radiance>
 Vec3 received(const Bsdf& bsdf, Vec3 outgoing, const Radiance& radiance) {
   constexpr int count = 1 << 14;
@@ -38,9 +38,9 @@ Vec3 furnace(const Bsdf& bsdf, Vec3 outgoing, double far_over_near) {
                   [&](const BsdfSample& way) { return way.is_transmission ? far_over_near * far_over_near : 1; });
 }
 
-// The albedos of microfacets are off by 0.003, and 2¹⁴ points by as much of a rare lobe.
+// The tables of microfacet albedos have an error of 0.003, and 2¹⁴ points as much for a rare lobe.
 constexpr double table = 0.007;
-constexpr double quadrature = 1e-3;  // three times what `received` says
+constexpr double quadrature = 1e-3;  // three times the error of `received`
 
 /// A metal that reflects everything: 1 − F = 4n/k² = 4e-12 head-on.
 ConductorMaterial perfect_metal(double roughness) { return {{{{532e-9, 1, 1e6}}}, roughness}; }
@@ -66,7 +66,7 @@ TEST(BsdfEnergy, AWhiteMirrorReflectsEverything) {
 }
 
 TEST(BsdfEnergy, AWhiteRoughMetalReflectsEverything) {
-  // Kulla and Conty's lobe returns what single scattering loses, up to what the table of albedos is off between its
+  // Kulla and Conty's lobe returns the loss of single scattering, up to the error of the albedo table between its
   // entries: 0.001, and 0.003 within some degrees of grazing.
   for (double roughness : all_roughnesses)
     for (double angle : angles)
@@ -90,9 +90,9 @@ TEST(BsdfEnergy, AWhiteMetalOfTheMetallicRoughnessModelReflectsEverything) {
 }
 
 TEST(BsdfEnergy, AGreyMetalReflectsWhatItsFacetsDoOnTheWhole) {
-  // Light that meets microfacets of the constant reflectance F once and then is lost or reflected with that F again,
-  // escaping each time with Ē: F·Ē/(1 − F·(1 − Ē)), the series that K sums (F̄ = F0 + (1 − F0)/21 of Schlick). The mean
-  // of the single term, over the table's means, and of the many, K·(1 − Ē)², by hand.
+  // Light that meets microfacets of constant reflectance F once is then lost, or reflected again with that F, and
+  // escapes each time with Ē: F·Ē/(1 − F·(1 − Ē)), the series that K sums (F̄ = F0 + (1 − F0)/21 for Schlick). The mean
+  // of the single term over the table's means, and that of multiple scattering, K·(1 − Ē)², are computed here.
   for (double roughness : {0.35, 0.7, 1.0}) {
     const MicrofacetAlbedo::Value mean = MicrofacetAlbedo(roughness * roughness).mean();
     for (double f0 : {0.3, 0.8}) {
@@ -112,10 +112,10 @@ TEST(BsdfEnergy, AGreyMetalReflectsWhatItsFacetsDoOnTheWhole) {
 }
 
 TEST(BsdfEnergy, SingleScatteringLosesLogarithmOfTwoOffTheRoughestMetalSeenHeadOn) {
-  // At α = 1, head-on, visible normals send light evenly over the whole sphere, of which G₂/G₁ = 2μ/(1 + μ) of the
-  // upper half is kept: ½∫2μ/(1 + μ) dμ = 1 − ln 2. Tolerance: the rule of 96 heights.
+  // At α = 1, head-on, visible normals send light evenly over the whole sphere. Of the upper half G₂/G₁ = 2μ/(1 + μ)
+  // is kept: ½∫2μ/(1 + μ) dμ = 1 − ln 2. Tolerance: the rule with 96 heights.
   EXPECT_NEAR(MicrofacetAlbedo(1).at(1).loss, std::log(2), 2e-4);
-  // The mean of Schlick's weight off a smooth surface is 2∫(1 − μ)⁵·μ dμ = 1/21; that of straight lines between 32
+  // The mean of Schlick's weight off a smooth surface is 2∫(1 − μ)⁵·μ dμ = 1/21; linear interpolation between 32
   // points is larger by less than 1e-3.
   EXPECT_NEAR(MicrofacetAlbedo(0).mean().schlick, 1.0 / 21, 1e-3);
   EXPECT_NEAR(MicrofacetAlbedo(0).mean().loss, 0, 1e-4);
@@ -131,7 +131,7 @@ TEST(BsdfEnergy, AWhiteVarnishedBaseReflectsEverything) {
                    "roughness " + std::to_string(roughness) + " at " + std::to_string(angle));
     }
   const MetallicRoughnessMaterial smooth{.metallic = 0, .roughness = 0};
-  for (double angle : angles)  // the smooth one has its albedo in closed form
+  for (double angle : angles)  // the smooth one has an albedo in closed form
     expect_white(albedo(make_bsdf(smooth, flat_point(), Lines{}), view_direction_at(angle)), quadrature, "smooth");
 }
 
@@ -160,18 +160,18 @@ TEST(BsdfEnergy, APaneReflectsAndTransmitsEverythingStraightOn) {
         make_bsdf(DielectricMaterial{.index = constant_index(1.5), .is_thin = true}, flat_point(), Lines{}), outgoing);
     ASSERT_EQ(both.count, 2);
     expect_white(both.ways[0].weight + both.ways[1].weight, 1e-12, "pane");
-    // R + T²R/(1 − R²) of the two faces, summed by hand.
+    // R + T²R/(1 − R²) for the two faces, summed here.
     const double r = reflectance_dielectric(outgoing.z, 1.5), t = 1 - r;
     EXPECT_NEAR(both.ways[0].weight.x, r + t * t * r / (1 - r * r), 1e-12);
     EXPECT_EQ(both.ways[1].direction, -outgoing);
-    EXPECT_EQ(both.ways[0].phase, (Vec3{pi, pi, pi}));  // off the first face, from air
+    EXPECT_EQ(both.ways[0].phase, (Vec3{pi, pi, pi}));  // reflection off the first face, in air
     EXPECT_EQ(both.ways[1].phase, Vec3{});
   }
 }
 
 TEST(BsdfEnergy, RoughGlassIsInBalanceWithItsFurnace) {
   // Single scattering alone keeps 0.82 of the furnace at n = 1.5, roughness 0.5, seen from inside within 60° of the
-  // normal, and 0.41 at roughness 1. The light of many microfacets makes it whole, up to the table.
+  // normal, and 0.41 at roughness 1. Multiple scattering restores the rest, up to the error of the table.
   for (double n : {1.05, 1.5, 2.4})
     for (bool is_front : {true, false})
       for (double roughness : {0.02, 0.2, 0.5, 0.7, 1.0})
@@ -184,8 +184,8 @@ TEST(BsdfEnergy, RoughGlassIsInBalanceWithItsFurnace) {
 }
 
 TEST(BsdfEnergy, RoughGlassSendsTheLightOfManyFacetsBackAsASmoothOneDoes) {
-  // 2∫F·μ dμ = 0.0918 at n = 1.5 (J. W. T. Walsh, 1926) of what single scattering leaves out goes back to the air.
-  // Both terms are found here by midpoints over the hemisphere, the first one by the density of microfacets.
+  // At n = 1.5 the fraction 2∫F·μ dμ = 0.0918 (J. W. T. Walsh, 1926) of single scattering's loss returns to the air.
+  // Both terms are computed here by midpoints over the hemisphere, the first from the density of microfacets.
   constexpr double walsh = 0.0918, alpha = 1;
   constexpr int steps = 32, turns = 64;
   const Bsdf glass = make_bsdf(DielectricMaterial{constant_index(1.5), alpha}, flat_point(), Lines{});
@@ -234,10 +234,10 @@ Vec3 random_direction(CounterRandom& random) {
 }
 
 TEST(BsdfEnergy, ReflectionIsTheSameThereAndBack) {
-  // Helmholtz: f(o, i) = f(i, o). Rounding grows where a lobe is narrow: 1e-16/α² = 3e-14 of the narrowest here.
+  // Helmholtz: f(o, i) = f(i, o). Rounding grows with the inverse width of a lobe: 1e-16/α² = 3e-14 for the narrowest.
   CounterRandom random(5, 0, 0);
   for (const NamedSurface& surface : all_surfaces()) {
-    if (surface.name.find("leaning") == 0) continue;  // in whose frame the directions may lie below
+    if (surface.name.find("leaning") == 0) continue;  // in its frame the directions may lie below
     for (int k = 0; k < 200; ++k) {
       const Vec3 a = random_direction(random), b = random_direction(random);
       for (Lobe lobe : {Lobe::diffuse, Lobe::glossy}) {
@@ -249,7 +249,7 @@ TEST(BsdfEnergy, ReflectionIsTheSameThereAndBack) {
 }
 
 TEST(BsdfEnergy, RefractionThereAndBackDiffersByTheSquareOfTheIndices) {
-  // f(o, i)/n_o² = f(i, o)/n_i² (Veach, PhD thesis 1997, eq. 5.14): light fills n² as much solid angle.
+  // f(o, i)/n_o² = f(i, o)/n_i² (Veach, PhD thesis 1997, eq. 5.14), because n²dω is conserved.
   CounterRandom random(6, 0, 0);
   for (double n : {1.33, 1.5, 2.4})
     for (double roughness : {0.3, 0.6, 1.0}) {
@@ -266,7 +266,7 @@ TEST(BsdfEnergy, RefractionThereAndBackDiffersByTheSquareOfTheIndices) {
         EXPECT_NEAR(seen_from_air, seen_from_glass / (n * n), 1e-9 * (1e-3 + seen_from_air));
         transmitted += seen_from_air > 0;
       }
-      EXPECT_GT(transmitted, 50);  // the test has something to test
+      EXPECT_GT(transmitted, 50);  // enough samples for the test
     }
 }
 
@@ -277,12 +277,12 @@ TEST(BsdfEnergy, RefractionObeysSnell) {
     ASSERT_EQ(both.count, 2);
     const Vec3 refracted = both.ways[1].direction;
     EXPECT_NEAR(length(refracted), 1, 1e-12);
-    // Tangential wave numbers agree: n·sinθ on both sides, the light going on the other way.
+    // Tangential wave numbers agree: n·sinθ is equal on both sides; the light continues on the other side.
     EXPECT_NEAR(1.5 * refracted.x, -outgoing.x, 1e-12);
     EXPECT_NEAR(1.5 * refracted.y, -outgoing.y, 1e-12);
     EXPECT_LT(refracted.z, 0);
   }
-  // From inside, beyond the critical angle of 41.8°, one way is left, and all of the light.
+  // From inside, beyond the critical angle of 41.8°, only reflection is left, with all of the light.
   const auto total =
       specular_branches(make_bsdf(DielectricMaterial{}, flat_point(false), Lines{}), view_direction_at(45));
   ASSERT_EQ(total.count, 1);

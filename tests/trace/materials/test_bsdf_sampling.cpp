@@ -4,12 +4,12 @@
 #include "support/statistics.h"
 #include "trace/surfaces.h"
 
-// What a BSDF draws against the density that it claims, for every lobe.
+// The directions that a BSDF draws compared with its stated density, for every lobe.
 
 namespace holotrace {
 namespace {
 
-constexpr double level = 0.01;  // chance that right samplers fail somewhere in one test (the seed is fixed)
+constexpr double level = 0.01;  // probability that correct samplers fail somewhere in one test (the seed is fixed)
 
 /// Directions of one lobe on one side.
 struct Draws {
@@ -27,8 +27,8 @@ struct Draws {
   }
 };
 
-/// A map that is fine where the directions are: about their middle, or about the normal, whose horizon is then a line
-/// of cells, where they are spread widely. Nothing where there are none.
+/// A map with small cells where the directions are: around their middle or, if they are widely spread, around the
+/// normal, whose horizon is then a line of cells. No map if there are no directions.
 std::optional<SphereMap> map_of(Draws draws) {
   std::vector<Vec3> directions;
   Vec3 sum;
@@ -63,8 +63,8 @@ void expect_sampler_of(const std::vector<NamedSurface>& surfaces) {
           EXPECT_GT(test.chi_square.p_value, sidak_level(level, tests))
               << surface.name << " at " << angle << "°, lobe " << int(lobe) << ", transmission " << is_transmission
               << ": χ² " << test.chi_square.statistic << " of " << test.chi_square.degrees_of_freedom << " degrees";
-          // The density integrates to 1 less what is specular, rejected, or another lobe's: 4.5 standard errors are
-          // exceeded once in 150,000.
+          // The density integrates to 1 less the specular part, rejected directions and other lobes. 4.5 standard
+          // errors are exceeded once in 150,000 cases.
           EXPECT_LT(test.deviation, 4.5) << surface.name << " at " << angle << "°, transmission " << is_transmission
                                          << ": drawn " << test.drawn << ", integral " << test.integral;
         }
@@ -76,7 +76,7 @@ TEST(BsdfSampling, DielectricsDirectionsFollowTheirDensity) { expect_sampler_of(
 TEST(BsdfSampling, MetallicRoughnessDirectionsFollowTheirDensity) { expect_sampler_of(metallic_surfaces()); }
 
 TEST(BsdfSampling, TheChiSquareTestRejectsAWrongDensity) {
-  // A power to detect: directions by cosθ/π against a density 5 % too large on one side.
+  // A deviation that the test must detect: directions by cosθ/π against a density 5 % too large on one side.
   CounterRandom random(3, 0, 0);
   const auto sample = [&]() -> std::optional<Vec3> {
     const double u = random.uniform();
@@ -108,7 +108,7 @@ TEST(BsdfSampling, AWeightIsTheValueOverTheDensity) {
           EXPECT_EQ(eval_bsdf(surface.bsdf, outgoing, way->direction, Lobe::specular), Vec3{});
           continue;
         }
-        // A lobe as wide as α turns the direction's rounding, 1e-16, into 1e-16/α², more so at grazing angles.
+        // A lobe of width α amplifies the direction's rounding of 1e-16 to 1e-16/α², more so at grazing angles.
         const double tolerance = 1e-9 + 1e-13 / (surface.alpha * surface.alpha * outgoing.z);
         const double density = pdf_bsdf(surface.bsdf, outgoing, way->direction, way->lobe);
         EXPECT_NEAR(density / way->pdf, 1, tolerance) << surface.name << " at " << angle;
@@ -125,7 +125,7 @@ TEST(BsdfSampling, BranchesAreWhatIsDrawn) {
       const Vec3 outgoing = view_direction_at(angle);
       const SpecularBranches both = specular_branches(surface.bsdf, outgoing);
       ASSERT_GT(both.count, 0) << surface.name;
-      // Evenly spread choices draw each way as often as its probability says, to one part in their number.
+      // Evenly spread choices draw each branch as often as its probability says, to one part in their number.
       constexpr int tries = 10000;
       for (int k = 0; k < both.count; ++k) {
         const BsdfSample& way = both.ways[size_t(k)];
@@ -148,7 +148,7 @@ TEST(BsdfSampling, BranchesAreWhatIsDrawn) {
 }
 
 TEST(BsdfSampling, NothingLeaksThroughASurfaceNorBreaksAtItsEdges) {
-  // Shading normals that lean by up to 95° from the triangle's, viewers down to its very plane, any roughness.
+  // Shading normals that lean by up to 95° from the triangle's, viewers down to its plane, any roughness.
   CounterRandom random(11, 0, 0);
   for (const Material& material : sample_materials())
     for (int i = 0; i < 400; ++i) {

@@ -20,7 +20,7 @@ std::vector<double> cosines() {
 TEST(Fresnel, GlassReflectsFourPercentHeadOnFromEitherSide) {
   EXPECT_NEAR(reflectance_dielectric(1, 1.5), 0.04, rounding);  // ((1.5 − 1)/(1.5 + 1))²
   EXPECT_NEAR(reflectance_dielectric(1, 1 / 1.5), 0.04, rounding);
-  EXPECT_EQ(reflectance_dielectric(0, 1.5), 1);  // at grazing incidence a mirror
+  EXPECT_EQ(reflectance_dielectric(0, 1.5), 1);  // a mirror at grazing incidence
   EXPECT_EQ(reflectance_dielectric(0.5, 1), 0);  // no boundary
 }
 
@@ -29,7 +29,7 @@ TEST(Fresnel, PolarisedInThePlaneNothingIsReflectedAtBrewstersAngle) {
     const double cosine = 1 / std::sqrt(1 + n * n);  // tanθ = n
     const FresnelAmplitudes a = fresnel_amplitudes(cosine, n);
     EXPECT_NEAR(std::abs(a.r_p), 0, rounding);
-    // What is left is r_s = (1 − n²)/(1 + n²).
+    // Only r_s = (1 − n²)/(1 + n²) is left.
     const double r_s = (1 - n * n) / (1 + n * n);
     EXPECT_NEAR(reflectance_dielectric(cosine, n), r_s * r_s / 2, rounding);
   }
@@ -48,7 +48,7 @@ TEST(Fresnel, LossLessBoundariesKeepTheEnergyOfBothPolarisations) {
 
 TEST(Fresnel, TheTwoSidesObeyStokesRelations) {
   // r' = −r and t·t' = 1 − r², the far side at Snell's angle (Born & Wolf 1.6, from time reversal).
-  const double n = 1.5, tolerance = 1e-12;  // near grazing, cosθ = 0.005 is found again to 1e-16/0.005
+  const double n = 1.5, tolerance = 1e-12;  // near grazing, cosθ = 0.005 is recovered to 1e-16/0.005
   for (double cosine : cosines()) {
     const double far_cosine = far_normal_component(cosine, n).real() / n;
     const FresnelAmplitudes near = fresnel_amplitudes(cosine, n), far = fresnel_amplitudes(far_cosine, 1 / n);
@@ -74,7 +74,7 @@ TEST(Fresnel, OffADenserMediumThePhaseIsPiAtEveryAngleAndOffAThinnerOneNone) {
     for (double cosine : cosines()) {
       EXPECT_EQ(reflection_phase(cosine, n), pi);
       EXPECT_EQ(transmission_phase(cosine, n), 0);
-      // It is that of the mean of r_s and −r_p, which falls to 0 at grazing incidence but never changes its sign.
+      // It is the phase of the mean of r_s and −r_p, which falls to 0 at grazing incidence but never changes its sign.
       const FresnelAmplitudes a = fresnel_amplitudes(cosine, n);
       EXPECT_LT((a.r_s - a.r_p).real(), 0);
       if (1 - cosine * cosine < 0.99 / (n * n)) {
@@ -121,7 +121,7 @@ TEST(Fresnel, AConductorsReflectanceIsThatOfItsAmplitudes) {
 
 TEST(Fresnel, APerfectMetalTurnsThePhaseByPiAndAMeasuredOneByLess) {
   EXPECT_NEAR(std::fabs(reflection_phase(1, Complex(1, 1e9))), pi, 1e-8);
-  // Head-on tan δ = 2k/(1 − n² − k²) (Born & Wolf 14.4); the light goes some way in, so that δ > −π: silver at 617 nm,
+  // Head-on tan δ = 2k/(1 − n² − k²) (Born & Wolf 14.4). Light enters the metal a little, so δ > −π: silver at 617 nm,
   // n = 0.06, k = 4.152.
   const double delta = reflection_phase(1, Complex(0.06, 4.152));
   EXPECT_NEAR(std::tan(delta), -2 * 4.152 / (1 - 0.06 * 0.06 - 4.152 * 4.152), 1e-12);
@@ -130,10 +130,10 @@ TEST(Fresnel, APerfectMetalTurnsThePhaseByPiAndAMeasuredOneByLess) {
 }
 
 TEST(Fresnel, MetalsReflectHeadOnWhatOthersMeasured) {
-  // R = ((n − 1)² + k²)/((n + 1)² + k²) of other samples, straight between their neighbours: Babar and Weaver, Appl.
+  // R = ((n − 1)² + k²)/((n + 1)² + k²) of other samples, linear between neighbouring values: Babar and Weaver, Appl.
   // Opt. 54, 477 (2015), for silver, gold and copper; Cheng et al., ACS Nano 10, 9852 (2016), for aluminium. Samples
-  // differ: by less than 0.01 where the metal shines, by 0.06 at gold's edge and for copper's red, which lives by its
-  // polish.
+  // differ: by less than 0.01 where the metal reflects well, by 0.06 at gold's edge and for copper's red, which depends
+  // on its polish.
   const struct {
     const char* name;
     double wavelength, n, k, tolerance;

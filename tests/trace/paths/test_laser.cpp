@@ -6,7 +6,7 @@
 #include "holotrace/trace/materials/fresnel.h"
 #include "trace/follow.h"
 
-// The phase that light has from a laser.
+// The phase of light from a laser.
 
 namespace holotrace {
 namespace {
@@ -20,7 +20,7 @@ Phasors phasors_of(const Scene& scene, const Ray& ray, int paths, int max_depth,
   return sums[0];
 }
 
-/// How far two phases [rad] are apart.
+/// Difference of two phases around the circle [rad].
 double phase_difference(double a, double b) { return std::abs(std::remainder(a - b, 2 * pi)); }
 
 TEST(LaserPhasors, OneLaserGivesTheRootOfTheRadianceAndThePhaseOfItsWay) {
@@ -33,7 +33,7 @@ TEST(LaserPhasors, OneLaserGivesTheRootOfTheRadianceAndThePhaseOfItsWay) {
   for (size_t line = 0; line < 3; ++line) {
     const double radiance = 0.6 / pi * double(line + 1) * 0.8 / (0.05 * 0.05);
     EXPECT_NEAR(std::norm(u[line]) / radiance, 1, 1e-9);
-    // 0.05 m are 1e5 cycles: 1e-15 of them, times 2π, and the place of the wall to 1e-17 m.
+    // 0.05 m are 1e5 cycles: 1e-15 of them, times 2π, and the position of the wall to 1e-17 m.
     EXPECT_LT(phase_difference(std::arg(u[line]), 2 * pi * (0.05 / Lines{}.wavelengths[line])), 1e-8);
   }
 }
@@ -81,7 +81,7 @@ TEST(LaserPhasors, TwoLasersMakeYoungsFringes) {
 }
 
 TEST(LaserPhasors, TheWayThroughGlassCountsItsIndex) {
-  // One face of glass at z = −0.3; 10 mm inside lies a wall, and 6 mm before that the laser.
+  // One face of glass at z = −0.3; 10 mm behind it inside the glass is a wall, and 6 mm in front of that the laser.
   Scene scene;
   scene.materials = {grey(0.6), {DielectricMaterial{constant_index(1.5), 0}}};
   scene.meshes = {make_wall(-0.31, 10_mm, 10_mm), make_wall(-0.3, 10_mm, 10_mm, 1)};
@@ -90,7 +90,7 @@ TEST(LaserPhasors, TheWayThroughGlassCountsItsIndex) {
   const Phasors u = phasors_of(scene, ray, 64, 2);
   const double path = 1.5 * (std::hypot(1_mm, 6_mm) + 10_mm);
   EXPECT_LT(phase_difference(std::arg(u[1]), 2 * pi * (path / green_line)), 1e-8);
-  // Paths that the face lets through are all alike: their mean is the radiance, no speckle.
+  // All paths through the face have the same phase: their mean is the radiance, without speckle.
   const double mean = sums_of(scene, ray, {}, {.max_depth = 2}, 64)[0];
   EXPECT_GT(mean, 0);
   EXPECT_NEAR(std::norm(u[1]) / mean, 1, 1e-9);

@@ -12,8 +12,8 @@ TEST(Path, ClosedFurnaceHasRadianceAndPathLengthOneOverOneMinusAlbedo) {
     constexpr int paths = 40000;
     const Ray ray{{1_mm, 1_mm, -0.3}, normalize({0.3, -0.5, 0.2})};
     const Statistics radiance = follow(scene, ray, paths, unlimited, counts);
-    // A path has l surfaces, l geometric: mean 1/(1−ρ), variance ρ/(1−ρ)². Found by hits alone, its radiance would be
-    // l; asking the walls as well does not make it vary more.
+    // A path has l surfaces, l geometric: mean 1/(1−ρ), variance ρ/(1−ρ)². If light were found by hits alone, its
+    // radiance would be l; sampling the walls as well does not increase the variance.
     const double expected = 1 / (1 - rho), four_standard_errors = 4 * std::sqrt(rho / paths) / (1 - rho);
     EXPECT_NEAR(radiance.mean(), expected, four_standard_errors);
     EXPECT_NEAR(counts.mean_path_length(), expected, four_standard_errors);
@@ -43,7 +43,7 @@ TEST(Path, MaxDepthCutsTheFurnaceAfterThatManySurfaces) {
   const Statistics radiance = follow(scene, {{0, 0, -0.3}, {0, 0, -1}}, paths, depth, counts);
   // 1 + ρ + ρ² = (1 − ρ³)/(1 − ρ).
   EXPECT_NEAR(radiance.mean(), 1.75, 4 * radiance.standard_error());
-  const double share = rho * rho * rho;  // of the paths that would have met a fourth surface
+  const double share = rho * rho * rho;  // fraction of paths that would have met a fourth surface
   EXPECT_NEAR(double(counts.cut), share * paths, 4 * std::sqrt(share * (1 - share) * paths));
 }
 
@@ -65,7 +65,7 @@ TEST(Path, PointLightOverAPlaneGivesAlbedoOverPiTimesIrradiance) {
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   scene.lights = {PointLight{{30_mm, 0, -0.26}, {1, 2, 3}}};
   PathCounts counts;
-  // Seen at the centre: d = 50 mm, cosθ = 40/50. One surface and a point light: nothing is random in the direct light.
+  // Seen at the centre: d = 50 mm, cosθ = 40/50. With one surface and a point light the direct light is not random.
   const Statistics radiance = follow(scene, {{0, 0, 0}, {0, 0, -1}}, 1, 1, counts);
   EXPECT_NEAR(radiance.mean(), 0.6 / pi * 2 * 0.8 / (0.05 * 0.05), 1e-9);
 }
@@ -87,7 +87,7 @@ TEST(Path, RectangleLightGivesItsClosedFormFactor) {
   Scene scene;
   scene.materials = {grey(0.6)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
-  // 40 mm × 20 mm, 30 mm in front of the wall, facing it (edge_u × edge_v = −z), its corner over the centre.
+  // 40 mm × 20 mm, 30 mm in front of the wall, facing it (edge_u × edge_v = −z), with a corner over the centre.
   scene.lights = {RectangleLight{{0, 0, -0.27}, {0, 20_mm, 0}, {40_mm, 0, 0}, {5, 5, 5}}};
   PathCounts counts;
   const Statistics radiance = follow(scene, {{0, 0, -0.28}, {0, 0, -1}}, 20000, 1, counts);
@@ -100,7 +100,7 @@ TEST(Path, RectangleLightGivesItsClosedFormFactor) {
 }
 
 TEST(Path, EmissiveMeshAndRectangleLightOfTheSameShapeGiveTheSameLight) {
-  // Both are asked and met, in different code.
+  // Both are sampled and met by paths, in different code.
   Scene scene;
   scene.materials = {grey(0.6), grey(0, 5)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), make_test_quad({0, 0, -0.27}, {20_mm, 0, 0}, {0, 20_mm, 0}, 1)};

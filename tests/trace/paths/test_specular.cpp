@@ -25,7 +25,7 @@ std::vector<SpecularLeaf> leaves_of(const Scene& scene, const Ray& ray) {
   return follow_specular(path_scene, ray, counts);
 }
 
-/// The leaf whose chain does that: 't' for a transmission, 'r' for a reflection.
+/// The leaf with the given chain: 't' for a transmission, 'r' for a reflection.
 SpecularLeaf leaf_of(const Scene& scene, const Ray& ray, const std::string& chain) {
   for (const SpecularLeaf& leaf : leaves_of(scene, ray)) {
     std::string ways;
@@ -88,12 +88,12 @@ TEST(Specular, APlaneMirrorShowsAWallAtTheTotalDistance) {
   for (const Vec3 origin : {Vec3{0, 0, 0}, Vec3{1_mm, -2_mm, 0}}) {
     const Ray ray{origin, view_direction(0.01, 0.02)};
     const SpecularLeaf leaf = leaf_of(scene, ray, "r");
-    // By hand: the mirror is the plane z = x − 0.2 and swaps the x and z of directions; the wall is x = −60 mm.
+    // Computed here: the mirror is the plane z = x − 0.2 and swaps the x and z of directions; the wall is x = −60 mm.
     const Vec3 d = ray.direction;
     const double to_mirror = (-0.2 + origin.x) / (d.z - d.x), x = origin.x + to_mirror * d.x;
     const double total = to_mirror + std::abs((-60_mm - x) / d.z);
-    EXPECT_NEAR(leaf.optical_path, total, 5e-16);  // some roundings of 0.26 m
-    EXPECT_NEAR(leaf.distance / total, 1, 1e-8);   // differences over 1e-6 of it, in double: 1e-10, and a margin
+    EXPECT_NEAR(leaf.optical_path, total, 5e-16);  // a few roundings of 0.26 m
+    EXPECT_NEAR(leaf.distance / total, 1, 1e-8);   // differences over 1e-6 of it, in double: 1e-10, with a margin
     EXPECT_FALSE(leaf.is_far);
     EXPECT_EQ(leaf.start.depth, 2);
   }
@@ -108,7 +108,7 @@ TEST(Specular, ASlabOfGlassShowsWhatLiesBehindItAtTheApparentDepth) {
   // Paraxial, t = 20 mm: OPL = d + t(n − 1), R = d − t(1 − 1/n), exact on the axis.
   EXPECT_NEAR(axis.optical_path, 0.3 + 20_mm * 0.5, 1e-15);
   EXPECT_NEAR(axis.distance, 0.3 - 20_mm / 3, 1e-9);
-  // At normal incidence Fresnel's reflectance is ((n−1)/(n+1))² = 4 %: two faces let 0.96² through.
+  // At normal incidence Fresnel's reflectance is ((n−1)/(n+1))² = 4 %: two faces transmit 0.96².
   EXPECT_NEAR(axis.weight.x, 0.96 * 0.96, 1e-12);
 
   // At an angle: OPL = (d−t)/cosθ + nt/cosθ'; the meridional and sagittal image distances of a slab are
@@ -129,8 +129,8 @@ TEST(Specular, ASlabHasItsTreeOfReflectionsDownToAThousandth) {
   scene.materials = {grey(0.5, 1), glass(1.5)};
   scene.meshes = {make_wall(-0.3, 50_mm, 50_mm)};
   add_box(scene, {0, 0, -0.2}, {30_mm, 30_mm, 10_mm}, 1);
-  // Straight through 0.9216; twice to and fro inside 0.9216·0.04² = 1.5e-3; the next is below 1e-3. What is reflected
-  // toward the panel escapes: 0.04 off the front and 0.96²·0.04 off the back, then 0.96²·0.04³ < 1e-3.
+  // Straight through: 0.9216. With one more round trip inside: 0.9216·0.04² = 1.5e-3; the next is below 1e-3. Reflected
+  // light escapes toward the panel: 0.04 off the front, 0.96²·0.04 off the back, then 0.96²·0.04³ < 1e-3.
   const auto leaves = leaves_of(scene, {{}, {0, 0, -1}});
   std::vector<double> through, back;
   for (const SpecularLeaf& leaf : leaves) (leaf.kind == LeafKind::beyond ? back : through).push_back(leaf.weight.x);
@@ -149,33 +149,33 @@ TEST(Specular, ASlabHasItsTreeOfReflectionsDownToAThousandth) {
 double mirror_equation(double object, double radius) { return 1 / (2 / radius - 1 / object); }
 
 TEST(Specular, CurvedMirrorsFollowTheMirrorEquation) {
-  // A ball of radius r = 100 mm behind z = −0.2 shows a card at z = −0.15 that stands beside the ray's way in.
+  // A ball of radius r = 100 mm behind z = −0.2 shows a card at z = −0.15 that is beside the incoming ray.
   const double r = 100_mm;
   Scene scene;
   scene.materials = {grey(0.5, 1), mirror()};
   scene.meshes = {make_cap({0, 0, -0.2 - r}, r, 1, 4_mm, 1),
                   make_test_quad({2.25_mm, 0, -0.15}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0)};
-  // A ray at the tangent 0.005 meets the mirror at x = 1 mm and goes back at x = 1 + 50·(0.005 + 2·0.01) = 2.25 mm.
+  // A ray of tangent 0.005 meets the mirror at x = 1 mm and returns to x = 1 + 50·(0.005 + 2·0.01) = 2.25 mm.
   const SpecularLeaf leaf = leaf_of(scene, {{}, view_direction(0.005, 0)}, "r");
   const double image = mirror_equation(50_mm, -r);  // convex: a virtual image, 25 mm behind the mirror
   EXPECT_NEAR(image, -25_mm, 1e-15);
-  // Paraxial to O(angle²) with angles of incidence of 0.015: 2.3e-4 of the power 2/r; ten of them, of 25 mm.
+  // Paraxial to O(angle²), with angles of incidence of 0.015: 2.3e-4 of the power 2/r; ten times that, of 25 mm.
   EXPECT_NEAR(leaf.distance, 0.2 - image, 2e-3 * 25_mm);
   EXPECT_FALSE(leaf.is_far);
 }
 
 TEST(Specular, AConcaveMirrorsWavesThatConvergeAreMadeFlatAndCounted) {
-  // The inside of a ball of radius 0.2 m around the panel's centre. What stands 50 mm before the mirror, inside its
+  // The inside of a ball of radius 0.2 m around the panel's centre. An object 50 mm in front of the mirror, inside its
   // focal length of 100 mm, has a virtual image 100 mm behind it: 1/50 − 1/100 = 1/100.
   const double r = 0.2;
   Scene scene;
   scene.materials = {grey(0.5, 1), mirror()};
   scene.meshes = {make_cap({0, 0, -0.2 + r}, r, -1, 10_mm, 1),
                   make_test_quad({4_mm, 0, -0.15}, {0.7_mm, 0, 0}, {0, 0.7_mm, 0}, 0)};
-  // It meets the mirror at x = 6 mm, where the slope is 0.03, and goes back at 6 + 50·(0.02 − 2·0.03) = 4 mm.
+  // It meets the mirror at x = 6 mm, where the slope is 0.03, and returns to 6 + 50·(0.02 − 2·0.03) = 4 mm.
   const SpecularLeaf virtual_image = leaf_of(scene, {{2_mm, 0, 0}, view_direction(0.02, 0)}, "r");
   EXPECT_NEAR(virtual_image.distance, 0.2 - mirror_equation(50_mm, r), 5e-3 * 100_mm);
-  // 120 mm before it, outside the focal length: a real image 600 mm before the mirror, 400 mm before the panel.
+  // 120 mm in front of it, outside the focal length: a real image 600 mm from the mirror, 400 mm in front of the panel.
   scene.meshes[1] = make_test_quad({-2_mm, 0, -0.08}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0);
   const SpecularLeaf real_image = leaf_of(scene, {{6_mm, 0, 0}, view_direction(-0.01, 0)}, "r");
   EXPECT_TRUE(real_image.is_far);
@@ -199,7 +199,7 @@ TEST(Specular, ABallLensMagnifiesByItsFocalLength) {
 TEST(Specular, MirrorsShowLightsWithAnAreaAndTheSky) {
   Scene scene = make_mirror_scene();
   scene.meshes.erase(scene.meshes.begin());                                                      // the wall
-  RectangleLight lamp{{-50_mm, -10_mm, -0.21}, {0, 20_mm, 0}, {0, 0, 20_mm}, {3, 3, 3}, false};  // shines to +x
+  RectangleLight lamp{{-50_mm, -10_mm, -0.21}, {0, 20_mm, 0}, {0, 0, 20_mm}, {3, 3, 3}, false};  // emits toward +x
   scene.lights = {lamp};
   scene.background = {2, 2, 2};
   const auto leaves = leaves_of(scene, {{}, {0, 0, -1}});
@@ -212,7 +212,7 @@ TEST(Specular, MirrorsShowLightsWithAnAreaAndTheSky) {
   const Grid panel{16, 16, 8e-6};
   const Sources sources = trace(scene, panel, green_light, params);
   ASSERT_EQ(sources.waves.size(), 2u);
-  // a² = L·dA·cos²θ: the mirror's reflectance is the same for both.
+  // a² = L·dA·cos²θ, with the same reflectance of the mirror for both.
   EXPECT_NEAR(std::pow(sources.waves[0].amplitude / sources.waves[1].amplitude, 2), 3.0 / 2, 1e-5);
 }
 

@@ -21,7 +21,7 @@ TEST(Sampling, StrataTileTheSquareInCellsOfEqualArea) {
       mean_y += cell * (low.y + high.y) / 2;
     }
     EXPECT_NEAR(area, 1, 1e-12);
-    EXPECT_NEAR(mean_x, 0.5, 1e-12);  // the cells leave no gap: their centroid is the square's
+    EXPECT_NEAR(mean_x, 0.5, 1e-12);  // the cells leave no gap: their centroid is that of the square
     EXPECT_NEAR(mean_y, 0.5, 1e-12);
   }
 }
@@ -38,7 +38,7 @@ TEST(Sampling, APermutationTakesEveryPlaceOnceAndDependsOnTheSeed) {
   const Permutation a(1000, CounterRandom(1, 0, 0)), b(1000, CounterRandom(2, 0, 0));
   int same = 0;
   for (int64_t i = 0; i < 1000; ++i) same += a(i) == b(i);
-  EXPECT_LT(same, 6);  // a Poisson number of mean 1: more than 5 has a chance of 6e-4
+  EXPECT_LT(same, 6);  // a Poisson number of mean 1: more than 5 with probability 6e-4
 }
 
 /// The same integral by the midpoint rule, n × n.
@@ -53,7 +53,7 @@ double wave_power_slowly(double d, double x0, double x1, double y0, double y1, i
 }
 
 TEST(Sampling, PowerOfAWaveOnARectangleIsItsIntegral) {
-  // The midpoint rule is off by h²/24 · ∂(first derivative) / area: below 1e-6 for n = 2000 and sides of a few depths.
+  // The midpoint rule has an error of h²/24 · ∂(first derivative)/area: < 1e-6 for n = 2000 and sides of a few depths.
   const double rectangles[][4] = {{-0.03, 0.03, -0.03, 0.03}, {0.5, 1, -1, -0.25}, {-1, 1, -1, 1}, {-3, 2, 0, 4}};
   for (const auto& r : rectangles) {
     const double slow = wave_power_slowly(1, r[0], r[1], r[2], r[3], 2000);
@@ -64,7 +64,7 @@ TEST(Sampling, PowerOfAWaveOnARectangleIsItsIntegral) {
 }
 
 TEST(Sampling, PowerOfAWaveKeepsItsAccuracyOnPanelsMuchWiderThanItsDepth) {
-  // Sum over narrow strips, for each of which the rule is exact to rounding.
+  // Sum over narrow strips, for which the rule is exact to rounding.
   for (double half : {1.0, 30.0}) {
     double strips = 0;
     for (int i = 0; i < 1000; ++i)

@@ -39,7 +39,7 @@ TEST(MergeWaves, AmplitudesAddUpInPowerInEveryTileAndThePlaceIsTheMostCentral) {
 
 TEST(MergeWaves, WavesAloneAndImagesApartStayApart) {
   TracedWaves waves;
-  // Two that are alone; two of one cell at places 1 mm apart at 0.1 m, where 8 cells are 64 µm: images by two mirrors.
+  // Two waves alone; two of one cell 1 mm apart at 0.1 m, where 8 cells are 64 µm: images by two mirrors.
   waves.waves = {{{0, 0, -0.1}, 1, 0}, {{0, 0, -0.1}, 1, 0}, {{0, 0, -0.1}, 1, 0}, {{1_mm, 0, -0.1}, 1, 0}};
   waves.keys = {1, 2, 3, 3};
   waves.cells = {{}, {}, {3, 0}, {3, 0}};
@@ -72,7 +72,7 @@ TEST(MergeWaves, RastersOfAnyFinenessMakeOneWavePerCellAndTheSameLight) {
 }
 
 TEST(MergeWaves, ALittleMoreOrLessLightOfACellIsItsArea) {
-  // Each whole cell is 50 µm wide whatever the raster's 5.2 µm do: its light is its hits', (9 or 10)² of them.
+  // Each whole cell is 50 µm wide; the raster has steps of 5.2 µm. Its light is that of its hits, (9 or 10)² of them.
   const TraceParams params{
       .columns = 256, .rows = 256, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = grain};
   const Sources sources = trace(make_bright_wall(-20_mm), panel, green_light, params);
@@ -113,7 +113,7 @@ TEST(MergeWaves, RandomPhasesShareNoWave) {
 }
 
 TEST(MergeWaves, MirrorsShowACellOnceEach) {
-  // One cell of 0.1 mm holds the wall, which is seen directly, and by each of two mirrors, that are one mesh, at x = ±2
+  // One cell of 0.1 mm contains the wall. It is seen directly, and by each of two mirrors (one mesh) at x = ±2
   // mm.
   Scene scene;
   scene.materials = {grey(0, 1), ConductorMaterial{}};

@@ -31,7 +31,7 @@ TEST(WaveSets, PathGroupsOfAPartitionAddUpToTheWhole) {
   EXPECT_EQ(path_groups[1].name, "EDD.*L");
   double sum = 0;
   for (const Sources& path_group : path_groups) sum += squared_amplitudes(path_group);
-  // The same paths, split: a² of floats, 1e-7 each.
+  // The same paths, split among sums: a² of floats, 1e-7 each.
   EXPECT_NEAR(sum / squared_amplitudes(all), 1, 1e-6);
   EXPECT_NEAR(squared_amplitudes(summed) / squared_amplitudes(all), 1, 1e-6);
 }
@@ -62,7 +62,7 @@ TEST(WaveSets, LightsOfTheirOwnAddUpToTheWholeAndEmptyOnesAreLeftOut) {
 }
 
 TEST(WaveSets, AListOfWavelengthsIsEachByItselfFromTheFirstHitsOfTheLongestWithoutACommonCone) {
-  const std::vector<double> colours{460_nm, 630_nm, 532_nm, 450_nm};  // four: a group of three and one of one
+  const std::vector<double> colours{460_nm, 630_nm, 532_nm, 450_nm};  // four: a group of three and a group of one
   for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
     const TraceParams params{
         .pattern = pattern, .columns = 16, .rows = 16, .samples = 400, .has_common_cone = false, .paths = 2};
@@ -71,8 +71,8 @@ TEST(WaveSets, AListOfWavelengthsIsEachByItselfFromTheFirstHitsOfTheLongestWitho
     for (size_t i = 0; i < 4; ++i) EXPECT_EQ(sets[i].wavelength, colours[i]);
     const Sources red = trace(make_corner(), panel, 630_nm, params);
     EXPECT_EQ(sets[1].waves, red.waves);
-    // All colours of the raster are at the same places; shorter ones of the random pattern leave out what they
-    // cannot hold.
+    // All colours of the raster are at the same places. Shorter wavelengths of the random pattern leave out directions
+    // beyond their acceptance.
     if (pattern == Pattern::grid) {
       ASSERT_EQ(sets[0].waves.size(), red.waves.size());
       for (size_t i = 0; i < red.waves.size(); ++i) EXPECT_EQ(sets[0].waves[i].origin, red.waves[i].origin);
@@ -105,8 +105,8 @@ TEST(WaveSets, ShorterWavelengthsBringTheirEtendueFromSharedRays) {
       .pattern = Pattern::random, .samples = 4000, .has_common_cone = false, .paths = 1, .max_depth = 1};
   const auto sets = trace(make_bright_wall(-0.02), small, std::vector<double>{630_nm, 450_nm}, params);
   const double s = acceptance_sine(450_nm, small.pitch);
-  // As RandomFirstHitsBringThePanelItsEtendueTimesRadiance, but only (450/630)² = 0.51 of 4000 strata count; those on
-  // the edge, 4·√2040 = 180, are in or out by chance: √180/2/2040 = 3.3e-3. 4 of them: 1.3e-2.
+  // As RandomFirstHitsBringThePanelItsEtendueTimesRadiance, but only (450/630)² = 0.51 of 4000 strata count. Those on
+  // the edge, 4·√2040 = 180, are in or out by chance: √180/2/2040 = 3.3e-3. Four times that: 1.3e-2.
   EXPECT_NEAR(mean_intensity(sets[1], small) / (4 * s * s * (1 - s * s / 3)), 1, 1.3e-2);
 }
 
@@ -124,9 +124,9 @@ TEST(WaveSets, FramesAreIndependentDrawsOfThePhasesAlone) {
       EXPECT_EQ(first.waves[i].amplitude, second.waves[i].amplitude);
       cosine.add(std::cos(first.waves[i].phase - second.waves[i].phase));
     }
-    EXPECT_NEAR(cosine.mean(), 0, 4 * std::sqrt(0.5 / 1024));  // differences are even over the circle
+    EXPECT_NEAR(cosine.mean(), 0, 4 * std::sqrt(0.5 / 1024));  // differences are uniform over the circle
     set_frame(second, 0);
-    for (size_t i = 0; i < first.waves.size(); ++i)  // there and back: float roundings of up to 2·2π
+    for (size_t i = 0; i < first.waves.size(); ++i)  // forward and back: float roundings of up to 2·2π
       EXPECT_NEAR(first.waves[i].phase, second.waves[i].phase, 2e-6);
   }
   params.phase = SourcePhase::constant;
@@ -142,7 +142,8 @@ TEST(WaveSets, SurfacePhaseIsAFunctionOfThePlaceAlone) {
                      .grain = 0.4_mm,
                      .one_wave_per_cell = false};
   const Sources sources = trace(make_bright_wall(-0.05), panel, green_light, params);
-  // Panel and cone see some 5.3 mm × 4.9 mm of the wall: 13 × 12 cells, and no more phases than those and the rims.
+  // Panel and cone see some 5.3 mm × 4.9 mm of the wall: 13 × 12 cells, so there are no more phases than these plus the
+  // rims.
   std::map<uint64_t, float> phases;
   for (size_t i = 0; i < sources.waves.size(); ++i) {
     const auto [place, is_new] = phases.emplace(sources.phase_keys[i], sources.waves[i].phase);

@@ -13,8 +13,8 @@
 namespace holotrace {
 namespace {
 
-// A picture known at every place, so that a turned and scaled one has no error of resampling: the exponential of a
-// sum of waves of periods from 6 to 120 pixels, of all directions.
+// A picture known at every place, so that a rotated and scaled copy has no resampling error: the exponential of a
+// sum of waves with periods from 6 to 120 pixels, in all directions.
 class Picture {
  public:
   explicit Picture(uint64_t seed, double shortest = 6) {
@@ -27,7 +27,7 @@ class Picture {
   double operator()(double x, double y) const {
     double sum = 0;
     for (const Wave& w : waves_) sum += std::cos(w.x * x + w.y * y + w.phase);
-    return 0.3 * std::exp(0.7 * sum * std::sqrt(2.0 / std::size(waves_)));  // waves of together rms 1
+    return 0.3 * std::exp(0.7 * sum * std::sqrt(2.0 / std::size(waves_)));  // all waves together have rms 1
   }
 
  private:
@@ -42,7 +42,7 @@ double gaussian(CounterRandom& random) {
 }
 
 // Speckle of mean 1 and contrast 1/√frames with grains of some 2 pixels: the intensity of complex Gaussian noise
-// smoothed by 1 2 1, of variance 2·(6/16)² per frame.
+// smoothed by (1, 2, 1), of variance 2·(6/16)² per frame.
 Image speckle(int ny, int nx, int frames, uint64_t seed) {
   Image out(ny, nx, 1);
   for (int frame = 0; frame < frames; ++frame) {
@@ -64,10 +64,10 @@ Image speckle(int ny, int nx, int frames, uint64_t seed) {
 struct Shown {
   int nx, ny;
   int speckle_frames = 0;  // 0: none
-  double noise = 0;        // of a pixel, parts of the gain
+  double noise = 0;        // per pixel, as a fraction of the gain
 };
 
-// What is at q of the photograph of a picture under a registration; p = R(−rotation)·(q − shift)/scale.
+// The photograph of a picture under a registration, at each pixel q; p = R(−rotation)·(q − shift)/scale.
 Image show(const Picture& picture, const Registration& r, const Shown& shown, uint64_t seed) {
   Image image(shown.ny, shown.nx, 1);
   const Image grain = shown.speckle_frames > 0 ? speckle(shown.ny, shown.nx, shown.speckle_frames, seed) : Image();
@@ -83,7 +83,7 @@ Image show(const Picture& picture, const Registration& r, const Shown& shown, ui
   return image;
 }
 
-// How far a registration misplaces the worst corner of a picture of that size [pixels of the photograph].
+// Error of a registration at the worst corner of a picture of that size [pixels of the photograph].
 double worst_corner(const Registration& found, const Registration& truth, int ny, int nx) {
   double worst = 0;
   for (const double x : {-nx / 2.0, nx / 2.0})
@@ -113,8 +113,8 @@ struct Case {
 
 class Register : public testing::TestWithParam<Case> {};
 
-// A tenth of a pixel at the corner that is worst off, so everywhere inside. Pictures and noise are such that the
-// standard error, as the registration states it, is below that too; the noise is the same in every run.
+// A tenth of a pixel at the worst corner, and so everywhere inside. Pictures and noise are chosen so that the standard
+// error that the registration states is below that too; the noise is the same in every run.
 TEST_P(Register, RecoversAKnownMapToATenthOfAPixel) {
   const auto& [name, truth, photograph, simulation] = GetParam();
   const Picture picture(7);
@@ -122,7 +122,7 @@ TEST_P(Register, RecoversAKnownMapToATenthOfAPixel) {
   const Registration found = register_image(moving, fixed);
   EXPECT_LT(worst_corner(found, truth, simulation.ny, simulation.nx), 0.1) << found.uncertainty;
   EXPECT_LT(found.uncertainty, 0.1);
-  // Light is a mean over some 10⁴ grains of contrast 1 at most, in two pictures: 2 %, twice over.
+  // The light is a mean over some 10⁴ grains of contrast 1 at most, in two pictures: 2 %, two times that.
   EXPECT_NEAR(found.gain / truth.gain, 1, 0.04);
 }
 
@@ -137,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return std::string(info.param.name); });
 
 TEST(RegisterImage, StatesAnErrorThatItKeeps) {
-  // A standard error is exceeded threefold once in some hundreds of times; without noise it falls to next to nothing.
+  // Three standard errors are exceeded once in some hundred cases; without noise the error nearly vanishes.
   const Picture picture(3);
   const Registration truth = truth_of(1.05, 5, 3, -4, 1);
   const Image fixed = show(picture, {}, {160, 128}, 1);
@@ -154,14 +154,14 @@ TEST(RegisterImage, TellsAnOffsetFromAGainUnderSpeckleInBoth) {
   const Registration truth = truth_of(1, 3, 2, 1, 2, 0.5);
   const Image moving = show(picture, truth, {256, 256, 4, 0}, 1), fixed = show(picture, {}, {256, 256, 4, 0}, 2);
   const Registration found = register_image(moving, fixed, {.offset = true});
-  EXPECT_NEAR(found.gain, 2, 0.2);  // least squares on the pixels would find 2/(1 + speckle/structure), some 1.4
+  EXPECT_NEAR(found.gain, 2, 0.2);  // least squares on the pixels would find 2/(1 + speckle/structure), about 1.4
   EXPECT_NEAR(found.offset, 0.5, 0.08);
 }
 
-// A photograph of a part of the simulation alone: what it does not show counts neither in the gain nor in the residual.
-// Without noise the blocks' line is exact but for the places (0.05 pixels of a picture of 12 pixels a period) and for
-// the blur at the photograph's border: gains to 0.5 %. With the uncovered pixels taken as dark, the gain at 74 % came
-// out at 1.88 (offset 0.5) and 2.42 (offset 2).
+// The photograph shows only a part of the simulation: the rest counts neither in the gain nor in the residual.
+// Without noise the line through the blocks is exact except for the places (0.05 pixels of a picture with 12 pixels per
+// period) and the blur at the photograph's border: gains to 0.5 %. If the uncovered pixels counted as dark, the gain at
+// 74 % would be 1.88 (offset 0.5) or 2.42 (offset 2).
 TEST(RegisterImage, PixelsThatThePhotographDoesNotShowDoNotCount) {
   const Picture picture(4, 12);
   const Image fixed = show(picture, {}, {256, 256}, 1);
@@ -176,7 +176,7 @@ TEST(RegisterImage, PixelsThatThePhotographDoesNotShowDoNotCount) {
     const Registration truth = truth_of(1, 2, (columns - 256) / 4.0, 3, 1.7, offset);
     const Image photograph = show(picture, truth, {columns, 256}, 1);
     const Registration found = register_image(photograph, fixed, {.offset = offset > 0});
-    EXPECT_NEAR(found.overlap, columns / 256.0, 0.05);  // less what turns out of sight, and the borders
+    EXPECT_NEAR(found.overlap, columns / 256.0, 0.05);  // less what is rotated out of view, and the borders
     EXPECT_NEAR(found.gain / 1.7, 1, 0.005) << columns << " " << offset;
     EXPECT_NEAR(found.offset, offset, 0.01 * 1.7) << columns;  // 1 % of the light, whose mean is about 1/2
     EXPECT_LT(found.residual, 0.02 * rms) << columns << " " << offset;
@@ -193,12 +193,12 @@ TEST(RegisterImage, AColourPhotographLiesAsItsMeanDoes) {
     colour.values[3 * i + 1] = grey.values[i];
   }
   const Registration found = register_image(colour, fixed);
-  EXPECT_LT(worst_corner(found, truth, 128, 128), 0.03);  // no noise: what edges and cubic convolution leave
+  EXPECT_LT(worst_corner(found, truth, 128, 128), 0.03);  // no noise: only edges and cubic convolution
   EXPECT_NEAR(found.gain, 1, 1e-3);
 }
 
 TEST(RegisterImage, AnAlignedPhotographIsTheSimulation) {
-  const Picture picture(6, 12);  // 12 pixels a period: cubic convolution is right to some 1e-2
+  const Picture picture(6, 12);  // 12 pixels per period: cubic convolution is exact to some 1e-2
   const Registration truth = truth_of(1.3, 20, 10, -6, 2, 0.25);
   const Image moving = show(picture, truth, {300, 280}, 1), fixed = show(picture, {}, {200, 180}, 1);
   const AlignedImage aligned = align_image(moving, truth, fixed.ny, fixed.nx);
@@ -210,7 +210,7 @@ TEST(RegisterImage, AnAlignedPhotographIsTheSimulation) {
 }
 
 TEST(RegisterImage, TheCoveredRectangleIsTheLargestOne) {
-  // A shift by 10 columns and 5 rows uncovers as many; cubic convolution needs one pixel before and two after.
+  // A shift by 10 columns and 5 rows uncovers as many. Cubic convolution needs one pixel before and two after.
   Registration shift = truth_of(1, 0, 10, -5, 1);
   const AlignedImage aligned = align_image(show(Picture(1), {}, {64, 48}, 1), shift, 48, 64);
   EXPECT_EQ(aligned.covered.first_column, 0);

@@ -1,4 +1,4 @@
-// Pictures with depths as slices of space.
+// Pictures with depths as slices of depth.
 
 #include <gtest/gtest.h>
 
@@ -38,9 +38,9 @@ SynthesizeParams slices(int count, bool has_silhouettes = false) {
 }
 
 // Pixels as large as the panel's are samples, of amplitude √L to a few roundings of a float; the field is free space
-// over the depth. Light up to the raster's Nyquist frequency ends at its box: 0.03 m·tan = 1 mm, the panel's half side
-// is 0.25 mm and the light's window as large, so that what rings beyond the box, 1/(√2·π·v) with v = 0.5 mm·√(2/(λ·0.03
-// m)) = 5.6, may differ by 4 % at its edge between propagators and by far less in the sum.
+// over the depth. Light up to the raster's Nyquist frequency ends at its box: 0.03 m·tan = 1 mm. The panel's half side
+// is 0.25 mm, and the light's window is as large. Ringing beyond the box, 1/(√2·π·v) with v = 0.5 mm·√(2/(λ·0.03 m)) =
+// 5.6, may therefore differ by 4 % at its edge between propagators, and by far less in the sum.
 TEST(DepthLayers, OfPixelsLikeThePanelsAreFreeSpace) {
   const Grid panel{64, 48, 8_um};
   const DepthImage image = make_depth_image(64, 48, 0.03_m);
@@ -74,11 +74,12 @@ TEST(DepthLayers, PutEachPixelIntoTheSliceOfItsDepth) {
     EXPECT_EQ(near.mask(17, i), float(i >= 20 && i < 40));
   }
   EXPECT_EQ(slice_depth_image(image, panel, green, {}, slices(1)).depths.size(), 1U);
-  for (float& light : image.picture.values) light = 0;  // what is dark hides too
+  for (float& light : image.picture.values) light = 0;  // dark pixels hide too
   EXPECT_EQ(slice_depth_image(image, panel, green, {}, slices(0, true)).make(1).mask(17, 30), 1);
 }
 
-// Slices as thick as the tolerance allows: the fact is the largest error of even light, and no more slices than depths.
+// Slices as thick as the tolerance allows. The fact is the largest error of even light; there are no more slices than
+// depths.
 TEST(DepthLayers, AreAsManyAsTheToleranceNeeds) {
   DepthImage image = make_depth_image(256, 2, 0.2_m);
   for (int i = 0; i < 256; ++i) image.depth(0, i) = image.depth(1, i) = float(0.195 + 0.01 * i / 255);
@@ -96,7 +97,7 @@ TEST(DepthLayers, AreAsManyAsTheToleranceNeeds) {
   EXPECT_EQ(slice_depth_image(image, panel, green, {}, fine).depths.size(), 256U);
 }
 
-// A bright pixel off the axis stands at its place: on a slide at the same place at every depth, in perspective on its
+// A bright pixel off the axis appears at its place: as a slide at the same place at every depth, in perspective on its
 // ray.
 TEST(DepthLayers, PlacePixelsByTheirProjection) {
   const Grid panel{201, 151, 8_um};
@@ -118,7 +119,7 @@ TEST(DepthLayers, PlacePixelsByTheirProjection) {
     };
     DepthImageParams params = constant_phase();
     params.width = 41 * 32_um;
-    // A triangle of light 2 pixels wide on samples of a quarter of a pixel: its middle is right to a part of a sample.
+    // A triangle of light 2 pixels wide on samples of a quarter pixel: its middle is exact to a fraction of a sample.
     Vec2 at = middle_of_light(params);
     EXPECT_NEAR(at.x, 320_um, 2_um);
     EXPECT_NEAR(at.y, 320_um, 2_um);
@@ -141,7 +142,7 @@ TEST(DepthLayers, AverageWhatIsFinerThanSamples) {
   for (const auto& u : slice.light.samples.values) EXPECT_NEAR(std::norm(u), 0.5, 1e-6);
 }
 
-// Of pixels four samples wide, light between their middles is bilinear.
+// If pixels are four samples wide, the light between their middles is bilinear.
 TEST(DepthLayers, AreSmoothBetweenPixelsThatAreCoarserThanSamples) {
   const Grid panel{32, 24, 8_um};
   const DepthImage image = make_depth_image(8, 6, 0.03_m);
@@ -180,7 +181,7 @@ TEST(DepthLayers, HaveRandomPhasesOfTheSeedAndTheFrame) {
     EXPECT_NEAR(std::abs(first[i]), 1, 1e-6);
     sum += std::complex<double>(first[i]);
   }
-  EXPECT_LT(std::abs(sum), 4 * std::sqrt(double(first.size())));  // a random walk; exp(−16) to be further
+  EXPECT_LT(std::abs(sum), 4 * std::sqrt(double(first.size())));  // a random walk; probability exp(−16) to be farther
 }
 
 TEST(DepthLayers, TakeTheLightOfTheirWavelength) {
@@ -198,13 +199,13 @@ TEST(DepthLayers, TakeTheLightOfTheirWavelength) {
   EXPECT_NEAR(light(581_nm), 0.65, 1e-6);  // half way between red and green
 }
 
-// Two shapes at two depths: light propagated back to a depth is in focus where the shape of that depth stands. In focus
-// a shape's samples hold their light and the dark samples beside it hold none.
+// Two shapes at two depths. Light propagated back to a depth is in focus where the shape of that depth is. In focus
+// a shape's samples hold its light, and the dark samples beside it hold none.
 TEST(DepthLayers, FocusAtTheirDepths) {
   const Grid panel{256, 192, 8_um};
   DepthImage image = make_depth_image(256, 192, 0);
   for (float& light : image.picture.values) light = 0;
-  const auto stripe = [&](int from, float depth) {  // of fine bars, 4 samples wide
+  const auto stripe = [&](int from, float depth) {  // a stripe of fine bars, 4 samples wide
     for (int j = 60; j < 132; ++j)
       for (int i = from; i < from + 64; ++i) {
         image.picture(j, i) = float(i / 4 % 2);
@@ -214,14 +215,14 @@ TEST(DepthLayers, FocusAtTheirDepths) {
   stripe(40, 0.03F);
   stripe(150, 0.05F);
   const Field field = sum_depth_image(image, panel, green, {}, {});
-  const auto contrast = [&](int from, double distance) {  // light of bars over light between them
+  const auto contrast = [&](int from, double distance) {  // light of the bars over light between them
     const Field back = propagate(field, -distance);
     double bright = 0, dark = 0;
     for (int j = 60; j < 132; ++j)
       for (int i = from; i < from + 64; ++i) (i / 4 % 2 ? bright : dark) += std::norm(back.samples(j, i));
     return bright / dark;
   };
-  // A panel of 2 × 1.5 mm resolves λd/S = 8 … 18 µm of bars of 32 µm; 20 mm out of focus they are spread over 1.3 mm.
+  // A panel of 2 × 1.5 mm resolves λd/S = 8 … 18 µm, the bars are 32 µm; 20 mm out of focus they spread over 1.3 mm.
   EXPECT_GT(contrast(40, 0.03), 4);
   EXPECT_GT(contrast(150, 0.05), 3);
   EXPECT_LT(contrast(40, 0.05), 1.2);

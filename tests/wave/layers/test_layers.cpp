@@ -1,4 +1,4 @@
-// Slices of space against the waves summed one by one, free space and closed forms.
+// Slices of depth compared with waves summed one by one, with free space and with closed forms.
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -32,7 +32,7 @@ Sources make_waves_on_layers(int count, const Grid& panel, double depth) {
     wave.origin.x += panel.centre_x;
     wave.origin.y += panel.centre_y;
     wave.origin.z *= 1 + 0.02 * double(i % 3);
-    if (i % 4 == 0)  // on a raster point; the others are between
+    if (i % 4 == 0)  // on a raster point; the others between
       wave.origin = {panel.x(double(i % size_t(panel.nx))), panel.y(double(i % size_t(panel.ny))), wave.origin.z};
   }
   return sources;
@@ -53,8 +53,8 @@ struct Case {
 };
 class LayersOnPanel : public ::testing::TestWithParam<Case> {};
 
-// On its slices nothing is quantised, and boxes hold the panel: all that is left is to follow the tolerance. Samples
-// are floats: sums of a few thousand frequencies hold 1e-6 or so.
+// On slices at the waves' depths nothing is quantised, and boxes contain the panel: the error follows the tolerance.
+// Samples are floats: sums of a few thousand frequencies are exact to about 1e-6.
 TEST_P(LayersOnPanel, FollowTheTolerance) {
   const auto [grid, depth] = GetParam();
   for (const int count : {1, 60}) {
@@ -70,7 +70,7 @@ TEST_P(LayersOnPanel, FollowTheTolerance) {
   }
 }
 
-// One slice that hides has nothing to hide.
+// A single slice has nothing to hide.
 TEST_P(LayersOnPanel, OfOneDepthAreTheSameWithSilhouettes) {
   const auto [grid, depth] = GetParam();
   const Sources sources = make_random_sources(20, grid, green, depth, depth);
@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, LayersOnPanel,
                                            Case{{81, 80, 8_um, 3_mm, -1_mm}, 0.2_m}, Case{{1, 1, 8_um}, 0.2_m}),
                          [](const auto& info) { return fmt::format("Case{}", info.index); });
 
-// Depths between slices: the error is the one stated, and within the tolerance.
+// Depths between slices: the error is the expected one, and within the tolerance.
 TEST(Layers, OfMovedDepthsHaveTheErrorStated) {
   const Grid grid{128, 97, 8_um};
   const Sources sources = make_random_sources(300, grid, green, 0.2_m, 0.21_m);
@@ -92,7 +92,7 @@ TEST(Layers, OfMovedDepthsHaveTheErrorStated) {
     Heard heard;
     const double error = relative_error(sum_layers(sources, grid, layers_params(tolerance), heard.observer()), exact);
     EXPECT_LT(error, tolerance);
-    // 300 waves of random phase: their cross terms make 1/√300 of the energy, half of that of the root. Three times it.
+    // 300 waves of random phase: cross terms are 1/√300 of the energy, half of that for the root. Three times it.
     EXPECT_NEAR(error / heard.number("expected_depth_error"), 1, 3 * 0.5 / std::sqrt(300)) << tolerance;
     EXPECT_TRUE(heard.warnings.empty());
   }
@@ -107,7 +107,7 @@ TEST(Layers, OfMovedDepthsHaveTheErrorStated) {
   }
 }
 
-// The stated difference to exact where the panel ends beyond the box: √(0.45·√(λd)/R), most of it at the box's edge.
+// The expected difference from exact if the panel is wider than the box: √(0.45·√(λd)/R), most of it at the box's edge.
 TEST(Layers, EndAWaveSoftlyAtItsBox) {
   for (const double depth : {0.02_m, 0.05_m, 0.1_m}) {
     const double radius = box_radius(depth, green, 8_um), fringe = std::sqrt(green * depth);
@@ -140,10 +140,10 @@ TEST(Layers, AreLinear) {
   Field sum = sum_layers(a, grid, params);
   const Field other = sum_layers(b, grid, params);
   for (size_t i = 0; i < sum.samples.size(); ++i) sum.samples.values[i] += other.samples.values[i];
-  EXPECT_LT(relative_error(sum, sum_layers(all, grid, params)), 2e-6);  // some rounding of floats
+  EXPECT_LT(relative_error(sum, sum_layers(all, grid, params)), 2e-6);  // a few roundings of floats
 }
 
-// Waves of no use: beside the panel, twice at one place, and none at all on it.
+// Waves without effect: outside the panel, two at one place, and none on the panel.
 TEST(Layers, TakeWavesThatMissOrCoincide) {
   const Grid grid{80, 80, 8_um};
   Sources sources = make_waves_on_layers(5, grid, 0.1_m);
@@ -180,8 +180,8 @@ TEST(Layers, OfSamplesAndOfWavesAgree) {
   ASSERT_EQ(layers.slices.size(), 3U);
   EXPECT_GT(layers.slices[0].depth(), layers.slices[2].depth());
   EXPECT_LT(relative_error(sum_layers(layers, grid), sum_exact(sources, grid)), 1e-4);
-  // Edges scatter light to all angles of the band; it falls at the band's end by other widths for samples, over less
-  // than a tenth of the band in each axis: of the light at an edge, itself some per cent, little is in there.
+  // Edges scatter light to all angles of the band. At the band's end the light of samples rolls off differently, over
+  // less than a tenth of the band along each axis; little of the light of an edge (a few per cent) is in there.
   const SynthesizeParams hiding = layers_params(1e-4, 0, true);
   EXPECT_LT(relative_error(sum_layers(make_layers(sources, grid, hiding), grid), sum_layers(sources, grid, hiding)),
             3e-3);
@@ -193,8 +193,8 @@ Slice as_slice(const FieldDouble& light, double depth) {
   return slice;
 }
 
-// A slice of samples is free space over its depth; the light is limited in space and frequency to 1e-11, the samples
-// are floats, and so are the factors of free space (2e-7).
+// A slice of samples is free space over its depth. The light is limited in space and frequency to 1e-11; the samples
+// are floats, as are the factors of free space (2e-7).
 TEST(LayersOfSamples, AreFreeSpaceSliceBySlice) {
   const Grid grid{160, 120, 8_um};
   const FieldDouble light = testing::make_band_limited_noise(grid, green, 8e3);
@@ -221,9 +221,9 @@ TEST(LayersOfSamples, MayBePartsOfThePanelsRaster) {
   EXPECT_LT(relative_error(sum_layers({green, {small}}, grid), sum_layers({green, {whole}}, grid)), 2e-6);
 }
 
-// Light of a far slice through a hole of radius 0.5 mm in a near one: closed_forms.md section 5, case 3, on the axis. The
-// far slice is a plane wave 20 µm behind: what its window's border does to the wave gets at most √(λ·20 µm) = 3 µm
-// inward. On the rim a raster of 8 µm is coarse: the mean over a pixel is off by (k·a·p/z)²/24 of the rim's wave
+// Light of a far slice through a hole of radius 0.5 mm in a near one: closed_forms.md section 5, case 3, on the axis.
+// The far slice is a plane wave 20 µm behind. Its window's border changes the wave at most √(λ·20 µm) = 3 µm
+// inward. On the rim a raster of 8 µm is coarse: the mean over a pixel is wrong by (k·a·p/z)²/24 of the rim's wave
 // (test_diffraction).
 TEST(LayersThatHide, PassAHoleAsTheClosedFormSays) {
   const double a = 0.5_mm, pitch = 4_um;
@@ -241,7 +241,7 @@ TEST(LayersThatHide, PassAHoleAsTheClosedFormSays) {
   }
 }
 
-// Babinet: what a screen lets through and what its complement does are together all light, wherever they stand.
+// Babinet: the light through a screen and the light through its complement add up to all light, at any depth.
 TEST(LayersThatHide, AndTheirComplementsPassAllLight) {
   const Grid grid{120, 100, 8_um};
   const FieldDouble light = testing::make_band_limited_noise(grid, green, 8e3);
@@ -252,8 +252,8 @@ TEST(LayersThatHide, AndTheirComplementsPassAllLight) {
     screen.slices[1].mask.values[i] = float(disc.samples.values[i].real());
     complement.slices[1].mask.values[i] = 1 - screen.slices[1].mask.values[i];
   }
-  // The open one's mask is 0 everywhere, so the light around the slice is in it too: it is left out of the
-  // complement's.
+  // The open screen's mask is 0 everywhere, so the light around the slice is in its field too; the complement's field
+  // does not have it.
   Field sum = sum_layers(screen, grid);
   const Field through = sum_layers(complement, grid), all = sum_layers(open, grid);
   Layers closed = screen;
@@ -265,7 +265,7 @@ TEST(LayersThatHide, AndTheirComplementsPassAllLight) {
   EXPECT_LT(relative_error(all, propagate(light, 0.1_m)), 1e-5);
 }
 
-// A card of dark waves, 1 mm × 0.8 mm and 20 mm before a point at 0.12 m, shades six times its size on the panel.
+// A card of dark waves, 1 mm × 0.8 mm, 20 mm before a point at 0.12 m, casts a shadow six times as large on the panel.
 Sources make_card_before_point(double card_depth, float card_amplitude) {
   Sources sources{green, {{{0, 0, -0.12_m}, 1, 0}}};
   for (int j = -20; j <= 20; ++j)
@@ -281,14 +281,14 @@ TEST(LayersThatHide, KeepThePointBehindACardInTheDark) {
     return power(sum_layers(make_card_before_point(depth, 0), grid, layers_params(1e-3, 0, hides))) / point;
   };
   EXPECT_NEAR(shown(0.1_m, false), 1, 1e-3);  // within the tolerance, twice for the square
-  // The panel's nearest corner is 1.9 mm inside the shadow of a side 0.4 mm off the axis: Fresnel's v = 0.4 mm·√(2·120/
-  // (532 nm·20 mm·100)) = 6 and more from each of four sides, 1/(√2·π·v) of the amplitude each: 4·(1/(√2·π·6))² = 0.6
-  // %, were they to add up evenly; four times that where they agree.
+  // The panel's nearest corner is 1.9 mm inside the shadow of a side 0.4 mm off the axis. Fresnel's v = 0.4 mm·√(2·120/
+  // (532 nm·20 mm·100)) is 6 or more for each of four sides, 1/(√2·π·v) of the amplitude each: 4·(1/(√2·π·6))² = 0.6
+  // % if they add up with random phases, four times that in phase.
   EXPECT_LT(shown(0.1_m, true), 0.024);
   EXPECT_NEAR(shown(0.14_m, true), 1, 1e-3);  // a card behind the point hides nothing
 }
 
-// The near card's own light is not touched by what it hides.
+// The near card's own light is not changed by what it hides.
 TEST(LayersThatHide, LeaveTheNearSlicesLightAlone) {
   const Grid grid{128, 100, 8_um};
   Sources both = make_card_before_point(0.1_m, 0.1F), card = both;
@@ -349,8 +349,8 @@ TEST(LayersOfSamples, AreCheckedBeforeTheyAreSummed) {
             0U);
 }
 
-// The front half of a sphere hides nothing of itself, however finely it is sliced: discs are of the points' own
-// spacing.
+// The front half of a sphere hides nothing of itself, for any number of slices: discs have the spacing of the
+// points.
 TEST(LayersSilhouettes, OfAConvexSurfaceLetItsLightThrough) {
   const Grid grid{200, 160, 8_um};
   Sources sources{green, {}};

@@ -1,4 +1,4 @@
-// Waves put into slices of depth, and points between samples: the parts that sum_layers is made of.
+// Waves sorted into slices of depth, and points between samples: the parts of sum_layers.
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ TEST(SliceDepths, AreTheFewestNoneThickerThanAsked) {
   EXPECT_NEAR(s.thickness, 0.005, 1e-15);
 }
 
-// Every way of cutting a sorted list into `count` runs; the thinnest thickest run.
+// Tries all cuts of a sorted list into `count` runs; returns the smallest value of the thickest run.
 double thinnest_by_trial(std::vector<double> depths, int count) {
   std::sort(depths.begin(), depths.end());
   const int n = int(depths.size());
@@ -74,7 +74,7 @@ TEST(SliceDepths, OfEqualDepthsIsOneWithoutThickness) {
   }
 }
 
-// A wave on its slice against the wave itself, pixel by pixel, over the box of Eq. 14.
+// A wave on its slice compared with the wave itself, pixel by pixel, over the box of Eq. 14.
 double measured_depth_error(double x, double y, double depth, double moved, const Grid& panel) {
   const PreparedWave wave = prepare_wave({{x, y, -depth}, 1, 0}, panel, green);
   PreparedWave on_slice = wave;
@@ -89,8 +89,8 @@ double measured_depth_error(double x, double y, double depth, double moved, cons
   return std::sqrt(error / energy);
 }
 
-// 1 − cos θ is tan²θ/2 to 3/4·tan²θ ≤ 2e-3 here, and a phase φ of 0.01 rad makes an error of φ to 1e-5; a box of
-// whole pixels is one of R to 1/2 pixel in 200: ρ⁴ to 1 %.
+// 1 − cos θ is tan²θ/2 to 3/4·tan²θ ≤ 2e-3 here, and a phase φ of 0.01 rad gives an error of φ to 1e-5. A box of
+// whole pixels differs from R by 1/2 pixel in 200: ρ⁴ to 1 %.
 TEST(DepthError, IsThatOfAMovedWave) {
   const Grid panel{300, 201, 8_um};
   for (const double depth : {0.05_m, 0.2_m})
@@ -99,11 +99,11 @@ TEST(DepthError, IsThatOfAMovedWave) {
       if (per_metre == 0) continue;
       EXPECT_NEAR(measured_depth_error(at.x, at.y, depth, moved, panel) / 0.01, 1, 0.015) << depth << " " << at.x;
     }
-  EXPECT_EQ(depth_error_per_metre(5_mm, 0, 0.05_m, panel, green), 0);  // beyond its box: R = 1.66 mm, half width 1.2 mm
+  EXPECT_EQ(depth_error_per_metre(5_mm, 0, 0.05_m, panel, green), 0);  // outside its box: R 1.66 mm, half width 1.2 mm
 }
 
 // closed_forms.md section 1: k·dz·(1 − cos θmax) = 6.5e-2 rad at dz = 10 µm for 8 µm, 532 nm. It is the phase at the middle
-// of the box's side; rms over a whole box, (ρ²/2d²) has √0.6222 of that: ⟨(a² + b²)²⟩ = 2/5 + 2/9 in the unit square.
+// of the box's side; its rms over a whole box is √0.6222 of that: ⟨(a² + b²)²⟩ = 2/5 + 2/9 in the unit square.
 TEST(DepthError, HasTheBoundOfTheHalfAngle) {
   const Grid panel{2000, 2000, 8_um};
   EXPECT_NEAR(10_um * depth_error_per_metre(0, 0, 0.1_m, panel, green), 6.5e-2 * std::sqrt(0.4 + 2.0 / 9), 4e-4);
@@ -115,7 +115,7 @@ TEST(SliceSources, KeepTheToleranceAndCountWhatIsCut) {
   for (const double tolerance : {1e-1, 1e-2, 1e-3}) {
     const SlicedSources s = slice_sources(sources, panel, 0, tolerance);
     EXPECT_LE(s.expected_error, tolerance);
-    EXPECT_GT(s.expected_error, tolerance / 4);  // depths even in a slice: 1/√3 of its ends', less where few are in it
+    EXPECT_GT(s.expected_error, tolerance / 4);  // evenly spread depths: 1/√3 of the ends' error, less with few
     EXPECT_EQ(s.cut_waves, 0);
   }
   Sources near = sources;
@@ -124,7 +124,7 @@ TEST(SliceSources, KeepTheToleranceAndCountWhatIsCut) {
   EXPECT_EQ(slice_sources(near, panel, 5, 1e-3).depth.slices.size(), 5U);
 }
 
-// The points' transform by its formula.
+// The transform of the points by its formula.
 std::complex<double> direct(const std::vector<PointOnSlice>& points, int nx, int ny, int k, int l) {
   std::complex<double> sum = 0;
   for (const PointOnSlice& p : points)
@@ -160,7 +160,7 @@ TEST(SpreadPoints, HaveTheTransformOfThePointsWithinTheTolerance) {
   }
 }
 
-// Points that lie on one slice.
+// The mask of points on one slice.
 Array2D<float> mask_of(const std::vector<PointOnSlice>& points, int nx, int ny) {
   return silhouette_of(points, silhouette_radii(points, std::vector<double>(points.size(), 0.0)), nx, ny);
 }
@@ -190,7 +190,7 @@ TEST(Silhouette, OfALonePointIsItsSampleAndALostOneIsBounded) {
   double sum = 0;
   for (const float m : mask.values) sum += m;
   EXPECT_EQ(sum, 1);
-  // A point 100 samples off a lattice of step 2: at most three times the lattice's radius 2/√2 … 2·2/√2 at corners.
+  // A point 100 samples from a lattice of step 2: at most three times the lattice's radius 2/√2 … 2·2/√2 at corners.
   std::vector<PointOnSlice> points{{150, 10, {}}};
   for (int i = 0; i < 25; ++i) points.push_back({10.0 + 2 * (i % 5), 10.0 + 2 * (i / 5), {}});
   mask = mask_of(points, 200, 60);
@@ -199,7 +199,7 @@ TEST(Silhouette, OfALonePointIsItsSampleAndALostOneIsBounded) {
   EXPECT_EQ(mask(10, 80), 0);
 }
 
-// Where the neighbours are, found cell by cell, does not depend on the cells: against trial of all pairs.
+// Neighbours are searched cell by cell; the result must not depend on the cells. Compared with a search of all pairs.
 TEST(Silhouette, FindsTheFourthNeighbourWhereverPointsLie) {
   CounterRandom random(9, 0, 0);
   std::vector<PointOnSlice> points;

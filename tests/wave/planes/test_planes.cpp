@@ -16,7 +16,7 @@
 #include "support/fields.h"
 #include "support/panels.h"
 
-// Waves by way of planes of fixed curvature, tile by tile, against the sum one by one.
+// Waves by planes of fixed curvature, tile by tile, compared with the sum one by one.
 
 namespace holotrace {
 namespace {

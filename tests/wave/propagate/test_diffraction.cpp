@@ -38,8 +38,8 @@ TEST(CircularAperture, HasTheClosedFormOnItsAxis) {  // case 3
   const FieldDouble disc = make_disc_aperture(grid, green, a);
   for (const auto& c : cases) {
     EXPECT_NEAR(aperture_on_axis(c.z), c.intensity, 6e-7);  // digits given
-    // At the rim x = a the wave's mean over a pixel of 1 µm differs from its middle by (k·a·p/z)²/24, and the
-    // part of a pixel that is open lies off its middle by up to as much; dI = 2|U|·d|U|, |U| ≤ 2.
+    // At the rim x = a the mean of the wave over a pixel of 1 µm differs from its value at the middle by (k·a·p/z)²/24.
+    // The open part of a pixel lies off its middle by up to as much. dI = 2|U|·d|U|, |U| ≤ 2.
     const double tolerance = 4 * std::pow(2 * pi / green * a * grid.pitch / c.z, 2) / 12;
     const FieldDouble far = propagate(disc, c.z);
     EXPECT_NEAR(std::norm(far.samples(520, 520)), c.intensity, tolerance) << c.z;
@@ -51,7 +51,7 @@ TEST(OpaqueDisc, HasPoissonsSpotByBabinet) {  // case 4
   const FieldDouble disc = make_disc_aperture(grid, green, a);
   EXPECT_NEAR(0.05 * 0.05 / (0.05 * 0.05 + a * a), 0.99990001, 5e-9);
   for (const double z : {0.05_m, 0.1_m, 0.2_m}) {
-    // Disc + aperture = plane wave: the shadow is the plane wave less the aperture's light.
+    // Disc + aperture = plane wave: the shadow is the plane wave less the light of the aperture.
     const auto behind = cis_cycles(cycle_fraction(z, green)) - propagate(disc, z).samples(520, 520);
     const double tolerance = 2 * std::pow(2 * pi / green * a * grid.pitch / z, 2) / 12;  // as above, |U| = 1
     EXPECT_NEAR(std::norm(behind), z * z / (z * z + a * a), tolerance) << z;
@@ -63,7 +63,7 @@ TEST(SquareAperture, HasTheRayleighSommerfeldValuesOnItsAxis) {  // case 5
     double z, exact, fresnel;
   } cases[] = {{0.1_m, 1.713136, 1.713158}, {0.2_m, 1.307133, 1.307146}, {0.5_m, 2.761694, 2.761693}};
   for (const auto& c : cases) {
-    // The sum's error goes with the square of the pitch: Richardson's combination of two removes it.
+    // The sum's error is proportional to the square of the pitch: Richardson extrapolation from two pitches removes it.
     const auto combined = [&](const auto& light) {
       const double coarse = 501, fine = 1001, r = (fine / coarse) * (fine / coarse);
       const auto at = [&](double n) { return light(make_square_aperture({int(n), int(n), 2 * a / n}, green, a)); };
@@ -77,17 +77,17 @@ TEST(SquareAperture, HasTheRayleighSommerfeldValuesOnItsAxis) {  // case 5
       return
           [&, params](const FieldDouble& f) { return propagate(f, c.z, params).samples(f.grid.ny / 2, f.grid.nx / 2); };
     };
-    EXPECT_NEAR(combined(centre(rs)), c.exact, 2e-6) << c.z;  // digits given, and h⁴ of the sum
+    EXPECT_NEAR(combined(centre(rs)), c.exact, 2e-6) << c.z;  // digits given, and the sum's error of order h⁴
     EXPECT_NEAR(combined(centre(fresnel)), c.fresnel, 2e-6) << c.z;
   }
 }
 
 TEST(KnifeEdge, HasItsQuarterItsMaximumAndItsMinimum) {  // case 6
-  // Fresnel is separable: light behind the edge over light behind the same window without it.
+  // Fresnel diffraction is separable: light behind the edge over light behind the same window without the edge.
   const double z = 0.1_m, unit = std::sqrt(green * z / 2), pitch = unit / 64;
   const Grid grid{16385, 8, pitch};
   const double half = grid.width() / 2;
-  const auto window = [&](double x) {  // open, and smooth to nothing in the outer half
+  const auto window = [&](double x) {  // open, falling smoothly to 0 in the outer half
     const double t = std::abs(x) / half;
     return t < 0.4 ? 1.0 : std::exp(-std::pow((t - 0.4) / 0.13, 2));
   };
@@ -100,7 +100,7 @@ TEST(KnifeEdge, HasItsQuarterItsMaximumAndItsMinimum) {  // case 6
   const FieldDouble behind = propagate(edge, z, params), without = propagate(open, z, params);
   const auto intensity = [&](int i) { return std::norm(behind.samples(4, i)) / std::norm(without.samples(4, i)); };
   const int middle = grid.nx / 2;
-  // The pixels, 1/64 of the unit, hold the integral to about (1/64)²·π/24 of the amplitude.
+  // Pixels of 1/64 of the unit give the integral to about (1/64)²·π/24 of the amplitude.
   EXPECT_NEAR(intensity(middle), 0.25, 1e-4);
   int top = middle, bottom = middle + 64;
   for (int i = middle; i < middle + 2 * 64; ++i)

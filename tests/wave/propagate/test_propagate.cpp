@@ -24,11 +24,11 @@ using testing::relative_error;
 
 struct Window {
   int nx, ny;
-  double z, band;  // such that both methods sample them: z near z* of section 2, and little light leaves the window
+  double z, band;  // such that both methods can sample them: z near z* of section 2, and little light leaves the window
 };
 class PropagateWindow : public ::testing::TestWithParam<Window> {};
 
-// The field is limited in space and frequency to 1e-11, so that sum and integral agree to that. Double:
+// The field is limited in space and frequency to 1e-11, so sum and integral agree to that. Double:
 // a part in 1e9, the requirement (rounding alone is 1e-13). Float: FFTs of 2^20 samples leave 2e-7.
 TEST_P(PropagateWindow, IsTheDirectRayleighSommerfeldSum) {
   const FieldDouble field = make_band_limited_noise({GetParam().nx, GetParam().ny, 8_um}, 520_nm, GetParam().band);
@@ -54,7 +54,7 @@ TEST(Propagate, RayleighSommerfeldIsTheDirectSumOfAnySamples) {
   PropagateParams params;
   params.method = PropagationMethod::rayleigh_sommerfeld;
   EXPECT_LT(error_against_direct_sum<double>(field, 0.05_m, params), 1e-12);  // the same sum, by FFT
-  params.columns = 301;                                                       // a larger window, and a smaller one
+  params.columns = 301;                                                       // a larger window, then a smaller one
   params.rows = 20;
   EXPECT_LT(error_against_direct_sum<double>(field, 0.2_m, params), 1e-12);
 }
@@ -64,12 +64,12 @@ TEST(Propagate, FresnelIsOffByThePhaseItNeglects) {
   const FieldDouble field = make_band_limited_noise({256, 256, 8_um}, lambda, sigma);
   PropagateParams params;
   params.method = PropagationMethod::fresnel;
-  for (const double z : {0.03_m, 0.06_m}) {  // the transfer function's side of its condition, and the kernel's
+  for (const double z : {0.03_m, 0.06_m}) {  // transfer function, then kernel
     // The next term of z·kz is πλ³z·f⁴/4. The energy of a spectrum of amplitude e^(−f²/2σ²) has f² distributed
     // exponentially with mean σ², so that √⟨f⁸⟩ = √4!·σ⁴; its window makes σ² larger by 8 %.
     const double neglected = pi / 4 * std::pow(lambda, 3) * z * std::sqrt(24.0) * std::pow(1.08 * sigma * sigma, 2);
     const double error = relative_error(propagate(field, z, params), propagate(field, z));
-    EXPECT_NEAR(error / neglected, 1, 0.3) << z;  // ⟨f⁸⟩ of one noise of about 500 speckles
+    EXPECT_NEAR(error / neglected, 1, 0.3) << z;  // ⟨f⁸⟩ of one sample of noise with about 500 speckles
   }
 }
 
@@ -89,7 +89,7 @@ TEST(PropagatePeriodic, MovesAPlaneWaveByItsPhase) {
   }
 }
 
-// Beyond 1/λ a wave fades with distance, whichever way: exp(−2π|z|√(u² + v² − 1/λ²)). A pitch of λ/4 holds such waves.
+// Beyond 1/λ a wave decays with distance, for either sign: exp(−2π|z|√(u² + v² − 1/λ²)). A pitch of λ/4 has them.
 TEST(PropagatePeriodic, LetsEvanescentWavesFade) {
   const double lambda = 532_nm;
   const Grid grid{48, 40, lambda / 4};
@@ -100,7 +100,7 @@ TEST(PropagatePeriodic, LetsEvanescentWavesFade) {
     const FieldDouble wave = make_field(grid, lambda, [&](double x, double y) { return cis_cycles(u * x + v * y); });
     for (const double z : {lambda / 10, -lambda / 10, lambda}) {
       const double left = std::exp(-2 * pi * std::abs(z) * std::sqrt(u * u + v * v - 1 / (lambda * lambda)));
-      ASSERT_GT(left, 1e-4);  // there is something to see
+      ASSERT_GT(left, 1e-4);  // large enough to measure
       const FieldDouble moved = propagate(wave, z, params);
       for (size_t i = 0; i < moved.samples.size(); ++i)
         ASSERT_LT(std::abs(moved.samples.values[i] - left * wave.samples.values[i]), 1e-12)
@@ -121,7 +121,7 @@ TEST(PropagatePeriodic, KeepsPowerAndComesBack) {
   EXPECT_LT(relative_error(propagate(there, -0.07_m, params), field), 1e-12);
 }
 
-// Case 9: a grating sees itself again at the Talbot length, exact for the orders −1, 0, 1.
+// Case 9: a grating repeats at the Talbot length, exactly for the orders −1, 0, 1.
 TEST(PropagatePeriodic, SeesAGratingAgainAtTheTalbotLength) {
   const struct {
     double period, length;
@@ -157,7 +157,7 @@ TEST(Propagate, SpreadsAGaussianBeam) {
       total += std::norm(beam.samples(j, i));
     }
   EXPECT_NEAR(2 * std::sqrt(moment / total), 1.00357814_mm, 2e-7 * 1_mm);  // w = 2·standard deviation
-  EXPECT_NEAR(power(beam) / power(waist), 1, 1e-9);                        // the window cuts e^(−2·16), 1e-14
+  EXPECT_NEAR(power(beam) / power(waist), 1, 1e-9);                        // the window cuts off e^(−2·16), 1e-14
 }
 
 // Case 10: the first order of a ramp of P pixels goes to z·tan(asin(λ/P·p)).
@@ -185,8 +185,8 @@ TEST(Propagate, SendsARampToItsAngle) {
         centre += far.grid.x(i) * std::norm(far.samples(j, i));
         total += std::norm(far.samples(j, i));
       }
-    // The beam's spectrum, ±470/m about the order, bends tan by z/2·tan″·σ²: 2e-8 m at the steepest, P = 2;
-    // there the order's upper half passes Nyquist and wraps, so it is only seen in the closed form.
+    // The beam's spectrum, ±470/m about the order, changes tan by z/2·tan″·σ²: 2e-8 m at the steepest, P = 2.
+    // There the upper half of the order passes Nyquist and wraps, so that case is tested in the closed form only.
     if (c.period > 2) {
       EXPECT_NEAR(centre / total, c.place, 3e-8) << c.period;
     }
@@ -204,7 +204,7 @@ TEST(Propagate, GivesTheSameBytesOnAnyNumberOfThreads) {
   EXPECT_EQ(results[0].samples.values, results[2].samples.values);
 }
 
-// ⟨Pu, v⟩ = ⟨u, P*v⟩ with P* the propagation back: what gradient descent will rely on.
+// ⟨Pu, v⟩ = ⟨u, P*v⟩ with P* the propagation back: gradient descent relies on it.
 TEST(Propagate, BackwardIsTheAdjointOfForward) {
   const Grid grid{90, 70, 8_um};
   FieldDouble u(grid, 532_nm), v(grid, 532_nm);
@@ -235,8 +235,8 @@ TEST(Propagate, TakesTheMethodThatTheSamplingConditionAllows) {
   EXPECT_EQ(make_propagator<float>(small, 532_nm, 15.6_mm).method, PropagationMethod::rayleigh_sommerfeld);
 }
 
-// Matsushima's limit (Opt. Express 17, 19662, 2009): samples du apart hold the phase 2πz·√(λ⁻² − u²) up to the u at
-// which it turns by half a cycle from one to the next, |z|·u/√(λ⁻² − u²)·du = ½. The band ends at the last sample
+// Matsushima's limit (Opt. Express 17, 19662, 2009): samples du apart resolve the phase 2πz·√(λ⁻² − u²) up to the u at
+// which it changes by half a cycle from one to the next, |z|·u/√(λ⁻² − u²)·du = ½. The band ends at the last sample
 // before.
 TEST(Propagate, HoldsTheBandWhoseTransferFunctionIsSampledWell) {
   const double lambda = 532_nm;
@@ -270,7 +270,7 @@ TEST(Propagate, OverNoDistanceCutsOrPadsTheWindow) {
   EXPECT_EQ(out.samples(4, 2), field.samples(3, 3));
 }
 
-// The window that the error names is wide enough, and a tenth less is not.
+// The window that the error message gives is wide enough, and a window a tenth smaller is not.
 TEST(Propagate, NamesTheWindowThatTheAngularSpectrumNeeds) {
   const double z = 2_m, needed = std::sqrt(4 * 532_nm * z);
   PropagateParams params;

@@ -1,4 +1,4 @@
-// Output windows of any pitch, size and centre, against direct Rayleigh–Sommerfeld sums at their points.
+// Output windows of any pitch, size and centre, compared with direct Rayleigh–Sommerfeld sums at their points.
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -59,8 +59,8 @@ class WindowsOfPropagation : public ::testing::TestWithParam<Window> {
   }
 };
 
-// Any samples, at any place: z* is at most 19 mm here. At one pitch the same sum, by FFT; at others the kernel's
-// smooth edge leaves 1e-11 of a sum of samples that all have the same weight; float: 1e-6.
+// Any samples, at any place; z* is at most 19 mm here. At one pitch it is the same sum, by FFT. At others the kernel's
+// smooth edge leaves 1e-11 of a sum whose samples all have the same weight; float: 1e-6.
 TEST_P(WindowsOfPropagation, HoldTheDirectSumsOfAnySamples) {
   const FieldDouble field = make_white_noise({66, 49, 8_um, 24.3_um, -16_um}, 7);
   for (const double z : {0.03_m, -0.05_m, 0.4_m}) {
@@ -70,8 +70,8 @@ TEST_P(WindowsOfPropagation, HoldTheDirectSumsOfAnySamples) {
   }
 }
 
-// Nearer than z* by the angular spectrum, of a field limited in space and frequency to 1e-11. The light is larger than
-// the windows, whose edges cut it.
+// Nearer than z*, by the angular spectrum, for a field limited in space and frequency to 1e-11. The light is wider
+// than the windows, so their edges cut it.
 TEST_P(WindowsOfPropagation, HoldTheDirectSumsOfLimitedFieldsNearby) {
   FieldDouble field = make_band_limited_noise({181, 200, 8_um}, 532_nm, 7e3);
   field.grid.centre_x = 13_um;
@@ -91,13 +91,13 @@ std::complex<double> inner(const FieldDouble& a, const FieldDouble& b) {
   return sum * a.grid.pitch * a.grid.pitch;
 }
 
-// The parameters that ask for that grid.
+// The parameters that give that grid.
 PropagateParams window_of(const Grid& grid, PropagationMethod method = PropagationMethod::automatic) {
   return {method, grid.nx, grid.ny, grid.pitch, grid.centre_x, grid.centre_y};
 }
 
 // ⟨Pu, v⟩ = ⟨u, P*v⟩ with P* back to the input's window: both are double sums over h and conj(h). The kernel's smooth
-// edges, which differ there and back, leave 1e-11.
+// edges differ forward and back, which leaves 1e-11.
 TEST(PropagateToWindow, BackIsTheAdjoint) {
   const Grid here{61, 50, 8_um, -15_um, 40_um};
   for (const Grid& there : {Grid{48, 63, 11.7_um, 30_um, -100_um}, Grid{55, 41, 8_um, 101.5_um, 3.3_um}}) {
@@ -125,14 +125,14 @@ TEST(PropagateToWindow, IsLinear) {
   }
 }
 
-// A beam that a window holds whole has all its power there, whatever the window's pitch. Its intensity is limited to a
-// band that both pitches hold, so that sums are integrals: to the beam's tails, e^(−32).
+// A beam that lies inside a window has all its power there, for every pitch of the window. Its intensity is limited to
+// a band that both pitches represent, so sums equal integrals up to the beam's tails, e^(−32).
 TEST(PropagateToWindow, KeepsThePowerOfABeam) {
   const double w0 = 0.1_mm;
   const FieldDouble beam = make_field({128, 128, 8_um}, 532_nm, [&](double x, double y) {
     return cis_cycles(x / 120_um) * std::exp(-(x * x + y * y) / (w0 * w0));
   });
-  const double z = 0.02_m, place = z * 532_nm / 120_um;  // of the beam there
+  const double z = 0.02_m, place = z * 532_nm / 120_um;  // place of the beam there
   for (const double pitch : {3.1_um, 8_um, 17_um}) {
     const int samples = int(0.9_mm / pitch);
     const PropagateParams params{PropagationMethod::automatic, samples, samples, pitch, place, 0};
@@ -140,7 +140,7 @@ TEST(PropagateToWindow, KeepsThePowerOfABeam) {
   }
 }
 
-// Over no distance: between the samples is the one function of their band that goes through them.
+// Over no distance the values between samples are those of the band-limited function through the samples.
 TEST(PropagateToWindow, OverNoDistanceInterpolates) {
   const auto beam = [](double x, double y) {
     return cis_cycles(x / 100_um - y / 77_um) * std::exp(-(x * x + y * y) / (90_um * 90_um));
@@ -215,7 +215,7 @@ TEST(PropagatorCache, GivesTheSameBytesAndSaysTheSame) {
   EXPECT_EQ(one.samples.values, anew.samples.values);
   EXPECT_EQ(other.samples.values, anew.samples.values);
   EXPECT_EQ(first, again);
-  EXPECT_GE(first.size(), 2u);  // the method, and what Fresnel neglects so near
+  EXPECT_GE(first.size(), 2u);  // the method, and the phase that Fresnel neglects at short range
 }
 
 TEST(PropagatorCache, KeepsOnePropagatorForEachQuestion) {
@@ -256,7 +256,7 @@ TEST(PropagateToWindow, RefusesWhatItCannotHold) {
   expect_error(grid, 0.01_m, {automatic, 64, 64, -1_um}, "expected a length of 0 m or more for \"pitch\", got -1 µm");
   expect_error(grid, 0.01_m, {automatic, 64, 64, 0, NAN, 0}, "expected a length for \"centre_x\", got nan m");
   expect_error(grid, 0.01_m, {automatic, -1, 64}, "expected a whole number of 0 or more for \"columns\", got -1");
-  // Light of 16 µm fringes goes 0.33 mm aside in 10 mm: a window 5 mm off is dark for want of samples.
+  // Light of 16 µm fringes moves 0.33 mm sideways in 10 mm: a window 5 mm off the axis gets none.
   expect_error(grid, 0.01_m, {automatic, 64, 64, 0, 5_mm, 0}, "expected an output window that light from the input");
   expect_error(grid, 0.01_m, {automatic, 64, 64, 3_um, 0, -5_mm}, "middle lies 5 mm off the input's in y");
   expect_error(grid, 0.01_m, {automatic, 2000000000, 2000000000, 1_um}, "to fit in memory");

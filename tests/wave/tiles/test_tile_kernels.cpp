@@ -14,7 +14,7 @@
 #include "holotrace/wave/tiles/tile_sum.h"
 #include "support/fields.h"
 
-// The kernels of the fast sums on every instruction set and with every kind of product that the machine has.
+// The kernels of the fast sums, for every instruction set and every kind of product of this machine.
 
 namespace holotrace {
 namespace {
@@ -25,7 +25,7 @@ using testing::relative_error;
 
 constexpr double green = 532_nm;
 
-// The order of sums and fused multiply-adds differ: a float's rounding, 6e-8, of √waves terms that mostly cancel.
+// Sums and fused multiply-adds differ in order: rounding of a float, 6e-8, in √waves terms that mostly cancel.
 constexpr double bound_between_sets = 5e-6;
 
 TEST(InstructionSets, GiveTheSameFieldsToTheStatedBound) {
@@ -44,7 +44,7 @@ TEST(InstructionSets, GiveTheSameFieldsToTheStatedBound) {
   }
 }
 
-// One tile by one kind of product; waves that cover it, cut it, and are few for a batch or more than one.
+// One tile by one kind of product. The waves cover it or cut it; they are fewer than a batch or more than one.
 Field one_tile(const Sources& sources, TileShape shape, TileProducts products) {
   const Grid grid{shape.columns, shape.rows, 8_um};
   Field field(grid, green);
@@ -63,7 +63,7 @@ TEST(TileProducts, LeaveTheirStatedRounding) {
       const FieldDouble single = convert<double>(one_tile(sources, shape, TileProducts::single));
       for (const TileProducts products : {TileProducts::bf16, TileProducts::split_bf16}) {
         const double error = relative_error(one_tile(sources, shape, products), single);
-        // Rounding of waves that are few varies about its mean square.
+        // The rounding of a few waves varies about its mean square.
         EXPECT_LT(error, rounding_error(products) * (count < 100 ? 1.4 : 1.1)) << count;
         EXPECT_GT(error, rounding_error(products) / 20) << "rounded, or not packed at all";
       }

@@ -21,8 +21,8 @@ using testing::relative_error;
 
 constexpr double green = 532_nm;
 
-// Tilted, with amplitudes and a phase of its own, 60 mm behind the panel: its box (R = 1.3 mm at 12 µm) holds all of a
-// panel of 0.6 mm.
+// Tilted, with different amplitudes and a phase, 60 mm behind the panel: its box (R = 1.3 mm at 12 µm) contains all of
+// a panel of 0.6 mm.
 Triangle tilted_triangle(bool is_flat) {
   Triangle t;
   t.corners = {Vec3{-80_um, -30_um, -60_mm}, Vec3{90_um, -50_um, -60.04_mm}, Vec3{10_um, 110_um, -59.96_mm}};
@@ -33,7 +33,7 @@ Triangle tilted_triangle(bool is_flat) {
 
 Triangles only(const Triangle& t) { return {green, {t}}; }
 
-// Random triangles over the panel at about a depth, of about a size, tilted anyhow.
+// Random triangles over the panel at about the given depth and size, with random tilts.
 Triangles random_triangles(int count, const Grid& panel, double depth, double size) {
   Triangles triangles{green, {}};
   CounterRandom random(3, 0, 0);
@@ -49,7 +49,7 @@ Triangles random_triangles(int count, const Grid& panel, double depth, double si
   return triangles;
 }
 
-// The definition of Triangle by points: n² of them, each for one of the small triangles that it is divided into.
+// The definition of Triangle by points: n² of them, one for each small triangle into which it is divided.
 Sources dense_points(const Triangles& triangles, int n) {
   Sources points{triangles.wavelength, {}};
   const double lambda = triangles.wavelength;
@@ -90,8 +90,8 @@ std::array<std::complex<double>, 6> moments_by_quadrature(const double t[3]) {
   return sums;
 }
 
-// Phases from 0 to 30 rad, equal ones (slivers as the panel sees them, and the direction of the light itself) among
-// them, on both sides of the border between series and quotients. 1e-12 of the moments' size at 0, 1/24 to 1/6.
+// Phases from 0 to 30 rad, with equal ones among them (thin slivers, and the direction of the light itself),
+// on both sides of the border between series and quotients. 1e-12 of the moments' size at 0, 1/24 to 1/6.
 TEST(TriangleMoments, AgreeWithQuadratureInEveryDegenerateCase) {
   CounterRandom random(5, 0, 0);
   std::vector<std::array<double, 3>> cases{{0, 0, 0},     {2, 2, 2},       {0, 1.5, 1.5}, {1.5, 0, 1.5},
@@ -113,8 +113,8 @@ TEST(TriangleMoments, AgreeWithQuadratureInEveryDegenerateCase) {
   }
 }
 
-// The centroid rule on n² pieces is wrong by O(1/n²): twice as dense, four times nearer. Extrapolated by that law the
-// points must meet the closed form to what floats of Source leave (1e-7), the bulge of sum_triangles_exact
+// The centroid rule on n² pieces has an error of O(1/n²): twice as dense, four times nearer. Extrapolated by that law,
+// the points must agree with the closed form up to the floats of Source (1e-7), the bulge of sum_triangles_exact
 // (0.003²/13 = 7e-7) and the next term of the law.
 TEST(Triangles, AreTheLimitOfDensePoints) {
   const Grid panel{48, 40, 12_um};
@@ -132,16 +132,16 @@ TEST(Triangles, AreTheLimitOfDensePoints) {
   }
 }
 
-// The same for light sent aside, by 1°.
+// The same for light sent off the axis by 1°.
 TEST(Triangles, SendTheirLightAlongTheirDirection) {
   const Grid panel{48, 40, 8_um, 1_mm, -0.5_mm};
   Triangle t = tilted_triangle(false);
   t.direction = normalize({1_mm, -0.5_mm, 60_mm});
   const FieldDouble closed = sum_triangles_exact(only(t), panel, 0.003);
   FieldDouble fine = sum_exact(dense_points(only(t), 48), panel);
-  EXPECT_LT(relative_error(fine, closed), 2e-3);  // 4.6e-4 for light straight ahead, of the same points
+  EXPECT_LT(relative_error(fine, closed), 2e-3);  // 4.6e-4 for light straight ahead with the same points
   EXPECT_LT(relative_error(sum_triangles(only(t), panel, 1e-3), closed), 1e-3);
-  // Where the ray from the centroid meets the panel, the light has the phase φ₀ but for Gouy's and the envelope's,
+  // Where the ray from the centroid meets the panel, the light has the phase φ₀ plus Gouy's and the envelope's phase,
   // which is even about the centroid of a small triangle.
   Triangle small = t;
   const Vec3 c = centroid(t);
@@ -150,8 +150,8 @@ TEST(Triangles, SendTheirLightAlongTheirDirection) {
   EXPECT_NEAR(std::arg(one.samples(0, 0)), 0.7 - pi / 2, 2e-3);
 }
 
-// Both twins compute the same integral, one at pixels and one at frequencies. The spectrum ends at the panel's band,
-// which the light does not: what is beyond it is what they differ by, so it falls as the pitch does.
+// Both references compute the same integral, one at pixels and one at frequencies. The spectrum ends at the panel's
+// band, the light does not. They differ by the light beyond the band, which falls with the pitch.
 TEST(Triangles, HaveTheSpectrumInClosedForm) {
   const Triangles triangles = only(tilted_triangle(false));
   double before = 1;
@@ -165,11 +165,11 @@ TEST(Triangles, HaveTheSpectrumInClosedForm) {
   EXPECT_LT(before, 5e-4);
 }
 
-// Far off the axis, at sin θ = 0.2, the spectrum has the 1/w of a spherical wave's (Weyl's integral): with λ in its
-// place there would be cos θ = 0.98 of the amplitude. The band ends at Nyquist, 0.72 mm beyond the panel, whose fringes
-// are 1/(√2·π·14) = 1.6 % of the field there (Fresnel's integral at v = 0.72 mm·√(2/λz) = 14), and 1.1 % from each of
-// the window's three edges, 1 mm away; the four of them in phase are 5 %. They are 7 µm wide: over the panel's light
-// they come to nothing.
+// Far off the axis, at sin θ = 0.2, the spectrum has the 1/w of a spherical wave (Weyl's integral); with 1/λ instead
+// there would be cos θ = 0.98 of the amplitude. The band ends at Nyquist, 0.72 mm beyond the panel. Its fringes
+// are 1/(√2·π·14) = 1.6 % of the field there (Fresnel's integral at v = 0.72 mm·√(2/λz) = 14), plus 1.1 % from each of
+// the window's three edges, 1 mm away; all four in phase are 5 %. They are 7 µm wide, so over the panel's light
+// they average out.
 TEST(Triangles, HaveTheSpectrumOfSphericalWavesFarOffTheAxis) {
   const double z = 10_mm;
   const Grid panel{64, 48, 1_um, z * std::tan(std::asin(0.2)), 0};
@@ -183,9 +183,9 @@ TEST(Triangles, HaveTheSpectrumOfSphericalWavesFarOffTheAxis) {
   EXPECT_LT(relative_error(spectrum, pixels), 0.05);
 }
 
-// Two triangles make a square parallel to the panel; propagate() takes the same aperture by Rayleigh and Sommerfeld's
-// first integral. That has an obliquity factor of cos θ, 1 − 4e-5 at most here, and takes pixels for points: the
-// square's light within a pixel is even to (π·p·sin θ/λ)²/6, 7e-4 at the corners, where there is little of it.
+// Two triangles make a square parallel to the panel; propagate() computes the same aperture by Rayleigh and
+// Sommerfeld's first integral. It has an obliquity factor of cos θ, 1 − 4e-5 at most here, and takes pixels as points:
+// the square's light within a pixel is even to (π·p·sin θ/λ)²/6, 7e-4 at the corners, where there is little light.
 TEST(Triangles, MakeASquareAperture) {
   const double a = 64_um, z = 40_mm;
   const Grid panel{160, 160, 2_um};
@@ -193,15 +193,15 @@ TEST(Triangles, MakeASquareAperture) {
   lower.corners = {Vec3{-a, -a, -z}, Vec3{a, -a, -z}, Vec3{a, a, -z}};
   upper.corners = {Vec3{-a, -a, -z}, Vec3{a, a, -z}, Vec3{-a, a, -z}};
   lower.amplitudes = upper.amplitudes = {1, 1, 1};
-  // The phase of a triangle is that on the panel: the aperture's is k·z less.
+  // The phase of a triangle is its phase on the panel; the aperture's is smaller by k·z.
   lower.phase = upper.phase = float(2 * pi * cycle_fraction(z, green));
   const FieldDouble square = sum_triangles_exact({green, {lower, upper}}, panel);
   const FieldDouble aperture = propagate(testing::make_square_aperture(panel, green, a), z);
   EXPECT_LT(relative_error(square, aperture), 4e-4);
 }
 
-// A triangle's power a²·area arrives, but for what leaves the box and the panel: the far streaks of its transform fall
-// as 1/u², so beyond ±R, 30 fringes of its sides, less than 2 % is left.
+// The power a²·area of a triangle arrives, except for what leaves the box and the panel: the far tails of its transform
+// fall as 1/u², so beyond ±R, 30 fringes of its sides, less than 2 % is left.
 TEST(Triangles, SendThePowerOfTheirArea) {
   const Grid panel{512, 512, 8_um};
   const Triangles triangles = only(tilted_triangle(true));
@@ -213,7 +213,7 @@ TEST(Triangles, SendThePowerOfTheirArea) {
 
 class TrianglesKeep : public ::testing::TestWithParam<double> {};
 
-// Sizes from a tenth of a fringe to several, near and far, boxes that end on the panel.
+// Sizes from a tenth of a fringe to several fringes, near and far, with boxes that end on the panel.
 TEST_P(TrianglesKeep, TheTolerance) {
   const Grid panel{150, 97, 8_um};
   struct Case {
@@ -230,7 +230,7 @@ TEST_P(TrianglesKeep, TheTolerance) {
 }
 INSTANTIATE_TEST_SUITE_P(Tolerances, TrianglesKeep, ::testing::Values(3e-2, 1e-2, 3e-3, 1e-3));
 
-// Twice the amplitudes, and the sum of two sets. Both sums keep 1e-3 of themselves.
+// Twice the amplitudes, and the sum of two sets. Both sums have an error of 1e-3.
 TEST(Triangles, AreLinear) {
   const Grid panel{80, 60, 8_um};
   Triangles both = random_triangles(6, panel, 0.1_m, 50_um), first = both, second = both;
@@ -258,7 +258,7 @@ TEST(Triangles, GiveTheSameBytesOnAnyNumberOfThreads) {
   EXPECT_EQ(one, on(7));
 }
 
-// Frame 0 again after frame 3 is frame 0; random_phase alone tells the phases.
+// Frame 0 again after frame 3 equals frame 0; random_phase alone sets the phases.
 TEST(Triangles, OfAnotherFrameHaveOtherPhases) {
   Triangles triangles = random_triangles(4, {64, 64, 8_um}, 0.1_m, 50_um);
   triangles.seed = 9;

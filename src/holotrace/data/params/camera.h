@@ -36,7 +36,7 @@ struct CameraParams {
   Sweep sweep = Sweep::none;            ///< a series of views beside those at `distances`
   int sweep_views = 24;                 ///< number of views of the series
   double sweep_from = 0, sweep_to = 0;  ///< first and last distance (focus) or x of the eye (parallax) [m]
-  double sweep_seconds = 2;             ///< duration of the animation, there and back [s]
+  double sweep_seconds = 2;             ///< duration of the animation, forward and back [s]
 };
 
 template <class Visitor>

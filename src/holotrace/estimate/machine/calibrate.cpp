@@ -23,7 +23,7 @@ namespace {
 
 constexpr double wavelength = timed_wavelength, pitch = timed_full_hd.pitch;
 
-// The fastest of many runs: whatever else the machine does can only slow one down.
+// The fastest of many runs: other work on the machine can only slow a run down.
 TimedWork fastest(const SummationWork& work, const std::function<void()>& run) {
   run();
   double best = std::numeric_limits<double>::infinity();
@@ -37,7 +37,7 @@ TimedWork time_exact() {
   return fastest({.exact_terms = 32.0 * 64 * 64}, [&] { sum_exact(sources, panel); });
 }
 
-// One tile alone.
+// Times the sum of waves on a single tile.
 TimedWork time_tile(const TilePlan& plan, int count) {
   const Grid panel{plan.shape.columns, plan.shape.rows, pitch};
   const std::vector<PreparedWave> waves = prepare_waves(timed_waves(panel, count, 0.19, 0.21), panel);
@@ -48,7 +48,7 @@ TimedWork time_tile(const TilePlan& plan, int count) {
   });
 }
 
-// Waves spread over the grids of a tile that they all light as a whole.
+// Times spreading of waves to the grids of a tile; every wave lights the whole tile.
 TimedWork time_spreading(int nodes, int width) {
   const PlanesPlan plan{.tile = 120, .width = width, .nodes = nodes};
   const Grid panel{plan.tile, plan.tile, pitch};
@@ -67,7 +67,7 @@ TimedWork time_spreading(int nodes, int width) {
   });
 }
 
-// Lines of a tile's transform, in cache.
+// Times transforms of the lines of a tile, in cache.
 TimedWork time_fft() {
   constexpr int length = 256, lines = 256;
   const Fft<float> transform(length, FftDirection::forward);
@@ -95,7 +95,7 @@ std::vector<TimedWork> time_summation() {
   tbb::task_arena one_thread(1);
   one_thread.execute([&] {
     timed.push_back(time_exact());
-    // Tiles of many shapes tell products from factors, and both from what each wave costs alone.
+    // Tiles of many shapes separate products from factors, and both from the fixed cost of each wave.
     for (const TileShape& tile : {TileShape{128, 120}, {64, 60}, {32, 30}, {32, 12}})
       timed.push_back(time_tile({tile}, 512));
     if (packed_unit() != PackedUnit::none)

@@ -43,7 +43,7 @@ class FieldBands {
   const std::map<std::string, double>& settings() const { return job_.settings; }
 
   bool is_finished(size_t band) const { return finished_[band]; }
-  size_t finished_bands() const;
+  size_t finished_bands() const;  ///< number of finished bands
 
   /// Writes whole rows of a field, from `first_row` on: samples[row][column], shape (rows, nx) [√(W/m²)].
   /// @throws Error  if the disk is full

@@ -17,7 +17,7 @@ class LockFile {
   LockFile(const LockFile&) = delete;
   LockFile& operator=(const LockFile&) = delete;
 
-  void lock();
+  void lock();  ///< waits until no other program holds the lock
   void unlock();
 
  private:

@@ -1,4 +1,4 @@
-// Values of a TOML table that are places, directions, turns, outlines and colours.
+// Readers of the positions, directions, rotations, outlines and colours of a TOML table.
 
 #include <array>
 #include <cmath>
@@ -131,7 +131,7 @@ void TomlTable::outline(const char* key, std::vector<Vec2>& value) {
       const auto in_units = to_number(number);
       if (!in_units) inner->fail_kind("points", "plain numbers", number);
       double metres = 0;
-      // The number and its unit are read together, so that they round once.
+      // The number and its unit are parsed together, so that the value is rounded only once.
       inner->locate("unit", [&] { metres = parse_length(fmt::format("{} {}", *in_units, unit)); });
       return metres;
     };

@@ -8,7 +8,8 @@
 
 namespace holotrace {
 
-/// The stop that a hologram encoded so names (Hologram::filter), before it is encoded; none where it needs none.
+/// The stop (Hologram::filter) that a hologram with these parameters will name, known before encoding; none if it needs
+/// none.
 /// @throws Error  for a reference that is too steep for the pitch (off_axis.h)
 std::optional<SpectralFilter> stop_of(const EncodeParams& params, const Grid& grid, double wavelength);
 

@@ -39,7 +39,7 @@ void check_hologram(const Hologram& hologram, const Slm& slm) {
   if (is_complex) check_levels_of(hologram, hologram.modulus_level);
 }
 
-// As encode refuses and warns; the hologram's own panel has been warned of there.
+// Errors and warnings as in encode; encode has already warned of the hologram's own panel.
 void check_modulation(const Hologram& hologram, const Slm& slm, const Observer& observer) {
   require(hologram.modulation != Modulation::phase || slm.modulation != Modulation::amplitude,
           "expected a hologram of amplitudes for the amplitude panel \"{}\", got one of phases; encode with "
@@ -68,8 +68,8 @@ void check_light(const ShowParams& params) {
           format_length(params.source_distance));
 }
 
-// The stop stands in the middle of the light that the encoder's order is to take: light that is tilted moves the order,
-// and the stop with it. It does not follow the tilt of a single illumination state.
+// The stop is centred on the light that the encoder's order is to take. Tilted light moves the order,
+// and the stop with it. The stop does not follow the tilt of a single illumination state.
 SpectralFilter under_tilt(SpectralFilter stop, const ShowParams& params, double wavelength) {
   stop.u0 += std::sin(params.tilt_x) / wavelength;
   stop.v0 += std::sin(params.tilt_y) / wavelength;
@@ -90,8 +90,8 @@ std::string missing_in(const std::vector<std::string>& others, const std::vector
   return fmt::format("{}", fmt::join(missing, ", "));
 }
 
-// Where levels allow for effects, they are right for the panel that has those and no others. Flicker is left out: its
-// mean is the level's own phase, which no level can make steady.
+// Levels that compensate effects are right only for a panel with exactly these effects. Flicker does not count: its
+// mean is the phase of the level, and no level can compensate it.
 void warn_other_effects(const Hologram& hologram, const Slm& with, const Observer& observer) {
   if (hologram.effects.empty()) return;
   std::vector<std::string> on = effects_of(with);

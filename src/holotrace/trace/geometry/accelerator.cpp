@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -34,8 +35,8 @@ struct Accelerator::Implementation {
   EmbreeScene embree{nullptr, rtcReleaseScene};
   std::optional<UniformGrid> grid;  // in place of Embree
   std::vector<LightSurface> lamps;  // numbered after the meshes
-  Vec3 centre;
-  double radius = 1, per_radius = 1;
+  ScenePrecision precision{};
+  double per_unit = 1, radius = 0;  // of the sphere in units
 
   const Mesh& mesh_of(uint32_t id) const {
     return id < scene.meshes.size() ? scene.meshes[id] : lamps[id - scene.meshes.size()].mesh;
@@ -49,7 +50,7 @@ struct Accelerator::Implementation {
         rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangles.size()));
     require_no_error(device.get(), "hold the triangles");
     for (const Vec3& position : mesh.positions) {
-      const Vec3 p = (position - centre) / radius;
+      const Vec3 p = (position - precision.centre) * per_unit;
       for (double value : {p.x, p.y, p.z}) *vertices++ = float(value);
     }
     for (const auto& triangle : mesh.triangles) {
@@ -63,12 +64,12 @@ struct Accelerator::Implementation {
     rtcAttachGeometryByID(embree.get(), geometry.get(), id);
   }
 
-  /// The part of a ray inside the sphere in Embree's coordinates, and what comes before it, in radii.
+  /// The part of a ray inside the sphere in Embree's coordinates, and what comes before it, in units.
   /// False for a ray that misses the sphere.
   bool enter(const Ray& ray, double limit, RTCRay& out, double& skipped) const {
-    constexpr double size = 1.001;  // of the sphere: triangles may reach 1
-    Vec3 origin = (ray.origin - centre) * per_radius;
-    double end = limit * per_radius;
+    const double size = 1.001 * radius;
+    Vec3 origin = (ray.origin - precision.centre) * per_unit;
+    double end = limit * per_unit;
     skipped = 0;
     // Rays between surfaces start inside.
     if (const double outside = dot(origin, origin) - size * size; outside > 0) {
@@ -95,10 +96,11 @@ struct Accelerator::Implementation {
     const Vec3 area = cross(ab, ac);
 
     SurfacePoint& point = hit.point;
+    point.clearance = precision.clearance_of(std::array<Vec3, 3>{a, mesh.positions[j], mesh.positions[k]});
     // Where the ray meets the plane of the triangle, in double. Planes of slivers are not well defined: one that
-    // Embree's answer is not near to is not used.
+    // Embree's answer is not near to, by 500 clearances of it and 1e-5 of its way, is not used.
     const double along = dot(area, ray.direction), precise = dot(area, a - ray.origin) / along;
-    if (std::abs(precise - found.distance) < 1e-3 * radius) {
+    if (std::abs(precise - found.distance) < 500 * point.clearance + 1e-5 * found.distance) {
       hit.distance = precise;
       point.position = ray.origin + ray.direction * precise;
     } else {
@@ -142,14 +144,15 @@ void write_down(const RTCRay& ray, bool is_shadow, std::vector<LoggedRay>& log) 
 }  // namespace
 
 Accelerator::Accelerator(const Scene& scene, Acceleration kind)
-    : implementation_(new Implementation{.scene = scene, .grid = {}, .lamps = {}, .centre = {}}) {
+    : implementation_(new Implementation{.scene = scene, .grid = {}, .lamps = {}}), lifts_(scene.lights.size()) {
   check_light_and_materials(scene);
   if (!has_surfaces(scene)) return;
   Implementation& self = *implementation_;
-  const SceneSphere sphere = sphere_around(scene);
-  self.centre = sphere.centre, self.radius = sphere.radius, self.per_radius = 1 / sphere.radius;
+  self.precision = precision_ = precision_of(scene);
+  self.per_unit = 1 / precision_.unit, self.radius = precision_.radius / precision_.unit;
   self.lamps = light_surfaces(scene);
-  clearance_ = sphere.clearance();
+  const std::vector<double> lifts = light_lifts(scene, precision_);
+  for (size_t i = 0; i < lifts.size(); ++i) lifts_[size_t(self.lamps[i].light)] = lifts[i];
   if (kind == Acceleration::grid) {
     self.grid.emplace(scene);
     return;
@@ -195,7 +198,7 @@ bool Accelerator::closest_hit(const Ray& ray, Hit& hit) const {
   rtcInitIntersectContext(&context);
   rtcIntersect1(self.embree.get(), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  const double distance = (skipped + double(query.ray.tfar)) * self.radius;
+  const double distance = (skipped + double(query.ray.tfar)) * self.precision.unit;
   self.describe(ray, {distance, query.hit.geomID, query.hit.primID, double(query.hit.u), double(query.hit.v)}, hit);
   return true;
 }
@@ -205,12 +208,21 @@ bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
   return distance > 0 && is_occluded({from, (to - from) / distance}, distance);
 }
 
+double Accelerator::rounding_at_end(const Ray& ray, double distance) const {
+  if (!std::isfinite(distance)) return 0;
+  const double from_start = std::min(precision_.radius, length(ray.origin - precision_.centre));
+  return std::max(
+      {precision_.clearance(ray.origin + ray.direction * distance), 2e-6 * from_start, 2e-6 * precision_.unit});
+}
+
 bool Accelerator::is_occluded(const Ray& ray, double distance) const {
   const Implementation& self = *implementation_;
-  if (self.grid) return distance > clearance_ && self.grid->is_occluded(ray, distance - clearance_);
+  const double end = distance - rounding_at_end(ray, distance);
+  if (!(end > 0)) return false;
+  if (self.grid) return self.grid->is_occluded(ray, end);
   RTCRay query;
   double skipped;
-  if (!self.embree || !(distance > clearance_) || !self.enter(ray, distance - clearance_, query, skipped)) return false;
+  if (!self.embree || !self.enter(ray, end, query, skipped)) return false;
   if (log_) write_down(query, true, *log_);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

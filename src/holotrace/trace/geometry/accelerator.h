@@ -21,7 +21,7 @@ struct Hit {
   SurfacePoint point;
 };
 
-/// A ray as Embree gets it: single precision, the scene moved to the origin and scaled to radius 1.
+/// A ray as Embree gets it: single precision, in units of ScenePrecision from its centre.
 struct LoggedRay {
   float origin[3], direction[3], length;
   bool is_shadow;  ///< asks whether there is a surface, not which
@@ -31,9 +31,9 @@ struct LoggedRay {
 /// or in a uniform grid of cells (uniform_grid.h), which meet the same surfaces at the same places. Keeps a reference
 /// to the scene; calls may run on several threads at once.
 ///
-/// Embree works in single precision. It sees the scene moved to the origin and scaled to radius 1, and
-/// rays that start far away from where they enter that sphere, so that its rounding is about 1e-7 of the
-/// scene's radius. Which triangle a ray hits is Embree's answer; where, is computed again in double from
+/// Embree works in single precision. It sees the scene with its centre moved to the origin (ScenePrecision), and
+/// rays that start outside the sphere around all surfaces from where they enter it, so that its rounding at a place is
+/// about 1e-7 of the distance from that centre. Which triangle a ray hits is Embree's answer; where, is computed again in double from
 /// that triangle and the ray, for a wave's origin must be good to a small part of a wavelength.
 class Accelerator {
  public:
@@ -51,26 +51,30 @@ class Accelerator {
   /// The same into `hit`, all of which is written; false, and `hit` as it was, if there is none.
   bool closest_hit(const Ray& ray, Hit& hit) const;
 
-  /// Whether a surface stands between two places [m]; one within `clearance` of `to` does not count.
+  /// Whether a surface stands between two places [m]; one within the rounding of `to` does not count.
   bool is_occluded(Vec3 from, Vec3 to) const;
 
-  /// Whether a surface stands on the ray before a distance [m], which may be infinite; one within `clearance` of its
+  /// Whether a surface stands on the ray before a distance [m], which may be infinite; one within the rounding of its
   /// end does not count.
   bool is_occluded(const Ray& ray, double distance) const;
 
-  /// How far from a surface a new ray has to start so as not to hit that surface again [m]: 2e-6 of
-  /// the scene's radius, some ten times the rounding of single precision.
-  double clearance() const { return clearance_; }
+  /// The rounding of places in the scene, and with it SurfacePoint::clearance.
+  const ScenePrecision& precision() const { return precision_; }
+
+  /// How far the surface of a light, by its index in Scene::lights, stands before its place when rays look for it [m];
+  /// 0 for a light that is none (light_lifts).
+  double lift_of(int light) const { return lifts_[size_t(light)]; }
 
   /// The place just off the surface, on the side of its normals.
   Vec3 leave(const SurfacePoint& point) const {
-    const double lift = point.light < 0 ? 0 : light_lift;
-    return point.position + point.geometric_normal * ((1 + lift) * clearance_);
+    const double lift = point.light < 0 ? 0 : lift_of(point.light);
+    return point.position + point.geometric_normal * (point.clearance + lift);
   }
 
   /// The place just off the surface, on the side that `direction` points to.
   Vec3 leave(const SurfacePoint& point, Vec3 direction) const {
-    return point.position + point.geometric_normal * std::copysign(clearance_, dot(point.geometric_normal, direction));
+    return point.position +
+           point.geometric_normal * std::copysign(point.clearance, dot(point.geometric_normal, direction));
   }
 
   /// From now on every ray that goes to Embree is written down in `log`, or no longer for nullptr. For benchmarks, on
@@ -83,7 +87,10 @@ class Accelerator {
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
-  double clearance_ = 0;
+  double rounding_at_end(const Ray& ray, double distance) const;
+
+  ScenePrecision precision_;
+  std::vector<double> lifts_;  // by light
   std::vector<LoggedRay>* log_ = nullptr;
 };
 

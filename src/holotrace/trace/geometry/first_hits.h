@@ -34,7 +34,7 @@ std::optional<Vec3> accepted_direction(double x, double y, const Grid& panel, do
 /// Formulas: trace.h.
 class FirstHits {
  public:
-  /// @param wavelength  whose acceptance the rays fill [m]: the longest, where several share them
+  /// @param wavelength  whose acceptance the rays fill [m]: that of the cone that all wavelengths share (Cones::of_rays)
   /// @throws Error      for parameters out of range
   FirstHits(const TraceParams& params, const Grid& panel, double wavelength);
 

@@ -1,8 +1,8 @@
 #include "holotrace/trace/geometry/light_surfaces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <variant>
 
@@ -38,35 +38,90 @@ bool has_surfaces(const Scene& scene) {
          std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return visible_rectangle(l); });
 }
 
-SceneSphere sphere_around(const Scene& scene) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Vec3 low{infinity, infinity, infinity}, high = -low;
-  const auto include = [&](const Mesh& mesh) {
-    for (const auto& triangle : mesh.triangles)
-      for (uint32_t index : triangle) {
-        const Vec3 p = mesh.positions[index];
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-      }
+ScenePrecision precision_of(const Scene& scene) {
+  const std::vector<LightSurface> lamps = light_surfaces(scene);
+  const auto for_each_vertex = [&](const auto& visit) {
+    const auto of_mesh = [&](const Mesh& mesh) {
+      for (const auto& triangle : mesh.triangles)
+        for (const uint32_t index : triangle) visit(mesh.positions[index]);
+    };
+    for (const Mesh& mesh : scene.meshes) of_mesh(mesh);
+    for (const LightSurface& lamp : lamps) of_mesh(lamp.mesh);
   };
-  for (const Mesh& mesh : scene.meshes) include(mesh);
-  for (const LightSurface& surface : light_surfaces(scene)) include(surface.mesh);
-  const SceneSphere sphere{(low + high) * 0.5, length(high - low) * 0.5};
-  require(std::isfinite(sphere.radius) && sphere.radius > 0,
+  ScenePrecision precision;
+  Vec3 sum;
+  double weights = 0, spread = 0;
+  constexpr double nearest = 1e-6;  // [m]: a vertex on the panel has a finite weight
+  const auto weight_of = [](Vec3 p) { return std::pow(dot(p, p) + nearest * nearest, -1.5); };
+  for_each_vertex([&](Vec3 p) {
+    sum += p * weight_of(p);
+    weights += weight_of(p);
+  });
+  precision.centre = sum / weights;
+  for_each_vertex([&](Vec3 p) {
+    const double distance = length(p - precision.centre);
+    spread += weight_of(p) * distance;
+    precision.radius = std::max(precision.radius, distance);
+  });
+  precision.unit = spread / weights;
+  // Vertices in one place are as far from their mean as it is rounded.
+  require(std::isfinite(precision.radius) && precision.unit > 1e-14 * length(precision.centre),
           "expected meshes that fill some space, got all vertices in one place");
-  return sphere;
+  return precision;
+}
+
+namespace {
+
+struct Box {
+  Vec3 low, high;
+};
+
+template <class Corners>
+Box box_of(const Corners& corners, double margin) {
+  Box box{corners[0], corners[0]};
+  for (const Vec3& p : corners) {
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  }
+  const Vec3 around{margin, margin, margin};
+  return {box.low - around, box.high + around};
+}
+
+bool touch(const Box& a, const Box& b) {
+  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+         a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+constexpr double light_lift = 2;  // clearances
+
+}  // namespace
+
+std::vector<double> light_lifts(const Scene& scene, const ScenePrecision& precision) {
+  std::vector<double> lifts;
+  for (const LightSurface& lamp : light_surfaces(scene)) {
+    double clearance = precision.clearance_of(lamp.mesh.positions);
+    const Box box = box_of(lamp.mesh.positions, clearance);
+    for (const Mesh& mesh : scene.meshes)
+      for (const auto& [i, j, k] : mesh.triangles) {
+        const std::array<Vec3, 3> corners{mesh.positions[i], mesh.positions[j], mesh.positions[k]};
+        const double other = precision.clearance_of(corners);
+        if (other > clearance && touch(box, box_of(corners, other))) clearance = other;
+      }
+    lifts.push_back(light_lift * clearance);
+  }
+  return lifts;
 }
 
 std::vector<Mesh> lifted_light_surfaces(const Scene& scene) {
   std::vector<Mesh> lifted;
   std::vector<LightSurface> surfaces = light_surfaces(scene);
   if (surfaces.empty()) return lifted;
-  const double lift = light_lift * sphere_around(scene).clearance();
-  for (LightSurface& surface : surfaces) {
-    auto& p = surface.mesh.positions;
+  const std::vector<double> lifts = light_lifts(scene, precision_of(scene));
+  for (size_t n = 0; n < surfaces.size(); ++n) {
+    auto& p = surfaces[n].mesh.positions;
     const Vec3 front = normalize(cross(p[1] - p[0], p[3] - p[0]));
-    for (Vec3& position : p) position += front * lift;
-    lifted.push_back(std::move(surface.mesh));
+    for (Vec3& position : p) position += front * lifts[n];
+    lifted.push_back(std::move(surfaces[n].mesh));
   }
   return lifted;
 }

@@ -25,10 +25,12 @@ double component(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : 
 
 /// A ray in the frame of the watertight test: z is the axis of its largest component, and a shear puts it along z.
 struct ShearedRay {
+  Vec3 origin;
   int x, y, z;
   double shear_x, shear_y, shear_z;
 
-  explicit ShearedRay(Vec3 direction) {
+  explicit ShearedRay(const Ray& ray) : origin(ray.origin) {
+    const Vec3 direction = ray.direction;
     const double size[] = {std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)};
     z = size[0] > size[1] ? (size[0] > size[2] ? 0 : 2) : (size[1] > size[2] ? 1 : 2);
     x = (z + 1) % 3, y = (z + 2) % 3;
@@ -41,9 +43,11 @@ struct ShearedRay {
 
 /// Where a ray meets a triangle: the signed areas U, V, W of the ray with its edges have one sign. The neighbour across
 /// an edge gets the same number with the opposite sign, so no ray passes between the two triangles.
-bool meets(const ShearedRay& ray, Vec3 origin, Vec3 pa, Vec3 pb, Vec3 pc, double limit, double& distance, double& b1,
-           double& b2) {
-  const Vec3 a = pa - origin, b = pb - origin, c = pc - origin;
+struct Meeting {
+  double distance, b1, b2;  // barycentric coordinates of the second and the third corner
+};
+bool meets(const ShearedRay& ray, const std::array<Vec3, 3>& corners, double limit, Meeting& meeting) {
+  const Vec3 a = corners[0] - ray.origin, b = corners[1] - ray.origin, c = corners[2] - ray.origin;
   const double az = component(a, ray.z), bz = component(b, ray.z), cz = component(c, ray.z);
   const double ax = component(a, ray.x) - ray.shear_x * az, ay = component(a, ray.y) - ray.shear_y * az;
   const double bx = component(b, ray.x) - ray.shear_x * bz, by = component(b, ray.y) - ray.shear_y * bz;
@@ -54,7 +58,7 @@ bool meets(const ShearedRay& ray, Vec3 origin, Vec3 pa, Vec3 pb, Vec3 pc, double
   if (sum == 0) return false;  // seen edge on
   const double t = ray.shear_z * (u * az + v * bz + w * cz) / sum;
   if (!(t >= 0 && t <= limit)) return false;
-  distance = t, b1 = v / sum, b2 = w / sum;
+  meeting = {t, v / sum, w / sum};
   return true;
 }
 
@@ -231,7 +235,7 @@ bool UniformGrid::walk(const Ray& ray, double limit, GridHit& hit, GridCounts* c
     next[axis] = step[axis] == 0 ? infinity : distance_to_next(axis);
   }
   const uint64_t strides[3] = {1, uint64_t(counts_[0]), uint64_t(counts_[0]) * uint64_t(counts_[1])};
-  const ShearedRay sheared(ray.direction);
+  const ShearedRay sheared(ray);
   bool has_hit = false;
   double nearest = limit;
   uint32_t nearest_index = 0;
@@ -241,13 +245,13 @@ bool UniformGrid::walk(const Ray& ray, double limit, GridHit& hit, GridCounts* c
     for (uint64_t e = starts_[at]; e < starts_[at + 1]; ++e) {
       const uint32_t index = entries_[e];
       const Triangle& triangle = triangles_[index];
-      double distance, b1, b2;
-      if (!meets(sheared, ray.origin, triangle.a, triangle.b, triangle.c, nearest, distance, b1, b2)) continue;
+      Meeting met;
+      if (!meets(sheared, {triangle.a, triangle.b, triangle.c}, nearest, met)) continue;
       if constexpr (any) return true;
-      if (has_hit && distance == nearest && index >= nearest_index) continue;
+      if (has_hit && met.distance == nearest && index >= nearest_index) continue;
       has_hit = true;
-      nearest = distance, nearest_index = index;
-      hit = {distance, triangle.mesh, triangle.triangle, b1, b2};
+      nearest = met.distance, nearest_index = index;
+      hit = {met.distance, triangle.mesh, triangle.triangle, met.b1, met.b2};
     }
     const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
     if (std::min(nearest, leave) < next[axis]) break;

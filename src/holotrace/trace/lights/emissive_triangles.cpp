@@ -95,8 +95,12 @@ LightSample EmissiveTriangles::sample(Vec3 from, double u_triangle, Vec2 u) cons
     point.uv = {uv[i].x * b0 + uv[j].x * b1 + uv[k].x * b2, uv[i].y * b0 + uv[j].y * b1 + uv[k].y * b2};
   }
   const double cosine = std::abs(projected) / (length(normal) * distance);
-  return {way / distance, distance, emitted_radiance(material, point, lines_),
-          pdf(triangle.mesh, triangle.index, distance, cosine), cosine};
+  return {way / distance,
+          distance,
+          emitted_radiance(material, point, lines_),
+          pdf(triangle.mesh, triangle.index, distance, cosine),
+          cosine,
+          std::sqrt(std::max({dot(ab, ab), dot(ac, ac), dot(ac - ab, ac - ab)}))};
 }
 
 }  // namespace holotrace

@@ -24,6 +24,7 @@ struct LightSample {
   Vec3 radiance;        ///< [W/m²/sr]; of a point, spot or directional light its irradiance across the way [W/m²]
   double pdf = 1;       ///< [1/sr]; of those lights, which no ray meets by chance, 1
   double cosine = 0;    ///< |cosθ'| where it ends on a surface that shines, else 0
+  double size = 0;      ///< of that surface: none of its corners is farther from the way's end [m]
 };
 
 /// Whether a ray that a surface sends out can meet the light: then both ways of finding it share it.
@@ -69,8 +70,12 @@ inline LightSample sample(const RectangleLight& light, Vec3 from, Vec2 u) {
   if (projected <= 0) return {};
   const double squared = dot(way, way), distance = std::sqrt(squared);
   const double area = length(cross(light.edge_u, light.edge_v));
-  return {way * (1 / distance), distance, light.radiance, squared * distance / projected,
-          light.is_visible ? projected / (area * distance) : 0};
+  return {way * (1 / distance),
+          distance,
+          light.radiance,
+          squared * distance / projected,
+          light.is_visible ? projected / (area * distance) : 0,
+          length(light.edge_u) + length(light.edge_v)};
 }
 
 /// Draws a way from the point `from` [m] to a light, by two numbers in [0, 1). Radiance 0: the point has no light of

@@ -14,8 +14,8 @@ namespace holotrace {
 
 namespace {
 
-/// Phase factor of an optical path [m] and what surfaces add [rad]. Whole cycles are dropped in double, before the
-/// exponential.
+/// Phase factor of an optical path [m] and of the phases that surfaces add [rad]. Whole cycles are dropped in double,
+/// before the exponential.
 std::complex<double> phase_factor(double path, double wavelength, double added) {
   const double cycles = path / wavelength;
   return std::polar(1.0, 2 * pi * (cycles - std::floor(cycles)) + added);
@@ -23,7 +23,7 @@ std::complex<double> phase_factor(double path, double wavelength, double added) 
 
 double line_of(Vec3 v, size_t line) { return line == 0 ? v.x : line == 1 ? v.y : v.z; }
 
-/// Follows the optical path along a light path and keeps what lasers bring apart from other light.
+/// Records the optical path along a light path and keeps laser light apart from other light.
 class PhasorSink {
  public:
   static constexpr bool follows_phase = true;
@@ -54,7 +54,7 @@ class PhasorSink {
     move_ = {};
   }
 
-  /// Where light that lights `point` is taken to arrive, for its phase.
+  /// The place at which the phase of light on `point` is evaluated.
   Vec3 place_of_phase(Vec3 point) const { return point + move_; }
 
   void add(uint32_t accepted, int group, Vec3 radiance) {
@@ -81,7 +81,7 @@ class PhasorSink {
     }
   }
 
-  /// Adds what waits for the mean over all paths.
+  /// Adds the light that needs the mean over all paths.
   void finish(CounterRandom random) {
     for (const Alike& way : alike_) add_wave(way.sum, way.light / paths_, way.path, way.phase);
     for (size_t i = 0; i < incoherent_.size(); ++i) {
@@ -90,11 +90,11 @@ class PhasorSink {
     }
   }
 
-  /// Whether a clamp has held a way since the last question.
+  /// Whether a clamp has reduced a contribution since the last call.
   bool was_clamped() { return std::exchange(is_clamped_, false); }
 
  private:
-  /// Ways of one light by the same mirrors and glass faces.
+  /// Contributions of one light by the same mirrors and glass faces.
   struct Alike {
     size_t sum;
     int group;
@@ -137,9 +137,9 @@ class PhasorSink {
   std::vector<Vec3> way_, incoherent_;
   std::vector<Alike> alike_;
 
-  // Of the path so far, at the lines.
-  Vec3 path_, phase_, index_{1, 1, 1};  // [m], [rad], of the medium that the path is in
-  Vec3 move_;                           // PathStart::phase_move, while the path is still there
+  // The path so far, at the lines.
+  Vec3 path_, phase_, index_{1, 1, 1};  // [m]; [rad]; index of the medium that the path is in
+  Vec3 move_;                           // PathStart::phase_move, while the path is still at its start
   uint64_t branches_ = 1;  // a 1, then a bit for each specular surface, 1 for a transmission; 0 after a random bounce
   int group_ = 0;
   bool is_clamped_ = false;

@@ -12,7 +12,7 @@ namespace holotrace {
 
 namespace {
 
-/// Adds light to sums, and once to `whole`.
+/// Adds light to its sums, and to `whole`, in which each light counts once.
 struct RadianceSink {
   static constexpr bool follows_phase = false;
   std::span<Vec3> sums;
@@ -33,7 +33,7 @@ RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums) {
   return {sums, scene.automaton.path_groups(), scene.params.separate_lights};
 }
 
-/// How much of light of this strength a clamp lets through.
+/// The fraction of light of this strength that a clamp keeps.
 double let_through(double light, double clamp) { return light > clamp ? clamp / light : 1; }
 
 }  // namespace
@@ -61,7 +61,7 @@ void report(const PathCounts& counts, int max_depth, const Observer& observer) {
   observer.fact("cut", Fact(counts.cut));
   observer.fact("left_out", Fact(counts.left_out));
   observer.fact("clamped", Fact(counts.clamped));
-  // A cut path still had the light of its first max_depth surfaces: below 5 % the loss is not seen.
+  // A cut path still has the light of its first max_depth surfaces: below 5 % the loss is not visible.
   constexpr double visible = 0.05;
   if (double(counts.cut) > visible * double(counts.paths))
     observer.warn(

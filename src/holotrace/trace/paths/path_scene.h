@@ -11,32 +11,32 @@
 
 namespace holotrace {
 
-/// How far and which light paths are followed.
+/// Which light paths are followed, and how far.
 struct PathParams {
   int max_depth = 8;             ///< surfaces on a path
-  double clamp = 0;              ///< most radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
-  bool separate_lights = false;  ///< sums of their own for each light
-  bool asks_at_end = false;      ///< lights are asked by the last surface of a path alone
+  double clamp = 0;              ///< largest radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
+  bool separate_lights = false;  ///< separate sums for each light
+  bool asks_at_end = false;      ///< lights are sampled only at the last surface of a path
   uint64_t seed = 1;
   Acceleration accelerator = Acceleration::embree;
 };
 
-/// A scene made ready for light paths at three wavelengths. Keeps a reference to the scene; calls may run on several
+/// A scene prepared for light paths at three wavelengths. Keeps a reference to the scene; calls may run on several
 /// threads at once.
 struct PathScene {
   const Scene& scene;
   Accelerator accelerator;
   Emitters emitters;
-  PathAutomaton automaton;  ///< of the path groups
+  PathAutomaton automaton;  ///< automaton of the path groups
   Lines lines;
   PathParams params;
-  bool has_panes;  ///< a mesh is of thin glass, which light goes straight through
+  bool has_panes;  ///< whether a mesh is of thin glass, which transmits light straight on
 
   /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth below 1 or a clamp below 0
   PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
             const PathParams& params);
 
-  /// Sums that paths make: one per path group, and for each of them one per light group where lights are separate. Sum
+  /// Number of sums that paths make: one per path group and, with separate lights, per light group. Sum
   /// g·path_groups + l is that of path group l and light group g.
   int sums() const { return automaton.path_groups() * (params.separate_lights ? emitters.groups() : 1); }
 };

@@ -60,7 +60,7 @@ class PathWalk {
     }
   }
 
-  /// Light on a ray up to `distance` and not on a surface, from which a path in `state` has come with density `pdf`
+  /// Light on a ray nearer than `distance` and not on a surface, from which a path in `state` has come with density `pdf`
   /// [1/sr]; 0: by a specular way.
   void add_light_on_way(const Ray& ray, double distance, PathAutomaton::State state, double pdf, Vec3 throughput) {
     const uint32_t path_groups = automaton_.accepted(state);
@@ -68,8 +68,7 @@ class PathWalk {
     for (const int i : emitters_.lights_on_way()) {
       const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(i)]);
       const auto met = meet(light, ray);
-      // A lamp in the plane of a wall is before it, as it is for those who ask it.
-      if (!met || met->distance >= distance + scene_.accelerator.clearance()) continue;
+      if (!met || met->distance >= distance) continue;
       add_met(path_groups, i, throughput * light.radiance * (pdf > 0 ? shared_weight(pdf, met->pdf) : 1));
     }
     if (distance < std::numeric_limits<double>::infinity()) return;
@@ -183,7 +182,7 @@ class PathWalk {
     if (is_black(diffuse) && is_black(glossy)) return;
     ++counts_.shadow_rays;
     uint32_t diffuse_path_groups = diffuse_path_groups_, glossy_path_groups = glossy_path_groups_;
-    if (is_occluded(way)) {
+    if (is_occluded(way, light ? scene_.accelerator.lift_of(group) : 0)) {
       const auto panes = passes_panes ? panes_on(way) : std::nullopt;
       if (!panes) return;
       diffuse *= panes->share, glossy *= panes->share;
@@ -196,17 +195,20 @@ class PathWalk {
       sink_.end_way(light ? laser_path(*light, sink_.place_of_phase(point_.position)) : std::nullopt);
   }
 
-  bool is_occluded(const LightSample& way) const {
+  /// @param lift  of the light's surface before its place [m]
+  bool is_occluded(const LightSample& way, double lift) const {
     const Vec3 from = scene_.accelerator.leave(point_, way.direction);
-    const double clearance = scene_.accelerator.clearance();
     // The ray starts off the surface, by up to a clearance nearer to the light.
-    if (way.cosine == 0) return scene_.accelerator.is_occluded({from, way.direction}, way.distance - clearance);
+    if (way.cosine == 0) return scene_.accelerator.is_occluded({from, way.direction}, way.distance - point_.clearance);
     // What shines is itself in the way: the ray aims at its very place and ends before its plane, at grazing angles
     // sooner.
-    const Vec3 rest = point_.position + way.direction * way.distance - from;
+    const ScenePrecision& precision = scene_.accelerator.precision();
+    const Vec3 end = point_.position + way.direction * way.distance, rest = end - from;
     const double distance = length(rest);
+    // No corner of what shines is further from the centre than that.
+    const double of_light = 2e-6 * (length(end - precision.centre) + way.size);
     return scene_.accelerator.is_occluded({from, rest * (1 / distance)},
-                                          distance - (light_lift + 1) * clearance / std::max(way.cosine, 0.01));
+                                          distance - (lift + of_light) / std::max(way.cosine, 0.01));
   }
 
   /// What stands between the point and a light, if all of it is panes and the path may be that long.
@@ -216,9 +218,8 @@ class PathWalk {
   };
 
   std::optional<Panes> panes_on(const LightSample& way) {
-    const double clearance = scene_.accelerator.clearance();
     Ray ray{scene_.accelerator.leave(point_, way.direction), way.direction};
-    double left = way.distance - 2 * clearance;  // as is_occluded has it
+    double left = way.distance - 2 * point_.clearance;  // as is_occluded has it
     for (Panes panes; depth_ + panes.count <= scene_.params.max_depth; ++panes.count) {
       ++counts_.rays;
       const auto hit = scene_.accelerator.closest_hit(ray);
@@ -267,7 +268,9 @@ class PathWalk {
     const Vec3 here = point_.position;
     const bool has_hit = scene_.accelerator.closest_hit(ray, hit_);
     distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
-    if (emitters_.shine_beyond_surfaces()) add_light_on_way(ray, distance_, state_, pdf_, throughput_);
+    // A lamp in the plane of a wall is before it, as it is for those who ask it.
+    if (emitters_.shine_beyond_surfaces())
+      add_light_on_way(ray, distance_ + (has_hit ? point_.clearance : 0), state_, pdf_, throughput_);
     outgoing_ = -next.direction;
     if (has_hit && point_.light >= 0) {
       add_lamp();

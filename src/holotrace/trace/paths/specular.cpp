@@ -149,12 +149,12 @@ struct Walk {
     leaves.push_back(std::move(leaf));
   }
 
-  /// The lights with an area that the ray meets before a distance and that do not end it.
+  /// The lights with an area that the ray meets nearer than a distance and that do not end it.
   void add_lights(const Ray& ray, double distance, const SpecularLeaf& leaf) {
     for (const int i : scene.emitters.lights_on_way()) {
       const auto& light = std::get<RectangleLight>(scene.emitters.lights()[size_t(i)]);
       const auto met = meet(light, ray);
-      if (!met || met->distance >= distance + scene.accelerator.clearance()) continue;
+      if (!met || met->distance >= distance) continue;
       SpecularLeaf here = leaf;
       here.kind = LeafKind::light;
       here.light = i;
@@ -173,7 +173,8 @@ struct Walk {
     here.start.outgoing = -ray.direction;
     here.start.depth = depth;
     here.start.index = index;
-    if (depth > 1) add_lights(ray, hit ? hit->distance : std::numeric_limits<double>::infinity(), here);
+    if (depth > 1)
+      add_lights(ray, hit ? hit->distance + hit->point.clearance : std::numeric_limits<double>::infinity(), here);
     if (!hit) {
       here.kind = LeafKind::beyond;
       if (depth > 1) add(std::move(here));
@@ -221,7 +222,7 @@ struct Walk {
           {point, normal_between(ray.direction, way.direction, way.is_transmission, near, far, point.geometric_normal),
            way.is_transmission, near, far});
       const double side = way.is_transmission ? -1 : 1;
-      const Vec3 start = point.position + point.geometric_normal * (side * scene.accelerator.clearance());
+      const Vec3 start = point.position + point.geometric_normal * (side * point.clearance);
       follow({start, way.direction}, beyond, next);
     }
   }
@@ -255,7 +256,7 @@ bool shows_the_same(const PathScene& scene, const SpecularLeaf& found, const Spe
     return std::abs(dot(place - there.position, there.geometric_normal)) <= 1e-3 * reach;
   const auto expected = retrace(scene.scene, model, ray);
   if (!expected) return false;
-  const double rounding = 4 * scene.accelerator.clearance() + 1e-5 * reach;
+  const double rounding = 4 * there.clearance + 1e-5 * reach;
   return length(place - expected->place) <= rounding + 0.1 * length(expected->place - there.position);
 }
 

@@ -10,7 +10,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
 
-// Where samples fall: cells of the unit square, shuffled orders, hemispheres and the panel's view.
+// Positions of samples: cells of the unit square, shuffled orders, hemispheres and the panel's view.
 
 namespace holotrace {
 
@@ -18,8 +18,8 @@ namespace holotrace {
 inline Vec3 view_direction(double tangent_x, double tangent_y) { return normalize({tangent_x, tangent_y, -1}); }
 
 /// A point of cell `index` of `count` cells of equal area 1/count that tile the unit square in
-/// ⌊√count⌋ rows, at the place (u, v) inside the cell. Works for every count from 1 to 2⁴⁰; one uniform
-/// (u, v) per cell is stratified sampling of the square.
+/// ⌊√count⌋ rows, at the position (u, v) inside the cell. Valid for every count from 1 to 2⁴⁰. One uniform
+/// (u, v) per cell gives stratified sampling of the square.
 inline Vec2 stratum(int64_t index, int64_t count, double u, double v) {
   const auto rows = std::max<int64_t>(1, int64_t(std::sqrt(double(count))));
   const auto first_of = [&](int64_t row) { return row * count / rows; };
@@ -30,7 +30,7 @@ inline Vec2 stratum(int64_t index, int64_t count, double u, double v) {
 }
 
 /// A random permutation of 0 … count−1 that is computed, not stored: four rounds of a Feistel
-/// network over the next even power of two, walked until the value falls below `count`
+/// network over the next even power of two, repeated until the value falls below `count`
 /// (Black and Rogaway, CT-RSA 2002). It pairs strata of the panel with strata of direction.
 class Permutation {
  public:
@@ -69,7 +69,7 @@ inline Vec3 sample_cosine(Vec3 normal, double u, double v) {
                           {radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1 - u)});
 }
 
-/// The density of sample_cosine [1/sr]; 0 below the surface.
+/// Density of sample_cosine [1/sr]; 0 below the surface.
 inline double pdf_cosine(Vec3 normal, Vec3 direction) { return std::max(0.0, dot(normal, direction)) / pi; }
 
 }  // namespace holotrace

@@ -19,6 +19,7 @@ struct SurfacePoint {
   int light = -1;                   ///< index into Scene::lights where this is the surface of a light
   bool is_front = true;             ///< the path came from the side that sees the triangle counter-clockwise
   uint32_t mesh = 0, triangle = 0;  ///< of Scene::meshes; after them those of light_surfaces
+  double clearance = 0;             ///< how far from here a ray has to start so as not to meet the surface again [m]
 };
 
 }  // namespace holotrace

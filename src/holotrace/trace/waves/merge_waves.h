@@ -36,8 +36,10 @@ class CellWaves {
   explicit CellWaves(double side) : side_(side) {}
 
   /// The number under which a wave of that key, seen at that place [m], was first added; `next`, and from now on found
-  /// under it, if there was none. Images that are apart by no more than 8 cells, or a thousandth of their
-  /// distance, are one.
+  /// under it, if there was none. Images of one key that are apart by no more than 8 cells, or a thousandth of their
+  /// distance R from the panel's centre, are one: two rays that meet one cell see it up to a cell apart, and a curved
+  /// mirror or lens shows the cell enlarged, at a place that differs from ray to ray by its aberration. The cost: images
+  /// of a cell in two mirrors that are parallel within that distance, 1/2000 of R from mirror to mirror, make one wave.
   size_t find_or_add(uint64_t key, Vec3 origin, size_t next);
 
   void clear();

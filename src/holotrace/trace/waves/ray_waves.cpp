@@ -13,7 +13,7 @@ namespace holotrace {
 
 namespace {
 
-/// Light that no path has to be followed for.
+/// Adds light that needs no path.
 void add_known_light(const PathScene& scene, const SpecularLeaf& leaf, std::vector<Vec3>& sums) {
   const PathStart& start = leaf.start;
   const Emitters& emitters = scene.emitters;
@@ -66,7 +66,7 @@ LeafLight light_from(const PathScene& scene, const TraceParams& params, const Sp
   return light;
 }
 
-/// Takes the phase of the wave to the place that stands for the cell: its middle, dropped onto the surface.
+/// Moves the phase of the wave to the place that represents the cell: its middle, projected onto the surface.
 void move_phase(SpecularLeaf& leaf, const Ray& ray, Vec3 middle) {
   const SurfacePoint& point = leaf.start.point;
   const Vec3 way = middle - point.position;
@@ -78,7 +78,7 @@ void move_phase(SpecularLeaf& leaf, const Ray& ray, Vec3 middle) {
     leaf.optical_path -= leaf.start.index * dot(move, leaf.start.outgoing);
 }
 
-/// The key of a leaf's random phase, and the cell that it shares it with. Under the strategy gather the leaf's phase
+/// The key of a leaf's random phase, and the cell of equal phase. With the strategy gather the leaf's phase
 /// becomes that of the cell.
 std::pair<uint64_t, WaveCell> place_in_cell(SpecularLeaf& leaf, const TraceParams& params, double side, const Ray& ray,
                                             uint64_t sample) {
@@ -146,7 +146,7 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
     const Vec3 way = place - point.position;
     if (dot(way, point.geometric_normal) <= 0) return std::nullopt;
     ++counts.shadow_rays;
-    // At grazing angles the surface itself would be in the way of a ray to its very place.
+    // At grazing angles the surface would hide its own point.
     if (scene.accelerator.is_occluded(place, scene.accelerator.leave(point))) return std::nullopt;
     if (wave.is_diffuse) return SeenLight{std::nullopt, model.weight};
     leaf = model;

@@ -16,7 +16,7 @@ double cell_side(const TraceParams& params, const Grid& panel) {
 }
 
 SurfaceCell surface_cell(Vec3 position, double side) {
-  // Fractions that are no ratios of small numbers: of √2, √3 and √5.
+  // Irrational fractions: those of √2, √3 and √5.
   const double offsets[3] = {0.41421356, 0.73205081, 0.23606798};
   const double coordinates[3] = {position.x, position.y, position.z};
   double centre[3];

@@ -13,65 +13,65 @@
 
 namespace holotrace {
 
-/// A set of waves that a tracing makes, and which of its sums (PathScene::sums) are its light.
+/// A set of waves of a tracing, and the sums (PathScene::sums) that contribute light to it.
 struct WaveSet {
   double wavelength = 0;       ///< [m]
-  int line = 0;                ///< of the path's three
-  std::vector<int> sums;       ///< light of path groups and light groups that is in it
-  bool has_laser = false;      ///< lasers are among its lights
-  bool has_points = true;      ///< the scene's luminous points are in it, too
-  std::string name;            ///< of the path group or light, "" for all
+  int line = 0;                ///< index of its wavelength among the path's three
+  std::vector<int> sums;       ///< sums of path groups and light groups that it contains
+  bool has_laser = false;      ///< whether lasers are among its lights
+  bool has_points = true;      ///< whether it also contains the scene's luminous points
+  std::string name;            ///< name of the path group or light, "" for all
   double cone_wavelength = 0;  ///< Sources::cone_wavelength
 
   /// Wavelength whose acceptance its waves fill [m].
   double cone() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
 };
 
-/// Wavelengths of which one tracing makes waves: up to three at once, or one at a time where a solid dielectric of
+/// Groups of wavelengths that one tracing treats together: up to three, or one if a solid dielectric of
 /// the scene is dispersive, so that paths of different colours part.
 std::vector<std::vector<double>> group_wavelengths(const Scene& scene, const std::vector<double>& wavelengths);
 
-/// What of the parameters light paths are followed by.
+/// The parameters of light paths, taken from those of the tracing.
 PathParams path_params(const TraceParams& params);
 
-/// The lines of a group; fewer than three repeat.
+/// The lines of a group; for fewer than three, wavelengths are repeated.
 Lines lines_of(const std::vector<double>& group);
 
-/// The wavelengths whose acceptance the rays of all wavelengths fill and their waves keep to [m]: the shortest, or each
-/// its own and the rays the longest.
+/// The wavelengths whose acceptance the rays fill and the waves keep to [m]. With a common cone both are the shortest
+/// wavelength; otherwise the rays use the longest, and each wave its own.
 struct Cones {
   double of_rays = 0;
-  double of_waves = 0;  ///< Sources::cone_wavelength; 0: each its own
+  double of_waves = 0;  ///< Sources::cone_wavelength; 0: each wave its own
 };
 Cones cones_of(const std::vector<double>& wavelengths, const TraceParams& params);
 
-/// States what a common cone costs, "cone_half_angle" [rad] and "etendue_given_up", the part of the longest
-/// wavelength's étendue 1 − (λ_shortest/λ_longest)², and warns where it is more than 0.6.
+/// Reports the cost of a common cone: the facts "cone_half_angle" [rad] and "etendue_given_up", the fraction of the
+/// longest wavelength's étendue that is lost, 1 − (λ_shortest/λ_longest)². Warns if it is more than 0.6.
 void report(const Cones& cones, const std::vector<double>& wavelengths, const Grid& panel, const Observer& observer);
 
-/// The sets of a group of wavelengths: for each in turn, the path groups in their order, for each path group the light groups. A
-/// luminous point is the path EL, so it is in the path groups that have that path; with separate lights, points are
-/// a light of their own, the last, "points".
+/// The sets of a group of wavelengths: for each wavelength, the path groups in order, and for each of these the light
+/// groups. A luminous point is the path EL, so it belongs to the path groups with that path; with separate lights,
+/// points are a light of their own, the last, "points".
 std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params, const std::vector<double>& group,
                                const Cones& cones);
 
-/// Radiance [W/m²/sr] and, for a laser's, phase [rad] that the waves of a set start with.
+/// Radiance [W/m²/sr] and, for lasers, phase [rad] with which the waves of a set start.
 struct SetLight {
   double radiance = 0, phase = 0;
 };
 
-/// Key of the random phase of a wave in a set: that of the wave or, under the phase `laser` in a set without lasers,
+/// Key of the random phase of a wave in a set: the wave's key; but with the phase `laser` in a set without lasers,
 /// which has no phase to follow, the number of its sample.
 uint64_t key_in(const WaveSet& set, SourcePhase phase, uint64_t key, uint64_t sample);
 
-/// The same of luminous point i: by the number of the point (those of rays come after) wherever rays have random parts
-/// of their phases. A point is no part of a surface's cell: points near each other are not in step.
+/// The key for luminous point i: its number (the rays' numbers come after it) if the phases of rays have random
+/// parts. A point is not part of a surface's cell: nearby points have independent phases.
 uint64_t point_key(const TraceParams& params, const WaveSet& set, size_t i);
 
-/// Share of a leaf's light that is a set's, through mirrors and glass of that weight.
+/// The light of a leaf that belongs to a set, seen by mirrors and glass of that weight.
 SetLight light_of(const WaveSet& set, const LeafLight& light, Vec3 weight);
 
-/// The light that an amplitude is the root of: L, or L²/(1 W/m²/sr).
+/// The squared amplitude: L, or L²/(1 W/m²/sr).
 inline double squared_amplitude_of(double radiance, AmplitudeLaw law) {
   return law == AmplitudeLaw::sqrt ? radiance : radiance * radiance;
 }

@@ -10,7 +10,7 @@
 namespace holotrace {
 namespace {
 
-// One channel as it is to be sampled once per `scale` pixels.
+// One channel, smoothed for sampling once per `scale` pixels.
 Channel channel_for_scale(const Image& image, int channel, double scale) {
   Channel one(image.ny, image.nx);
   for (size_t i = 0; i < one.values.size(); ++i)
@@ -18,13 +18,13 @@ Channel channel_for_scale(const Image& image, int channel, double scale) {
   return scale > 1 ? reduced(one, 1, std::sqrt((scale * scale - 1) / 12)) : one;
 }
 
-// Row by row, how far up each column is covered; the largest rectangle under such a skyline is as high as one of its
-// columns, and ends where lower ones stand.
+// For each row, the height of the covered pixels that end there is known in each column. The largest rectangle under
+// these heights is as high as one of the columns, and ends at lower columns on both sides.
 PixelRectangle largest_rectangle(const std::vector<char>& is_covered, int ny, int nx) {
   PixelRectangle best;
-  std::vector<int> height(size_t(nx) + 1, 0), open;  // beyond the last column: 0
+  std::vector<int> height(size_t(nx) + 1, 0), open;  // 0 beyond the last column
   for (int row = 0; row < ny; ++row) {
-    open.clear();  // columns of rising height
+    open.clear();  // columns of increasing height
     for (int column = 0; column <= nx; ++column) {
       if (column < nx)
         height[size_t(column)] = is_covered[size_t(row) * size_t(nx) + size_t(column)] ? height[size_t(column)] + 1 : 0;

@@ -8,7 +8,7 @@
 namespace holotrace {
 namespace {
 
-// The weights of one new pixel: of the old pixels first, first + 1, …
+// The weights for one new pixel, of the old pixels first, first + 1, …
 struct Window {
   int first = 0;
   std::vector<float> weights;
@@ -18,7 +18,7 @@ std::vector<Window> gaussian_windows(int old_count, int new_count, double pixel,
   std::vector<Window> windows(static_cast<size_t>(new_count));
   for (int i = 0; i < new_count; ++i) {
     const double centre = (i - (new_count - 1) / 2.0) * pixel + (old_count - 1) / 2.0;
-    const double reach = std::max(3.5 * sigma, 1.0);  // the tail beyond holds 5e-4 of the light
+    const double reach = std::max(3.5 * sigma, 1.0);  // 5e-4 of the light lies beyond
     const int first = std::clamp(int(std::ceil(centre - reach)), 0, old_count - 1);
     const int last = std::clamp(int(std::floor(centre + reach)), first, old_count - 1);
     Window& window = windows[size_t(i)];
@@ -51,7 +51,7 @@ Channel filtered(const Channel& channel, int ny, int nx, double pixel, double si
   return out;
 }
 
-// Keys' kernel with a = −1/2 at distances t + 1, t, 1 − t, 2 − t, and its slope along t.
+// Keys' kernel with a = −1/2 at the distances t + 1, t, 1 − t, 2 − t, and its slopes along t.
 void keys(double t, double weights[4], double slopes[4]) {
   weights[0] = ((-0.5 * t + 1) * t - 0.5) * t;
   weights[1] = (1.5 * t - 2.5) * t * t + 1;

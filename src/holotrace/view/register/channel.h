@@ -8,7 +8,7 @@
 
 namespace holotrace {
 
-/// A picture in one channel for registration, row 0 on top. Places are counted in its pixels from its centre, u to the
+/// One channel of a picture for registration, row 0 at the top. Places are in its pixels from its centre, u to the
 /// right and v down: u(column) = column − (nx − 1)/2, v(row) = row − (ny − 1)/2.
 struct Channel {
   int nx = 0, ny = 0;
@@ -22,8 +22,8 @@ struct Channel {
   double v_centre() const { return (ny - 1) / 2.0; }
 };
 
-/// Where a picture's places are in another: (u, v) → (a·u − b·v + x, b·u + a·v + y). a + ib = scale·exp(i·angle),
-/// clockwise, since v points down.
+/// Map from places in one picture to places in another: (u, v) → (a·u − b·v + x, b·u + a·v + y), with a + ib =
+/// scale·exp(i·angle). The angle is clockwise, since v points down.
 struct Similarity {
   double a = 1, b = 0, x = 0, y = 0;
   std::array<double, 2> operator()(double u, double v) const { return {a * u - b * v + x, b * u + a * v + y}; }
@@ -32,26 +32,26 @@ struct Similarity {
 /// The mean of an image's channels.
 Channel mean_of_channels(const Image& image);
 
-/// The picture in pixels `pixel` times as large, ⌊nx/pixel⌋ × ⌊ny/pixel⌋ of them about the same centre, each a mean
-/// weighted by a Gaussian of σ = blur·pixel of the old pixels inside the picture.
+/// The picture in pixels `pixel` times as large, ⌊nx/pixel⌋ × ⌊ny/pixel⌋ of them about the same centre. Each is a mean
+/// of the old pixels, weighted by a Gaussian of σ = blur·pixel.
 /// @param pixel  > 0; the picture keeps at least one pixel
-/// @param blur   > 0; from 0.8 on what is finer than the new pixels is gone: exp(−(π·0.8)²/2) = 4 % is left at the
+/// @param blur   > 0; from 0.8 on, detail finer than the new pixels is removed: exp(−(π·0.8)²/2) = 4 % is left at the
 ///               Nyquist frequency
 Channel reduced(const Channel& channel, double pixel, double blur);
 
 /// The picture less its own blur by a Gaussian of σ = `extent` pixels: without shading, ambient light and offset.
 Channel without_shading(const Channel& channel, double extent);
 
-/// Value and slopes at a place between pixels.
+/// Value and slopes at a place between pixel centres.
 struct Sample {
   double value, slope_u, slope_v;
 };
 
-/// Cubic convolution (Keys, IEEE Trans. Acoust. 29, 1153 (1981)) of the 4 × 4 pixels about column and row, which lie
-/// in [1, nx − 2) and [1, ny − 2).
+/// Cubic convolution (Keys, IEEE Trans. Acoust. 29, 1153 (1981)) of the 4 × 4 pixels about column and row, which must
+/// be in [1, nx − 2) and [1, ny − 2).
 Sample sample_cubic(const Channel& channel, double column, double row);
 
-/// Whether 4 × 4 pixels lie about the place.
+/// Whether the picture has the 4 × 4 pixels about the place.
 inline bool holds_cubic(const Channel& channel, double column, double row) {
   return column >= 1 && row >= 1 && column < channel.nx - 2 && row < channel.ny - 2;
 }

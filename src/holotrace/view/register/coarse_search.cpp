@@ -13,7 +13,7 @@ namespace {
 
 using Spectrum = std::vector<std::complex<float>>;
 
-// The square on which the pictures meet: large enough that no shift wraps round.
+// The square in which the pictures are correlated, large enough that no shift wraps around.
 struct Board {
   int side, turned;  // turned: side of the square that holds `fixed` at any angle
 };
@@ -23,7 +23,7 @@ Spectrum transformed(Spectrum values, int side, FftDirection direction) {
   return values;
 }
 
-// moving's pixels, raised to a power: 0 gives its outline.
+// Spectrum of moving's pixels, raised to a power; power 0 gives its outline.
 Spectrum spectrum_of_power(const Channel& channel, int power, int side) {
   Spectrum values(size_t(side) * size_t(side));
   for (int j = 0; j < channel.ny; ++j)
@@ -32,7 +32,7 @@ Spectrum spectrum_of_power(const Channel& channel, int power, int side) {
   return transformed(std::move(values), side, FftDirection::forward);
 }
 
-// fixed at an angle, in the middle of its square: its values, their squares and its outline.
+// Spectra of `fixed` at an angle, in the middle of its square: its values, their squares and its outline.
 struct Turned {
   Spectrum values, squares, outline;
 };
@@ -66,13 +66,13 @@ std::vector<Match> coarse_search(const Channel& moving, const Channel& fixed, do
   const Spectrum m = spectrum_of_power(moving, 1, side), squares = spectrum_of_power(moving, 2, side),
                  outline = spectrum_of_power(moving, 0, side);
   const double least =
-      least_overlap * std::min(double(moving.nx) * moving.ny, double(fixed.nx) * fixed.ny) * side * side;  // of FFT
+      least_overlap * std::min(double(moving.nx) * moving.ny, double(fixed.nx) * fixed.ny) * side * side;  // FFT scale
   const int angles = std::max(1, int(std::ceil(2 * pi / step)));
   std::vector<Match> matches(static_cast<size_t>(angles));
   parallel_for(0, angles, [&](int64_t n) {
     const double angle = 2 * pi * double(n) / angles;
     const Turned t = turn(fixed, angle, board);
-    // Two real correlations at a time, as the real and the imaginary part of one transform.
+    // Two real correlations at once, as the real and the imaginary part of one transform.
     Spectrum both(m.size()), weights(m.size());
     const std::complex<float> i(0, 1);
     for (size_t k = 0; k < m.size(); ++k) {
@@ -89,7 +89,7 @@ std::vector<Match> coarse_search(const Channel& moving, const Channel& fixed, do
       const double score = product / std::sqrt(mm * ff) * std::sqrt(overlap) / side;
       if (score > best.score) best.score = score, place = k;
     }
-    // Shifts beyond the moving picture are negative ones. The turned picture's centre lies in the middle of its square.
+    // Shifts beyond the moving picture are negative. The turned picture's centre lies in the middle of its square.
     int column = int(place % size_t(side)), row = int(place / size_t(side));
     if (column >= moving.nx) column -= side;
     if (row >= moving.ny) row -= side;

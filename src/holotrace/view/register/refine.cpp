@@ -9,16 +9,16 @@
 namespace holotrace {
 namespace {
 
-// Unknowns: a and b (times the picture's radius, so that all are lengths), x and y.
+// Unknowns: a and b (times the picture's radius, so that all are lengths [pixels]), x and y.
 using Vector = Eigen::Matrix<double, 4, 1>;
 using Matrix = Eigen::Matrix<double, 4, 4>;
 
 constexpr int block = 16;
 
-// What a row of blocks, or all of them, add to the equations.
+// Contribution of a row of blocks to the equations, or their total.
 struct Sums {
   Matrix normal = Matrix::Zero();   // Σ (∇m·Xₖ)(∇f·Xₗ)
-  Matrix spread = Matrix::Zero();   // of the balance: Σ over blocks of their share times itself
+  Matrix spread = Matrix::Zero();   // covariance of `balance`: Σ over blocks of share·shareᵀ
   Vector balance = Vector::Zero();  // Σ (f·∇m − m·∇f)·Xₖ
   double mm = 0, ff = 0, mf = 0, pixels = 0;
 
@@ -43,7 +43,7 @@ Sums sum_rows(const Channel& moving, const Channel& fixed, const Similarity& map
       const double at_column = x + moving.u_centre(), at_row = y + moving.v_centre();
       if (!holds_cubic(moving, at_column, at_row)) continue;
       const Sample m = sample_cubic(moving, at_column, at_row), f = sample_cubic(fixed, column, row);
-      // ∇f along the axes of moving: those of fixed turned, and shorter as its pixels are larger there.
+      // ∇f along the axes of `moving`: the slopes of `fixed`, rotated and divided by the scale.
       const double f_u = (map.a * f.slope_u - map.b * f.slope_v) / scale_squared,
                    f_v = (map.b * f.slope_u + map.a * f.slope_v) / scale_squared;
       const auto along = [&](double slope_u, double slope_v) -> Vector {
@@ -64,7 +64,7 @@ Sums sum_rows(const Channel& moving, const Channel& fixed, const Similarity& map
   return sums;
 }
 
-// Row of blocks by row of blocks, added up in order: the same on any number of threads.
+// The rows of blocks are added in order, so the result is the same on any number of threads.
 Sums sum_all(const Channel& moving, const Channel& fixed, const Similarity& map) {
   std::vector<Sums> rows(size_t((fixed.ny + block - 1) / block));
   parallel_for(0, int64_t(rows.size()),
@@ -92,10 +92,10 @@ double worst_corner_error(const Matrix& covariance, const Channel& fixed) {
 double Fit::score() const { return correlation * std::sqrt(pixels); }
 
 Fit refine(const Channel& moving, const Channel& fixed, const Similarity& start, int most_iterations) {
-  constexpr double least_pixels = 64;   // below, four unknowns are not told from noise
-  constexpr double small_step = 1e-4;   // of a pixel: far below what noise lets one see
-  constexpr double longest_step = 2.0;  // pixels: farther, the slopes at the start say nothing
-  constexpr double least_rcond = 1e-4;  // below, as in a disc or a grating, the raster decides and not the picture
+  constexpr double least_pixels = 64;   // with fewer, noise hides the four unknowns
+  constexpr double small_step = 1e-4;   // pixels; far below the effect of noise
+  constexpr double longest_step = 2.0;  // pixels; the slopes at the start hold no farther
+  constexpr double least_rcond = 1e-4;  // below (a disc, a grating), the raster would decide instead of the picture
   const double radius = radius_of(fixed);
   Fit fit;
   fit.map = start;

@@ -14,19 +14,19 @@
 namespace holotrace {
 namespace {
 
-constexpr double search_side = 48;        // pixels of the larger picture in the search
-constexpr double search_step = 0.11;      // of angle [rad] and of ln(scale): 1.9 pixels at half a step and the corner
-constexpr double shading_part = 1 / 12.;  // of the picture: what is slower is shading
-constexpr double blur = 0.8;              // σ of a pixel: see reduced
-constexpr double least_overlap = 0.3;     // of the smaller picture
+constexpr double search_side = 48;        // side of the larger picture in the search [pixels]
+constexpr double search_step = 0.11;      // angle [rad] and ln(scale): 1.9 pixels at half a step, at a corner
+constexpr double shading_part = 1 / 12.;  // of the picture's long side: slower changes are shading
+constexpr double blur = 0.8;              // σ in pixels, see reduced
+constexpr double least_overlap = 0.3;     // fraction of the smaller picture
 constexpr size_t most_candidates = 12, most_finalists = 3;
-constexpr double finer = 1.5;  // each resolution than the one before
-// Unrelated pictures come, at the best of all maps, to standard errors of 0.6 to 5 % of the photograph's side; related
-// ones under strong speckle to 0.3 %, others below 0.1 %.
+constexpr double finer = 1.5;  // ratio from one resolution to the next
+// Standard error over the photograph's side, for the best map: 0.6 to 5 % for unrelated pictures; up to 0.3 % for
+// related ones under strong speckle, below 0.1 % for other related ones.
 constexpr double most_error_part = 0.004;
 
-// Both pictures at one resolution, if `fixed` is shown `scale` times as large: pixels of pixel_fixed and of
-// scale·pixel_fixed.
+// Both pictures at one resolution, if `fixed` is shown `scale` times as large: pixels of pixel_fixed in `fixed` and of
+// scale·pixel_fixed in `moving`.
 struct Pair {
   Channel moving, fixed;
   double pixel_moving, pixel_fixed;
@@ -49,13 +49,13 @@ Pair at_resolution(const Channel& moving, const Channel& fixed, double scale, do
   return {reduced(moving, pixel_moving, blur), reduced(fixed, pixel_fixed, blur), pixel_moving, pixel_fixed};
 }
 
-// The size in pixels of `fixed` of what counts as shading, in pictures shown `scale` times as large.
+// Extent of what counts as shading, in pixels of `fixed`, if `fixed` is shown `scale` times as large.
 double shading_extent(const Channel& moving, const Channel& fixed, double scale) {
   return shading_part * std::max(long_side(moving) / scale, long_side(fixed));
 }
 
-// What is laid upon each other: amplitudes, so that speckle, whose spread goes with the light, does not rule in bright
-// places; and no shading.
+// The pictures to compare: amplitudes without shading. With amplitudes, speckle, whose spread grows with the light,
+// does not dominate in bright places.
 Pair structure_of(Pair pair, double extent) {
   for (Channel* channel : {&pair.moving, &pair.fixed}) {
     for (float& value : channel->values) value = std::sqrt(std::max(0.0F, value));
@@ -76,14 +76,14 @@ struct Candidate {
   }
 };
 
-// Whether two maps differ by less than a tenth of the picture at every corner: ways to one truth.
+// Whether two maps differ by less than a tenth of the picture at every corner, so that they lead to one solution.
 bool are_alike(const Similarity& p, const Similarity& q, const Channel& fixed) {
   const double radius = std::hypot(fixed.nx, fixed.ny) / 2;
   return std::hypot(p.a - q.a, p.b - q.b) * radius + std::hypot(p.x - q.x, p.y - q.y) <
          0.2 * radius * std::max(scale_of(p), scale_of(q));
 }
 
-// The best maps that differ by more than a step, each as fitted at the resolution of the search.
+// The best maps that differ by more than a step, each refined at the resolution of the search.
 std::vector<Candidate> search(const Channel& moving, const Channel& fixed, double smallest, double largest,
                               const Observer& observer) {
   const size_t steps = 1 + size_t(std::ceil(std::log(largest / smallest) / search_step));
@@ -112,7 +112,7 @@ std::vector<Candidate> search(const Channel& moving, const Channel& fixed, doubl
     const Fit fit = refine(pair.moving, pair.fixed, c.map, 15);
     c.map = pair.from_reduced(fit.map);
     const double change = scale_of(fit.map);
-    c.score = change > 0.8 && change < 1.25 ? fit.score() : 0;  // farther than steps are apart, it has lost its way
+    c.score = change > 0.8 && change < 1.25 ? fit.score() : 0;  // a larger change than one step means divergence
   }
   std::stable_sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
   std::vector<Candidate> distinct;
@@ -123,7 +123,7 @@ std::vector<Candidate> search(const Channel& moving, const Channel& fixed, doubl
   return distinct;
 }
 
-// Both pictures at one resolution, laid upon each other.
+// Both pictures at one resolution, and the map fitted to them.
 struct Laid {
   Pair pair;
   Fit fit;
@@ -133,7 +133,7 @@ struct Laid {
   double error() const { return fit.uncertainty * pair.pixel_moving; }
 };
 
-// Lays the pictures upon each other in pixels of pixel_fixed, or in those of the coarser picture.
+// Fits the pictures in pixels of pixel_fixed, or in pixels of the coarser picture if these are larger.
 Laid lay(const Channel& moving, const Channel& fixed, const Similarity& start, double pixel_fixed) {
   const double scale = scale_of(start), finest = std::max(1.0, 1 / scale);
   Laid laid;
@@ -145,8 +145,8 @@ Laid lay(const Channel& moving, const Channel& fixed, const Similarity& start, d
   return laid;
 }
 
-// From the resolution of the search to the finest, and back to the one of the least standard error: the finest has more
-// of the structure, and more of the noise.
+// Goes from the resolution of the search to the finest, and returns the one of the least standard error: the finest has
+// the most structure, but also the most noise.
 Laid refine_best(const Channel& moving, const Channel& fixed, const std::vector<Candidate>& candidates) {
   Laid laid;
   double pixel_fixed = 0;
@@ -166,7 +166,7 @@ Laid refine_best(const Channel& moving, const Channel& fixed, const std::vector<
 
 constexpr float uncovered = std::numeric_limits<float>::quiet_NaN();
 
-// moving on the places of fixed, `uncovered` beyond it.
+// `moving` resampled at the pixels of `fixed`, `uncovered` beyond it.
 Channel laid_upon(const Channel& moving, const Channel& fixed, const Similarity& map) {
   Channel out(fixed.ny, fixed.nx);
   parallel_for(0, fixed.ny, [&](int64_t row) {
@@ -180,11 +180,11 @@ Channel laid_upon(const Channel& moving, const Channel& fixed, const Similarity&
   return out;
 }
 
-// Gain and offset of what both show.
+// Gain and offset between the pictures, from their overlap.
 //
-// Without offset the gain is Σm/Σf: noise and speckle of mean 1 leave it as it is. With one, it is the slope
-// cov(m, f')/cov(f, f') over blocks of 8 × 8 pixels, f' being the mean of a block's neighbours, whose speckle is
-// another.
+// Without an offset the gain is Σm/Σf, which noise and speckle of mean 1 do not change. With an offset, it is the slope
+// cov(m, f')/cov(f, f') over blocks of 8 × 8 pixels. f' is the mean of a block's neighbours, whose speckle is
+// independent.
 void find_gain(const Channel& moving, const Channel& fixed, bool fits_offset, Registration& r) {
   double m_sum = 0, f_sum = 0;
   for (size_t i = 0; i < fixed.values.size(); ++i)
@@ -193,7 +193,7 @@ void find_gain(const Channel& moving, const Channel& fixed, bool fits_offset, Re
   if (!fits_offset) return;
   constexpr int side = 8;
   const int nx = fixed.nx / side, ny = fixed.ny / side;
-  // A block that is not wholly in common has the NaN of its uncovered pixels in m, and by hand in f.
+  // A block that is partly outside the overlap is NaN: in m from its uncovered pixels, in f set below.
   std::vector<double> m(size_t(nx) * size_t(ny)), f = m;
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {

@@ -8,12 +8,12 @@
 
 namespace holotrace {
 
-/// How a photograph is laid upon a simulation.
+/// How a photograph is registered to a simulation.
 struct RegisterParams {
-  /// Pixels of the photograph per pixel of the simulation that are tried. 0: half of the smaller and twice the larger
-  /// of 1 and the ratio of the pictures' long sides.
+  /// Smallest and largest scale to try, in pixels of the photograph per pixel of the simulation. 0: half of the smaller
+  /// and twice the larger of 1 and the ratio of the pictures' long sides.
   double smallest_scale = 0, largest_scale = 0;
-  bool offset = false;  ///< fit stray light, or a dark level, under the photograph too
+  bool offset = false;  ///< also fit an offset: stray light or a dark level of the photograph
 };
 
 template <class Visitor>
@@ -25,37 +25,37 @@ void describe(Visitor& v, RegisterParams& p) {
   v.flag("offset", p.offset, "also fit a constant brightness of the photograph (stray light or dark level)");
 }
 
-/// How `moving` shows `fixed`:
+/// How `moving` depicts `fixed`:
 ///
 ///     moving(q) = gain·fixed(p) + offset,   q = scale·R(rotation)·p + shift
 ///
-/// p and q are places from the centre of each picture in its own pixels, x to the right and y up.
+/// p and q are places in pixels from the centre of each picture, x to the right and y up.
 struct Registration {
   double scale = 1;                 ///< pixels of `moving` per pixel of `fixed`
   double rotation = 0;              ///< anticlockwise, in (−π, π] [rad]
-  double shift_x = 0, shift_y = 0;  ///< of the centre of `fixed` in `moving` [pixels of moving]
+  double shift_x = 0, shift_y = 0;  ///< place of the centre of `fixed` in `moving` [pixels of moving]
   double gain = 1, offset = 0;
-  double correlation = 0;  ///< coefficient of both amplitudes, without their shading, over what they have in common
+  double correlation = 0;  ///< correlation coefficient of the amplitudes without shading, over the overlap
   double uncertainty = 0;  ///< standard error of a place at the worst corner [pixels of moving]
-  double overlap = 0;      ///< part of `fixed` that `moving` shows
-  double residual = 0;     ///< rms of (moving − offset)/gain − fixed over it [unit of fixed]
-  int iterations = 0;      ///< of the last fit
+  double overlap = 0;      ///< fraction of `fixed` that `moving` shows
+  double residual = 0;     ///< rms of (moving − offset)/gain − fixed in the overlap [unit of fixed]
+  int iterations = 0;      ///< iterations of the last fit
 
-  /// Where a place of `fixed` is in `moving` [pixels from the centre, y up].
+  /// The place in `moving` of a place in `fixed` [pixels from the centre, y up].
   std::array<double, 2> operator()(double x, double y) const;
 };
 
-/// Finds the similarity and the gain by which a photograph shows a known picture.
+/// Finds the similarity and the gain with which a photograph shows a known picture.
 ///
-/// A search tries all angles and a range of scales on both pictures at 48 pixels, each with all shifts; Newton's method
-/// then refines the best of them, finer from level to level, down to the pixels of the coarser picture, and the level
-/// of the least standard error is kept. What is laid upon each other is the amplitude, the root of the mean of an
-/// image's channels, less its part that is slower than a twelfth of the picture, so that shading and stray light do not
-/// matter. The gain is the ratio of the light that both show; with an offset, it is the slope of block means against
-/// each other, with the neighbours as instrument, so that speckle in `fixed` does not lower it.
+/// A search at 48 pixels tries all angles and a range of scales, each with all shifts. Newton's method then refines the
+/// best of them at finer and finer resolutions, down to the pixels of the coarser picture, and the resolution with
+/// the least standard error is kept. The pictures are compared by amplitude, the root of the mean of an image's
+/// channels, without changes slower than a twelfth of the picture; shading and stray light thus do not
+/// matter. The gain is the ratio of the light in the overlap. With an offset it is the slope of block means against
+/// each other, with the neighbouring blocks as instrument, so that speckle in `fixed` does not lower it.
 ///
-/// @param moving, fixed  of any sizes from 16 pixels on, finite
-/// @throws Error  if no such map stands out: too little structure or overlap, or a scale out of range
+/// @param moving, fixed  pictures of any size from 16 pixels on, finite
+/// @throws Error  if no map stands out: too little structure or overlap, or a scale out of range
 Registration register_image(const Image& moving, const Image& fixed, const RegisterParams& params = {},
                             const Observer& observer = {});
 

@@ -79,15 +79,16 @@ struct Slicing {
   Array2D<int32_t> slice_of;  // by pixel; −1: nothing there
 };
 
-Placing placing_of(const DepthImage& image, const Grid& panel, double wavelength, const DepthImageParams& params) {
+Placing placing_of(const DepthImage& image, const Grid& panel, const LightInCone& light,
+                   const DepthImageParams& params) {
   const int nx = image.picture.nx;
   if (params.projection == Projection::orthographic)
     return {params.projection, (params.width > 0 ? params.width : panel.width()) / nx};
-  const double tangent =
-      params.field_of_view > 0 ? std::tan(params.field_of_view) : acceptance_tangent(wavelength, panel.pitch);
+  const double tangent = params.field_of_view > 0 ? std::tan(params.field_of_view)
+                                                  : acceptance_tangent(light.acceptance_wavelength(), panel.pitch);
   require(std::isfinite(tangent),
           "expected a field of view for a panel of {} at {}, whose acceptance is all directions",
-          format_length(panel.pitch), format_length(wavelength));
+          format_length(panel.pitch), format_length(light.wavelength));
   return {params.projection, 2 * tangent / nx};
 }
 
@@ -129,9 +130,9 @@ std::vector<double> depths_of(const DepthImage& image) {
 }
 
 // Depths into slices, and how well: see slice.h. Light is taken to be even and to spread from the axis.
-DepthSlices slices_of(const std::vector<double>& depths, const Grid& panel, double wavelength,
+DepthSlices slices_of(const std::vector<double>& depths, const Grid& panel, const LightInCone& light,
                       const SynthesizeParams& synthesis, const Observer& observer) {
-  const double per_metre = depth_error_per_metre(0, 0, depths.front(), panel, wavelength);
+  const double per_metre = depth_error_per_metre(0, 0, depths.front(), panel, light.wavelength, light.cone_wavelength);
   DepthSlices found = synthesis.slices > 0 ? slice_depths_into(depths, synthesis.slices)
                                            : slice_depths(depths, 2 * depth_share * synthesis.tolerance / per_metre);
   observer.fact("slice_thickness_m", found.thickness);
@@ -185,18 +186,20 @@ Slice make_slice(const Slicing& s, size_t index) {
 
 }  // namespace
 
-SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, double wavelength,
+SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const LightInCone& light,
                              const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame,
                              const Observer& observer) {
   check_grid(panel);
+  const double wavelength = light.wavelength;
   check_wavelength(wavelength);
+  check_cone(light.cone_wavelength, wavelength);
   check_depth_image(image);
   check_params(params, synthesis);
   const std::vector<double> depths = depths_of(image);
-  const DepthSlices found = slices_of(depths, panel, wavelength, synthesis, observer);
+  const DepthSlices found = slices_of(depths, panel, light, synthesis, observer);
   const auto shared = std::make_shared<Slicing>(Slicing{image,
                                                         Light(image.picture, wavelength),
-                                                        placing_of(image, panel, wavelength, params),
+                                                        placing_of(image, panel, light, params),
                                                         panel,
                                                         wavelength,
                                                         params,
@@ -212,15 +215,23 @@ SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, double 
     check_field_fits(shared->grids.back(), sizeof(Complex));
   }
   shared->slice_of = assign_pixels(image, depths, found);
-  return {wavelength, shared->depths, shared->grids, synthesis.has_silhouettes,
-          [shared](size_t index) { return make_slice(*shared, index); }};
+  // The part of the raster's band that the cone takes.
+  const double part =
+      acceptance_sine(light.acceptance_wavelength(), panel.pitch) / acceptance_sine(wavelength, panel.pitch);
+  return {.wavelength = wavelength,
+          .depths = shared->depths,
+          .grids = shared->grids,
+          .has_masks = synthesis.has_silhouettes,
+          .make = [shared](size_t index) { return make_slice(*shared, index); },
+          .cone_wavelength = light.cone_wavelength,
+          .scale = params.phase == SourcePhase::random ? 1 / part : 1};
 }
 
-Field sum_depth_image(const DepthImage& image, const Grid& panel, double wavelength, const DepthImageParams& params,
-                      const SynthesizeParams& synthesis, uint32_t frame, const Observer& observer) {
+Field sum_depth_image(const DepthImage& image, const Grid& panel, const LightInCone& light,
+                      const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame,
+                      const Observer& observer) {
   observer.fact("method", std::string("layers"));
-  Field field =
-      sum_layers(slice_depth_image(image, panel, wavelength, params, synthesis, frame, observer), panel, observer);
+  Field field = sum_layers(slice_depth_image(image, panel, light, params, synthesis, frame, observer), panel, observer);
   field.frame = frame;
   return field;
 }

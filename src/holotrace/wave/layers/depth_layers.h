@@ -7,6 +7,16 @@
 
 namespace holotrace {
 
+/// A wavelength, and the one whose acceptance its light keeps to: that of the cone that all colours of a view share.
+struct LightInCone {
+  LightInCone(double wavelength, double cone_wavelength = 0)
+      : wavelength(wavelength), cone_wavelength(cone_wavelength) {}
+
+  double wavelength;       ///< [m]
+  double cone_wavelength;  ///< [m], at most the wavelength; 0: the light's own
+  double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
+};
+
 /// A picture with depth as slices of space on the panel's raster, made one at a time.
 ///
 /// A slice holds the samples whose pixel has its depth: amplitude √L, L the picture's light at the wavelength
@@ -16,18 +26,23 @@ namespace holotrace {
 /// middle of either side of the picture. Pixels are square. Random phases are 2π·u(seed, frame, sample), one for each
 /// sample and slice.
 ///
+/// Such light fills the band of the samples evenly. Where it keeps to a narrower cone, asin(λc/2p) for asin(λ/2p), the
+/// cone takes all of its power: amplitudes are √L·λ/λc, so that all colours of a cone have the irradiance L on
+/// their slice and send it evenly into the same angles. Light of constant phase goes straight on: its amplitudes are √L.
+///
 /// Slices: as many as synthesis.slices, or as few as keep the phase of an even wave at the panel within 0.8 times the
 /// tolerance (slice.h); with silhouettes a slice hides what lies behind its samples, dark ones too.
 ///
 /// @param image  must outlive the stack
 /// @throws Error  as check_depth_image does; for a phase that is neither random nor constant, a width or angle below 0,
 ///                and a picture whose slices hold no sample
-SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, double wavelength,
+SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const LightInCone& light,
                              const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame = 0,
                              const Observer& observer = {});
 
 /// The field on the panel of a picture with depth: sum_layers of those slices.
-Field sum_depth_image(const DepthImage& image, const Grid& panel, double wavelength, const DepthImageParams& params,
-                      const SynthesizeParams& synthesis, uint32_t frame = 0, const Observer& observer = {});
+Field sum_depth_image(const DepthImage& image, const Grid& panel, const LightInCone& light,
+                      const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame = 0,
+                      const Observer& observer = {});
 
 }  // namespace holotrace

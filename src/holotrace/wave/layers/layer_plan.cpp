@@ -58,9 +58,12 @@ Taper taper_of_points(double span, double depth, double wavelength, double pitch
   return {std::max(0.0, end - box_edge * std::sqrt(wavelength * depth)), end};
 }
 
-Taper taper_of_raster(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried) {
-  const double radius = box_radius(depth, wavelength, pitch), width = taper_width(depth, wavelength, steepness);
+Taper taper_of_raster(double span, double depth, double wavelength, double pitch, double radius, double steepness,
+                      bool is_carried) {
+  const double width = taper_width(depth, wavelength, steepness), whole = box_radius(depth, wavelength, pitch);
   if (span + width < radius) return is_carried ? Taper{radius - width, radius} : Taper{span, span + width};
+  const double half = box_edge / 2 * std::sqrt(wavelength * depth);
+  if (radius < whole) return {std::max(0.0, radius - half), std::min(whole, radius + half)};
   return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 }
 

@@ -35,7 +35,12 @@ Taper taper_of_points(double span, double depth, double wavelength, double pitch
 
 /// The taper of a slice that is a raster: its whole band, or where the window would have to be large for that, the
 /// angles that reach the panel. Light that is carried keeps its band, but for a fall that ends at the Nyquist angle.
-Taper taper_of_raster(double span, double depth, double wavelength, double pitch, double steepness, bool is_carried);
+/// Light that keeps to a narrower cone (`radius`) falls about the cone's border, 0.5·√(λd) wide: as much power is kept
+/// beyond the border as is lost before it.
+///
+/// @param radius  half-side of what a point's light covers on the panel [m], at most box_radius
+Taper taper_of_raster(double span, double depth, double wavelength, double pitch, double radius, double steepness,
+                      bool is_carried);
 
 /// A slice as the window sees it.
 struct PlannedSlice {

@@ -15,10 +15,10 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr int block = 8;  // columns of each sign that are transformed at once, so that memory is read by cache lines
+constexpr int block = 8;  // columns of each sign transformed together, to use whole cache lines
 
-// factors[l] = exp(−2πi·distance·lag[l]) within 2e-7, written so that compilers make vectors of it. The cycle is
-// reduced to ±1/2 in double; Taylor's series of half the angle hold a float's precision in ±π/2.
+// factors[l] = exp(−2πi·distance·lag[l]) within 2e-7, written so that compilers vectorise it. The cycle is
+// reduced to ±1/2 in double; Taylor series of half the angle reach a float's precision in ±π/2.
 void free_space_factors(const double* lag, double distance, int count, Complex* factors) {
   constexpr double whole = 0x1.8p52;  // adding and subtracting it rounds to the nearest whole number
   for (int l = 0; l < count; ++l) {
@@ -33,8 +33,8 @@ void free_space_factors(const double* lag, double distance, int count, Complex* 
   }
 }
 
-// One column of a spectrum, l = −L … L, gains a transformed column of ny samples times factors of |l|. Where the
-// raster's Nyquist frequency is at both ends of the band, it is taken once.
+// Adds a transformed column of ny samples, times factors of |l|, to one column of a spectrum, l = −L … L. If the
+// raster's Nyquist frequency lies at both ends of the band, it is added once.
 void gain(Complex* column, int reach, const Complex* transformed, int ny, const Complex* factors, int count) {
   column[reach] += product(transformed[0], factors[0]);
   for (int l = 1; l < count; ++l) column[reach + l] += product(transformed[l], factors[l]);
@@ -120,7 +120,7 @@ Array2D<Complex> samples_of(const LayerSpectrum& spectrum, int columns, int rows
   const int nx = spectrum.nx, ny = spectrum.ny, width = 2 * spectrum.reach_x + 1;
   const Fft<float> transform_x(nx, FftDirection::backward), transform_y(ny, FftDirection::backward);
 
-  // Along y: every frequency k by itself; only the rows wanted are kept.
+  // Along y, each frequency k by itself; only the rows needed are kept.
   Array2D<Complex> half(rows, width);
   parallel_for(0, (width + block - 1) / block, [&](int64_t b) {
     const int first = int(b) * block, count = std::min(block, width - first);
@@ -136,7 +136,7 @@ Array2D<Complex> samples_of(const LayerSpectrum& spectrum, int columns, int rows
   });
 
   Array2D<Complex> samples(rows, columns);
-  constexpr int grain = 16;  // rows that share a buffer
+  constexpr int grain = 16;  // rows per buffer
   parallel_for(0, (rows + grain - 1) / grain, [&](int64_t b) {
     AlignedVector<Complex> line(static_cast<size_t>(nx));
     for (int j = int(b) * grain; j < std::min(rows, int(b + 1) * grain); ++j) {

@@ -15,7 +15,7 @@ constexpr int neighbours = 4;
 constexpr double most_over_median = 3;
 constexpr double least_radius = 0.5;  // samples
 
-// Points in square cells of about two points each.
+// Points sorted into square cells of about two points each.
 struct Cells {
   double left = 0, top = 0, side = 1;
   int columns = 1, rows = 1;
@@ -34,7 +34,7 @@ Cells make_cells(const std::vector<PointOnSlice>& points) {
     cells.top = std::min(cells.top, p.row), bottom = std::max(bottom, p.row);
   }
   const double width = right - cells.left, height = bottom - cells.top, count = double(points.size());
-  // By area, or where the points lie on a line by its length.
+  // Side from the area or, for points on a line, from its length.
   cells.side = std::max({std::sqrt(width * height * 2 / count), (width + height) * 2 / count, 1e-3});
   cells.columns = int(width / cells.side) + 1, cells.rows = int(height / cells.side) + 1;
   const auto cell_of = [&](const PointOnSlice& p) {
@@ -49,12 +49,12 @@ Cells make_cells(const std::vector<PointOnSlice>& points) {
   return cells;
 }
 
-// Of the four points that are nearest in space (or of fewer), the distance in the plane to the farthest; 0 for a lone
-// point, and where four are so near that the disc is the least.
+// The distance in the plane to the farthest of the four points (or fewer) that are nearest in space. It is 0 for a lone
+// point, and where four points are so near that the disc has its least radius anyway.
 double neighbour_distance(const std::vector<PointOnSlice>& points, const std::vector<double>& depths,
                           const Cells& cells, size_t index) {
   struct Neighbour {
-    double space, plane;  // squared
+    double space, plane;  // squared distances
     bool operator<(const Neighbour& other) const { return space < other.space; }
   };
   const PointOnSlice& p = points[index];
@@ -81,7 +81,7 @@ double neighbour_distance(const std::vector<PointOnSlice>& points, const std::ve
       }
     if (found.size() < wanted) continue;
     std::nth_element(found.begin(), found.begin() + int64_t(wanted - 1), found.end());
-    const double reached = ring * cells.side;  // all points nearer than this have been seen
+    const double reached = ring * cells.side;  // all points nearer than this have been visited
     if (found[wanted - 1].space <= reached * reached) break;
   }
   std::nth_element(found.begin(), found.begin() + int64_t(wanted - 1), found.end());

@@ -14,11 +14,11 @@ namespace {
 
 constexpr double oversampling = 1.25;
 constexpr int most_width = 12;
-constexpr int block_rows = 32;  // of the raster, filled by one thread
+constexpr int block_rows = 32;  // rows of the raster that one thread fills
 
 struct Placed {
-  int first = 0;      // sample, not wrapped
-  double offset = 0;  // of that sample from the point
+  int first = 0;      // index of the first sample, not wrapped
+  double offset = 0;  // from the point to that sample
 };
 
 Placed place(double position, int width) {
@@ -51,7 +51,7 @@ std::vector<double> spread_correction(const SpreadKernel& kernel, int samples, i
 SliceSamples spread_points(const std::vector<PointOnSlice>& points, const SpreadKernel& kernel, int nx, int ny,
                            int samples_x, int samples_y) {
   const double across = double(samples_x) / nx, down = double(samples_y) / ny;
-  // Points by their first row, in their own order within it.
+  // Sorts the points by their first row; points of one row keep their order.
   std::vector<uint32_t> start(size_t(samples_y) + 1), order(points.size());
   const auto first_row = [&](const PointOnSlice& p) {
     return size_t(wrapped(place(p.row * down, kernel.width).first, samples_y));

@@ -9,6 +9,7 @@
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
 #include "holotrace/base/wrapped.h"
+#include "holotrace/data/acceptance.h"
 #include "holotrace/wave/layers/layer_plan.h"
 #include "holotrace/wave/layers/layer_spectrum.h"
 
@@ -67,14 +68,16 @@ std::vector<PlannedSlice> plan_rasters(const SliceStack& stack, const Grid& pane
     }
   std::vector<PlannedSlice> planned;
   const double steepness = taper_steepness(raster_tolerance);
+  const double cone = stack.cone_wavelength > 0 ? stack.cone_wavelength : stack.wavelength;
   for (size_t m = 0; m < stack.depths.size(); ++m) {
+    const double radius = box_radius(stack.depths[m], cone, panel.pitch);
     PlannedSlice s{stack.depths[m],
                    farthest(panel, stack.grids[m], false) + most_x,
                    farthest(panel, stack.grids[m], true) + most_y,
                    {},
                    {}};
-    s.x = taper_of_raster(s.span_x, s.depth, stack.wavelength, panel.pitch, steepness, stack.has_masks);
-    s.y = taper_of_raster(s.span_y, s.depth, stack.wavelength, panel.pitch, steepness, stack.has_masks);
+    s.x = taper_of_raster(s.span_x, s.depth, stack.wavelength, panel.pitch, radius, steepness, stack.has_masks);
+    s.y = taper_of_raster(s.span_y, s.depth, stack.wavelength, panel.pitch, radius, steepness, stack.has_masks);
     planned.push_back(s);
   }
   return planned;
@@ -93,6 +96,7 @@ void check_memory(const LayerWindow& w, const Grid& panel, double slice_samples,
 Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& observer) {
   check_grid(grid);
   check_wavelength(stack.wavelength);
+  check_cone(stack.cone_wavelength, stack.wavelength);
   require(!stack.depths.empty() && stack.grids.size() == stack.depths.size(),
           "expected at least one slice, with a grid for each, got {} depths and {} grids", stack.depths.size(),
           stack.grids.size());
@@ -109,7 +113,7 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
 
   LayerSpectrum spectrum =
       make_layer_spectrum(grid, stack.wavelength, window.nx, window.ny, window.reach_x, window.reach_y);
-  const double steepness = taper_steepness(raster_tolerance), scale = 1.0 / (double(window.nx) * window.ny);
+  const double steepness = taper_steepness(raster_tolerance), scale = stack.scale / (double(window.nx) * window.ny);
   const auto weights = [&](const Taper& taper, double depth, int n, int reach) {
     return taper_weights(taper, depth, stack.wavelength, n * grid.pitch, steepness, std::min(n / 2, reach) + 1);
   };
@@ -130,6 +134,7 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
   }
   if (stack.has_masks) carry(spectrum, stack.depths.back());
   Field field(grid, stack.wavelength);
+  field.cone_wavelength = stack.cone_wavelength;
   field.samples = samples_of(spectrum, grid.nx, grid.ny);
   observer.progress(1);
   return field;
@@ -137,7 +142,8 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
 
 Field sum_layers(const Layers& layers, const Grid& grid, const Observer& observer) {
   check_layers(layers);
-  SliceStack stack{layers.wavelength, {}, {}, false, [&](size_t m) { return layers.slices[m]; }};
+  SliceStack stack{
+      .wavelength = layers.wavelength, .depths = {}, .grids = {}, .make = [&](size_t m) { return layers.slices[m]; }};
   for (const Slice& slice : layers.slices) {
     stack.depths.push_back(slice.depth());
     stack.grids.push_back(slice.light.grid);

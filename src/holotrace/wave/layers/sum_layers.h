@@ -38,6 +38,8 @@ struct SliceStack {
   std::vector<Grid> grids;     ///< each holds the light of its slice
   bool has_masks = false;      ///< whether a slice may have one
   std::function<Slice(size_t index)> make;
+  double cone_wavelength = 0;  ///< whose acceptance the light keeps to [m]; 0: its own
+  double scale = 1;            ///< of the amplitudes
 };
 
 /// The same of a stack.

@@ -9,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// The nodes of a slab, at a wave's curvature: their chirps interpolated at u² + v², or at v² alone.
+// The chirps of a slab's nodes, interpolated to a wave's curvature; square is u² + v², or v² in a strip.
 std::complex<double> interpolate(const Slab& slab, const PlanesTables& t, double kappa, double square) {
   const double tau = (kappa - slab.centre) / slab.half;
   std::complex<double> sum = 0;
@@ -22,25 +22,25 @@ std::complex<double> interpolate(const Slab& slab, const PlanesTables& t, double
   return sum;
 }
 
-// r at (x, y) to r at (x2, y2), without the cancellation of distances that are long.
+// r at (x2, y2) less r at (x, y), without the cancellation of two long distances.
 double path_between(double x, double y, double x2, double y2, double depth) {
   return path_beyond_depth(x2 * x2 + y2 * y2, depth) - path_beyond_depth(x * x + y * y, depth);
 }
 
-// A pixel at (u, v) from the tile's reference, or from the middle of its strip, which is at (x, y) from a wave of that
-// depth [m].
+// A pixel at (u, v) from the tile's reference pixel or from the middle of its strip. That place is at (x, y) from a
+// wave of that depth [m].
 struct PixelOfWave {
   double x, y, depth, u, v;
 };
 
-// What a plan makes of a wave at a pixel, over what the wave is there.
+// The wave at a pixel as a plan computes it, over the exact wave there.
 std::complex<double> in_tile(const PixelOfWave& pixel, const Slab& slab, const PlanesTables& t) {
   const auto [x, y, depth, u, v] = pixel;
   const double half = t.plan.tile * t.pitch / 2, linear = linear_of_cubic * half * half;
   const double rho2 = x * x + y * y, r0 = std::sqrt(rho2 + depth * depth);
   const double r = std::sqrt((x + u) * (x + u) + (y + v) * (y + v) + depth * depth);
   const double kappa = (1 - rho2 / (2 * r0 * r0)) / (t.wavelength * r0), square = u * u + v * v;
-  // Cycles beyond those of the plane wave.
+  // Cycles in addition to those of the plane wave.
   const double exact = path_between(x, y, x + u, y + v, depth) / t.wavelength -
                        (x * u + y * v) / (t.wavelength * r0) * (1 - linear / (2 * r0 * r0));
   std::complex<double> model = interpolate(slab, t, kappa, square) * (r / r0) * std::polar(1.0, -2 * pi * exact);
@@ -51,7 +51,7 @@ std::complex<double> in_tile(const PixelOfWave& pixel, const Slab& slab, const P
   return model;
 }
 
-// The same in a strip that is across x: u from the strip's middle, v from the tile's reference.
+// The same in a strip across x: u from the strip's middle, v from the tile's reference pixel.
 std::complex<double> in_strip(const PixelOfWave& pixel, const Slab& slab, const PlanesTables& t) {
   const auto [x, y, depth, u, v] = pixel;
   const double half = t.plan.tile * t.pitch / 2, linear = linear_of_cube * half * half;
@@ -63,7 +63,7 @@ std::complex<double> in_strip(const PixelOfWave& pixel, const Slab& slab, const 
   return interpolate(slab, t, kappa, v * v) * (r / across) * std::polar(1.0, -2 * pi * exact);
 }
 
-// Of a tile's line, its place from the middle of its strip.
+// Position of a line of the tile, counted from the middle of its strip.
 int in_own_strip(int line) { return line % strip_width - strip_width / 2; }
 
 }  // namespace
@@ -79,10 +79,10 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
     const PixelBox tile{column - i, std::min(column - i + plan.tile, bounds.x1), row - j,
                         std::min(row - j + plan.tile, bounds.y1)};
     const bool all_x = w.box.x0 <= tile.x0 && w.box.x1 >= tile.x1, all_y = w.box.y0 <= tile.y0 && w.box.y1 >= tile.y1;
-    const double dx = grid.x(column) - w.x, dy = w.y - grid.y(row);  // y down
+    const double dx = grid.x(column) - w.x, dy = w.y - grid.y(row);  // y axis points down
     const double u = (i - plan.tile / 2) * grid.pitch, v = (j - plan.tile / 2) * grid.pitch;
     const auto tile_error = [&] { return std::norm(in_tile({dx - u, dy - v, w.depth, u, v}, slab, tables) - 1.0); };
-    double error = 0;  // of the direct sum
+    double error = 0;  // error of the direct sum
     if (all_x && all_y) {
       error = tile_error();
     } else if (plan.has_strips && (all_x || all_y)) {
@@ -94,8 +94,8 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
       const int lit = all_y ? std::min(w.box.x1, tile.x1) - std::max(w.box.x0, tile.x0)
                             : std::min(w.box.y1, tile.y1) - std::max(w.box.y0, tile.y0);
       const bool reaches = std::abs(all_y ? dx - u : dy - v) <= tables.tangent * w.depth;
-      // A wave that lights more than half of a tile is spread over all of it and taken away by strips from the rest,
-      // where the errors of both stay.
+      // A wave that lights more than half of a tile is spread over all of it; strips subtract it from the rest,
+      // where the errors of both remain.
       if (reaches && 2 * lit > size) error = tile_error() + (tile_error() + error) * double(size - lit) / lit;
     }
     const double d2 = w.depth * w.depth, energy = w.amplitude * w.amplitude * (d2 / (dx * dx + dy * dy + d2)) / density;

@@ -7,8 +7,8 @@
 
 namespace holotrace {
 
-/// The error of the expansion of waves in the tiles of a plan (sum_planes.h), apart from gridding: measured on pixels that the waves
-/// light, as measure_split does.
+/// The error of the expansion of waves in the tiles of a plan (sum_planes.h), without the error of gridding. It is
+/// measured at pixels that the waves light, as in measure_split.
 SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthRange& depths, const Grid& grid,
                              const PixelBox& bounds, double wavelength, const PlanesPlan& plan);
 

@@ -11,9 +11,9 @@
 namespace holotrace {
 namespace {
 
-constexpr std::array<int, 3> tiles{240, 120, 60};  // sides that divide 1080p and 4K panels, of good FFT length
+constexpr std::array<int, 3> tiles{240, 120, 60};  // sides that divide 1080p and 4K panels and suit FFTs
 
-// A box's pixels over the tile's, the tiles that its edges cut, and those that its corners lie in.
+// Numbers of tiles: a box's area in tiles, tiles that its edges cut, and tiles that contain its corners.
 struct TileCounts {
   double whole = 0, partial = 0, corners = 0;
 };
@@ -33,14 +33,14 @@ TileCounts count_tiles(const std::vector<PreparedWave>& waves, const PixelBox& b
 
 SummationWork work_of(const PlanesPlan& plan, const TileCounts& counts, double tiles_of_panel, const TilePlan& direct) {
   const double nodes = plan.nodes, m = 2 * plan.tile, cells = m + 2 * PlanesTables::margin;
-  // Grids that the second cache does not hold take three times as long to add to.
+  // Grids too large for the second-level cache take three times as long to add to.
   const double cache = nodes * cells * cells * 8 < 2e6 ? 1 : 3;
   const double per_wave = cache * nodes * plan.width * (plan.width <= 4 ? 4 : GriddingKernel::greatest_width);
-  // Half of a tile's strips at most are made up for, a quarter on average, and one more in part.
+  // At most half of a tile's strips need an entry, a quarter on average, and one more partly lit strip.
   const double entries = !plan.has_strips ? 0 : counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
   const double transforms = tiles_of_panel * plan.slabs * nodes * (plan.is_corrected ? 5 : 1);
   const double strips = std::min(entries, tiles_of_panel * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
-  const double lines = transforms * 1.5 * m + strips * nodes * strip_width;  // that are transformed
+  const double lines = transforms * 1.5 * m + strips * nodes * strip_width;  // lines to transform
   SummationWork work{.plane_waves = counts.whole + entries,
                      .spreads = counts.whole * per_wave + entries * nodes * plan.width * strip_width,
                      .fft_operations = lines * fft_operations(m),
@@ -49,9 +49,9 @@ SummationWork work_of(const PlanesPlan& plan, const TileCounts& counts, double t
   return work + in_tiles * plan.tile * plan.tile / 2 * tile_work(direct);
 }
 
-constexpr int most_slabs = 64, most_nodes = 8, most_nodes_of_large_tiles = 4;  // whose grids fill the caches
+constexpr int most_slabs = 64, most_nodes = 8, most_nodes_of_large_tiles = 4;  // grids of large tiles fill the caches
 
-// Of the gridding of a plane wave in both axes.
+// Error of the gridding of a plane wave, over both axes.
 double both_axes(int width) {
   static const auto errors = [] {
     std::array<double, GriddingKernel::greatest_width + 1> of_width{};
@@ -61,7 +61,7 @@ double both_axes(int width) {
   return errors[size_t(width)];
 }
 
-// Looks at plans, and keeps the fastest that meets the goal, or the most accurate.
+// Evaluates plans and keeps the fastest that meets the goal, or else the most accurate.
 class PlanSearch {
  public:
   PlanSearch(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal, double most_seconds)
@@ -74,9 +74,9 @@ class PlanSearch {
         most_seconds_(most_seconds),
         rates_(summation_rates()),
         depths_(depths_of(waves)) {
-    // Many plans are looked at: an eighth of the pixels tells their errors to a few percent.
+    // Many plans are compared; an eighth of the pixels gives their errors to a few percent.
     const std::vector<DrawnPixel> drawn = draw_pixels(waves);
-    constexpr size_t pair = 2, share = 8;  // a pair has one of each kind of draw
+    constexpr size_t pair = 2, share = 8;  // a pair has one draw of each kind
     for (size_t i = 0; i < drawn.size(); ++i)
       if (i % (pair * share) < pair) {
         pixels_.push_back(drawn[i]);
@@ -92,7 +92,7 @@ class PlanSearch {
     for (const auto& [is_corrected, has_strips] : {std::pair{false, true}, {true, true}, {true, false}}) {
       PlanesPlan plan{tile, 2, 1, 1, is_corrected, has_strips};
       if (!is_worth(plan)) continue;
-      // An error that many nodes leave is not one of their number: more of them would not mend it.
+      // If the error stays above the goal with the most nodes, it does not come from their number: skip these plans.
       most_nodes_ = tile > 120 ? most_nodes_of_large_tiles : most_nodes;
       plan = {tile, 8, most_nodes_, most_slabs, is_corrected, has_strips};
       if (!(offer(plan) <= goal_)) continue;
@@ -115,7 +115,7 @@ class PlanSearch {
     }
   }
 
-  // Offers the plan with the narrowest kernel that does. Returns the error of its nodes and its expansion, without gridding.
+  // Tries the plan with the narrowest kernel that meets the goal. Returns the error without gridding.
   double offer(PlanesPlan plan) {
     const SplitEnergies energies = measure_planes(pixels_, depths_, grid_, bounds_, wavelength_, plan);
     const double without_gridding = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;

@@ -13,14 +13,14 @@ struct Range {
   double least, greatest;
 };
 
-// Curvatures of a wave's light where its box lies: (1 − ρ²/2r²)/λr falls from the axis to the box's corner.
-// With t the tangent there is r = d√(1 + 2t²).
+// Range of curvatures of a wave's light inside its box: (1 − ρ²/2r²)/λr falls from the axis to the box's corner.
+// There, with t the tangent, r = d√(1 + 2t²).
 Range curvatures(double per_depth, double wavelength, double tangent) {
   const double t2 = tangent * tangent, s = 1 + 2 * t2;
   return {per_depth * (1 + t2) / (wavelength * s * std::sqrt(s)), per_depth / wavelength};
 }
 
-// Boxes end at the tangent of the panel's acceptance; half a tile beyond a tile's centre may lie within.
+// Boxes end at the tangent of the panel's acceptance; a tile's centre may lie up to half a tile beyond the box.
 double reach_tangent(double wavelength, double pitch) { return 1.2 * acceptance_tangent(wavelength, pitch); }
 
 }  // namespace
@@ -45,7 +45,7 @@ Slab Slabs::slab(int index, double wavelength, double pitch) const {
 SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch) {
   const DepthRange depths = depths_of(waves);
   const Slabs slabs{depths, plan.slabs};
-  // Rows of eight cells of a grid: what a few waves in turn are spread over stays in the cache.
+  // Rows of eight cells of a grid, so that the cells of successive waves stay in the cache.
   const double cell = wavelength * std::sqrt(depths.nearest * depths.farthest) / (2 * plan.tile * pitch);
   struct Key {
     int slab, row;

@@ -11,7 +11,7 @@ struct DepthRange {
   double nearest, farthest;
 };
 
-/// @param waves  at least one
+/// @param waves  at least one wave
 DepthRange depths_of(const std::vector<PreparedWave>& waves);
 
 /// Slabs of equal steps of 1/depth, from the nearest wave to the farthest.
@@ -21,14 +21,14 @@ struct Slabs {
 
   int of(double depth) const;
 
-  /// The curvatures of slab `index` in the tiles that its waves light; its waves are still to be found.
+  /// The curvatures of slab `index` in the tiles that its waves light; the range of its waves is set later.
   Slab slab(int index, double wavelength, double pitch) const;
 
  private:
   double step() const { return (1 / depths.nearest - 1 / depths.farthest) / count; }
 };
 
-/// The waves sorted for a plan: by depth into its slabs, and in a slab by place.
+/// Sorts the waves for a plan: by depth into its slabs, and within a slab by position.
 SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch);
 
 }  // namespace holotrace

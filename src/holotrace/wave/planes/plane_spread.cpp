@@ -1,4 +1,4 @@
-// Where waves meet a tile's grid of frequencies: the hot loops of sum_planes.
+// Spreads waves over a tile's grid of frequencies: the hot loops of sum_planes.
 
 #include "holotrace/wave/planes/plane_spread.h"
 
@@ -20,9 +20,9 @@ namespace {
 constexpr int batch = 64;
 constexpr int most_nodes = 16;
 
-// Waves of a batch in one tile. Axis 0 runs along columns, axis 1 down along rows; positions are of the tile's
-// reference pixel, as seen from the wave's origin. What is derived: the cell that the kernel begins at on each axis and
-// the fraction of a cell, the wave's amplitude and phase at the reference, its distance there, and the weights of the
+// The waves of a batch in one tile. Axis 0 runs along columns, axis 1 down along rows. (x, y) is the tile's reference
+// pixel as seen from the wave's origin. Derived values: on each axis the first cell of the kernel and the fraction of a
+// cell; the wave's amplitude and phase at the reference pixel; its distance there; and the weights of the
 // nodes.
 struct Batch {
   int count = 0;
@@ -39,7 +39,7 @@ void pad(Batch& b) {
   }
 }
 
-// Frequencies in cells, reduced by what is linear in the cubic term of the phase; curvatures as weights of the nodes.
+// Computes frequencies in cells (less the linear part of the cubic phase) and curvatures as weights of the nodes.
 // In a strip (is_strip) the curvature is that along axis 1, and axis 0 is not gridded.
 template <bool is_strip>
 void prepare(Batch& b, const PlanesTables& t, const Slab& slab) {
@@ -76,7 +76,7 @@ void prepare(Batch& b, const PlanesTables& t, const Slab& slab) {
   const int nodes = t.plan.nodes;
   for (int k = 0; k < count; k += int(hn::Lanes(f))) {
     const auto at = hn::Load(f, tau + k);
-    for (int q = 0; q < nodes; ++q) {  // Lagrange's polynomials
+    for (int q = 0; q < nodes; ++q) {  // Lagrange polynomials
       auto product = hn::Set(f, 1 / t.denominators[size_t(q)]);
       for (int m = 0; m < nodes; ++m)
         if (m != q) product = hn::Mul(product, hn::Sub(at, hn::Set(f, float(t.nodes[size_t(m)]))));
@@ -91,7 +91,7 @@ void prepare(Batch& b, const PlanesTables& t, const Slab& slab) {
   }
 }
 
-// The first cell that a wave is spread over, counted from the grid's first.
+// The first cell that a wave is spread over, counted from the grid's first cell.
 HWY_INLINE void first_cell(float cell, const PlanesTables& t, int& first, float& fraction) {
   const float start = cell - 0.5f * float(t.plan.width);
   const float up = std::ceil(start);
@@ -99,7 +99,7 @@ HWY_INLINE void first_cell(float cell, const PlanesTables& t, int& first, float&
   first = int(up) + t.transform / 2 + PlanesTables::margin;
 }
 
-// Kernel weights of the cells of one axis, as the table has them: once, or twice for a complex grid.
+// Kernel weights of the cells along one axis, in the layout of the table: each once, or twice for a complex grid.
 template <int floats>
 HWY_INLINE void kernel_weights(const float* table, float fraction, float* weights) {
   const hn::CappedTag<float, floats> d;
@@ -111,7 +111,7 @@ HWY_INLINE void kernel_weights(const float* table, float fraction, float* weight
   }
 }
 
-// Coefficients [power][16]: each cell's once, or twice.
+// Coefficients [power][16], each cell's once or twice.
 template <int copies>
 void fill_table(const GriddingKernel& kernel, float* table) {
   for (int k = 0; k <= GriddingKernel::degree; ++k)
@@ -121,7 +121,7 @@ void fill_table(const GriddingKernel& kernel, float* table) {
     }
 }
 
-// floats: of a line of a kernel up to 4 or 8 cells wide, complex.
+// Spreads a wave; `floats` is the number of floats in a line of a complex kernel of up to 4 or 8 cells.
 template <int floats>
 HWY_INLINE void spread(const Batch& b, int k, const PlanesTables& t, const float* x_table, const float* y_table, int x,
                        int y, float x_fraction, float y_fraction, float* HWY_RESTRICT grids) {
@@ -149,7 +149,7 @@ HWY_INLINE void spread(const Batch& b, int k, const PlanesTables& t, const float
   }
 }
 
-// Lines [first, last) of a tile's axis, strip by strip.
+// Adds entries for the lines [first, last) along a tile's axis, strip by strip.
 void add_entries(std::vector<StripEntry>* strips, uint32_t wave, int first, int last, int sign) {
   if (first >= last) return;
   for (int s = first / strip_width; s * strip_width < last; ++s) {
@@ -159,8 +159,8 @@ void add_entries(std::vector<StripEntry>* strips, uint32_t wave, int first, int 
   }
 }
 
-// What is to be done with a wave that lights the lines [first, last) of `size` on one axis, and the other as a whole:
-// whether it is spread as if it lit all, and the strips that make up for it.
+// Sorts a wave that lights the lines [first, last) of `size` along one axis and all lines along the other. Returns
+// whether it is spread over the whole tile; strips then subtract it from unlit lines. Otherwise strips add it.
 bool sort_partly_lit(std::vector<StripEntry>* strips, uint32_t wave, int first, int last, int size, bool may_spread) {
   if (!may_spread || 2 * (last - first) <= size) {
     add_entries(strips, wave, first, last, 1);
@@ -171,8 +171,8 @@ bool sort_partly_lit(std::vector<StripEntry>* strips, uint32_t wave, int first, 
   return true;
 }
 
-// Whether the wave is spread as a whole. Only waves that reach the reference pixel within the panel's acceptance have
-// their frequency on the grid; of the others, a few where a tile reaches past the panel, each pixel is summed.
+// Whether the wave is spread over the whole tile. Only waves that reach the reference pixel within the panel's
+// acceptance have their frequency on the grid. Others (a few, if a tile extends past the panel) are summed directly.
 bool sort(const PreparedWave& wave, uint32_t index, const TilePlace& tile, const PlanesTables& t, PlanesWorkspace& w) {
   const PixelBox& box = tile.box;
   const double x = tile.x - wave.x, y = wave.y - tile.y;
@@ -218,13 +218,13 @@ bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const
   };
   for (size_t i = slab.first; i < slab.last; ++i) {
     const PreparedWave& wave = waves[i];
-    hwy::Prefetch(&wave + 24);  // boxes come from memory, one tile after the other
+    hwy::Prefetch(&wave + 24);  // fetches boxes ahead of their use
     if (intersect(wave.box, tile.box).is_empty()) continue;
     if (!sort(wave, uint32_t(i), tile, t, w)) continue;
     any = true;
     const int k = b.count++;
     b.x[k] = tile.x - wave.x;
-    b.y[k] = wave.y - tile.y;  // y down
+    b.y[k] = wave.y - tile.y;  // y axis points down
     b.depth[k] = wave.depth;
     b.start[k] = wave.start_cycles;
     b.amplitude[k] = wave.amplitude;

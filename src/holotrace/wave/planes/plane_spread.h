@@ -10,80 +10,81 @@
 
 namespace holotrace {
 
-/// How sum_planes brings waves to a tile of the panel.
+/// How sum_planes computes waves in a tile of the panel.
 struct PlanesPlan {
   int tile = 120;             ///< side of a tile [pixels]
-  int width = 5;              ///< of the gridding kernel [cells]
+  int width = 5;              ///< width of the gridding kernel [cells]
   int nodes = 3;              ///< curvatures per slab of depth
-  int slabs = 1;              ///< that the waves are sorted into by 1/depth
-  bool is_corrected = false;  ///< for what the plane waves neglect: see sum_planes.h
-  bool has_strips = true;     ///< where a box's edge cuts a tile; else the waves there are summed directly
+  int slabs = 1;              ///< number of slabs into which the waves are sorted by 1/depth
+  bool is_corrected = false;  ///< whether the terms that plane waves neglect are corrected: see sum_planes.h
+  bool has_strips = true;     ///< whether strips are used where a box's edge cuts a tile; else direct sums
   bool operator==(const PlanesPlan&) const = default;
 };
 
-/// Lines of 16 pixels at a tile's edge that is not lit as a whole.
+/// Number of lines in a strip, used at edges of boxes that cut a tile.
 inline constexpr int strip_width = 16;
 
-/// Numbers that all tiles of a plan share.
+/// Constants shared by all tiles of a plan.
 struct PlanesTables {
   PlanesPlan plan;
   GriddingKernel kernel;
-  double wavelength, pitch, tangent;  ///< the last of the panel's acceptance, and a little more for rounding
+  double wavelength, pitch, tangent;  ///< tangent: of the panel's acceptance, with a margin for rounding
   int transform;                      ///< length of the FFTs: twice the tile
-  int cells;                          ///< of a grid along one axis: the transform's and a margin on either side
-  std::vector<float> inverse_phi;     ///< 1/φ̂ of each of the tile's pixels along an axis
-  /// ∫xⁿφ·exp(2πiξx)dx/φ̂ of each, n = 1, 2 [cyclesⁿ/mⁿ]: how far cells lie from the waves that are spread over them.
+  int cells;                          ///< cells of a grid along one axis: the transform's and a margin on either side
+  std::vector<float> inverse_phi;     ///< 1/φ̂ for each of the tile's pixels along an axis
+  /// ∫xⁿφ·exp(2πiξx)dx/φ̂ for each, n = 1, 2 [cyclesⁿ/mⁿ]: moments of the distance from a wave to the cells that it is
+  /// spread over.
   std::vector<float> first, second;
   std::vector<double> nodes;        ///< Chebyshev points in (−1, 1)
   std::vector<float> denominators;  ///< Π (τ_q − τ_m), m ≠ q
 
   PlanesTables(const PlanesPlan& plan, double wavelength, double pitch);
-  static constexpr int margin = 8;          ///< cells
-  int stride() const { return cells + 8; }  ///< of a grid's lines: no power of two, which caches dislike
+  static constexpr int margin = 8;          ///< cells on either side
+  int stride() const { return cells + 8; }  ///< cells per line, not a power of two, to avoid cache conflicts
 };
 
-/// Waves of similar depth. Curvatures κ = (1 − ρ²/2r₀²)/λr₀ of their waves in any tile lie within `half` of `centre`
+/// Waves of similar depth. Their curvatures κ = (1 − ρ²/2r₀²)/λr₀ in any tile lie within `half` of `centre`
 /// [cycles/m²].
 struct Slab {
-  size_t first, last;  ///< in the list of waves
+  size_t first, last;  ///< range in the list of waves
   double centre, half;
 };
 
-/// Part of a wave in a tile: the lines [first, last) of one strip, to be added or taken away.
+/// Part of a wave in a tile: the lines [first, last) of one strip, to be added or subtracted.
 struct StripEntry {
   uint32_t wave;
   int8_t first, last, sign;
 };
 
-/// Buffers of one thread, kept from tile to tile.
+/// Buffers of one thread, reused from tile to tile.
 struct PlanesWorkspace {
-  AlignedVector<float> grids;              ///< [node][line][cell], complex
-  AlignedVector<float> strip;              ///< [node][cell][16 real, 16 imaginary]
-  std::vector<StripEntry> entries[2][16];  ///< [across columns, across rows][strip]
-  std::vector<PreparedWave> direct;        ///< waves that are left for sum_tile, cut to the tile
-  TileWorkspace of_direct;                 ///< of sum_tile
-  AlignedVector<std::complex<float>> folded, turned, terms, tile;  ///< of the transforms
+  AlignedVector<float> grids;                                      ///< [node][line][cell], complex
+  AlignedVector<float> strip;                                      ///< [node][cell][16 real, 16 imaginary]
+  std::vector<StripEntry> entries[2][16];                          ///< [across columns, across rows][strip]
+  std::vector<PreparedWave> direct;                                ///< waves left for sum_tile, cut to the tile
+  TileWorkspace of_direct;                                         ///< buffers for sum_tile
+  AlignedVector<std::complex<float>> folded, turned, terms, tile;  ///< for the transforms
 };
 
-/// A tile of the panel, and the place of its reference pixel (tile/2, tile/2) [m].
+/// A tile of the panel, and the position of its reference pixel (tile/2, tile/2) [m].
 struct TilePlace {
   PixelBox box;
   double x, y;
 };
 
-/// Spreads the slab's waves that light the tile over the grids of the workspace; those that light a part of it go
-/// to its strips, or to `direct`.
-/// @return  whether the grids hold anything
+/// Spreads the slab's waves that light the whole tile over the grids of the workspace. Waves that light a part of it go
+/// to its strips or to `direct`.
+/// @return  whether any wave was spread over the grids
 bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
                   const TilePlace& tile, PlanesWorkspace& workspace);
 
-/// A strip of a tile: of rows (is_across_rows) or of columns, counted from the tile's first.
+/// A strip of a tile, of rows (is_across_rows) or of columns, counted from the tile's first strip.
 struct Strip {
   bool is_across_rows;
   int index;
 };
 
-/// Spreads the entries of one strip (workspace.entries) over workspace.strip: each line by itself along the other axis.
+/// Spreads the entries of one strip (workspace.entries) over workspace.strip; each line is spread along the other axis.
 void spread_strip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
                   const TilePlace& tile, const Strip& strip, PlanesWorkspace& workspace);
 

@@ -14,7 +14,7 @@ namespace {
 
 using Complex = std::complex<float>;
 
-// exp(iπκu²)/φ̂ at the tile's pixels along one axis: the curvature of a node of the slab and the kernel's correction.
+// exp(iπκu²)/φ̂ at the tile's pixels along one axis: the curvature of a node, and the correction of the kernel.
 std::vector<Complex> chirp(const PlanesTables& t, double kappa) {
   std::vector<Complex> values;
   for (int i = 0; i < t.plan.tile; ++i) {
@@ -24,16 +24,16 @@ std::vector<Complex> chirp(const PlanesTables& t, double kappa) {
   return values;
 }
 
-// Where output `pixel` of a tile lies in a transform: outputs are counted from the reference pixel, around.
+// Index of `pixel` in the output of a transform: outputs are counted from the reference pixel, and wrap around.
 int output_at(int pixel, const PlanesTables& t) {
   const int from_reference = pixel - t.plan.tile / 2;
   return from_reference < 0 ? from_reference + t.transform : from_reference;
 }
 
-// A line of a grid with its margins folded back on the transform's inputs: cell c is frequency c − margin − M/2.
+// Input of the transform to which a cell of a grid line is added: cell c is frequency c − margin − M/2.
 int input_of(int cell, const PlanesTables& t) { return (cell - PlanesTables::margin + t.transform / 2) % t.transform; }
 
-// The terms of the expansion that plane waves neglect, as functions of the frequency (f, g): see Correction.
+// The terms of the expansion beyond plane waves, as functions of the frequency (f, g): see Correction.
 enum class Term { wave, cross, difference, along_x, along_y };
 
 float weight_of(Term term, float f, float g) {
@@ -52,7 +52,7 @@ float weight_of(Term term, float f, float g) {
   return 1;
 }
 
-// The grid of one node, weighted, transformed to the tile's pixels: out[column][row].
+// The weighted grid of one node, transformed to the tile's pixels: out[column][row].
 void transform(const float* grid, Term term, const PlanesTables& t, PlanesWorkspace& w, Complex* out) {
   const int m = t.transform, tile = t.plan.tile;
   const Fft<float> backward(m, FftDirection::backward);
@@ -64,7 +64,7 @@ void transform(const float* grid, Term term, const PlanesTables& t, PlanesWorksp
     Complex* const to = w.folded.data() + size_t(input_of(j, t)) * size_t(m);
     const float g = frequency(j);
     int c = 0;
-    while (c < t.cells) {  // runs of cells that stay together
+    while (c < t.cells) {  // runs of cells with consecutive inputs
       const int input = input_of(c, t), run = std::min(t.cells - c, m - input);
       for (int i = 0; i < run; ++i) {
         const float weight = term == Term::wave ? 1.0f : weight_of(term, frequency(c + i), g);
@@ -73,7 +73,7 @@ void transform(const float* grid, Term term, const PlanesTables& t, PlanesWorksp
       c += run;
     }
   }
-  // Along each line, then along the columns that are wanted.
+  // Along each line, then along the columns needed.
   w.turned.resize(size_t(tile) * size_t(m));
   for (int j = 0; j < m; ++j) backward(w.folded.data() + size_t(j) * size_t(m));
   constexpr int block = 8;
@@ -92,7 +92,7 @@ void transform(const float* grid, Term term, const PlanesTables& t, PlanesWorksp
   }
 }
 
-// Brings one node's grid to the tile's pixels and adds it to workspace.tile, [column][row].
+// Transforms one node's grid to the tile's pixels and adds it to workspace.tile, [column][row].
 void add_node(const float* grid, double kappa, const PlanesTables& t, PlanesWorkspace& w) {
   const int tile = t.plan.tile;
   const size_t pixels = size_t(tile) * size_t(tile);
@@ -113,7 +113,7 @@ void add_node(const float* grid, double kappa, const PlanesTables& t, PlanesWork
       const size_t at = size_t(j);
       Complex sum = term[at];
       if (t.plan.is_corrected) {
-        // The terms were weighted by the frequency of the cells: made those of the waves, by the kernel's moments.
+        // The terms were weighted by the frequency of the cells; the kernel's moments convert them to the waves' own.
         const float s_v = t.first[at], q_v = t.second[at];
         const Complex f = term[at + 3 * pixels] - times_i(s_u * sum), g = term[at + 4 * pixels] - times_i(s_v * sum);
         const Complex cross = term[at + pixels] - times_i(s_u * g + s_v * f) + s_u * s_v * sum;
@@ -125,7 +125,7 @@ void add_node(const float* grid, double kappa, const PlanesTables& t, PlanesWork
   }
 }
 
-// Brings a strip's lines to the tile's pixels and adds them to workspace.tile.
+// Transforms a strip's lines to the tile's pixels and adds them to workspace.tile.
 void add_strip(const Slab& slab, const PlanesTables& t, bool is_across_rows, int strip, PlanesWorkspace& w) {
   const int m = t.transform, tile = t.plan.tile, lines = std::min(strip_width, tile - strip * strip_width);
   const Fft<float> backward(m, FftDirection::backward);
@@ -163,7 +163,7 @@ void add_strips(const SortedWaves& waves, const Slab& slab, const PlanesTables& 
     }
 }
 
-// The waves left over, by tiles.
+// Sums the remaining waves directly.
 void sum_direct(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& w, Array2D<std::complex<float>>& samples) {
   if (w.direct.empty()) return;
   const TileShape& shape = sum.direct.shape;

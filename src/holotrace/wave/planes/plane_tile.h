@@ -4,17 +4,17 @@
 
 namespace holotrace {
 
-/// Waves in the order that sum_planes takes them: by slab, and within a slab neighbours after each other.
+/// Waves in the order of their use in sum_planes: by slab, and neighbours one after the other within a slab.
 struct SortedWaves {
   std::vector<PreparedWave> waves;
   std::vector<Slab> slabs;
 };
 
-/// What all tiles of a panel share.
+/// Data shared by all tiles of a panel.
 struct PlanesSum {
   const SortedWaves& waves;
   const PlanesTables& tables;
-  const TilePlan& direct;  ///< how the few waves that light a corner of the tile only are summed (tile_sum.h)
+  const TilePlan& direct;  ///< plan for waves that light only a corner of the tile (tile_sum.h)
   const Grid& grid;
 };
 

@@ -16,15 +16,15 @@
 namespace holotrace {
 namespace {
 
-constexpr int block = 16;  // columns that lie side by side: whole cache lines of either precision
+constexpr int block = 16;  // columns stored side by side: whole cache lines in either precision
 
-// A call of known size, that is in registers.
+// A copy of known size, which the compiler can keep in registers.
 template <class Real>
 void copy_block(const std::complex<Real>* from, std::complex<Real>* to) {
   std::memcpy(static_cast<void*>(to), from, block * sizeof(*from));
 }
 
-// The columns of a block, one after the other, to rows of it.
+// Transposes the columns of a block, stored one after the other, to rows.
 template <class Real>
 void turn_to_rows(const std::complex<Real>* columns, int length, std::complex<Real>* rows) {
   constexpr int step = 8;  // a cache line of each column at a time
@@ -46,8 +46,8 @@ template <class Real>
 struct Part {
   using Complex = std::complex<Real>;
   const PropagationAxis& axis;
-  int part, length, columns;  // columns: frequencies held
-  int first;                  // least of them
+  int part, length, columns;  // columns: number of frequencies in use
+  int first;                  // the least of them
   std::vector<Complex> enter, leave;
 
   Part(const PropagationAxis& a, int part, double scale)
@@ -67,11 +67,11 @@ struct Part {
     return cis_cycles(double(place * part % axis.padded) / axis.padded);
   }
   int frequency(int column) const { return first + column * axis.parts; }
-  // Columns are in the order of their frequencies: the negative ones, at the end of the transform, come first.
+  // Columns are in the order of their frequencies; negative ones, which end the transform, come first.
   int below_zero() const { return std::min(columns, first < 0 ? (-first + axis.parts - 1) / axis.parts : 0); }
   int bin(int column) const { return wrapped(frequency(column), axis.padded) / axis.parts; }
 
-  // Calls work(o, at, count) for the outputs o … that lie at `at` … of the part's period, one after the other.
+  // Calls work(o, at, count) for each run of outputs o … that are consecutive, from `at` on, in the part's period.
   template <class Work>
   void each_run_of_outputs(const Work& work) const {
     for (int o = 0; o < axis.outputs;) {
@@ -82,7 +82,7 @@ struct Part {
   }
 };
 
-// Blocks of columns of a part of the spectrum along x: [block][row][column in block].
+// Blocks of columns for a part of the spectrum along x: [block][row][column in block].
 template <class Real>
 struct Blocks {
   int rows;
@@ -119,7 +119,7 @@ class Convolution {
     parallel_for(0, count, [&](int64_t b) { of_blocks[size_t(b)] = filter_columns(x, int(b), blocks); });
     parallel_for(
         0, p_.y.outputs, [&](int64_t o) { backward_row(x, int(o), blocks); }, {}, 8);
-    for (const double e : of_rows) dropped_ += e * p_.y.padded;  // Parseval's theorem along y
+    for (const double e : of_rows) dropped_ += e * p_.y.padded;  // by Parseval's theorem along y
     for (const double e : of_blocks) dropped_ += e;
   }
 
@@ -151,7 +151,7 @@ class Convolution {
     }
   }
 
-  // Along x, and the bins that are held to their blocks.
+  // Transforms along x and stores the frequencies in use in their blocks.
   double forward_row(const Part<Real>& x, int j, Blocks<Real>& blocks) const {
     const int length = x.length, inputs = p_.x.inputs;
     AlignedVector<Complex> work(2 * size_t(length));
@@ -170,7 +170,7 @@ class Convolution {
     const int below = x.below_zero();
     if (below > 0) move_row<Into::blocks>(blocks, j, 0, below, bins + x.bin(0));
     if (below < x.columns) move_row<Into::blocks>(blocks, j, below, x.columns, bins + x.bin(below));
-    if (x.columns % block != 0) {  // what else is in the last block is transformed too, and must be numbers
+    if (x.columns % block != 0) {  // the rest of the last block is transformed too, and must be finite
       Complex* last = blocks.at(x.columns / block, j);
       std::fill(last + x.columns % block, last + block, Complex());
     }
@@ -183,13 +183,14 @@ class Convolution {
            (below < x.columns ? energy(bins + x.bin(below), size_t(x.columns - below)) : 0);
   }
 
-  // Along y and back, in the cache. The first part comes last: it may go from the block and back to it directly.
+  // Transforms along y, filters, and transforms back, in the cache. The first part is done last: it can use the block
+  // itself.
   double filter_columns(const Part<Real>& x, int b, Blocks<Real>& blocks) {
     const int length = p_.y.part_length(), parts = p_.y.parts;
     const size_t size = size_t(length) * block;
     AlignedVector<Complex>& work = work_.local();
     work.resize(size * size_t(parts + 1));
-    Complex* columns = work.data() + size * size_t(parts);  // one after the other
+    Complex* columns = work.data() + size * size_t(parts);  // stored one after the other
     double dropped = 0;
     for (int part = parts - 1; part >= 0; --part) {
       Complex* rows = work.data() + size * size_t(part);
@@ -234,7 +235,7 @@ class Convolution {
     });
   }
 
-  // Of the frequencies last + 1 … padded + first − 1 of y, in this part.
+  // Energy of the frequencies last + 1 … padded + first − 1 of y in this part.
   double dropped_energy(int part, const Complex* column) const {
     const PropagationAxis& y = p_.y;
     const int from = y.last + 1 + wrapped(part - y.last - 1, y.parts);
@@ -242,12 +243,12 @@ class Convolution {
     if (from >= to) return 0;
     const int count = (to - from + y.parts - 1) / y.parts;
     if (y.last >= 0 && y.first <= 0) return energy(column + from / y.parts, size_t(count));
-    double sum = 0;  // a band to one side of zero: what is dropped wraps around
+    double sum = 0;  // if the band lies to one side of zero, the dropped frequencies wrap around
     for (int n = 0; n < count; ++n) sum += std::norm(column[wrapped(from + n * y.parts, y.padded) / y.parts]);
     return sum;
   }
 
-  // Back along x, and added to the outputs.
+  // Transforms back along x and adds the result to the outputs.
   void backward_row(const Part<Real>& x, int o, Blocks<Real>& blocks) {
     const int length = x.length;
     AlignedVector<Complex> work(2 * size_t(length));
@@ -273,7 +274,7 @@ class Convolution {
   const FftBatch<Real> forward_x_, backward_x_, to_columns_;
   const Fft<Real> backward_y_;
   std::vector<Part<Real>> parts_y_;
-  tbb::enumerable_thread_specific<AlignedVector<Complex>> work_;  // of the block that a thread is at
+  tbb::enumerable_thread_specific<AlignedVector<Complex>> work_;  // work space per thread, for its current block
 };
 
 }  // namespace

@@ -16,24 +16,15 @@ namespace {
 // Positions closer than this fraction of a pitch count as equal: a Nyquist fringe turns by 3e-11 of a cycle there.
 constexpr double same_place = 1e-11;
 
-PropagationAxis make_axis(const char* name, int inputs, int outputs, double input_pitch, double output_pitch,
-                          double offset, double wavelength, double z) {
-  PropagationAxis a;
-  a.name = name;
-  a.inputs = inputs;
-  a.outputs = outputs;
-  a.input_pitch = input_pitch;
-  a.output_pitch = output_pitch;
-  a.offset = offset;
-  a.wavelength = wavelength;
-  a.z = z;
+// The axis with its lattice set, from its windows, wavelength and distance.
+PropagationAxis with_lattice(PropagationAxis a) {
   if (!a.is_on_lattice()) return a;
-  const double shift = std::round(offset / input_pitch);
+  const double shift = std::round(a.offset / a.input_pitch);
   require(std::abs(shift) < 1e9, "expected an output window within 1e9 samples of the input's in {}, got it {} away",
-          name, format_length(offset));
+          a.name, format_length(a.offset));
   a.shift = int(shift);
-  a.rest = offset - shift * input_pitch;
-  if (std::abs(a.rest) < same_place * input_pitch) a.rest = 0;
+  a.rest = a.offset - shift * a.input_pitch;
+  if (std::abs(a.rest) < same_place * a.input_pitch) a.rest = 0;
   return a;
 }
 
@@ -221,11 +212,25 @@ double PropagationAxis::reach() const {
 bool PropagationAxis::is_on_lattice() const { return output_pitch == input_pitch; }
 
 PropagationAxis make_axis_x(const Grid& input, const Grid& output, double wavelength, double z) {
-  return make_axis("x", input.nx, output.nx, input.pitch, output.pitch, output.x(0) - input.x(0), wavelength, z);
+  return with_lattice({.name = "x",
+                       .inputs = input.nx,
+                       .outputs = output.nx,
+                       .input_pitch = input.pitch,
+                       .output_pitch = output.pitch,
+                       .offset = output.x(0) - input.x(0),
+                       .wavelength = wavelength,
+                       .z = z});
 }
 
 PropagationAxis make_axis_y(const Grid& input, const Grid& output, double wavelength, double z) {
-  return make_axis("y", input.ny, output.ny, input.pitch, output.pitch, input.y(0) - output.y(0), wavelength, z);
+  return with_lattice({.name = "y",
+                       .inputs = input.ny,
+                       .outputs = output.ny,
+                       .input_pitch = input.pitch,
+                       .output_pitch = output.pitch,
+                       .offset = input.y(0) - output.y(0),
+                       .wavelength = wavelength,
+                       .z = z});
 }
 
 const char* method_name(PropagationMethod method) {

@@ -26,7 +26,7 @@ struct PropagationAxis {
   int first = 0, last = 0;  ///< range of frequencies in use
   bool is_even = false;     ///< whether the transfer function at −k equals that at k
 
-  BandEdge low, high;  ///< band edges of an angular spectrum to a window off the axis or of another pitch
+  BandEdge low{}, high{};  ///< band edges of an angular spectrum to a window off the axis or of another pitch
 
   // On a lattice: all outputs have the same offset from an input sample, offset = shift·pitch + rest.
   int shift = 0;

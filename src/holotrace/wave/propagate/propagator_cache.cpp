@@ -12,7 +12,7 @@
 namespace holotrace {
 namespace {
 
-// What make_propagator was asked.
+// The arguments of make_propagator.
 struct Question {
   Grid grid;
   double wavelength, distance;
@@ -20,7 +20,7 @@ struct Question {
   bool operator==(const Question&) const = default;
 };
 
-// What it made and said.
+// The propagator that it made, with its facts and warnings.
 template <class Real>
 struct Entry {
   Question question;
@@ -32,7 +32,7 @@ struct Entry {
 template <class Real>
 struct Cache {
   std::mutex mutex;
-  std::list<Entry<Real>> entries;  // the one used last in front
+  std::list<Entry<Real>> entries;  // most recently used first
 };
 
 template <class Real>

@@ -21,7 +21,7 @@ void make_table(Propagator<Real>& p) {
   p.transfer = Array2D<std::complex<Real>>(p.x.slots(), p.is_on_lattice() ? p.y.padded : p.y.frequencies());
 }
 
-// Where the frequency k of y stands in a row of the table.
+// Index of the frequency k of y in a row of the table.
 template <class Real>
 int place(const Propagator<Real>& p, int k) {
   if (!p.is_on_lattice()) return k - p.y.first;
@@ -34,15 +34,15 @@ int frequency_of_slot(const Propagator<Real>& p, int slot) {
   return p.x.is_even ? slot : p.x.first + slot;
 }
 
-// What moves an output by a part of a pitch, on a lattice: exp(i2πu·rest). At the middle of an even spectrum both
-// frequencies ±1/2p have one sample: their mean.
+// On a lattice, the factor that shifts outputs by a fraction of a pitch, exp(i2πu·rest). In an even spectrum the two
+// frequencies ±1/2p share one sample, which gets their mean.
 Complex part_of_pitch(const PropagationAxis& axis, int k) {
   if (axis.rest == 0 || !axis.is_on_lattice()) return 1;
   const Complex turn = cis_cycles(k * axis.rest / axis.period());
   return 2 * std::abs(k) == axis.padded ? Complex(turn.real()) : turn;
 }
 
-// What passes the smooth edges of the band.
+// Transmission of the smooth edges of the band.
 double passing(const PropagationAxis& axis, int k) {
   const double u = k / axis.period();
   const auto passing_edge = [](const BandEdge& edge, double beyond) {
@@ -51,14 +51,14 @@ double passing(const PropagationAxis& axis, int k) {
   return passing_edge(axis.low, axis.low.at - u) * passing_edge(axis.high, u - axis.high.at);
 }
 
-// The factors of an axis that go beside the transfer function, at the frequencies held.
+// Further factors of one axis, apart from the transfer function, at the frequencies in use.
 std::vector<Complex> beside_transfer(const PropagationAxis& axis) {
   std::vector<Complex> factors;
   for (int k = axis.first; k <= axis.last; ++k) factors.push_back(passing(axis, k) * part_of_pitch(axis, k));
   return factors;
 }
 
-// One factor of the paraxial kernel, at the frequencies held.
+// One factor of the paraxial kernel, at the frequencies in use.
 std::vector<Complex> fresnel_axis(const PropagationAxis& axis) {
   const double lambda = axis.wavelength, z = axis.z, du = 1 / axis.period();
   std::vector<Complex> factor;
@@ -110,7 +110,7 @@ void fill_angular_spectrum(Propagator<Real>& p) {
   const double z = p.distance, du = 1 / p.x.period(), dv = 1 / p.y.period();
   const double start = cycle_fraction(z, p.wavelength);
   const std::vector<Complex> beside = beside_transfer(p.y);
-  // Even in v: each |v| once.
+  // The function is even in v: each |v| is computed once.
   const int least = p.y.first <= 0 && p.y.last >= 0 ? 0 : std::min(std::abs(p.y.first), std::abs(p.y.last));
   const int most = std::max(std::abs(p.y.first), std::abs(p.y.last));
   make_table(p);
@@ -150,7 +150,7 @@ void fill_fresnel(Propagator<Real>& p) {
   const Complex axial = cis_cycles(cycle_fraction(p.distance, p.wavelength));
   make_table(p);
   for (int slot = 0; slot < p.x.slots(); ++slot) {
-    // Of an even axis the frequency −slot is held, also where +slot, the middle of the spectrum, is not.
+    // On an even axis frequency −slot is always in use; +slot is not, if it is the middle of the spectrum.
     const int i = p.x.is_even ? -slot : p.x.first + slot;
     for (int k = p.y.first; k <= p.y.last; ++k)
       p.transfer(slot, place(p, k)) =

@@ -15,7 +15,7 @@
 namespace holotrace {
 namespace {
 
-constexpr int block = 16;  // columns that go through the cache together
+constexpr int block = 16;  // columns processed together, in the cache
 
 // exp(2πi·a·b), reduced in long double: a·b may be 1e9 cycles.
 std::complex<double> cis_product(long double a, long double b) {
@@ -110,7 +110,7 @@ BasicField<Real> transform_to_window(const BasicField<Real>& field, const Propag
   const WindowSum<Real> sum_x(x), sum_y(y);
   const Fft<Real> forward_x(x.padded, FftDirection::forward), forward_y(y.padded, FftDirection::forward);
 
-  // 1. Along x, the frequencies that are held; once each if the kernel reaches beyond the input's band.
+  // 1. Along x: the frequencies in use, each once even if the kernel extends beyond the input's band.
   const int entering = std::min(x.frequencies(), x.padded);
   LargeBuffer<Complex> before(size_t(entering) * size_t(y.inputs));
   parallel_for(0, y.inputs, [&](int64_t j) {
@@ -122,7 +122,7 @@ BasicField<Real> transform_to_window(const BasicField<Real>& field, const Propag
   });
   observer.progress(0.25);
 
-  // 2. Along y, a few columns at a time.
+  // 2. Along y: a few columns at a time.
   const int count = x.frequencies(), blocks = (count + block - 1) / block;
   LargeBuffer<Complex> after(size_t(count) * size_t(y.outputs));
   parallel_for(0, blocks, [&](int64_t b) {
@@ -151,7 +151,7 @@ BasicField<Real> transform_to_window(const BasicField<Real>& field, const Propag
   });
   observer.progress(0.75);
 
-  // 3. Along x to the window.
+  // 3. Along x: to the window.
   parallel_for(0, y.outputs, [&](int64_t o) {
     AlignedVector<Complex> work(sum_x.work_size());
     sum_x(after.data() + size_t(o) * size_t(count), out.samples.row(int(o)), work.data());

@@ -54,7 +54,7 @@ SummationWork tile_work(const TilePlan& plan) {
 
 namespace {
 
-// Packed products come in blocks of 32 × 32.
+// Packed products need blocks of 32 × 32.
 bool can_run(const TilePlan& plan) {
   return plan.products == TileProducts::single || (packed_unit() != PackedUnit::none && plan.shape.rows >= 30);
 }
@@ -77,7 +77,7 @@ TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const SumGoal& goa
           meets == best.meets_tolerance ? (meets ? seconds(plan) < seconds(best.plan) : true) : meets;
       if (is_better) best = {plan, error, energies, meets};
     }
-    // Smaller tiles are dearer: the first that does it in single precision is the last to look at.
+    // Smaller tiles cost more: stop at the first shape that meets the tolerance in single precision.
     if (best.meets_tolerance &&
         1.25 * std::hypot(split, rounding_error(TileProducts::single)) <= goal.tolerance * std::sqrt(goal.coherence))
       break;

@@ -10,6 +10,12 @@
 
 namespace holotrace {
 
+/// Where waves are summed: the panel's pixels, in their light.
+struct LitGrid {
+  const Grid& grid;
+  double wavelength;  ///< [m]
+};
+
 /// Pixels of a tile of the tile-separable sum.
 struct TileShape {
   int columns, rows;

@@ -22,9 +22,9 @@ using V = hn::Vec<Floats>;
 using Words = hn::RebindToUnsigned<Floats>;
 
 constexpr int components = 3;  // a, b and a + b of a factor a + ib
-constexpr int batch = 128;     // waves whose factors are held at once: they stay in the caches between products
+constexpr int batch = 128;     // waves whose factors are stored at once, so that they stay in the caches
 
-// What the factors of a batch's waves in one tile need. The tile's centre lies at (x, y) from a wave's origin, at the
+// Inputs of the factors of a batch of waves in one tile. The tile's centre lies at (x, y) from a wave's origin, at the
 // distance r₀.
 struct TileBatch {
   int count = 0;
@@ -51,7 +51,7 @@ inline void add_wave(TileBatch& b, const PreparedWave& wave, double x_centre, do
   if (wave.box.y0 > box.y0 || wave.box.y1 < box.y0 + rows) b.has_row_edges = true;
 }
 
-// Waves of amplitude 0 up to a whole number of vectors, or of pairs of vectors for packed products.
+// Adds waves of amplitude 0 up to a whole number of vectors, or of pairs of vectors for packed products.
 inline void pad(TileBatch& b) {
   for (int k = b.count; k % 32 != 0; ++k) {
     b.x[k] = b.y[k] = b.start[k] = b.amplitude[k] = 0;
@@ -63,7 +63,7 @@ inline void pad(TileBatch& b) {
 
 inline int padded(int count) { return (count + 31) / 32 * 32; }
 
-// Distances in double: r₀ is up to 10⁶ waves long. half_x, half_y: from the tile's centre to its edges.
+// Distances are in double, because r₀ is up to 10⁶ wavelengths. half_x, half_y: tile's centre to edges [m].
 inline void prepare(TileBatch& b, double wavelength, double half_x, double half_y) {
   const hn::ScalableTag<double> d;
   const hn::Rebind<float, decltype(d)> df;
@@ -75,7 +75,7 @@ inline void prepare(TileBatch& b, double wavelength, double half_x, double half_
     const auto inverse = hn::Div(one, r0);
     const auto cycles = hn::MulAdd(hn::Div(rho2, hn::Add(r0, depth)), per_wavelength, hn::Load(d, b.start + k));
     const auto inverse_squared = hn::Mul(inverse, inverse);
-    // The greatest |t| of either axis, see growth().
+    // The largest |t| along either axis, see growth().
     const auto t_x = hn::Mul(hn::Set(d, half_x), hn::MulAdd(hn::Set(d, 2.0), hn::Abs(x), hn::Set(d, half_x)));
     const auto t_y = hn::Mul(hn::Set(d, half_y), hn::MulAdd(hn::Set(d, 2.0), hn::Abs(y), hn::Set(d, half_y)));
     const auto store = [&](auto v, float* to) { hn::Store(hn::DemoteTo(df, v), df, to + k); };
@@ -89,9 +89,9 @@ inline void prepare(TileBatch& b, double wavelength, double half_x, double half_
   }
 }
 
-// Pixels of a tile, from its centre.
+// Positions of a tile's pixels from its centre.
 struct Offsets {
-  AlignedVector<float> u, v, index;  // [m], [m], pixels from the first; v falls as the row grows
+  AlignedVector<float> u, v, index;  // [m], [m], pixels from the first; v decreases with the row
 
   Offsets(TileShape tile, double pitch) {
     for (int i = 0; i < std::max(tile.columns, tile.rows); ++i) {

@@ -1,9 +1,9 @@
 // A tile is a complex matrix product: samples[row][column] += Σⱼ row factorⱼ[row] · column factorⱼ[column].
 //
 // A complex product (a + ib)(c + id) takes three real ones: ac, bd and (a + b)(c + d); its real part is ac − bd, its
-// imaginary part (a + b)(c + d) − ac − bd. As the sum over waves goes through, three real matrix products make the
-// tile, a quarter less work than the four of the schoolbook. Waves are taken in batches, whose factors are computed
-// into panels that the products stream.
+// imaginary part (a + b)(c + d) − ac − bd. The sum over waves can be done first, so three real matrix products give the
+// tile, a quarter less work than four. Waves are taken in batches, whose factors are computed
+// into panels that the products read in order.
 
 #include "holotrace/wave/tiles/tile_sum.h"
 
@@ -38,7 +38,7 @@ void row_factors(const TileBatch& b, const Offsets& offsets, TileShape tile, flo
     }
 }
 
-// Column panels of `vectors` each, as the product's block has.
+// Writes panels of `vectors` columns each, in the layout of the product's block.
 template <Series series>
 void column_factors(const TileBatch& b, const Offsets& offsets, TileShape tile, int k, int vectors, float* columns) {
   const Floats d;
@@ -55,7 +55,7 @@ void column_factors(const TileBatch& b, const Offsets& offsets, TileShape tile, 
     }
 }
 
-// sums[block_rows × vectors] += Σ over waves of row factor × column factor, of one component.
+// sums[block_rows × vectors] += Σ over waves of row factor × column factor, for one component.
 template <int block_rows, int vectors>
 HWY_INLINE void multiply_block(const float* HWY_RESTRICT columns, const float* HWY_RESTRICT rows, int waves,
                                float* HWY_RESTRICT sums, int stride) {
@@ -101,14 +101,14 @@ void multiply_batch(TileWorkspace& s, TileShape tile, int waves) {
   }
 }
 
-// bf16 is the upper half of a float. Numbers are rounded to it by adding half a unit of its last place.
+// A bf16 number is the upper half of a float. Rounds to it by adding half a unit of its last place.
 template <class W>
 HWY_INLINE W rounded_bits(W bits) {
   const Words d;
   return hn::And(hn::Add(bits, hn::Set(d, 0x8000u)), hn::Set(d, 0xffff0000u));
 }
 
-// A pair of numbers in one word, the first in the low half; then what rounding left of both.
+// Packs a pair of numbers into one word, the first in the low half; then the rounding rest of both, as further parts.
 HWY_INLINE void pack(V first, V second, uint32_t* parts, size_t part_step, int part_count) {
   const Floats d;
   const Words dw;
@@ -126,7 +126,7 @@ int packed_rows(TileShape tile) { return (tile.rows + 31) / 32 * 32; }
 size_t packed_row_words(TileShape tile) { return size_t(packed_rows(tile)) * pairs; }
 size_t packed_column_words(TileShape tile) { return size_t(tile.columns) * pairs; }
 
-// The first wave of pair i: pairs are of waves 16 apart, whole vectors of waves or of columns on either side.
+// The first wave of pair i. The two waves of a pair are 16 apart, so that whole vectors of waves or columns are packed.
 constexpr int first_of_pair(int i) { return i / 16 * 32 + i % 16; }
 
 template <Series series>
@@ -166,7 +166,7 @@ void packed_column_factors(const TileBatch& b, const Offsets& offsets, TileShape
   }
 }
 
-// With two parts each, of the four products all but the smallest: the first alone, and each first with a second.
+// With two parts each, three of the four products: first × first, and each first × the other's second.
 void multiply_pairs(TileWorkspace& s, TileShape tile, int waves, int parts) {
   const size_t row_step = packed_row_words(tile), column_step = packed_column_words(tile);
   for (size_t p = 0; p < components; ++p) {
@@ -183,7 +183,7 @@ void multiply_pairs(TileWorkspace& s, TileShape tile, int waves, int parts) {
   }
 }
 
-// Vectors of columns in a block of the product: with 6 rows, 24 of 32 registers hold sums, or 12 of 16.
+// Vectors of columns in a block of the product; with 6 rows, 24 of 32 (or 12 of 16) registers hold sums.
 int block_vectors(TileShape tile) {
   const int n = int(hn::Lanes(Floats()));
   return HWY_TARGET <= HWY_AVX3 && tile.columns % (4 * n) == 0 ? 4 : 2;
@@ -207,7 +207,7 @@ void add_single(const TileBatch& b, const Offsets& offsets, TileShape tile, Tile
     multiply_batch<6, 2>(s, tile, b.count);
 }
 
-// Factors in single precision, products packed.
+// Factors in single precision, packed products.
 void add_packed(const TileBatch& b, const Offsets& offsets, TileShape tile, int parts, TileWorkspace& s) {
   Series worst = Series::short_series;
   for (int k = 0; k < b.count; ++k) worst = std::min(worst, series_for(b.greatest_t[k], b.r0_over_wavelength[k]));
@@ -218,7 +218,7 @@ void add_packed(const TileBatch& b, const Offsets& offsets, TileShape tile, int 
   multiply_pairs(s, tile, b.count, parts);
 }
 
-// The tile's rows as its sums are held.
+// Number of rows in the tile's sums, with padding.
 int held_rows(const TilePlan& plan) {
   return plan.products == TileProducts::single ? plan.shape.rows : packed_rows(plan.shape);
 }
@@ -233,7 +233,7 @@ void prepare_workspace(const TilePlan& plan, TileWorkspace& s) {
   }
   const size_t parts = plan.products == TileProducts::bf16 ? 1 : 2;
   s.packed_columns.resize(components * parts * packed_column_words(tile));
-  s.packed_rows.assign(components * parts * packed_row_words(tile), 0);  // rows past the tile's stay dark
+  s.packed_rows.assign(components * parts * packed_row_words(tile), 0);  // rows past the tile's stay 0
 }
 
 void add_batch(TileBatch& b, const Offsets& offsets, double wavelength, double pitch, const TilePlan& plan,

@@ -16,12 +16,6 @@ struct TileWorkspace {
   AlignedVector<uint32_t> packed_columns, packed_rows;
 };
 
-/// Where waves are summed: the panel's pixels, in their light.
-struct LitGrid {
-  const Grid& grid;
-  double wavelength;  ///< [m]
-};
-
 /// Adds the waves whose boxes meet `box`, the part of a tile that lies on the grid, to the samples
 /// there. The tile starts at (box.x0, box.y0) and may reach past the grid. The hot loop of
 /// sum_tiled, compiled once for every instruction set and chosen at run time.

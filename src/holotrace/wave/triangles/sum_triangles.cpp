@@ -23,7 +23,7 @@ void sum_parts(const std::vector<TrianglePart>& parts, const TriangleChoice& cho
       [&](int64_t t) {
         const int x0 = int(t % across) * tile.columns, y0 = int(t / across) * tile.rows;
         const PixelBox box{x0, std::min(x0 + tile.columns, grid.nx), y0, std::min(y0 + tile.rows, grid.ny)};
-        sum_triangle_tile(parts, grid, field.wavelength, tile, box, choice.faint, field.samples);
+        sum_triangle_tile(parts, {grid, field.wavelength}, tile, box, choice.faint, field.samples);
       },
       observer);
 }

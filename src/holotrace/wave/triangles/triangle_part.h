@@ -44,7 +44,8 @@ inline double length_across(Vec3 side, double tangent) {
 /// Triangles cut into parts, each with the pixels that it lights.
 ///
 /// **What a triangle lights.** As a wave (Source), it lights only pixels whose fringe the panel can hold: those with
-/// |x − xc|, |y − yc| ≤ R, R = depth·tan(asin(λ/2p)), xc, yc, depth of its centroid (lit_box). A triangle with a
+/// |x − xc|, |y − yc| ≤ R, R = depth·tan(asin(λ/2p)) with λ = Triangles::acceptance_wavelength, the common cone of all
+/// colours, and xc, yc, depth of its centroid (lit_box). A triangle with a
 /// side above R/2 is halved, across its longest side, until none is: each part lights the box of its own centroid.
 /// Without a limit (pitch of half a wavelength or less) all pixels are lit.
 ///

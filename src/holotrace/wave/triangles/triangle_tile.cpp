@@ -228,9 +228,13 @@ void multiply_held(Workspace& s, TileShape tile) {
   s.held = 0;
 }
 
-// The column and row factors of the centroid's wave. The column factor includes its start phase.
-void wave_factors(Workspace& s, TileShape tile, const TrianglePart& part, double x, double y, double r0,
-                  double wavelength, const PixelBox& box) {
+// The factors of the centroid's wave; the column holds its start and 1/r.
+struct Centroid {
+  double x, y, r0;  // the tile's middle as seen from it [m]
+};
+void wave_factors(Workspace& s, TileShape tile, const TrianglePart& part, const Centroid& centroid, double wavelength,
+                  const PixelBox& box) {
+  const auto [x, y, r0] = centroid;
   const Floats d;
   const int n = int(hn::Lanes(d));
   const double cycles = part.start_cycles + (x * x + y * y) / (r0 + part.depth) / wavelength;
@@ -253,8 +257,9 @@ void wave_factors(Workspace& s, TileShape tile, const TrianglePart& part, double
   }
 }
 
-void SumTriangleTile(const std::vector<TrianglePart>& parts, const Grid& grid, double wavelength, TileShape tile,
-                     const PixelBox& box, double faint, Array2D<std::complex<float>>& samples) {
+void SumTriangleTile(const std::vector<TrianglePart>& parts, const LitGrid& panel, TileShape tile, const PixelBox& box,
+                     double faint, Array2D<std::complex<float>>& samples) {
+  const auto& [grid, wavelength] = panel;
   Workspace s(tile, grid.pitch);
   const double x_centre = grid.x(box.x0 + (tile.columns - 1) / 2.0), y_centre = grid.y(box.y0 + (tile.rows - 1) / 2.0);
   const double half_x = tile.columns * grid.pitch / 2, half_y = tile.rows * grid.pitch / 2;
@@ -279,7 +284,7 @@ void SumTriangleTile(const std::vector<TrianglePart>& parts, const Grid& grid, d
       for (int k = 0; k < nodes; ++k)
         squares += c_re[l * nodes + k] * c_re[l * nodes + k] + c_im[l * nodes + k] * c_im[l * nodes + k];
       if (squares <= least) continue;
-      if (!has_factors) wave_factors(s, tile, part, x, y, r0, wavelength, box);
+      if (!has_factors) wave_factors(s, tile, part, {x, y, r0}, wavelength, box);
       has_factors = true;
       add_term(s, tile, l, c_re + l * nodes, c_im + l * nodes);
     }
@@ -303,9 +308,9 @@ namespace holotrace {
 
 HWY_EXPORT(SumTriangleTile);
 
-void sum_triangle_tile(const std::vector<TrianglePart>& parts, const Grid& grid, double wavelength, TileShape tile,
+void sum_triangle_tile(const std::vector<TrianglePart>& parts, const LitGrid& panel, TileShape tile,
                        const PixelBox& box, double faint, Array2D<std::complex<float>>& samples) {
-  HWY_DYNAMIC_DISPATCH(SumTriangleTile)(parts, grid, wavelength, tile, box, faint, samples);
+  HWY_DYNAMIC_DISPATCH(SumTriangleTile)(parts, panel, tile, box, faint, samples);
 }
 
 }  // namespace holotrace

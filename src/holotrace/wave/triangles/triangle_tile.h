@@ -50,7 +50,7 @@ void expand_envelope(const PartInTile& part, double half_x, double half_y, Envel
 /// Sums the parts whose boxes meet `box` into the samples there, in single precision. This is the hot loop of
 /// sum_triangles, compiled for every instruction set and chosen at run time. Rows of an envelope are left out if the
 /// root of the sum of their squared coefficients, over r, is at most `faint` [√(W/m²)].
-void sum_triangle_tile(const std::vector<TrianglePart>& parts, const Grid& grid, double wavelength, TileShape tile,
+void sum_triangle_tile(const std::vector<TrianglePart>& parts, const LitGrid& panel, TileShape tile,
                        const PixelBox& box, double faint, Array2D<std::complex<float>>& samples);
 
 }  // namespace holotrace

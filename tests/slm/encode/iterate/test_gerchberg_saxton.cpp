@@ -21,8 +21,8 @@ std::complex<double> inner(const Field& a, const Field& b) {
 }
 
 TEST(TargetPropagation, WayBackIsTheAdjointOfTheWayThere) {
-  // Angular spectrum (2 mm) and Rayleigh–Sommerfeld kernel (0.2 m), both ways, with aperture and stop: the float sums
-  // of a few thousand products, 1e-5 of the norms.
+  // Angular spectrum (2 mm) and Rayleigh–Sommerfeld kernel (0.2 m), forward and back, with aperture and stop. Float
+  // sums of a few thousand products: 1e-5 of the norms.
   const Slm slm = make_panel(72, 40);
   const Field u = random_field(slm.grid, 1), g = random_field(slm.grid, 2);
   for (const double z : {-0.002, 0.002, -0.2, 0.2})
@@ -35,7 +35,7 @@ TEST(TargetPropagation, WayBackIsTheAdjointOfTheWayThere) {
 }
 
 TEST(TargetPropagation, NoLightIsGained) {
-  // ‖T‖ ≤ 1: what the error that never grows stands on. 1e-5: float.
+  // ‖T‖ ≤ 1, from which it follows that the error never grows. 1e-5: float.
   const Slm slm = make_panel(72, 40);
   const Field u = random_field(slm.grid, 3);
   for (const double z : {0.0, 0.002, 0.2})
@@ -45,8 +45,8 @@ TEST(TargetPropagation, NoLightIsGained) {
 }
 
 TEST(GerchbergSaxton, ErrorNeverGrows) {
-  // One plane and three, all of the window or a part, where light leaves the window and where hardly any does. The
-  // theorem is of exact arithmetic: floats may add 1e-6 of the first error.
+  // One plane and three; weights on the whole window or a part; much light leaves the window, or hardly any. The
+  // theorem holds for exact arithmetic; floats may add 1e-6 of the first error.
   const Slm slm = make_panel(96, 64);
   for (const std::vector<double>& distances : {std::vector{0.002}, {0.02}, {0.01, 0.015, 0.02}})
     for (const int columns : {0, 60}) {
@@ -63,7 +63,7 @@ TEST(GerchbergSaxton, ErrorNeverGrows) {
 }
 
 TEST(GerchbergSaxton, APlaneOfItsOwnLightIsReachedAtOnce) {
-  // The modulus of a phase pattern's own light: the start is the answer, and stays it. 1e-9: squares of float's 1e-5.
+  // The target is the modulus of a phase pattern's own light: the start is the solution. 1e-9: squares of float's 1e-5.
   const Slm slm = make_panel(64, 48, 65536);
   Field start = random_field(slm.grid, 4);
   for (auto& u : start.samples.values) u /= std::abs(u);
@@ -81,7 +81,7 @@ TEST(GerchbergSaxton, APlaneOfItsOwnLightIsReachedAtOnce) {
 }
 
 TEST(WeightedGerchbergSaxton, MakesSpotsMoreEvenThanTheyBegan) {
-  // Sixteen equal spots of a random start: their moduli differ as those of speckle do at first.
+  // Sixteen equal spots from a random start: at first their moduli vary as those of speckle.
   const Slm slm = make_panel(96, 64);
   TargetPlane target{-0.01, test_wavelength, Array2D<float>(64, 96), Array2D<float>(64, 96)};
   for (int j = 0; j < 4; ++j)
@@ -94,8 +94,8 @@ TEST(WeightedGerchbergSaxton, MakesSpotsMoreEvenThanTheyBegan) {
 }
 
 TEST(WeightedGerchbergSaxton, MakesSpotsMoreEvenThanThePlainKindDoes) {
-  // Spots on a dark plane, all of which counts: the plain kind rests where light beside the spots and what they lack
-  // are in balance, at uneven spots. The weights ask more of the dim ones, up to twice: half of the unevenness goes.
+  // Spots on a dark plane with weight 1 everywhere. The plain method stops where light beside the spots and missing
+  // light in them balance, with uneven spots. The weights raise dim spots, up to twofold: half of the unevenness goes.
   const Slm slm = make_panel(96, 64, 65536);
   TargetPlane target{-0.01, test_wavelength, Array2D<float>(64, 96), {}};
   std::vector<std::pair<int, int>> spots;
@@ -122,11 +122,11 @@ TEST(WeightedGerchbergSaxton, MakesSpotsMoreEvenThanThePlainKindDoes) {
   };
   const double plain = unevenness(Encoding::gerchberg_saxton);
   const double weighted = unevenness(Encoding::weighted_gerchberg_saxton);
-  EXPECT_GT(plain, 0.1);  // there is something to win
+  EXPECT_GT(plain, 0.1);  // the plain method leaves room to improve
   EXPECT_LT(weighted, 0.65 * plain);
 }
 
-// A virtual image lies behind the panel, a real one before it.
+// A virtual image lies behind the panel, a real one in front of it.
 TEST(Targets, LieOnTheSideOfTheirImage) {
   const Slm slm = make_panel(64, 48);
   EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.004, 0.006}};
@@ -142,8 +142,8 @@ TEST(Targets, LieOnTheSideOfTheirImage) {
   }
 }
 
-// The field for a direct encoder: Nesterov's momentum makes N steps worth some N²/4 plain ones where they crawl, and
-// must make 30 worth more than 60.
+// The field for a direct encoder. Where plain steps are slow, Nesterov's momentum makes N steps worth some N²/4 plain
+// ones. Here 30 steps must be worth more than 60 plain ones.
 TEST(Targets, AreReachedFasterWithMomentum) {
   const Slm slm = make_panel(64, 48);
   EncodeParams params{.method = Encoding::double_phase, .target_distances = {0.01}};
@@ -189,7 +189,7 @@ TEST(GerchbergSaxton, SaysWhatIsWrong) {
             "give its size by those, or resample it (--resample true)");
 }
 
-// A colour or a layer without light is no fault: the others are shown.
+// A colour or a slice without light is not an error: the others are shown.
 TEST(GerchbergSaxton, ADarkTargetMakesADarkHologram) {
   const Slm slm{.name = "test", .grid = {8, 6, 8e-6}};
   EncodeParams params{.method = Encoding::gerchberg_saxton};

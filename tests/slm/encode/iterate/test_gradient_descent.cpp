@@ -11,11 +11,11 @@
 namespace holotrace {
 namespace {
 
-// f(ℓ) of gradient_descent.h without rounding, and its gradient if there is room for it.
+// f(ℓ) of gradient_descent.h without rounding, and its gradient if `slope` is given.
 double loss(const std::vector<TargetPlane>& targets, const Slm& slm, const Hologram& hologram,
             const Array2D<float>& drive, Array2D<float>* slope) {
   double sum = 0;
-  for (const TargetPlane& target : targets) {  // each of a wavelength of its own
+  for (const TargetPlane& target : targets) {  // each with its own wavelength
     const DrivenPanel panel(slm, hologram, target.wavelength);
     const TargetPropagation propagation = make_target_propagation(slm, target.wavelength, target.z, panel.aperture());
     Field u(slm.grid, target.wavelength);
@@ -34,7 +34,7 @@ Hologram blank_hologram(const Slm& slm) {
 }
 
 TEST(GradientDescent, GradientIsThatOfFiniteDifferences) {
-  // Along the gradient itself, central differences: of third order in the step, so that 1 % holds them and the floats.
+  // Central differences along the gradient: the error is of third order in the step; 1 % covers it and the floats.
   const EncodeParams params{.target_distances = {0.004}, .target_columns = 40, .target_rows = 24};
   for (const bool has_effects : {false, true})
     for (const int colours : {1, 2}) {
@@ -69,10 +69,10 @@ TEST(GradientDescent, GradientIsThatOfFiniteDifferences) {
     }
 }
 
-// Kingma and Ba (2015), algorithm 1, in double and with its two corrections written as they are there:
-// m̂ = m/(1 − β₁ᵗ), v̂ = v/(1 − β₂ᵗ), x ← x − α·m̂/√v̂. Steps are 0.4 rad, falling as half a cosine.
+// Kingma and Ba (2015), algorithm 1, in double, with its two corrections as written there:
+// m̂ = m/(1 − β₁ᵗ), v̂ = v/(1 − β₂ᵗ), x ← x − α·m̂/√v̂. Steps are 0.4 rad, falling as a half cosine.
 TEST(GradientDescent, TakesTheStepsOfAdam) {
-  const Slm slm = make_panel(32, 24, 65536);  // levels so fine that rounding is nothing
+  const Slm slm = make_panel(32, 24, 65536);  // levels so fine that rounding is negligible
   EncodeParams params{.method = Encoding::sgd, .target_distances = {0.004}};
   params.iterations = 6;
   const std::vector<TargetPlane> targets = picture_targets(slm, params);
@@ -95,8 +95,8 @@ TEST(GradientDescent, TakesTheStepsOfAdam) {
     }
   }
   descend(targets, slm, params, {}, hologram);
-  // The six steps are 0.4 … 0.03 rad, and a quarter to two thirds longer without the corrections. Levels are 1e-4 rad
-  // apart; floats may turn a few slopes near 0, which Adam makes as large as all others: quantiles tell.
+  // The six steps are 0.4 … 0.03 rad; without the corrections they would be a quarter to two thirds longer. Levels are
+  // 1e-4 rad apart. Floats may flip a few slopes near 0, which Adam scales up like all others: compare quantiles.
   std::vector<double> apart;
   for (size_t i = 0; i < drive.size(); ++i)
     apart.push_back(std::abs(std::remainder(hologram.level.values[i] - drive.values[i], 65536.0)) / radian);
@@ -105,7 +105,7 @@ TEST(GradientDescent, TakesTheStepsOfAdam) {
   EXPECT_LT(apart[apart.size() * 9 / 10], 1e-3);
 }
 
-// Each colour counts alike, and the efficiency told is their mean.
+// Each colour counts alike, and the reported efficiency is their mean.
 TEST(GradientDescent, MeansOverColours) {
   Slm slm = make_panel(64, 48);
   slm.design_wavelength = 633e-9;
@@ -122,7 +122,7 @@ TEST(GradientDescent, MeansOverColours) {
     return std::pair(efficiency, heard.number("loss_first"));
   };
   const auto of_green = told({green}), of_red = told({red}), of_both = told({green, red});
-  ASSERT_GT(std::abs(of_green.first - of_red.first), 0.01 * of_red.first);  // they differ, so that a mean is told apart
+  ASSERT_GT(std::abs(of_green.first - of_red.first), 0.01 * of_red.first);  // else the mean proves nothing
   EXPECT_NEAR(of_both.first, (of_green.first + of_red.first) / 2, 1e-5);
   EXPECT_NEAR(of_both.second, (of_green.second + of_red.second) / 2, 1e-5);
 }
@@ -142,7 +142,7 @@ TEST(GradientDescent, SameBytesOnAnyNumberOfThreads) {
 }
 
 TEST(GradientDescent, OneHologramShowsAPlaneInEachOfTwoColours) {
-  // Both at once are harder than one, and far better than the one's hologram is for the other colour.
+  // Both at once is harder than one, and far better for the other colour than the hologram of one.
   Slm slm = make_panel(128, 96);
   slm.design_wavelength = 633e-9;
   slm.phase_range = 4 * pi;
@@ -156,7 +156,7 @@ TEST(GradientDescent, OneHologramShowsAPlaneInEachOfTwoColours) {
   const Hologram of_one = encode_targets({targets[0]}, start, slm, params);
   Hologram again = of_one;
   judge(targets, slm, alone.observer(), again);
-  EXPECT_GT(joint.number("psnr_db"), alone.number("psnr_db") + 3);  // half the error's power at least
+  EXPECT_GT(joint.number("psnr_db"), alone.number("psnr_db") + 3);  // at most half the error's power
 }
 
 }  // namespace
