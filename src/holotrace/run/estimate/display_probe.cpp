@@ -7,6 +7,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/machine/median_seconds.h"
+#include "holotrace/run/check_job.h"
+#include "holotrace/run/estimate/small_panel.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/viewing.h"
@@ -15,9 +17,9 @@
 namespace holotrace {
 namespace {
 
-constexpr int fewest_pixels = 1 << 14;  // of a small panel: less is over before threads are up
+constexpr int few_states = 2;
 
-// A part of each map and list that the panel's own effects have for all of its pixels.
+// Reduces the panel's own maps and lists, which are for all of its pixels.
 void shrink_effects(Slm& slm) {
   slm.effects.dead_pixels.clear();
   if (slm.effects.phase_map) slm.effects.phase_map = std::make_shared<Array2D<float>>(slm.grid.ny, slm.grid.nx);
@@ -27,7 +29,7 @@ bool is_before_encoding(const std::string& stage) {
   return stage == "scene" || stage == "trace" || stage == "synthesize" || stage.starts_with("render");
 }
 
-// The same with other transfer functions: those of a run are kept for the next, but that of the job has none yet.
+// The same job with other distances: transfer functions of a run are kept, but a real run has none yet.
 Job at_other_distances(Job job, double factor) {
   for (double& distance : job.camera.distances) distance *= factor;
   for (double& distance : job.encode.target_distances) distance *= factor;
@@ -42,21 +44,16 @@ std::vector<StageReport> stages_after_sum(const Job& job) {
   return stages;
 }
 
-// By place: views are named by their distances.
+// Seconds by position: views are named by their distances, which differ.
 double seconds_of(const std::vector<StageReport>& stages, size_t place, double otherwise) {
   return place < stages.size() ? stages[place].seconds : otherwise;
-}
-
-double transform_work(const Grid& grid) {
-  const double pixels = double(grid.pixels());
-  return pixels * std::log2(std::max(2.0, pixels));
 }
 
 }  // namespace
 
 Job on_small_panel(const Job& job, double side) {
   Job small = job;
-  // Shorter distances need fewer wavelengths of a spectrum. A source needs as many parts at any scale, and flicker, too.
+  // Shorter distances need fewer wavelengths of a spectrum. A source and flicker need the same number at every scale.
   if (job.show.illumination_states == 0 && job.show.bandwidth > 0)
     small.show.illumination_states = int(plan_illumination(job.slm, job.show, job.wavelengths.front(), job.encode.image,
                                                            viewpoints(job.camera, job.render))
@@ -65,8 +62,9 @@ Job on_small_panel(const Job& job, double side) {
   const auto fewer = [&](int& count) {
     if (count > 0) count = std::max(2, int(std::lround(count * side)));
   };
-  for (int* count : {&panel.nx, &panel.ny, &small.encode.target_columns, &small.encode.target_rows,
-                     &small.propagate.columns, &small.propagate.rows, &small.render.rows, &small.render.columns})
+  for (int* count : {&panel.nx, &panel.ny}) *count = fewer_pixels(*count, side);
+  for (int* count : {&small.encode.target_columns, &small.encode.target_rows, &small.propagate.columns,
+                     &small.propagate.rows, &small.render.rows, &small.render.columns})
     fewer(*count);
   CameraParams& camera = small.camera;
   for (double& distance : camera.distances) distance *= side;
@@ -105,13 +103,11 @@ Job on_small_panel(const Job& job, double side) {
   return small;
 }
 
-double DisplayProbe::first_part() const {
-  return std::min(1.0, std::max(1.0 / 64, fewest_pixels / double(job.slm.grid.pixels())));
-}
+double DisplayProbe::first_part() const { return smallest_part(job.slm.grid); }
 
 ProbeResult DisplayProbe::run(double part) {
   ProbeResult result;
-  // What does not fit the small panel may fit a larger one, and that is tried once.
+  // A job that does not fit the small panel may fit a larger one; this is tried once.
   const auto attempt = [&](double of_panel) {
     try {
       result.predicted = predict(of_panel);
@@ -130,13 +126,17 @@ ProbeResult DisplayProbe::run(double part) {
 
 double DisplayProbe::predict(double part) {
   Job small = on_small_panel(job, std::sqrt(part));
-  const int iterations = iterations_of(job.encode), few = std::min(iterations, 2), more = std::min(iterations, 6);
+  const int iterations = iterations_of(job.encode), few = std::min(iterations, 1);
+  const int more = std::min(iterations, few + std::max(2, iterations / 16));
   if (iterations > 0) small.encode.iterations = few;
+  const int64_t all_states = most_states(small, viewpoints(small.camera, small.render));
+  const bool has_many = all_states > 2 * few_states;
+  if (has_many) small.show.illumination_states = few_states;
   const double scale = transform_work(job.slm.grid) / transform_work(small.slm.grid);
   const double times = holograms / double(job.wavelengths.size());
-  holotrace::run(at_other_distances(small, 0.999));  // plans transforms
+  holotrace::run(at_other_distances(small, 0.999));  // plans the transforms
   const std::vector<StageReport> one = stages_after_sum(small);
-  std::vector<StageReport> two, longer;
+  std::vector<StageReport> two, longer, brighter;
   if (times > 1) {
     Job again = small;
     again.trace.frames = 2;
@@ -147,23 +147,39 @@ double DisplayProbe::predict(double part) {
     again.encode.iterations = more;
     longer = stages_after_sum(at_other_distances(again, 1.002));
   }
-  // Views are named by their distance.
+  if (has_many) {
+    Job again = small;
+    again.show.illumination_states = 2 * few_states;
+    brighter = stages_after_sum(at_other_distances(again, 1.003));
+  }
+  // Views are named by their distances.
   std::map<std::string, std::string> names;
   const auto from = viewpoints(job.camera, job.render), small_from = viewpoints(small.camera, small.render);
   for (size_t i = 0; i < from.size(); ++i) names[small_from[i].stage] = from[i].stage;
   stages.clear();
   double predicted = 0;
+  std::vector<double> told;
   for (size_t i = 0; i < one.size(); ++i) {
     const StageReport& stage = one[i];
     double seconds = seconds_for(times, stage.seconds, seconds_of(two, i, 2 * stage.seconds));
+    if (stage.stage != "encode" && has_many && stage.seconds > 0) {
+      const double of_all =
+          seconds_of_states(double(all_states), few_states, stage.seconds, seconds_of(brighter, i, 0));
+      seconds *= of_all / stage.seconds;
+    }
     if (stage.stage == "encode" && more > few) {
       const double each = std::max(0.0, seconds_of(longer, i, 0) - stage.seconds) / (more - few);
       seconds += times * (iterations - few) * each;
     }
+    const double alone = scale * seconds, earlier = i < of_part_.size() ? of_part_[i] : 0;
+    const double of_both = without_overhead({earlier > 0 ? part_ : 0, earlier}, {part, alone});
     const auto name = names.find(stage.stage);
-    stages.push_back({name == names.end() ? stage.stage : name->second, scale * seconds, {}, {}, {}});
-    predicted += stages.back().seconds;
+    stages.push_back({name == names.end() ? stage.stage : name->second, of_both, {}, {}, {}});
+    predicted += of_both;
+    told.push_back(alone);
   }
+  part_ = part;
+  of_part_ = told;
   return predicted;
 }
 
