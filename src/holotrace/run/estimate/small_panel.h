@@ -30,14 +30,16 @@ inline double transform_work(const Grid& grid) {
   return pixels * std::log2(std::max(2.0, pixels));
 }
 
-/// Transforms that carry the slices of some sets to the panel: one for each slice, and one back for each set that has any.
+/// Number of transforms that propagate the slices of some sets to the panel: one for each slice, and one back for each
+/// set with slices.
 inline double transforms_of(const std::vector<double>& slices) {
   double transforms = 0;
   for (const double count : slices) transforms += count > 0 ? count + 1 : 0;
   return transforms;
 }
 
-/// Seconds of `all` illumination states, from those of `few` and of twice as many: each takes the same, beside what is done once.
+/// Seconds of `all` illumination states, from those of `few` and of twice as many. Every state takes the same time, in
+/// addition to work that is done once.
 inline double seconds_of_states(double all, double few, double of_few, double of_twice) {
   return of_few + (all - few) * std::clamp(of_twice - of_few, 0.0, of_few) / few;
 }
