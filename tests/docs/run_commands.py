@@ -55,12 +55,13 @@ INPUTS = {
 
 # Commands of minutes or gigabytes in the words of the page, and the same in small.
 SHORTER = [
+    (r'--width "56 mm" --height "14 mm"', '--width "14 mm" --height "2 mm"'),
     (r"run MODEL.glb", "run MODEL.glb --columns 64 --rows 48 --paths 1"),
     (r"--columns 32768 --rows 32768", "--columns 1024 --rows 1024"),
     (r"--target-columns 1600 --target-rows 880", "--target-columns 200 --target-rows 110 --resample true --iterations 3"),
 ]
 LONG_SECONDS = 1  # of processor time, so that a busy machine ends no command before its flags are read
-BLOCK_SECONDS = 60
+BLOCK_SECONDS = 300  # a block takes a few seconds; this ends one that hangs
 
 
 def write_depths(path):
@@ -143,7 +144,7 @@ def run_block(block, folder, environment, numpy):
     language, marks = (block.words or [""])[0], block.words[1:]
     if language == "toml":
         name = re.match(r"# (\w+\.toml)\n", block.text)
-        if name and "[trace]" in block.text:
+        if name and "[[object]]" in block.text:
             scene = folder / ("whole_" + name.group(1))
             scene.write_text(block.text)
             write_smaller(folder / name.group(1), scene)
@@ -166,6 +167,8 @@ def unmarked_commands(page):
 
 def main():
     program = pathlib.Path(sys.argv[1]).resolve()
+    if program.name != "holotrace" or not program.exists():
+        sys.exit(f"expected the program, called holotrace as on the pages, got {program}")
     wanted = [pathlib.Path(name).resolve() for name in sys.argv[2:]] or pages()
     numpy = find_numpy()
     if not numpy:
