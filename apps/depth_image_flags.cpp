@@ -67,7 +67,7 @@ std::vector<Field> DepthImageFlags::fields(const std::string& picture, const Gri
   const DepthImage image = load_depth_image(picture, depth_, params.near, params.far);
   if (wavelengths.empty()) wavelengths = {532_nm};
   const double cone = view_wavelength(wavelengths, params.has_common_cone);
-  // One field of view for all colours: each colour's own would show the picture at another size.
+  // One field of view for all colours: separate ones would show the picture at different sizes.
   if (params.projection == Projection::perspective && params.field_of_view == 0 && wavelengths.size() > 1)
     params.field_of_view = std::asin(acceptance_sine(cone, panel.pitch));
   const bool has_cone = params.has_common_cone && wavelengths.size() > 1;

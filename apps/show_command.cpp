@@ -1,4 +1,4 @@
-// holotrace show: holograms to the image that a virtual SLM and camera show.
+// holotrace show: computes the image of holograms on a virtual SLM and in a camera.
 
 #include <algorithm>
 #include <cmath>
@@ -28,14 +28,14 @@
 namespace holotrace {
 namespace {
 
-// What a bare PNG, without its sidecar, does not tell.
+// Adds what a PNG without its sidecar does not contain.
 void complete(const std::string& path, const Slm& slm, double wavelength, Hologram& hologram) {
   if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;
   if (hologram.wavelength == 0) hologram.wavelength = wavelength;
   require(hologram.wavelength > 0, "{} has no metadata with its wavelength; give --wavelength", path);
 }
 
-// Writing over a hologram, its sidecar or its modulus before or after it is read would lose it.
+// Refuses outputs that would overwrite a hologram, its sidecar or its modulus.
 void check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
   for (const std::string& output : outputs) {
     if (!std::filesystem::exists(output)) continue;
@@ -64,7 +64,7 @@ int64_t states_of(const Hologram& hologram, const Slm& slm, const ShowParams& pa
   return int64_t(plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter).states.size());
 }
 
-// The light that leaves the panel, its way to the sensor, and the sums of all views, for `sets` colours and names.
+// Memory for the light that leaves the panel, its propagation, and the sums of all views, for `sets` colours and names.
 void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& params,
                   const PropagateParams& propagation, const std::vector<Viewpoint>& from, double wavelength,
                   size_t sets) {
@@ -110,7 +110,7 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(params);
     o->flags.apply(camera);
     o->flags.apply(propagation);
-    propagation.centre_x = propagation.centre_y = 0;  // those flags are the sensor's
+    propagation.centre_x = propagation.centre_y = 0;  // these flags set the centre of the sensor
     check_output(o->output, {".png", ".exr", ".gif"});
     if (!o->report.empty()) check_output(o->report, {".json"});
     const bool is_animation = extension_of(o->output) == ".gif";
@@ -129,7 +129,7 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     const StageObserver watch = console.stages();
     std::vector<CombinedViews> sums(from.size());
     std::optional<RepeatedStages> repeat;
-    std::set<std::pair<double, std::string>> kinds;  // that are summed each by itself
+    std::set<std::pair<double, std::string>> kinds;  // views that are summed separately
     for (const std::string& path : o->inputs) {
       Hologram hologram = load_hologram(path);
       Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");

@@ -1,4 +1,4 @@
-// Scene → Sources → Field in three wavelengths: a white wall is white up to the border of the view.
+// Scene → Sources → Field at three wavelengths: a white wall is white up to the border of the view.
 
 #include <gtest/gtest.h>
 
@@ -42,13 +42,13 @@ double cone_tangent(double wavelength) {
 constexpr int strip_count = 10;
 using Strips = std::array<double, strip_count>;
 
-/// The part of a panel's width [m] that a cone of that half-width [m] about x holds: the overlap of two intervals.
+/// The overlap of a panel's width [m] with a cone of that half-width [m] about x, as a fraction of the panel's width.
 double part_seen(double x, double radius, double width) {
   return std::max(0.0, std::min(width / 2, x + radius) - std::max(-width / 2, x - radius)) / width;
 }
 
-/// Light that waves bring to the panel from ten strips of the view, from its left border to its right one [W]: what a
-/// camera that uses the whole panel sees of them. Strips are as wide as blue light sees from the panel's centre.
+/// Power that waves bring to the panel from ten strips of the view, from its left border to its right one [W]: what a
+/// camera with the whole panel as its pupil sees of them. Strips are as wide as blue sees from the panel's centre.
 Strips strips(const Sources& sources) {
   const double half = distance * cone_tangent(450e-9),
                radius = distance * cone_tangent(sources.acceptance_wavelength());
@@ -62,7 +62,7 @@ Strips strips(const Sources& sources) {
   return light;
 }
 
-/// Red over blue in the strips.
+/// Ratio of red to blue in the strips.
 Strips red_over_blue(const TraceParams& params) {
   const auto sets = trace(white_wall(), panel, colours, params);
   const auto red = strips(sets[0]), blue = strips(sets[2]);
@@ -74,11 +74,11 @@ Strips red_over_blue(const TraceParams& params) {
 TEST(CommonCone, AWhiteWallIsWhiteUpToTheBorderOfTheView) {
   for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
     TraceParams params{.pattern = pattern, .columns = 100, .rows = 100, .samples = 20000, .paths = 1};
-    // All colours have the same rays, cones and solid angles: what is left is the rounding of amplitudes to floats.
+    // All colours have the same rays, cones and solid angles: only the rounding of amplitudes to floats remains.
     for (const double ratio : red_over_blue(params)) EXPECT_NEAR(ratio, 1, 1e-6);
-    // By itself red fills boxes 633/450 as wide: from the border, where half of blue's box is on the panel, red reaches
-    // more of it. At 0.9 of the border, half the panel 1.02 mm, boxes 8.44 and 11.88 mm: blue covers
-    // 8.44·0.1 + 1.02 of 2.05 mm, red all of it.
+    // With its own cone, red fills boxes 633/450 as wide. At the border, where half of blue's box is on the panel,
+    // red covers more of it. At 0.9 of the border, with half the panel 1.02 mm and boxes of 8.44 and 11.88 mm, blue
+    // covers 8.44·0.1 + 1.02 of 2.05 mm, red all of it.
     params.has_common_cone = false;
     const auto ratio = red_over_blue(params);
     EXPECT_GT(ratio[0] / ratio[4], 1.05);
@@ -86,7 +86,7 @@ TEST(CommonCone, AWhiteWallIsWhiteUpToTheBorderOfTheView) {
   }
 }
 
-/// Mean irradiance that a camera sees in ten strips of a plane from fields of several frames. The strips reach to the
+/// Mean irradiance that a camera sees in ten strips of a plane, from fields of several frames. The strips reach to the
 /// border of blue's cone.
 Strips strips_in_view(const std::vector<Field>& frames, double depth, double height) {
   const double half = depth * cone_tangent(450e-9);
@@ -105,7 +105,7 @@ Strips strips_in_view(const std::vector<Field>& frames, double depth, double hei
   return light;
 }
 
-/// The largest relative difference of two colours between the strips, 1 being their ratio in the middle two.
+/// The largest relative difference of two colours between the strips; 1 is their ratio in the middle two.
 double unevenness(const Strips& a, const Strips& b) {
   const double middle = (a[4] + a[5]) / (b[4] + b[5]);
   double worst = 0;
@@ -113,12 +113,12 @@ double unevenness(const Strips& a, const Strips& b) {
   return worst;
 }
 
-/// Fields of a white thing in red, green and blue, each in several frames.
+/// Fields of a white object in red, green and blue, each in several frames.
 using Fields = std::vector<std::vector<Field>>;
 
-/// A camera that takes all light of the panel sees the white thing at `depth`, `height` of it, in all colours alike, and
-/// each as the closed form says: as much as the part of the panel that is in the cone about a place. Without the common
-/// cone blue ends before red and green.
+/// A camera that receives all light of the panel sees the white object at `depth`, `height` of it, with the same ratio
+/// of all colours, and each as in the closed form: as the part of the panel in the cone about a place. Without the
+/// common cone blue ends before red and green.
 void expect_white_view(const std::function<Fields(bool has_common_cone)>& fields, double depth, double height,
                        double tolerance, double of_closed_form) {
   const double radius = depth * cone_tangent(450e-9);
@@ -141,8 +141,8 @@ void expect_white_view(const std::function<Fields(bool has_common_cone)>& fields
 }
 
 TEST(CommonCone, AWhiteWallOfWavesIsWhiteInTheView) {
-  // Waves 0.24 mm apart, 2.6 times what the camera resolves in red, hardly overlap. What interferes of 35 rows in a
-  // strip of 7 columns, an amplitude of some 1/3π for a neighbour, is 1 % of the light in a frame, 0.5 % in four.
+  // Waves 0.24 mm apart, 2.6 times what the camera resolves in red, hardly overlap. In a strip of 35 rows and 7
+  // columns the interference, about 1/3π in amplitude for neighbours, is 1 % of the light in a frame, 0.5 % in four.
   expect_white_view(
       [](bool has_common_cone) {
         TraceParams params{.columns = 70, .rows = 70, .paths = 1};
@@ -161,7 +161,7 @@ TEST(CommonCone, AWhiteWallOfWavesIsWhiteInTheView) {
       distance, 8_mm, 0.03, 0.03);
 }
 
-/// Irradiance of the panel by each strip, per area of its triangles: of what they send, what meets the panel.
+/// Irradiance of the panel by each strip, per area of its triangles: the part of their light that meets the panel.
 Strips light_of_strips(const Triangles& set, const Grid& grid) {
   const double half = distance * cone_tangent(450e-9);
   std::array<Triangles, strip_count> strips;
@@ -180,9 +180,9 @@ Strips light_of_strips(const Triangles& set, const Grid& grid) {
 }
 
 TEST(CommonCone, AWhiteWallOfTrianglesIsWhiteUpToTheBorder) {
-  // A row of squares across the view. Its triangles, 1/64 of the view, send their light in beams some λz/0.15 mm wide, 0.9
-  // to 1.3 mm, to where the panel of 6.1 × 2 mm takes most of them: L·Ω for Ω = 6.1 · 2 mm²/z² of it in the middle. Light
-  // of triangles that do not overlap adds up, where the panel takes all of it.
+  // A row of squares across the view. Its triangles, 1/64 of the view, send beams of about λz/0.15 mm, 0.9 to 1.3 mm,
+  // and the panel of 6.1 × 2 mm receives most of them: in the middle L·Ω with Ω = 6.1 · 2 mm²/z². The light of
+  // triangles that do not overlap adds up if the panel receives all of it.
   const Grid wide{768, 256, panel.pitch};
   Scene row;
   row.materials = {grey(0, 1)};
@@ -208,18 +208,18 @@ TEST(CommonCone, AWhiteWallOfTrianglesIsWhiteUpToTheBorder) {
       part[size_t(i)] +=
           part_seen(radius * ((i + (k + 0.5) / 100) * 2 / strip_count - 1), radius, wide.width()) * solid_angle / 100;
   for (const Strips& strips : common) {
-    double mean = 0;  // below 1 by what beams lose over the panel's edges, in all strips alike
+    double mean = 0;  // below 1 by the light of beams beyond the panel's edges, equal for all strips
     for (size_t i = 0; i < part.size(); ++i) mean += strips[i] / part[i] / strip_count;
     EXPECT_GT(mean, 0.6);
     EXPECT_LT(mean, 1);
-    // Neighbours whose beams the panel takes in part interfere: 2.4 % of a strip of some 60.
+    // Neighbours interfere where the panel receives only a part of their beams: 2.4 % of a strip of about 60.
     for (size_t i = 0; i < part.size(); ++i) EXPECT_NEAR(strips[i] / part[i] / mean, 1, 0.08) << i;
   }
 }
 
 TEST(CommonCone, AWhitePictureWithDepthIsWhiteInTheView) {
-  // Speckle of the samples' random phases: what the camera resolves in blue is λz/S, the panel's 256² places in the cone,
-  // half of them in the view's height and 3300 in each strip; of red half as many. Eight frames: 0.6 and 0.9 %.
+  // Speckle of the samples' random phases. In blue the camera resolves λz/S: the panel's 256² places in the cone,
+  // half of them in the view's height and 3300 in each strip; in red half as many. Eight frames: 0.6 and 0.9 %.
   constexpr double depth = 0.1;
   constexpr int frames = 8;
   DepthImage image{Image(1, 2, 3), Array2D<float>(1, 2, float(depth))};
@@ -242,7 +242,7 @@ TEST(CommonCone, AWhitePictureWithDepthIsWhiteInTheView) {
 }
 
 TEST(CommonCone, HoldsForEveryMethodThatSumsWaves) {
-  // Red waves at the border of blue's cone end where blue ones do; every method to its tolerance against the exact sum.
+  // Red waves at the border of blue's cone end where blue ones do; each method has its tolerance against the exact sum.
   Sources sources{.wavelength = 633e-9, .cone_wavelength = 450e-9};
   for (int i = 0; i < 40; ++i)
     sources.waves.push_back({{-9_mm + i * 0.45_mm, (i % 7) * 0.2_mm, -0.1 - (i % 3) * 1e-6}, 1, float(i * i % 6)});
@@ -269,8 +269,8 @@ TEST(CommonCone, HoldsForEveryMethodThatSumsWaves) {
 TEST(CommonCone, GatheredFieldsAndTrianglesKeepToIt) {
   TraceParams params{.strategy = Strategy::gather, .pixel_samples = 16, .paths = 1, .phase = SourcePhase::surface};
   const Grid few{48, 48, 8e-6};
-  // The mean irradiance is the solid angle of the cone: the same for all colours, or as λ². Speckle of 2304 pixels of
-  // independent waves: 2 % each.
+  // The mean irradiance is the solid angle of the cone: equal for all colours, or proportional to λ². Speckle of 2304
+  // pixels with independent waves: 2 % each.
   const auto common = gather(white_wall(), few, colours, params);
   EXPECT_NEAR(power(common[0]) / power(common[2]), 1, 0.12);
   params.has_common_cone = false;

@@ -1,4 +1,4 @@
-// Scene → Sources → Field: the brightness of surfaces under every phase, against closed forms.
+// Scene → Sources → Field: the brightness of surfaces with every kind of phase, against closed forms.
 
 #include <gtest/gtest.h>
 
@@ -15,14 +15,14 @@ namespace {
 
 constexpr double lambda = green_light;
 
-/// Irradiance at the middle of the panel of a square of radiance 1 and half-tangent t on the axis: ∫∫ cos⁴ over the
-/// tangents, four corner rectangles' view factors times π.
+/// Irradiance at the middle of the panel from a square of radiance 1 and half-tangent t on the axis: ∫∫ cos⁴ over the
+/// tangents, from the view factors of four rectangles times π.
 double irradiance_of(double t) {
   const double s = std::sqrt(1 + t * t);
   return 4 * t / s * std::atan(t / s);
 }
 
-/// Mean intensity over the panel and over frames of independent phases, and the contrast of all its pixels.
+/// Mean intensity over the panel and over frames with independent phases, and the contrast of all pixels.
 struct Brightness {
   double mean = 0, contrast = 0;
 };
@@ -51,7 +51,7 @@ struct Case {
 };
 
 TEST(Phases, AnEmissiveSquareHasItsIrradianceAtAnyDepthRasterAndGrain) {
-  // Squares of side z/50. The raster spans ±z/50: the edges of its cells meet the square's, whatever its number.
+  // Squares of side z/50. The raster spans ±z/50: edges of its cells coincide with the square's, for every number.
   const Grid panel{128, 128, 8e-6};
   const Case cases[] = {
       {SourcePhase::random, 75_mm, 256, 0},       {SourcePhase::surface, 75_mm, 512, 0},
@@ -72,15 +72,15 @@ TEST(Phases, AnEmissiveSquareHasItsIrradianceAtAnyDepthRasterAndGrain) {
                              .grain = c.grain};
     const Brightness found = measure(scene, panel, params, 8);
     // Speckles are 50·λ = 27 µm wide: 1480 on the panel, exponential, in 8 frames: a standard error of 0.9 %. The
-    // irradiance of the panel's corners is less by 2·(0.7/50)² = 4e-4 at most.
+    // irradiance at the panel's corners is lower by at most 2·(0.7/50)² = 4e-4.
     EXPECT_NEAR(found.mean / irradiance_of(0.01), 1, 0.03) << c.depth << " m, " << c.columns << ", " << c.grain;
   }
 }
 
 TEST(Phases, ASurfaceInStepBringsThePowerThatItsCellsBring) {
-  // Under `constant` the light of a surface goes straight on; the power of all of it is that of its waves in their
+  // With `constant` phases the light of a surface goes straight on. Its total power is that of its waves in their
   // boxes, L·A·∫∫ cos⁴ over the acceptance. The square is 64 whole cells wide, whose faces lie at (n − (0.41421356,
-  // 0.73205081)) pixels. The panel of 2 mm holds all of it: it spreads by
+  // 0.73205081)) pixels. The panel of 2 mm contains all of the light: it spreads by
   // no more than a few λz/0.5 mm = 40 µm.
   const Grid panel{256, 256, 8e-6};
   const double pixel = panel.pitch, half = 32 * pixel;
@@ -97,13 +97,13 @@ TEST(Phases, ASurfaceInStepBringsThePowerThatItsCellsBring) {
                                .phase = SourcePhase::constant};
       const double found = power(synthesize(trace(scene, panel, lambda, params), panel, {}));
       const double expected = 4 * half * half * irradiance_of(acceptance_tangent(lambda, panel.pitch));
-      // Waves a pixel apart are orthogonal in one box of ±asin(λ/2p), but their boxes are apart, too, by a pixel of 83
-      // or 166, and end at whole pixels: 2/83 at most for each axis.
+      // Waves a pixel apart are orthogonal in one box of ±asin(λ/2p). But their boxes are also a pixel of 83 or 166
+      // apart, and end at whole pixels: at most 2/83 for each axis.
       EXPECT_NEAR(found / expected, 1, 0.05) << depth << " m, " << per_cell;
     }
 }
 
-/// Mean irradiance of a square of the view: its middle and side [m] in the plane at `depth`.
+/// Mean irradiance of a square of the view, with its centre and side [m] in the plane at `depth`.
 double brightness_in_view(const Field& field, double depth, Vec2 middle, double side) {
   CameraParams camera;
   camera.width = camera.height = side;
@@ -118,9 +118,9 @@ double brightness_in_view(const Field& field, double depth, Vec2 middle, double 
 
 class NearAndFar : public ::testing::TestWithParam<SourcePhase> {};
 
-// Two squares of radiance L and side z·0.012, at 75 and at 300 mm, through the whole panel of area A: a camera that
-// takes all its light sees L·A/z² in either. Neither's light crosses the other on its way. Both have the same 46
-// resolved places to a side, λz/2.05 mm wide, and lose the same light over their edges.
+// Two squares of radiance L and side z·0.012, at 75 and at 300 mm, through the whole panel of area A. A camera that
+// receives all their light sees L·A/z² in both. The light of each misses the other square. Both have the same 46
+// resolved places per side, λz/2.05 mm wide, and lose the same light over their edges.
 TEST_P(NearAndFar, PatchesOfEqualRadianceAreEquallyBrightInTheView) {
   const bool has_laser = GetParam() == SourcePhase::laser;
   const Grid panel{256, 256, 8e-6};
@@ -129,13 +129,13 @@ TEST_P(NearAndFar, PatchesOfEqualRadianceAreEquallyBrightInTheView) {
   if (has_laser)
     scene.lights = {
         DirectionalLight{{0, 0, -1}, {1, 1, 1}, {0, 0, -10_mm}, std::numeric_limits<double>::infinity(), true}};
-  const double radiance = has_laser ? 0.8 / pi : 1;  // of a Lambertian plate under 1 W/m²
+  const double radiance = has_laser ? 0.8 / pi : 1;  // of a Lambertian plate at 1 W/m²
   const double depths[] = {75_mm, 300_mm}, slopes[] = {-0.013, 0.01};
   for (int i = 0; i < 2; ++i) {
     const double half = 0.006 * depths[i];
     scene.meshes.push_back(make_test_quad({slopes[i] * depths[i], 0, -depths[i]}, {half, 0, 0}, {0, half, 0}));
   }
-  // Cells of 1.2e-4: the squares are 100 of them wide.
+  // Cells of 1.2e-4: the squares are 100 cells wide.
   const TraceParams params{
       .columns = 400, .rows = 400, .field_of_view = std::atan(0.024), .paths = 1, .max_depth = 1, .phase = GetParam()};
   Sources sources = trace(scene, panel, lambda, params);
@@ -150,7 +150,7 @@ TEST_P(NearAndFar, PatchesOfEqualRadianceAreEquallyBrightInTheView) {
   }
   // 46² speckles in 10 frames, exponential: 0.69 % each, 0.97 % of the ratio: 3 % are three standard errors.
   EXPECT_NEAR(brightness[0] / brightness[1], 1, 0.03);
-  // Over the edges goes (ln(2π·46) + γ + 1)/(π²·46) = 1.6 % in each axis, the tails of sinc² from evenly in the square.
+  // The light beyond the edges is (ln(2π·46) + γ + 1)/(π²·46) = 1.6 % in each axis: tails of sinc² of an even square.
   for (const double b : brightness) EXPECT_NEAR(b, 0.968, 0.03);
 }
 
@@ -159,10 +159,10 @@ INSTANTIATE_TEST_SUITE_P(Phases, NearAndFar,
                                            SourcePhase::laser));
 
 TEST(Phases, NearAndFarPatchesInStepAreEquallyBrightWhereTheCameraTakesAllTheirLight) {
-  // Under `constant` a surface sends all its light straight on: that of its cell of area p² through the whole
-  // acceptance Ω, L·p²·Ω, goes into one direction. So a camera that takes that direction sees L·Ω, whatever the depth,
-  // not L·A/z². Two squares of 64 cells at 20 and at 40 mm, side by side; the panel holds their light with 60 cells
-  // around it, which diffraction spreads by λz/0.5 mm, 3 and 5 cells.
+  // With `constant` phases a surface sends all its light straight on: that of a cell of area p² through the whole
+  // acceptance Ω, L·p²·Ω, goes into one direction. So a camera that receives this direction sees L·Ω at any depth,
+  // not L·A/z². Two squares of 64 cells at 20 and at 40 mm, side by side. The panel contains their light with 60 cells
+  // around it; diffraction spreads the light by λz/0.5 mm, 3 and 5 cells.
   const Grid panel{512, 512, 8e-6};
   const double pixel = panel.pitch, half = 32 * pixel, depths[] = {20_mm, 40_mm}, at[] = {-100 * pixel, 100 * pixel};
   // Faces of the cells are at (n − (0.41421356, 0.73205081)) pixels.
@@ -171,7 +171,7 @@ TEST(Phases, NearAndFarPatchesInStepAreEquallyBrightWhereTheCameraTakesAllTheirL
   scene.materials = {grey(0, 1)};
   for (int i = 0; i < 2; ++i)
     scene.meshes.push_back(make_test_quad({at[i] + x0, y0, -depths[i]}, {half, 0, 0}, {0, half, 0}));
-  const int cells = 133, per_cell = 4;  // of the near plane, on either side of the axis; of the far one twice as many
+  const int cells = 133, per_cell = 4;  // of the near plane, on each side of the axis; the far one has twice as many
   const TraceParams params{.columns = 2 * cells * per_cell,
                            .rows = 2 * cells * per_cell,
                            .field_of_view = std::atan(cells * pixel / depths[0]),
@@ -181,13 +181,13 @@ TEST(Phases, NearAndFarPatchesInStepAreEquallyBrightWhereTheCameraTakesAllTheirL
   const Field field = synthesize(trace(scene, panel, lambda, params), panel, {});
   double brightness[2] = {};
   for (int i = 0; i < 2; ++i) brightness[i] = brightness_in_view(field, depths[i], {at[i] + x0, y0}, 2 * half);
-  // A box of 83 pixels to either side ends at whole ones: 1/83 of its light for each axis. Nothing here is random.
+  // A box of 83 pixels to each side ends at whole pixels: 1/83 of its light for each axis. Nothing here is random.
   EXPECT_NEAR(brightness[0] / brightness[1], 1, 0.03);
   for (const double b : brightness) EXPECT_NEAR(b / irradiance_of(acceptance_tangent(lambda, pixel)), 1, 0.03);
 }
 
 TEST(Phases, APlateInALaserBeamIsLambertian) {
-  // A plate of reflectance 0.8, 2 mm wide at −200 mm, under beams at 0°, 1.1° and 16.7°.
+  // A plate of reflectance 0.8, 2 mm wide at −200 mm, in beams at 0°, 1.1° and 16.7°.
   const Grid panel{256, 256, 8e-6};
   const double depth = 200_mm;
   for (const double slope : {0.0, 0.02, 0.3}) {
@@ -196,7 +196,7 @@ TEST(Phases, APlateInALaserBeamIsLambertian) {
     scene.meshes = {make_wall(-depth, 1_mm, 1_mm)};
     scene.lights = {DirectionalLight{
         normalize({slope, 0, -1}), {1, 1, 1}, {0, 0, -0.1}, std::numeric_limits<double>::infinity(), true}};
-    // Edges of the raster's cells, 20 µm wide, meet the plate's.
+    // Edges of the raster's cells, 20 µm wide, coincide with the plate's.
     const TraceParams params{.columns = 200,
                              .rows = 200,
                              .field_of_view = std::atan(0.01),
@@ -205,8 +205,8 @@ TEST(Phases, APlateInALaserBeamIsLambertian) {
                              .phase = SourcePhase::laser};
     const Brightness found = measure(scene, panel, params, 8);
     const double lambert = 0.8 / pi / std::sqrt(1 + slope * slope) * irradiance_of(0.005);
-    // Speckles of 100·λ = 53 µm: 1480 on the panel, in 8 frames: 0.9 % of the mean, and √8·0.9 %/2 of the contrast at
-    // most (the variance of an exponential's variance is 8).
+    // Speckles of 100·λ = 53 µm: 1480 on the panel, in 8 frames: 0.9 % of the mean, and at most √8·0.9 %/2 of the
+    // contrast (the variance of an exponential's variance is 8).
     EXPECT_NEAR(found.mean / lambert, 1, 0.05) << slope;
     EXPECT_NEAR(found.contrast, 1, 0.05) << slope;
   }

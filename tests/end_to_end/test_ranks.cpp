@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "band_messages.h"
 #include "end_to_end/bands.h"
 #include "support/build_paths.h"
 
@@ -45,6 +46,18 @@ pid_t process_of_rank(pid_t launcher, int rank) {
     if (told.find("OMPI_COMM_WORLD_RANK=" + std::to_string(rank) + '\0') != std::string::npos) return child;
   }
   return 0;
+}
+
+// A rank that sums in a wider cone than the others would make other bands.
+TEST(BandMessages, CarryAllThatASumDependsOn) {
+  Sources set{.wavelength = 638e-9, .cone_wavelength = 450e-9};
+  set.waves = {{{1e-3, 2e-3, -0.1}, 0.5F, 1.0F}};
+  set.tiles = {1, 2, {0.25F, 0.75F}};
+  const Sources heard = unpack_set(pack_set(set));
+  EXPECT_EQ(heard.wavelength, set.wavelength);
+  EXPECT_EQ(heard.cone_wavelength, set.cone_wavelength);
+  EXPECT_EQ(heard.waves, set.waves);
+  EXPECT_EQ(heard.tiles, set.tiles);
 }
 
 class Ranks : public ::testing::Test {

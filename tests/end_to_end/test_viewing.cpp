@@ -1,4 +1,4 @@
-// What the camera sees of holograms: the loop that `run` and `holotrace show` share.
+// Views of holograms in the camera: the loop that `run` and `holotrace show` share.
 
 #include <gtest/gtest.h>
 
@@ -82,7 +82,7 @@ TEST(Viewing, IsTheWeightedSumOverIlluminationStates) {
   EXPECT_EQ(report.stages[1].stage, "look at 26 mm");
 }
 
-// A source seen under the angle α blurs an image at d over a disc of diameter α·d: 10 mrad · 30 mm = 300 µm.
+// A source of the angle α blurs an image at d to a disc of the diameter α·d: 10 mrad · 30 mm = 300 µm.
 TEST(Viewing, LightOfAWideSourceBlursByItsAngle) {
   Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.03}}}));
@@ -102,13 +102,13 @@ TEST(Viewing, LightOfAWideSourceBlursByItsAngle) {
         if (std::hypot(small_panel.x(i), small_panel.y(j)) <= radius) inside += double(image(j, i));
     return inside;
   };
-  // The disc of 150 µm holds what the sharp point's few pixels held, but for what crosses its rim (a speckle of 8 µm
-  // about it): within 10 %. Half of it is within 150 µm/√2.
+  // The disc of 150 µm has the light of the sharp point's few pixels, except what crosses its rim (a speckle of 8 µm
+  // around it): within 10 %. Half of it is within 150 µm/√2.
   EXPECT_NEAR(within(wide, 160e-6) / within(sharp, 160e-6), 1, 0.1);
   EXPECT_NEAR(within(wide, 150e-6 / std::sqrt(2.0)) / within(wide, 160e-6), 0.5, 0.1);
   EXPECT_GT(within(sharp, 20e-6) / within(sharp, 160e-6), 0.5);
-  // An even disc: to the 5 % of the point's light that is beyond 100 µm of its middle. Sixteen spots were as many
-  // points.
+  // A uniform disc, apart from the 5 % of the point's light that is beyond 100 µm from its centre. Sixteen states would
+  // give as many spots.
   double least = 1e300, most = 0;
   for (int j = 0; j < wide.ny; ++j)
     for (int i = 0; i < wide.nx; ++i)
@@ -129,18 +129,18 @@ TEST(Viewing, AsManyIlluminationStatesAsTheViewsNeed) {
   };
   EXPECT_EQ(plan({}).states.size(), 1U);
   EXPECT_TRUE(plan({}).why.empty());
-  // The orders shown take 66.5 mrad: 5 mrad move by 0.075 of it, and π/4·(8·0.075)² = 0.28.
+  // The displayed orders span 66.5 mrad: 5 mrad move by 0.075 of it, and π/4·(8·0.075)² = 0.28.
   EXPECT_EQ(plan({.source_angle = 5e-3}).states.size(), 1U);
   EXPECT_EQ(plan({.source_angle = 5e-3}).states[0].source.angle, 5e-3);
   // A stop of 10 mrad: π/4·(8·0.5)² = 12.6.
   const double half = 5e-3 / 532e-9;
   EXPECT_EQ(plan({.source_angle = 5e-3}, SpectralFilter{0, 0, half, 1e9}).states.size(), 13U);
-  // 10 nm and f = min(62500, 38496)/m: 2·38496·0.1·10e-9 m = 77 µm, in steps of λz/S = 26 µm: 3, of which 8 are taken;
+  // 10 nm and f = min(62500, 38496)/m: 2·38496·0.1·10e-9 m = 77 µm, in steps of λz/S = 26 µm: 3, but 8 are the fewest;
   // at 20 mm f = 62500/m: 25 µm in steps of a pixel.
   EXPECT_EQ(plan({.bandwidth = 10e-9}).states.size(), 8U);
   EXPECT_EQ(plan({.bandwidth = 100e-9}).states.size(), 30U);  // 770/26.0 = 29.7
   // At 20 mm three samples per pixel hold the 187 500/m of their band: 2·187500·20e-3·60e-9 m = 450 µm. A sensor pixel
-  // is a panel pixel of 8 µm by itself, and a sample of 8/3 µm with a binning of 1, where λz/S = 5.2 µm resolves less.
+  // is a panel pixel of 8 µm by default, and a sample of 8/3 µm with a binning of 1, where λz/S = 5.2 µm is coarser.
   camera.distances = {0.02};
   EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).states.size(), 57U);  // 450/8 = 56.25
   camera.binning = 1;
@@ -149,7 +149,7 @@ TEST(Viewing, AsManyIlluminationStatesAsTheViewsNeed) {
   EXPECT_EQ(plan({.subpixels = 3, .bandwidth = 60e-9}).states.size(), 57U);
   camera.binning = 0;
   camera.distances = {0.1};
-  // One state per wavelength holds the whole source where it can.
+  // One illumination state per wavelength represents the whole source where possible.
   EXPECT_EQ(plan({.bandwidth = 10e-9, .source_angle = 5e-3}).states[3].source.angle, 5e-3);
   EXPECT_EQ(plan({.bandwidth = 10e-9, .source_angle = 5e-3}).states[3].tilt_x, 0);
   // An eye at 200 mm with a pupil of 2 mm: the source moves its light by 1 mm of 2: 12.6 again.
@@ -168,7 +168,7 @@ TEST(Viewing, AsManyIlluminationStatesAsTheViewsNeed) {
       "this light needs 13 illumination states, 1 is given: the view will look grainy; set illumination_states to 13, or to 0 for as many "
       "as the view needs");
   EXPECT_EQ(doubt_of(plan({.source_angle = 5e-3}), {.source_angle = 5e-3}), "");
-  // States and samples that no memory holds are refused by their lists.
+  // Numbers of states and samples that exceed any memory are refused by their ranges.
   const std::string many = error_of([&] { plan({.illumination_states = 65537}); });
   EXPECT_NE(many.find("65536"), std::string::npos) << many;
   const std::string fine = error_of([&] { plan({.subpixels = 65537}); });
@@ -176,7 +176,7 @@ TEST(Viewing, AsManyIlluminationStatesAsTheViewsNeed) {
   EXPECT_EQ(plan({.subpixels = 64, .source_angle = 5e-3, .illumination_states = 65}).states.size(), 65U);
 }
 
-// 40e6 pixels a side in 64 samples each: 2.56e9 are more than an int counts.
+// 40e6 pixels per side with 64 samples each: 2.56e9 exceeds an int.
 TEST(Viewing, SamplesBeyondAnIntAreRefused) {
   const Slm slm{.name = "test", .grid = {40000000, 4, 8e-6}};
   EXPECT_EQ(
@@ -218,7 +218,7 @@ TEST(Viewing, ShowSeesWhatRunSaw) {
   EXPECT_TRUE(of_show.contains("look at 30 mm"));
 }
 
-// Orders of a hologram at one illumination state: they are all of the light that its samples hold.
+// The orders of a hologram in one illumination state: together they have all the light that its samples represent.
 TEST(Viewing, OrdersAddUpToTheEfficiency) {
   Workplace work;
   with_points(work).write("scene.toml", scene("[show]\nsubpixels = 3\n"));
@@ -284,7 +284,7 @@ TEST(Viewing, NoiseComesAfterTheSumOfFramesAndCountsElectrons) {
   };
   const Image still = show_as("still.exr", {"out/hologram.png"});
   const Image once = show_as("once.exr", {"out/hologram.png", "--electrons", "50"});
-  // A hologram shown twice is a mean of two frames: the same light, and the noise of one reading.
+  // A hologram shown twice is the mean of two frames: the same light, and the noise of one reading.
   const Image twice = show_as("twice.exr", {"out/hologram.png", "out/hologram.png", "--electrons", "50"});
   EXPECT_EQ(once.values, twice.values);
   for (size_t i = 0; i < once.values.size(); ++i) {
@@ -295,9 +295,9 @@ TEST(Viewing, NoiseComesAfterTheSumOfFramesAndCountsElectrons) {
   EXPECT_NE(once.values, show_as("other.exr", {"out/hologram.png", "--electrons", "50", "--noise-seed", "2"}).values);
 }
 
-// A lens of f = 20 mm, 60 mm before the plane at 30 mm, images it at f/(s − f) = 1/2: a sensor of half the sides, half
-// as far off the axis, with pixels half as wide, sees what a sensor in that plane sees through the same pupil, but for
-// a constant. So the picture is as near to the render, pixel by pixel, as that one is.
+// A lens of f = 20 mm, 60 mm from the plane at 30 mm, images it at f/(s − f) = 1/2. A sensor of half the size, half
+// as far off the axis, with pixels half as wide, sees what a sensor in that plane sees through the same pupil, except
+// for a constant. So the picture is as close to the render, pixel by pixel, as that one.
 TEST(Viewing, TheReferenceOfALensIsThePlaneThatItLooksAt) {
   Workplace work;
   with_points(work);
@@ -319,7 +319,7 @@ TEST(Viewing, TheReferenceOfALensIsThePlaneThatItLooksAt) {
   EXPECT_NEAR(imaged, plain, 1e-3);  // floats
 }
 
-// The seconds of a stage that several holograms pass are those of all: the first takes none here, the second 20 ms.
+// The time of a stage for several holograms is the sum: here the first takes no time, the second 20 ms.
 TEST(Viewing, SecondsOfRepeatedStagesAddUp) {
   Report report;
   const StageObserver watch;
@@ -352,7 +352,7 @@ TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
   EXPECT_EQ(refused("sweep = \"focus\"\n"),
             "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to");
   const std::string head = scene().substr(0, scene().find("[camera]"));
-  const std::string line = std::to_string(std::count(head.begin(), head.end(), '\n') + 2);  // the one after [camera]
+  const std::string line = std::to_string(std::count(head.begin(), head.end(), '\n') + 2);  // the line after [camera]
   EXPECT_EQ(refused("sweep_views = 1\n"),
             "scene.toml:" + line + ":15: expected a whole number of 2 or more for \"sweep_views\", got 1");
   EXPECT_EQ(refused("sweep_seconds = 0\n"),

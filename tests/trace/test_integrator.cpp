@@ -12,9 +12,9 @@
 namespace holotrace {
 namespace {
 
-// --- the ways of finding light agree ---
+// --- the techniques of finding light agree ---
 
-/// A surface of that material before the panel, seen under 45°, and a lamp above it.
+/// A surface of that material in front of the panel, seen at 45°, and a lamp above it.
 struct LampScene {
   Scene scene;
   Ray ray{{40_mm, 0, -0.26}, normalize({-1, 0, -1})};
@@ -30,7 +30,7 @@ struct LampScene {
   Vec3 centre{-30_mm, 0, -0.27}, half_u{0, 12_mm, 0}, half_v = Vec3{6, 0, 6} * 1e-3;  // edge_u × edge_v to the wall
 };
 
-/// Direct light of the lamp by directions that the BSDF draws.
+/// Direct light of the lamp, from directions that the BSDF draws.
 Statistics by_surface(const LampScene& lamp, int count) {
   Scene scene = lamp.scene;
   scene.lights.clear();
@@ -56,7 +56,7 @@ Statistics by_surface(const LampScene& lamp, int count) {
   return statistics;
 }
 
-/// Direct light of the lamp by places evenly over it.
+/// Direct light of the lamp, from places uniform over it.
 Statistics by_lamp(const LampScene& lamp, int count) {
   const Accelerator accelerator(lamp.scene);
   const auto hit = accelerator.closest_hit(lamp.ray);
@@ -95,7 +95,7 @@ TEST(Integrator, AskingMeetingAndBothTogetherFindTheSameLight) {
     expect_same(met, both_rectangle);
     expect_same(asked, both_rectangle);
     expect_same(both_mesh, both_rectangle);
-    // Veach's bound for the balance heuristic, doubled for the power heuristic and roulette: near the better of both.
+    // Veach's bound for the balance heuristic, doubled for the power heuristic and roulette: near the better technique.
     const double better = std::min(met.standard_error(), asked.standard_error());
     EXPECT_LT(both_mesh.standard_error(), 2 * better);
     EXPECT_GT(both_mesh.mean(), 0.01);
@@ -103,7 +103,7 @@ TEST(Integrator, AskingMeetingAndBothTogetherFindTheSameLight) {
 }
 
 TEST(Integrator, ARoughMetalUnderAnEnvironmentIsTheSameAskedAndMet) {
-  // The same sky as a map, which is asked and met, and as four times finer sums over all directions.
+  // The same sky as a map, which is both sampled and met, compared with four times finer sums over all directions.
   auto map = std::make_shared<Image>(16, 32, 1);
   CounterRandom random(3, 0, 0);
   for (float& value : map->values) value = float(std::pow(random.uniform(), 3));
@@ -124,7 +124,7 @@ TEST(Integrator, ARoughMetalUnderAnEnvironmentIsTheSameAskedAndMet) {
                       std::sin(pi * (j + 0.5) / rows) * (2 * pi * pi / (double(columns) * rows));
       }
     const Statistics found = follow(lamp.scene, lamp.ray, 40000, 1);
-    EXPECT_NEAR(found.mean(), integral, 4 * found.standard_error() + 1e-3 * integral);  // midpoints in a lobe of 9°
+    EXPECT_NEAR(found.mean(), integral, 4 * found.standard_error() + 1e-3 * integral);  // midpoint rule in a lobe of 9°
   }
 }
 
@@ -136,17 +136,17 @@ TEST(Integrator, ABallThatShinesInAHollowSphereHasItsClosedForm) {
   scene.materials = {grey(rho), grey(0, 3)};
   scene.meshes = {make_round_mesh({0, 0, -0.3}, 20_mm, 64), make_round_mesh({0, 0, -0.3}, ratio * 20_mm, 64)};
   scene.meshes[1].material = 1;
-  // Of what leaves a place of the shell, f = (r/R)² falls on the ball: L = ρ·(f·L₀ + (1 − f)·L).
+  // Of the light that leaves a place of the shell, f = (r/R)² falls on the ball: L = ρ·(f·L₀ + (1 − f)·L).
   constexpr double f = ratio * ratio, expected = rho * f * 3 / (1 - rho * (1 - f));
   PathCounts counts;
   const Statistics found = follow(scene, {{15_mm, 1_mm, -0.3}, normalize({1, 0.2, 0.1})}, 20000, unlimited, counts);
-  // Facets of 2.8° stand in for spheres: areas short by some (π/128)², 6e-4.
+  // Facets of 2.8° replace spheres: areas are too small by some (π/128)², 6e-4.
   EXPECT_NEAR(found.mean(), expected, 4 * found.standard_error() + 2e-3 * expected);
   EXPECT_EQ(counts.escaped, 0);
 }
 
 TEST(Integrator, TwoDiffusePlatesReflectEachOtherAsTheSeriesSays) {
-  // Wide plates at a short distance c: what leaves at the edges is (c/a)² of all, 1e-5. L₂ = ρ₂·L₀/(1 − ρ₁ρ₂).
+  // Wide plates at a short distance c: the light lost at the edges is (c/a)² of all, 1e-5. L₂ = ρ₂·L₀/(1 − ρ₁ρ₂).
   constexpr double first = 0.8, second = 0.5;
   Scene scene;
   scene.materials = {grey(first, 2), grey(second)};
@@ -154,7 +154,7 @@ TEST(Integrator, TwoDiffusePlatesReflectEachOtherAsTheSeriesSays) {
   const Ray ray{{0, 0, -0.3005}, {0, 0, -1}};
   const Statistics found = follow(scene, ray, 40000, unlimited);
   EXPECT_NEAR(found.mean(), second * 2 / (1 - first * second), 4 * found.standard_error() + 1e-4);
-  // Bounce by bounce: with n surfaces at most, the terms of the series that have as many.
+  // Bounce by bounce: with at most n surfaces, the terms of the series with at most n surfaces.
   double sum = 0, term = second * 2;
   for (const int surfaces : {2, 4, 6}) {
     sum += term;
@@ -164,7 +164,7 @@ TEST(Integrator, TwoDiffusePlatesReflectEachOtherAsTheSeriesSays) {
   }
 }
 
-/// Green radiance of single paths that ask the lights where they end alone.
+/// Green radiance of single paths that sample the lights only where they end.
 Statistics follow_and_ask_at_end(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
   const PathScene path_scene(scene, Lines{}, {}, {.max_depth = max_depth, .asks_at_end = true});
   const PathStart start = start_of(path_scene, ray);
@@ -196,19 +196,19 @@ std::vector<Vec2> gauss_points(int count) {
   return points;
 }
 
-// Between two plates that shine with L₀ = 1 light leaves and meets surfaces at one angle θ, µ = cosθ:
+// Between two emitting plates of L₀ = 1, light leaves and meets surfaces at one angle θ, µ = cosθ:
 //
 //     L(µ) = L₀ + ∫₀¹ K(µ, µ')·L(µ') dµ',   K = ∫ f(µ, µ', φ)·µ' dφ
 //
-// solved here by Gauss points, which ask the material for f alone: no sampling, no weights, no roulette. A path has 1/(1
-// − 0.9) = 10 surfaces or so, at each of which a wrong weight of roulette would count.
+// solved here at Gauss points, which use only f of the material: no sampling, no weights, no roulette. A path has 1/(1
+// − 0.9) = 10 surfaces or so; a wrong weight of roulette would show at each of them.
 TEST(Integrator, PathsBetweenRoughMetalPlatesHaveTheLightOfTheIntegralEquation) {
   for (const double roughness : {0.5, 1.0}) {
     Material metal(MetallicRoughnessMaterial{.base_color = {0.9, 0.9, 0.9}, .metallic = 1, .roughness = roughness});
     metal.emission = {1, 1, 1};
     Scene scene;
     scene.materials = {metal};
-    const double gap = 10_mm, side = 20;  // what leaves at the sides, µ below 1/2000, is 1/2000² of the light
+    const double gap = 10_mm, side = 20;  // light lost at the sides, µ below 1/2000, is 1/2000²
     scene.meshes = {make_wall(-0.3, side, side), make_test_quad({0, 0, -0.3 + gap}, {0, side, 0}, {side, 0, 0})};
     const double mu = 0.8;
     const auto direction = [](double cosine, double angle) {
@@ -219,7 +219,7 @@ TEST(Integrator, PathsBetweenRoughMetalPlatesHaveTheLightOfTheIntegralEquation) 
     const PathScene path_scene(scene, Lines{}, {}, {});
     const Bsdf bsdf = make_bsdf(metal, start_of(path_scene, ray).point, Lines{});
     const std::vector<Vec2> points = gauss_points(24);
-    constexpr int turns = 60;  // of φ over half a turn, closer at the mirror's direction: φ = π − π·t³
+    constexpr int turns = 60;  // steps of φ over half a turn, closer at the mirror direction: φ = π − π·t³
     const auto kernel = [&](double from, const Vec2& to) {
       double sum = 0;
       for (int k = 0; k < turns; ++k) {
@@ -244,14 +244,14 @@ TEST(Integrator, PathsBetweenRoughMetalPlatesHaveTheLightOfTheIntegralEquation) 
     }
     const double expected = gathered([&](size_t j) { return kernel(mu, points[j]); });
     const Statistics found = follow(scene, ray, 60000, unlimited);
-    // Four times as many points change `expected` by 2e-4 of it.
+    // Four times as many points change `expected` by 2e-4.
     EXPECT_NEAR(found.mean() / expected, 1, 4 * found.standard_error() / expected + 2e-4) << roughness;
     EXPECT_LT(found.standard_error(), 0.005 * expected) << "else the line above claims little";
   }
 }
 
 TEST(Integrator, AskingTheLampAtTheEndOfAPathFindsTheLightOfDirectPaths) {
-  // One wall under a point: ρ/π·I·cosθ/d², whatever part of the paths goes on (and finds nothing).
+  // One wall under a point light: ρ/π·I·cosθ/d², whatever fraction of the paths continues (and finds nothing).
   Scene scene;
   scene.materials = {grey(0.6)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
@@ -260,13 +260,13 @@ TEST(Integrator, AskingTheLampAtTheEndOfAPathFindsTheLightOfDirectPaths) {
   const Statistics light = follow_and_ask_at_end(scene, {{}, {0, 0, -1}}, 20000, 4, counts);
   const double expected = 0.6 / pi * 0.8 / (0.05 * 0.05);
   EXPECT_NEAR(light.mean() / expected, 1, 4 * light.standard_error() / expected);
-  // Roulette ends 0.4 of the paths at the wall, and those alone ask; 4 standard errors of a binomial.
+  // Roulette ends 0.4 of the paths at the wall, and only these sample the light; 4 standard errors of a binomial.
   EXPECT_NEAR(double(counts.shadow_rays) / 20000, 0.4, 4 * std::sqrt(0.4 * 0.6 / 20000));
 }
 
 TEST(Integrator, AskingAtTheEndOfAPathFindsTheSameLightInFewerShadowRays) {
-  // A point in a box, whose walls send light on; a lamp with an area over two walls, which paths also meet; and a rough
-  // metal under it. Each by 4 standard errors of both means.
+  // A point light in a box, whose walls reflect; a lamp with an area over two walls, which paths also meet; and a rough
+  // metal under this lamp. Each to 4 standard errors of both means.
   Scene box = make_box_scene({0, 0, -0.3}, {10_mm, 8_mm, 6_mm}, grey(0.8));
   box.lights = {PointLight{{2_mm, 3_mm, -0.302}, {1e-4, 1e-4, 1e-4}}};
   Scene metal = make_corner();
@@ -302,7 +302,7 @@ TEST(Integrator, ErrorsFallAtLeastAsTheRootOfThePaths) {
     }
     return statistics.standard_error();
   };
-  // 400 samples know a deviation to 1/√800 = 3.5 %, the ratio of two to 5 %: 4 of those.
+  // 400 samples give a deviation to 1/√800 = 3.5 %, and the ratio of two to 5 %: 4 times that.
   EXPECT_LT(deviation(256), deviation(16) / 4 * 1.2);
 }
 
@@ -328,12 +328,12 @@ TEST(Clamp, HoldsEveryPathAndCountsIt) {
   const double all = sums_of(scene, ray, {}, {}, 10)[0];
   EXPECT_EQ(sums_of(scene, ray, {}, {.clamp = 2 * all}, 10)[0], all) << "no path reaches it";
   EXPECT_NEAR(sums_of(scene, ray, {}, {.clamp = all / 4}, 10)[0], all / 4, 1e-12 * all);
-  // Sums of their own share what is let through.
+  // Separate sums share the light that the clamp keeps.
   const std::vector<double> lights = sums_of(scene, ray, {}, {.clamp = all / 4, .separate_lights = true}, 10);
   EXPECT_NEAR(lights[0], all / 8, 1e-12 * all);
   EXPECT_NEAR(lights[1], all / 8, 1e-12 * all);
   PathCounts counts;
-  const PathScene path_scene(scene, Lines{}, {}, {.clamp = all});  // green stays, blue does not
+  const PathScene path_scene(scene, Lines{}, {}, {.clamp = all});  // green is not clamped, blue is
   Vec3 sum;
   mean_radiance(path_scene, start_of(path_scene, ray), 10, 0, {&sum, 1}, counts);
   EXPECT_EQ(counts.clamped, 10);
@@ -346,9 +346,9 @@ TEST(Clamp, HoldsEveryPathAndCountsIt) {
 // --- roulette ---
 
 TEST(Roulette, TakesNoPathForTheRadianceScaleOfGlass) {
-  // A shining wall through a slab: of normal light (1 − R)² ≈ 0.92 comes through one way, the rest by ways between the
-  // faces or not at all. Chosen by share, paths spread by √(p(1 − p)) ≈ 0.27; roulette of the n² = 2.25 that radiance
-  // gains and loses would take 5 of 9 paths and make them spread by 1.
+  // An emitting wall through a slab: at normal incidence (1 − R)² ≈ 0.92 is transmitted directly, the rest by
+  // reflections between the faces or not at all. Chosen by fraction, paths spread by √(p(1 − p)) ≈ 0.27. Roulette on
+  // the factor n² = 2.25 that radiance gains and loses would end 5 of 9 paths, and the spread would be 1.
   Scene scene;
   scene.materials = {grey(0, 1), {DielectricMaterial{}}};
   Mesh slab = make_box({20_mm, 20_mm, 2_mm});
@@ -356,7 +356,7 @@ TEST(Roulette, TakesNoPathForTheRadianceScaleOfGlass) {
   slab.material = 1;
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm), slab};
   const Statistics found = follow(scene, {{0, 0, 0}, {0, 0, -1}}, 4000, 16);
-  EXPECT_NEAR(found.mean(), 0.92, 0.03);  // 4 of 0.27/√4000, and what comes after more than two faces
+  EXPECT_NEAR(found.mean(), 0.92, 0.03);  // 4 times 0.27/√4000, plus light reflected by more than two faces
   EXPECT_LT(found.standard_error() * std::sqrt(4000.0), 0.4);
 }
 

@@ -18,14 +18,14 @@ Triangles shade(const Scene& scene, Shading shading = Shading::flat, TrianglePha
 }
 
 // A wall of radiance 1 that fills the panel's view sends it the panel's étendue, area·(λ/p)². Triangles send a² times
-// their area. They take the solid angle at their centroid: their sides are 1/64 of the view, so where the box
-// crosses the panel's edges the midpoint rule is off by some 1e-3; sines for tangents are 1e-3 more.
+// their area. They use the solid angle at their centroid. Their sides are 1/64 of the view, so where the box
+// crosses the panel's edges the midpoint rule has an error of some 1e-3; sines for tangents add 1e-3.
 TEST(ShadeTriangles, ABrightWallSendsThePanelItsEtendue) {
   for (const Shading shading : {Shading::flat, Shading::smooth}) {
     const Triangles triangles = shade(make_bright_wall(-0.05), shading);
     double power = 0;
     for (const Triangle& t : triangles.triangles) {
-      EXPECT_EQ(t.amplitudes[0], t.amplitudes[1]);  // alike everywhere on an even wall
+      EXPECT_EQ(t.amplitudes[0], t.amplitudes[1]);  // equal at all corners on an even wall
       power += double(t.amplitudes[0]) * t.amplitudes[0] * area_along_direction(t);
     }
     const double etendue = panel.width() * panel.height() * std::pow(green_light / panel.pitch, 2);
@@ -33,7 +33,7 @@ TEST(ShadeTriangles, ABrightWallSendsThePanelItsEtendue) {
   }
 }
 
-// The longest side that is left is at most 1/64 of the view's height, and more than half of that for the mean triangle.
+// The longest side is at most 1/64 of the view's height, and more than half of that for the mean triangle.
 TEST(ShadeTriangles, LargeFacesAreCut) {
   const Triangles triangles = shade(make_bright_wall(-0.05));
   const double most = 2 * acceptance_tangent(green_light, panel.pitch) * 0.05 / 64;
@@ -52,8 +52,8 @@ Scene sphere_before_wall() {
   return scene;
 }
 
-// Of the sphere the side that faces the panel, z above its centre; of the wall what lies outside the sphere's shadow,
-// whose radius is 0.48 mm there. Triangles beside the shadow's edge may have a corner in it, not their centroid.
+// Of the sphere, the side that faces the panel (z above its centre); of the wall, the part outside the sphere's shadow,
+// whose radius is 0.48 mm there. Triangles at the shadow's edge may have a corner in it, but not their centroid.
 TEST(ShadeTriangles, HiddenOnesDoNotShine) {
   const Triangles triangles = shade(sphere_before_wall());
   int of_sphere = 0, of_wall = 0;
@@ -71,7 +71,7 @@ TEST(ShadeTriangles, HiddenOnesDoNotShine) {
   EXPECT_GT(of_wall, 1000);
 }
 
-// Where a corner is hidden its amplitude is 0, so that the light of smooth triangles ends at the shadow's edge.
+// At a hidden corner the amplitude is 0, so the light of smooth triangles ends at the shadow's edge.
 TEST(ShadeTriangles, SmoothOnesAreDarkAtHiddenCorners) {
   const Triangles triangles = shade(sphere_before_wall(), Shading::smooth);
   const auto is_mixed = [](const Triangle& t) {
@@ -90,10 +90,10 @@ TEST(ShadeTriangles, OneSidedFacesAreDarkFromBehind) {
   EXPECT_TRUE(shade(scene).triangles.empty());
 }
 
-// Light goes straight ahead from what stands before the panel, and from elsewhere to what it may light of the panel: the
-// part within its box, whose ends it keeps off by an eighth of it or by the width of its beam.
+// Light goes straight ahead from triangles in front of the panel, and from others to what they can light of it: the
+// part within their box, away from its ends by an eighth of it or by the width of the beam.
 TEST(ShadeTriangles, LightGoesToThePanel) {
-  // Triangles of 52 µm, 1/64 of the view of 3.3 mm; beams of 0.7 mm; a panel of 4.1 mm, so that there are all cases.
+  // Triangles of 52 µm, 1/64 of the view of 3.3 mm; beams of 0.7 mm; a panel of 4.1 mm: all cases occur.
   const Grid wide{512, 16, panel.pitch};
   const double depth = 0.05, radius = depth * acceptance_tangent(green_light, wide.pitch), half = wide.width() / 2;
   int straight = 0, aside = 0;
@@ -132,7 +132,7 @@ TEST(ShadeTriangles, PhasesAreThoseOfTheirKeysOrConstant) {
   for (const Triangle& t : constant.triangles) EXPECT_EQ(t.phase, 0);
 }
 
-// A set for each wavelength, each with its own colour's light: red light of a red wall, no blue.
+// A set for each wavelength, with the light of its colour: red light of a red wall, no blue.
 TEST(ShadeTriangles, EachWavelengthHasItsColour) {
   Scene scene = make_bright_wall(-0.05);
   scene.materials[0].emission = {1, 0, 0};

@@ -31,7 +31,7 @@ TEST(Trace, RasterOfFirstHitsBringsThePanelsCentreItsIrradiance) {
     }
     const double t = field_of_view > 0 ? std::tan(field_of_view) : acceptance_tangent(green_light, panel.pitch);
     const double s = std::sqrt(1 + t * t), expected = 4 * t / s * std::atan(t / s);
-    // The midpoint rule is off by (2T/48)²/24·|∂²cos⁴| ≤ 4/24·(2T/48)², relative: 1e-4 at T = 0.55, less at 0.03.
+    // The midpoint rule has an error of (2T/48)²/24·|∂²cos⁴| ≤ 4/24·(2T/48)², relative: 1e-4 at T = 0.55, less at 0.03.
     EXPECT_NEAR(irradiance / expected, 1, 1e-4);
   }
 }
@@ -55,14 +55,14 @@ TEST(Trace, RandomFirstHitsBringThePanelItsEtendueTimesRadiance) {
   const TraceParams params{.pattern = Pattern::random, .samples = 4000, .paths = 1, .max_depth = 1};
   const Sources sources = trace(make_bright_wall(-0.02), small, green_light, params);
   const double s = acceptance_sine(green_light, small.pitch);
-  // L·G/A, less the part s²/3 of G beyond the boxes. A box edge between pixels is off by up to half a pixel: the
+  // L·G/A, less the part s²/3 of G beyond the boxes. A box edge between pixels is wrong by up to half a pixel: the
   // standard deviation of a wave's pixel sum is about 1/√6 of a column in 64 of them, and 4000 waves average that to
-  // 1e-4. The stratified count of left-out rays adds less than √(4000·s²/3)/4000 = 3e-4. 4 of both together: 1.3e-3.
+  // 1e-4. The stratified count of left-out rays adds less than √(4000·s²/3)/4000 = 3e-4. Four times both: 1.3e-3.
   EXPECT_NEAR(mean_intensity(sources, small) / (4 * s * s * (1 - s * s / 3)), 1, 1.3e-3);
 }
 
 TEST(Trace, RandomFirstHitsKeepTheEtendueOfTheUnitDiscOnPanelsOfHalfAWavelength) {
-  // Pitch λ/4: all directions are accepted, boxes have no end and G = A·π.
+  // Pitch λ/4: all directions are accepted, boxes are unlimited and G = A·π.
   const Grid fine{40, 40, green_light / 4};
   const TraceParams params{.pattern = Pattern::random, .samples = 20000, .paths = 1, .max_depth = 1};
   Scene scene = make_bright_wall(-1_mm);
@@ -194,7 +194,7 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
             "rectangles, emission, a background or an environment");
 }
 
-// A point of radiance L is a patch of λd/W by λd/H: its solid angle is λ²/(W·H), whatever the depth.
+// A point of radiance L is a patch of λd/W by λd/H: its solid angle is λ²/(W·H) at any depth.
 TEST(Trace, LuminousPointsBecomeSourcesOfTheirRadiance) {
   Scene scene = make_bright_wall();
   scene.points = {{{1_mm, 2_mm, -0.25}, 0.5f, 0.25f}, {{0, 0, -0.2}, 2.0f, 0}};
@@ -217,7 +217,7 @@ TEST(Trace, LuminousPointsBecomeSourcesOfTheirRadiance) {
 }
 
 TEST(Trace, LuminousPointsOfOneCellAreNotInStep) {
-  // In step, n points would bring n² times the light of one; with phases of their own they bring n times.
+  // With equal phases, n points would bring n² times the light of one; with independent phases they bring n times.
   Scene scene;
   for (int i = 0; i < 4; ++i) scene.points.push_back({{i * 1e-6, 0, -0.2}, 1, 0});
   for (const SourcePhase phase : {SourcePhase::surface, SourcePhase::path, SourcePhase::laser}) {
@@ -228,15 +228,15 @@ TEST(Trace, LuminousPointsOfOneCellAreNotInStep) {
 }
 
 TEST(Trace, LuminousPointsAreWhite) {
-  // |U|² of a point over that of a white surface is the same at every wavelength (|U|² = L·λ²/WH where the panel is
-  // smaller than the box): amplitudes are as wavelengths.
+  // |U|² of a point relative to a white surface is the same at every wavelength (|U|² = L·λ²/WH if the panel is
+  // smaller than the box): amplitudes are proportional to the wavelength.
   Scene scene;
   scene.points = {{{0, 0, -0.2}, 1, 0}};
   const std::vector<Sources> sets = trace(scene, panel, std::vector<double>{630e-9, 450e-9}, {});
   EXPECT_FLOAT_EQ(sets[0].waves[0].amplitude / sets[1].waves[0].amplitude, 630.0F / 450.0F);
 }
 
-// A wall of radiance 1 beside points of radiance a²: nothing is said from 1/1000 to 1000.
+// A wall of radiance 1 and points of radiance a²: no warning from 1/1000 to 1000.
 TEST(Trace, PointsAndSurfacesThatOutshineEachOtherAreWarnedOf) {
   Scene scene;
   scene.materials = {grey(0, 1)};

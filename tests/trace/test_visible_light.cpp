@@ -9,12 +9,12 @@
 #include "holotrace/trace/trace.h"
 #include "trace/follow.h"
 
-// Rectangle lights as surfaces: what sees them, and what they hide.
+// Rectangle lights as surfaces: visible in all ways, and hiding what is behind them.
 
 namespace holotrace {
 namespace {
 
-/// 20 mm × 20 mm before a wall of radiance 1, shining toward the panel, or away from it.
+/// 20 mm × 20 mm in front of a wall of radiance 1, emitting toward the panel, or away from it.
 Scene lamp_scene(bool shines_here) {
   Scene scene;
   scene.materials = {grey(0, 1)};
@@ -59,7 +59,7 @@ TEST(VisibleLight, IsMetAtItsPlaceNotWhereRaysLookForIt) {
 }
 
 TEST(VisibleLight, ShadowsOtherLights) {
-  // A point light of 1 W/sr 40 mm behind the wall's centre lights it by 1/(0.04²·π)·0.5; the lamp between hides it.
+  // A point light of 1 W/sr 40 mm behind the wall's centre lights it by 1/(0.04²·π)·0.5; the lamp in between hides it.
   Scene scene;
   scene.materials = {grey(0.5)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
@@ -72,8 +72,8 @@ TEST(VisibleLight, ShadowsOtherLights) {
 }
 
 TEST(VisibleLight, LightsAWallAsMuchAskedForAsMetByChance) {
-  // 40 mm × 20 mm, 30 mm before the wall, its corner over the centre: ρ·L·F. Every path of two surfaces both asks and
-  // may meet it; a metal nearly smooth finds it by chance, a rough one by both.
+  // 40 mm × 20 mm, 30 mm in front of the wall, with a corner over the centre: ρ·L·F. Every path of two surfaces samples
+  // it and may meet it. A nearly smooth metal finds it by meeting it, a rough one in both ways.
   Scene scene;
   scene.materials = {grey(0.6)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
@@ -88,7 +88,7 @@ TEST(VisibleLight, LightsAWallAsMuchAskedForAsMetByChance) {
     const Ray slanting{{-8_mm, -8_mm, -0.28}, normalize({8, 8, -20})};
     const Statistics seen = follow(scene, slanting, 40000, 2);
     set_visible(scene, false);
-    const Statistics unseen = follow(scene, slanting, 40000, 2);  // the lamp stands in no way here
+    const Statistics unseen = follow(scene, slanting, 40000, 2);  // the lamp hides nothing here
     EXPECT_GT(seen.mean(), 0.1);
     EXPECT_NEAR(seen.mean(), unseen.mean(), 4 * std::hypot(seen.standard_error(), unseen.standard_error()) + 1e-9)
         << roughness;
@@ -96,7 +96,7 @@ TEST(VisibleLight, LightsAWallAsMuchAskedForAsMetByChance) {
 }
 
 TEST(VisibleLight, IsSeenInAMirrorBeyondTheLastSurface) {
-  // A lamp is no surface that max_depth counts, as other lights are not.
+  // As for other lights, the surface of a lamp does not count for max_depth.
   Scene scene;
   scene.materials = {{ConductorMaterial{constant_index(3), 0}}};  // at normal incidence (3 − 1)²/(3 + 1)² = 1/4
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
@@ -135,7 +135,7 @@ TEST(VisibleLight, BecomesWavesAsASurfaceThatShinesDoes) {
     EXPECT_EQ(near, 64);  // the lamp fills the view: 10 mm at 200 mm is 0.05
     EXPECT_EQ(lamp.tiles.values, mesh.tiles.values);
   }
-  // Its waves are a set of their own where lights are separate, and it alone is a scene.
+  // With separate lights its waves are a separate set; and a lamp alone is a valid scene.
   Scene alone;
   alone.points = {{{0, 0, -0.3}, 1, 0}};
   alone.lights = with_light.lights;
@@ -159,9 +159,9 @@ TEST(VisibleLight, IsInThePictureTheGatheredFieldAndTheTriangles) {
 }
 
 TEST(VisibleLight, GathersItsRadianceOverTheAcceptance) {
-  // Cells of 1 nm: independent waves, whose mean irradiance is L·∫∫ dΩ over the acceptance, ±asin(λ/2p) in both axes,
-  // 4s²(1 − s²/3). The lamp fills it: R = 6.65 mm at 200 mm. 8 waves a pixel have a contrast of √(1 − 1/8): 16384 pixels
-  // leave 0.73 % of noise.
+  // Cells of 1 nm: independent waves, whose mean irradiance is L·∫∫ dΩ over the acceptance, ±asin(λ/2p) on both axes,
+  // 4s²(1 − s²/3). The lamp fills it: R = 6.65 mm at 200 mm. 8 waves per pixel have a contrast of √(1 − 1/8); 16384
+  // pixels leave 0.73 % of noise.
   const Grid panel{128, 128, 8e-6};
   const TraceParams params{.strategy = Strategy::gather,
                            .pixel_samples = 8,
@@ -180,9 +180,10 @@ TEST(VisibleLight, GathersItsRadianceOverTheAcceptance) {
 }
 
 TEST(VisibleLight, FarAwayLightsContactsAsTheSameLampNearby) {
-  // A card 10 µm before a wall of 2 mm, lit by a lamp of 0.1 m at 0.1 m, and by one of 1 km at 1 km, a corner over the
-  // middle of both: ρ·L·F, F the sum over the lamp's four parts about the place. In the gap, 0.4 mm from the card's edge,
-  // light comes from no more than 10/400 of the right angle at the horizon, where the lamp, up to 45° high, is not.
+  // A card 10 µm in front of a wall of 2 mm, lit by a lamp of 0.1 m at 0.1 m, and by one of 1 km at 1 km, with a corner
+  // over the middle of both: ρ·L·F, F the sum over the lamp's four parts about the place. In the gap, 0.4 mm from the
+  // card's edge,
+  // light comes only from 10/400 of the right angle at the horizon; the lamp, up to 45° high, is not there.
   for (const double side : {0.1, 1000.0}) {
     Scene scene;
     scene.materials = {grey(0.6)};
@@ -212,7 +213,7 @@ TEST(VisibleLight, AloneIsAScene) {
   EXPECT_EQ(trace(alone, panel, green_light, params).waves.size(), 16u);
   const auto shaded = shade_triangles(alone, panel, {green_light}, {.paths = 1}, Shading::flat, TrianglePhase::random);
   EXPECT_FALSE(shaded[0].triangles.empty());
-  set_visible(alone, false);  // light and nothing to light
+  set_visible(alone, false);  // a light and nothing that it could light
   EXPECT_EQ(error_of([&] { trace(alone, panel, green_light, params); }),
             "expected at least one object in the scene, or a visible rectangle light, got none");
 }

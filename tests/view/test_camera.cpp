@@ -17,7 +17,7 @@ Field point_field(const Slm& slm, double depth) {
   return convert<float>(sum_exact({test_wavelength, {{{0, 0, -depth}, 1, 0}}}, slm.grid));
 }
 
-// Where the light of a view lies in x [m].
+// Centroid of the light of a view in x [m].
 double centroid(const Image& view) {
   double moment = 0, sum = 0;
   for (int j = 0; j < view.ny; ++j)
@@ -37,7 +37,7 @@ TEST(Camera, AnEyeSeesPointsBehindAndBeforeItsFocusShiftedByParallax) {
       camera.eye = {0.4_mm, 0, z};
       const Image view = look(point_field(slm, depth), slm, 0.05, {}, camera);
       // The ray from (0, −depth) through the middle of the pupil, in the plane z = −50 mm. The disc of blur is even
-      // about it, its diffraction rings too: within half a pixel.
+      // about it, and so are its diffraction rings: to half a pixel.
       const double expected = camera.eye.x * (depth - 0.05) / (depth + z);
       EXPECT_NEAR(centroid(view), expected, test_pitch / 2) << "depth " << depth << " eye at z " << z;
     }
@@ -61,7 +61,7 @@ TEST(Camera, AnEyeBehindThePanelOrBesideItIsRefused) {
   EXPECT_THROW(look(point_field(slm, 0.05), slm, 0.05, {}, camera), Error);
 }
 
-// Largest difference over the largest value of b.
+// Largest difference relative to the largest value of b.
 double difference(const Image& a, const Image& b) {
   EXPECT_EQ(a.nx, b.nx);
   EXPECT_EQ(a.ny, b.ny);
@@ -82,8 +82,8 @@ TEST(Camera, ASensorWithThePanelsPixelsSeesTheSame) {
   EXPECT_EQ(look(point_field(slm, 0.02), slm, 0.02, {}, camera).values, as_panel.values);
 }
 
-// Against 16 × 16 places. mean_over_pixels states 0.7 % of the mean for light whose band ends at what the samples hold,
-// and less for more samples.
+// Compared with 16 × 16 places. mean_over_pixels states 0.7 % of the mean for light whose band ends at what the samples
+// represent, and less for more samples.
 TEST(Camera, APixelTakesAsManyPlacesAsTheLightNeeds) {
   const Slm slm = make_panel(128, 96);
   const Field shown = convert<float>(
@@ -124,7 +124,7 @@ TEST(Camera, ASensorOffTheAxisSeesItsPartOfTheView) {
   Image expected(40, 40, 1);
   for (int j = 0; j < 40; ++j)
     for (int i = 0; i < 40; ++i) expected(j, i) = whole(28 + 6 + j, 28 + 10 + i);
-  EXPECT_LT(difference(part, expected), 1e-5);  // float transforms of other lengths
+  EXPECT_LT(difference(part, expected), 1e-5);  // float transforms of different lengths
   camera.pixel = test_pitch;
   camera.binning = 1;
   EXPECT_EQ(look(shown, slm, 0.03, {}, camera).values, part.values);
@@ -134,7 +134,7 @@ TEST(Camera, ARenderIsSeenWhereTheSensorIs) {
   Image render(60, 60, 1), sensor(30, 30, 1);
   for (int j = 0; j < 60; ++j)
     for (int i = 0; i < 60; ++i) render(j, i) = float(std::sin(0.2 * i) + 0.1 * j);
-  sensor.pitch = 2 * 0.01 / 60 * 0.3;  // a pixel of the render at 0.3 m
+  sensor.pitch = 2 * 0.01 / 60 * 0.3;  // twice a pixel of the render at 0.3 m
   sensor.centre_x = 5 * sensor.pitch;
   sensor.centre_y = -3 * sensor.pitch;
   const Image seen = project_render(render, 0.01, sensor, 0.3);
@@ -156,8 +156,8 @@ TEST(Camera, ASensorThatCannotBeIsRefused) {
   EXPECT_THROW(look(shown, slm, 0.02, window, camera), Error);
 }
 
-// What a thin lens does, step by step: to its plane, through its pupil and phase, to the plane of its sensor. The
-// picture stands on its head there, about the lens's own axis.
+// A thin lens step by step: propagation to its plane, its pupil and phase, propagation to the plane of its sensor. The
+// picture there is upside down, about the lens's own axis.
 Image true_lens(const Field& shown, const CameraParams& camera, double distance, int pixels, double pixel) {
   const double s = camera.eye.z + distance, f = camera.focal_length, to_sensor = s * f / (s - f);
   FieldDouble in_lens = propagate(convert<double>(shown), camera.eye.z);
@@ -189,8 +189,8 @@ double relative_difference(const Image& a, const Image& b) {
   return std::sqrt(error / all);
 }
 
-// A lens of 20 mm, 20 mm before the panel. Its sphere is off a parabola by k·r⁴/8·(1/s³ + 1/s'³) = 5e-4 rad at the
-// pupil's rim, and its cosines by (0.3/20)²/2 = 1e-4.
+// A lens of 20 mm, 20 mm in front of the panel. Its sphere differs from a parabola by k·r⁴/8·(1/s³ + 1/s'³) = 5e-4 rad
+// at the pupil's rim, and its cosines from 1 by (0.3/20)²/2 = 1e-4.
 TEST(Camera, AThinLensMakesTheImageThatItsPhaseAndItsPupilMake) {
   const Slm slm = make_panel(192, 192);
   const Field shown = convert<float>(sum_exact(
@@ -229,7 +229,7 @@ TEST(Camera, ALensMagnifiesByItsFormulaAndKeepsTheLight) {
     EXPECT_DOUBLE_EQ(magnification(camera, 0.04, ImageSide::virtual_image), m);
     EXPECT_DOUBLE_EQ(magnification(camera, 0.005, ImageSide::real_image), f / (0.015 - f)) << "s = 20 − 5 mm";
     const Image view = look(shown, slm, 0.04, {}, camera);
-    EXPECT_NEAR(centroid(view), m * 0.2_mm, 0.01 * m * 0.2_mm);  // Airy's tails reach past one side of the window
+    EXPECT_NEAR(centroid(view), m * 0.2_mm, 0.01 * m * 0.2_mm);  // Airy's tails extend past one side of the window
     with_lens = 0;
     for (const float v : view.values) with_lens += double(v) * view.pitch * view.pitch;
     EXPECT_NEAR(with_lens / light, 1, 1e-5);  // floats
@@ -254,9 +254,10 @@ TEST(Camera, APointInFocusIsAirysDisc) {
   EXPECT_LT(view(64, first), 2e-3 * view(64, 64));                           // within half a pixel of the zero
 }
 
-// A point at d blurs to a disc of diameter D·|d − distance|/(d + z) in the plane in focus, m times that on the sensor.
+// A point at d is blurred to a disc of diameter D·|d − distance|/(d + z) in the plane in focus, m times that on the
+// sensor.
 // Half of an even disc's light is within its radius over √2. The shadow of N = (D/2)²·(1/30 mm − 1/60 mm)/λ = 18 zones
-// has N/2 rings, so the light within a circle swings by about 1/2N.
+// has N/2 rings, so the light within a circle varies by about 1/2N.
 TEST(Camera, APointOutOfFocusBlursToThePupilsShadow) {
   const Slm slm = make_panel(256, 256);
   CameraParams camera;
@@ -294,9 +295,9 @@ TEST(Camera, LensesThatCannotImageAreRefused) {
             "expected a length of 0 m or more for \"focal_length\", got -1 mm");
 }
 
-// A flat panel sends order (1, 0) to z·λ/p = 6.65 mm, with F²·sinc²(√F) of its light. A pupil of 3 mm takes all of a
-// beam of 2 mm but for what its edges spread, λz/(π²·2 mm)·2/0.5 mm = 1 % along each axis, and of order 0, 0.757 of the
-// light, what its edges spread from 5.15 to 8.15 mm: 1.9e-4 of it, or 3.7 % of what is expected.
+// A flat panel sends order (1, 0) to z·λ/p = 6.65 mm, with F²·sinc²(√F) of its light. A pupil of 3 mm receives a whole
+// beam of 2 mm except for the light that its edges spread, λz/(π²·2 mm)·2/0.5 mm = 1 % along each axis. Of order 0,
+// 0.757 of the light, it receives what edges spread from 5.15 to 8.15 mm: 1.9e-4 of it, 3.7 % of the expected light.
 TEST(Camera, APupilBetweenSamplesIsToldToGrowAndOneBesideThePanelToMove) {
   // On a panel of even sides the nearest samples are 4√2 = 5.7 µm off the axis.
   const Slm slm = make_panel(64, 64);
@@ -334,13 +335,13 @@ TEST(Camera, AnEyeOutsideTheEyeboxIsToldAndSeesWhatOrdersGoThere) {
                   (subpixels == 1 ? "and higher orders need subpixels of 3 or more" : "and light of higher orders") +
                   "; move the eye to |x| ≤ 3.32684 mm, |y| ≤ 3.32684 mm");
   }
-  // Behind a plane before the panel, the same eye sees none of it: light of a real image goes past its pupil.
+  // With a plane in front of the panel, the same eye sees none of it: the light of a real image misses its pupil.
   Heard of_real_image;
   Field real = show(flat, slm, params);
   real.image = ImageSide::real_image;
   for (const float v : look(real, slm, 99_mm, {}, camera, of_real_image.observer()).values) ASSERT_EQ(v, 0);
   EXPECT_EQ(of_real_image.warnings.size(), 1u);
-  camera.eye.x = 3.3_mm;  // within the middle's cone of 3.33 mm
+  camera.eye.x = 3.3_mm;  // inside the middle's cone of 3.33 mm
   Heard heard;
   look(show(flat, slm, params), slm, 0, {}, camera, heard.observer());
   EXPECT_TRUE(heard.warnings.empty());

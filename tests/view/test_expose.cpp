@@ -8,7 +8,7 @@ namespace {
 
 constexpr PixelSampling point = PixelSampling::point;
 
-/// What a sensor in the field's own plane reads.
+/// The view of a sensor in the field's own plane.
 Image seen_in_place(const Field& field, CameraParams camera, const Observer& observer = {}) {
   camera.centre_x = field.grid.centre_x;
   camera.centre_y = field.grid.centre_y;
@@ -37,10 +37,10 @@ TEST(Expose, OfPointsWithoutBinningIsTheSquaredModulus) {
     for (int i = 0; i < 16; ++i) EXPECT_FLOAT_EQ(image(j, i), std::norm(f.samples(j, i)));
 }
 
-// Two plane waves of slopes ±1/2P make fringes of the irradiance 1 + cos(2πx/P + φ), of which a pixel of side p keeps
-// the contrast sinc(p/P), wherever its middle lies in a fringe. The window has whole periods of no pixel and no sample;
-// its ends ring, so that pixels in its middle count. To 1 %: what mean_over_pixels states for speckle, whose fringes
-// are of all periods. Points see all of the contrast, and fringes shorter than two pixels as longer ones.
+// Two plane waves of slopes ±1/2P make fringes of the irradiance 1 + cos(2πx/P + φ). A pixel of side p keeps their
+// contrast times sinc(p/P), wherever its middle lies in a fringe. The window has whole periods of no pixel or sample;
+// its ends ring, so only pixels in its middle count. To 1 %: the figure of mean_over_pixels for speckle, whose fringes
+// have all periods. Points keep all of the contrast, and show fringes shorter than two pixels as longer ones.
 TEST(Expose, APixelKeepsOfFringesTheSincOfItsSide) {
   const int nx = 1200, ny = 240;  // the ends ring by 1/2πd at d samples from them: 0.1 % of u
   for (const int binning : {1, 2, 3})
@@ -61,8 +61,8 @@ TEST(Expose, APixelKeepsOfFringesTheSincOfItsSide) {
     }
 }
 
-// What mean_over_pixels keeps of a fringe cos(2πfx), f in cycles per sample, against sinc(n·f), to what its header
-// states for every frequency up to the Nyquist one: 0.006 at even n, and the numbers of the odd ones.
+// The contrast that mean_over_pixels keeps of a fringe cos(2πfx), f in cycles per sample, compared with sinc(n·f), to
+// the accuracy stated in its header for all frequencies up to Nyquist: 0.006 at even n, and the values for odd n.
 TEST(MeanOverPixels, KeepsFringesAsWellAsItsHeaderStates) {
   const double stated[] = {0.09, 0.006, 0.03, 0.006, 0.018, 0.006, 0.013, 0.006};
   for (int n = 1; n <= 8; ++n) {
@@ -89,7 +89,7 @@ TEST(Expose, CropsEvenlyAndSaysSo) {
   const Image image = seen_in_place(f, {.binning = 3, .sampling = point}, heard.observer());
   EXPECT_EQ(image.nx, 2);
   EXPECT_EQ(image.ny, 1);
-  EXPECT_FLOAT_EQ(image(0, 0), 1);  // 9 over 9 samples: column 1 and row 1 are the first that stay
+  EXPECT_FLOAT_EQ(image(0, 0), 1);  // mean of 9 over 9 samples: column 1 and row 1 are the first ones kept
   ASSERT_EQ(heard.warnings.size(), 1u);
   EXPECT_EQ(
       heard.warnings[0],
@@ -97,13 +97,13 @@ TEST(Expose, CropsEvenlyAndSaysSo) {
 }
 
 TEST(Expose, APixelLiesWhereItsSamplesLie) {
-  // Of 7 × 8 samples in bins of 3 one column is left over, the right one, and two rows, one at the top.
+  // Of 7 × 8 samples in bins of 3, one column is left over (the right one) and two rows, one of them at the top.
   const Field f({7, 8, test_pitch, 1e-3, -2e-3}, test_wavelength);
   for (const PixelSampling sampling : {PixelSampling::integrate, PixelSampling::point}) {
     const Image image = seen_in_place(f, {.binning = 3, .sampling = sampling});
     ASSERT_EQ(image.nx, 2);
     ASSERT_EQ(image.ny, 2);
-    // Middles of the first pixel: sample 1 of x, sample 1 + 1 of y. Roundings of 1e-3 m.
+    // Middles of the first pixel: sample 1 in x, sample 1 + 1 in y. Roundings of 1e-3 m.
     EXPECT_NEAR(image.centre_x - image.pitch / 2, f.grid.x(1), 1e-17);
     EXPECT_NEAR(image.centre_y + image.pitch / 2, f.grid.y(2), 1e-17);
   }
@@ -126,7 +126,7 @@ TEST(ExposureWhite, IsThePercentileOrWhatIsAskedFor) {
   EXPECT_EQ(exposure_white(Image(4, 4, 1), 0), 1);  // dark
   Image star(100, 100, 1);
   star(3, 4) = 5;
-  EXPECT_EQ(exposure_white(star, 0), 5);  // one pixel in 10,000 is beyond the percentile
+  EXPECT_EQ(exposure_white(star, 0), 5);  // one pixel in 10,000 is above the percentile
   EXPECT_NE(error_of([&] { exposure_white(star, -1); }), "no error");
 }
 
@@ -143,14 +143,14 @@ TEST(Speckle, ExponentialIntensityHasContrastOne) {
         const double radius = std::sqrt(-std::log(1 - random.uniform()));
         f.samples.values[i] = std::complex<float>(std::polar(radius, 2 * pi * random.uniform()));
       }
-      const Image seen = seen_in_place(f, {.sampling = point});  // pixels that are independent
+      const Image seen = seen_in_place(f, {.sampling = point});  // independent pixels
       for (size_t i = 0; i < image.values.size(); ++i) image.values[i] += seen.values[i];
     }
     const double n = double(side) * side;
     const double standard_error = std::sqrt((1 + 1.0 / frames) / (2 * n) / frames);
     EXPECT_NEAR(speckle_contrast(image), 1 / std::sqrt(frames), 4 * standard_error) << frames;
 
-    // Before a shaded reference the shading divides out.
+    // Compared with a shaded reference, the shading divides out.
     Image shading(side, side, 1);
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) {

@@ -25,9 +25,9 @@ TEST(Sensor, APixelIsReadFromAsManySamplesAsItsIrradianceNeeds) {
 }
 
 TEST(Sensor, MemoryOfAnExtendedSourceCountsAllThatIsThereAtOnce) {
-  // Of every sample of the sensor's window the field (8 bytes) and its irradiance (4); the picture of the source, 4 bytes
-  // for each of (2·blur + 1)² samples; two padded spectra (8 each) and the convolved irradiance (4); the pixels; and
-  // behind a pupil the field in it.
+  // For every sample of the sensor's window: the field (8 bytes) and its irradiance (4). The image of the source: 4
+  // bytes for each of (2·blur + 1)² samples, two padded spectra (8 each) and the convolved irradiance (4). The pixels.
+  // And behind a pupil the field in it.
   const Slm slm = make_panel(64, 64);
   CameraParams camera;
   const SourcePart source{.angle = 0.02};  // 6 mm at 0.3 m: the blur is far larger than the panel
@@ -40,7 +40,7 @@ TEST(Sensor, MemoryOfAnExtendedSourceCountsAllThatIsThereAtOnce) {
   };
   const double reading = (8 + 4) * window + 4 * side * side + (2 * 8 + 4) * window + 4 * 64 * 64;
   EXPECT_GE(bytes(), reading);
-  EXPECT_LT(bytes(), 1.5 * reading);  // transforms take lengths without large factors
+  EXPECT_LT(bytes(), 1.5 * reading);  // transforms have lengths without large prime factors
   const double without = bytes();
   camera.eye = {0, 0, 0.1};
   camera.pupil = 2e-3;

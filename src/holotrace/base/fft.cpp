@@ -21,8 +21,12 @@ namespace {
 std::mutex planner;
 std::optional<FftWisdomStore> store;
 
-unsigned flags(bool aligned) {
-  return (store ? FFTW_MEASURE : FFTW_ESTIMATE) | (aligned ? 0U : unsigned(FFTW_UNALIGNED));
+// What the planner may do: time candidates, or take a plan that it knows and make none where it knows none.
+enum class Planning { measured, known };
+
+unsigned flags(bool aligned, Planning planning) {
+  return (store ? FFTW_MEASURE : FFTW_ESTIMATE) | (planning == Planning::known ? FFTW_WISDOM_ONLY : 0U) |
+         (aligned ? 0U : unsigned(FFTW_UNALIGNED));
 }
 
 int sign(FftDirection direction) { return direction == FftDirection::forward ? FFTW_FORWARD : FFTW_BACKWARD; }
@@ -35,13 +39,13 @@ template <>
 struct Fftw<float> {
   using Plan = fftwf_plan;
   static fftwf_complex* raw(std::complex<float>* data) { return reinterpret_cast<fftwf_complex*>(data); }
-  static Plan make(int n, std::complex<float>* data, FftDirection direction, bool aligned) {
-    return fftwf_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned));
+  static Plan make(int n, std::complex<float>* data, FftDirection direction, bool aligned, Planning planning) {
+    return fftwf_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned, planning));
   }
-  static Plan make(int n, const FftLayout& l, std::complex<float>* in, std::complex<float>* out,
-                   FftDirection direction) {
+  static Plan make(int n, const FftLayout& l, std::complex<float>* in, std::complex<float>* out, FftDirection direction,
+                   Planning planning) {
     return fftwf_plan_many_dft(1, &n, l.count, raw(in), nullptr, l.input_stride, l.input_distance, raw(out), nullptr,
-                               l.output_stride, l.output_distance, sign(direction), flags(true));
+                               l.output_stride, l.output_distance, sign(direction), flags(true, planning));
   }
   static void execute(Plan plan, std::complex<float>* in, std::complex<float>* out) {
     fftwf_execute_dft(plan, raw(in), raw(out));
@@ -53,13 +57,13 @@ template <>
 struct Fftw<double> {
   using Plan = fftw_plan;
   static fftw_complex* raw(std::complex<double>* data) { return reinterpret_cast<fftw_complex*>(data); }
-  static Plan make(int n, std::complex<double>* data, FftDirection direction, bool aligned) {
-    return fftw_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned));
+  static Plan make(int n, std::complex<double>* data, FftDirection direction, bool aligned, Planning planning) {
+    return fftw_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned, planning));
   }
   static Plan make(int n, const FftLayout& l, std::complex<double>* in, std::complex<double>* out,
-                   FftDirection direction) {
+                   FftDirection direction, Planning planning) {
     return fftw_plan_many_dft(1, &n, l.count, raw(in), nullptr, l.input_stride, l.input_distance, raw(out), nullptr,
-                              l.output_stride, l.output_distance, sign(direction), flags(true));
+                              l.output_stride, l.output_distance, sign(direction), flags(true, planning));
   }
   static void execute(Plan plan, std::complex<double>* in, std::complex<double>* out) {
     fftw_execute_dft(plan, raw(in), raw(out));
@@ -86,12 +90,18 @@ void import_wisdom(const std::string& wisdom) {
   fftw_import_wisdom_from_string(wisdom.c_str() + end + 1);
 }
 
-// Makes a new plan: reads the store's wisdom before, and gives it the new wisdom after.
+// Makes a new plan. Reading the store's text takes longer than making a known plan, so the store is opened only if this
+// program does not know the plan, and gets new wisdom only if the store did not know it either.
 template <class Make>
 auto with_store(const Make& make) {
-  if (store) import_wisdom(store->open());
-  const auto plan = make();
-  if (store) store->close(export_wisdom());
+  if (!store) return make(Planning::measured);
+  if (const auto plan = make(Planning::known)) return plan;
+  const std::string kept = store->open();
+  import_wisdom(kept);
+  auto plan = make(Planning::known);
+  const bool is_new = !plan;
+  if (is_new) plan = make(Planning::measured);
+  store->close(is_new ? export_wisdom() : kept);
   return plan;
 }
 
@@ -105,8 +115,9 @@ const void* shared_plan(int length, FftDirection direction, bool aligned) {
   const std::lock_guard lock(planner);
   PlanOf<Real>& plan = plans[{length, direction, aligned}];
   if (!plan) {
-    AlignedVector<std::complex<Real>> scratch(static_cast<size_t>(length));  // measuring overwrites its array
-    plan = with_store([&] { return Fftw<Real>::make(length, scratch.data(), direction, aligned); });
+    AlignedVector<std::complex<Real>> scratch(static_cast<size_t>(length));  // measuring overwrites it
+    plan = with_store(
+        [&](Planning planning) { return Fftw<Real>::make(length, scratch.data(), direction, aligned, planning); });
   }
   return plan;
 }
@@ -122,7 +133,9 @@ const void* shared_batch(int length, const FftLayout& layout, FftDirection direc
     };
     AlignedVector<std::complex<Real>> in(extent(layout.input_stride, layout.input_distance)),
         out(extent(layout.output_stride, layout.output_distance));
-    plan = with_store([&] { return Fftw<Real>::make(length, layout, in.data(), out.data(), direction); });
+    plan = with_store([&](Planning planning) {
+      return Fftw<Real>::make(length, layout, in.data(), out.data(), direction, planning);
+    });
   }
   return plan;
 }

@@ -63,8 +63,9 @@ void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction);
 std::string fft_library_version();
 
 /// A store that keeps plans between runs and shares them between programs, as FFTW's text of fast plans ("wisdom").
-/// For each new plan, `open` is called for the text kept so far, and `close` with the new text. Between the two
-/// calls nobody else may write the store, so that all programs that share it plan alike.
+/// For a plan that this program does not know yet, `open` is called for the text kept so far, and `close` with the new
+/// text, or the same text if it has the plan. Between the two calls nobody else may write the store, so that all
+/// programs that share it plan alike.
 struct FftWisdomStore {
   std::function<std::string()> open;
   std::function<void(const std::string& wisdom)> close;

@@ -6,24 +6,24 @@
 
 namespace holotrace {
 
-/// A picture and the depth of each of its pixels (RGB-D), both of one size.
+/// A picture and the depth of each of its pixels (RGB-D); both have the same size.
 struct DepthImage {
   Image picture;         ///< linear light, 1 or 3 channels; 1 is white
-  Array2D<float> depth;  ///< behind the panel [m]; 0: nothing there
+  Array2D<float> depth;  ///< depth behind the panel [m]; 0: nothing there
 };
 
-/// How the pixels of a picture stand in space: side by side as on a slide, each slice of the same width; or on the rays
-/// that leave the panel's centre through them.
+/// Position of the picture's pixels in space. Orthographic: side by side as on a slide, at the same width in every
+/// slice of depth. Perspective: on the rays from the panel's centre through them.
 enum class Projection { orthographic, perspective };
 
 /// How a picture with depth becomes light.
 struct DepthImageParams {
   double near = 0, far = 0;                          ///< depths of white and black [m]; both 0: the file has metres
-  double width = 0;                                  ///< of the picture [m]; 0: the panel's (orthographic)
-  Projection projection = Projection::orthographic;  ///< of the pixels into space
+  double width = 0;                                  ///< width of the picture [m]; 0: the panel's (orthographic)
+  Projection projection = Projection::orthographic;  ///< projection of the pixels into space
   double field_of_view = 0;                          ///< half angle over the width [rad]; 0: the panel's acceptance
-  SourcePhase phase = SourcePhase::random;           ///< of the light, random or constant
-  int64_t seed = 1;                                  ///< of random phases
+  SourcePhase phase = SourcePhase::random;           ///< phase of the light, random or constant
+  int64_t seed = 1;                                  ///< seed for random phases
   bool has_common_cone = true;                       ///< all wavelengths keep to the cone of the shortest
 };
 
@@ -45,7 +45,7 @@ void describe(Visitor& v, DepthImageParams& p) {
          "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own");
 }
 
-/// @throws Error  for sizes that differ or are none, and depths or light that are negative or not finite
+/// @throws Error  for sizes that differ or are 0, and for depths or light that are negative or not finite
 void check_depth_image(const DepthImage& image);
 
 }  // namespace holotrace

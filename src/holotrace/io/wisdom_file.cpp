@@ -17,13 +17,15 @@ void keep_fft_wisdom() {
   const std::string path = *folder + "/fftw_wisdom";
   const auto lock = std::make_shared<LockFile>(path + ".lock");
   FftWisdomStore store;
-  store.open = [path, lock]() -> std::string {
+  const auto kept = std::make_shared<std::string>();
+  store.open = [path, lock, kept]() -> std::string {
     lock->lock();
-    return std::filesystem::exists(path) ? read_text(path) : "";
+    *kept = std::filesystem::exists(path) ? read_text(path) : "";
+    return *kept;
   };
-  store.close = [path, lock](const std::string& wisdom) {
+  store.close = [path, lock, kept](const std::string& wisdom) {
     try {
-      write_text(path, wisdom);
+      if (wisdom != *kept) write_text(path, wisdom);
     } catch (const Error&) {
       // If the cache cannot be written, the next run plans again; nothing else is lost.
     }

@@ -43,8 +43,8 @@ IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, dou
                                    const std::vector<Viewpoint>& from,
                                    const std::optional<SpectralFilter>& filter = {});
 
-/// The part of the source that moves light the furthest from its own place, for the memory that blurring by it takes
-/// (looking_bytes): the first or the last, which without a spectrum are the innermost and the outermost.
+/// The part of the source that moves light the farthest; the memory for the blur depends on it
+/// (looking_bytes). It is the first or the last part; without a spectrum these are the innermost and the outermost.
 SourcePart widest_part(const IlluminationPlan& plan);
 
 /// The warning for a plan with too few states (asked for or limited); empty if they are enough.

@@ -18,8 +18,8 @@
 namespace holotrace {
 namespace {
 
-// How near the view comes to the render, and how much of the light on the panel goes into its image.
-// A point's light may fall between the pixels of a render: without a reference there is nothing to compare.
+// Reports how near the view is to the render, and the fraction of the light on the panel in its image.
+// A point's light may fall between the pixels of a render; without a reference there is nothing to compare.
 void report_metrics(const Image& reference, const Image& view, double efficiency, const Observer& observer) {
   if (std::none_of(reference.values.begin(), reference.values.end(), [](float v) { return v > 0; })) {
     observer.fact("why_no_metrics", std::string("the render is dark in the sensor's area"));
@@ -34,7 +34,7 @@ void report_metrics(const Image& reference, const Image& view, double efficiency
   observer.fact("diffraction_efficiency", metrics.bright_fraction * efficiency);
 }
 
-// Iterations look at what the camera looks at, where nothing else is said.
+// Iterations use the camera's distances unless the job names others.
 EncodeParams encoding_of(const Job& job) {
   EncodeParams params = job.encode;
   if (aims_at_targets(params.method) && params.target_distances.empty()) params.target_distances = job.camera.distances;
@@ -50,7 +50,7 @@ std::vector<Image> make_renders(const Job& job, const std::vector<PlannedRender>
   return renders;
 }
 
-// Stages that repeat: those of each frame, and of each of its holograms.
+// Number of calls of repeated stages: those of each frame and of each of its holograms.
 int64_t repeated_calls(const Job& job, const SceneLight& light, const std::vector<Viewpoint>& from) {
   int64_t of_frame = 1;
   for (size_t set = 0; set < light.sets(); ++set)
@@ -58,13 +58,13 @@ int64_t repeated_calls(const Job& job, const SceneLight& light, const std::vecto
   return job.trace.frames * of_frame;
 }
 
-// The only light of a job of one wavelength may be another than it was computed for (ShowParams::wavelength).
+// The light of a job of one wavelength may differ from the one that it was computed for (ShowParams::wavelength).
 Image reference_of(const Job& job, const Image& render, const CombinedViews& sum, const Image& view, double distance) {
   const std::vector<double> lines = sum.wavelengths();
   const std::vector<double>& seen = lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
   const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid,
                                              view_wavelength(job.wavelengths, job.trace.has_common_cone));
-  Image in_plane(view.ny, view.nx, 1);  // the sensor's pixels in the plane looked at
+  Image in_plane(view.ny, view.nx, 1);  // the sensor's pixels in the plane in focus
   const double m = magnification(job.camera, distance, job.encode.image);
   in_plane.pitch = view.pitch / m;
   in_plane.centre_x = view.centre_x / m;
@@ -109,14 +109,14 @@ Boxes run(const Job& job, const StageObserver& watch) {
                         watch);
   std::vector<CombinedViews> sums(b.viewpoints.size(),
                                   CombinedViews(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths));
-  double power_on_panel = 0;  // of the brightest hologram [W]; irradiances are relative to it
+  double power_on_panel = 0;  // for the brightest hologram [W]; irradiances are relative to it
   for (int frame = 0; frame < job.trace.frames; ++frame) {
     std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) {
       return fields_of_frame(light, uint32_t(frame), panel, job.synthesize, o);
     });
     for (size_t i = 0; i < fields.size(); ++i) {
       b.holograms.push_back(repeat("encode", [&](const Observer& o) {
-        return encode(fields[i], job.slm, encoding, light.is_dark(i) ? Observer{} : o);  // as tracing has said
+        return encode(fields[i], job.slm, encoding, light.is_dark(i) ? Observer{} : o);  // tracing has warned already
       }));
       const double power =
           view_hologram(b.holograms.back(), job.slm, job.show, job.propagate, b.viewpoints, repeat, sums);

@@ -14,7 +14,7 @@
 namespace holotrace {
 namespace {
 
-// Where views of one stage begin and end in a list.
+// Range of the views of one stage in a list.
 struct Span {
   size_t begin, end;
 };
@@ -29,7 +29,7 @@ std::vector<Span> stages_of(const std::vector<Viewpoint>& from) {
   return spans;
 }
 
-// Facts of the first of a series stand for all; of its doubts, those of its ends.
+// In a series, only the first one reports its facts, and only the first and the last one report warnings.
 Observer part_of_series(const Observer& observer, size_t i, size_t count) {
   Observer part = part_of(observer, int(i), int(count));
   if (i > 0) part.on_fact = {};
@@ -37,7 +37,7 @@ Observer part_of_series(const Observer& observer, size_t i, size_t count) {
   return part;
 }
 
-// The parts of the light on the panel that go into each order, added up over illumination states.
+// Fractions of the light on the panel in each order, added up over illumination states.
 struct OrderShares {
   std::vector<OrderPower> orders;
 

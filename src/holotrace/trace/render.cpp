@@ -22,16 +22,16 @@ namespace holotrace {
 
 namespace {
 
-/// Where rays of the picture begin and what they go through (formulas: render.h).
+/// Start and target of the picture's rays (formulas: render.h).
 struct Eye {
   int columns, rows;
-  double pixel;  // side in tangents
+  double pixel;  // side of a pixel, as a tangent
   Lens lens;
   Vec3 position;
   double pupil, focus;
-  double panel_x, panel_y, reach;  // half the sides of the panel [m]; of its boxes in the plane in focus
+  double panel_x, panel_y, reach;  // half the sides of the panel; of its boxes in the plane in focus [m]
 
-  /// The place of the lens that sees the tangents (x, y), by two numbers; nothing where the panel has none.
+  /// A point of the lens for the tangents (x, y), from two numbers; none if the panel has no such part.
   std::optional<Vec3> lens_place(double x, double y, Vec2 u) const {
     if (lens == Lens::pinhole) return position;
     if (lens == Lens::round) {
@@ -44,7 +44,7 @@ struct Eye {
     return Vec3{left + (right - left) * u.x, low + (high - low) * u.y, 0};
   }
 
-  /// The ray of a place in the window, in pixels from its upper left corner.
+  /// The ray through a place in the window, given in pixels from its upper left corner.
   std::optional<Ray> ray(double column, double row, Vec2 u) const {
     const double x = (column - columns / 2.0) * pixel, y = (rows / 2.0 - row) * pixel;
     const auto from = lens_place(x, y, u);
@@ -91,7 +91,7 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, co
   return sum / params.paths;
 }
 
-/// Adds light at (column, row), pixel centres at whole numbers, shared by the four pixels around it.
+/// Adds light at (column, row), with pixel centres at integers, shared among the four pixels around it.
 void add_between(Image& image, double column, double row, Vec3 light) {
   const double left = std::floor(column), top = std::floor(row);
   for (const int j : {0, 1})
@@ -101,7 +101,7 @@ void add_between(Image& image, double column, double row, Vec3 light) {
     }
 }
 
-/// Adds the luminous points that fall into the picture and that no mesh hides.
+/// Adds the luminous points that fall into the picture and that no mesh hides from the eye.
 void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, double wavelength, Image& image) {
   const Vec3 from = eye.lens == Lens::panel ? Vec3{} : eye.position;
   for (const ScenePoint& point : scene.scene().points) {

@@ -22,9 +22,9 @@
 namespace holotrace {
 namespace {
 
-constexpr double view_part = 1.0 / 64;  // of the view's height: the largest side of a triangle
-constexpr double inset = 0.01;          // of the way from a corner to the centroid, where its light is looked for
-constexpr int64_t block_size = 64;      // triangles that one task shades
+constexpr double view_part = 1.0 / 64;  // largest side of a triangle, over the view's height
+constexpr double inset = 0.01;          // sampling point, over the way from a corner to the centroid
+constexpr int64_t block_size = 64;      // triangles per task
 
 using Corners = std::array<Vec3, 3>;
 
@@ -34,7 +34,7 @@ struct Piece {
   uint32_t mesh, triangle;
 };
 
-// Cuts the triangles of meshes into pieces as small as the view asks for, without those that lie outside it.
+// Cuts the triangles of meshes into pieces as small as the view requires, without those that lie outside it.
 class Cutter {
  public:
   Cutter(const Grid& panel, double tangent)
@@ -59,7 +59,7 @@ class Cutter {
   }
 
  private:
-  // Whether all of it is beyond one edge of what the panel sees.
+  // Whether the whole piece lies beyond one edge of the panel's field of view.
   bool is_outside(const Corners& c) const {
     bool is_left = true, is_right = true, is_low = true, is_high = true;
     for (const Vec3 p : c) {
@@ -76,7 +76,7 @@ class Cutter {
   double tangent_, most_;
 };
 
-// The pieces of all triangles that have an area and lie behind the panel, as far as the panel may see them.
+// The pieces of all triangles that have an area and lie behind the panel, without those that the panel cannot see.
 std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tangent, int64_t& of_meshes) {
   const Cutter cutter(panel, tangent);
   std::vector<Piece> pieces;
@@ -99,17 +99,17 @@ std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tan
   return pieces;
 }
 
-/// What all pieces of a shading share.
+/// Data shared by all pieces of a shading.
 struct Shade {
   const PathScene& scene;
   const TraceParams& params;
   const Grid& panel;
   const std::vector<WaveSet>& sets;
   Shading shading;
-  double longest;  // wavelength, whose beams are the widest
+  double longest;  // longest wavelength; its beams are the widest
 };
 
-// Light of a place on a piece toward the panel's centre; none where something hides it.
+// Light from a place on a piece toward the panel's centre; none if something hides it.
 std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place, uint64_t sample, PathCounts& counts) {
   const Vec3 eye{s.panel.centre_x, s.panel.centre_y, 0};
   const double distance = length(place - eye);
@@ -118,7 +118,7 @@ std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place
   const auto hit = s.scene.accelerator.closest_hit(ray);
   if (!hit) return std::nullopt;
   const bool is_own = hit->point.mesh == piece.mesh && hit->point.triangle == piece.triangle;
-  // The surface itself, though rounding has found the triangle beside: a few times the clearance along the ray.
+  // Rounding may have found the neighbouring triangle: accept a few times the clearance along the ray.
   const double slope = std::max(1e-3, std::abs(dot(hit->point.geometric_normal, ray.direction)));
   if (!is_own && hit->distance < distance - 4 * hit->point.clearance / slope) return std::nullopt;
   const Material& material = material_at(s.scene.scene, hit->point);
@@ -129,7 +129,7 @@ std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place
   return light;
 }
 
-// Solid angle of the part of the panel that light from a place reaches at angles that the panel holds [sr].
+// Solid angle of the part of the panel that light from a place reaches within the panel's acceptance [sr].
 double solid_angle(Vec3 place, const Grid& panel, double wavelength) {
   const double depth = -place.z, radius = box_radius(depth, wavelength, panel.pitch);
   const double x = panel.centre_x - place.x, y = panel.centre_y - place.y;
@@ -138,14 +138,14 @@ double solid_angle(Vec3 place, const Grid& panel, double wavelength) {
   return x1 > x0 && y1 > y0 ? wave_power(depth, x0, x1, y0, y1) / (depth * depth) : 0;
 }
 
-// Where the light of a piece is sent: by a beam that diffraction makes λ·depth/width wide.
+// Direction of the light of a piece: the middle of a beam that diffraction makes λ·depth/width wide.
 Vec3 direction_from(const Shade& s, const Corners& corners, double cone_wavelength) {
   const Grid& panel = s.panel;
   const Vec3 place = (corners[0] + corners[1] + corners[2]) / 3;
   const double radius = box_radius(-place.z, cone_wavelength, panel.pitch);
   const double width = std::sqrt(length(cross(corners[1] - corners[0], corners[2] - corners[0])));
   const double beam = s.longest * -place.z / width;
-  // At what is nearest of the panel's part in the box, off its ends.
+  // Aims at the nearest point of the panel's part in the box, with a margin at its ends.
   const auto aim = [&](double from, double centre, double side) {
     const double low = std::max(centre - side / 2, from - radius), high = std::min(centre + side / 2, from + radius);
     if (low >= high) return std::clamp(centre - from, -radius, radius);  // the panel does not see it
@@ -156,7 +156,7 @@ Vec3 direction_from(const Shade& s, const Corners& corners, double cone_waveleng
       {aim(place.x, panel.centre_x, panel.width()), aim(place.y, panel.centre_y, panel.height()), -place.z});
 }
 
-/// What one task finds: triangles and keys of each set.
+/// Results of one task: triangles and keys of each set.
 struct Block {
   std::vector<std::vector<Triangle>> triangles;
   std::vector<std::vector<uint64_t>> keys;

@@ -11,39 +11,40 @@
 
 namespace holotrace {
 
-/// The triangles of a scene's meshes that the panel's centre sees, each shining as path tracing finds it (the paper's
-/// complex primitives). Sets as those of `trace`: for each wavelength, and with separate path groups or lights for each of
+/// The triangles of a scene's meshes that the panel's centre sees, each emitting the light that path tracing finds on
+/// it (the paper's complex primitives). Sets are those of `trace`: for each wavelength, and with separate path groups
+/// or lights for each of
 /// them.
 ///
-/// **Which.** A place shines if no surface stands between it and the panel's centre, and by the side that it turns
+/// **Which.** A place emits if no surface lies between it and the panel's centre, and by the side that it turns
 /// there; one-sided materials are black from behind. Flat: the centroid decides, and its radiance is that of the whole.
-/// Smooth: each corner has its own (taken a hundredth of the way in, so that the triangle's own surface answers), 0
-/// where it is hidden; between them the amplitude is linear (Gouraud). A triangle is dropped where all of these are
-/// dark. What covers only a part of a triangle is not cut out of it. Triangles with a side above 1/64 of the view's
-/// height at their depth, 2·depth·T, are halved until none is, each with light and phase of its own, so that shadows
-/// and textures on large faces show. Triangles that reach in front of the panel (z ≥ 0) are left out.
+/// Smooth: each corner has its own radiance (taken a hundredth of the way in, so that the ray meets this triangle),
+/// 0 if it is hidden; between corners the amplitude is linear (Gouraud). A triangle is dropped if all of these are
+/// dark. Where something covers only a part of a triangle, that part is not cut out. Triangles with a side above 1/64
+/// of the view's height at their depth, 2·depth·T, are halved until none is. Each half has its own light and phase, so
+/// that shadows and textures appear on large faces. Triangles that reach in front of the panel (z ≥ 0) are left out.
 ///
 /// **Amplitudes.** a = √(L·Ω), L the radiance toward the panel's centre (`linear`: L²/(1 W/m²/sr) for L),
 ///
 ///     Ω = ∫ (d/r)² dA/d²   over the part of the panel in the box of the centroid, at its depth d [sr]
 ///
 /// A surface of radiance L and area S, as seen from the panel, sends the power L·S·Ω through that part, and a triangle
-/// sends a²·S: brightness follows radiance, as that of the waves of `trace` does, at any depth and wavelength.
+/// sends a²·S. Brightness therefore follows radiance at any depth and wavelength, as for the waves of `trace`.
 ///
 /// **Directions.** Light leaves toward the nearest point of the panel's part in the box, less a margin at each edge:
-/// straight ahead for what stands before the panel. The margin is an eighth of that part, or the width of the beam that
-/// diffraction makes of the triangle, λd/√(2·area) for the longest wavelength, and half of the part at most.
+/// straight ahead for triangles in front of the panel. The margin is an eighth of that part, or the width of the
+/// triangle's beam by diffraction, λd/√(2·area) for the longest wavelength, and half of the part at most.
 ///
 /// **Phases**: random, keyed by the number of the triangle (set_frame draws another), or 0 where the light arrives.
-/// With constant phases the light of a smooth surface hardly spreads; a view without a lens shows it all the same.
+/// With constant phases the light of a smooth surface hardly spreads; a view without a lens still shows it.
 ///
-/// Luminous points and what is no mesh are left out, mirrors and glass show their images on their surface, and phases
-/// of lasers are not followed: each is warned of.
+/// Luminous points and everything that is not a mesh are left out, mirrors and glass show images on their surface,
+/// and phases of lasers are not followed. A warning names each of these.
 ///
 /// @param scene        meshes at z < 0 [m]
-/// @param params       paths, max_depth, clamp, amplitude, path groups, seed, …: what `trace` follows light by
+/// @param params       paths, max_depth, clamp, amplitude, path groups, seed, …: the parameters of light in `trace`
 /// @param shading      flat, or smooth
-/// @param observer     hears "mesh_triangles", "triangles" (after cutting) and "shining" (of all sets)
+/// @param observer     receives "mesh_triangles", "triangles" (after cutting) and "shining" (in all sets)
 /// @throws Error       as `trace` does, for a scene without meshes, and a strategy other than shared
 ///
 /// Cost: per triangle (smooth: three times) a ray and `paths` light paths. Same result on any number of threads.
@@ -51,7 +52,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
                                        const TraceParams& params, Shading shading, TrianglePhase phase,
                                        const Observer& observer = {});
 
-/// What shade_triangles refuses before it starts.
+/// Checks the arguments of shade_triangles before it starts.
 /// @throws Error  for a scene without meshes, fewer than 1 path or frame, and a strategy other than shared
 void check_shading(const Scene& scene, const TraceParams& params);
 

@@ -15,7 +15,7 @@ namespace holotrace {
 
 namespace {
 
-/// Says how far the rays looked, and what would make them meet a mesh.
+/// Says how far the rays went, and what would make them meet a mesh.
 std::string unseen_sentence(const Grid& panel, double wavelength, const TraceParams& params, int64_t rays) {
   const bool is_raster = params.strategy != Strategy::gather && params.pattern == Pattern::grid;
   if (is_raster && params.field_of_view > 0)
@@ -36,7 +36,7 @@ bool is_solid_glass(const Material& material) {
   return glass && !glass->is_thin;
 }
 
-/// Says what would bring light to what the rays have met.
+/// Says what would bring light to the surfaces that the rays met.
 std::string dark_sentence(const Scene& scene) {
   if (scene.lights.empty()) return "every first hit is dark; add lights, emission or a background to the scene";
   const std::string unreached =
@@ -51,8 +51,8 @@ std::string dark_sentence(const Scene& scene) {
   return unreached + "move them, or add others, emission or a background";
 }
 
-/// Says which of points and surfaces outshines the other, if one does. A picture of 8 bits, in linear light, has 256
-/// levels; what is a thousand times dimmer than its white is black.
+/// Warns if points are far brighter than surfaces, or the reverse. An 8-bit picture in linear light has 256
+/// levels: what is a thousand times dimmer than its white is black.
 void warn_of_brightness(double points, double surfaces, const Observer& observer) {
   constexpr double most = 1000;
   if (!(points > 0 && surfaces > 0)) return;

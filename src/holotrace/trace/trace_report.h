@@ -9,7 +9,7 @@
 
 namespace holotrace {
 
-/// The mean radiance of many waves, as far as their amplitudes tell it [W/m²/sr].
+/// The mean radiance of many waves, estimated from their amplitudes [W/m²/sr].
 struct Brightness {
   double sum = 0;
   int64_t count = 0;
@@ -25,17 +25,18 @@ struct Brightness {
   double mean() const { return count > 0 ? sum / double(count) : 0; }
 };
 
-/// What the rays of a whole tracing have found, whatever its strategy.
+/// The findings of all rays of a tracing, for every strategy.
 struct TraceFindings {
-  int64_t rays = 0;                 ///< that the panel has sent out
-  int64_t first_hits = 0;           ///< of them, those that have met a mesh
-  bool is_dark = false;             ///< no mesh has sent light to the panel
-  bool has_laser = false;           ///< a light is a laser
-  Brightness points{}, surfaces{};  ///< of the luminous points and of the meshes, where they send light to the panel
+  int64_t rays = 0;                 ///< rays that the panel sent out
+  int64_t first_hits = 0;           ///< rays that met a mesh
+  bool is_dark = false;             ///< whether no mesh sent light to the panel
+  bool has_laser = false;           ///< whether a light is a laser
+  Brightness points{}, surfaces{};  ///< of the luminous points, and of the meshes where they send light to the panel
 };
 
-/// Warns where a tracing has not met the meshes, has found no light on them, or has no laser under the phase `laser`,
-/// each with what helps; and where luminous points are more than a thousand times as bright as the surfaces, or the other way round.
+/// Warns if a tracing met no mesh, found no light on the meshes, or has no laser with the phase `laser`;
+/// each warning says what helps. Also warns if luminous points are more than a thousand times as bright as surfaces,
+/// or the reverse.
 ///
 /// @param cone  wavelength [m] whose acceptance the rays fill (Cones::of_rays)
 void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double cone,

@@ -19,7 +19,7 @@
 namespace holotrace {
 namespace {
 
-// The camera as it would be without its lens, its sensor in the plane looked at.
+// The camera without its lens, with its sensor in the plane in focus.
 CameraParams in_object_plane(const CameraParams& camera, double magnification) {
   CameraParams out = camera;
   for (double* size : {&out.width, &out.height, &out.centre_x, &out.centre_y, &out.pixel}) *size /= magnification;
@@ -28,7 +28,7 @@ CameraParams in_object_plane(const CameraParams& camera, double magnification) {
 
 double plane_of(double distance, ImageSide image) { return image == ImageSide::real_image ? distance : -distance; }
 
-// Samples from low to high along one axis, at the places of those that are there.
+// Samples from low to high along one axis, on the raster of the present samples.
 struct Samples {
   int count = 0;
   double centre = 0;
@@ -40,8 +40,8 @@ Samples samples_between(double low, double high, double pitch, int present) {
   return {int(end - begin) + 1, first + (begin + end) / 2 * pitch};
 }
 
-// The part of the pupil's plane that light of the panel passes on its way through it. Light leaves the panel up to the
-// angle that its samples hold; half a panel more takes in what diffraction spreads.
+// The part of the pupil's plane that light of the panel reaches. Light leaves the panel up to the
+// angle that its samples represent; half a panel is added for diffraction.
 std::optional<Grid> pupil_window(const Grid& shown, double wavelength, const CameraParams& camera) {
   if (camera.eye.z == 0) return shown;
   const double radius = camera.pupil / 2, spread = box_radius(camera.eye.z, wavelength, shown.pitch);
@@ -66,14 +66,14 @@ PropagateParams to_window(const Grid& window, PropagationMethod method) {
   return params;
 }
 
-// Whether light of a window, at the angles that its samples hold, gets to another.
+// Whether light of a window, within the angles that its samples represent, reaches another window.
 bool reaches(const Grid& from, const Grid& to, double wavelength, double distance) {
   const double spread = box_radius(std::abs(distance), wavelength, from.pitch);
   return std::abs(to.centre_x - from.centre_x) < (from.width() + to.width()) / 2 + spread &&
          std::abs(to.centre_y - from.centre_y) < (from.height() + to.height()) / 2 + spread;
 }
 
-// The light that a round pupil lets through.
+// Keeps only the light inside a round pupil.
 void cut_by_pupil(Field& field, const CameraParams& camera) {
   int64_t open = 0;
   const double radius = camera.pupil / 2;
@@ -96,8 +96,9 @@ void cut_by_pupil(Field& field, const CameraParams& camera) {
           format_length(std::sqrt(2.0) * field.grid.pitch));
 }
 
-// Where at least half of what order 0 could show is seen: the panel's own width near it, the middle's cone farther off.
-// A stop makes the cone narrower, and lets no other order through.
+// The region in which at least half of order 0 is seen: near the panel its own width, farther off the cone of its
+// middle.
+// A stop narrows the cone and passes no other order.
 void warn_outside_eyebox(const Field& shown, const Slm& slm, const CameraParams& camera, const Observer& observer) {
   const double z = camera.eye.z, pitch = slm.grid.pitch;
   const auto cone = [&](double half_band) {
@@ -117,7 +118,7 @@ void warn_outside_eyebox(const Field& shown, const Slm& slm, const CameraParams&
                   format_length(2 * up), format_length(z), others, format_length(right), format_length(up)));
 }
 
-// The sensor's window as a field in the pupil's smaller one must ask for it.
+// The sensor's window with explicit size and pitch, because the field in the pupil has a smaller window.
 PropagateParams from_pupil(PropagateParams sensor, const Grid& shown) {
   const Grid window = propagation_output(shown, sensor);
   sensor.columns = window.nx;
@@ -126,7 +127,7 @@ PropagateParams from_pupil(PropagateParams sensor, const Grid& shown) {
   return sensor;
 }
 
-// The pixels of a sensor from the field at its samples. m: how much larger a lens makes the picture.
+// The pixels of a sensor from the field at its samples. m: magnification of the lens.
 Image read_sensor(const Field& field, const Sensor& sensor, const SourcePart& source, double z, double m,
                   const Observer& observer) {
   Array2D<float> irradiance = irradiance_of(field);
@@ -140,7 +141,7 @@ Image read_sensor(const Field& field, const Sensor& sensor, const SourcePart& so
   return image;
 }
 
-// Between the middles of pixels; black past the outer ones. Added to one sum per channel.
+// Adds the interpolated value between pixel centres to one sum per channel; 0 beyond the outer pixels.
 void add_between(const Image& render, double row, double column, double* sums) {
   const int r = int(std::floor(row)), c = int(std::floor(column));
   if (c < 0 || r < 0 || c + 1 >= render.nx || r + 1 >= render.ny) return;
@@ -202,13 +203,13 @@ double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, doubl
   const PropagateParams& window = read.window;
   const Grid sensor = propagation_output(shown, window);
   constexpr double complex_bytes = sizeof(std::complex<float>), real_bytes = sizeof(float);
-  // The field and its irradiance, what blurs it, and the pixels; after the propagation.
-  const double picture_side = 2.0 * read.blur + 1;  // of the source's own picture
+  // Bytes after the propagation: the field, its irradiance, the blur, and the pixels.
+  const double picture_side = 2.0 * read.blur + 1;  // of the image of the source
   const double blurring =
       read.blur > 0 ? real_bytes * picture_side * picture_side + convolved_bytes(sensor.ny, sensor.nx) : 0;
   const double reading =
       (complex_bytes + real_bytes) * double(sensor.pixels()) + blurring + real_bytes * double(read.pixels.pixels());
-  // A distance that cannot be sampled is refused, with its reason, where it is propagated over.
+  // A distance that cannot be sampled is rejected later, with its reason, by the propagation itself.
   const auto bytes_over = [&](const Grid& from, double over, const PropagateParams& params) {
     try {
       return propagation_bytes(from, wavelength, over, params, sizeof(float));
@@ -216,7 +217,7 @@ double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, doubl
       return complex_bytes * double(sensor.pixels());
     }
   };
-  const double stopped = complex_bytes * double(shown.pixels());  // what an encoder's stop lets through
+  const double stopped = complex_bytes * double(shown.pixels());  // the light behind the encoder's stop
   if (camera.pupil == 0) return std::max(reading, stopped + bytes_over(shown, z, window));
   const std::optional<Grid> pupil = pupil_window(shown, wavelength, camera);
   if (!pupil) return reading;
@@ -228,7 +229,7 @@ double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, doubl
 double axial_reach(const Slm& slm, double wavelength, double distance, ImageSide image, const CameraParams& camera,
                    const std::optional<SpectralFilter>& filter, double cone_wavelength) {
   if (distance <= 0) return 1;
-  // The pupil's shadow on the panel, from the point behind it or before it.
+  // The pupil's shadow on the panel, as seen from the point behind or in front of the panel.
   const double z = image == ImageSide::real_image ? std::abs(camera.eye.z - distance) : distance + camera.eye.z;
   const double seen = camera.pupil > 0 && z > 0 ? camera.pupil * distance / z : std::numeric_limits<double>::infinity();
   const double pitch = slm.grid.pitch;
@@ -267,7 +268,7 @@ Image project_render(const Image& render, double half_tangent, const Image& sens
   const double step = 2 * half_tangent / render.ny * distance;  // side of a render pixel on the sensor [m]
   if (step <= 0) return out;
   const double ratio = sensor.pitch / step;
-  const int parts = std::clamp(int(std::ceil(ratio)), 1, 32);  // places of the render that a sensor pixel averages
+  const int parts = std::clamp(int(std::ceil(ratio)), 1, 32);  // places of the render per sensor pixel and axis
   parallel_for(0, out.ny, [&](int64_t j) {
     for (int i = 0; i < out.nx; ++i) {
       double sums[3] = {0, 0, 0};

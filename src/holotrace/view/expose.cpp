@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-// Of the samples −2 … n + 1 about a pixel along an axis: each of its n cells is told by five of them.
+// Weights of the samples −2 … n + 1 about a pixel along an axis: each of its n cells depends on five of them.
 std::vector<double> weights_of_integral(int n) {
   constexpr double a = 0.0684, b = -0.0087;  // see mean_over_pixels
   constexpr double cell[] = {b, a, 1 - 2 * a - 2 * b, a, b};

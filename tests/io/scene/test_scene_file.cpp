@@ -19,7 +19,7 @@ const std::string cube =
 
 Job load(const std::string& text) { return load_job(make_file("scene.toml", text)); }
 
-// The error without the folder: "3:9: expected …".
+// The error text without the folder: "3:9: expected …".
 std::string scene_error(const std::string& text) {
   const std::string path = make_file("scene.toml", text);
   const std::string error = error_of([&] { load_job(path); });
@@ -160,7 +160,7 @@ position = "0 0 -300 mm"
   EXPECT_EQ(with_texture, 1);
 }
 
-// A quarter turn about x takes y to z, then one about y takes z to x; then the place is added.
+// A quarter turn about x takes y to z, then one about y takes z to x; then the position is added.
 TEST(SceneFile, ObjectsAreScaledThenTurnedInOrderThenPlaced) {
   const Job job = load(
       "wavelength = \"532 nm\"\n[[object]]\ntype = \"box\"\nsize = \"1 2 3 mm\"\nscale = 2\n"
@@ -170,7 +170,7 @@ TEST(SceneFile, ObjectsAreScaledThenTurnedInOrderThenPlaced) {
     low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
     high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
   }
-  // x → z, y → x, z → y: sides 2·(2, 3, 1) mm; a few ulps of 0.3.
+  // x → z, y → x, z → y: sides of 2·(2, 3, 1) mm; a few ulps of 0.3.
   EXPECT_NEAR(high.x - low.x, 4e-3, 1e-15);
   EXPECT_NEAR(high.y - low.y, 6e-3, 1e-15);
   EXPECT_NEAR(high.z - low.z, 2e-3, 1e-15);
@@ -196,7 +196,7 @@ TEST(SceneFile, PositionsGiveCopies) {
       "wavelength = \"532 nm\"\n[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nsegments = 8\n"
       "positions = [\"0 0 -100 mm\", \"0 0 -200 mm\", \"5 0 -200 mm\"]\n");
   EXPECT_EQ(job.scene.meshes.size(), 3u);
-  EXPECT_EQ(job.scene.materials.size(), 1u);  // the default, once
+  EXPECT_EQ(job.scene.materials.size(), 1u);  // one default material
 }
 
 TEST(SceneFile, AShapeIsPlacedWithTheMaterialOfWhoeverUsesIt) {
@@ -258,7 +258,7 @@ TEST(SceneFile, PointsOfAFileStandWhereScaleAndDistancePutThem) {
       load("wavelength = \"532 nm\"\n[[object]]\ntype = \"points\"\nfile = '" + test::data_file("helix_points.ply") +
            "'\nscale = 0.01\ndistance = \"100 mm\"\nchannel = \"green\"\n");
   ASSERT_EQ(job.scene.points.size(), 500u);
-  // The first is at (0.5, −0.5, 0) in the file's unit, of green 255; the last has none.
+  // The first point is at (0.5, −0.5, 0) in the unit of the file, with green 255; the last has no colour.
   EXPECT_LT(length(job.scene.points[0].position - Vec3{0.005, -0.005, -0.1}), 1e-15);
   EXPECT_FLOAT_EQ(job.scene.points[0].amplitude, 1);
   EXPECT_FLOAT_EQ(job.scene.points[499].amplitude, 0);

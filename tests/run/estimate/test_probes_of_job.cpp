@@ -1,9 +1,14 @@
-// The probes of an estimate (apps/), by what they run. No time is asserted.
+// The probes of an estimate by what they run. No time is asserted.
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "holotrace/run/check_job.h"
 #include "holotrace/run/estimate/display_probe.h"
+#include "holotrace/run/estimate/small_panel.h"
 #include "holotrace/run/estimate/synthesis_probe.h"
+#include "holotrace/run/estimate/trace_probe.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/viewing.h"
 
@@ -19,7 +24,7 @@ Job job_of_spectrum() {
   return job;
 }
 
-// 2 mm of panel at 100 mm need 30 wavelengths of 100 nm (Viewing.AsManyMomentsAsTheViewsNeed). A quarter of the side at
+// 2 mm of panel at 100 mm need 30 wavelengths of 100 nm (Viewing.AsManyIlluminationStatesAsTheViewsNeed). A quarter of the side at
 // a quarter of the distance needs 8 by itself: λz/S stays 26 µm, f = 38496/m too, and the light moves a quarter as far: 7.4, or 8 at least.
 TEST(JobProbes, ASmallPanelHasTheIlluminationStatesOfTheJob) {
   const Job job = job_of_spectrum();
@@ -79,6 +84,97 @@ TEST(JobProbes, AForecastPricesTheFirstSumByItself) {
   EXPECT_DOUBLE_EQ(told.seconds, 0.5);
   EXPECT_DOUBLE_EQ(told.predicted, 8.5);
   EXPECT_DOUBLE_EQ(told.next, 0.5 * (2 * 0.5 + 8 * 0.25));
+}
+
+// 0.1 s of overhead and 2 s of work. Parts of 1/16 and 1/4 take 0.225 and 0.6 s, which predict 3.6 and 2.4 s; both
+// together tell 2.1 s.
+TEST(JobProbes, TwoPartsTellTheOverheadFromTheWork) {
+  EXPECT_NEAR(without_overhead({1.0 / 16, 3.6}, {0.25, 2.4}), 2.1, 1e-12);
+  EXPECT_DOUBLE_EQ(without_overhead({}, {0.25, 2.4}), 2.4) << "the first probe";
+  EXPECT_DOUBLE_EQ(without_overhead({1.0 / 16, 2}, {0.25, 2.4}), 2.4) << "noise: never more than the larger part says";
+  EXPECT_DOUBLE_EQ(without_overhead({1.0 / 16, 30}, {0.25, 2.4}), 1.2) << "and never less than half";
+}
+
+// 512·√(1/8) is 181, a prime; the next length of factors 2, 3 and 5 is 192. Of 509, a prime itself, none is looked for.
+TEST(JobProbes, ASmallPanelIsAsEasyToTransformAsTheJobs) {
+  EXPECT_EQ(fewer_pixels(512, std::sqrt(0.125)), 192);
+  EXPECT_EQ(fewer_pixels(509, std::sqrt(0.125)), 180);
+  EXPECT_EQ(fewer_pixels(512, 1), 512);
+  EXPECT_EQ(fewer_pixels(16, 0.01), 2);
+  Job job = job_of_spectrum();
+  job.slm.grid.nx = 512;
+  EXPECT_EQ(on_small_panel(job, std::sqrt(0.125)).slm.grid.nx, 192);
+}
+
+TEST(JobProbes, SlicesTakeATransformEachAndOneBackOfEachSet) { EXPECT_EQ(transforms_of({4, 0, 2}), 5 + 0 + 3); }
+
+// 1 s done once and 0.5 s for each state: two take 2 s, four 3 s, thirty 16 s.
+TEST(JobProbes, IlluminationStatesTakeTheSameEach) {
+  EXPECT_DOUBLE_EQ(seconds_of_states(30, 2, 2, 3), 16);
+  EXPECT_DOUBLE_EQ(seconds_of_states(30, 2, 2, 1.9), 2) << "noise: no less than nothing";
+  EXPECT_DOUBLE_EQ(seconds_of_states(30, 2, 2, 9), 30) << "and no more than the first each";
+}
+
+// Luminous points are all there in any part of the rays: nothing grows.
+TEST(JobProbes, PointsAloneDoNotGrowWithTheRays) {
+  Job job = job_of_spectrum();
+  job.scene.points = {{{0, 0, -0.1}}, {{1e-4, 0, -0.1}}};
+  job.trace.columns = job.trace.rows = 512;
+  TraceProbe probe(job);
+  const ProbeResult told = probe.run(1.0 / 64);
+  EXPECT_FALSE(probe.has_rays());
+  EXPECT_EQ(probe.scale, 1);
+  EXPECT_EQ(told.predicted, told.seconds);
+  EXPECT_EQ(probe.light.sources.front().waves.size(), 2U);
+}
+
+// At a quarter of its place, before a quarter of the panel, a wave is seen at the same angles.
+TEST(JobProbes, WavesInTheSmallKeepTheirAngles) {
+  Sources set{.wavelength = 532e-9};
+  set.waves = {{{4e-3, -2e-3, -0.1}, 0.5F, 1.0F}};
+  const Sources small = in_the_small(set, 0.25);
+  EXPECT_EQ(small.waves.front().origin, (Vec3{1e-3, -0.5e-3, -0.025}));
+  EXPECT_EQ(small.waves.front().amplitude, 0.5F);
+}
+
+// 4 slices of 0.1 to 0.103 m: a probe of 1/16 of the work carries one of them, on a panel of a quarter of the pixels.
+TEST(JobProbes, ASumOfSlicesGoesByItsTransforms) {
+  Job job = job_of_spectrum();
+  job.synthesize.method = SynthesisMethod::layers;
+  job.synthesize.slices = 4;
+  Sources set{.wavelength = 532e-9};
+  for (int i = 0; i < 64; ++i) set.waves.push_back({{1e-5 * i, 0, -0.1 - 0.001 * (i % 4)}, 1.0F, 0.0F});
+  SynthesisProbe probe(job, {set});
+  ASSERT_EQ(probe.slices, std::vector<double>{4});
+  const ProbeResult told = probe.run(1.0 / 16);
+  // 256² pixels over 128², by P·log₂P 16·65536 / (14·16384) = 4.571; 5 transforms over 2. The first sum, which only plans,
+  // counts as time that is spent, and not for the prediction.
+  const double factor = 4.0 * 16 / 14 * 5 / 2;
+  EXPECT_LT(told.predicted, factor * told.seconds);
+  EXPECT_GT(told.predicted, 0);
+}
+
+// An encoder's stop bounds the light of a source more narrowly than the panel does, and each wavelength has its own.
+TEST(JobIlluminationStates, AreThoseOfTheWavelengthAndTheEncodersStop) {
+  Job job = job_of_spectrum();
+  job.show = {};
+  job.show.source_angle = 0.01;
+  job.wavelengths = {638e-9, 450e-9};
+  const auto from = viewpoints(job.camera, job.render);
+  // The orders that the samples hold, n/p: N = ceil(π/4·(8α·p/(nλ))²); π/4·64·(0.01·8e-6/(n·λ))² with n of ShowParams.
+  const auto expected = [&](double wavelength, double band) {
+    const double moved = 0.01 / (wavelength * band);
+    return int64_t(std::ceil(3.14159265358979 / 4 * 64 * moved * moved));
+  };
+  const double open = job.show.subpixels / 8e-6;
+  EXPECT_EQ(states_at(job, 638e-9, from), expected(638e-9, open));
+  EXPECT_EQ(states_at(job, 450e-9, from), expected(450e-9, open));
+  EXPECT_EQ(most_states(job, from), expected(450e-9, open)) << "not the first wavelength's";
+  // Off-axis with bias: the carrier is 3/8p, a third of which is the half width: a band of 1/4p.
+  job.encode.method = Encoding::off_axis;
+  EXPECT_EQ(states_at(job, 638e-9, from), expected(638e-9, 0.25 / 8e-6));
+  job.show.wavelength = 532e-9;
+  EXPECT_EQ(states_at(job, 638e-9, from), expected(532e-9, 0.25 / 8e-6)) << "of the light that it is shown with";
 }
 
 }  // namespace

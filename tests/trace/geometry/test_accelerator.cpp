@@ -12,8 +12,8 @@ namespace holotrace {
 namespace {
 
 TEST(Accelerator, HitsAreExactToAHundredthOfAWavelength) {
-  // A tilted plane 0.3 m away: 2 triangles whose plane is x·n = c, seen obliquely. Single precision would be off by
-  // 30 nm; 1e-12 m is some 10 000 roundings of 0.3 m in double, far below a wave.
+  // A tilted plane 0.3 m away: 2 triangles in the plane x·n = c, seen obliquely. Single precision would be wrong by
+  // 30 nm; 1e-12 m is some 10 000 roundings of 0.3 m in double, far below a wavelength.
   const Vec3 centre{2_mm, -1_mm, -0.3}, u = normalize({1, 0, 0.5}) * 7e-3, v = normalize({0.1, 1, 0.3}) * 5e-3;
   Scene scene;
   scene.materials = {grey(0.5)};
@@ -61,7 +61,7 @@ TEST(Accelerator, InterpolatesNormalsAndTextureCoordinatesAndTurnsNormalsToTheVi
   const Accelerator accelerator(scene);
   const auto front = accelerator.closest_hit({{5_mm, -5_mm, 0}, {0, 0, -1}});
   ASSERT_TRUE(front);
-  // Places inside a triangle come from Embree, in single precision: some 2⁻²³ of the triangle.
+  // Positions inside a triangle come from Embree, in single precision: some 2⁻²³ of the triangle.
   EXPECT_NEAR(front->point.uv.x, 0.75, 1e-6);
   EXPECT_NEAR(front->point.uv.y, 0.25, 1e-6);
   const Vec3 expected = normalize(left * 0.25 + right * 0.75);
@@ -84,7 +84,7 @@ TEST(Accelerator, OcclusionCountsWhatIsBetweenAndNotWhatIsAtTheEnds) {
 }
 
 TEST(Accelerator, ALampFarAwayLeavesTheDetailAsItIs) {
-  // Two walls of 2 mm, 10 µm apart. Single precision in a scene of 1 km tells places 30 µm apart.
+  // Two walls of 2 mm, 10 µm apart. Single precision in a scene of 1 km resolves only 30 µm.
   const auto walls = [] {
     Scene scene;
     scene.materials = {grey(0.5)};
@@ -93,7 +93,7 @@ TEST(Accelerator, ALampFarAwayLeavesTheDetailAsItIs) {
   };
   Scene scene = walls();
   const double alone = Accelerator(scene).closest_hit({{0.2_mm, 0.3_mm, 0}, {0, 0, -1}})->point.clearance;
-  // From the back of the view, 200 m wide, and a mesh as far away.
+  // A lamp at the back of the view, 200 m wide, and a mesh as far away.
   scene.lights = {RectangleLight{{-100, -100, 1000}, {0, 200, 0}, {200, 0, 0}, {5, 5, 5}}};
   scene.meshes.push_back(make_test_quad({300, 0, -1000}, {10, 0, 0}, {0, 10, 0}));
   for (const Acceleration kind : {Acceleration::embree, Acceleration::grid}) {
@@ -106,7 +106,7 @@ TEST(Accelerator, ALampFarAwayLeavesTheDetailAsItIs) {
       EXPECT_NEAR(hit->point.position.z, z, 1e-15) << i;
       EXPECT_LT(hit->point.clearance, 2 * alone);
       EXPECT_FALSE(accelerator.is_occluded({accelerator.leave(hit->point), {0, 0, 1}}, 1)) << i << " meets itself";
-      // In the gap between the walls the far one does not see out.
+      // From the gap between the walls, a ray from the far wall does not get out.
       const Ray out{{x, 0.1_mm, -0.1 + 1_um}, {0, 0, 1}};
       EXPECT_EQ(accelerator.is_occluded(out, 1), std::abs(i) < 5) << i;
     }
@@ -114,7 +114,7 @@ TEST(Accelerator, ALampFarAwayLeavesTheDetailAsItIs) {
 }
 
 TEST(Accelerator, ALampInThePlaneOfAVastCeilingIsMetBeforeIt) {
-  // Slanting, so that coordinates are rounded: single precision holds the ceiling's corners, 1 km away, to 30 µm.
+  // Slanted, so that coordinates are rounded: single precision represents the ceiling's corners, 1 km away, to 30 µm.
   const Vec3 u = normalize({1, 0, 0.3}), v = normalize({0, 1, 0.2}), centre{0, 0, -0.2};
   Scene scene;
   scene.materials = {grey(0.5)};

@@ -11,18 +11,18 @@
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"
 
-// A grid of cells meets what a search through all triangles meets, and what Embree meets.
+// A grid of cells finds the same hits as a search through all triangles, and as Embree.
 
 namespace holotrace {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Where a ray meets the plane of a triangle: distance and barycentric coordinates, by Cramer's rule (T. Möller and
-// B. Trumbore, J. Graphics Tools 2(1), 21, 1997), not by the watertight test of the grid.
+// Intersection of a ray with the plane of a triangle: distance and barycentric coordinates, by Cramer's rule (T. Möller
+// and B. Trumbore, J. Graphics Tools 2(1), 21, 1997), instead of the watertight test of the grid.
 struct PlaneHit {
   double distance, b0, b1, b2;
-  double inside() const { return std::min({b0, b1, b2}); }  // < 0: beside the triangle
+  double inside() const { return std::min({b0, b1, b2}); }  // < 0: outside the triangle
 };
 
 PlaneHit meet_plane(const Scene& scene, const Ray& ray, uint32_t mesh, uint32_t triangle) {
@@ -35,7 +35,7 @@ PlaneHit meet_plane(const Scene& scene, const Ray& ray, uint32_t mesh, uint32_t 
   return {dot(q, e2) / determinant, 1 - b1 - b2, b1, b2};
 }
 
-// The nearest triangle, by a search through all.
+// The nearest triangle, by a search through all of them.
 std::optional<GridHit> search(const Scene& scene, const Ray& ray) {
   std::optional<GridHit> nearest;
   for (uint32_t m = 0; m < scene.meshes.size(); ++m)
@@ -75,8 +75,8 @@ Ray random_ray(uint64_t seed, uint64_t i) {
 }
 
 TEST(UniformGrid, MeetsWhatASearchThroughAllTrianglesMeets) {
-  // Distances by two formulas in double, some 1e-16 each but for triangles seen nearly edge on, where the plane is
-  // divided by a small cosine: 1e-10 m is 10⁶ roundings.
+  // Distances by two formulas in double, to some 1e-16 each, except for triangles seen nearly edge on, where division
+  // by a small cosine amplifies rounding: 1e-10 m is 10⁶ roundings.
   for (const double size : {0.02, 0.1, 0.6}) {
     const Scene scene = make_soup(400, size);
     const UniformGrid grid(scene);
@@ -99,8 +99,8 @@ TEST(UniformGrid, MeetsWhatASearchThroughAllTrianglesMeets) {
 }
 
 TEST(UniformGrid, MeetsWhatEmbreeMeets) {
-  // Embree in single precision may take the other side of an edge within its rounding, some 1e-6 of a scene against
-  // triangles of a tenth of it: 1e-4 in barycentric coordinates, more where the triangle is seen edge on.
+  // Embree in single precision may choose the other side of an edge within its rounding, some 1e-6 of a scene compared
+  // with triangles of a tenth of it: 1e-4 in barycentric coordinates, more for triangles seen edge on.
   Scene scene = make_soup(3000, 0.1);
   scene.meshes.push_back(make_round_mesh({0, 0, -2}, 0.5, 40));
   const Accelerator embree(scene), grid(scene, Acceleration::grid);
@@ -114,7 +114,7 @@ TEST(UniformGrid, MeetsWhatEmbreeMeets) {
     if (is_same && !a) continue;
     if (is_same) {
       ++compared;
-      ASSERT_NEAR(a->distance, b->distance, 1e-9) << i;  // both from the plane, in double
+      ASSERT_NEAR(a->distance, b->distance, 1e-9) << i;  // both computed from the plane, in double
       ASSERT_EQ(a->point.is_front, b->point.is_front) << i;
       ASSERT_EQ(a->point.geometric_normal, b->point.geometric_normal) << i;
       continue;
@@ -156,7 +156,7 @@ TEST(UniformGrid, OcclusionIsWhetherTheNearestIsNearEnough) {
 }
 
 TEST(UniformGrid, NoRayLeavesAClosedMesh) {
-  // Random rays, and rays at each vertex and at the middle of each edge as near as doubles go.
+  // Random rays, and rays to each vertex and to the middle of each edge as exactly as doubles allow.
   Scene scene;
   scene.materials = {grey(0.5)};
   scene.meshes = {make_round_mesh({0, 0, -2}, 0.5, 24)};
@@ -177,7 +177,7 @@ TEST(UniformGrid, NoRayLeavesAClosedMesh) {
 }
 
 TEST(UniformGrid, FollowsRaysAlongAxesAndInThePlanesOfCells) {
-  // The grid's planes cut the box around the triangles into equal parts.
+  // The planes of the grid divide the box around the triangles into equal parts.
   Scene scene = make_soup(200, 0.2);
   const UniformGrid grid(scene);
   const GridStatistics s = grid.statistics();
@@ -217,7 +217,7 @@ TEST(UniformGrid, CountsTheCellsThatARayCrosses) {
   const GridStatistics s = grid.statistics();
   EXPECT_EQ(s.triangles, 2000);
   EXPECT_GE(s.entries, s.triangles);
-  // About 4 cells per triangle: whole numbers of cells along each axis, 20 of them, are off by half a cell at most.
+  // About 4 cells per triangle: 20 cells along each axis, rounded to whole numbers, differ by half a cell at most.
   EXPECT_NEAR(double(s.cells) / 2000, UniformGrid::usual_density, UniformGrid::usual_density * 3 * 0.5 / 20);
   const double columns = std::round(s.width / s.cell_x);
   int misses = 0;
@@ -235,7 +235,7 @@ TEST(UniformGrid, CountsTheCellsThatARayCrosses) {
   GridCounts counts;
   GridHit hit;
   EXPECT_FALSE(grid.closest_hit({{-9, 0, 9}, {1, 0, 0}}, infinity, hit, &counts));
-  EXPECT_EQ(counts.cells, 0);  // beside the box
+  EXPECT_EQ(counts.cells, 0);  // outside the box
 }
 
 TEST(UniformGrid, IsTheSameOnAnyNumberOfThreads) {
@@ -267,7 +267,7 @@ TEST(UniformGrid, FlatAndEmptyScenesAreScenes) {
 }
 
 TEST(UniformGrid, TracesAndRendersTheSameLightAsEmbree) {
-  // The same random numbers on the same hits but for rounding; a path that turns at an edge is one in thousands.
+  // The same random numbers on the same hits except for rounding; one path in thousands changes at an edge.
   const Scene scene = make_corner();
   const Grid panel{64, 64, 8e-6};
   TraceParams params;

@@ -25,7 +25,8 @@ Scene wall_scene() {
 }
 
 TEST(Light, SpotFallsSmoothlyFromItsInnerToItsOuterAngle) {
-  // 40 mm before the wall and 30 mm aside: d = 50 mm, cosθ = 4/5 at the wall and off the axis, which is the normal.
+  // 40 mm in front of the wall and 30 mm off the axis: d = 50 mm, cosθ = 4/5 at the wall and off the spot's axis, which
+  // is the normal.
   const double full = 0.6 / pi * 0.8 / (0.05 * 0.05);
   const auto radiance = [&](double inner_cosine, double outer_cosine) {
     Scene scene = wall_scene();
@@ -33,7 +34,7 @@ TEST(Light, SpotFallsSmoothlyFromItsInnerToItsOuterAngle) {
         SpotLight{{30_mm, 0, -0.26}, {0, 0, -1}, {1, 1, 1}, std::acos(inner_cosine), std::acos(outer_cosine)}};
     return follow(scene, onto_the_wall, 1, 1).mean();
   };
-  // Nothing is random: rounding of cosines and of single factors.
+  // No randomness: only rounding of cosines and of single factors.
   EXPECT_NEAR(radiance(0.7, 0.5), full, 1e-12 * full) << "inside the inner cone";
   EXPECT_EQ(radiance(0.95, 0.9), 0) << "outside the outer one";
   EXPECT_NEAR(radiance(0.9, 0.6), full * 20 / 27, 1e-12 * full) << "x = 2/3: x²(3 − 2x)";
@@ -55,7 +56,7 @@ TEST(Light, ParallelLightGivesItsIrradianceTimesTheCosine) {
 
 TEST(Light, ABeamLightsWhatIsWithinItsRadius) {
   Scene scene = wall_scene();
-  // The axis meets the wall at x = 5 mm under 4/5: the centre is 5 mm · 4/5 = 4 mm off the axis.
+  // The axis meets the wall at x = 5 mm with cosine 4/5: the centre is 5 mm · 4/5 = 4 mm off the axis.
   scene.lights = {
       DirectionalLight{{0.6, 0, -0.8}, {1, 1, 1}, Vec3{5_mm, 0, -0.3} - Vec3{0.6, 0, -0.8} * 0.1, 4.001_mm}};
   EXPECT_GT(follow(scene, onto_the_wall, 1, 1).mean(), 0);
@@ -63,14 +64,14 @@ TEST(Light, ABeamLightsWhatIsWithinItsRadius) {
   EXPECT_EQ(follow(scene, onto_the_wall, 1, 1).mean(), 0);
 }
 
-/// What a pane of index 1.5 lets straight through at 0.8 of a cosine, the reflections between its faces included.
+/// Transmittance of a pane of index 1.5 at a cosine of 0.8, with the reflections between its faces.
 double share_through_pane() {
   const double reflected = reflectance_dielectric(0.8, 1.5);
   return 1 - 2 * reflected / (1 + reflected);
 }
 
-/// A wall, on which a ray along the axis finds the light of a lamp at (30, 0, −260) mm, 50 mm away, at 0.8 of a
-/// cosine; panes stand in that way and not in the ray's.
+/// A wall on which a ray along the axis finds the light of a lamp at (30, 0, −260) mm, 50 mm away, at a cosine of
+/// 0.8. Panes stand between lamp and wall, not in the way of the ray.
 Scene make_wall_behind_panes(const Light& lamp, int panes, const Material& glass) {
   Scene scene;
   scene.materials = {grey(0.6), glass};
@@ -96,14 +97,14 @@ TEST(Light, PanesLetLightStraightThrough) {
     };
     const double direct = sums(0, 1)[0], share = share_through_pane();
     EXPECT_GT(direct, 0);
-    // Nothing is random: rounding.
+    // No randomness: only rounding.
     const auto one_pane = sums(1, 2), two_panes = sums(2, 3);
     EXPECT_EQ(one_pane[0], 0);
     EXPECT_NEAR(one_pane[1] / direct, share, 1e-9);
     EXPECT_EQ(two_panes[1], 0);
     EXPECT_NEAR(two_panes[2] / direct, share * share, 1e-9);
     EXPECT_EQ(sums(1, 1)[1], 0) << "a pane is a surface of the path";
-    // A wall in the way is one, behind a pane too; so is solid glass.
+    // A wall in the way blocks light, behind a pane too; so does solid glass.
     Scene closed = make_wall_behind_panes(light, 2, pane);
     closed.meshes[2].material = 0;
     EXPECT_EQ(follow(closed, ray, 1, 1).mean(), 0);
@@ -128,7 +129,7 @@ TEST(Light, OneSidedEmissionShinesFromTheFrontOnly) {
   scene.materials.push_back(grey(0, 5));
   scene.materials[1].two_sided = false;
   const double expected = 0.6 * 5 * 4 * corner_view_factor(20_mm, 20_mm, 30_mm);
-  scene.meshes.push_back(make_test_quad({0, 0, -0.27}, {0, 20_mm, 0}, {20_mm, 0, 0}, 1));  // its front is toward −z
+  scene.meshes.push_back(make_test_quad({0, 0, -0.27}, {0, 20_mm, 0}, {20_mm, 0, 0}, 1));  // its front faces −z
   const Ray ray{{0, 0, -0.28}, {0, 0, -1}};
   const Statistics front = follow(scene, ray, 20000, 2);
   EXPECT_NEAR(front.mean(), expected, 4 * front.standard_error());
@@ -162,7 +163,7 @@ TEST(Light, AnEmissionTextureGivesTheIntegralOverItsPattern) {
 }
 
 TEST(Light, ALampOfManyTrianglesIsItsRectangle) {
-  // 2 · 20² triangles of two sizes: drawn by area, their light is that of the whole.
+  // 2 · 20² triangles of two sizes, drawn by area: their light is that of the rectangle.
   Scene scene = wall_scene();
   scene.materials.push_back(grey(0, 5));
   Mesh lamp;
@@ -192,14 +193,14 @@ TEST(Light, AMirrorShowsTheInvisibleRectangleThatThePanelDoesNotSee) {
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   scene.lights = {RectangleLight{{-5_mm, -5_mm, -0.25}, {0, 10_mm, 0}, {10_mm, 0, 0}, {8, 8, 8}, false}};
   constexpr int paths = 40000;
-  // The ray passes through the rectangle from its back unharmed. A path of four comes back, and brings 8.
+  // The ray passes through the back of the rectangle. One path of four comes back, and brings 8.
   const Statistics found = follow(scene, {{1_mm, 2_mm, 0}, {0, 0, -1}}, paths, 1);
   EXPECT_NEAR(found.mean(), 2, 4 * 8 * std::sqrt(0.25 * 0.75 / paths));
   EXPECT_EQ(follow(scene, {{6_mm, 2_mm, 0}, {0, 0, -1}}, 1000, 1).mean(), 0) << "beside its image";
 }
 
 TEST(Light, ALampInThePlaneOfACeilingShinesLikeOneJustBelowIt) {
-  // A rough metal floor finds the lamp mostly by chance, where the ceiling is at the very same distance.
+  // A rough metal floor finds the lamp mostly by meeting it; the ceiling is at exactly the same distance.
   const auto radiance = [](double gap, const Frame& turn, bool is_visible) {
     const Vec3 middle{0, 0, -0.3};
     const auto placed = [&](Vec3 v) { return transform_vector(turn, v) + middle; };
@@ -309,8 +310,8 @@ TEST(EnvironmentLight, AnEvenMapIsDrawnEvenlyAndIsTheBackground) {
 }
 
 TEST(EnvironmentLight, InsideAPixelDirectionsAreEvenOverItsSolidAngle) {
-  // Pixels a quarter turn high. Even over the sphere |y| is even in [0, 1]: a mean of 1/2 and a mean square of 1/3. Even
-  // over the angle they would be 2/π and 1/2.
+  // Pixels a quarter turn high. For directions uniform over the sphere |y| is uniform in [0, 1]: mean 1/2, mean square
+  // 1/3. Uniform over the angle they would be 2/π and 1/2.
   auto map = std::make_shared<Image>(2, 4, 1);
   for (float& value : map->values) value = 1;
   const EnvironmentLight light({map, {1, 1, 1}, 0}, Lines{});
@@ -346,7 +347,7 @@ TEST(EnvironmentLight, ASunInTheMapLightsTheWallByItsIntegral) {
   const double expected = 0.6 / pi * integral;
   const Statistics found = follow(scene, onto_the_wall, 20000, 1);
   EXPECT_NEAR(found.mean(), expected, 4 * found.standard_error() + 1e-4 * expected);
-  // Met by chance alone, a sun of 1/5000 of the sphere would give about 0.5.
+  // If only met by chance, a sun of 1/5000 of the sphere would give about 0.5.
   EXPECT_LT(found.standard_error(), 0.02 * expected);
 }
 

@@ -102,8 +102,8 @@ TEST(DepthError, IsThatOfAMovedWave) {
   EXPECT_EQ(depth_error_per_metre(5_mm, 0, 0.05_m, panel, green), 0);  // outside its box: R 1.66 mm, half width 1.2 mm
 }
 
-// closed_forms.md section 1: k·dz·(1 − cos θmax) = 6.5e-2 rad at dz = 10 µm for 8 µm, 532 nm. It is the phase at the middle
-// of the box's side; its rms over a whole box is √0.6222 of that: ⟨(a² + b²)²⟩ = 2/5 + 2/9 in the unit square.
+// closed_forms.md section 1: k·dz·(1 − cos θmax) = 6.5e-2 rad at dz = 10 µm for 8 µm, 532 nm. It is the phase at the
+// middle of the box's side; its rms over a whole box is √0.6222 of that: ⟨(a² + b²)²⟩ = 2/5 + 2/9 in the unit square.
 TEST(DepthError, HasTheBoundOfTheHalfAngle) {
   const Grid panel{2000, 2000, 8_um};
   EXPECT_NEAR(10_um * depth_error_per_metre(0, 0, 0.1_m, panel, green), 6.5e-2 * std::sqrt(0.4 + 2.0 / 9), 4e-4);

@@ -42,16 +42,18 @@ namespace holotrace {
 
 HWY_EXPORT(MultiplyAdds);
 
-double measure_multiply_add_peak() {
+double measure_multiply_add_peak(int rounds) {
   constexpr int steps = 20000;
   float first;
   const double per_call = HWY_DYNAMIC_DISPATCH(MultiplyAdds)(steps, 1e-3F, first);
   std::atomic<float> kept;
-  return per_call * peak_call_rate([&] {
-           float sum;
-           HWY_DYNAMIC_DISPATCH(MultiplyAdds)(steps, 1e-3F, sum);
-           kept = sum;
-         });
+  return per_call * peak_call_rate(
+                        [&] {
+                          float sum;
+                          HWY_DYNAMIC_DISPATCH(MultiplyAdds)(steps, 1e-3F, sum);
+                          kept = sum;
+                        },
+                        rounds);
 }
 
 }  // namespace holotrace

@@ -7,6 +7,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/machine/median_seconds.h"
+#include "holotrace/run/check_job.h"
+#include "holotrace/run/estimate/small_panel.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/viewing.h"
@@ -15,7 +17,7 @@
 namespace holotrace {
 namespace {
 
-constexpr int fewest_pixels = 1 << 14;  // of a small panel: less is over before threads are up
+constexpr int few_states = 2;
 
 // A part of each map and list that the panel's own effects have for all of its pixels.
 void shrink_effects(Slm& slm) {
@@ -47,11 +49,6 @@ double seconds_of(const std::vector<StageReport>& stages, size_t place, double o
   return place < stages.size() ? stages[place].seconds : otherwise;
 }
 
-double transform_work(const Grid& grid) {
-  const double pixels = double(grid.pixels());
-  return pixels * std::log2(std::max(2.0, pixels));
-}
-
 }  // namespace
 
 Job on_small_panel(const Job& job, double side) {
@@ -65,8 +62,9 @@ Job on_small_panel(const Job& job, double side) {
   const auto fewer = [&](int& count) {
     if (count > 0) count = std::max(2, int(std::lround(count * side)));
   };
-  for (int* count : {&panel.nx, &panel.ny, &small.encode.target_columns, &small.encode.target_rows,
-                     &small.propagate.columns, &small.propagate.rows, &small.render.rows, &small.render.columns})
+  for (int* count : {&panel.nx, &panel.ny}) *count = fewer_pixels(*count, side);
+  for (int* count : {&small.encode.target_columns, &small.encode.target_rows, &small.propagate.columns,
+                     &small.propagate.rows, &small.render.rows, &small.render.columns})
     fewer(*count);
   CameraParams& camera = small.camera;
   for (double& distance : camera.distances) distance *= side;
@@ -105,9 +103,7 @@ Job on_small_panel(const Job& job, double side) {
   return small;
 }
 
-double DisplayProbe::first_part() const {
-  return std::min(1.0, std::max(1.0 / 64, fewest_pixels / double(job.slm.grid.pixels())));
-}
+double DisplayProbe::first_part() const { return smallest_part(job.slm.grid); }
 
 ProbeResult DisplayProbe::run(double part) {
   ProbeResult result;
@@ -130,13 +126,17 @@ ProbeResult DisplayProbe::run(double part) {
 
 double DisplayProbe::predict(double part) {
   Job small = on_small_panel(job, std::sqrt(part));
-  const int iterations = iterations_of(job.encode), few = std::min(iterations, 2), more = std::min(iterations, 6);
+  const int iterations = iterations_of(job.encode), few = std::min(iterations, 1);
+  const int more = std::min(iterations, few + std::max(2, iterations / 16));
   if (iterations > 0) small.encode.iterations = few;
+  const int64_t all_states = most_states(small, viewpoints(small.camera, small.render));
+  const bool has_many = all_states > 2 * few_states;
+  if (has_many) small.show.illumination_states = few_states;
   const double scale = transform_work(job.slm.grid) / transform_work(small.slm.grid);
   const double times = holograms / double(job.wavelengths.size());
   holotrace::run(at_other_distances(small, 0.999));  // plans transforms
   const std::vector<StageReport> one = stages_after_sum(small);
-  std::vector<StageReport> two, longer;
+  std::vector<StageReport> two, longer, brighter;
   if (times > 1) {
     Job again = small;
     again.trace.frames = 2;
@@ -147,23 +147,39 @@ double DisplayProbe::predict(double part) {
     again.encode.iterations = more;
     longer = stages_after_sum(at_other_distances(again, 1.002));
   }
+  if (has_many) {
+    Job again = small;
+    again.show.illumination_states = 2 * few_states;
+    brighter = stages_after_sum(at_other_distances(again, 1.003));
+  }
   // Views are named by their distance.
   std::map<std::string, std::string> names;
   const auto from = viewpoints(job.camera, job.render), small_from = viewpoints(small.camera, small.render);
   for (size_t i = 0; i < from.size(); ++i) names[small_from[i].stage] = from[i].stage;
   stages.clear();
   double predicted = 0;
+  std::vector<double> told;
   for (size_t i = 0; i < one.size(); ++i) {
     const StageReport& stage = one[i];
     double seconds = seconds_for(times, stage.seconds, seconds_of(two, i, 2 * stage.seconds));
+    if (stage.stage != "encode" && has_many && stage.seconds > 0) {
+      const double of_all =
+          seconds_of_states(double(all_states), few_states, stage.seconds, seconds_of(brighter, i, 0));
+      seconds *= of_all / stage.seconds;
+    }
     if (stage.stage == "encode" && more > few) {
       const double each = std::max(0.0, seconds_of(longer, i, 0) - stage.seconds) / (more - few);
       seconds += times * (iterations - few) * each;
     }
+    const double alone = scale * seconds, earlier = i < of_part_.size() ? of_part_[i] : 0;
+    const double of_both = without_overhead({earlier > 0 ? part_ : 0, earlier}, {part, alone});
     const auto name = names.find(stage.stage);
-    stages.push_back({name == names.end() ? stage.stage : name->second, scale * seconds, {}, {}, {}});
-    predicted += stages.back().seconds;
+    stages.push_back({name == names.end() ? stage.stage : name->second, of_both, {}, {}, {}});
+    predicted += of_both;
+    told.push_back(alone);
   }
+  part_ = part;
+  of_part_ = told;
   return predicted;
 }
 

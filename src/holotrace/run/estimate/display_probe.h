@@ -15,8 +15,8 @@ namespace holotrace {
 Job on_small_panel(const Job& job, double side);
 
 /// What the stages after the sum should take, from a run of the job in the small: one frame; where there are more
-/// holograms two, too, which tells what is done once from what every hologram takes; and encoders that iterate for a
-/// few iterations. Scaled by pixels, and with them the logarithm that transforms have.
+/// holograms two, too, which tells what is done once from what every hologram takes; encoders that iterate for a few
+/// iterations; and light of many illumination states at two and at four of them. Scaled by pixels, and with them the logarithm that transforms have.
 struct DisplayProbe {
   explicit DisplayProbe(const Job& job) : job(job) {}
 
@@ -29,6 +29,10 @@ struct DisplayProbe {
   double holograms = 1;             ///< of the whole job
   std::vector<StageReport> stages;  ///< after the sum, with the seconds that they should take, named as the job's
   std::string why_none;             ///< why they cannot be run, if so
+
+ private:
+  double part_ = 0;              // of the last probe that could be run
+  std::vector<double> of_part_;  // and what it alone predicted for each stage
 };
 
 }  // namespace holotrace

@@ -85,7 +85,8 @@ double find_light(TraceProbe& probe) {
   probe.run(part);
   while (!probe.light.sources.empty() && is_dark() && part < 1) probe.run(part = std::min(1.0, 4 * part));
   // What grows with the rays has to show beside what does not.
-  while (part < 1 && probe.seconds < 2 * probe.prepare_seconds) probe.run(part = std::min(1.0, 4 * part));
+  while (part < 1 && probe.has_rays() && probe.seconds < 2 * probe.prepare_seconds)
+    probe.run(part = std::min(1.0, 4 * part));
   return part;
 }
 

@@ -5,6 +5,7 @@
 
 #include "holotrace/base/random.h"
 #include "holotrace/estimate/machine/median_seconds.h"
+#include "holotrace/wave/layers/sum_layers.h"
 #include "holotrace/wave/summation.h"
 #include "holotrace/wave/synthesize.h"
 
@@ -57,6 +58,11 @@ Grid middle_of(const Grid& panel, double part) {
 
 }  // namespace
 
+Sources in_the_small(Sources sources, double side) {
+  for (Source& wave : sources.waves) wave.origin = wave.origin * side;
+  return sources;
+}
+
 Sources take_part(const Sources& sources, double part) {
   std::vector<size_t> copies(sources.waves.size());
   for (size_t i = 0; i < copies.size(); ++i)
@@ -80,9 +86,12 @@ SynthesisProbe::SynthesisProbe(const Job& whole, std::vector<Sources> all) : job
   const SynthesizeParams& params = job.synthesize;
   method = method_name(params.method);
   for (const Sources& set : sets) {
+    slices.push_back(0);
     if (set.waves.empty()) continue;
     waves += double(set.waves.size());
     waves_pixels += double(holotrace::waves_pixels(set, job.slm.grid));
+    if (params.method == SynthesisMethod::layers)
+      slices.back() = params.slices > 0 ? params.slices : double(slice_count(set, job.slm.grid, params));
     if (!has_forecast(params.method)) continue;
     SumForecast sum;
     planning +=
@@ -95,6 +104,7 @@ SynthesisProbe::SynthesisProbe(const Job& whole, std::vector<Sources> all) : job
 // Ways that the cost model does not know may take 20 ns per wave and pixel: 2e6 of them take some 40 ms, and larger parts
 // follow where there is time.
 double SynthesisProbe::first_part() const {
+  if (job.synthesize.method == SynthesisMethod::layers) return smallest_part(job.slm.grid);
   if (forecast > 0) return std::clamp(1e8 / std::max(1.0, waves_pixels), 1e-4, 1.0);
   return std::min(1.0, 2e6 / std::max(1.0, waves_pixels));
 }
@@ -111,6 +121,7 @@ ProbeResult SynthesisProbe::run(double part) {
     return {planning, planning + forecast, share * (2 * planning + forecast * std::min(1.0, probe_growth * part))};
   }
   if (set == sets.end() || set->waves.empty()) return {};
+  if (job.synthesize.method == SynthesisMethod::layers) return run_slices(*set, part);
   const Sources some = take_part(*set, std::sqrt(part));
   const Grid panel = part < 1 ? middle_of(job.slm.grid, std::sqrt(part)) : job.slm.grid;
   SynthesizeParams same = job.synthesize;
@@ -132,6 +143,33 @@ ProbeResult SynthesisProbe::run(double part) {
     result.predicted = done > 0 ? taken * waves_pixels / done : taken;
   }
   return result;
+}
+
+ProbeResult SynthesisProbe::run_slices(const Sources& set, double part) {
+  // Rather by fewer slices: on a small panel, at a short distance, they need windows of a larger share.
+  const double of_panel = std::sqrt(part), side = std::sqrt(of_panel), of_slices = part / of_panel;
+  const Sources some = in_the_small(take_part(set, part), side);
+  Grid panel = job.slm.grid;
+  panel.nx = fewer_pixels(panel.nx, side);
+  panel.ny = fewer_pixels(panel.ny, side);
+  panel.centre_x *= side;
+  panel.centre_y *= side;
+  SynthesizeParams same = job.synthesize;
+  same.slices = std::max(1, int(std::lround(of_slices * slices.at(size_t(&set - sets.data())))));
+  double made = 1;
+  Observer observer;
+  observer.on_fact = [&](const std::string& name, const Fact& value) {
+    if (name == "slices") made = double(std::get<int64_t>(value));
+  };
+  SynthesizeParams one = same;
+  one.slices = 1;
+  const double begun = median_seconds(1, [&] { synthesize(take_part(some, 0.1), panel, one); });  // plans transforms
+  const double taken = median_seconds(1, [&] { synthesize(some, panel, same, observer); });
+  const double whole =
+      taken * transform_work(job.slm.grid) / transform_work(panel) * transforms_of(slices) / transforms_of({made});
+  const double predicted = without_overhead(of_slices_, {part, whole});
+  of_slices_ = {part, whole};
+  return {begun + taken, predicted};
 }
 
 }  // namespace holotrace

@@ -52,6 +52,12 @@ double TraceProbe::first_part() const {
   return std::min(1.0, rays_of_a_thread * thread_count() / std::max(1.0, first_rays(job)));
 }
 
+bool TraceProbe::has_rays() const {
+  const auto rays = facts.find("rays");
+  if (rays != facts.end()) return rays->second > 0;
+  return has_triangles(job) || job.trace.strategy == Strategy::gather;
+}
+
 double TraceProbe::count(const std::string& name) const {
   const auto found = facts.find(name);
   return found == facts.end() ? 0 : found->second * scale;
@@ -66,6 +72,10 @@ ProbeResult TraceProbe::run(double part) {
     if (const auto* number = std::get_if<double>(&value)) facts[name] = *number;
   };
   seconds = median_seconds(1, [&] { light = trace_light(some, observer); });
+  if (!has_rays()) {  // luminous points alone: all of them are there
+    scale = 1;
+    return {seconds, seconds};
+  }
   prepare_seconds = std::min(prepare_seconds, seconds / 2);  // what it was measured to be may hold other work
   scale = has_triangles(job) ? double(job.trace.paths) / some.trace.paths : first_rays(job) / first_rays(some);
   return {seconds, prepare_seconds + ray_seconds()};

@@ -19,6 +19,7 @@ struct TraceProbe {
 
   double ray_seconds() const { return std::max(0.0, seconds - prepare_seconds) * scale; }
   double count(const std::string& name) const;
+  bool has_rays() const;  ///< whether the last probe shot any
 
   Job job;
   SceneLight light;                                    ///< of the last probe

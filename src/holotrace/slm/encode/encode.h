@@ -42,7 +42,7 @@ namespace holotrace {
 /// can show amplitude encodings behind a crossed polariser: the hologram is then one of amplitudes, and a
 /// warning says that the polariser is assumed.
 ///
-/// @param field   at the panel, shape of the SLM's grid [√(W/m²)]
+/// @param field   field at the panel, shape of the SLM's grid [√(W/m²)]
 /// @param slm     the panel
 /// @param params  encoding, image side, reference wave, levels M (0: as many as the panel has)
 /// @return        levels, shape (ny, nx), for the field's wavelength

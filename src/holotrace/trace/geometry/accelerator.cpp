@@ -33,10 +33,10 @@ struct Accelerator::Implementation {
   const Scene& scene;
   Device device{nullptr, rtcReleaseDevice};
   EmbreeScene embree{nullptr, rtcReleaseScene};
-  std::optional<UniformGrid> grid;  // in place of Embree
+  std::optional<UniformGrid> grid;  // used instead of Embree
   std::vector<LightSurface> lamps;  // numbered after the meshes
   ScenePrecision precision{};
-  double per_unit = 1, radius = 0;  // of the sphere in units
+  double per_unit = 1, radius = 0;  // of the sphere, in units
 
   const Mesh& mesh_of(uint32_t id) const {
     return id < scene.meshes.size() ? scene.meshes[id] : lamps[id - scene.meshes.size()].mesh;
@@ -57,21 +57,21 @@ struct Accelerator::Implementation {
       const auto [i, j, k] = triangle;
       const Vec3 a = mesh.positions[i];
       const bool has_area = length(cross(mesh.positions[j] - a, mesh.positions[k] - a)) > 0;
-      // A triangle without area has no normal: shrunk to one vertex, no ray meets it.
+      // A triangle without area has no normal. All its corners are set to one vertex, so that no ray meets it.
       for (uint32_t index : {i, has_area ? j : i, has_area ? k : i}) *indices++ = index;
     }
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometryByID(embree.get(), geometry.get(), id);
   }
 
-  /// The part of a ray inside the sphere in Embree's coordinates, and what comes before it, in units.
+  /// The part of a ray inside the sphere in Embree's coordinates, and the length before it, in units.
   /// False for a ray that misses the sphere.
   bool enter(const Ray& ray, double limit, RTCRay& out, double& skipped) const {
     const double size = 1.001 * radius;
     Vec3 origin = (ray.origin - precision.centre) * per_unit;
     double end = limit * per_unit;
     skipped = 0;
-    // Rays between surfaces start inside.
+    // Rays between surfaces start inside the sphere.
     if (const double outside = dot(origin, origin) - size * size; outside > 0) {
       const double along = dot(origin, ray.direction), discriminant = along * along - outside;
       if (along >= 0 || discriminant < 0) return false;
@@ -87,7 +87,7 @@ struct Accelerator::Implementation {
     return true;
   }
 
-  /// What a ray has met, from the triangle that was found, in what coordinates of it and at what distance [m].
+  /// Fills in the hit for a triangle that was found at barycentric coordinates and a distance [m].
   void describe(const Ray& ray, const GridHit& found, Hit& hit) const {
     const Mesh& mesh = mesh_of(found.mesh);
     const auto [i, j, k] = mesh.triangles[found.triangle];
@@ -97,8 +97,8 @@ struct Accelerator::Implementation {
 
     SurfacePoint& point = hit.point;
     point.clearance = precision.clearance_of(std::array<Vec3, 3>{a, mesh.positions[j], mesh.positions[k]});
-    // Where the ray meets the plane of the triangle, in double. Planes of slivers are not well defined: one that
-    // Embree's answer is not near to, by 500 clearances of it and 1e-5 of its way, is not used.
+    // Intersection with the plane of the triangle, in double. The plane of a sliver is not well defined: it is used
+    // only if it agrees with Embree's answer to 500 clearances and 1e-5 of the distance.
     const double along = dot(area, ray.direction), precise = dot(area, a - ray.origin) / along;
     if (std::abs(precise - found.distance) < 500 * point.clearance + 1e-5 * found.distance) {
       hit.distance = precise;

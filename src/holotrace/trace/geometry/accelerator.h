@@ -15,29 +15,30 @@
 
 namespace holotrace {
 
-/// Where a ray meets the scene first.
+/// The first intersection of a ray with the scene.
 struct Hit {
   double distance = 0;  ///< from the ray's origin [m]
   SurfacePoint point;
 };
 
-/// A ray as Embree gets it: single precision, in units of ScenePrecision from its centre.
+/// A ray as passed to Embree: single precision, in units of ScenePrecision from its centre.
 struct LoggedRay {
   float origin[3], direction[3], length;
-  bool is_shadow;  ///< asks whether there is a surface, not which
+  bool is_shadow;  ///< asks only whether there is a surface
 };
 
-/// The meshes of a scene and the surfaces of its visible lights (light_surfaces.h), ready for rays: in Embree's trees,
-/// or in a uniform grid of cells (uniform_grid.h), which meet the same surfaces at the same places. Keeps a reference
+/// The meshes of a scene and the surfaces of its visible lights (light_surfaces.h), prepared for rays: in Embree trees
+/// or in a uniform grid of cells (uniform_grid.h), which find the same surfaces at the same places. Keeps a reference
 /// to the scene; calls may run on several threads at once.
 ///
-/// Embree works in single precision. It sees the scene with its centre moved to the origin (ScenePrecision), and
-/// rays that start outside the sphere around all surfaces from where they enter it, so that its rounding at a place is
-/// about 1e-7 of the distance from that centre. Which triangle a ray hits is Embree's answer; where, is computed again in double from
-/// that triangle and the ray, for a wave's origin must be good to a small part of a wavelength.
+/// Embree works in single precision. The scene is passed to it with its centre moved to the origin (ScenePrecision),
+/// and a ray that starts outside the sphere around all surfaces is passed from its entry point on. Rounding is then
+/// about 1e-7 of the distance from the centre. Embree decides which triangle a ray hits. The place is computed again in
+/// double from
+/// that triangle and the ray, because a wave's origin must be exact to a small fraction of a wavelength.
 class Accelerator {
  public:
-  /// @throws Error if Embree gives no device or cannot build; as UniformGrid does; for lights, materials or textures
+  /// @throws Error  if Embree gives no device or cannot build; as UniformGrid does; for lights, materials or textures
   ///         that cannot be used, naming them
   explicit Accelerator(const Scene& scene, Acceleration kind = Acceleration::embree);
   ~Accelerator();
@@ -45,27 +46,27 @@ class Accelerator {
 
   const Scene& scene() const;
 
-  /// The first surface on the ray, if any.
+  /// The first surface on the ray, if there is one.
   std::optional<Hit> closest_hit(const Ray& ray) const;
 
-  /// The same into `hit`, all of which is written; false, and `hit` as it was, if there is none.
+  /// The same into `hit`, which is overwritten completely. Returns false and leaves `hit` unchanged if there is none.
   bool closest_hit(const Ray& ray, Hit& hit) const;
 
-  /// Whether a surface stands between two places [m]; one within the rounding of `to` does not count.
+  /// Whether a surface lies between two places [m]; one within the rounding of `to` does not count.
   bool is_occluded(Vec3 from, Vec3 to) const;
 
-  /// Whether a surface stands on the ray before a distance [m], which may be infinite; one within the rounding of its
+  /// Whether a surface lies on the ray before a distance [m], which may be infinite; one within the rounding of its
   /// end does not count.
   bool is_occluded(const Ray& ray, double distance) const;
 
-  /// The rounding of places in the scene, and with it SurfacePoint::clearance.
+  /// The rounding of places in the scene; SurfacePoint::clearance follows from it.
   const ScenePrecision& precision() const { return precision_; }
 
-  /// How far the surface of a light, by its index in Scene::lights, stands before its place when rays look for it [m];
-  /// 0 for a light that is none (light_lifts).
+  /// Distance by which the surface of a light (index in Scene::lights) is moved toward rays that look for it [m];
+  /// 0 for a light without a surface (light_lifts).
   double lift_of(int light) const { return lifts_[size_t(light)]; }
 
-  /// The place just off the surface, on the side of its normals.
+  /// The place just off the surface, on the side of its normal.
   Vec3 leave(const SurfacePoint& point) const {
     const double lift = point.light < 0 ? 0 : lift_of(point.light);
     return point.position + point.geometric_normal * (point.clearance + lift);
@@ -77,11 +78,11 @@ class Accelerator {
            point.geometric_normal * std::copysign(point.clearance, dot(point.geometric_normal, direction));
   }
 
-  /// From now on every ray that goes to Embree is written down in `log`, or no longer for nullptr. For benchmarks, on
+  /// Records every ray that goes to Embree in `log`, until called with nullptr. For benchmarks, on
   /// one thread.
   void log_rays(std::vector<LoggedRay>* log) { log_ = log; }
 
-  /// Embree alone on logged rays, `count` of them from `rays` on: how many of them met a surface. None with a grid.
+  /// Number of logged rays, `count` of them from `rays` on, that meet a surface in Embree alone; 0 with a grid.
   int64_t replay(const LoggedRay* rays, int64_t count) const;
 
  private:
@@ -90,7 +91,7 @@ class Accelerator {
   double rounding_at_end(const Ray& ray, double distance) const;
 
   ScenePrecision precision_;
-  std::vector<double> lifts_;  // by light
+  std::vector<double> lifts_;  // index: light
   std::vector<LoggedRay>* log_ = nullptr;
 };
 

@@ -13,42 +13,42 @@
 
 namespace holotrace {
 
-/// ∫∫ d²/(d²+x²+y²) dx dy over the rectangle [x0, x1] × [y0, y1], the power of a wave of unit amplitude
-/// and depth d on it [m²]. With x = d·sinh t, the inner integral is an arctangent and the outer one smooth: 16 Gauss
-/// points hold it to 1e-9 relative for |x| ≤ d, 1e-5 for |x| ≤ 30·d.
+/// ∫∫ d²/(d²+x²+y²) dx dy over the rectangle [x0, x1] × [y0, y1]: the power on it of a wave of unit amplitude
+/// and depth d [m²]. With x = d·sinh t the inner integral is an arctangent and the outer one is smooth: 16 Gauss
+/// points give it to 1e-9 relative for |x| ≤ d, 1e-5 for |x| ≤ 30·d.
 double wave_power(double depth, double x0, double x1, double y0, double y1);
 
 /// Half the tangent range of the raster of first hits.
-/// @throws Error for a field of view outside [0, 90°), or none on a panel without acceptance tangent.
+/// @throws Error  for a field of view outside [0, 90°), or for none if the panel has no acceptance tangent
 double raster_tangent(double field_of_view, const Grid& panel, double wavelength);
 
-/// Whether the box of a source at the end of a ray holds the pixel that the ray leaves: |x/z|, |y/z| ≤ T, which for
-/// T = ∞ is every ray.
+/// Whether the box of a source at the end of a ray contains the pixel that the ray leaves: |x/z|, |y/z| ≤ T; for
+/// T = ∞ this is true for every ray.
 bool is_accepted(Vec3 direction, const Grid& panel, double wavelength);
 
-/// The direction whose sines are (x, y), each in [−1, 1], times the panel's acceptance_sine; nothing where
-/// is_accepted is false or outside the unit disc.
+/// The direction whose sines are (x, y), each in [−1, 1], times the panel's acceptance_sine; none if
+/// is_accepted is false or if it is outside the unit disc.
 std::optional<Vec3> accepted_direction(double x, double y, const Grid& panel, double wavelength);
 
-/// The rays from the panel whose first hits become sources, and the light each stands for.
+/// The rays from the panel whose first hits become sources, and the light that each represents.
 /// Formulas: trace.h.
 class FirstHits {
  public:
-  /// @param wavelength  whose acceptance the rays fill [m]: that of the cone that all wavelengths share (Cones::of_rays)
+  /// @param wavelength  wavelength whose acceptance the rays fill [m]: that of the shared cone (Cones::of_rays)
   /// @throws Error      for parameters out of range
   FirstHits(const TraceParams& params, const Grid& panel, double wavelength);
 
   int64_t count() const { return count_; }
 
-  /// Ray `index`; nothing where the panel's box cuts it off. Draws from `random` for a random pattern.
+  /// Ray `index`; none if the panel's box rejects it. Draws from `random` for a random pattern.
   std::optional<Ray> ray(int64_t index, CounterRandom& random) const;
 
-  /// Squared amplitude per radiance, a²/L [sr], of the source at `origin` that `ray` has found, at one of the
-  /// wavelengths. For a random pattern 0 where that wavelength's acceptance does not hold the ray.
+  /// Squared amplitude per radiance, a²/L [sr], of the source at `origin` that `ray` found, at one of the
+  /// wavelengths. For a random pattern 0 if that wavelength's acceptance does not contain the ray.
   double squared_amplitude(const Ray& ray, Vec3 origin, double wavelength) const;
 
-  /// The same for a source that only these parts of the panel see: in a random pattern they are where its rays come
-  /// from, and they share its light.
+  /// The same for a source that only these parts of the panel see. In a random pattern its rays come from these parts,
+  /// and they share its light.
   double squared_amplitude(const Ray& ray, Vec3 origin, double wavelength, std::span<const PixelBox> visible) const;
 
  private:
@@ -61,8 +61,8 @@ class FirstHits {
   double wavelength_;
   int columns_, rows_;
   int64_t count_;
-  double tangent_ = 0;   // of the raster
-  Permutation pairing_;  // of panel and direction strata
+  double tangent_ = 0;   // tangent range of the raster
+  Permutation pairing_;  // pairs strata of the panel with strata of direction
 };
 
 }  // namespace holotrace

@@ -51,7 +51,7 @@ ScenePrecision precision_of(const Scene& scene) {
   ScenePrecision precision;
   Vec3 sum;
   double weights = 0, spread = 0;
-  constexpr double nearest = 1e-6;  // [m]: a vertex on the panel has a finite weight
+  constexpr double nearest = 1e-6;  // [m]; keeps the weight of a vertex on the panel finite
   const auto weight_of = [](Vec3 p) { return std::pow(dot(p, p) + nearest * nearest, -1.5); };
   for_each_vertex([&](Vec3 p) {
     sum += p * weight_of(p);
@@ -64,7 +64,7 @@ ScenePrecision precision_of(const Scene& scene) {
     precision.radius = std::max(precision.radius, distance);
   });
   precision.unit = spread / weights;
-  // Vertices in one place are as far from their mean as it is rounded.
+  // If all vertices are in one place, their distances from the mean are rounding errors.
   require(std::isfinite(precision.radius) && precision.unit > 1e-14 * length(precision.centre),
           "expected meshes that fill some space, got all vertices in one place");
   return precision;

@@ -22,12 +22,12 @@ Vec3 mean_of(const Image& image) {
   return total / (double(image.nx) * image.ny);
 }
 
-/// Mean of the emission texture over the 16 similar triangles that a triangle is cut into.
+/// Mean of the emission texture over the 16 similar triangles into which a triangle is cut.
 Vec3 mean_over(const Image& texture, Vec2 a, Vec2 b, Vec2 c) {
   Vec3 total;
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4 - i; ++j)
-      for (const double third : {1.0, 2.0}) {  // triangles that point up and, inside the border, down
+      for (const double third : {1.0, 2.0}) {  // upward triangles and, inside the border, downward ones
         const double s = (i + third / 3) / 4, t = (j + third / 3) / 4;
         if (s + t < 1)
           total +=
@@ -40,7 +40,7 @@ Vec3 mean_over(const Image& texture, Vec2 a, Vec2 b, Vec2 c) {
 
 EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
     : scene_(scene), lines_(lines), densities_(scene.meshes.size()) {
-  std::vector<double> means;  // of each material
+  std::vector<double> means;  // mean of each material
   for (const Material& material : scene.materials) {
     const Vec3 texture = material.emission_texture ? mean_of(*material.emission_texture) : Vec3{1, 1, 1};
     means.push_back(sum(lines.from_rgb(material.emission * texture)));
@@ -62,7 +62,7 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
         const Vec3 texture = mean_over(*material.emission_texture, uv[i], uv[j], uv[k]);
         radiance = sum(lines.from_rgb(material.emission * texture));
       }
-      const double density = area > 0 ? radiance + mean / 20 : 0;  // a triangle without area is not met
+      const double density = area > 0 ? radiance + mean / 20 : 0;  // a triangle without area is never met
       if (!(density * area > 0)) continue;
       densities_[m][t] = float(density);
       total += double(densities_[m][t]) * area;
@@ -81,10 +81,10 @@ LightSample EmissiveTriangles::sample(Vec3 from, double u_triangle, Vec2 u) cons
   const Mesh& mesh = scene_.meshes[triangle.mesh];
   const auto [i, j, k] = mesh.triangles[triangle.index];
   const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
-  const double root = std::sqrt(u.x), b1 = root * (1 - u.y), b2 = root * u.y;  // even over the triangle
+  const double root = std::sqrt(u.x), b1 = root * (1 - u.y), b2 = root * u.y;  // uniform over the triangle
   const Vec3 way = a + ab * b1 + ac * b2 - from, normal = cross(ab, ac);
   const double squared = dot(way, way), distance = std::sqrt(squared), projected = dot(normal, way);
-  if (projected == 0) return {};  // on the surface, or in its plane
+  if (projected == 0) return {};  // the point is on the surface or in its plane
 
   const Material& material = scene_.materials[size_t(mesh.material)];
   SurfacePoint point;

@@ -11,26 +11,26 @@
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/shared/ray.h"
 
-// How a surface point asks a light for its light, and which of it a ray meets by chance. To add a light: give its
-// struct a place in data/scene.h, write its functions here, and std::visit finds them.
+// Sampling of lights from a surface point, and the lights that rays can meet. To add a light: give its
+// struct a place in data/scene.h and write its functions here; std::visit finds them.
 
 namespace holotrace {
 
-/// A way from a surface point to a light. With f·cosθ of the surface toward it, the light reflected is
-/// f·cosθ·radiance/pdf, if nothing stands between.
+/// A direction from a surface point to a light. With f·cosθ of the surface toward it, the reflected light is
+/// f·cosθ·radiance/pdf, if nothing lies between.
 struct LightSample {
   Vec3 direction;       ///< unit, from the surface point to the light
   double distance = 0;  ///< [m]; infinite for parallel light and an environment
-  Vec3 radiance;        ///< [W/m²/sr]; of a point, spot or directional light its irradiance across the way [W/m²]
-  double pdf = 1;       ///< [1/sr]; of those lights, which no ray meets by chance, 1
-  double cosine = 0;    ///< |cosθ'| where it ends on a surface that shines, else 0
-  double size = 0;      ///< of that surface: none of its corners is farther from the way's end [m]
+  Vec3 radiance;        ///< [W/m²/sr]; for point, spot and directional lights the irradiance across it [W/m²]
+  double pdf = 1;       ///< [1/sr]; 1 for these lights, which no ray can meet
+  double cosine = 0;    ///< |cosθ'| at the emitting surface, 0 without one
+  double size = 0;      ///< none of that surface's corners is farther from the sampled point [m]
 };
 
-/// Whether a ray that a surface sends out can meet the light: then both ways of finding it share it.
+/// Whether a ray can meet the light. If so, sampling and meeting share the light.
 inline bool has_area(const Light& light) { return std::holds_alternative<RectangleLight>(light); }
 
-/// The irradiance of a point light across the way is I/d².
+/// The irradiance of a point light across the direction is I/d².
 inline LightSample sample(const PointLight& light, Vec3 from, Vec2) {
   const Vec3 way = light.position - from;
   const double squared = dot(way, way);
@@ -39,8 +39,8 @@ inline LightSample sample(const PointLight& light, Vec3 from, Vec2) {
   return {way * inverse, distance, light.intensity * (inverse * inverse), 1};
 }
 
-/// Share of its full intensity that a spot light sends at an angle off its axis, given the angle's cosine:
-/// x²(3 − 2x), x = (cosθ − cos outer)/(cos inner − cos outer) held to [0, 1].
+/// Fraction of its full intensity that a spot light emits at an angle off its axis, given the angle's cosine:
+/// x²(3 − 2x), x = (cosθ − cos outer)/(cos inner − cos outer) limited to [0, 1].
 inline double spot_falloff(const SpotLight& light, double cosine) {
   const double inner = std::cos(light.inner_angle), outer = std::cos(light.outer_angle);
   if (cosine >= inner) return 1;
@@ -55,7 +55,7 @@ inline LightSample sample(const SpotLight& light, Vec3 from, Vec2) {
   return way;
 }
 
-/// Parallel light, within its radius of the axis; the beam has no beginning.
+/// Parallel light within its radius of the axis; the beam has no start.
 inline LightSample sample(const DirectionalLight& light, Vec3 from, Vec2) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const Vec3 offset = cross(from - light.position, light.direction);
@@ -63,7 +63,7 @@ inline LightSample sample(const DirectionalLight& light, Vec3 from, Vec2) {
   return {-light.direction, infinity, light.irradiance, 1};
 }
 
-/// A place evenly over the area A: its density over solid angle is d²/(A·cosθ'), θ' the angle at the light.
+/// A place uniform over the area A: its density over solid angle is d²/(A·cosθ'), θ' the angle at the light.
 inline LightSample sample(const RectangleLight& light, Vec3 from, Vec2 u) {
   const Vec3 way = light.corner + light.edge_u * u.x + light.edge_v * u.y - from;
   const double projected = -dot(cross(light.edge_u, light.edge_v), way);  // A·cosθ'·d
@@ -78,21 +78,22 @@ inline LightSample sample(const RectangleLight& light, Vec3 from, Vec2 u) {
           length(light.edge_u) + length(light.edge_v)};
 }
 
-/// Draws a way from the point `from` [m] to a light, by two numbers in [0, 1). Radiance 0: the point has no light of
-/// it.
+/// Draws a direction from the point `from` [m] to a light, by two numbers in [0, 1). Radiance 0 means that the light
+/// does not reach the point.
 inline LightSample sample_light(const Light& light, Vec3 from, Vec2 u) {
   if (const auto* rectangle = std::get_if<RectangleLight>(&light)) return sample(*rectangle, from, u);
   if (const auto* point = std::get_if<PointLight>(&light)) return sample(*point, from, u);
   return std::visit([&](const auto& l) { return sample(l, from, u); }, light);
 }
 
-/// The density with which `sample` draws the place that a ray has met at a distance [m] and at cosθ' to the normal
+/// Density with which `sample` draws the place that a ray has met, for its distance [m] and cosθ' to the normal
 /// [1/sr].
 inline double pdf(const RectangleLight& light, double distance, double cosine) {
   return distance * distance / (length(cross(light.edge_u, light.edge_v)) * cosine);
 }
 
-/// Where a ray meets the shining side of a rectangle: the distance [m], and the density with which `sample` draws
+/// Intersection of a ray with the emitting side of a rectangle: the distance [m], and the density with which `sample`
+/// draws
 /// that direction from the ray's origin [1/sr].
 struct LightHit {
   double distance, pdf;
@@ -111,8 +112,8 @@ inline std::optional<LightHit> meet(const RectangleLight& light, const Ray& ray)
   return LightHit{distance, distance * distance / projected};
 }
 
-/// Optical path in vacuum from a laser to a point [m]: from a point light the distance, from a beam the distance to the
-/// plane through its position, across it, below 0 before that plane. Nothing for a light without phase.
+/// Optical path in vacuum from a laser to a point [m]. From a point light it is the distance; from a beam the distance
+/// from the plane through its position, normal to it, below 0 before that plane. None for a light without phase.
 inline std::optional<double> laser_path(const Light& light, Vec3 to) {
   if (const auto* point = std::get_if<PointLight>(&light); point && point->is_laser)
     return length(to - point->position);

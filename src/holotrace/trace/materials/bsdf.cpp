@@ -22,7 +22,7 @@ Bsdf make(const DiffuseMaterial& material, const SurfacePoint& point, const Line
   const Vec3 colour = textured(material.texture, point);
   DiffuseBsdf b{point.normal, point.geometric_normal, lines.from_rgb(clip(material.reflectance * colour)),
                 lines.from_rgb(clip(material.transmittance * colour))};
-  b.transmittance = {std::fmin(b.transmittance.x, 1 - b.reflectance.x),  // what a surface does not reflect
+  b.transmittance = {std::fmin(b.transmittance.x, 1 - b.reflectance.x),  // at most what is not reflected
                      std::fmin(b.transmittance.y, 1 - b.reflectance.y),
                      std::fmin(b.transmittance.z, 1 - b.reflectance.z)};
   const double reflected = max_component(b.reflectance), transmitted = max_component(b.transmittance);

@@ -10,20 +10,20 @@
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/path.h"
 
-// The one loop along a light path (formulas: path.h, add_radiance). What the path finds goes to a Sink:
+// The one loop along a light path (formulas: path.h, add_radiance). The light found goes to a Sink:
 //
 //   static constexpr bool follows_phase        whether start, scatter and travel are called
 //   add(path_groups, group, radiance)               light of a group for the path groups whose bits are set
-//   end_way(laser_path)                        all the light of one way has been added; from a laser: its optical path
+//   end_way(laser_path)                        all light of one contribution was added; for a laser: its optical path
 //                                              from there to the surface, else none
 //   start(start), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
-//   place_of_phase(point)                      where on that surface light is taken to arrive, for its phase
+//   place_of_phase(point)                      place on that surface at which the phase of light is evaluated
 
 namespace holotrace {
 
 inline bool is_black(Vec3 v) { return v.x <= 0 && v.y <= 0 && v.z <= 0; }
 
-/// The power heuristic: the weight of light found with density `own` that another way finds with density `other`.
+/// The power heuristic: the weight of light found with density `own` if another technique has the density `other`.
 inline double shared_weight(double own, double other) {
   const double ratio = other / own;
   return 1 / (1 + ratio * ratio);
@@ -54,14 +54,14 @@ class PathWalk {
       const Material& material = scene_.scene.materials[size_t(point_.material)];
       if (emitters_.is_emissive(point_.material)) add_emission(material);
       const Bsdf bsdf = make_bsdf(material, point_, scene_.lines);
-      // One visit per surface: below it, the functions of the kind of surface are called by themselves.
+      // One visit per surface: inside it the functions of this kind of surface are called directly.
       const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
       if (!next || !leave(*next)) return;
     }
   }
 
-  /// Light on a ray nearer than `distance` and not on a surface, from which a path in `state` has come with density `pdf`
-  /// [1/sr]; 0: by a specular way.
+  /// Adds light on a ray before `distance` and not on a surface. The path came in `state` with density `pdf` [1/sr]; 0
+  /// means by a specular branch.
   void add_light_on_way(const Ray& ray, double distance, PathAutomaton::State state, double pdf, Vec3 throughput) {
     const uint32_t path_groups = automaton_.accepted(state);
     if (!path_groups) return;
@@ -86,7 +86,7 @@ class PathWalk {
     sink_.end_way(std::nullopt);
   }
 
-  /// What the surface sends out by itself.
+  /// Adds the emission of the surface itself.
   void add_emission(const Material& material) {
     const uint32_t path_groups = automaton_.accepted(state_);
     if (!path_groups) return;
@@ -98,8 +98,8 @@ class PathWalk {
     add_met(path_groups, emitters_.mesh_group(), light);
   }
 
-  /// The light of a visible rectangle, at whose surface the path ends. Like the other lights it is none of the
-  /// surfaces that max_depth counts.
+  /// Adds the light of a visible rectangle at whose surface the path ends. As for other lights, its surface does not
+  /// count for max_depth.
   void add_lamp() {
     ++counts_.absorbed;
     const uint32_t path_groups = automaton_.accepted(state_);
@@ -110,22 +110,22 @@ class PathWalk {
             throughput_ * light.radiance * (pdf_ > 0 ? shared_weight(pdf_, pdf(light, distance_, cosine)) : 1));
   }
 
-  /// Asks the lights, and draws how the path goes on; nothing where it ends.
+  /// Samples the lights, and draws how the path continues; no result if it ends.
   template <class B>
   std::optional<BsdfSample> scatter(const B& bsdf, LowDiscrepancy& numbers) {
     const LobeSet has = lobes(bsdf);
     const bool asks_at_end = scene_.params.asks_at_end && depth_ < scene_.params.max_depth;
     if (!asks_at_end) add_direct_light(bsdf, numbers, has, 1);
-    const Vec2 choices = numbers.two(), u = numbers.two();  // of the lobe, and between going on and not
+    const Vec2 choices = numbers.two(), u = numbers.two();  // for the lobe, and for roulette
     const Vec3 before = throughput_;
     auto next = sample(bsdf, outgoing_, choices.x, u);
     if (next) {
       throughput_ *= next->weight;
       scale_ *= next->squared_index_ratio;
     }
-    // Radiance is n² times as much inside glass, which is no less light: roulette looks past that.
+    // Radiance is n² times as large inside glass without being more light: roulette divides that out.
     double goes_on = next ? std::min(1.0, max_component(throughput_) / scale_) : 0;
-    constexpr double most = 0.9;  // at an end that is rare, light would weigh much
+    constexpr double most = 0.9;  // keeps the weight of light at rare ends small
     if (asks_at_end && (has.has_diffuse || has.has_glossy)) goes_on = std::min(goes_on, most);
     if (!(choices.y < goes_on)) {
       ++counts_.absorbed;
@@ -137,7 +137,7 @@ class PathWalk {
     return next;
   }
 
-  /// Asks the lights; what they bring counts `weight` times.
+  /// Samples the lights; their light is multiplied by `weight`.
   template <class B>
   void add_direct_light(const B& bsdf, LowDiscrepancy& numbers, LobeSet has, double weight) {
     direct_weight_ = weight;
@@ -145,7 +145,7 @@ class PathWalk {
     glossy_state_ = has.has_glossy ? automaton_.step(state_, PathEvent::glossy) : PathAutomaton::State{};
     diffuse_path_groups_ = automaton_.accepted(diffuse_state_);
     glossy_path_groups_ = automaton_.accepted(glossy_state_);
-    // Path groups that take no light here may take it behind a pane.
+    // Path groups that accept no light here may accept it behind a pane.
     if (!(diffuse_path_groups_ | glossy_path_groups_) && !(scene_.has_panes && (diffuse_state_ | glossy_state_)))
       return;
     const auto& lights = emitters_.lights();
@@ -154,7 +154,7 @@ class PathWalk {
       add_way(bsdf, sample_light(lights[i], point_.position, is_shared ? numbers.two() : Vec2{}), is_shared, int(i),
               &lights[i]);
     }
-    // Light of a mesh comes from a surface, which counts as one.
+    // Light of a mesh comes from a surface, which counts for max_depth.
     if (depth_ < scene_.params.max_depth && !emitters_.triangles().is_empty()) {
       const double u = numbers.one();
       add_way(bsdf, emitters_.triangles().sample(point_.position, u, numbers.two()), true, emitters_.mesh_group());
@@ -163,19 +163,19 @@ class PathWalk {
       add_way(bsdf, environment->sample(numbers.two()), true, emitters_.background_group());
   }
 
-  /// Light by one way that a light was asked for; `is_shared` if the path can find it by chance too.
+  /// Adds the light of one sample of a light; `is_shared` if the path can also meet the light.
   template <class B>
   void add_way(const B& bsdf, const LightSample& way, bool is_shared, int group, const Light* light = nullptr) {
-    constexpr double most = 1e150;  // whose square is finite; such light comes at a vanishing angle to its surface
+    constexpr double most = 1e150;  // its square is finite; such light arrives at a vanishing angle to its surface
     if (is_black(way.radiance) || !(way.pdf < most)) return;
     const auto reflected = [&](Lobe lobe) {
       const Vec3 f = eval(bsdf, outgoing_, way.direction, lobe);
       if (is_black(f)) return Vec3{};
-      // The weight over the density, p/(p² + p′²), without a division of its own.
+      // The weight over the density, p/(p² + p′²), without a separate division.
       const double other = is_shared ? pdf(bsdf, outgoing_, way.direction, lobe) : 0;
       return throughput_ * f * way.radiance * (direct_weight_ * way.pdf / (way.pdf * way.pdf + other * other));
     };
-    // Paths go through panes by chance, and meet there all lights that they can meet; the others have to be asked.
+    // Paths pass through panes and meet all lights that can be met; only the other lights are sampled through panes.
     const bool passes_panes = scene_.has_panes && !is_shared;
     Vec3 diffuse = diffuse_path_groups_ || (passes_panes && diffuse_state_) ? reflected(Lobe::diffuse) : Vec3{};
     Vec3 glossy = glossy_path_groups_ || (passes_panes && glossy_state_) ? reflected(Lobe::glossy) : Vec3{};
@@ -195,31 +195,31 @@ class PathWalk {
       sink_.end_way(light ? laser_path(*light, sink_.place_of_phase(point_.position)) : std::nullopt);
   }
 
-  /// @param lift  of the light's surface before its place [m]
+  /// @param lift  distance by which the light's surface is moved toward rays [m]
   bool is_occluded(const LightSample& way, double lift) const {
     const Vec3 from = scene_.accelerator.leave(point_, way.direction);
-    // The ray starts off the surface, by up to a clearance nearer to the light.
+    // The ray starts off the surface, up to a clearance nearer to the light.
     if (way.cosine == 0) return scene_.accelerator.is_occluded({from, way.direction}, way.distance - point_.clearance);
-    // What shines is itself in the way: the ray aims at its very place and ends before its plane, at grazing angles
+    // The emitting surface itself is in the way: the ray ends before its plane, at grazing angles
     // sooner.
     const ScenePrecision& precision = scene_.accelerator.precision();
     const Vec3 end = point_.position + way.direction * way.distance, rest = end - from;
     const double distance = length(rest);
-    // No corner of what shines is further from the centre than that.
+    // No corner of the emitting surface is farther from the centre than this.
     const double of_light = 2e-6 * (length(end - precision.centre) + way.size);
     return scene_.accelerator.is_occluded({from, rest * (1 / distance)},
                                           distance - (lift + of_light) / std::max(way.cosine, 0.01));
   }
 
-  /// What stands between the point and a light, if all of it is panes and the path may be that long.
+  /// The panes between the point and a light, if there is nothing else and the path may be that long.
   struct Panes {
     int count = 0;
-    Vec3 share{1, 1, 1};  // of the light that they let straight through
+    Vec3 share{1, 1, 1};  // fraction of the light that they transmit
   };
 
   std::optional<Panes> panes_on(const LightSample& way) {
     Ray ray{scene_.accelerator.leave(point_, way.direction), way.direction};
-    double left = way.distance - 2 * point_.clearance;  // as is_occluded has it
+    double left = way.distance - 2 * point_.clearance;  // as in is_occluded
     for (Panes panes; depth_ + panes.count <= scene_.params.max_depth; ++panes.count) {
       ++counts_.rays;
       const auto hit = scene_.accelerator.closest_hit(ray);
@@ -240,13 +240,13 @@ class PathWalk {
     return std::nullopt;
   }
 
-  /// The path groups that take light which has come through panes to a surface that has left the path in `state`.
+  /// The path groups that accept light which passed panes on its way to the surface; the path left it in `state`.
   uint32_t path_groups_behind(int panes, PathAutomaton::State state) const {
     for (; panes > 0; --panes) state = automaton_.step(state, PathEvent::specular);
     return automaton_.accepted(state);
   }
 
-  /// Goes to the next surface; false where the path ends.
+  /// Goes to the next surface; false if the path ends.
   bool leave(const BsdfSample& next) {
     state_ = automaton_.step(state_, event_of(next.lobe));
     if (automaton_.is_dead(state_)) {
@@ -268,7 +268,7 @@ class PathWalk {
     const Vec3 here = point_.position;
     const bool has_hit = scene_.accelerator.closest_hit(ray, hit_);
     distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
-    // A lamp in the plane of a wall is before it, as it is for those who ask it.
+    // A lamp in the plane of a wall counts as in front of it, as in the sampling of lights.
     if (emitters_.shine_beyond_surfaces())
       add_light_on_way(ray, distance_ + (has_hit ? point_.clearance : 0), state_, pdf_, throughput_);
     outgoing_ = -next.direction;
@@ -297,11 +297,11 @@ class PathWalk {
   SurfacePoint& point_ = hit_.point;
   Vec3 outgoing_, throughput_{1, 1, 1};
   int depth_ = 1;
-  double direct_weight_ = 1;       // of the light that lights are asked for
-  double scale_ = 1;               // of the throughput by the indices of the media
-  double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: by a specular way, or the path begins here
-  PathAutomaton::State diffuse_state_ = 0, glossy_state_ = 0;  // after those lobes of this surface; 0: it has none
-  uint32_t diffuse_path_groups_ = 0, glossy_path_groups_ = 0;  // that take light by those lobes of this surface
+  double direct_weight_ = 1;       // weight of sampled light
+  double scale_ = 1;               // factor of the throughput from refractive indices
+  double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: specular, or start of the path
+  PathAutomaton::State diffuse_state_ = 0, glossy_state_ = 0;  // after these lobes of this surface; 0: no such lobe
+  uint32_t diffuse_path_groups_ = 0, glossy_path_groups_ = 0;  // that accept light by these lobes
 };
 
 }  // namespace holotrace

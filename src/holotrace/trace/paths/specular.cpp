@@ -14,8 +14,8 @@ namespace {
 
 constexpr double least_weight = 1e-3;
 
-/// The interpolated normal of a triangle at a place of its plane, also beyond its edges, on the side of
-/// `side`; that side itself where the triangle is flat.
+/// The interpolated normal of a triangle at a place of its plane, also beyond its edges, turned to the side of
+/// `side`; `side` itself if the triangle is flat.
 Vec3 normal_at(const Mesh& mesh, uint32_t triangle, Vec3 place, Vec3 side) {
   if (mesh.normals.empty()) return side;
   const auto [i, j, k] = mesh.triangles[triangle];
@@ -28,7 +28,7 @@ Vec3 normal_at(const Mesh& mesh, uint32_t triangle, Vec3 place, Vec3 side) {
   return size > 0 ? smooth * (std::copysign(1.0, dot(smooth, side)) / size) : side;
 }
 
-/// The direction beyond a surface by the law of reflection or Snell's; nothing at total reflection.
+/// The direction after a surface by the law of reflection or Snell's law; none at total reflection.
 std::optional<Vec3> deflect(const SpecularVertex& vertex, Vec3 direction, Vec3 normal) {
   const double cosine = -dot(direction, normal);
   if (!vertex.is_transmission) return direction + normal * (2 * cosine);
@@ -38,14 +38,14 @@ std::optional<Vec3> deflect(const SpecularVertex& vertex, Vec3 direction, Vec3 n
   return direction * ratio + normal * (ratio * cosine - std::sqrt(squared));
 }
 
-/// The normal with which the law of reflection or Snell's turns one direction into the other.
+/// The normal for which the law of reflection or Snell's law turns one direction into the other.
 Vec3 normal_between(Vec3 in, Vec3 out, bool is_transmission, double near, double far, Vec3 side) {
   const Vec3 change = is_transmission ? out * far - in * near : out - in;
   const double size = length(change);
   return size > 1e-9 ? change * (std::copysign(1.0, dot(change, side)) / size) : side;
 }
 
-/// A ray at the end of a chain, as geometry alone has it.
+/// A ray at the end of a chain, from geometry alone.
 struct RayEnd {
   Vec3 place, direction;
   double optical_path = 0;
@@ -87,8 +87,8 @@ std::optional<RayEnd> retrace(const Scene& scene, const SpecularLeaf& leaf, Ray 
   return end;
 }
 
-/// Curvature tr C of the wavefront at the ray's origin [1/m], positive where it diverges; nothing if the chain
-/// cannot be traced a little beside the ray.
+/// Curvature tr C of the wavefront at the ray's origin [1/m], positive if it diverges; none if the chain
+/// cannot be traced for slightly displaced rays.
 std::optional<double> twice_mean_curvature(const Scene& scene, const SpecularLeaf& leaf, const Ray& ray,
                                            const RayEnd& end) {
   const double reach = std::max(std::abs(end.optical_path), 1e-6), step = 1e-6;  // of the reach, and in radians
@@ -112,7 +112,7 @@ std::optional<double> twice_mean_curvature(const Scene& scene, const SpecularLea
   return (d2->y * q1->x - d2->x * q1->y + d1->x * q2->y - d1->y * q2->x) / determinant;
 }
 
-/// Puts the leaf where the chain in double has it, and finds its apparent distance.
+/// Moves the leaf to the end of the chain traced in double, and computes its apparent distance.
 void place_leaf(const Scene& scene, const Ray& ray, SpecularLeaf& leaf) {
   const auto end = retrace(scene, leaf, ray);
   if (end) {
@@ -130,7 +130,7 @@ void place_leaf(const Scene& scene, const Ray& ray, SpecularLeaf& leaf) {
   if (leaf.kind == LeafKind::beyond) leaf.optical_path = leaf.distance;
 }
 
-/// Follows one tree, or the one branch of it that `guide` leads to.
+/// Follows one tree, or the one branch of it that `guide` names.
 struct Walk {
   const PathScene& scene;
   const Ray& first;
@@ -149,7 +149,7 @@ struct Walk {
     leaves.push_back(std::move(leaf));
   }
 
-  /// The lights with an area that the ray meets nearer than a distance and that do not end it.
+  /// Adds the lights with an area that the ray passes before a distance and that do not end it.
   void add_lights(const Ray& ray, double distance, const SpecularLeaf& leaf) {
     for (const int i : scene.emitters.lights_on_way()) {
       const auto& light = std::get<RectangleLight>(scene.emitters.lights()[size_t(i)]);
@@ -164,7 +164,7 @@ struct Walk {
     }
   }
 
-  /// `leaf` is what is known of the branch so far, the ray being the one that goes on from its chain's end.
+  /// Follows a ray from the end of the chain of `leaf`, the branch so far.
   void follow(const Ray& ray, double index, const SpecularLeaf& leaf) {
     ++counts.rays;
     const auto hit = scene.accelerator.closest_hit(ray);
@@ -203,7 +203,7 @@ struct Walk {
     }
     const SurfacePoint point = here.start.point;
     const MediumIndices media = media_at(material, point, scene.lines.wavelengths[0]);
-    // The side that a solid's index is of where one surface bounds two media is the way that the ray has come.
+    // If one surface separates two media, the index on the incoming side is that of the ray's medium.
     const double near = media.near == media.far ? index : media.near, far = media.near == media.far ? index : media.far;
     for (int i = 0; i < branches.count; ++i) {
       const BsdfSample& way = branches.ways[size_t(i)];
@@ -212,7 +212,7 @@ struct Walk {
         continue;
       SpecularLeaf next = here;
       next.weight = leaf.weight * way.weight;
-      // Inside glass radiance is n² times what it is outside: n²·weight is the share of light.
+      // Inside glass radiance is n² times as large as outside: n²·weight is the fraction of the light.
       const double beyond = way.is_transmission ? far : near;
       if (max_component(next.weight) * beyond * beyond < least_weight) continue;
       next.phase = leaf.phase + way.phase;
@@ -236,7 +236,7 @@ Walk walk(const PathScene& scene, const Ray& ray, const SpecularLeaf* guide, Pat
   return w;
 }
 
-/// Whether mirrors and glass of the chain are flat where the ray meets them, and beside that place.
+/// Whether the mirrors and glass of the chain are flat where the ray meets them, and next to that place.
 bool is_flat(const Scene& scene, const std::vector<SpecularVertex>& chain) {
   return std::all_of(chain.begin(), chain.end(), [&](const SpecularVertex& vertex) {
     return scene.meshes[vertex.point.mesh].normals.empty() &&

@@ -6,20 +6,20 @@
 
 namespace holotrace {
 
-/// A point of a surface as materials and lights see it. Normals are unit vectors on the side that the path
+/// A point of a surface, as materials and lights need it. Normals are unit vectors on the side that the path
 /// came from.
 struct SurfacePoint {
   Vec3 position;          ///< [m]
-  Vec3 geometric_normal;  ///< of the triangle
+  Vec3 geometric_normal;  ///< normal of the triangle
   Vec3 normal;            ///< interpolated, for shading
   Vec2 uv;
   Vec3 tangent_u, tangent_v;        ///< ∂position/∂u and ∂position/∂v [m]; 0 without texture coordinates
-  Vec3 colour{1, 1, 1};             ///< of the vertices, interpolated
+  Vec3 colour{1, 1, 1};             ///< colour of the vertices, interpolated
   int material = 0;                 ///< index into Scene::materials (material_at); −1: the surface of a light
-  int light = -1;                   ///< index into Scene::lights where this is the surface of a light
+  int light = -1;                   ///< index into Scene::lights, on the surface of a light
   bool is_front = true;             ///< the path came from the side that sees the triangle counter-clockwise
-  uint32_t mesh = 0, triangle = 0;  ///< of Scene::meshes; after them those of light_surfaces
-  double clearance = 0;             ///< how far from here a ray has to start so as not to meet the surface again [m]
+  uint32_t mesh = 0, triangle = 0;  ///< numbers in Scene::meshes; surfaces of light_surfaces come after them
+  double clearance = 0;             ///< offset with which a ray must start to avoid meeting the surface again [m]
 };
 
 }  // namespace holotrace

@@ -8,37 +8,38 @@
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/paths/specular.h"
 
-// One wave for each cell of equal phase. Waves of one cell are in step: n of them of squared amplitude a² each, which
-// is n·a² of light, would add up to n²·a². One wave of squared amplitude Σa² in their place brings the light that they
-// stand for to every pixel, however many rays have met the cell: E|U|² = Σ a² over all waves, where cells have random
+// One wave for each cell of equal phase. Waves of one cell have equal phase: n of them of squared amplitude a², which
+// is n·a² of light, would add up to n²·a². They are replaced by one wave of squared amplitude Σa², which brings their
+// light to every pixel, however many rays met the cell: E|U|² = Σ a² over all waves, if cells have random
 // phases.
 
 namespace holotrace {
 
 /// The cell and image that a wave belongs to.
 struct WaveCell {
-  /// Of the cell of its surface and the turns of the mirrors and glass that show it (image_key); `alone`: the wave
+  /// Key of the cell of its surface, and of the reflections and refractions that show it (image_key); `alone`: the wave
   /// shares its phase with no other.
   uint64_t key = alone;
-  double off_centre = 0;  ///< of the surface point, from the middle of the cell [m]
+  double off_centre = 0;  ///< distance of the surface point from the middle of the cell [m]
 
   static constexpr uint64_t alone = ~uint64_t(0);
 };
 
-/// Key of a surface cell as a chain of mirrors and glass shows it; of the cell alone where it is seen directly. Two
-/// mirrors that show one cell have one key: their images are told apart by their places (CellWaves).
+/// Key of a surface cell as seen through a chain of mirrors and glass; the key of the cell if it is seen directly. Two
+/// mirrors that show one cell have one key: their images are distinguished by their places (CellWaves).
 uint64_t image_key(uint64_t cell, const std::vector<SpecularVertex>& chain);
 
 /// Finds the waves of equal cell and image.
 class CellWaves {
  public:
-  /// @param side  of the cells [m]
+  /// @param side  side of the cells [m]
   explicit CellWaves(double side) : side_(side) {}
 
-  /// The number under which a wave of that key, seen at that place [m], was first added; `next`, and from now on found
-  /// under it, if there was none. Images of one key that are apart by no more than 8 cells, or a thousandth of their
-  /// distance R from the panel's centre, are one: two rays that meet one cell see it up to a cell apart, and a curved
-  /// mirror or lens shows the cell enlarged, at a place that differs from ray to ray by its aberration. The cost: images
+  /// The number under which a wave of that key and place [m] was first added; if there was none, `next`, which is
+  /// returned for it from now on. Images of one key count as one if they are at most 8 cells apart, or a thousandth
+  /// of their distance R from the panel's centre. (Two rays that meet one cell see it up to a cell apart, and a curved
+  /// mirror or lens shows the cell enlarged, at a place that differs from ray to ray by its aberration.) Limitation:
+  /// images
   /// of a cell in two mirrors that are parallel within that distance, 1/2000 of R from mirror to mirror, make one wave.
   size_t find_or_add(uint64_t key, Vec3 origin, size_t next);
 
@@ -49,7 +50,7 @@ class CellWaves {
   struct Entry {
     Vec3 origin;
     size_t number;
-    uint32_t older;  // entry of the same key
+    uint32_t older;  // older entry of the same key
   };
   double side_;
   std::unordered_map<uint64_t, uint32_t> newest_;
@@ -59,14 +60,14 @@ class CellWaves {
 /// Waves of one set while it is traced.
 struct TracedWaves {
   std::vector<Source> waves;
-  std::vector<uint64_t> keys;   ///< of their phases, or Sources::no_phase_key
-  std::vector<WaveCell> cells;  ///< of each wave
+  std::vector<uint64_t> keys;   ///< keys of their phases, or Sources::no_phase_key
+  std::vector<WaveCell> cells;  ///< cell of each wave
   std::vector<float> tiles;     ///< tiles[wave·count + tile], for `count` tiles
 };
 
-/// Merges the waves of equal cell and image, in place and in the order of the first of each. Their squared amplitudes
-/// add up, in every tile for itself; origin and phase are those of the wave whose surface point is the nearest to the
-/// middle of the cell, so that many rays find the place that any other many rays find.
+/// Merges the waves of equal cell and image, in place, in the order of the first of each. Their squared amplitudes
+/// are added, separately in every tile. Origin and phase are those of the wave whose surface point is nearest to the
+/// middle of the cell; with many rays the result thus does not depend on the rays.
 void merge_waves(TracedWaves& waves, double side, size_t tiles);
 
 }  // namespace holotrace

@@ -19,14 +19,14 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr double depth_share = 0.8;  // of the tolerance
+constexpr double depth_share = 0.8;  // fraction of the tolerance
 constexpr size_t many_slices = 1000;
 
-// A picture's light at a wavelength, summed so that the mean over any rectangle of pixels takes four look-ups.
+// A picture's light at a wavelength, as a summed-area table: the mean over any rectangle takes four look-ups.
 struct Light {
   int nx, ny;
   Array2D<float> value;
-  Array2D<double> sums;  // of the rows above and columns left, one larger than the picture
+  Array2D<double> sums;  // over all rows above and columns to the left; one larger than the picture
 
   Light(const Image& picture, double wavelength) : nx(picture.nx), ny(picture.ny), value(ny, nx), sums(ny + 1, nx + 1) {
     for (int j = 0; j < ny; ++j)
@@ -38,7 +38,7 @@ struct Light {
       }
   }
 
-  // The integral from the picture's corner to (x, y) in pixels from that corner.
+  // The integral from the picture's corner to (x, y), in pixels from that corner.
   double integral(double x, double y) const {
     const int i = std::clamp(int(x), 0, nx - 1), j = std::clamp(int(y), 0, ny - 1);
     const double s = std::clamp(x - i, 0.0, 1.0), t = std::clamp(y - j, 0.0, 1.0);
@@ -46,7 +46,7 @@ struct Light {
            t * ((1 - s) * sums(j + 1, i) + s * sums(j + 1, i + 1));
   }
 
-  // Mean light over a square of that side, at least a pixel's, around (x, y): bilinear where it is a pixel's.
+  // Mean light over a square of that side (at least a pixel's) around (x, y); bilinear for a pixel's side.
   double mean(double x, double y, double side) const {
     const double half = std::max(side, 1.0) / 2;
     const double x0 = std::clamp(x - half, 0.0, double(nx)), x1 = std::clamp(x + half, 0.0, double(nx));
@@ -57,14 +57,14 @@ struct Light {
   }
 };
 
-// How pixels stand in space: a picture's pixel is `size` wide at depth 1 m (perspective), or at any.
+// Size of pixels in space: `size` [m] at a depth of 1 m (perspective), or at any depth (orthographic).
 struct Placing {
   Projection projection;
   double size;
   double pixel_at(double depth) const { return projection == Projection::perspective ? size * depth : size; }
 };
 
-// What the slices share; the stack's maker keeps it.
+// Data shared by the slices; the stack's make function holds it.
 struct Slicing {
   const DepthImage& image;
   Light light;
@@ -76,7 +76,7 @@ struct Slicing {
   uint32_t frame;
   std::vector<double> depths;
   std::vector<Grid> grids;
-  Array2D<int32_t> slice_of;  // by pixel; −1: nothing there
+  Array2D<int32_t> slice_of;  // index: pixel; −1: nothing there
 };
 
 Placing placing_of(const DepthImage& image, const Grid& panel, const LightInCone& light,
@@ -107,9 +107,9 @@ void check_params(const DepthImageParams& params, const SynthesizeParams& synthe
 }
 
 // The samples of the panel's raster that a picture covers: pixels of side `pixel`, centred on the panel's axis. Light
-// that is further than `reach` off the panel does not meet it.
+// farther than `reach` from the panel does not reach it.
 Grid grid_of(const Image& picture, double pixel, double reach, const Grid& panel) {
-  const auto covered = [&](int pixels, int of_panel) {  // of the panel's parity, so that samples fall on its raster
+  const auto covered = [&](int pixels, int of_panel) {  // of the panel's parity, so that samples lie on its raster
     const double wanted = std::min(pixels * pixel / panel.pitch, of_panel + 2 * reach / panel.pitch);
     const int samples = std::max(1, int(std::ceil(wanted - 1e-9)));
     return samples + (samples + of_panel) % 2;
@@ -119,7 +119,7 @@ Grid grid_of(const Image& picture, double pixel, double reach, const Grid& panel
   return grid;
 }
 
-// The depths of a picture, each once, ascending: pictures have few.
+// The different depths of a picture, ascending; pictures have few.
 std::vector<double> depths_of(const DepthImage& image) {
   std::vector<double> depths;
   for (const float depth : image.depth.values)
@@ -129,7 +129,7 @@ std::vector<double> depths_of(const DepthImage& image) {
   return depths;
 }
 
-// Depths into slices, and how well: see slice.h. Light is taken to be even and to spread from the axis.
+// Sorts depths into slices; see slice.h for the error. The light is taken as even and spreading from the axis.
 DepthSlices slices_of(const std::vector<double>& depths, const Grid& panel, const LightInCone& light,
                       const SynthesizeParams& synthesis, const Observer& observer) {
   const double per_metre = depth_error_per_metre(0, 0, depths.front(), panel, light.wavelength, light.cone_wavelength);
@@ -145,7 +145,7 @@ DepthSlices slices_of(const std::vector<double>& depths, const Grid& panel, cons
   return found;
 }
 
-// The slice of each pixel, −1 where nothing is.
+// The slice of each pixel, −1 without one.
 Array2D<int32_t> assign_pixels(const DepthImage& image, const std::vector<double>& depths, const DepthSlices& found) {
   std::vector<int32_t> slice_of_depth(depths.size());
   for (size_t m = 0; m < found.slices.size(); ++m)
@@ -215,7 +215,7 @@ SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const L
     check_field_fits(shared->grids.back(), sizeof(Complex));
   }
   shared->slice_of = assign_pixels(image, depths, found);
-  // The part of the raster's band that the cone takes.
+  // The fraction of the raster's band inside the cone.
   const double part =
       acceptance_sine(light.acceptance_wavelength(), panel.pitch) / acceptance_sine(wavelength, panel.pitch);
   return {.wavelength = wavelength,

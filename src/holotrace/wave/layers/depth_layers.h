@@ -7,7 +7,7 @@
 
 namespace holotrace {
 
-/// A wavelength, and the one whose acceptance its light keeps to: that of the cone that all colours of a view share.
+/// A wavelength, and the wavelength of the acceptance cone that its light keeps to, the same for all colours of a view.
 struct LightInCone {
   LightInCone(double wavelength, double cone_wavelength = 0)
       : wavelength(wavelength), cone_wavelength(cone_wavelength) {}
@@ -17,21 +17,21 @@ struct LightInCone {
   double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
 };
 
-/// A picture with depth as slices of space on the panel's raster, made one at a time.
+/// A picture with depth as slices of depth on the panel's raster, made one at a time.
 ///
-/// A slice holds the samples whose pixel has its depth: amplitude √L, L the picture's light at the wavelength
-/// (radiance_at of its channels), bilinear between pixels and averaged over them where they are finer than samples;
-/// depths are those of the nearest pixel, so that edges stay edges. Orthographic: the picture is params.width wide at
+/// A slice holds the samples whose pixel has its depth. Their amplitude is √L, L the picture's light at the wavelength
+/// (radiance_at of its channels), bilinear between pixels and averaged over pixels finer than samples;
+/// depths are those of the nearest pixel, so that edges stay sharp. Orthographic: the picture is params.width wide at
 /// every depth. Perspective: a pixel lies on the ray from the panel's centre through it, params.field_of_view to the
 /// middle of either side of the picture. Pixels are square. Random phases are 2π·u(seed, frame, sample), one for each
 /// sample and slice.
 ///
-/// Such light fills the band of the samples evenly. Where it keeps to a narrower cone, asin(λc/2p) for asin(λ/2p), the
-/// cone takes all of its power: amplitudes are √L·λ/λc, so that all colours of a cone have the irradiance L on
-/// their slice and send it evenly into the same angles. Light of constant phase goes straight on: its amplitudes are √L.
+/// Such light fills the band of the samples evenly. If it keeps to a narrower cone, asin(λc/2p) instead of asin(λ/2p),
+/// the cone gets all of its power: amplitudes are √L·λ/λc. All colours of a cone then have the irradiance L on
+/// their slice and send it evenly into the same angles. Light of constant phase goes straight on: amplitudes are √L.
 ///
-/// Slices: as many as synthesis.slices, or as few as keep the phase of an even wave at the panel within 0.8 times the
-/// tolerance (slice.h); with silhouettes a slice hides what lies behind its samples, dark ones too.
+/// Slices: synthesis.slices of them, or as few as keep the phase of an even wave at the panel within 0.8 times the
+/// tolerance (slice.h). With silhouettes a slice hides everything behind its samples, including dark ones.
 ///
 /// @param image  must outlive the stack
 /// @throws Error  as check_depth_image does; for a phase that is neither random nor constant, a width or angle below 0,
@@ -40,7 +40,7 @@ SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const L
                              const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame = 0,
                              const Observer& observer = {});
 
-/// The field on the panel of a picture with depth: sum_layers of those slices.
+/// The field on the panel of a picture with depth: sum_layers of its slices.
 Field sum_depth_image(const DepthImage& image, const Grid& panel, const LightInCone& light,
                       const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame = 0,
                       const Observer& observer = {});

@@ -12,10 +12,10 @@
 namespace holotrace {
 namespace {
 
-constexpr double extension = 1.25;       // of the Nyquist angle's sine
-constexpr double edge_deviation = 0.56;  // of a taper's Gaussian over √(λd)
-constexpr double ringing_margin = 2;     // over √(λd): what a sharp band edge lights beyond its box, mostly
-constexpr double box_edge = 0.5;         // of a taper that ends at the box, over √(λd)
+constexpr double extension = 1.25;       // over the sine of the Nyquist angle
+constexpr double edge_deviation = 0.56;  // of a taper's Gaussian, over √(λd)
+constexpr double ringing_margin = 2;     // over √(λd): most of the light that a sharp band edge sends beyond its box
+constexpr double box_edge = 0.5;         // width of a taper that ends at the box, over √(λd)
 constexpr double most_sine = 0.99;
 
 double taper_width(double depth, double wavelength, double steepness) {
@@ -26,7 +26,7 @@ double frequency_of(double offset, double depth, double wavelength) {
   return offset / (wavelength * std::hypot(offset, depth));
 }
 
-// How far light of a taper gets along its axis: further than `end` where it is oblique in the other axis too.
+// Largest offset of light in a taper along its axis: more than `end` for light oblique along the other axis too.
 double reach_of(const Taper& taper, const Taper& other, double depth, double wavelength, double pitch) {
   const double radius = box_radius(depth, wavelength, pitch);
   const auto end_of = [&](const Taper& t) { return std::isfinite(t.end) ? t.end : radius; };

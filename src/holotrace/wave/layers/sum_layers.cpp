@@ -18,9 +18,9 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr double raster_tolerance = 1e-6;  // of the angles that are left out: what floats hold
+constexpr double raster_tolerance = 1e-6;  // of the angles left out: the precision of floats
 
-// Where sample (0, 0) of a slice lies on the panel's raster.
+// Position of a slice's sample (0, 0) on the panel's raster.
 struct Corner {
   int column = 0, row = 0;
 };
@@ -35,7 +35,7 @@ Corner corner_on(const Grid& panel, const Grid& slice, size_t index) {
   return {int(std::lround(column)), int(std::lround(row))};
 }
 
-// The samples of a slice on the window, its light with the axial phase of the way to the panel.
+// The samples of a slice in the window, with the axial phase of the way to the panel.
 SliceSamples on_window(const Field& light, Corner corner, int nx, int ny) {
   SliceSamples s{nx, ny, {}, {}};
   std::vector<int> place(size_t(ny), -1);
@@ -60,7 +60,7 @@ double farthest(const Grid& panel, const Grid& slice, bool along_y) {
 }
 
 std::vector<PlannedSlice> plan_rasters(const SliceStack& stack, const Grid& panel) {
-  double most_x = panel.width() / 2, most_y = panel.height() / 2;  // of what the light meets on its way
+  double most_x = panel.width() / 2, most_y = panel.height() / 2;  // of all that the light meets on its way
   if (stack.has_masks)
     for (const Grid& grid : stack.grids) {
       most_x = std::max(most_x, farthest(panel, grid, false));

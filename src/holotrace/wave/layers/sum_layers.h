@@ -73,6 +73,9 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
 Field sum_layers(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
                  const Observer& observer = {});
 
+/// How many slices that sum makes: as many transforms, and one back.
+size_t slice_count(const Sources& sources, const Grid& grid, const SynthesizeParams& params);
+
 /// Sources as slices of samples: their light before it is carried to the panel, band-limited to its raster, on one
 /// window for all slices; with params.has_silhouettes with masks. To look at, or to change, before sum_layers.
 /// @throws Error  as sum_layers does, and where memory cannot hold all slices

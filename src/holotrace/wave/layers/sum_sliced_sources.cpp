@@ -165,6 +165,10 @@ void add_points(LayerSpectrum& spectrum, const std::vector<PointOnSlice>& points
 
 }  // namespace
 
+size_t slice_count(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+  return slice_sources(sources, grid, params.slices, depth_share * params.tolerance).depth.slices.size();
+}
+
 Field sum_layers(const Sources& sources, const Grid& grid, const SynthesizeParams& params, const Observer& observer) {
   check_input(sources, grid, params);
   const bool is_carried = params.has_silhouettes;

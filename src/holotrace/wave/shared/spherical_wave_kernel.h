@@ -30,8 +30,8 @@ inline PixelBox lit_box(const Source& source, const Grid& grid, double tangent) 
 /// r − d for r = √(ρ² + d²) without the cancellation of the difference: ρ²/(r + d).
 inline double path_beyond_depth(double rho2, double depth) { return rho2 / (std::sqrt(rho2 + depth * depth) + depth); }
 
-/// A source made ready for summation: r/λ is split into d₀/λ, reduced once, and (r − d₀)/λ, which is
-/// a few hundred cycles and so keeps 1e-13 of a cycle in double.
+/// A source prepared for summation: r/λ is split into d₀/λ, reduced once, and (r − d₀)/λ, which is
+/// a few hundred cycles and therefore exact to 1e-13 of a cycle in double.
 struct PreparedWave {
   double x, y, depth;
   double start_cycles;  ///< d₀/λ + φ₀/2π, reduced
@@ -39,7 +39,7 @@ struct PreparedWave {
   PixelBox box;
 };
 
-/// @param cone_wavelength  whose acceptance bounds the box [m]; 0: the wave's own
+/// @param cone_wavelength  wavelength whose acceptance limits the box [m]; 0: the wave's own
 inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double wavelength,
                                  double cone_wavelength = 0) {
   const double depth = -source.origin.z;
@@ -51,8 +51,8 @@ inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double 
           lit_box(source, grid, acceptance_tangent(cone_wavelength > 0 ? cone_wavelength : wavelength, grid.pitch))};
 }
 
-/// The sources ready for summation, without those that light no pixel of the grid. For tile amplitudes the panel's
-/// amplitudes are overruled one tile at a time: see the other prepare_waves.
+/// The sources prepared for summation, without those that light no pixel of the grid. Tile amplitudes are
+/// not used: for these see the other prepare_waves.
 inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Grid& grid) {
   std::vector<PreparedWave> waves;
   waves.reserve(sources.waves.size());
@@ -63,7 +63,7 @@ inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Gri
   return waves;
 }
 
-/// How many parts of the panel the waves have amplitudes of their own in: 1 without tile amplitudes.
+/// Number of parts of the panel with separate amplitudes of the waves: 1 without tile amplitudes.
 inline int panel_parts(const Sources& sources) {
   return sources.tiles.columns > 0 ? sources.tiles.columns * sources.tiles.rows : 1;
 }
@@ -80,7 +80,7 @@ inline float amplitude_in(const Sources& sources, size_t wave, int part) {
   return sources.tiles.values[size_t(part) * sources.waves.size() + wave];
 }
 
-/// The waves as one part of the panel sees them: its amplitudes, boxes that end at its edges, and none without either.
+/// The waves for one part of the panel: its amplitudes, boxes cut at its edges, and no waves without light there.
 inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Grid& grid, int part) {
   if (sources.tiles.columns == 0) return prepare_waves(sources, grid);
   const PixelBox bounds = panel_part(sources, grid, part);

@@ -10,19 +10,19 @@
 
 namespace holotrace {
 
-/// Buffers of one thread, kept from tile to tile.
+/// Buffers of one thread, reused from tile to tile.
 struct TileWorkspace {
   AlignedVector<float> columns, rows, sums;
   AlignedVector<uint32_t> packed_columns, packed_rows;
 };
 
-/// Adds the waves whose boxes meet `box`, the part of a tile that lies on the grid, to the samples
-/// there. The tile starts at (box.x0, box.y0) and may reach past the grid. The hot loop of
+/// Adds the waves whose boxes meet `box`, the part of a tile on the grid, to the samples
+/// there. The tile starts at (box.x0, box.y0) and may extend past the grid. This is the hot loop of
 /// sum_tiled, compiled once for every instruction set and chosen at run time.
 void sum_tile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box,
               TileWorkspace& workspace, Array2D<std::complex<float>>& samples);
 
-/// Name of the instruction set that sum_tile runs on here: "AVX3", "AVX2", "SSE4", …
+/// Name of the instruction set that sum_tile uses on this machine: "AVX3", "AVX2", "SSE4", …
 std::string tile_sum_instruction_set();
 
 }  // namespace holotrace

@@ -13,7 +13,7 @@
 
 namespace holotrace {
 
-/// A triangle, or a piece of one, ready for summation. Its field is the spherical wave of its centroid times an
+/// A triangle, or a piece of one, prepared for summation. Its field is the spherical wave of its centroid times an
 /// envelope, which is the triangle's Fourier transform (envelope_at):
 ///
 ///     U(p) = exp(2πi(start + (r − depth)/λ))·(1/r)·E(p),   r = ‖p − centroid‖
@@ -21,21 +21,21 @@ struct TrianglePart {
   Vec3 centroid;                  ///< [m]
   double depth;                   ///< −centroid.z [m]
   std::array<Vec3, 3> offsets;    ///< corners from the centroid [m]
-  std::array<double, 3> along;    ///< of each offset on the triangle's direction [m]
+  std::array<double, 3> along;    ///< component of each offset along the triangle's direction [m]
   std::array<double, 3> weights;  ///< 2·(area along the direction)/λ·a at the corners [√W]
-  double start_cycles;            ///< of the wave at the panel's depth: phase of the centroid and depth/λ, reduced
+  double start_cycles;            ///< cycles of the wave at the panel: phase of the centroid plus depth/λ, reduced
   PixelBox box;                   ///< pixels that it lights
 };
 
 /// How finely triangles are cut.
 struct PartLimits {
-  /// Phase by which light from the middle of a side may lag behind the mean of its ends [rad].
+  /// Largest phase by which light from the middle of a side may lag behind the mean of its ends [rad].
   double bulge = 0.01;
-  /// Change over the panel of the phase between the ends of a side [rad/m].
+  /// Largest change over the panel of the phase between the ends of a side [rad/m].
   double slope = std::numeric_limits<double>::infinity();
 };
 
-/// Length of a side as the panel sees it from anywhere that the tangent allows, at most [m].
+/// Upper limit of the length of a side as seen from anywhere on the panel within the tangent [m].
 inline double length_across(Vec3 side, double tangent) {
   const double slope = std::isfinite(tangent) ? std::sqrt(2.0) * tangent : 1;
   return std::min(std::hypot(side.x, side.y) + std::abs(side.z) * slope, length(side));
@@ -43,20 +43,22 @@ inline double length_across(Vec3 side, double tangent) {
 
 /// Triangles cut into parts, each with the pixels that it lights.
 ///
-/// **What a triangle lights.** As a wave (Source), it lights only pixels whose fringe the panel can hold: those with
+/// **What a triangle lights.** Like a wave (Source), it lights only pixels whose fringes the panel can represent: those
+/// with
 /// |x − xc|, |y − yc| ≤ R, R = depth·tan(asin(λ/2p)) with λ = Triangles::acceptance_wavelength, the common cone of all
 /// colours, and xc, yc, depth of its centroid (lit_box). A triangle with a
 /// side above R/2 is halved, across its longest side, until none is: each part lights the box of its own centroid.
 /// Without a limit (pitch of half a wavelength or less) all pixels are lit.
 ///
-/// @param limits parts above are halved further, in the box that they have
+/// @param limits parts above these limits are halved further, within the same box
 /// @return       parts that light a pixel of the grid and have an amplitude, in the triangles' order
-/// @throws Error for a triangle of more than 2^20 parts, as one that nearly touches the panel, and for parts that do
+/// @throws Error for a triangle of more than 2^20 parts, such as one that nearly touches the panel, and for parts that
+///               do
 ///               not fit in memory
 std::vector<TrianglePart> cut_triangles(const Triangles& triangles, const Grid& grid, const PartLimits& limits);
 
-/// Phases [rad] of the light from a part's corners at a place on the panel, relative to that of its centroid, and what
-/// their straight line between them leaves out at the middles of sides 01, 12 and 02.
+/// Phases [rad] of the light from a part's corners at a place on the panel, relative to that of its centroid, and the
+/// deviations from linear phase at the middles of sides 01, 12 and 02.
 struct PartPhases {
   std::array<double, 3> corners, middles;
   std::array<double, 3> moduli;  ///< r/‖p − corner‖
@@ -82,7 +84,7 @@ inline PartPhases part_phases(const TrianglePart& part, double x, double y, doub
 }
 
 /// The envelope E of a part for such phases: its amplitude and the bulge of its phase as quadratic polynomials, its
-/// linear phase exact. With β the bulge, quadratic interpolation leaves about β²/13 of E.
+/// linear phase exact. With β the bulge, quadratic interpolation has an error of about β²/13 of E.
 inline std::complex<double> envelope_of(const TrianglePart& part, const PartPhases& phases) {
   const CornerOrder o = order_corners(phases.corners.data());
   const int order[3] = {o.first, o.middle, o.last};
@@ -106,7 +108,7 @@ inline std::complex<double> envelope_at(const TrianglePart& part, double x, doub
   return envelope_of(part, part_phases(part, x, y, wavelength));
 }
 
-/// Field of a part at a place on the panel, whatever its box.
+/// Field of a part at a place on the panel, without regard to its box.
 inline std::complex<double> part_at(const TrianglePart& part, double x, double y, double wavelength) {
   const double dx = x - part.centroid.x, dy = y - part.centroid.y, rho2 = dx * dx + dy * dy;
   const double beyond = rho2 / (std::sqrt(rho2 + part.depth * part.depth) + part.depth);
@@ -114,7 +116,7 @@ inline std::complex<double> part_at(const TrianglePart& part, double x, double y
          (part.depth + beyond);
 }
 
-/// The same envelope from 2^halvings pieces of the part: its error falls sixteenfold with every two halvings.
+/// The same envelope from 2^halvings pieces of the part; its error falls sixteenfold with every two halvings.
 std::complex<double> fine_envelope_at(const TrianglePart& part, double x, double y, double wavelength, int halvings);
 
 }  // namespace holotrace
