@@ -80,6 +80,7 @@ std::vector<BenchStep> quality_steps(const BenchOptions& options) {
           QualityJob{"sgd, panel known", Encoding::sgd, smooth, phase, "pluto", {"all"}, {"all"}}})
       jobs.push_back(job);
   std::vector<BenchStep> steps;
+  steps.reserve(jobs.size());
   for (const QualityJob& job : jobs) steps.push_back({job.name, [=] { return bench_quality(job); }});
   return steps;
 }

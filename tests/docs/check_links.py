@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Every link of the documentation leads to a file that exists, and every #anchor to a heading of that page.
 
-Also every path and every name of a source file in `backquotes`, and every page that a source file names.
+Also every path and every name of a source file in `backquotes`, every page that a source file names, and every fact of
+the program's reports, which docs/reference/report.md lists.
 Links to the web are not followed. Usage: check_links.py
 """
 
@@ -74,6 +75,15 @@ def dead_mentions():
                     yield f"{name}:{number}: no page is called {mention}"
 
 
+def unlisted_facts():
+    """Facts and curves that a stage notes, and that the page of the report does not explain."""
+    listed = set(re.findall(r"`(\w+)", (ROOT / "docs" / "reference" / "report.md").read_text()))
+    for source in sorted((ROOT / "src" / "holotrace").rglob("*.cpp")):
+        for fact in re.findall(r'\b(?:fact|curve)\("(\w+)"', source.read_text()):
+            if fact not in listed:
+                yield f"{source.relative_to(ROOT)}: docs/reference/report.md does not explain the fact {fact}"
+
+
 def main():
     problems = []
     for page in pages():
@@ -82,6 +92,7 @@ def main():
             found += dead_paths(page)
         for text, match, why in found:
             problems.append(f"{page.relative_to(ROOT)}:{text.count(chr(10), 0, match.start()) + 1}: {why}")
+    problems += unlisted_facts()
     if (ROOT / ".git").exists():
         problems += dead_mentions()
     print("\n".join(problems) or f"{len(pages())} pages, no dead link")

@@ -67,7 +67,7 @@ OIIO::ImageSpec plain_colours() {
   fail("{}: expected an image, but it is not an image in a format known here; convert it to PNG, JPEG or EXR", name);
 }
 
-void write_image(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* values) {
+void write_image(const std::string& path, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type, const void* values) {
   const auto output = OIIO::ImageOutput::create(path);
   const bool written = output && output->open(path, spec) && output->write_image(type, values) && output->close();
   require(written, "expected to write {}, got \"{}\"; check the room and the permissions there", path,
