@@ -146,7 +146,7 @@ TEST(Gather, RandomAndConstantPhasesAreGathered) {
   const Field random = gather(make_bright_wall(-20_mm), panel, green, params, record.observer).at(0);
   EXPECT_NEAR(mean_intensity(random) / expected, 1, 4 / std::sqrt(3072.0));  // as with independent phases above
   ASSERT_EQ(record.warnings.size(), 1u);
-  EXPECT_NE(record.warnings[0].find("is noise of 16 rays per pixel"), std::string::npos);
+  EXPECT_NE(record.warnings[0].find("is noise: the 16 rays of a pixel"), std::string::npos);
   // A wall of equal phase shines straight on: rays of all pixels agree once they resolve the 166² cells of ±0.67 mm.
   // Cut off there, the wave of irradiance L·(λ/p)² ripples at a pixel by N^(−1/2) on two sides, with the Fresnel number
   // N = (0.67 mm)²/(λ·20 mm) = 42.

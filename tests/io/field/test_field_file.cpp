@@ -264,7 +264,7 @@ TEST(NpyFile, SidecarsAreChecked) {
     return error_of([&] { load_field(path); });
   };
   EXPECT_EQ(error(R"({"pitch_m": 8e-6,)"),
-            sidecar + ":1: expected valid JSON, but it breaks off or errs at byte 18; write the file again");
+            sidecar + ":1: expected valid JSON, but it is truncated or wrong at byte 18; write the file again");
   EXPECT_EQ(error(R"({"wavelengths_m": [532e-9]})"),
             sidecar + ": expected the key \"pitch_m\", which is missing; add it, in SI units");
   EXPECT_EQ(error(R"({"pitch_m": "8 um", "wavelengths_m": [532e-9]})"),

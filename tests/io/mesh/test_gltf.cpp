@@ -124,7 +124,7 @@ TEST(Gltf, AMissingTextureIsNamedOnce) {
   const LoadedModel model = load(triangle);
   EXPECT_FALSE(metallic_roughness(model.materials[0]).base_texture);
   ASSERT_EQ(model.warnings.size(), 1u);
-  EXPECT_NE(model.warnings[0].find("none.png is missing, the plain colour is shown"), std::string::npos);
+  EXPECT_NE(model.warnings[0].find("none.png is missing; the plain colour is used"), std::string::npos);
 }
 
 // Texture coordinates with v up: 1 − v of those in the file.
@@ -163,7 +163,7 @@ TEST(Gltf, ATextureThatDoesNotRepeatIsNamedWhereItMatters) {
   triangle.set_0[0] = 1.5f;
   const LoadedModel model = load(triangle);
   ASSERT_EQ(model.warnings.size(), 1u);
-  EXPECT_NE(model.warnings[0].find("ends or is mirrored at its border, it is repeated"), std::string::npos);
+  EXPECT_NE(model.warnings[0].find("clamped or mirrored at its border; it is repeated"), std::string::npos);
 }
 
 TEST(Gltf, VertexColoursAreLinear) {
@@ -230,13 +230,13 @@ TEST(Gltf, FeaturesThatAreNotShownAreNamedOnce) {
     "animations": [{"channels": [], "samplers": []}], "cameras": [{"type": "perspective"}], "skins": [{"joints": [0]}], )";
   const LoadedModel model = load(triangle);
   std::vector<std::string> expected{"material \"a\" has an alpha mask; it is ignored",
-                                    "material \"a\" has the extension KHR_materials_clearcoat, which is not shown",
+                                    "material \"a\" has the extension KHR_materials_clearcoat; it is ignored",
                                     "material \"c\" is transparent; it is shown opaque",
                                     "animations are ignored; the model is shown in its rest pose",
                                     "cameras are ignored",
                                     "the model has a skeleton; it is shown in its rest pose",
                                     "the model's lights are ignored; place them in the scene",
-                                    "the extension EXT_mesh_gpu_instancing is not used"};
+                                    "the extension EXT_mesh_gpu_instancing is ignored"};
   const std::string path = test::temporary("m.gltf");
   for (std::string& sentence : expected) sentence = path + ": " + sentence;
   EXPECT_EQ(model.warnings, expected);

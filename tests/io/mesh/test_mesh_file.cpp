@@ -63,7 +63,7 @@ TEST(MeshFile, ObjKeepsTextureCoordinatesNormalsAndMaterials) {
   EXPECT_EQ(diffuse(model).texture->values, texture.values);
   EXPECT_FALSE(diffuse(model, 1).texture);
   ASSERT_EQ(model.warnings.size(), 1u);
-  EXPECT_NE(model.warnings[0].find("none.png is missing, the plain colour is shown"), std::string::npos);
+  EXPECT_NE(model.warnings[0].find("none.png is missing; the plain colour is used"), std::string::npos);
 }
 
 TEST(MeshFile, APlyMeshIsRead) {
@@ -115,7 +115,7 @@ TEST(MeshFile, ObjMaterialsWithAHighlightAreMetallicRoughness) {
   EXPECT_EQ(index_at(std::get<DielectricMaterial>(material(2).surface).index, 532e-9), std::complex<double>(1.25));
   EXPECT_TRUE(std::holds_alternative<DiffuseMaterial>(material(3).surface));
   ASSERT_EQ(model.warnings.size(), 1u);
-  EXPECT_NE(model.warnings[0].find("\"metal\" has a bump map, which is not shown"), std::string::npos);
+  EXPECT_NE(model.warnings[0].find("\"metal\" has a bump map; it is ignored"), std::string::npos);
 }
 
 TEST(MeshFile, VertexColoursOfObjAndPlyAreDecoded) {

@@ -174,7 +174,7 @@ TEST(SceneParameters, OutOfRangeOnesArePlaced) {
   EXPECT_EQ(error("[trace]\nfield_of_view = \"90 deg\""),
             "3:17: expected an angle from 0 deg to less than 90 deg for \"field_of_view\", got 90 deg");
   EXPECT_EQ(error("[trace]\npath_expressions = [\"EDL\", 3]"),
-            "3:29: expected a text in quotes, or a list of them, for \"path_expressions\", got the bare number 3");
+            "3:28: expected a text in quotes, or a list of them, for \"path_expressions\", got the bare number 3");
   EXPECT_EQ(error("[render]\neye = \"0 0 -1 mm\""),
             "3:7: expected a length of 0 m or more for z of \"eye\", got -1 mm");
   EXPECT_EQ(error("[render]\npupil = \"0 mm\""), "3:9: expected a length above 0 m for \"pupil\", got 0 m");

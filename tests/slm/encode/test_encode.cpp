@@ -257,8 +257,8 @@ TEST(EncodePhase, APanelShortOfTwoPiLosesWhatItSays) {
   encode(sum_of({{1, 0, 1}}, slm.grid, 633e-9), slm, {}, heard.observer());
   EXPECT_EQ(
       heard.warnings.at(0),
-      "the SLM \"test\" reaches a phase of 1.422π at 633 nm, short of 2π: phases in the gap take its nearer end, "
-      "which leaves 92.5 % of the light in the image; give the panel a design wavelength of 633 nm or more, now it "
+      "the SLM \"test\" reaches a phase of 1.422π at 633 nm, less than 2π: phases beyond it are set to its nearer end, "
+      "and 92.5 % of the light stays in the image; give the panel a design wavelength of 633 nm or more, now it "
       "is 450 nm");
 }
 
@@ -271,7 +271,7 @@ TEST(Encode, ShortPhaseIsToldWithWhatMakesItShort) {
   };
   Slm slm = make_panel(8, 8);
   slm.phase_range = 1.5 * pi;
-  EXPECT_EQ(warning(slm, {}), "its phase_range is 1.5π: give it one of 2π, where the panel has it");
+  EXPECT_EQ(warning(slm, {}), "its phase_range is 1.5π: set it to 2π if the panel reaches that");
   // 3π at 350 nm is 1.66π at 633 nm, and 2π there from a design wavelength of 422 nm on.
   slm.phase_range = 3 * pi;
   slm.design_wavelength = 350e-9;

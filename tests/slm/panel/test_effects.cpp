@@ -330,8 +330,7 @@ TEST(Effects, AreToldOnAndOff) {
   EXPECT_TRUE(heard.warnings.empty());
   show(h, slm, with({"crosstalk"}), heard.observer());
   ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_EQ(heard.warnings[0],
-            "the SLM \"test\" has no crosstalk to turn on; write its figures in [slm] or the panel's file");
+  EXPECT_EQ(heard.warnings[0], "the SLM \"test\" has no data for crosstalk; add them to [slm] or to the panel's file");
   EXPECT_EQ(error_of([&] { show(h, slm, with({"crostalk"})); }),
             "unknown effect \"crostalk\"; did you mean \"crosstalk\"?");
 }
