@@ -1,4 +1,4 @@
-// holotrace estimate: what a scene will cost, from short probes of it.
+// holotrace estimate: the predicted cost of a scene, from short probes of it.
 
 #include <fmt/format.h>
 
@@ -19,13 +19,13 @@
 namespace holotrace {
 namespace {
 
-// What a machine has to do to show a job as it is looked at: tracing, sums and encoding, frame after frame. Render,
-// virtual panel and camera only simulate the display.
+// What a machine must do to show a job in real time: tracing, sums and encoding for every frame. Render, virtual
+// panel and camera are left out, because they only simulate the display.
 struct RealTime {
   double frames_per_second = 0, seconds_per_frame = 0;
-  double times = 0;                     // this machine
-  double cores = 0;                     // like this one's
-  double multiply_adds_per_second = 0;  // at its peak, in single precision
+  double times = 0;                     // speed needed, relative to this machine
+  double cores = 0;                     // cores needed, of this machine's kind
+  double multiply_adds_per_second = 0;  // at the peak rate, in single precision
 };
 
 RealTime real_time(const JobEstimate& e, double frames_per_second) {
@@ -34,11 +34,11 @@ RealTime real_time(const JobEstimate& e, double frames_per_second) {
   r.seconds_per_frame = e.seconds_of("trace") + e.seconds_of("synthesize") + e.seconds_of("encode");
   r.times = r.seconds_per_frame * frames_per_second;
   r.cores = std::ceil(r.times * thread_count());
-  r.multiply_adds_per_second = r.times * measure_multiply_add_peak(e.seconds() < 5 ? 1 : 5);  // little of a short job
+  r.multiply_adds_per_second = r.times * measure_multiply_add_peak(e.seconds() < 5 ? 1 : 5);  // short for short jobs
   return r;
 }
 
-// Eq. 16-23 for N paths.
+// The paper's cost, Eq. 16–23, for N paths.
 Cost papers_cost(const JobEstimate& e, double pixels, double samples, double frames) {
   return estimate_cost({.pixels = pixels,
                         .samples_per_pixel = samples,
@@ -50,7 +50,7 @@ Cost papers_cost(const JobEstimate& e, double pixels, double samples, double fra
 struct Answer {
   JobEstimate estimate;
   RealTime real;
-  Cost ours, per_pixel;  // Eq. 23 for the job's own paths, and for S of every pixel
+  Cost ours, per_pixel;  // Eq. 23 for the job's own paths, and for S paths per pixel
   double samples = 0;    // S
 };
 

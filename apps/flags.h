@@ -115,7 +115,7 @@ class Flags {
       if (!group.empty()) option->group(group);
       if (const char* before = name_before(name)) add_old_name(name, before);
     }
-    // The flag by its old name, which the help text leaves out. Its callback comes after that of the new one.
+    // The flag with its old name; the help text leaves it out. Its callback is called after that of the new one.
     void add_old_name(const std::string& name, const std::string& before) {
       const auto keep = [&given = given, name, before](const std::string& text) {
         if (given.count(name)) throw CLI::ExcludesError(dashed(before), dashed(name));

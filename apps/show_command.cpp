@@ -59,20 +59,17 @@ std::vector<std::string> outputs_of(const std::string& output, const std::vector
   return paths;
 }
 
-int64_t states_of(const Hologram& hologram, const Slm& slm, const ShowParams& params,
-                  const std::vector<Viewpoint>& from, double wavelength) {
-  return int64_t(plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter).states.size());
+IlluminationPlan plan_of(const Hologram& hologram, const Viewing& v, double wavelength) {
+  return plan_illumination(v.slm, v.show, wavelength, hologram.image, v.from, hologram.filter);
 }
 
 // Memory for the light that leaves the panel, its propagation, and the sums of all views, for `sets` colours and names.
-void check_memory(const Hologram& hologram, const Slm& slm, const ShowParams& params,
-                  const PropagateParams& propagation, const std::vector<Viewpoint>& from, double wavelength,
-                  size_t sets) {
-  const IlluminationPlan plan = plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter);
-  const ViewingNeed need =
-      viewing_need(slm, params.subpixels, {wavelength}, hologram.image, propagation, from, widest_part(plan));
-  const double views = viewing_bytes(need.columns * need.rows, from.size(), double(sets), int64_t(plan.states.size()));
-  require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", from.size(),
+void check_memory(const Hologram& hologram, const Viewing& viewing, double wavelength, size_t sets) {
+  const IlluminationPlan plan = plan_of(hologram, viewing, wavelength);
+  const ViewingNeed need = viewing_need(viewing, {wavelength}, hologram.image, widest_part(plan));
+  const size_t count = viewing.from.size();
+  const double views = viewing_bytes(need.columns * need.rows, count, double(sets), int64_t(plan.states.size()));
+  require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", count,
                                                                 std::llround(need.columns), std::llround(need.rows)));
 }
 
@@ -135,15 +132,15 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
       Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
       complete(path, slm, params.wavelength, hologram);
       if (o->slm.empty()) slm.grid = hologram.grid;
+      const Viewing viewing{std::move(slm), params, propagation, from};
       const double wavelength = params.wavelength > 0 ? params.wavelength : hologram.wavelength;
-      if (kinds.emplace(wavelength, hologram.name).second)
-        check_memory(hologram, slm, params, propagation, from, wavelength, kinds.size());
+      if (kinds.emplace(wavelength, hologram.name).second) check_memory(hologram, viewing, wavelength, kinds.size());
       if (!repeat) {
-        const int64_t holograms = int64_t(o->inputs.size()),
-                      states = states_of(hologram, slm, params, from, wavelength);
+        const int64_t holograms = int64_t(o->inputs.size());
+        const int64_t states = int64_t(plan_of(hologram, viewing, wavelength).states.size());
         repeat.emplace(holograms, states, holograms * viewing_calls(states, from), report, watch);
       }
-      view_hologram(hologram, slm, params, propagation, from, *repeat, sums);
+      view_hologram(hologram, viewing, *repeat, sums);
     }
     const ViewSeries views = expose_series(from, sums, ViewKind::distance, camera);
     const ViewSeries sweep = expose_series(from, sums, ViewKind::sweep, camera);

@@ -108,14 +108,14 @@ TEST(Fft, UsesItsStoreForEachNewPlanAndKeepsTheWisdom) {
   const Fft<float> first(1155, FftDirection::forward), again(1155, FftDirection::forward);
   EXPECT_EQ(opened, 1);
   EXPECT_EQ(closed, 1);
-  // One transform out of place; how far the next one would lie makes it no other problem for FFTW, which knows its plan.
+  // One transform out of place; with one transform, a different distance is the same problem for FFTW, which has a plan.
   const FftBatch<float> batch(1155, {}, FftDirection::forward);
   EXPECT_EQ(opened, 2);
   const FftBatch<float> known(1155, {.input_distance = 7, .output_distance = 7}, FftDirection::forward);
   EXPECT_EQ(opened, 2);
   EXPECT_EQ(closed, 2);
   set_fft_wisdom_store({[] { return std::string(); }, [](const std::string&) {}});
-  EXPECT_NE(kept.find("fftwf_wisdom"), std::string::npos);  // both precisions
+  EXPECT_NE(kept.find("fftwf_wisdom"), std::string::npos);  // wisdom of both precisions
   EXPECT_NE(kept.find("fftw_wisdom"), std::string::npos);
 }
 

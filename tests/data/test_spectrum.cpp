@@ -85,6 +85,16 @@ TEST(ColourMatrix, WavelengthsTooCloseToDistinguishCountAsOne) {
   for (const Vec3 column : near) EXPECT_LT(length(column * 2 - one[0]), 1e-5);  // 1e-6, with a margin
 }
 
+// W·M is the identity: colours of two wavelengths show each at its own irradiance. Rows 1 nm apart have singular values
+// of a ratio of some 200, whose square times 2e-16 bounds the rounding.
+TEST(ColourMatrix, TellsWavelengthsApartThatDifferByANanometre) {
+  const std::vector<double> wavelengths{520e-9, 521e-9};
+  const std::vector<Vec3> columns = colour_matrix(wavelengths);
+  for (size_t n = 0; n < 2; ++n)
+    for (size_t k = 0; k < 2; ++k)
+      EXPECT_NEAR(dot(channel_weights(wavelengths[n]), columns[k]), n == k ? 1 : 0, 1e-11) << n << k;
+}
+
 TEST(ColourMatrix, RefusesNoWavelengthAndBadOnes) {
   EXPECT_THROW(colour_matrix({}), Error);
   EXPECT_THROW(colour_matrix({532e-9, 0}), Error);

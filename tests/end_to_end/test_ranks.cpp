@@ -48,7 +48,7 @@ pid_t process_of_rank(pid_t launcher, int rank) {
   return 0;
 }
 
-// A rank that sums in a wider cone than the others would make other bands.
+// A rank that sums in a wider cone than the others would make different bands.
 TEST(BandMessages, CarryAllThatASumDependsOn) {
   Sources set{.wavelength = 638e-9, .cone_wavelength = 450e-9};
   set.waves = {{{1e-3, 2e-3, -0.1}, 0.5F, 1.0F}};

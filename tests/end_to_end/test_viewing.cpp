@@ -59,7 +59,7 @@ TEST(Viewing, IsTheWeightedSumOverIlluminationStates) {
   const StageObserver watch;
   RepeatedStages repeat(1, 5, viewing_calls(5, from), report, watch);
   std::vector<CombinedViews> sums(from.size());
-  view_hologram(hologram, slm, params, {}, from, repeat, sums);
+  view_hologram(hologram, {slm, params, {}, from}, repeat, sums);
 
   for (size_t d = 0; d < 2; ++d) {
     std::vector<double> expected;
@@ -180,7 +180,9 @@ TEST(Viewing, AsManyIlluminationStatesAsTheViewsNeed) {
 TEST(Viewing, SamplesBeyondAnIntAreRefused) {
   const Slm slm{.name = "test", .grid = {40000000, 4, 8e-6}};
   EXPECT_EQ(
-      error_of([&] { viewing_need(slm, 64, {532e-9}, ImageSide::virtual_image, {}, viewpoints(CameraParams{})); }),
+      error_of([&] {
+        viewing_need({slm, {.subpixels = 64}, {}, viewpoints(CameraParams{})}, {532e-9}, ImageSide::virtual_image);
+      }),
       "expected at most 2147483647 samples a side, got 2560000000 × 256; use fewer subpixels");
 }
 

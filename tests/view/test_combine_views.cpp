@@ -90,13 +90,13 @@ TEST(SeenAt, IsTheRadianceOfOneWavelengthAndTheColourOfThree) {
 TEST(AxialReach, IsTheWholePanelFarAwayAndTheAcceptanceNearby) {
   Slm slm = make_panel(256, 192);
   slm.fill_factor = 1e-12;  // no roll-off: only areas matter
-  EXPECT_NEAR(axial_reach(slm, 532e-9, 10, {}, {}, {}), 1, 1e-9);
+  EXPECT_NEAR(axial_reach(slm, {532e-9}, 10, {}), 1, 1e-9);
   // At 10 mm the box's half side is 10 mm·tan(asin(λ/2p)), inside the panel's 1.024 and 0.768 mm.
   const double sine = 532e-9 / 16e-6, box = 0.01 * sine / std::sqrt(1 - sine * sine);
-  EXPECT_NEAR(axial_reach(slm, 532e-9, 0.01, {}, {}, {}), 4 * box * box / (slm.grid.width() * slm.grid.height()), 1e-9);
+  EXPECT_NEAR(axial_reach(slm, {532e-9}, 0.01, {}), 4 * box * box / (slm.grid.width() * slm.grid.height()), 1e-9);
   // Pixels without gaps pass ∫sinc² over the band |f| ≤ 1/2 per axis: 0.77369 of the light; small angles: 1e-3.
   slm.fill_factor = 1;
-  EXPECT_NEAR(axial_reach(slm, 532e-9, 0.01, {}, {}, {}) / (4 * box * box / (slm.grid.width() * slm.grid.height())),
+  EXPECT_NEAR(axial_reach(slm, {532e-9}, 0.01, {}) / (4 * box * box / (slm.grid.width() * slm.grid.height())),
               std::pow(0.7736950, 2), 1e-3);
 }
 
@@ -106,12 +106,12 @@ TEST(AxialReach, OfARealImageIsThatOfTheLightThatPassesThePupil) {
   const Slm slm{.name = "test", .grid = {1920, 1080, 8e-6}};
   const ImageSide real = ImageSide::real_image;
   CameraParams camera;
-  const double all = axial_reach(slm, 532e-9, 0.15, real, camera, {});
+  const double all = axial_reach(slm, {532e-9, real}, 0.15, camera);
   EXPECT_LT(all, 0.9);  // not the whole panel: a pupil as for a virtual image would change it
   camera.pupil = 20e-3;
   camera.eye = {0, 0, 0.3};
-  EXPECT_EQ(axial_reach(slm, 532e-9, 0.15, real, camera, {}), all);
-  EXPECT_GT(axial_reach(slm, 532e-9, 0.15, ImageSide::virtual_image, camera, {}), all);
+  EXPECT_EQ(axial_reach(slm, {532e-9, real}, 0.15, camera), all);
+  EXPECT_GT(axial_reach(slm, {532e-9}, 0.15, camera), all);
 }
 
 // Developed speckle: random plane waves over the whole band; each frame has other phases.

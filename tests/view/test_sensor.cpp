@@ -15,7 +15,7 @@ TEST(Sensor, APixelIsReadFromAsManySamplesAsItsIrradianceNeeds) {
     CameraParams camera;
     camera.pixel = pixel;
     camera.width = camera.height = 8 * pixel;
-    return sensor_of(slm.grid, slm, test_wavelength, -0.3, {}, camera).samples;
+    return sensor_of({slm.grid, test_wavelength}, slm, -0.3, {}, camera).samples;
   };
   EXPECT_EQ(samples_of(0.33 * resolved), 1);
   EXPECT_EQ(samples_of(0.34 * resolved), 2);
@@ -32,12 +32,10 @@ TEST(Sensor, MemoryOfAnExtendedSourceCountsAllThatIsThereAtOnce) {
   CameraParams camera;
   const SourcePart source{.angle = 0.02};  // 6 mm at 0.3 m: the blur is far larger than the panel
   const double z = 0.3;
-  const Sensor sensor = sensor_of(slm.grid, slm, test_wavelength, -z, {}, camera, z * source.reach());
+  const Sensor sensor = sensor_of({slm.grid, test_wavelength}, slm, -z, {}, camera, z * source.reach());
   const double side = 2.0 * sensor.blur + 1, window = double(sensor.window.columns) * sensor.window.rows;
   EXPECT_GE(sensor.blur * sensor.window.pitch, 3e-3);  // half of it, in samples
-  const auto bytes = [&] {
-    return looking_bytes(slm.grid, slm, test_wavelength, z, ImageSide::virtual_image, {}, camera, source);
-  };
+  const auto bytes = [&] { return looking_bytes({slm.grid, test_wavelength}, slm, z, {}, camera, source); };
   const double reading = (8 + 4) * window + 4 * side * side + (2 * 8 + 4) * window + 4 * 64 * 64;
   EXPECT_GE(bytes(), reading);
   EXPECT_LT(bytes(), 1.5 * reading);  // transforms have lengths without large prime factors

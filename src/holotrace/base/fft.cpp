@@ -21,7 +21,7 @@ namespace {
 std::mutex planner;
 std::optional<FftWisdomStore> store;
 
-// What the planner may do: time candidates, or take a plan that it knows and make none where it knows none.
+// What the planner may do: time candidates, or only use a plan that it knows.
 enum class Planning { measured, known };
 
 unsigned flags(bool aligned, Planning planning) {
@@ -115,7 +115,7 @@ const void* shared_plan(int length, FftDirection direction, bool aligned) {
   const std::lock_guard lock(planner);
   PlanOf<Real>& plan = plans[{length, direction, aligned}];
   if (!plan) {
-    AlignedVector<std::complex<Real>> scratch(static_cast<size_t>(length));  // measuring overwrites it
+    AlignedVector<std::complex<Real>> scratch(static_cast<size_t>(length));  // measuring overwrites its array
     plan = with_store(
         [&](Planning planning) { return Fftw<Real>::make(length, scratch.data(), direction, aligned, planning); });
   }

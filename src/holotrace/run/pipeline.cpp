@@ -109,6 +109,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
                         watch);
   std::vector<CombinedViews> sums(b.viewpoints.size(),
                                   CombinedViews(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths));
+  const Viewing viewing{job.slm, job.show, job.propagate, b.viewpoints};
   double power_on_panel = 0;  // for the brightest hologram [W]; irradiances are relative to it
   for (int frame = 0; frame < job.trace.frames; ++frame) {
     std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) {
@@ -118,8 +119,7 @@ Boxes run(const Job& job, const StageObserver& watch) {
       b.holograms.push_back(repeat("encode", [&](const Observer& o) {
         return encode(fields[i], job.slm, encoding, light.is_dark(i) ? Observer{} : o);  // tracing has warned already
       }));
-      const double power =
-          view_hologram(b.holograms.back(), job.slm, job.show, job.propagate, b.viewpoints, repeat, sums);
+      const double power = view_hologram(b.holograms.back(), viewing, repeat, sums);
       if (b.holograms.size() == 1) power_on_panel = power;
     }
     if (frame == 0) b.fields = group_by_name(std::move(fields));

@@ -62,9 +62,9 @@ void add_weighted(const Image& view, double weight, Image& sum) {
 
 }  // namespace
 
-double view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& params,
-                     const PropagateParams& propagation, const std::vector<Viewpoint>& from, RepeatedStages& repeat,
+double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedStages& repeat,
                      std::vector<CombinedViews>& sums) {
+  const auto& [slm, params, propagation, from] = viewing;
   const double wavelength = params.wavelength > 0 ? params.wavelength : hologram.wavelength;
   const bool is_first = !repeat.has_run("show");
   const IlluminationPlan plan = plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter);
@@ -72,23 +72,23 @@ double view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams&
   const std::string doubt = doubt_of(plan, params);
   const auto add = [&](size_t i, const Image& view) {
     sums[i].add(wavelength, hologram.name, hologram.illumination, view,
-                axial_reach(slm, wavelength, from[i].distance, hologram.image, from[i].camera, hologram.filter,
-                            hologram.cone_wavelength));
+                axial_reach(viewing.slm, {wavelength, hologram.image, hologram.filter, hologram.cone_wavelength},
+                            viewing.from[i].distance, viewing.from[i].camera));
   };
   std::vector<Image> mixed(all.size() > 1 ? from.size() : 0);
   OrderShares shares;
   double power_on_panel = 0;
   for (const IlluminationState& state : all) {
     const Field shown = repeat("show", [&](const Observer& o) {
-      ShownField at_moment = show_moment(hologram, slm, params, state, o);
-      if (&state == all.data()) power_on_panel = at_moment.power_in;
+      ShownField at_state = show_state(hologram, slm, params, state, o);
+      if (&state == all.data()) power_on_panel = at_state.power_in;
       if (!plan.why.empty()) {
         o.fact("illumination_states", all.size());
         o.fact("illumination_states_why", plan.why);
       }
       if (!doubt.empty()) o.warn(doubt);
-      if (is_first) shares.add(at_moment.field, slm.grid.pitch, at_moment.power_in, state.weight);
-      return std::move(at_moment.field);
+      if (is_first) shares.add(at_state.field, slm.grid.pitch, at_state.power_in, state.weight);
+      return std::move(at_state.field);
     });
     for (const Span span : stages_of(from))
       repeat(from[span.begin].stage, [&](const Observer& o) {
@@ -116,11 +116,12 @@ int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from) {
   return states * int64_t(1 + stages_of(from).size());
 }
 
-ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double>& wavelengths, ImageSide image,
-                         const PropagateParams& propagation, const std::vector<Viewpoint>& from,
+ViewingNeed viewing_need(const Viewing& viewing, const std::vector<double>& wavelengths, ImageSide image,
                          const SourcePart& source) {
+  const int subpixels = viewing.show.subpixels;
+  const std::vector<Viewpoint>& from = viewing.from;
   require(subpixels >= 1, "expected at least 1 sample per pixel, got {}", subpixels);
-  const Grid& panel = slm.grid;
+  const Grid& panel = viewing.slm.grid;
   const double n = subpixels, pixels = double(panel.pixels());
   const int64_t columns = int64_t(panel.nx) * subpixels, rows = int64_t(panel.ny) * subpixels;
   constexpr int64_t most = std::numeric_limits<int>::max();
@@ -139,8 +140,8 @@ ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double
   need.passing = 8 * pixels * n;
   for (const double wavelength : wavelengths)
     for (const Viewpoint& view : from)
-      need.passing = std::max(need.passing, looking_bytes(sampled, slm, wavelength, view.distance, image, propagation,
-                                                          view.camera, source));
+      need.passing = std::max(need.passing, looking_bytes({sampled, wavelength, image}, viewing.slm, view.distance,
+                                                          viewing.propagation, view.camera, source));
   return need;
 }
 

@@ -17,6 +17,14 @@
 
 namespace holotrace {
 
+/// Where and how holograms are viewed.
+struct Viewing {
+  Slm slm;  ///< panel with all of its effects; `show` says which are on
+  ShowParams show;
+  PropagateParams propagation;
+  std::vector<Viewpoint> from;
+};
+
 /// Adds the camera's view of a hologram from each viewpoint to the sums. The views are averaged over the illumination
 /// states of the light and the panel (illumination_plan.h), whose light does not interfere,
 ///
@@ -26,16 +34,13 @@ namespace holotrace {
 /// one state, one irradiance per viewpoint.
 ///
 /// Stages: "show" for each state (facts `illumination_states`; `illumination_states_why` for partly coherent light),
-/// and one for each stage
-/// of the viewpoints (viewing_calls). With an odd number of samples per pixel above 1, the first hologram's "show"
+/// and one for each stage of the viewpoints (viewing_calls). With an odd number of samples per pixel above 1, the first hologram's "show"
 /// reports the fraction of the light on the panel in each order (i, j), averaged over illumination states, as facts
 /// "order_efficiency i,j", whose sum is `efficiency`.
-/// @param slm   panel with all of its effects; `show` says which are on
 /// @param sums  one per viewpoint
 /// @return      power on the panel at the first illumination state [W]
 /// @throws Error  as illumination states, show, look and CombinedViews::add do
-double view_hologram(const Hologram& hologram, const Slm& slm, const ShowParams& show,
-                     const PropagateParams& propagation, const std::vector<Viewpoint>& from, RepeatedStages& repeat,
+double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedStages& repeat,
                      std::vector<CombinedViews>& sums);
 
 /// Number of stages that view_hologram runs for a hologram with so many illumination states.
@@ -48,9 +53,9 @@ struct ViewingNeed {
   double shown = 0;              ///< bytes of the field that leaves the panel
   double passing = 0;            ///< bytes that its transform, or the propagation to a sensor, needs in addition
 };
-/// @throws Error  for less than 1 sample per pixel, and as magnification and looking_bytes do
-ViewingNeed viewing_need(const Slm& slm, int subpixels, const std::vector<double>& wavelengths, ImageSide image,
-                         const PropagateParams& propagation, const std::vector<Viewpoint>& from,
+/// @param wavelengths  of the holograms [m]
+/// @throws Error       for less than 1 sample per pixel, and as magnification and looking_bytes do
+ViewingNeed viewing_need(const Viewing& viewing, const std::vector<double>& wavelengths, ImageSide image,
                          const SourcePart& source = {});
 
 /// Bytes of the sums and irradiances of `sets` kinds of holograms, seen by a sensor of that many pixels, and of the

@@ -176,8 +176,8 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   check_eye(with_lens);
   const double m = magnification(with_lens, distance, shown.image), z = plane_of(distance, shown.image);
   const CameraParams camera = in_object_plane(with_lens, m);
-  const Sensor sensor =
-      sensor_of(shown.grid, slm, shown.wavelength, z, propagation, camera, std::abs(z) * source.reach(), observer);
+  const Sensor sensor = sensor_of({shown.grid, shown.wavelength, shown.image}, slm, z, propagation, camera,
+                                  std::abs(z) * source.reach(), observer);
   const auto sensed = [&](const Field& field) { return read_sensor(field, sensor, source, z, m, observer); };
   const auto stopped = [&](double over, const PropagateParams& window) {
     return shown.filter ? propagate(apply_order_stop(shown, *shown.filter, observer), over, window, observer)
@@ -195,11 +195,12 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   return sensed(propagate(in_pupil, z - camera.eye.z, from_pupil(sensor.window, shown.grid), observer));
 }
 
-double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance, ImageSide image,
-                     const PropagateParams& propagation, const CameraParams& with_lens, const SourcePart& source) {
-  const double z = plane_of(distance, image);
-  const CameraParams camera = in_object_plane(with_lens, magnification(with_lens, distance, image));
-  const Sensor read = sensor_of(shown, slm, wavelength, z, propagation, camera, std::abs(z) * source.reach());
+double looking_bytes(const FieldShape& field, const Slm& slm, double distance, const PropagateParams& propagation,
+                     const CameraParams& with_lens, const SourcePart& source) {
+  const double z = plane_of(distance, field.image), wavelength = field.wavelength;
+  const Grid& shown = field.grid;
+  const CameraParams camera = in_object_plane(with_lens, magnification(with_lens, distance, field.image));
+  const Sensor read = sensor_of(field, slm, z, propagation, camera, std::abs(z) * source.reach());
   const PropagateParams& window = read.window;
   const Grid sensor = propagation_output(shown, window);
   constexpr double complex_bytes = sizeof(std::complex<float>), real_bytes = sizeof(float);
@@ -226,22 +227,22 @@ double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, doubl
                    in_pupil + bytes_over(*pupil, z - camera.eye.z, from_pupil(window, shown)), in_pupil + reading});
 }
 
-double axial_reach(const Slm& slm, double wavelength, double distance, ImageSide image, const CameraParams& camera,
-                   const std::optional<SpectralFilter>& filter, double cone_wavelength) {
+double axial_reach(const Slm& slm, const HologramLight& light, double distance, const CameraParams& camera) {
   if (distance <= 0) return 1;
+  const auto& [wavelength, image, filter, cone_wavelength] = light;
   // The pupil's shadow on the panel, as seen from the point behind or in front of the panel.
   const double z = image == ImageSide::real_image ? std::abs(camera.eye.z - distance) : distance + camera.eye.z;
   const double seen = camera.pupil > 0 && z > 0 ? camera.pupil * distance / z : std::numeric_limits<double>::infinity();
   const double pitch = slm.grid.pitch;
+  const double lambda = wavelength, cone = (cone_wavelength > 0 ? cone_wavelength : wavelength) / (2 * pitch);
   const auto along = [&](double side, double lit, double half_band, double carrier) {
-    const double cone = (cone_wavelength > 0 ? cone_wavelength : wavelength) / (2 * pitch);
-    const double sine = std::min({wavelength * half_band, cone, 1.0});
+    const double sine = std::min({lambda * half_band, cone, 1.0});
     const double box = sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
     const double half = std::min(side / 2, box);
     constexpr int steps = 200;  // Simpson's rule on less than one lobe of sinc²: to 1e-9
     double sum = 0;
     for (int i = 0; i <= steps; ++i) {
-      const double x = half * (2.0 * i / steps - 1), u = x / (wavelength * std::hypot(x, distance));
+      const double x = half * (2.0 * i / steps - 1), u = x / (lambda * std::hypot(x, distance));
       const double a = pi * lit * pitch * (u + carrier), s = a == 0 ? 1 : std::sin(a) / a;
       sum += s * s * (i == 0 || i == steps ? 1 : i % 2 ? 4 : 2);
     }

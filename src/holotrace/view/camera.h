@@ -11,6 +11,7 @@
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/data/source_part.h"
+#include "holotrace/view/sensor.h"
 
 namespace holotrace {
 
@@ -53,11 +54,19 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
 double magnification(const CameraParams& camera, double distance, ImageSide image);
 
 /// Bytes that look needs beside the shown field, mostly for its propagation. For checks before a job begins.
-double looking_bytes(const Grid& shown, const Slm& slm, double wavelength, double distance, ImageSide image,
-                     const PropagateParams& propagation, const CameraParams& camera, const SourcePart& source = {});
+double looking_bytes(const FieldShape& shown, const Slm& slm, double distance, const PropagateParams& propagation,
+                     const CameraParams& camera, const SourcePart& source = {});
 
 /// @throws Error  unless the pupil is 0 m (none) or more and, with a pupil, the eye is not behind the panel
 void check_eye(const CameraParams& camera);
+
+/// The light of a hologram, as far as axial_reach depends on it.
+struct HologramLight {
+  double wavelength = 0;  ///< [m]
+  ImageSide image = ImageSide::virtual_image;
+  std::optional<SpectralFilter> filter{};  ///< stop of the encoder
+  double cone_wavelength = 0;              ///< acceptance wavelength of its waves [m]; 0: its own
+};
 
 /// Fraction of the light of a point on the axis at `distance` that a panel accepts and sends on in order 0. A white
 /// surface there appears brighter by this factor.
@@ -68,8 +77,7 @@ void check_eye(const CameraParams& camera);
 /// below 1/2p, or below the half width of the encoder's stop (centred at u₀), and from which light reaches the camera's
 /// pupil. Waves that keep to the cone of another wavelength (Sources::cone_wavelength; 0: their own) end at
 /// 1/2p·cone_wavelength/λ. The result is in [0, 1]; it is 1 at a distance of 0 m, where it has no meaning.
-double axial_reach(const Slm& slm, double wavelength, double distance, ImageSide image, const CameraParams& camera,
-                   const std::optional<SpectralFilter>& filter, double cone_wavelength = 0);
+double axial_reach(const Slm& slm, const HologramLight& light, double distance, const CameraParams& camera);
 
 /// The irradiance shown as white in all the views: the exposure given, or that of the brightest view.
 double common_white(const std::vector<Image>& views, double exposure);

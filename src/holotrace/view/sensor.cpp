@@ -81,8 +81,9 @@ PropagateParams window_of(const Grid& pixels, int n, int rim, PropagateParams pr
   return propagation;
 }
 
-Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z, const PropagateParams& propagation,
+Sensor sensor_of(const FieldShape& shown, const Slm& slm, double z, const PropagateParams& propagation,
                  const CameraParams& camera, double blur, const Observer& observer) {
+  const Grid& samples = shown.grid;
   const bool has_window =
       camera.width != 0 || camera.height != 0 || camera.pixel != 0 || camera.centre_x != 0 || camera.centre_y != 0;
   require(!has_window || (propagation.columns == 0 && propagation.rows == 0 && propagation.pitch == 0 &&
@@ -94,19 +95,20 @@ Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z,
   if (camera.pixel != 0) {
     sensor.pixels = pixels_of_side(slm, camera);
   } else {
-    if (given == 0) given = std::max(1, int(std::lround(slm.grid.pitch / shown.pitch)));
+    if (given == 0) given = std::max(1, int(std::lround(slm.grid.pitch / samples.pitch)));
     PropagateParams window = propagation;
     if (has_window) {
-      window.columns = window_samples(camera.width, shown.pitch, shown.nx);
-      window.rows = window_samples(camera.height, shown.pitch, shown.ny);
+      window.columns = window_samples(camera.width, samples.pitch, samples.nx);
+      window.rows = window_samples(camera.height, samples.pitch, samples.ny);
       window.centre_x = camera.centre_x;
       window.centre_y = camera.centre_y;
     }
-    sensor.pixels = pixels_of(propagation_output(shown, window), given, observer);
+    sensor.pixels = pixels_of(propagation_output(samples, window), given, observer);
   }
   sensor.is_integrated = camera.sampling == PixelSampling::integrate;
-  const int least =
-      sensor.is_integrated ? samples_per_pixel(shown, sensor.pixels.pitch, wavelength, z, camera, propagation) : 1;
+  const int least = sensor.is_integrated
+                        ? samples_per_pixel(samples, sensor.pixels.pitch, shown.wavelength, z, camera, propagation)
+                        : 1;
   sensor.samples = std::max(given, least);
   const double blurred = std::ceil(blur / sensor.pixels.pitch * sensor.samples);
   require(blurred < 1e9, "expected a source whose image on the sensor is less than 1e9 samples wide, got {:.3g}",

@@ -1,12 +1,20 @@
 #pragma once
 
 #include "holotrace/base/observer.h"
+#include "holotrace/data/field.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/slm.h"
 
 namespace holotrace {
+
+/// The properties of a field in front of a camera on which the samples of a sensor depend.
+struct FieldShape {
+  Grid grid;
+  double wavelength = 0;  ///< [m]
+  ImageSide image = ImageSide::virtual_image;
+};
 
 /// The pixels of a sensor, and the samples of the field from which each pixel is computed.
 struct Sensor {
@@ -31,7 +39,7 @@ struct Sensor {
 /// @param blur     reach of a blur of the irradiance [m]; light up to this distance beyond the pixels counts
 /// @throws Error   for a size, a pixel or a binning below 0, a sensor smaller than a sample or a pixel, and a window
 ///                 given twice (by the camera and by the propagation)
-Sensor sensor_of(const Grid& shown, const Slm& slm, double wavelength, double z, const PropagateParams& propagation,
+Sensor sensor_of(const FieldShape& shown, const Slm& slm, double z, const PropagateParams& propagation,
                  const CameraParams& camera, double blur = 0, const Observer& observer = {});
 
 /// The pixels of n × n samples each on a grid. If the grid does not divide evenly, equally many samples are left out at

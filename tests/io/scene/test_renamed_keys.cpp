@@ -9,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// A scene with these tables; its first line is the wavelength.
+// A scene with these tables after a first line with the wavelength.
 std::string scene(const std::string& tables) {
   return "wavelength = \"532 nm\"\n" + tables +
          "[[object]]\ntype = \"wireframe_cube\"\nsize = \"5 mm\"\npoints_per_edge = 2\nposition = \"0 0 -300 mm\"\n";

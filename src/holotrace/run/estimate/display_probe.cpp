@@ -19,7 +19,7 @@ namespace {
 
 constexpr int few_states = 2;
 
-// A part of each map and list that the panel's own effects have for all of its pixels.
+// Reduces the panel's own maps and lists, which are for all of its pixels.
 void shrink_effects(Slm& slm) {
   slm.effects.dead_pixels.clear();
   if (slm.effects.phase_map) slm.effects.phase_map = std::make_shared<Array2D<float>>(slm.grid.ny, slm.grid.nx);
@@ -29,7 +29,7 @@ bool is_before_encoding(const std::string& stage) {
   return stage == "scene" || stage == "trace" || stage == "synthesize" || stage.starts_with("render");
 }
 
-// The same with other transfer functions: those of a run are kept for the next, but that of the job has none yet.
+// The same job with other distances: transfer functions of a run are kept, but a real run has none yet.
 Job at_other_distances(Job job, double factor) {
   for (double& distance : job.camera.distances) distance *= factor;
   for (double& distance : job.encode.target_distances) distance *= factor;
@@ -44,7 +44,7 @@ std::vector<StageReport> stages_after_sum(const Job& job) {
   return stages;
 }
 
-// By place: views are named by their distances.
+// Seconds by position: views are named by their distances, which differ.
 double seconds_of(const std::vector<StageReport>& stages, size_t place, double otherwise) {
   return place < stages.size() ? stages[place].seconds : otherwise;
 }
@@ -53,7 +53,7 @@ double seconds_of(const std::vector<StageReport>& stages, size_t place, double o
 
 Job on_small_panel(const Job& job, double side) {
   Job small = job;
-  // Shorter distances need fewer wavelengths of a spectrum. A source needs as many parts at any scale, and flicker, too.
+  // Shorter distances need fewer wavelengths of a spectrum. A source and flicker need the same number at every scale.
   if (job.show.illumination_states == 0 && job.show.bandwidth > 0)
     small.show.illumination_states = int(plan_illumination(job.slm, job.show, job.wavelengths.front(), job.encode.image,
                                                            viewpoints(job.camera, job.render))
@@ -107,7 +107,7 @@ double DisplayProbe::first_part() const { return smallest_part(job.slm.grid); }
 
 ProbeResult DisplayProbe::run(double part) {
   ProbeResult result;
-  // What does not fit the small panel may fit a larger one, and that is tried once.
+  // A job that does not fit the small panel may fit a larger one; this is tried once.
   const auto attempt = [&](double of_panel) {
     try {
       result.predicted = predict(of_panel);
@@ -134,7 +134,7 @@ double DisplayProbe::predict(double part) {
   if (has_many) small.show.illumination_states = few_states;
   const double scale = transform_work(job.slm.grid) / transform_work(small.slm.grid);
   const double times = holograms / double(job.wavelengths.size());
-  holotrace::run(at_other_distances(small, 0.999));  // plans transforms
+  holotrace::run(at_other_distances(small, 0.999));  // plans the transforms
   const std::vector<StageReport> one = stages_after_sum(small);
   std::vector<StageReport> two, longer, brighter;
   if (times > 1) {
@@ -152,7 +152,7 @@ double DisplayProbe::predict(double part) {
     again.show.illumination_states = 2 * few_states;
     brighter = stages_after_sum(at_other_distances(again, 1.003));
   }
-  // Views are named by their distance.
+  // Views are named by their distances.
   std::map<std::string, std::string> names;
   const auto from = viewpoints(job.camera, job.render), small_from = viewpoints(small.camera, small.render);
   for (size_t i = 0; i < from.size(); ++i) names[small_from[i].stage] = from[i].stage;

@@ -9,30 +9,32 @@
 
 namespace holotrace {
 
-/// The job in the small: a panel of `side` times the columns and rows, of the same pixels, before which all lengths of
-/// the camera, of targets and of the light are as much shorter. Transforms, windows and their sampling conditions are
-/// the job's own at that size, and it has as many illumination states as the job where a spectrum needs them. Its scene is one luminous point, which lights all of the panel.
+/// The job at a smaller scale: a panel of `side` times the columns and rows, with the same pixels. All lengths of
+/// the camera, of targets and of the light are reduced by the same factor. Transforms, windows and their sampling
+/// conditions are the job's at that size. It has as many illumination states as the job if a spectrum needs them.
+/// Its scene is one luminous point, which lights all of the panel.
 Job on_small_panel(const Job& job, double side);
 
-/// What the stages after the sum should take, from a run of the job in the small: one frame; where there are more
-/// holograms two, too, which tells what is done once from what every hologram takes; encoders that iterate for a few
-/// iterations; and light of many illumination states at two and at four of them. Scaled by pixels, and with them the logarithm that transforms have.
+/// Predicts the stages after the sum from a run of the small job: one frame and, if there are more
+/// holograms, also two, which separates the cost per run from the cost per hologram. Iterative encoders run a few
+/// iterations, and light of many illumination states is probed at two and at four of them. The times are scaled by
+/// pixels, times the logarithm for transforms.
 struct DisplayProbe {
   explicit DisplayProbe(const Job& job) : job(job) {}
 
-  /// Of the panel's pixels. A panel on which the job cannot be run is followed by one of four times as many, once.
+  /// `part` is a fraction of the panel's pixels. If the job cannot run on it, four times as many are tried once.
   ProbeResult run(double part);
-  double predict(double part);  ///< seconds of all stages; sets `stages`; throws Error where the job cannot be run
+  double predict(double part);  ///< seconds of all stages; sets `stages`; throws Error if the job cannot be run
   double first_part() const;
 
   Job job;
-  double holograms = 1;             ///< of the whole job
-  std::vector<StageReport> stages;  ///< after the sum, with the seconds that they should take, named as the job's
-  std::string why_none;             ///< why they cannot be run, if so
+  double holograms = 1;             ///< number in the whole job
+  std::vector<StageReport> stages;  ///< stages after the sum with predicted seconds, named as the job's
+  std::string why_none;             ///< why they cannot be run, if they cannot
 
  private:
-  double part_ = 0;              // of the last probe that could be run
-  std::vector<double> of_part_;  // and what it alone predicted for each stage
+  double part_ = 0;              // part of the last probe that could be run
+  std::vector<double> of_part_;  // and its own prediction for each stage
 };
 
 }  // namespace holotrace

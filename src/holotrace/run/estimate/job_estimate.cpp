@@ -25,13 +25,13 @@
 namespace holotrace {
 namespace {
 
-constexpr double share_of_job = 0.06;  // that probes may take; what is made once is beside it
-constexpr double long_enough = 0.4;    // seconds of a probe
+constexpr double share_of_job = 0.06;  // share that probes may take, without one-time work
+constexpr double long_enough = 0.4;    // long enough for a probe [s]
 
 int render_columns(const RenderParams& params) { return params.columns > 0 ? params.columns : params.rows; }
 double render_pixels(const RenderParams& params) { return double(params.rows) * render_columns(params); }
 
-// Fewer rows and columns of the render; the scene is made ready as for tracing.
+// Renders fewer rows and columns; the scene is prepared as for tracing.
 ProbeResult probe_render(const Job& job, const RenderParams& params, double prepare_seconds, double part) {
   RenderParams some = params;
   const double side = std::sqrt(part);
@@ -55,7 +55,7 @@ void add_trace(const Job& job, const TraceProbe& probe, JobEstimate& e) {
   e.accelerator = job.trace.accelerator == Acceleration::grid ? "grid" : "Embree";
 }
 
-// All waves of the job, from those of the probe.
+// All waves of the job, extrapolated from those of the probe.
 std::vector<Sources> all_waves(const Job& job, const TraceProbe& probe) {
   const size_t points = job.scene.points.size();
   double tangent = 2 * std::tan(job.trace.field_of_view);
@@ -75,7 +75,7 @@ void require_light(const TraceProbe& probe) {
   require(has_waves || probe.light.sources.empty(), "expected light from the scene, the probe found none");
 }
 
-// A raster so coarse that it misses all of a scene is made finer before anything goes by it; the part of the rays then.
+// If a coarse raster misses the whole scene, it is refined before anything is measured. Returns the part of the rays.
 double find_light(TraceProbe& probe) {
   const auto is_dark = [&] {
     return std::all_of(probe.light.sources.begin(), probe.light.sources.end(),
@@ -84,13 +84,13 @@ double find_light(TraceProbe& probe) {
   double part = probe.first_part();
   probe.run(part);
   while (!probe.light.sources.empty() && is_dark() && part < 1) probe.run(part = std::min(1.0, 4 * part));
-  // What grows with the rays has to show beside what does not.
+  // The time that grows with the rays must be visible beside the constant time.
   while (part < 1 && probe.has_rays() && probe.seconds < 2 * probe.prepare_seconds)
     probe.run(part = std::min(1.0, 4 * part));
   return part;
 }
 
-// Triangles are summed on a part of the panel; gathered fields are there already and are copied.
+// Triangles are summed on a part of the panel; gathered fields exist already and are copied.
 ProbeResult probe_other_sum(const Job& job, const SceneLight& light, double part) {
   Grid panel = light.gathered.empty() ? job.slm.grid : light.gathered.front().front().grid;
   if (!light.gathered.empty()) part = 1;
@@ -130,7 +130,7 @@ JobEstimate estimate_job(const Job& job) {
     DisplayProbe display(job);
     display.holograms = e.holograms();
     SynthesisProbe sum(job, all_waves(job, trace));
-    const SceneLight other = trace.light;  // of triangles; gathered fields are there already
+    const SceneLight other = trace.light;  // of triangles; gathered fields exist already
     const auto times = [](double factor, ProbeResult result) {
       return ProbeResult{result.seconds, factor * result.predicted, result.next};
     };
@@ -173,7 +173,7 @@ void measure_other_accelerator(const Job& job, JobEstimate& e) {
     e.grid_cells_per_ray = cost.cells;
     e.grid_tests_per_ray = cost.tests;
     e.grid_seconds_per_ray = cost.seconds;
-  } catch (const Error& error) {  // the job does not ask for it: no reason to refuse the rest
+  } catch (const Error& error) {  // the job does not use it: no reason to reject the rest
     e.why_no_other = error.what();
   } catch (const std::bad_alloc&) {
     e.why_no_other = "there is not enough memory";

@@ -9,50 +9,52 @@
 
 namespace holotrace {
 
-/// Pixels of a panel on which a job is tried: on less, work is over before threads are up.
+/// Fewest pixels of a panel on which a job is tried: with fewer, the work takes less time than starting the threads.
 constexpr double fewest_pixels = 1 << 14;
 
-/// The part of a panel that is tried first.
+/// The fraction of a panel that is tried first.
 inline double smallest_part(const Grid& panel) {
   return std::min(1.0, std::max(1.0 / 64, fewest_pixels / double(panel.pixels())));
 }
 
-/// Columns or rows of a smaller panel: about `side` times as many, and of small factors where the panel's are, for
-/// transforms of other lengths take several times as long.
+/// Columns or rows of a smaller panel: about `side` times as many, with small prime factors if the panel's have them,
+/// because transforms of other lengths take several times as long.
 inline int fewer_pixels(int count, double side) {
   const int fewer = std::max(2, int(std::lround(count * side)));
   return fft_good_length(count) == count ? std::min(count, fft_good_length(fewer)) : fewer;
 }
 
-/// What transforms of a panel's pixels take, but for a factor: P·log₂P.
+/// Work of transforms of a panel's pixels, up to a factor: P·log₂P.
 inline double transform_work(const Grid& grid) {
   const double pixels = double(grid.pixels());
   return pixels * std::log2(std::max(2.0, pixels));
 }
 
-/// Transforms that carry the slices of some sets to the panel: one for each slice, and one back for each set that has any.
+/// Number of transforms that propagate the slices of some sets to the panel: one for each slice, and one back for each
+/// set with slices.
 inline double transforms_of(const std::vector<double>& slices) {
   double transforms = 0;
   for (const double count : slices) transforms += count > 0 ? count + 1 : 0;
   return transforms;
 }
 
-/// Seconds of `all` illumination states, from those of `few` and of twice as many: each takes the same, beside what is done once.
+/// Seconds of `all` illumination states, from those of `few` and of twice as many. Every state takes the same time, in
+/// addition to work that is done once.
 inline double seconds_of_states(double all, double few, double of_few, double of_twice) {
   return of_few + (all - few) * std::clamp(of_twice - of_few, 0.0, of_few) / few;
 }
 
-/// What a probe of a part predicted for the whole.
+/// The prediction for the whole from a probe of a part.
 struct PartPrediction {
   double part = 0, seconds = 0;
 };
 
-/// The prediction of a probe, with what an earlier one of a smaller part tells: work that takes t = a + b·part has an
-/// overhead a that the small part pays as well, so that it predicts too much,
+/// The prediction of a probe, corrected by an earlier probe of a smaller part. Work that takes t = a + b·part has an
+/// overhead a that a small part has too, so that it predicts too much:
 ///
 ///     t(1) = t₂ + (t₂ − t₁)/(p₂ − p₁)·(1 − p₂),   tᵢ = pᵢ·predictionᵢ
 ///
-/// within half of the later prediction and the whole of it: beyond that it is noise.
+/// limited to between half of the later prediction and all of it; beyond that it is noise.
 inline double without_overhead(const PartPrediction& earlier, const PartPrediction& later) {
   if (!(earlier.part > 0 && earlier.part < later.part)) return later.seconds;
   const double t1 = earlier.part * earlier.seconds, t2 = later.part * later.seconds;

@@ -12,7 +12,7 @@
 namespace holotrace {
 namespace {
 
-// Copies `copies[i]` times wave i, with a displacement for all but the first.
+// Repeats wave i `copies[i]` times, displaced except for the first.
 Sources repeat(const Sources& from, const std::vector<size_t>& copies, double spacing) {
   Sources to = from;
   to.waves.clear();
@@ -97,12 +97,12 @@ SynthesisProbe::SynthesisProbe(const Job& whole, std::vector<Sources> all) : job
     planning +=
         median_seconds(1, [&] { sum = forecast_sum(set, job.slm.grid, params.tolerance, approach_of(params.method)); });
     forecast += sum.seconds;
-    method = sum.method.empty() ? method_name(SynthesisMethod::exact) : sum.method;  // what no plan meets
+    method = sum.method.empty() ? method_name(SynthesisMethod::exact) : sum.method;  // if no plan meets it
   }
 }
 
-// Ways that the cost model does not know may take 20 ns per wave and pixel: 2e6 of them take some 40 ms, and larger parts
-// follow where there is time.
+// Methods unknown to the cost model may take 20 ns per wave and pixel: 2e6 of them take some 40 ms. Larger parts
+// follow if there is time.
 double SynthesisProbe::first_part() const {
   if (job.synthesize.method == SynthesisMethod::layers) return smallest_part(job.slm.grid);
   if (forecast > 0) return std::clamp(1e8 / std::max(1.0, waves_pixels), 1e-4, 1.0);
@@ -110,11 +110,11 @@ double SynthesisProbe::first_part() const {
 }
 
 ProbeResult SynthesisProbe::run(double part) {
-  // The longest set stands for all.
+  // The longest set represents all.
   const auto set = std::max_element(sets.begin(), sets.end(),
                                     [](const Sources& a, const Sources& b) { return a.waves.size() < b.waves.size(); });
-  // At first the kept rates of the machine alone: making the plan is what takes time in a small sum. The next probe
-  // makes it twice, for its own forecast and for its sum.
+  // The first answer uses the stored rates of the machine only: in a small sum, planning takes most of the time.
+  // The next probe plans twice, for its own forecast and for its sum.
   if (forecast > 0 && !is_forecast_told) {
     is_forecast_told = true;
     const double share = double(set->waves.size()) / waves;
@@ -146,7 +146,7 @@ ProbeResult SynthesisProbe::run(double part) {
 }
 
 ProbeResult SynthesisProbe::run_slices(const Sources& set, double part) {
-  // Rather by fewer slices: on a small panel, at a short distance, they need windows of a larger share.
+  // Fewer slices are better than a small panel at a short distance, where they need relatively larger windows.
   const double of_panel = std::sqrt(part), side = std::sqrt(of_panel), of_slices = part / of_panel;
   const Sources some = in_the_small(take_part(set, part), side);
   Grid panel = job.slm.grid;

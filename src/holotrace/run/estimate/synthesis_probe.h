@@ -10,35 +10,36 @@
 
 namespace holotrace {
 
-/// The waves of a set grown to another number: each is repeated beside itself, within `spacing` of its depth across,
-/// the first `fixed` (luminous points, which do not grow with the raster) excepted.
+/// A set with another number of waves: each is repeated next to itself, within `spacing` times its depth,
+/// except for the first `fixed` waves (luminous points, whose number does not grow with the raster).
 /// @param factor  ≥ 1
 Sources grow(const Sources& sources, size_t fixed, double factor, double spacing);
 
-/// A part of the waves, evenly over all.
+/// A part of the waves, chosen evenly.
 Sources take_part(const Sources& sources, double part);
 
-/// The waves at `side` times their places: what a panel of as much fewer columns and rows meets at the same angles.
+/// The waves with all coordinates times `side`, which a smaller panel (`side` times the columns and rows) sees at the
+/// same angles.
 Sources in_the_small(Sources sources, double side);
 
-/// What summing the waves of one frame should take.
+/// Predicts the time for summing the waves of one frame.
 ///
-/// The cost model, by the rates of this machine, forecasts the sum of all waves: the first answer. Further ones correct
-/// it: a part of the waves is summed on the middle of the panel, and what that takes over its own forecast is what the
-/// machine makes of the model now. Slices are carried to a smaller panel, from a part of the waves at places as much
-/// nearer, and go by their number and by what transforms of the panel take. The exact sum goes by waves times pixels.
+/// First, the cost model with the rates of this machine forecasts the sum of all waves. Further probes correct
+/// it: a part of the waves is summed on the middle of the panel, and the forecast is scaled by the ratio of the
+/// measured time to the forecast of that part. Slices are propagated to a smaller panel, from a part of the waves at
+/// nearer places, and scaled by their number and by the panel's transforms. The exact sum scales by waves times pixels.
 struct SynthesisProbe {
   /// @param sets  the waves of the whole job
   SynthesisProbe(const Job& job, std::vector<Sources> sets);
 
-  ProbeResult run(double part);  ///< of the waves times pixels
+  ProbeResult run(double part);  ///< `part` is a fraction of waves times pixels
   double first_part() const;
 
   Job job;
   std::vector<Sources> sets;
   double waves = 0, waves_pixels = 0;
-  double forecast = 0, planning = 0;  ///< seconds of the whole, by the cost model and of making its plan
-  std::vector<double> slices;         ///< of each set, where its waves are put into slices; else 0
+  double forecast = 0, planning = 0;  ///< seconds of the whole by the cost model, and for planning
+  std::vector<double> slices;         ///< number of slices of each set, 0 for methods without slices
   std::string method;
   bool is_forecast_told = false;
 

@@ -9,7 +9,7 @@
 namespace holotrace {
 namespace {
 
-// Threads share rays in blocks of 64: fewer than some blocks for each would leave threads idle.
+// Threads share rays in blocks of 64: with fewer than several blocks each, some threads would be idle.
 constexpr double rays_of_a_thread = 512;
 
 bool has_triangles(const Job& job) { return job.synthesize.method == SynthesisMethod::triangles; }
@@ -42,7 +42,7 @@ Job with_rays(Job job, double part) {
 TraceProbe::TraceProbe(const Job& whole) : job(whole) {
   Job none = with_rays(job, 0);
   none.trace.paths = 1;
-  // The faster of two: the first one of a program also starts its threads.
+  // The faster of two runs: the first one in a program also starts its threads.
   const double first = median_seconds(1, [&] { light = trace_light(none); });
   prepare_seconds = std::min(first, median_seconds(1, [&] { trace_light(none); }));
 }
@@ -72,11 +72,11 @@ ProbeResult TraceProbe::run(double part) {
     if (const auto* number = std::get_if<double>(&value)) facts[name] = *number;
   };
   seconds = median_seconds(1, [&] { light = trace_light(some, observer); });
-  if (!has_rays()) {  // luminous points alone: all of them are there
+  if (!has_rays()) {  // luminous points only: all of them are there
     scale = 1;
     return {seconds, seconds};
   }
-  prepare_seconds = std::min(prepare_seconds, seconds / 2);  // what it was measured to be may hold other work
+  prepare_seconds = std::min(prepare_seconds, seconds / 2);  // the measured value may contain other work
   scale = has_triangles(job) ? double(job.trace.paths) / some.trace.paths : first_rays(job) / first_rays(some);
   return {seconds, prepare_seconds + ray_seconds()};
 }

@@ -125,8 +125,8 @@ void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, con
 
 }  // namespace
 
-ShownField show_moment(const Hologram& hologram, const Slm& slm, const ShowParams& params,
-                       const IlluminationState& state, const Observer& observer) {
+ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                      const IlluminationState& state, const Observer& observer) {
   check_slm(slm);
   check_hologram(hologram, slm);
   check_modulation(hologram, slm, observer);
@@ -160,7 +160,7 @@ ShownField show_moment(const Hologram& hologram, const Slm& slm, const ShowParam
 
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
            const Observer& observer) {
-  return show_moment(hologram, slm, params, state, observer).field;
+  return show_state(hologram, slm, params, state, observer).field;
 }
 
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer) {

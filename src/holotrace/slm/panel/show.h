@@ -44,8 +44,8 @@ struct ShownField {
 /// The same for one illumination state of partly coherent light or of a panel that flickers (illumination_states.h),
 /// with its wavelength and tilts. The function above is for the mean state: the middle of the spectrum and of the
 /// source, without ripple.
-ShownField show_moment(const Hologram& hologram, const Slm& slm, const ShowParams& params,
-                       const IlluminationState& state, const Observer& observer = {});
+ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                      const IlluminationState& state, const Observer& observer = {});
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
            const Observer& observer = {});
 

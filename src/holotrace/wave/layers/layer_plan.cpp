@@ -46,8 +46,8 @@ int window_length(double samples, int least) {
 
 double taper_steepness(double tolerance) { return std::sqrt(1.25 * std::log(2 / std::clamp(tolerance, 1e-8, 0.1))); }
 
-Taper taper_of_points(double span, double depth, double wavelength, double pitch, double radius, double steepness,
-                      bool is_carried) {
+Taper taper_of_points(const SliceLight& slice) {
+  const auto& [depth, wavelength, pitch, span, radius, steepness, is_carried] = slice;
   const double width = taper_width(depth, wavelength, steepness);
   const double sine = std::min(extension * wavelength / (2 * pitch), most_sine);
   const bool is_narrowed = radius < box_radius(depth, wavelength, pitch) && span > radius;
@@ -58,8 +58,8 @@ Taper taper_of_points(double span, double depth, double wavelength, double pitch
   return {std::max(0.0, end - box_edge * std::sqrt(wavelength * depth)), end};
 }
 
-Taper taper_of_raster(double span, double depth, double wavelength, double pitch, double radius, double steepness,
-                      bool is_carried) {
+Taper taper_of_raster(const SliceLight& slice) {
+  const auto& [depth, wavelength, pitch, span, radius, steepness, is_carried] = slice;
   const double width = taper_width(depth, wavelength, steepness), whole = box_radius(depth, wavelength, pitch);
   if (span + width < radius) return is_carried ? Taper{radius - width, radius} : Taper{span, span + width};
   const double half = box_edge / 2 * std::sqrt(wavelength * depth);

@@ -17,6 +17,15 @@ struct Taper {
 /// Diffraction reduces exp(−α²) to exp(−0.8α²) (below), so α = √(1.25·ln(2/tolerance)).
 double taper_steepness(double tolerance);
 
+/// What the taper of a slice depends on, along one axis.
+struct SliceLight {
+  double depth = 0, wavelength = 0, pitch = 0;  ///< [m]; pitch of the panel
+  double span = 0;                              ///< largest offset of its light to a pixel of the panel [m]
+  double radius = 0;        ///< half side of what a point's light covers on the panel [m], at most box_radius
+  double steepness = 0;     ///< taper_steepness
+  bool is_carried = false;  ///< carried from slice to slice
+};
+
 /// The taper of a slice of points at `depth` with the largest offset `span` to a pixel of the panel.
 ///
 /// A sharp cut of the spectrum rings over √(λd) and more on the panel. A Gaussian edge of standard deviation
@@ -28,19 +37,13 @@ double taper_steepness(double tolerance);
 /// Light that is carried from slice to slice (`is_carried`) keeps all angles up to a fall that ends at the Nyquist
 /// angle: what a slice lets through depends on more light than the part that reaches the panel undisturbed.
 /// Waves whose boxes are smaller than their own acceptance (`radius`) end at their boxes in the same way.
-///
-/// @param radius  half-side of the boxes [m], at most box_radius
-Taper taper_of_points(double span, double depth, double wavelength, double pitch, double radius, double steepness,
-                      bool is_carried);
+Taper taper_of_points(const SliceLight& slice);
 
 /// The taper of a slice given as a raster: its whole band or, if that would need a large window, the
 /// angles that reach the panel. Light that is carried keeps its band, except for a fall that ends at the Nyquist angle.
 /// Light that keeps to a narrower cone (`radius`) falls about the cone's border, over 0.5·√(λd): as much power is kept
 /// beyond the border as is lost before it.
-///
-/// @param radius  half-side of what a point's light covers on the panel [m], at most box_radius
-Taper taper_of_raster(double span, double depth, double wavelength, double pitch, double radius, double steepness,
-                      bool is_carried);
+Taper taper_of_raster(const SliceLight& slice);
 
 /// A slice, as needed to plan the window.
 struct PlannedSlice {

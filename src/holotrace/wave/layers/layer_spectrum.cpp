@@ -68,7 +68,8 @@ double layer_spectrum_bytes(int reach_x, int reach_y) {
 }
 
 void add_light(LayerSpectrum& spectrum, SliceSamples&& samples, const AxisWeights& along_x, const AxisWeights& along_y,
-               double distance, double scale, bool is_of_points) {
+               const AddedLight& light) {
+  const auto& [distance, scale, is_of_points] = light;
   const int nx = samples.nx, ny = samples.ny, rows = int(samples.rows.size());
   const int band_x = int(along_x.size()), band_y = int(along_y.size());
   const Fft<float> transform_x(nx, FftDirection::forward), transform_y(ny, FftDirection::forward);
@@ -159,7 +160,7 @@ void hide(LayerSpectrum& spectrum, const Array2D<float>& mask, int column, int r
   }
   for (int j = 0; j < ny; ++j) light.rows.push_back(j);
   std::fill(spectrum.values.values.begin(), spectrum.values.values.end(), Complex());
-  add_light(spectrum, std::move(light), along_x, along_y, 0, 1.0 / (double(nx) * ny), false);
+  add_light(spectrum, std::move(light), along_x, along_y, {.scale = 1.0 / (double(nx) * ny)});
 }
 
 }  // namespace holotrace

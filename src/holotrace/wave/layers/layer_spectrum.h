@@ -45,13 +45,19 @@ struct SliceSamples {
 /// Factors of the frequencies along one axis, for |k| = 0, 1, …; frequencies beyond the last factor are dropped.
 using AxisWeights = std::vector<float>;
 
+/// How the light of a slice is added to a spectrum.
+struct AddedLight {
+  double distance = 0;  ///< distance d that it travels [m], of either sign
+  double scale = 1;
+  bool is_of_points = false;  ///< samples of points, or of a raster
+};
+
 /// Adds scale·wx(k)·wy(l)·S(k, l)·exp(−2πi·d·lag) to c, where S is the transform of the samples. For points the term is
 /// also multiplied by inverse_cosine. The samples are overwritten.
 ///
 /// @param along_x,along_y  weights wx, wy; at most K + 1 and L + 1, and no more than the samples' raster holds
-/// @param distance         distance d that the light travels [m], of either sign
 void add_light(LayerSpectrum& spectrum, SliceSamples&& samples, const AxisWeights& along_x, const AxisWeights& along_y,
-               double distance, double scale, bool is_of_points);
+               const AddedLight& light);
 
 /// Propagates the light over `distance` [m].
 void carry(LayerSpectrum& spectrum, double distance);

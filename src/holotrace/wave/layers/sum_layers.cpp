@@ -76,8 +76,8 @@ std::vector<PlannedSlice> plan_rasters(const SliceStack& stack, const Grid& pane
                    farthest(panel, stack.grids[m], true) + most_y,
                    {},
                    {}};
-    s.x = taper_of_raster(s.span_x, s.depth, stack.wavelength, panel.pitch, radius, steepness, stack.has_masks);
-    s.y = taper_of_raster(s.span_y, s.depth, stack.wavelength, panel.pitch, radius, steepness, stack.has_masks);
+    s.x = taper_of_raster({s.depth, stack.wavelength, panel.pitch, s.span_x, radius, steepness, stack.has_masks});
+    s.y = taper_of_raster({s.depth, stack.wavelength, panel.pitch, s.span_y, radius, steepness, stack.has_masks});
     planned.push_back(s);
   }
   return planned;
@@ -128,8 +128,8 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
       if (std::any_of(slice.mask.values.begin(), slice.mask.values.end(), [](float v) { return v > 0; }))
         hide(spectrum, slice.mask, corner.column, corner.row, x, y);
     }
-    add_light(spectrum, on_window(slice.light, corner, window.nx, window.ny), x, y, stack.has_masks ? 0 : p.depth,
-              scale, false);
+    add_light(spectrum, on_window(slice.light, corner, window.nx, window.ny), x, y,
+              {stack.has_masks ? 0 : p.depth, scale, false});
     observer.progress(double(m + 1) / double(stack.depths.size() + 1));
   }
   if (stack.has_masks) carry(spectrum, stack.depths.back());

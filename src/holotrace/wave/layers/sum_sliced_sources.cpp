@@ -64,8 +64,8 @@ std::vector<PlannedSlice> plan_slices(const DepthSlices& depth, const Sources& s
   for (PlannedSlice& s : planned) {
     s.span_x += most_x, s.span_y += most_y;
     const double radius = box_radius(s.depth, sources.acceptance_wavelength(), grid.pitch);
-    s.x = taper_of_points(s.span_x, s.depth, sources.wavelength, grid.pitch, radius, steepness, is_carried);
-    s.y = taper_of_points(s.span_y, s.depth, sources.wavelength, grid.pitch, radius, steepness, is_carried);
+    s.x = taper_of_points({s.depth, sources.wavelength, grid.pitch, s.span_x, radius, steepness, is_carried});
+    s.y = taper_of_points({s.depth, sources.wavelength, grid.pitch, s.span_y, radius, steepness, is_carried});
   }
   return planned;
 }
@@ -141,26 +141,29 @@ std::vector<std::vector<double>> radii_of(const DepthSlices& depth, const Source
   return radii;
 }
 
-AxisWeights weights_of(const Taper& taper, double depth, double wavelength, double side, const Plan& plan, int reach,
-                       int& samples) {
-  AxisWeights weights = taper_weights(taper, depth, wavelength, side, plan.steepness, reach + 1);
-  const int band = int(weights.size()) - 1;
-  samples = spread_length(band, plan.kernel);
-  const std::vector<double> correction = spread_correction(plan.kernel, samples, band);
-  for (size_t k = 0; k < weights.size(); ++k) weights[k] = float(weights[k] * correction[k]);
-  return weights;
+// Weights of the frequencies of spread points along one axis, and the samples that the points are spread over.
+struct SpreadAxis {
+  AxisWeights weights;
+  int samples = 0;
+};
+
+SpreadAxis spread_axis(const Taper& taper, double depth, double wavelength, double side, const Plan& plan, int reach) {
+  SpreadAxis axis{taper_weights(taper, depth, wavelength, side, plan.steepness, reach + 1)};
+  const int band = int(axis.weights.size()) - 1;
+  axis.samples = spread_length(band, plan.kernel);
+  const std::vector<double> correction = spread_correction(plan.kernel, axis.samples, band);
+  for (size_t k = 0; k < axis.weights.size(); ++k) axis.weights[k] = float(axis.weights[k] * correction[k]);
+  return axis;
 }
 
 // Adds a slice of points; its light travels `distance` to the plane of the spectrum.
 void add_points(LayerSpectrum& spectrum, const std::vector<PointOnSlice>& points, const PlannedSlice& slice,
                 const Plan& plan, double distance) {
   const double pitch = spectrum.panel.pitch, width = spectrum.nx * pitch, height = spectrum.ny * pitch;
-  int samples_x = 0, samples_y = 0;
-  const AxisWeights x = weights_of(slice.x, slice.depth, spectrum.wavelength, width, plan, spectrum.reach_x, samples_x);
-  const AxisWeights y =
-      weights_of(slice.y, slice.depth, spectrum.wavelength, height, plan, spectrum.reach_y, samples_y);
-  add_light(spectrum, spread_points(points, plan.kernel, spectrum.nx, spectrum.ny, samples_x, samples_y), x, y,
-            distance, spectrum.wavelength * slice.depth / (width * height), true);
+  const SpreadAxis x = spread_axis(slice.x, slice.depth, spectrum.wavelength, width, plan, spectrum.reach_x);
+  const SpreadAxis y = spread_axis(slice.y, slice.depth, spectrum.wavelength, height, plan, spectrum.reach_y);
+  add_light(spectrum, spread_points(points, plan.kernel, spectrum.nx, spectrum.ny, x.samples, y.samples), x.weights,
+            y.weights, {distance, spectrum.wavelength * slice.depth / (width * height), true});
 }
 
 }  // namespace
