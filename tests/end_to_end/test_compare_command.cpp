@@ -101,7 +101,7 @@ TEST(CompareCommand, PrintsItsFiguresWhereNoChartCanBeDrawn) {
 TEST(CompareCommand, SaysWhatIsWrong) {
   const Workplace work;
   save_photograph(work.path("a.png"), 40, 64, 1, 0, 0, 0, 1);
-  const auto error_of_run = [&](std::vector<std::string> arguments) {
+  const auto error_of_run = [&](const std::vector<std::string>& arguments) {
     const Outcome outcome = work.run(arguments);
     EXPECT_EQ(outcome.exit_code, 1);
     return outcome.err;

@@ -23,9 +23,9 @@ struct DiscLattice {
   // The directions in row b have −n ≤ a < n.
   int64_t half_row(int64_t b) const {
     const double y = double(b) + 0.5;
-    return std::abs(y) > radius ? 0 : int64_t(std::sqrt((radius - y) * (radius + y)) + 0.5);
+    return std::abs(y) > radius ? 0 : std::llround(std::sqrt((radius - y) * (radius + y)));
   }
-  int64_t half_rows() const { return int64_t(radius + 0.5); }
+  int64_t half_rows() const { return std::llround(radius); }
   double directions() const {
     double all = 0;
     for (int64_t b = -half_rows(); b < half_rows(); ++b) all += 2 * double(half_row(b));

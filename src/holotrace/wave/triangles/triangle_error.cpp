@@ -55,6 +55,7 @@ std::vector<Draw> draw_places(const std::vector<TrianglePart>& parts, const Grid
     const double area = length(cross(part.offsets[1] - part.offsets[0], part.offsets[2] - part.offsets[0]));
     return squares / std::max(area, std::numeric_limits<double>::min());
   };
+  sums.reserve(parts.size());
   for (const TrianglePart& part : parts) sums.push_back(sum += power_of(part));
   CounterRandom random(0, 0, 0);
   std::vector<Draw> places;

@@ -42,6 +42,7 @@ Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, A
   const int iterations = iterations_of(params);
   const std::vector<TargetPlane> wanted = is_weighted ? targets : std::vector<TargetPlane>{};
   std::vector<TargetPropagation> propagations;
+  propagations.reserve(targets.size());
   for (const TargetPlane& target : targets)
     propagations.push_back(make_target_propagation(slm, wavelength, target.z, PixelAperture::included));
 
