@@ -66,19 +66,19 @@ TEST(BadScene, PathExpressionsArePlacedByLineColumnAndCharacter) {
   for (int i = 1; i < 33; ++i) many += ", \"E.*L\"";
   expect_sentences({
       {"[trace]\npath_expressions = \"E(D|GL\"\n",
-       "scene.toml:7:21: path expression 'E(D|GL': expected ')' for the '(' at character 2, got the end"},
+       "scene.toml:7:20: path expression 'E(D|GL': expected ')' for the '(' at character 2, got the end"},
       {"[trace]\npath_expressions = [\"EL\", \"EXL\"]\n",
-       "scene.toml:7:28: path expression 'EXL': expected E, D, G, S, L, |, *, +, ?, '.' or a group at character 2, got "
+       "scene.toml:7:27: path expression 'EXL': expected E, D, G, S, L, |, *, +, ?, '.' or a group at character 2, got "
        "'X'"},
       {"[trace]\npath_expressions = [\"EL\",\n  \"EdL\"]\n",
        "scene.toml:8:3: path expression 'EdL': expected an upper-case letter at character 2, got 'd': write 'D'"},
       {"[render]\npath_expressions = \"EdL\"\n",
-       "scene.toml:7:21: path expression 'EdL': expected an upper-case letter at character 2, got 'd': write 'D'"},
-      {"[trace]\npath_expressions = [" + many + "]\n", "scene.toml:7:21: expected at most 32 path expressions, got 33"},
+       "scene.toml:7:20: path expression 'EdL': expected an upper-case letter at character 2, got 'd': write 'D'"},
+      {"[trace]\npath_expressions = [" + many + "]\n", "scene.toml:7:20: expected at most 32 path expressions, got 33"},
   });
   const Workplace work;
   work.write("scene.toml", scene_with(""));
-  expect_sentence(work, {"trace", "scene.toml", "-o", "s.ply", "--layers", "E(D"},
+  expect_sentence(work, {"trace", "scene.toml", "-o", "s.ply", "--path-expressions", "E(D"},
                   "path expression 'E(D': expected ')' for the '(' at character 2, got the end");
 }
 
