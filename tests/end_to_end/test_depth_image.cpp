@@ -125,9 +125,9 @@ TEST(DepthImage, MistakesAreToldInASentence) {
     return outcome.err;
   };
   EXPECT_EQ(error({"field", "picture.png", "-o", "f.npy"}),
-            "holotrace: picture.png: expected --depth with a picture, its depths; got none\n");
+            "holotrace: picture.png: expected --depth with a picture, got none; give its depth image\n");
   EXPECT_EQ(error({"field", "scene.toml", "--near", "3 mm", "-o", "f.npy"}),
-            "holotrace: expected --depth with --near, which is about a picture with depths; give both or neither\n");
+            "holotrace: expected --depth with --near, which describes a picture with depths; give both or neither\n");
   EXPECT_EQ(error({"field", "picture.png", "--depth", "depth.png", "-o", "f.npy"}),
             "holotrace: depth.png: expected 0 m < near < far, the depths of its white and black, got near 0 m and far "
             "0 m; give --near and --far\n");
