@@ -147,7 +147,7 @@ TEST(Show, RefusesToWriteOverItsHologramsAndMoreThanFitsInMemory) {
   };
   const std::string before = work.read("out/hologram.png");
   EXPECT_NE(sentence({"-o", "out/../out/hologram.png"}).find("would overwrite the hologram"), std::string::npos);
-  EXPECT_NE(sentence({"-o", "view.png", "--report", "out/hologram.json"}).find("written over"), std::string::npos);
+  EXPECT_NE(sentence({"-o", "view.png", "--report", "out/hologram.json"}).find("would overwrite"), std::string::npos);
   work.write("view_2.png", before);
   EXPECT_EQ(work.run({"show", "view_2.png", "-o", "view.png", "--distance", "26 mm, 30 mm", "--wavelength", "532 nm"})
                 .exit_code,
