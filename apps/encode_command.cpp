@@ -89,7 +89,9 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("FIELD|PICTURE");
   add_output(*command, o->output,
              "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json; in colour: NAME, NAME_2, …");
-  command->add_option("--slm", o->slm, "panel by name [256 levels on the field's grid; pictures: pluto]")
+  command
+      ->add_option("--slm", o->slm,
+                   "panel: preset name, or a file with [slm] [256 levels on the field's grid; pictures: pluto]")
       ->type_name("NAME|SCENE.toml");
   command->add_option("--wavelength", o->wavelength, "wavelength of a target picture; several for colour")
       ->type_name("LENGTHS");
@@ -130,7 +132,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     Wanted wanted = is_field ? wanted_of_fields(o->input, fields, params)
                              : wanted_of_picture(o->input, slm, wavelengths, params, console);
     if (params.is_joint) {
-      require(params.method == Encoding::sgd, "expected the method sgd for one hologram of all wavelengths (--joint)");
+      require(params.method == Encoding::sgd, "expected --joint only with --method sgd; use sgd, or leave out --joint");
       join(wanted);
     }
     Report report;

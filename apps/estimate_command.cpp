@@ -129,7 +129,7 @@ void print_text(const Answer& a) {
        fmt::format("{:g} sets (colours, path groups, lights) x {:g} frames", e.sets, e.frames));
   line("light paths", count(e.paths), "N of Eq. 16");
   line("mean path length", count(e.mean_path_length), "l_avg: surfaces on a path, measured (Eq. 21)");
-  line("probability to go on", count(1 - 1 / std::max(e.mean_path_length, 1.0)), "rho = 1 - 1 / l_avg (Eq. 20)");
+  line("continuation probability", count(1 - 1 / std::max(e.mean_path_length, 1.0)), "rho = 1 - 1 / l_avg (Eq. 20)");
   line("rays", count(e.rays), "rays that find the nearest surface");
   line("shadow rays", count(e.shadow_rays), "to lights");
   line("waves", count(e.waves), fmt::format("summed by the method {}", e.method.empty() ? "of the job" : e.method));
@@ -152,14 +152,15 @@ void print_text(const Answer& a) {
     line("all", "unknown", fmt::format("the other stages could not be probed: {}", e.why_no_simulation));
   line("this estimate", seconds(e.probe_seconds), "");
   fmt::print("\nThe paper's count\n");
-  line("Eq. 23, these paths", seconds(a.ours.trace_seconds), "N (1 + l_avg) T_t: one shadow ray a path");
-  line(fmt::format("Eq. 23, {:g} a pixel", a.samples), seconds(a.per_pixel.trace_seconds),
+  line("Eq. 23, these paths", seconds(a.ours.trace_seconds), "N (1 + l_avg) T_t: one shadow ray per path");
+  line(fmt::format("Eq. 23, {:g} per pixel", a.samples), seconds(a.per_pixel.trace_seconds),
        fmt::format("N = P S = {:.3g}: every pixel its own paths (strategy gather)", a.per_pixel.paths));
   fmt::print("\nIn real time at {:g} frames per second: trace, sum and encode each frame anew\n",
              a.real.frames_per_second);
-  line("a frame", seconds(a.real.seconds_per_frame), e.is_whole() ? "here" : "here, without encoding");
-  line("machines like this", fmt::format("{:.3g}", a.real.times), "with perfect scaling");
-  line("cores like these", fmt::format("{:.3g}", a.real.cores), "");
+  line("seconds per frame", seconds(a.real.seconds_per_frame),
+       e.is_whole() ? "on this machine" : "on this machine, without encoding");
+  line("number of such machines", fmt::format("{:.3g}", a.real.times), "if work scales perfectly");
+  line("number of such cores", fmt::format("{:.3g}", a.real.cores), "");
   line("multiply-adds", fmt::format("{:.3g}/s", a.real.multiply_adds_per_second),
        "at the peak of this machine, in single precision");
 }
@@ -180,8 +181,7 @@ void add_estimate_command(CLI::App& app, const GlobalFlags&) {
   command->add_option("scene", o->scene, "scene file (TOML), see docs/reference/scene_format.md")
       ->required()
       ->type_name("SCENE.toml");
-  command->add_option("--fps", o->frames_per_second, "frame rate of the real-time estimate, in frames per second")
-      ->capture_default_str()
+  command->add_option("--fps", o->frames_per_second, "frame rate of the real-time estimate, in frames per second [30]")
       ->type_name("NUMBER");
   command->add_flag(
       "--accelerators", o->has_accelerators,

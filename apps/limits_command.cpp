@@ -128,22 +128,19 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
 }
 
 void add_flags(CLI::App& command, LimitsOptions& o) {
-  command.add_option("--slm", o.slm, "panel by name")->capture_default_str()->type_name("NAME|SCENE.toml");
-  command.add_option("--wavelength", o.wavelength, "wavelength; several get a column each")
-      ->capture_default_str()
+  command.add_option("--slm", o.slm, "panel: preset name, or a file with [slm] [pluto]")->type_name("NAME|SCENE.toml");
+  command.add_option("--wavelength", o.wavelength, "wavelength; several get a column each [" + o.wavelength + "]")
       ->type_name("LENGTHS");
   command
-      .add_option("--distance", o.distance, "distance of the scene behind the panel and of the viewer in front of it")
-      ->capture_default_str()
+      .add_option("--distance", o.distance,
+                  "distance of the scene behind the panel and of the viewer in front of it [300 mm]")
       ->type_name("LENGTH");
   command.add_option("--period", o.period, "period of a grating: shows where its order appears at that distance")
       ->type_name("LENGTH");
-  command.add_option("--order", o.order, "with --period: diffraction order")->capture_default_str()->type_name("N");
+  command.add_option("--order", o.order, "with --period: diffraction order [1]")->type_name("N");
   command.add_option("--frames", o.frames, "frame rate in frames per second: shows pixels and bytes per second")
       ->type_name("NUMBER");
-  command.add_option("--colours", o.colours, "with --frames: number of colours per frame")
-      ->capture_default_str()
-      ->type_name("N");
+  command.add_option("--colours", o.colours, "with --frames: number of colours per frame [1]")->type_name("N");
   command
       .add_option("--scene", o.scene,
                   "scene that gives the panel, the wavelengths and the points that are counted and drawn; the distance "

@@ -138,7 +138,7 @@ std::string limits_table(const LimitsQuestion& q) {
           if (!std::isfinite(offset)) return std::string("evanescent");
           return fmt::format("{} {}", format_angle(std::asin(n * w / panel.pitch)), short_length(offset));
         },
-        fmt::format("of the pixels: angle, and place at {}", z));
+        fmt::format("diffraction order of the pixel grid: angle, and offset at {}", z));
   if (q.period > 0)
     table.row(
         fmt::format("grating {}, order {}", format_length(q.period), q.order),
@@ -146,7 +146,7 @@ std::string limits_table(const LimitsQuestion& q) {
           const double offset = grating_order_offset(q.period, w, q.distance, q.order);
           return std::isfinite(offset) ? short_length(offset) : std::string("evanescent");
         },
-        fmt::format("from the axis at {}", z));
+        fmt::format("offset from the axis at {}", z));
 
   table.section(fmt::format("A scene {} behind the panel", z));
   table.row(
@@ -161,7 +161,7 @@ std::string limits_table(const LimitsQuestion& q) {
       "depth resolution y", [&](double w) { return short_length(at(w).depth_of_focus_y); }, "");
   table.row(
       "a point lights +-", [&](double w) { return short_length(at(w).box_radius); },
-      "of the panel about its foot without aliasing");
+      "half side of the square that a point lights without aliasing");
   table.row(
       "alias-free scene, width", [&](double w) { return short_length(at(w).whole_panel_x); },
       "its points light the whole panel");
@@ -169,7 +169,7 @@ std::string limits_table(const LimitsQuestion& q) {
       "alias-free scene, height", [&](double w) { return short_length(at(w).whole_panel_y); }, "");
   table.row(
       "replica-free scene", [&](double w) { return short_length(at(w).replica_free); },
-      "side: larger ones overlap with their replicas");
+      "largest side without overlap with replicas");
   table.row(
       "whole panel lit from", [&](double w) { return short_length(at(w).whole_panel_distance); },
       "nearer points on the axis leave pixels dark");
@@ -177,7 +177,7 @@ std::string limits_table(const LimitsQuestion& q) {
       "alias-free distance", [&](double w) { return short_length(at(w).alias_free_distance); },
       "z*: beyond it every point behind the panel lights all of it");
 
-  table.section(fmt::format("A viewer {} before the panel", z));
+  table.section(fmt::format("A viewer {} in front of the panel", z));
   table.row(
       "eyebox, width", [&](double w) { return short_length(at(w).eyebox_x); },
       "centred on the axis: receives light from every pixel");

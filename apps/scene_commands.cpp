@@ -77,7 +77,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
       ->required()
       ->type_name("DIR");
   add_wavelength(*command, o->wavelengths);
-  command->add_option("--seed", o->seed, "seed for all random numbers [the scene's]")->type_name("N");
+  command->add_option("--seed", o->seed, "seed for tracing and rendering [the scene's]")->type_name("N");
   command->add_flag("--estimate", o->is_estimated,
                     "estimate the job first, and compare the prediction with the outcome");
   command

@@ -93,7 +93,9 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
   add_output(*command, o->output,
              "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; a sweep adds NAME_sweep_01, "
              "…, NAME_sweep.gif and its chart NAME_sweep.png; .gif: only the animation of a sweep");
-  command->add_option("--slm", o->slm, "panel by name [the one the hologram was made for, or pluto]")
+  command
+      ->add_option("--slm", o->slm,
+                   "panel: preset name, or a file with [slm] [the one the hologram was made for, or pluto]")
       ->type_name("NAME|SCENE.toml");
   command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
       ->type_name("FILE.json");

@@ -182,8 +182,8 @@ TEST(VisibleLight, GathersItsRadianceOverTheAcceptance) {
 TEST(VisibleLight, FarAwayLightsContactsAsTheSameLampNearby) {
   // A card 10 µm in front of a wall of 2 mm, lit by a lamp of 0.1 m at 0.1 m, and by one of 1 km at 1 km, with a corner
   // over the middle of both: ρ·L·F, F the sum over the lamp's four parts about the place. In the gap, 0.4 mm from the
-  // card's edge,
-  // light comes only from 10/400 of the right angle at the horizon; the lamp, up to 45° high, is not there.
+  // card's edge, light comes only from 10/400 of the right angle at the horizon; the lamp, up to 45° high, is not
+  // there.
   for (const double side : {0.1, 1000.0}) {
     Scene scene;
     scene.materials = {grey(0.6)};

@@ -39,7 +39,8 @@ void describe(Visitor& v, DepthImageParams& p) {
   v.angle("field_of_view", p.field_of_view, range::half_angle,
           "perspective: half angle over the width; 0 deg: the panel's acceptance asin(lambda/2p)");
   v.choice("phase", p.phase, {{"random", SourcePhase::random}, {"constant", SourcePhase::constant}},
-           "phase of the light: random (scatters everywhere, with speckle) or 0 (smooth, sent straight ahead)");
+           "phase of the light: random (scatters everywhere, with speckle) or constant (0: smooth, sent "
+           "straight ahead)");
   v.count("seed", p.seed, range::not_negative, "seed for random phases");
   v.flag("common_cone", p.has_common_cone,
          "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own");

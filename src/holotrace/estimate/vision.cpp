@@ -30,22 +30,22 @@ std::vector<VisionNeed> compare_with_vision(const Grid& grid, double wavelength,
   };
   const double coarsest = std::max(l.resolution_x, l.resolution_y), seen = Eye::acuity * distance;
   add("resolution", coarsest <= seen,
-      fmt::format("points {} apart are told apart, an eye at the panel tells {} (1 arc minute)", short_length(coarsest),
+      fmt::format("the panel resolves {}; an eye at the panel resolves {} (1 arc minute)", short_length(coarsest),
                   short_length(seen)));
   add("foveal field", l.field_of_view >= Eye::foveal_high,
-      fmt::format("the panel sends light into {}, the eye sees sharply in {} to {}", format_angle(l.field_of_view),
-                  format_angle(Eye::foveal_low), format_angle(Eye::foveal_high)));
+      fmt::format("the panel's field of view is {}; the eye sees sharply within {} to {}",
+                  format_angle(l.field_of_view), format_angle(Eye::foveal_low), format_angle(Eye::foveal_high)));
   add("peripheral field", l.field_of_view >= Eye::peripheral_low,
-      fmt::format("{} against {} to {}", format_angle(l.field_of_view), format_angle(Eye::peripheral_low),
-                  format_angle(Eye::peripheral_high)));
+      fmt::format("field of view {}; peripheral vision covers {} to {}", format_angle(l.field_of_view),
+                  format_angle(Eye::peripheral_low), format_angle(Eye::peripheral_high)));
   const double eyebox = std::min(l.eyebox_x, l.eyebox_y);
   add("eyebox", eyebox >= Eye::pupil_high,
-      fmt::format("every pixel's light reaches {} x {} at {} before the panel, a pupil is {} to {} wide",
-                  short_length(l.eyebox_x), short_length(l.eyebox_y), short_length(distance),
-                  format_length(Eye::pupil_low), format_length(Eye::pupil_high)));
+      fmt::format("eyebox {} x {} at {} in front of the panel; pupils are {} to {} wide", short_length(l.eyebox_x),
+                  short_length(l.eyebox_y), short_length(distance), format_length(Eye::pupil_low),
+                  format_length(Eye::pupil_high)));
   if (frames_per_second > 0)
     add("flicker", frames_per_second >= Eye::flicker_fusion,
-        fmt::format("{:g} frames per second, bright light flickers below about {:g}", frames_per_second,
+        fmt::format("{:g} frames per second; bright light flickers below about {:g}", frames_per_second,
                     Eye::flicker_fusion));
   return needs;
 }

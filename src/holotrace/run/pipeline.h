@@ -37,12 +37,11 @@ struct Boxes {
   Report report;
 };
 
-/// The whole pipeline, stage by stage. Each frame m of job.trace.frames gives the waves of every set
-/// independent phases (set_frame, without new tracing). Holograms are shown with irradiances in proportion to
-/// their illumination, the brightest with job.show.irradiance. The camera averages frames and illumination states and
-/// adds sets
-/// (viewing.h). A set without waves, such as green light of a red scene, is dark. Iterative encoders use the camera's
-/// distances if the job names none for them.
+/// The whole pipeline, stage by stage. Each frame m of job.trace.frames gives the waves of every set independent phases
+/// (set_frame, without new tracing). Holograms are shown with irradiances in proportion to their illumination, the
+/// brightest with job.show.irradiance. The camera averages frames and illumination states and adds sets (viewing.h). A
+/// set without waves, such as green light of a red scene, is dark. Iterative encoders use the camera's distances if the
+/// job names none for them.
 ///
 /// With several holograms or illumination states, the report has one entry per kind of stage: the seconds of
 /// all, the facts of the first (waves and waves_pixels are summed), and each warning once.

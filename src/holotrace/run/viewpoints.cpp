@@ -15,7 +15,8 @@ namespace {
 void check_sweep(const CameraParams& camera) {
   check_ranges(camera);
   require(camera.sweep_from != camera.sweep_to,
-          "expected a sweep between two places that differ, got {} and {}; give sweep_from and sweep_to",
+          "expected a sweep between two places that differ, got {} and {}; give sweep_from and sweep_to "
+          "(--sweep-from, --sweep-to)",
           format_length(camera.sweep_from), format_length(camera.sweep_to));
   if (camera.sweep == Sweep::focus)
     require(camera.sweep_from >= 0 && camera.sweep_to >= 0,

@@ -189,11 +189,12 @@ void report(const std::vector<Agreement>& rows, int samples, const Observer& obs
   const double of_half = std::clamp(all.shared / all.power, 0.0, 1.0), part = 2 * of_half / (1 + of_half);
   observer.fact("coherent_fraction", Fact(part));
   if (part >= 0.5) return;
-  const std::string need = part > 0.01 ? fmt::format("about {:.0f} or more", samples * (1 - part) / part)
-                                       : fmt::format("a hundred times {} or more", samples);
+  const std::string need =
+      part > 0.01 ? fmt::format("{:.0f}", samples * (1 - part) / part) : fmt::format("100 times {}", samples);
   observer.warn(
       fmt::format("{:.0f} % of the light on the panel is noise: the {} rays of a pixel hit other points than those of "
-                  "its neighbours; use pixel_samples = {}, a wider grain on flat surfaces, or the strategy shared",
+                  "its neighbours; raise pixel_samples to about {}, use a wider grain on flat surfaces, or the "
+                  "strategy shared",
                   100 * std::min(1.0, 1 - part), samples, need));
 }
 

@@ -13,8 +13,7 @@ namespace holotrace {
 /// The field on the panel by the paper's algorithm (Holographic Monte Carlo Path Tracing, Steps 0–5; differences from
 /// its defaults are parameters, listed in docs/explanation/path_tracing.md). Every pixel shoots its own rays, and the
 /// waves from their first hits go to that pixel alone. It is the slow reference for small panels: occlusion, parallax
-/// and reflections are
-/// right for each pixel.
+/// and reflections are right for each pixel.
 ///
 ///     U(p) = Σ_c √(Σ_{j in c} Lⱼ·(2s)²/S)·exp(i(k·OPL_c + φ_c))
 ///
@@ -28,8 +27,7 @@ namespace holotrace {
 /// by L²/(1 W/m²/sr).
 ///
 /// With `one_wave_per_cell = false` each ray makes a wave from the exact place of its hit: waves of equal phase add up
-/// to a
-/// field whose mean grows as √S.
+/// to a field whose mean grows as √S.
 ///
 /// **Phases**: source_phase.h. With surface, path and laser, phases belong to the surface: rays of different pixels
 /// that hit one cell agree. With `constant` they also agree, and no cell has a phase of its own. With `random` no two
@@ -39,8 +37,7 @@ namespace holotrace {
 /// below the number of cells in view, and with random phases, the field is noise of the right irradiance. The fact
 /// "coherent_fraction" gives the fraction that is waves, estimated from two halves of the rays (closed_forms.md, case
 /// 16); a warning says how many rays are needed. The strategies shared and tiled have no such noise, because all pixels
-/// share their
-/// points.
+/// share their points.
 ///
 /// Luminous points add their wave, exact, to the pixels in their box (box_radius) from which no mesh hides them.
 ///

@@ -13,8 +13,7 @@ namespace holotrace {
 
 /// The triangles of a scene's meshes that the panel's centre sees, each emitting the light that path tracing finds on
 /// it (the paper's complex primitives). Sets are those of `trace`: for each wavelength, and with separate path groups
-/// or lights for each of
-/// them.
+/// or lights for each of them.
 ///
 /// **Which.** A place emits if no surface lies between it and the panel's centre, and by the side that it turns
 /// there; one-sided materials are black from behind. Flat: the centroid decides, and its radiance is that of the whole.

@@ -24,8 +24,8 @@ std::string unseen_sentence(const Grid& panel, double wavelength, const TracePar
         "scene onto the axis or widen field_of_view",
         rays, format_angle(params.field_of_view));
   return fmt::format(
-      "none of {} rays from the panel met a mesh: its pitch of {} sees {} to each side of the axis at {}; {}", rays,
-      format_length(panel.pitch), format_angle(std::asin(acceptance_sine(wavelength, panel.pitch))),
+      "none of {} rays from the panel met a mesh: a panel of pitch {} sees only {} to each side of the axis at {}; {}",
+      rays, format_length(panel.pitch), format_angle(std::asin(acceptance_sine(wavelength, panel.pitch))),
       format_length(wavelength),
       is_raster ? "move the scene onto the axis or set field_of_view"
                 : "move the scene onto the axis or take a panel of finer pitch");

@@ -96,9 +96,9 @@ void cut_by_pupil(Field& field, const CameraParams& camera) {
           format_length(std::sqrt(2.0) * field.grid.pitch));
 }
 
-// The region in which at least half of order 0 is seen: near the panel its own width, farther off the cone of its
-// middle.
-// A stop narrows the cone and passes no other order.
+// The viewing zone, in which at least half of order 0 is seen: near the panel its own width, farther off the cone of
+// its middle. (The eyebox that `limits` tells is smaller: there, light arrives from every pixel.) A stop narrows the
+// cone and passes no other order.
 void warn_outside_eyebox(const Field& shown, const Slm& slm, const CameraParams& camera, const Observer& observer) {
   const double z = camera.eye.z, pitch = slm.grid.pitch;
   const auto cone = [&](double half_band) {

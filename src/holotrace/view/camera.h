@@ -16,8 +16,7 @@
 namespace holotrace {
 
 /// The irradiance that a sensor without a lens records of the light that leaves an SLM, focused at `distance` [m] ≥ 0:
-/// behind
-/// the panel for a virtual image, in front of it for a real one. Applies the stop that the encoder asked for.
+/// behind the panel for a virtual image, in front of it for a real one. Applies the stop that the encoder asked for.
 ///
 /// With camera.pupil > 0 an eye receives the light: only light through a round pupil about camera.eye, parallel to the
 /// panel, is used. The field is propagated to a window about the pupil in its plane, cut there, and propagated from

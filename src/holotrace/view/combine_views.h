@@ -14,8 +14,9 @@ namespace holotrace {
 /// the illumination of hologram h, vₕ its view in the light of the brightest hologram, rₙ the reach of wavelength n
 /// (axial_reach, camera.h) and Mₙ a column of colour_matrix (data/spectrum.h):
 ///
-///     Iₙ = Σ_names mean_frames (Eₕ/max E)·vₕ,    rgb = Σₙ Mₙ·Iₙ·(max r/rₙ)     (one wavelength: I itself, one channel)
+///     Iₙ = Σ_names ⟨(Eₕ/max E)·vₕ⟩,    rgb = Σₙ Mₙ·Iₙ·(max r/rₙ)     (one wavelength: I itself, one channel)
 ///
+/// with ⟨·⟩ the mean over the frames of a name.
 /// The brightest hologram is lit fully and every other one in proportion: colours, path groups and lights keep their
 /// ratios. The last factor is the camera's white balance, for the axis on which it looks: a panel accepts a cone that
 /// grows with the wavelength, so without it near white objects would look too red. Colours without
@@ -40,7 +41,7 @@ class CombinedViews {
   /// Mean irradiance over the sensor, added up over all wavelengths [W/m²].
   double mean_irradiance() const;
 
-  /// Light on the panel relative to that of the brightest hologram: Σ mean_frames Eₕ/max E.
+  /// Light on the panel relative to that of the brightest hologram: Σ ⟨Eₕ⟩/max E.
   double relative_illumination() const;
 
   /// Wavelengths [m]: those given to the constructor, or those of the holograms in their order.

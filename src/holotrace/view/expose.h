@@ -14,8 +14,7 @@ Array2D<float> irradiance_of(const Field& field);
 inline constexpr int integration_rim = 2;
 
 /// The mean of a quantity over the area of pixels of n × n samples; there are `rim` more samples beyond the pixels on
-/// every
-/// side.
+/// every side.
 ///
 /// Integrated (rim ≥ integration_rim): each sample contributes the mean over its own cell, from its neighbours,
 ///

@@ -94,8 +94,8 @@ TEST(DoublePhase, SaysWhatIsWrong) {
   EXPECT_EQ(error_of([&] { encode(field, slm, {.method = Encoding::double_phase, .stop = 1.1}); }),
             "expected a number above 0, up to 1 for \"stop\", got 1.1");
   EXPECT_EQ(error_of([&] { encode(field, slm, {.method = Encoding::complex}); }),
-            "expected an encoding for a panel of phase or amplitude alone, as \"test\" is, got \"complex\"; use "
-            "\"double-phase\" or \"off-axis\", or a panel whose modulation is complex");
+            "expected an encoding for a panel that modulates only phase or only amplitude, as \"test\" is, got "
+            "\"complex\"; use \"double-phase\" or \"off-axis\", or a panel whose modulation is complex");
 }
 
 }  // namespace

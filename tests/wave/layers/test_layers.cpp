@@ -103,7 +103,7 @@ TEST(Layers, OfMovedDepthsHaveTheErrorStated) {
     EXPECT_EQ(std::get<int64_t>(heard.facts.at("slices")), slices);
     EXPECT_NEAR(error / heard.number("expected_depth_error"), 1, 3 * 0.5 / std::sqrt(300)) << slices;
     ASSERT_EQ(heard.warnings.size(), 1U);
-    EXPECT_EQ(heard.warnings[0].rfind(fmt::format("{} slices move the waves' depths by up to ", slices), 0), 0U);
+    EXPECT_EQ(heard.warnings[0].rfind(fmt::format("with slices = {}, depths are rounded by up to ", slices), 0), 0U);
   }
 }
 

@@ -60,7 +60,7 @@ void describe(Visitor& v, CameraParams& p) {
       "sampling", p.sampling, {{"integrate", PixelSampling::integrate}, {"point", PixelSampling::point}},
       "what a sensor pixel reads: the irradiance over its whole area (integrate), or at its field samples only (point)");
   v.number("exposure", p.exposure, range::not_negative,
-           "irradiance shown as white in W/m2; 0: the 99.9th percentile of the picture");
+           "irradiance shown as white in W/m2; 0: the 99.9th percentile of the brightest view");
   v.count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "bits per channel of a PNG");
   v.number("electrons", p.electrons, range::from_to(0, 1e12),
            "full-well capacity in electrons; adds shot noise; 0: no shot noise");
@@ -71,7 +71,7 @@ void describe(Visitor& v, CameraParams& p) {
   v.count("sweep_views", p.sweep_views, range::at_least(2), "number of views of the series");
   v.length("sweep_from", p.sweep_from, range::any, "first distance (focus) or first x of the eye (parallax)");
   v.length("sweep_to", p.sweep_to, range::any, "last distance (focus) or last x of the eye (parallax)");
-  v.number("sweep_seconds", p.sweep_seconds, range::positive, "duration of the animation in seconds, there and back");
+  v.number("sweep_seconds", p.sweep_seconds, range::positive, "duration of the animation in seconds, forward and back");
 }
 
 }  // namespace holotrace

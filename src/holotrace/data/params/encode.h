@@ -54,7 +54,7 @@ struct EncodeParams {
   std::vector<double> target_distances{};   ///< iterations: distances of the target planes from the panel [m], ≥ 0
   int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
   bool resample = false;                    ///< scale a target picture of another size to that part
-  bool is_joint = false;                    ///< iterations: one hologram for all wavelengths
+  bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
   int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
   double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: sgd_step
   StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
@@ -82,10 +82,10 @@ void describe(Visitor& v, EncodeParams& p) {
   v.choice(
       "image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
       "field that is shown: U (virtual: the scene is behind the panel) or conj(U) (real: it focuses in front of it)");
-  v.angle(
-      "reference_angle_x", p.reference_angle_x, range::tilt,
-      "off-axis: tilt of the reference in x; if both tilts are 0 deg: asin(3 lambda/8p), or asin(lambda/4p) without bias");
-  v.angle("reference_angle_y", p.reference_angle_y, range::tilt, "off-axis: tilt of the reference in y");
+  v.angle("reference_angle_x", p.reference_angle_x, range::tilt,
+          "off-axis, binary: tilt of the reference in x; if both tilts are 0 deg: asin(3 lambda/8p), or "
+          "asin(lambda/4p) for binary and without bias");
+  v.angle("reference_angle_y", p.reference_angle_y, range::tilt, "off-axis, binary: tilt of the reference in y");
   v.number("reference_ratio", p.reference_ratio, range::positive,
            "off-axis: amplitude of the reference over the largest |U|");
   v.flag("with_bias", p.with_bias, "off-axis: keep the terms I_U + I_R of Eq. 9");
@@ -104,7 +104,7 @@ void describe(Visitor& v, EncodeParams& p) {
   v.count("target_rows", p.target_rows, range::not_negative,
           "iterations, pictures: height in pixels of that part; 0: the panel's");
   v.flag("resample", p.resample, "scale a target picture of another size to target_columns x target_rows");
-  v.flag("joint", p.is_joint, "iterations: one hologram for all wavelengths; false: one for each");
+  v.flag("joint", p.is_joint, "sgd: one hologram for all wavelengths; false: one for each");
   static const std::string iterations =
       fmt::format("number of iterations; 0: {} for gerchberg-saxton, {} for sgd, {} for the field of a picture",
                   gerchberg_saxton_iterations, sgd_iterations, target_field_iterations);

@@ -26,7 +26,7 @@ void describe(Visitor& v, PropagateParams& p) {
             {"angular-spectrum", PropagationMethod::angular_spectrum},
             {"rayleigh-sommerfeld", PropagationMethod::rayleigh_sommerfeld},
             {"fresnel", PropagationMethod::fresnel}},
-           "transfer function of free space; auto: the one that the sampling condition allows");
+           "propagation method; auto: chosen by the sampling condition");
   v.count("columns", p.columns, range::not_negative, "width of the output window in samples; 0: the input's");
   v.count("rows", p.rows, range::not_negative, "height of the output window in samples; 0: the input's");
   v.length("pitch", p.pitch, range::not_negative, "pitch of the output's samples; 0 m: the input's");

@@ -54,9 +54,9 @@ void describe(Visitor& v, ShowParams& p) {
           "full angle of the source as seen from the panel; 0 deg: a point source");
   v.count("illumination_states", p.illumination_states, range::from_to(0, 65536),
           "number of states of partly coherent light and flicker to average; 0: as many as the views need");
-  v.texts(
-      "effects", p.effects,
-      "panel effects that are modelled: calibration, crosstalk, gaps, flicker, aberration, phase-map, dead-pixels; or all");
+  v.texts("effects", p.effects,
+          "panel effects that are modelled: calibration, crosstalk, gaps, flicker, aberration, phase-map, "
+          "dead-pixels; all; or none");
 }
 
 }  // namespace holotrace

@@ -29,17 +29,17 @@ struct SynthesizeParams {
 
 template <class Visitor>
 void describe(Visitor& v, SynthesizeParams& p) {
-  v.choice(
-      "method", p.method,
-      {{"auto", SynthesisMethod::automatic},
-       {"exact", SynthesisMethod::exact},
-       {"tiled", SynthesisMethod::tiled},
-       {"planes", SynthesisMethod::planes},
-       {"layers", SynthesisMethod::layers},
-       {"triangles", SynthesisMethod::triangles}},
-      "how the field is computed. From waves: one by one in double precision (exact), tile by tile (tiled), by a "
-      "non-uniform FFT in each tile (planes), by slices of depth (layers), or by the fastest of these that meets the tolerance "
-      "(auto). From the scene's surfaces: as luminous triangles (triangles)");
+  v.choice("method", p.method,
+           {{"auto", SynthesisMethod::automatic},
+            {"exact", SynthesisMethod::exact},
+            {"tiled", SynthesisMethod::tiled},
+            {"planes", SynthesisMethod::planes},
+            {"layers", SynthesisMethod::layers},
+            {"triangles", SynthesisMethod::triangles}},
+           "how the field is computed. From waves: one by one in double precision (exact), tile by tile "
+           "(tiled), by a non-uniform FFT in each tile (planes), or by slices of depth (layers); auto: the "
+           "faster of tiled and planes that meets the tolerance, else exact. From the scene's surfaces: as "
+           "luminous triangles (triangles)");
   v.number("tolerance", p.tolerance, range::between(0, 1),
            "largest relative L2 error of the field against the method exact");
   v.count("slices", p.slices, range::not_negative,

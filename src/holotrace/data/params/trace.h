@@ -38,7 +38,7 @@ struct TraceParams {
   Strategy strategy = Strategy::shared;               ///< what a traced sample lights
   Pattern pattern = Pattern::grid;                    ///< which rays look for first hits
   int columns = 256, rows = 256;                      ///< pixels of the raster of first hits (grid)
-  int64_t samples = 65536;                            ///< first hits (random)
+  int64_t samples = 65536;                            ///< rays that look for first hits (random)
   int pixel_samples = 16;                             ///< S, rays from each panel pixel (gather)
   Directions directions = Directions::acceptance;     ///< directions of those rays (gather)
   int tile_columns = 8, tile_rows = 4;                ///< tiles of the panel (tiled)
@@ -62,15 +62,16 @@ struct TraceParams {
 
 template <class Visitor>
 void describe(Visitor& v, TraceParams& p) {
-  v.choice(
-      "strategy", p.strategy, {{"shared", Strategy::shared}, {"tiled", Strategy::tiled}, {"gather", Strategy::gather}},
-      "panel pixels that a traced sample lights: all (shared), all with light found for each tile (tiled), or one (gather)");
+  v.choice("strategy", p.strategy,
+           {{"shared", Strategy::shared}, {"tiled", Strategy::tiled}, {"gather", Strategy::gather}},
+           "panel pixels that one wave reaches. shared: all, with one radiance; tiled: all, with a radiance for "
+           "each panel tile; gather: only the pixel of its ray");
   v.choice(
       "pattern", p.pattern, {{"grid", Pattern::grid}, {"random", Pattern::random}},
       "rays that find first hits: a raster seen from the panel's centre, or random rays over the panel's acceptance");
   v.count("columns", p.columns, range::at_least(1), "columns of the raster");
   v.count("rows", p.rows, range::at_least(1), "rows of the raster");
-  v.count("samples", p.samples, range::from_to(1, 0x1p40), "number of first hits of the random pattern");
+  v.count("samples", p.samples, range::from_to(1, 0x1p40), "random: number of rays");
   v.count("pixel_samples", p.pixel_samples, range::at_least(1), "gather: rays from each panel pixel");
   v.choice("directions", p.directions, {{"acceptance", Directions::acceptance}, {"hemisphere", Directions::hemisphere}},
            "gather: directions of the rays: those that the panel accepts, or the whole hemisphere");
@@ -80,7 +81,7 @@ void describe(Visitor& v, TraceParams& p) {
           "half angle of the raster; 0 deg: the panel's acceptance asin(lambda/2p)");
   v.flag(
       "common_cone", p.has_common_cone,
-      "one cone of directions for all wavelengths, that of the shortest: views have no coloured rim; false: one for each");
+      "limit all wavelengths to the cone of the shortest, which avoids a coloured rim; false: each uses its own cone");
   v.count("paths", p.paths, range::at_least(1), "light paths per first hit");
   v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
   v.choice(
@@ -88,15 +89,14 @@ void describe(Visitor& v, TraceParams& p) {
       "surfaces of a path that send shadow rays to the lights: each, or only the last (the same mean, more noise)");
   v.number("clamp", p.clamp, range::not_negative,
            "upper limit of the radiance of one path in W/m2/sr; less noise, but some light is lost; 0: no limit");
-  v.choice(
-      "phase", p.phase,
-      {{"random", SourcePhase::random},
-       {"constant", SourcePhase::constant},
-       {"surface", SourcePhase::surface},
-       {"path", SourcePhase::path},
-       {"laser", SourcePhase::laser}},
-      "phase of the waves: random; 0 (constant); a fixed random phase of each surface point (surface); that plus the "
-      "optical path through mirrors and glass (path); that plus the optical path from a laser (laser)");
+  v.choice("phase", p.phase,
+           {{"random", SourcePhase::random},
+            {"constant", SourcePhase::constant},
+            {"surface", SourcePhase::surface},
+            {"path", SourcePhase::path},
+            {"laser", SourcePhase::laser}},
+           "phase of the waves. random; constant: 0; surface: random, but fixed to the surface; path: surface "
+           "phase + optical path through mirrors and glass; laser: path + optical path from the laser");
   v.length("grain", p.grain, range::not_negative,
            "side of the surface cells that share one phase; 0 m: the pixel pitch");
   v.flag(

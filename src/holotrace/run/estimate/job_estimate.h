@@ -56,9 +56,8 @@ struct StageComparison {
 };
 
 /// Compares the predicted seconds of each stage with those of a run. A whole estimate also has entries "simulation",
-/// all stages after the sum, and "all". Adds a stage "estimate" to the report with the facts
-/// "NAME predicted_seconds" and "NAME
-/// ratio", prediction over measurement.
+/// all stages after the sum, and "all". Adds a stage "estimate" to the report with the facts "NAME predicted_seconds"
+/// and "NAME ratio", prediction over measurement.
 std::vector<StageComparison> compare_with_run(const JobEstimate& estimate, Report& report);
 
 }  // namespace holotrace

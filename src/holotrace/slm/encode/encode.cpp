@@ -88,8 +88,8 @@ void check_panel(const Slm& slm, const EncodeParams& params, const Observer& obs
           "expected an encoding for an amplitude panel, which \"{}\" is, got \"{}\"; use \"amplitude\" or \"off-axis\"",
           slm.name, name);
   require(modulation != Modulation::complex || slm.modulation == Modulation::complex,
-          "expected an encoding for a panel of phase or amplitude alone, as \"{}\" is, got \"{}\"; use "
-          "\"double-phase\" or \"off-axis\", or a panel whose modulation is complex",
+          "expected an encoding for a panel that modulates only phase or only amplitude, as \"{}\" is, got "
+          "\"{}\"; use \"double-phase\" or \"off-axis\", or a panel whose modulation is complex",
           slm.name, name);
   if (modulation == Modulation::amplitude && slm.modulation == Modulation::phase)
     observer.warn(

@@ -13,7 +13,7 @@ void PanelModel::leave(const Array2D<float>& drive, Field& field, const Array2D<
   const Parts& parts = *parts_;
   parts.check(drive, "drive");
   require((modulus != nullptr) == (parts.modulation == Modulation::complex),
-          "expected a modulus beside the drive for complex modulation, and for no other");
+          "expected an array of moduli for complex modulation only");
   if (modulus) parts.check(*modulus, "modulus");
   const bool fits = field.samples.nx == parts.out.nx && field.samples.ny == parts.out.ny;
   field.grid = parts.out;

@@ -34,8 +34,7 @@ struct LoggedRay {
 /// Embree works in single precision. The scene is passed to it with its centre moved to the origin (ScenePrecision),
 /// and a ray that starts outside the sphere around all surfaces is passed from its entry point on. Rounding is then
 /// about 1e-7 of the distance from the centre. Embree decides which triangle a ray hits. The place is computed again in
-/// double from
-/// that triangle and the ray, because a wave's origin must be exact to a small fraction of a wavelength.
+/// double from that triangle and the ray, because a wave's origin must be exact to a small fraction of a wavelength.
 class Accelerator {
  public:
   /// @throws Error  if Embree gives no device or cannot build; as UniformGrid does; for lights, materials or textures

@@ -93,8 +93,7 @@ inline double pdf(const RectangleLight& light, double distance, double cosine) {
 }
 
 /// Intersection of a ray with the emitting side of a rectangle: the distance [m], and the density with which `sample`
-/// draws
-/// that direction from the ray's origin [1/sr].
+/// draws that direction from the ray's origin [1/sr].
 struct LightHit {
   double distance, pdf;
 };

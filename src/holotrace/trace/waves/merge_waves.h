@@ -36,11 +36,11 @@ class CellWaves {
   explicit CellWaves(double side) : side_(side) {}
 
   /// The number under which a wave of that key and place [m] was first added; if there was none, `next`, which is
-  /// returned for it from now on. Images of one key count as one if they are at most 8 cells apart, or a thousandth
-  /// of their distance R from the panel's centre. (Two rays that meet one cell see it up to a cell apart, and a curved
+  /// returned for it from now on. Images of one key count as one if they are at most 8 cells apart, or a thousandth of
+  /// their distance R from the panel's centre. (Two rays that meet one cell see it up to a cell apart, and a curved
   /// mirror or lens shows the cell enlarged, at a place that differs from ray to ray by its aberration.) Limitation:
-  /// images
-  /// of a cell in two mirrors that are parallel within that distance, 1/2000 of R from mirror to mirror, make one wave.
+  /// images of a cell in two mirrors that are parallel within that distance, 1/2000 of R from mirror to mirror, make
+  /// one wave.
   size_t find_or_add(uint64_t key, Vec3 origin, size_t next);
 
   void clear();

@@ -65,7 +65,7 @@ Cones cones_of(const std::vector<double>& wavelengths, const TraceParams& params
   return {*shortest, *shortest};
 }
 
-/// For 638 and 450 nm, the lasers of usual displays, it is 0.50.
+/// Fraction of étendue given up above which a warning is given. For 638 and 450 nm, usual lasers, it is 0.50.
 constexpr double most_given_up = 0.6;
 
 void report(const Cones& cones, const std::vector<double>& wavelengths, const Grid& panel, const Observer& observer) {

@@ -103,8 +103,8 @@ Plan make_plan(const Sources& sources, const Grid& grid, const SynthesizeParams&
                     params.tolerance, slices.size()));
   if (params.slices > 0 && plan.sliced.expected_error > params.tolerance)
     observer.warn(fmt::format(
-        "{} slices move the waves' depths by up to {}: a relative error of about {:.1e}, the tolerance is "
-        "{:.1e}; use more slices, or 0 for as many as needed",
+        "with slices = {}, depths are rounded by up to {}: expected error {:.1e}, tolerance {:.1e}; use more "
+        "slices, or 0 for as many as needed",
         slices.size(), format_length(plan.sliced.depth.thickness / 2), plan.sliced.expected_error, params.tolerance));
   return plan;
 }
