@@ -9,6 +9,7 @@
 #include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/path.h"
+#include "holotrace/trace/paths/path_weights.h"
 
 // The one loop along a light path (formulas: path.h, add_radiance). The light found goes to a Sink:
 //
@@ -20,18 +21,6 @@
 //   place_of_phase(point)                      place on that surface at which the phase of light is evaluated
 
 namespace holotrace {
-
-inline bool is_black(Vec3 v) { return v.x <= 0 && v.y <= 0 && v.z <= 0; }
-
-/// The power heuristic: the weight of light found with density `own` if another technique has the density `other`.
-inline double shared_weight(double own, double other) {
-  const double ratio = other / own;
-  return 1 / (1 + ratio * ratio);
-}
-
-inline PathEvent event_of(Lobe lobe) {
-  return lobe == Lobe::diffuse ? PathEvent::diffuse : lobe == Lobe::glossy ? PathEvent::glossy : PathEvent::specular;
-}
 
 template <class Sink>
 class PathWalk {

@@ -3,7 +3,6 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 #include "holotrace/base/complex_arrays.h"
@@ -11,35 +10,11 @@
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/wrapped.h"
+#include "holotrace/wave/propagate/column_blocks.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {
-
-constexpr int block = 16;  // columns stored side by side: whole cache lines in either precision
-
-// A copy of known size, which the compiler can keep in registers.
-template <class Real>
-void copy_block(const std::complex<Real>* from, std::complex<Real>* to) {
-  std::memcpy(static_cast<void*>(to), from, block * sizeof(*from));
-}
-
-// Transposes the columns of a block, stored one after the other, to rows.
-template <class Real>
-void turn_to_rows(const std::complex<Real>* columns, int length, std::complex<Real>* rows) {
-  constexpr int step = 8;  // a cache line of each column at a time
-  for (int first = 0; first < length; first += step) {
-    const int count = std::min(step, length - first);
-    for (int c = 0; c < block; ++c) {
-      const std::complex<Real>* from = columns + size_t(c) * size_t(length) + first;
-      std::complex<Real>* to = rows + size_t(first) * block + c;
-      if (count == step)
-        for (int j = 0; j < step; ++j) to[j * block] = from[j];
-      else
-        for (int j = 0; j < count; ++j) to[j * block] = from[j];
-    }
-  }
-}
 
 // One part of one axis: the frequencies k ≡ part modulo axis.parts.
 template <class Real>

@@ -1,0 +1,101 @@
+// Reads the geometry of an object by its type: meshes, point sets and shapes.
+
+#include <limits>
+
+#include "holotrace/base/units.h"
+#include "holotrace/data/shapes.h"
+#include "holotrace/data/spectrum.h"
+#include "holotrace/io/mesh/point_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_objects.h"
+
+namespace holotrace {
+namespace {
+
+double read_required_length(TomlTable& object, const char* key) {
+  object.require_key(key);
+  double value = 0;
+  object.length(key, value, range::positive);
+  return value;
+}
+
+}  // namespace
+
+SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::string& type) {
+  const auto from_mesh = [](Mesh mesh) {
+    mesh.material = -1;
+    return Geometry{{std::move(mesh)}, {}};
+  };
+  if (type == "mesh") return read_mesh_file(object);
+  if (type == "shape") return read_shape(object);
+  if (type == "points") {
+    PointChannel channel = PointChannel::luminance;
+    object.choice("channel", channel,
+                  {{"luminance", PointChannel::luminance},
+                   {"red", PointChannel::red},
+                   {"green", PointChannel::green},
+                   {"blue", PointChannel::blue}});
+    const std::string file = read_file_name(object, "file");
+    Geometry geometry;
+    object.locate("file", [&] { geometry.points = load_points(file, channel); });
+    return geometry;
+  }
+  if (type == "wireframe_cube") {
+    int per_edge = 20;
+    object.count("points_per_edge", per_edge, range::at_least(2));
+    return {{}, make_wireframe_cube(read_required_length(object, "size"), per_edge)};
+  }
+  if (type == "wireframe_sphere") {
+    int meridians = 12, parallels = 7, per_circle = 64;
+    object.count("meridians", meridians, range::at_least(1));
+    object.count("parallels", parallels, range::not_negative);
+    object.count("points_per_circle", per_circle, range::at_least(3));
+    return {{}, make_wireframe_sphere(read_required_length(object, "size"), meridians, parallels, per_circle)};
+  }
+  if (type == "point_quad" || type == "textured_quad") {
+    int columns = 64, rows = 64;
+    object.count("columns", columns, range::at_least(2));
+    object.count("rows", rows, range::at_least(2));
+    const double width = read_required_length(object, "width"), height = read_required_length(object, "height");
+    if (type == "textured_quad" || object.has("texture")) {
+      const std::string file = read_file_name(object, "texture");
+      Image texture;
+      object.locate("texture", [&] { texture = load_image(file); });
+      if (job_.wavelengths.size() > 1 && texture.channels > 1)
+        job_.warnings.push_back(
+            fmt::format("{}points have one amplitude at all wavelengths, the texture is taken at {}",
+                        object.where("texture"), format_length(job_.wavelengths.front())));
+      return {{}, make_point_quad(width, height, columns, rows, &texture, channel_weights(job_.wavelengths.front()))};
+    }
+    std::string none;
+    object.text("texture", none);  // marks the key as known
+    return {{}, make_point_quad(width, height, columns, rows)};
+  }
+  if (type == "quad") {
+    const double width = read_required_length(object, "width"), height = read_required_length(object, "height");
+    return from_mesh(make_quad(width, height));
+  }
+  if (type == "box") {
+    object.require_key("size");
+    Vec3 size;
+    object.length_vector("size", size, range::positive);
+    return from_mesh(make_box(size));
+  }
+  int segments = 64;
+  if (type == "sphere") {
+    object.count("segments", segments, range::at_least(3));
+    return from_mesh(make_sphere(read_required_length(object, "size"), segments));
+  }
+  std::vector<Vec2> outline;
+  if (type == "lathe") {
+    object.count("segments", segments, range::at_least(3));
+    object.require_key("profile");
+    object.outline("profile", outline);
+    return from_mesh(make_lathe(outline, segments));
+  }
+  object.require_key("outline");
+  object.outline("outline", outline);
+  return from_mesh(make_extrusion(outline, read_required_length(object, "depth")));
+}
+
+}  // namespace holotrace
