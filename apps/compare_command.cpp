@@ -20,6 +20,7 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/difference.h"
+#include "holotrace/view/profile.h"
 #include "holotrace/view/register/align_image.h"
 #include "holotrace/view/register/channel.h"
 #include "holotrace/view/register/register.h"
@@ -117,27 +118,6 @@ ImagePair registered_pair(const CompareOptions& o, Console& console) {
           covered.first_column};
 }
 
-// Profiles of both images along the middle row of the compared part, at the reference's own positions.
-Chart profile_of(const ImagePair& pair, double scale) {
-  const int row = pair.reference.ny / 2;
-  const double pitch = pair.reference.pitch;
-  Chart chart;
-  chart.title = fmt::format("Row {} of {}", pair.first_row + row + 1, pair.rows);
-  chart.x_label = pitch > 0 ? "x [mm]" : "x [pixels]";
-  chart.y_label = "brightness, linear [unit of the reference]";
-  const Channel reference = mean_of_channels(pair.reference), image = mean_of_channels(pair.image);
-  Series shown{"reference", {}, {}}, compared{fmt::format("{:.4g} × image", scale), {}, {}};
-  for (int column = 0; column < reference.nx; ++column) {
-    const double x = (pair.first_column + column - (pair.columns - 1) / 2.0) * (pitch > 0 ? pitch * 1e3 : 1);
-    shown.x.push_back(x);
-    shown.y.push_back(reference(row, column));
-    compared.x.push_back(x);
-    compared.y.push_back(scale * image(row, column));
-  }
-  chart.series = {std::move(shown), std::move(compared)};
-  return chart;
-}
-
 void compare_images(const CompareOptions& o, Console& console) {
   ImagePair pair = o.is_registered ? registered_pair(o, console) : whole_pair(load_image(o.a), load_image(o.b));
   const Metrics m = compare(pair.reference, pair.image);
@@ -160,7 +140,9 @@ void compare_images(const CompareOptions& o, Console& console) {
   }
   print_facts(facts, o.is_json);
   std::fflush(stdout);
-  if (!o.profile.empty()) save_chart(o.profile, profile_of(pair, m.scale));
+  if (!o.profile.empty())
+    save_chart(o.profile, profile_chart(pair.reference, pair.image, m.scale,
+                                        {pair.rows, pair.columns, pair.first_row, pair.first_column}));
 }
 
 // Refuses flags that have no effect on the requested comparison.

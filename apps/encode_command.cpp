@@ -5,7 +5,6 @@
 
 #include "commands.h"
 #include "console.h"
-#include "convergence.h"
 #include "flags.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/field/field_file.h"
@@ -15,6 +14,7 @@
 #include "holotrace/io/picture/chart_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
+#include "holotrace/run/convergence.h"
 #include "holotrace/run/stage.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/iterations.h"

@@ -8,7 +8,6 @@
 
 #include "commands.h"
 #include "console.h"
-#include "convergence.h"
 #include "flags.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/io/field/field_file.h"
@@ -19,6 +18,7 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "holotrace/run/convergence.h"
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/trace/render.h"
@@ -28,6 +28,7 @@
 #include "holotrace/view/stereo.h"
 #include "load_scene.h"
 #include "save_views.h"
+#include "try_save_chart.h"
 
 namespace holotrace {
 namespace {
@@ -51,7 +52,7 @@ void print_comparison(const JobEstimate& estimate, const std::vector<StageCompar
   fmt::print("{:<28} {:>12} {:>12} {:>18}\n", "stage", "predicted s", "taken s", "predicted / taken");
   for (const StageComparison& stage : stages)
     fmt::print("{:<28} {:>12.3f} {:>12.3f} {:>18}\n", stage.name, stage.predicted, stage.taken,
-               stage.taken > 0 ? fmt::format("{:.2f}", stage.predicted / stage.taken) : "-");
+               stage.ratio() ? fmt::format("{:.2f}", *stage.ratio()) : "-");
   if (estimate.is_whole())
     fmt::print("\"simulation\" is all stages after the sum. ");
   else

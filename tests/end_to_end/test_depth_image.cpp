@@ -57,6 +57,22 @@ double contrast(const Image& view, bool left) {
   return bright / dark;
 }
 
+// All colours keep to the cone of the shortest wavelength, unless each is to have its own.
+TEST(DepthImage, ColoursShareTheConeOfTheShortestWavelength) {
+  const Workplace work;
+  work.write("scene.toml", scene_head() + points_object());
+  work.write("points.ply", point_file({{{0, 0, -0.02}}}));
+  write_pictures(work);
+  const auto cones = [&](const std::string& is_common) {
+    expect_success(work, field_command({"--wavelength", "638 nm, 450 nm", "--common-cone", is_common}));
+    std::vector<double> wavelengths;
+    for (const Field& field : load_fields(work.path("f.npy"))) wavelengths.push_back(field.cone_wavelength);
+    return wavelengths;
+  };
+  EXPECT_EQ(cones("true"), (std::vector<double>{450e-9, 450e-9}));
+  EXPECT_EQ(cones("false"), (std::vector<double>{0, 0}));  // 0: its own
+}
+
 // Bars of 48 µm; the panel resolves λd/S = 8 … 16 µm. 15 mm out of focus, light spreads over 15/30 of 2 mm: bars
 // vanish. A kinoform loses the modulus: noise of about a fifth of the light (4/π of the power of speckle) is
 // everywhere.

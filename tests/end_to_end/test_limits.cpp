@@ -55,6 +55,11 @@ TEST(LimitsCommand, WorksBackwards) {
   EXPECT_NEAR(wanted.at("wanted_pitch_m").get<double>(), 1.181e-6, 5e-10);  // the paper's 1.18 µm
   EXPECT_NEAR(wanted.at("pixels_per_second").get<double>(), 6.45e11, 0.01e11);
   EXPECT_EQ(wanted.at("vision").size(), 5U);
+  // By the grating equation: 632.8 nm / (2 sin 15°).
+  EXPECT_NEAR(wanted.at("coarsest_pitch_m").get<double>(), 632.8e-9 / (2 * 0.2588190451), 1e-15);
+  // Of a given side and one for a resolution the larger counts: 100 mm against 18.98 mm for 10 µm, at the same pitch.
+  const auto both = json_of(work, {"--angle", "15 deg", "--size", "100 mm", "--resolution", "10 um"});
+  EXPECT_EQ(both.at("wanted_pixels_per_side"), wanted.at("wanted_pixels_per_side"));
   // λz/S: 10 µm at 300 mm and 632.8 nm are 18.98 mm.
   const auto fine = json_of(work, {"--angle", "2 deg", "--resolution", "10 um", "--distance", "300 mm"});
   EXPECT_NEAR(fine.at("wanted_size_m").get<double>(), 18.984e-3, 1e-9);

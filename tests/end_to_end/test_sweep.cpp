@@ -248,7 +248,8 @@ TEST(Sweep, ImpossibleSweepsAreRefused) {
   const auto sentence = [&] { return error_of([&] { viewpoints(camera); }); };
   camera.sweep = Sweep::focus;
   EXPECT_EQ(sentence(),
-            "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to");
+            "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to "
+            "(--sweep-from, --sweep-to)");
   camera.sweep_from = -1e-3;
   camera.sweep_to = 30e-3;
   EXPECT_EQ(sentence(), "expected a sweep of the focus through distances of 0 m or more, got -1 mm to 30 mm");

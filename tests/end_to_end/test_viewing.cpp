@@ -352,7 +352,8 @@ TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
             "expected a plane farther from the lens than its focal length of 50 mm, got one at 30 mm; move the "
             "eye back, or use a shorter focal length");
   EXPECT_EQ(refused("sweep = \"focus\"\n"),
-            "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to");
+            "expected a sweep between two places that differ, got 0 m and 0 m; give sweep_from and sweep_to "
+            "(--sweep-from, --sweep-to)");
   const std::string head = scene().substr(0, scene().find("[camera]"));
   const std::string line = std::to_string(std::count(head.begin(), head.end(), '\n') + 2);  // the line after [camera]
   EXPECT_EQ(refused("sweep_views = 1\n"),

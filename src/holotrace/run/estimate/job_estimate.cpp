@@ -188,7 +188,7 @@ std::vector<StageComparison> compare_with_run(const JobEstimate& estimate, Repor
   const auto add = [&](const std::string& name, double predicted, double taken) {
     lines.push_back({name, predicted, taken});
     entry.facts.emplace_back(name + " predicted_seconds", Fact(predicted));
-    if (taken > 0) entry.facts.emplace_back(name + " ratio", Fact(predicted / taken));
+    if (const auto ratio = lines.back().ratio()) entry.facts.emplace_back(name + " ratio", Fact(*ratio));
   };
   StageComparison all{"all"}, simulation{"simulation"};
   const auto count = [](double predicted, double taken, StageComparison& sum) {

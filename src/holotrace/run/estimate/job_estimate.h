@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,9 @@ void measure_other_accelerator(const Job& job, JobEstimate& estimate);
 struct StageComparison {
   std::string name;
   double predicted = 0, taken = 0;  ///< [s]
+
+  /// Prediction over measurement, or none for a stage that took no time.
+  std::optional<double> ratio() const { return taken > 0 ? std::optional(predicted / taken) : std::nullopt; }
 };
 
 /// Compares the predicted seconds of each stage with those of a run. A whole estimate also has entries "simulation",

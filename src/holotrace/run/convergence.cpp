@@ -1,11 +1,8 @@
-#include "convergence.h"
+#include "holotrace/run/convergence.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include "console.h"
-#include "holotrace/base/error.h"
-#include "holotrace/io/picture/chart_file.h"
+#include <utility>
 
 namespace holotrace {
 
@@ -34,15 +31,6 @@ Chart convergence_chart(const Report& report) {
       if (!series.x.empty()) chart.series.push_back(std::move(series));
     }
   return chart;
-}
-
-void try_save_chart(const std::string& path, const Chart& chart, Console& console) {
-  try {
-    save_chart(path, chart);
-  } catch (const Error& error) {
-    console.watch("chart").warn(error.what());
-    console.finish();
-  }
 }
 
 }  // namespace holotrace
