@@ -86,9 +86,10 @@ TEST(Gather, ScenesUnseenOrDarkAreWarnedOf) {
   Scene scene;
   scene.materials = {grey(0.5)};
   scene.meshes = {make_test_quad({0.2, 0, -0.3}, {5_mm, 0, 0}, {0, 5_mm, 0})};
-  EXPECT_EQ(warning(scene),
-            "none of 64 rays from the panel met a mesh: its pitch of 8 µm sees 1.905° to each side of the axis at 532 "
-            "nm; move the scene onto the axis or take a panel of finer pitch");
+  EXPECT_EQ(
+      warning(scene),
+      "none of 64 rays from the panel met a mesh: a panel of pitch 8 µm sees only 1.905° to each side of the axis at 532 "
+      "nm; move the scene onto the axis or take a panel of finer pitch");
   scene.meshes = {make_wall(-0.3, 50_mm, 50_mm)};
   EXPECT_EQ(warning(scene), "every first hit is dark; add lights, emission or a background to the scene");
 }

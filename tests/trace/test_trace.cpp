@@ -147,9 +147,10 @@ TEST(Trace, AdviceOnAnUnseenSceneFitsThePattern) {
     return record.warnings.empty() ? "" : record.warnings[0];
   };
   // field_of_view widens the raster; random rays keep to the panel's acceptance.
-  EXPECT_EQ(warning({.pattern = Pattern::random, .samples = 64, .paths = 1}),
-            "none of 64 rays from the panel met a mesh: its pitch of 8 µm sees 1.905° to each side of the axis at 532 "
-            "nm; move the scene onto the axis or take a panel of finer pitch");
+  EXPECT_EQ(
+      warning({.pattern = Pattern::random, .samples = 64, .paths = 1}),
+      "none of 64 rays from the panel met a mesh: a panel of pitch 8 µm sees only 1.905° to each side of the axis at 532 "
+      "nm; move the scene onto the axis or take a panel of finer pitch");
   EXPECT_EQ(warning({.columns = 8, .rows = 8, .field_of_view = 10_deg, .paths = 1}),
             "none of 64 rays from the panel met a mesh: the raster sees 10° to each side of the axis; move the "
             "scene onto the axis or widen field_of_view");
@@ -165,7 +166,7 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   ASSERT_EQ(unseen.warnings.size(), 1u);
   EXPECT_EQ(
       unseen.warnings[0],
-      "none of 64 rays from the panel met a mesh: its pitch of 8 µm sees 1.905° to each side of the axis at 532 nm; "
+      "none of 64 rays from the panel met a mesh: a panel of pitch 8 µm sees only 1.905° to each side of the axis at 532 nm; "
       "move the scene onto the axis or set field_of_view");
 
   scene.meshes = {make_wall(-0.3, 50_mm, 50_mm)};
