@@ -10,11 +10,12 @@ namespace holotrace {
 /// The light that leaves a panel, by place and direction: one picture for each cell of the panel. The pixels of all
 /// pictures are in one plane behind the panel.
 struct LightField {
-  Grid cells;           ///< equal parts of the panel, in the plane z = 0; rows count upwards as in every Grid
-  Grid plane;           ///< pixels of the pictures in the plane z = −distance
-  double distance = 0;  ///< distance of that plane from the panel [m]
-  /// Mean radiance [W/m²/sr] of the rays from cell (column, row) through each pixel, at views[row·cells.nx + column];
-  /// 1 or 3 channels, shape of `plane`, row 0 on top as in every Image.
+  Grid panel;                 ///< the panel, divided evenly into cells
+  int columns = 0, rows = 0;  ///< number of cells along each side of the panel; row 0 is the top row
+  Grid plane;                 ///< pixels of the pictures, in the plane z = −distance
+  double distance = 0;        ///< distance of that plane from the panel [m]
+  /// Mean radiance [W/m²/sr] of the rays from cell (column, row) through each pixel, at views[row·columns + column];
+  /// 1 or 3 channels, shape of `plane`.
   std::vector<Image> views;
 };
 
