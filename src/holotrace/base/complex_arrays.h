@@ -15,6 +15,15 @@ void multiply(std::complex<Real>* to, const std::complex<Real>* a, const std::co
 template <class Real>
 void multiply_add(std::complex<Real>* to, const std::complex<Real>* a, const std::complex<Real>* b, size_t count);
 
+/// to[i] = a[i]·conj(b[i])
+template <class Real>
+void multiply_conjugate(std::complex<Real>* to, const std::complex<Real>* a, const std::complex<Real>* b, size_t count);
+
+/// to[i] += a[i]·conj(b[i])
+template <class Real>
+void multiply_conjugate_add(std::complex<Real>* to, const std::complex<Real>* a, const std::complex<Real>* b,
+                            size_t count);
+
 /// to[row][i] = a[row][i]·factor[row], i < width
 template <class Real>
 void multiply_rows(std::complex<Real>* to, const std::complex<Real>* a, const std::complex<Real>* factor, size_t rows,

@@ -1,11 +1,20 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "holotrace/base/array.h"
+#include "holotrace/base/vec.h"
 #include "holotrace/data/grid.h"
 
 namespace holotrace {
+
+/// The pupil of an eye or of a camera: a disc parallel to the panel that light must pass.
+struct Pupil {
+  Vec3 centre;          ///< [m], in front of the panel: z > 0
+  double diameter = 0;  ///< [m]
+};
 
 /// The light that a hologram should show in one target plane: the modulus of the field, at any phase and scale.
 struct TargetPlane {
@@ -13,6 +22,15 @@ struct TargetPlane {
   double wavelength = 0;     ///< [m]
   Array2D<float> amplitude;  ///< modulus ≥ 0, on the panel's own pixels, shape (ny, nx)
   Array2D<float> weight;     ///< weight ≥ 0 of the squared error, same shape: 0 where any light is allowed; empty: 1
+  std::optional<Pupil> pupil{};  ///< the plane is seen through this pupil only; none: all light that leaves the panel
+};
+
+/// Targets of an optimisation.
+struct TargetSet {
+  std::vector<TargetPlane> planes;  ///< all target planes, of one or several wavelengths
+  /// The plane that a viewer sees through a pupil, drawn anew for each update, for one of the wavelengths; its scale
+  /// is that of the planes. Empty: updates use the planes only.
+  std::function<TargetPlane(int update, double wavelength)> draw_view{};
 };
 
 }  // namespace holotrace

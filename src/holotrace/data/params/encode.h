@@ -32,6 +32,10 @@ enum class Encoding {
 /// Start phase of iterations, and phase of a target picture: the field's own phase (0 for a picture), or random.
 enum class StartPhase { field, random };
 
+/// What iterations aim at: the modulus of the field on the panel, carried to the target planes; the light that the
+/// path tracer finds in the target planes (a focal stack); or that and what eyes anywhere before the panel see.
+enum class EncodeTarget { field, render, light_field };
+
 /// Quantity in which the two levels of a binary hologram differ.
 enum class BinaryLevels { panel, phase, amplitude };
 
@@ -49,17 +53,21 @@ struct EncodeParams {
   bool with_bias = true;                             ///< keep I_U + I_R of Eq. 9
   int levels = 0;                                    ///< number of levels; 0: as many as the SLM has
   BinaryLevels binary_levels = BinaryLevels::panel;  ///< method binary: quantity of the two levels
-  /// Half width of the camera's stop that double-phase and error-diffusion need, as a fraction of 1/2p.
-  double stop = 0.4;
-  std::vector<double> target_distances{};   ///< iterations: distances of the target planes from the panel [m], ≥ 0
-  int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
-  bool resample = false;                    ///< scale a target picture of another size to that part
-  bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
-  int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
-  double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: sgd_step
-  StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
-  int64_t seed = 1;                         ///< seed for random start phases
-  std::vector<std::string> effects{};       ///< effects of the panel that the levels compensate; or "all"
+  /// Half width of the camera's stop as a fraction of 1/2p; 0: 1, or 0.4 for double-phase and error-diffusion, which
+  /// need one. 1: no stop.
+  double stop = 0;
+  EncodeTarget target = EncodeTarget::field;  ///< what iterations aim at
+  std::vector<double> target_distances{};     ///< iterations: distances of the target planes from the panel [m], ≥ 0
+  int target_columns = 0, target_rows = 0;    ///< part of those planes that the error counts, centred [pixels]; 0: all
+  bool resample = false;                      ///< scale a target picture of another size to that part
+  bool is_joint = false;                      ///< sgd: one hologram for all wavelengths
+  int iterations = 0;                         ///< number of iterations; 0: the default of the method, above
+  double step = 0;                            ///< sgd: step of the phase per iteration [rad]; 0: sgd_step
+  int planes_per_update = 1;                  ///< sgd: number of target planes in each iteration, in turn; 0: all
+  int subpixels = 1;                          ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
+  StartPhase start = StartPhase::field;       ///< start phase of iterations, and phase of a target picture
+  int64_t seed = 1;                           ///< seed for random start phases
+  std::vector<std::string> effects{};         ///< effects of the panel that the levels compensate; or "all"
 };
 
 template <class Visitor>
@@ -95,8 +103,15 @@ void describe(Visitor& v, EncodeParams& p) {
       "binary_levels", p.binary_levels,
       {{"panel", BinaryLevels::panel}, {"phase", BinaryLevels::phase}, {"amplitude", BinaryLevels::amplitude}},
       "binary: quantity of the two levels: phase (0 and pi), amplitude (dark and bright), or what the panel modulates");
-  v.number("stop", p.stop, range::above_to(0, 1),
-           "double-phase, error-diffusion: half width of the camera's stop as a fraction of 1/2p");
+  v.number(
+      "stop", p.stop, range::fraction,
+      "half width of the camera's stop as a fraction of 1/2p, for double-phase, error-diffusion and iterations; 1: "
+      "no stop; 0: 0.4 for double-phase and error-diffusion, else 1");
+  v.choice(
+      "target", p.target,
+      {{"field", EncodeTarget::field}, {"render", EncodeTarget::render}, {"light-field", EncodeTarget::light_field}},
+      "sgd, scenes: light to show; the modulus of the field of all waves (field); the path-traced light in planes "
+      "through the scene (render); that light and the views from anywhere before the panel (light-field)");
   v.lengths("target_distances", p.target_distances, range::not_negative,
             "iterations: distances of the target planes from the panel");
   v.count("target_columns", p.target_columns, range::not_negative,
@@ -111,6 +126,10 @@ void describe(Visitor& v, EncodeParams& p) {
   v.count("iterations", p.iterations, range::not_negative, iterations.c_str());
   static const std::string step = fmt::format("sgd: step of the phase per iteration in radians; 0: {:g}", sgd_step);
   v.number("step", p.step, range::not_negative, step.c_str());
+  v.count("planes_per_update", p.planes_per_update, range::not_negative,
+          "sgd: number of target planes in each iteration, in turn; 0: all of them");
+  v.count("subpixels", p.subpixels, range::at_least(1),
+          "sgd: samples of the light per pixel and axis; 1: diffraction order 0; 3: orders -1, 0 and 1 of each axis");
   v.choice("start", p.start, {{"field", StartPhase::field}, {"random", StartPhase::random}},
            "start phase of iterations and phase of target pictures: the field's own (0 for a picture), or random");
   v.count("seed", p.seed, range::not_negative, "seed for random start phases");

@@ -20,6 +20,7 @@
 #include "holotrace/slm/encode/kinoform.h"
 #include "holotrace/slm/encode/off_axis.h"
 #include "holotrace/slm/encode/phase_levels.h"
+#include "holotrace/slm/encode/stop.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/slm/panel/checks.h"
 
@@ -171,6 +172,7 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
   hologram.encoder = name_of(params.method);
   hologram.modulation = modulation_of(params, slm);
   hologram.effects = allowed_effects(slm, params);
+  if (aims_at_targets(params.method)) hologram.filter = stop_of(params, slm.grid, field.wavelength);
   observer.fact("encoder", hologram.encoder);
   observer.fact("levels", hologram.levels);
   return hologram;
@@ -238,38 +240,83 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
   return hologram;
 }
 
-Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
-                        const EncodeParams& params, const Observer& observer) {
+namespace {
+
+// Checks what all iterations need, and reports what the levels compensate.
+void check_iterations(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
+                      const Observer& observer) {
   check_params(slm, params);
   require(aims_at_targets(params.method),
           "expected a method that takes targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
           name_of(params.method));
   check_panel(slm, params, observer);
   tell_effects(slm, params, observer);
-  check_field(start, slm, observer);
   check_targets(targets, slm.grid);
-  Hologram hologram = blank_hologram(start, slm, params, observer);
-  if (std::none_of(targets.begin(), targets.end(), [](const TargetPlane& t) { return target_power(t) > 0; })) {
-    observer.warn(fmt::format("the target at {} is dark in the part that counts, so the hologram is empty",
-                              format_length(start.wavelength)));
-    hologram.illumination = 0;
-    return hologram;
+}
+
+// Whether there is no light to aim at; warns of it.
+bool is_dark(const std::vector<TargetPlane>& targets, double wavelength, const Observer& observer) {
+  if (std::any_of(targets.begin(), targets.end(), [](const TargetPlane& t) { return target_power(t) > 0; }))
+    return false;
+  observer.warn(fmt::format("the target at {} is dark in the part that counts, so the hologram is empty",
+                            format_length(wavelength)));
+  return true;
+}
+
+}  // namespace
+
+Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
+                        const EncodeParams& params, const Observer& observer) {
+  check_iterations(targets, slm, params, observer);
+  check_field(start, slm, observer);
+  std::vector<Hologram> frames{blank_hologram(start, slm, params, observer)};
+  if (is_dark(targets, start.wavelength, observer)) {
+    frames.front().illumination = 0;
+    return frames.front();
   }
   const Slm known = with_effects(slm, params.effects);
-  const PhaseLevels levels(known, hologram.levels, start.wavelength);
+  const PhaseLevels levels(known, frames.front().levels, start.wavelength);
   tell_phase_range(known, levels.range(), start.wavelength, observer);
   Array2D<std::complex<float>> pattern = start_pattern(start, params);
   if (params.method == Encoding::sgd) {
-    write_phase_levels(pattern, false, levels, hologram.level);
-    descend(targets, known, params, observer, hologram);
+    write_phase_levels(pattern, false, levels, frames.front().level);
+    descend({targets}, known, params, observer, frames);
   } else {
     write_phase_levels(project_in_turn(targets, std::move(pattern), slm, params, observer), false, levels,
-                       hologram.level);
-    judge(targets, known, observer, hologram);
+                       frames.front().level);
+    judge(targets, known, params, observer, frames);
   }
-  observer.fact("illumination", Fact(hologram.illumination));
+  observer.fact("illumination", Fact(frames.front().illumination));
   observer.progress(1);
-  return hologram;
+  return frames.front();
+}
+
+std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
+                                    const EncodeParams& params, const Observer& observer) {
+  check_iterations(targets.planes, slm, params, observer);
+  require(params.method == Encoding::sgd, "expected the method sgd for frames that are found together, got \"{}\"",
+          name_of(params.method));
+  require(frames >= 1, "expected at least one frame, got {}", frames);
+  EncodeParams random = params;
+  random.start = StartPhase::random;
+  std::vector<Hologram> holograms;
+  const Slm known = with_effects(slm, params.effects);
+  for (int frame = 0; frame < frames; ++frame) {
+    Field start(slm.grid, wavelength);
+    start.frame = uint32_t(frame);
+    holograms.push_back(blank_hologram(start, slm, params, frame == 0 ? observer : Observer{}));
+    const PhaseLevels levels(known, holograms.back().levels, wavelength);
+    if (frame == 0) tell_phase_range(known, levels.range(), wavelength, observer);
+    write_phase_levels(start_pattern(start, random), false, levels, holograms.back().level);
+  }
+  if (is_dark(targets.planes, wavelength, observer)) {
+    for (Hologram& hologram : holograms) hologram.illumination = 0;
+    return holograms;
+  }
+  descend(targets, known, params, observer, holograms);
+  observer.fact("illumination", Fact(holograms.front().illumination));
+  observer.progress(1);
+  return holograms;
 }
 
 }  // namespace holotrace

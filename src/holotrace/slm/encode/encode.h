@@ -65,6 +65,16 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
                         const EncodeParams& params, const Observer& observer = {});
 
+/// Levels of several frames, found together: the mean of their irradiances has the targets' moduli (method sgd).
+///
+/// @param targets     target planes, and views through pupils
+/// @param wavelength  wavelength of the holograms [m]
+/// @param frames      number of frames, 1 or more; they start from random phases, each from its own
+/// @return            one hologram per frame, all with one illumination
+/// @throws Error      as encode_targets does, and unless the method is sgd
+std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
+                                    const EncodeParams& params, const Observer& observer = {});
+
 /// Fraction of the light in the image of a phase hologram whose levels span only `range` < 1 turns. Phases are even
 /// over the circle; those in the gap are moved to the nearer end:
 ///

@@ -8,13 +8,12 @@
 #include "holotrace/base/fft.h"
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
 
 namespace holotrace {
 
 SpectralFilter low_pass_stop(const EncodeParams& params, const Grid& grid) {
-  require(std::isfinite(params.stop) && params.stop > 0 && params.stop <= 1,
-          "expected a stop in (0, 1], as a part of the panel's half band 1/2p, got {}", params.stop);
-  const double half = params.stop / (2 * grid.pitch);
+  const double half = stop_width(params) / (2 * grid.pitch);
   return {0, 0, half, half};
 }
 

@@ -9,8 +9,7 @@
 
 namespace holotrace {
 
-/// The stop on the axis with half width params.stop/2p along both axes.
-/// @throws Error  unless params.stop is in (0, 1]
+/// The stop on the axis with half width stop_width(params)/2p along both axes.
 SpectralFilter low_pass_stop(const EncodeParams& params, const Grid& grid);
 
 /// The field limited to a stop on the axis. Light beyond the stop would be lost anyway, and would turn into noise

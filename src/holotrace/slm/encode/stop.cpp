@@ -1,5 +1,6 @@
 #include "holotrace/slm/encode/stop.h"
 
+#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/low_pass.h"
 #include "holotrace/slm/encode/off_axis.h"
 
@@ -18,6 +19,7 @@ std::optional<SpectralFilter> stop_of(const EncodeParams& params, const Grid& gr
     case Encoding::error_diffusion:
       return low_pass_stop(params, grid);
     default:
+      if (aims_at_targets(params.method) && stop_width(params) < 1) return low_pass_stop(params, grid);
       return std::nullopt;
   }
 }

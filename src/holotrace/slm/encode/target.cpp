@@ -114,18 +114,25 @@ std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& pane
 }
 
 Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params, const Observer& observer) {
-  const bool has_stop = params.method == Encoding::double_phase || params.method == Encoding::error_diffusion;
-  const TargetPropagation propagation =
-      make_target_propagation(slm, target.wavelength, target.z, PixelAperture::included, has_stop ? params.stop : 1);
+  const TargetPropagation propagation(slm, target.wavelength, target.z,
+                                      {.samples = PixelSamples::diagonal, .stop = stop_width(params)});
   const double power = target_power(target);
   const int wanted = params.iterations > 0 ? params.iterations : target_field_iterations;
   const int steps = aims_at_targets(params.method) || power == 0 ? 0 : wanted;
-  Field u = propagation.to_panel(target_field(target, slm.grid, params));
+  // As many samples per pixel as the propagation has, whose powers add up to that of the target.
+  std::vector<Field> asked = propagation.to_plane(Field(slm.grid, target.wavelength));
+  const Field at_pixels = target_field(target, slm.grid, params);
+  for (Field& samples : asked)
+    for (size_t i = 0; i < samples.samples.size(); ++i)
+      samples.samples.values[i] = at_pixels.samples.values[i] / std::sqrt(float(asked.size()));
+  Field u = propagation.to_panel(asked);
   Field before = u;
   std::vector<double> convergence;
   for (int step = 0, since = 0; step < steps; ++step, ++since) {
-    Field shown = propagation.to_plane(u);
-    convergence.push_back(leave_residual(target, 1, shown) / power);
+    std::vector<Field> shown = propagation.to_plane(u);
+    Array2D<float> light = power_of(shown, slm.grid);
+    convergence.push_back(leave_residual(target, 1, light) / power);
+    multiply(light, shown);
     if (step > 0 && convergence[size_t(step)] > convergence[size_t(step) - 1]) since = 0;  // restarts the momentum
     add_part(propagation.to_panel(shown), 1, u);
     go_on(double(since) / (since + 3.0), before, u);

@@ -1,7 +1,10 @@
 #include "holotrace/slm/encode/iterate/driven_panel.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "holotrace/base/cycles.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
@@ -26,16 +29,19 @@ double drive_of_turn(const PixelResponse& response, int levels) {
 
 }  // namespace
 
-DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavelength) {
+DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavelength, int subpixels) {
   const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
   cycles_per_level_ = slm.phase_range / (2 * pi) * design / wavelength / hologram.levels;
   const PixelResponse response(slm, hologram.modulation, hologram.levels, design / wavelength, 0);
-  turn_ = drive_of_turn(response, hologram.levels);
+  has_two_levels_ = hologram.levels == 2;
+  turn_ = has_two_levels_ ? 0 : drive_of_turn(response, hologram.levels);
   levels_per_radian_ = hologram.levels / (2 * pi * (response.cycles_at(hologram.levels) - response.cycles_at(0)));
-  if (effects_of(slm).empty()) return;
+  if (effects_of(slm).empty() && hologram.modulation == Modulation::phase && subpixels == 1) return;
   IlluminationState state;
   state.wavelength = wavelength;
-  model_.emplace(slm, ShowParams{}, hologram.modulation, hologram.levels, design, state);
+  ShowParams params;
+  params.subpixels = subpixels;
+  model_.emplace(slm, params, hologram.modulation, hologram.levels, design, state);
 }
 
 void DrivenPanel::leave(const Array2D<float>& drive, Field& u) const {
@@ -57,16 +63,23 @@ void DrivenPanel::leave(const Array2D<float>& drive, Field& u) const {
 void DrivenPanel::add_slope(const Array2D<float>& drive, const Field& u, const Field& g, double factor,
                             Array2D<float>& slope) const {
   if (model_) {
-    const Array2D<float> part = model_->pull_back(drive, g.samples);
+    Array2D<float> halfway;
+    if (has_two_levels_) {
+      halfway = Array2D<float>(drive.ny, drive.nx);
+      std::fill(halfway.values.begin(), halfway.values.end(), 0.5F);
+    }
+    const Array2D<float> part = model_->pull_back(has_two_levels_ ? halfway : drive, g.samples);
     for (size_t i = 0; i < slope.size(); ++i) slope.values[i] += float(factor) * part.values[i];
     return;
   }
   const float radians_per_level = float(factor * 2 * pi * cycles_per_level_);
+  std::vector<std::complex<float>> halfway;
+  if (has_two_levels_) halfway.assign(size_t(drive.nx), std::complex<float>(cis_cycles(cycles_per_level_ / 2)));
   parallel_for(
       0, drive.ny,
       [&](int64_t j) {
-        add_phase_gradient(g.samples.row(int(j)), u.samples.row(int(j)), radians_per_level, slope.row(int(j)),
-                           size_t(drive.nx));
+        add_phase_gradient(g.samples.row(int(j)), has_two_levels_ ? halfway.data() : u.samples.row(int(j)),
+                           radians_per_level, slope.row(int(j)), size_t(drive.nx));
       },
       {}, 16);
 }

@@ -11,20 +11,21 @@
 
 namespace holotrace {
 
-/// A panel at one wavelength, for gradient descent: levels give light of one sample per pixel, and gradients go back.
+/// A panel at one wavelength, for gradient descent: levels give light, and gradients go back.
 ///
-/// A phase panel without effects is exp(2πi·c·ℓ) pixel by pixel; the pixels' aperture is then part of the propagation.
-/// Every other panel uses the PanelModel.
+/// A phase panel without effects is exp(2πi·c·ℓ) pixel by pixel, one sample per pixel; the pixels' aperture is then part
+/// of the propagation. Every other panel, and light of several samples per pixel, uses the PanelModel.
 class DrivenPanel {
  public:
   /// @param slm       panel with the effects that are on
   /// @param hologram  its levels, modulation and wavelength are used
-  DrivenPanel(const Slm& slm, const Hologram& hologram, double wavelength);
+  /// @param subpixels  samples of the light per pixel and axis; odd numbers hold whole diffraction orders
+  DrivenPanel(const Slm& slm, const Hologram& hologram, double wavelength, int subpixels = 1);
 
   /// Whether the propagation must include the pixels' aperture.
   PixelAperture aperture() const { return model_ ? PixelAperture::left_out : PixelAperture::included; }
 
-  /// Levels in a whole turn of phase; 0 if the levels do not cover a turn.
+  /// Levels in a whole turn of phase; 0 if the levels do not cover a turn, or are only two.
   double turn() const { return turn_; }
 
   /// Mean number of levels per radian of phase.
@@ -34,11 +35,15 @@ class DrivenPanel {
   void leave(const Array2D<float>& drive, Field& u) const;
 
   /// Adds factor·∂f/∂drive to `slope`, given g = ∂f/∂Re u + i·∂f/∂Im u.
+  ///
+  /// Of two levels the slope is that halfway between them, where the phase moves the light from one level's toward the
+  /// other's; at a level itself, it moves it across that direction and says nothing about the other level.
   void add_slope(const Array2D<float>& drive, const Field& u, const Field& g, double factor,
                  Array2D<float>& slope) const;
 
  private:
   double cycles_per_level_, turn_, levels_per_radian_;
+  bool has_two_levels_;
   std::optional<PanelModel> model_;
 };
 

@@ -15,13 +15,13 @@ namespace holotrace {
 namespace {
 
 // Raises the wanted amplitude of pixels that are too dark, and lowers that of pixels that are too bright.
-void strengthen(const TargetPlane& wanted, const Field& shown, double scale, TargetPlane& target) {
+void strengthen(const TargetPlane& wanted, const Array2D<float>& power, double scale, TargetPlane& target) {
   parallel_for(0, target.amplitude.ny, [&](int64_t j) {
     const float* a = wanted.amplitude.row(int(j));
-    const std::complex<float>* v = shown.samples.row(int(j));
+    const float* light = power.row(int(j));
     float* asked = target.amplitude.row(int(j));
     for (int i = 0; i < target.amplitude.nx; ++i) {
-      const float modulus = std::abs(v[i]), goal = float(scale) * a[i];
+      const float modulus = std::sqrt(light[i]), goal = float(scale) * a[i];
       if (goal <= 0) continue;
       const float lack = std::clamp(goal / std::max(modulus, 1e-6F * goal) - 1, -1.0F, 1.0F);
       asked[i] = std::min(2 * a[i], asked[i] * (1 + 0.1F * lack));
@@ -44,33 +44,39 @@ Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, A
   std::vector<TargetPropagation> propagations;
   propagations.reserve(targets.size());
   for (const TargetPlane& target : targets)
-    propagations.push_back(make_target_propagation(slm, wavelength, target.z, PixelAperture::included));
+    propagations.emplace_back(slm, wavelength, target.z,
+                              TargetOptics{.samples = PixelSamples::diagonal, .stop = stop_width(params)});
 
   Field u(slm.grid, wavelength);
   u.samples = std::move(start);
   double wanted_power = 0, scale = 0;
   for (const TargetPlane& target : targets) wanted_power += target_power(target);
   std::vector<double> convergence;
-  std::vector<Field> shown(targets.size());
+  std::vector<std::vector<Field>> shown(targets.size());
+  std::vector<Array2D<float>> light(targets.size());
   for (int iteration = 0; iteration <= iterations; ++iteration) {
-    for (size_t k = 0; k < targets.size(); ++k) shown[k] = propagations[k].to_plane(u);
+    for (size_t k = 0; k < targets.size(); ++k) {
+      shown[k] = propagations[k].to_plane(u);
+      light[k] = power_of(shown[k], slm.grid);
+    }
     if (iteration == 0 || is_weighted) {
       double cross = 0;
       for (size_t k = 0; k < targets.size(); ++k)
-        cross += fit_sums(is_weighted ? wanted[k] : targets[k], shown[k]).cross;
+        cross += fit_sums(is_weighted ? wanted[k] : targets[k], light[k]).cross;
       scale = cross / wanted_power;
     }
     double error = 0;
     Field step;
     for (size_t k = 0; k < targets.size(); ++k) {
       if (is_weighted) {
-        error += modulus_error(wanted[k], shown[k], scale);
-        strengthen(wanted[k], shown[k], scale, targets[k]);
-        leave_residual(targets[k], scale, shown[k]);
+        error += modulus_error(wanted[k], light[k], scale);
+        strengthen(wanted[k], light[k], scale, targets[k]);
+        leave_residual(targets[k], scale, light[k]);
       } else {
-        error += leave_residual(targets[k], scale, shown[k]);
+        error += leave_residual(targets[k], scale, light[k]);
       }
       if (iteration == iterations) continue;
+      multiply(light[k], shown[k]);
       Field back = propagations[k].to_panel(shown[k]);
       if (targets.size() > 1)
         add_part(back, 1 / double(targets.size()), step);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
@@ -16,110 +18,226 @@
 namespace holotrace {
 namespace {
 
-// One wavelength: the panel in its light, and the propagations to its target planes.
-struct Colour {
-  DrivenPanel panel;
-  std::vector<const TargetPlane*> targets;
-  std::vector<TargetPropagation> propagations;
-  Field u;
-  double scale = 1, error = 0;  // for the latest pattern
-  double light = 0;             // its light where the weight is not 0
-  double power = 0;             // power of the targets
-
-  Colour(const Slm& slm, const Hologram& hologram, double wavelength)
-      : panel(slm, hologram, wavelength), u(slm.grid, wavelength) {}
+// What is known of a plane since its last turn.
+struct PlaneLight {
+  ModulusSums sums;
+  double error = 0;
 };
 
-std::vector<std::unique_ptr<Colour>> colours_of(const std::vector<TargetPlane>& targets, const Slm& slm,
-                                                const Hologram& hologram) {
-  std::vector<std::unique_ptr<Colour>> colours;
+// A target and the way to it.
+struct TargetWay {
+  const TargetPlane* target;
+  TargetPropagation propagation;
+};
+
+Array2D<float> levels_of(const Hologram& hologram) {
+  Array2D<float> levels(hologram.level.ny, hologram.level.nx);
+  std::copy(hologram.level.values.begin(), hologram.level.values.end(), levels.values.begin());
+  return levels;
+}
+
+// One wavelength: the panel in its light, and the propagations to its target planes.
+class Colour {
+ public:
+  Colour(const Slm& slm, const Hologram& hologram, double wavelength, const EncodeParams& params)
+      : wavelength(wavelength), slm_(slm), params_(params), panel(slm, hologram, wavelength, params.subpixels) {}
+
+  void add(const TargetPlane& target) {
+    ways.push_back(way_to(target));
+    lights.emplace_back();
+    power += target_power(target);
+  }
+
+  TargetWay way_to(const TargetPlane& target) const {
+    return {&target,
+            TargetPropagation(slm_, wavelength, target.z,
+                              {.aperture = panel.aperture(),
+                               .samples = params_.subpixels == 1 ? PixelSamples::diagonal : PixelSamples::middle,
+                               .subpixels = params_.subpixels,
+                               .stop = stop_width(params_),
+                               .pupil = target.pupil})};
+  }
+
+  // Light of all frames on the panel.
+  void leave(const std::vector<Array2D<float>>& levels) {
+    Grid grid = slm_.grid;
+    grid.nx *= params_.subpixels;
+    grid.ny *= params_.subpixels;
+    grid.pitch /= params_.subpixels;
+    while (u.size() < levels.size()) u.emplace_back(grid, wavelength);
+    for (size_t m = 0; m < levels.size(); ++m) panel.leave(levels[m], u[m]);
+  }
+
+  // The mean irradiance of the frames in a target plane, and on request the samples of each frame.
+  Array2D<float> mean_light(const TargetWay& way, std::vector<std::vector<Field>>* samples) const {
+    Array2D<float> light(slm_.grid.ny, slm_.grid.nx);
+    for (const Field& frame : u) {
+      std::vector<Field> shown = way.propagation.to_plane(frame);
+      add_power(shown, 1 / double(u.size()), light);
+      if (samples) samples->push_back(std::move(shown));
+    }
+    return light;
+  }
+
+  // The scale that fits all planes that have had a turn.
+  void fit_scale() {
+    ModulusSums all;
+    for (const PlaneLight& light : lights) {
+      all.cross += light.sums.cross;
+      all.square += light.sums.square;
+    }
+    scale = all.square > 0 && all.cross > 0 ? all.cross / all.square : 1;
+  }
+
+  // Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor. Returns that sum.
+  double add_gradient(const TargetWay& way, Array2D<float> light, std::vector<std::vector<Field>>& samples,
+                      double factor, const std::vector<Array2D<float>>& levels,
+                      std::vector<Array2D<float>>& slopes) const {
+    const double error = scale * scale * leave_residual(*way.target, 1 / scale, light);
+    for (size_t m = 0; m < samples.size(); ++m) {
+      multiply(light, samples[m]);
+      const Field back = way.propagation.to_panel(samples[m]);
+      samples[m].clear();
+      panel.add_slope(levels[m], u[m], back, -2 * scale * scale * factor / double(samples.size()), slopes[m]);
+    }
+    return error;
+  }
+
+  // Error and sums of all planes for some levels.
+  void judge(const std::vector<Array2D<float>>& levels) {
+    leave(levels);
+    for (size_t k = 0; k < ways.size(); ++k) lights[k].sums = fit_sums(*ways[k].target, mean_light(ways[k], nullptr));
+    fit_scale();
+    for (size_t k = 0; k < ways.size(); ++k)
+      lights[k].error =
+          target_power(*ways[k].target) - 2 * scale * lights[k].sums.cross + scale * scale * lights[k].sums.square;
+  }
+
+  double error() const {
+    return std::accumulate(lights.begin(), lights.end(), 0.0,
+                           [](double sum, const PlaneLight& light) { return sum + light.error; });
+  }
+
+  double light() const {
+    return std::accumulate(lights.begin(), lights.end(), 0.0,
+                           [](double sum, const PlaneLight& light) { return sum + light.sums.square; });
+  }
+
+  double wavelength;
+
+ private:
+  const Slm& slm_;
+  const EncodeParams& params_;
+
+ public:
+  DrivenPanel panel;
+  std::vector<TargetWay> ways;
+  std::vector<PlaneLight> lights;  // of each plane, from its last turn
+  std::vector<Field> u;            // light that leaves the panel, of each frame
+  double scale = 1;
+  double power = 0;  // power of the targets
+};
+
+using Colours = std::vector<std::unique_ptr<Colour>>;
+
+Colours colours_of(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
+                   const Hologram& hologram) {
+  Colours colours;
   for (const TargetPlane& target : targets) {
     auto found = std::find_if(colours.begin(), colours.end(),
-                              [&](const auto& colour) { return colour->u.wavelength == target.wavelength; });
+                              [&](const auto& colour) { return colour->wavelength == target.wavelength; });
     if (found == colours.end())
-      found = colours.insert(colours.end(), std::make_unique<Colour>(slm, hologram, target.wavelength));
-    Colour& colour = **found;
-    colour.targets.push_back(&target);
-    colour.propagations.push_back(make_target_propagation(slm, target.wavelength, target.z, colour.panel.aperture()));
-    colour.power += target_power(target);
+      found = colours.insert(colours.end(), std::make_unique<Colour>(slm, hologram, target.wavelength, params));
+    (*found)->add(target);
   }
   return colours;
 }
 
-// Light of a pattern in the target planes of one colour, its scale and error; on request the gradient by u.
-Field look_at(Colour& colour, const Array2D<float>& drive, bool has_gradient) {
-  colour.panel.leave(drive, colour.u);
-  std::vector<Field> shown;
-  ModulusSums sums;
-  for (size_t k = 0; k < colour.targets.size(); ++k) {
-    shown.push_back(colour.propagations[k].to_plane(colour.u));
-    const ModulusSums part = fit_sums(*colour.targets[k], shown.back());
-    sums.cross += part.cross;
-    sums.square += part.square;
-  }
-  colour.scale = sums.square > 0 && sums.cross > 0 ? sums.cross / sums.square : 1;
-  colour.light = sums.square;
-  colour.error = colour.power - colour.scale * sums.cross;
-  Field gradient;
-  if (!has_gradient) return gradient;
-  // s²·Σw(|v| − a/s)²; its gradient is −2s² times the residual.
-  colour.error = 0;
-  for (size_t k = 0; k < colour.targets.size(); ++k) {
-    colour.error += colour.scale * colour.scale * leave_residual(*colour.targets[k], 1 / colour.scale, shown[k]);
-    Field back = colour.propagations[k].to_panel(shown[k]);
-    if (colour.targets.size() == 1) return back;
-    add_part(back, 1, gradient);
-  }
-  return gradient;
-}
-
 // PSNR over all colours that have light, each relative to its own peak.
-double psnr(const std::vector<std::unique_ptr<Colour>>& colours) {
+double psnr(const Colours& colours) {
   double error = 0, weight = 0;
   for (const auto& colour : colours) {
     double peak = 0;
-    for (const TargetPlane* target : colour->targets) peak = std::max(peak, target_peak(*target));
+    for (const TargetWay& way : colour->ways) peak = std::max(peak, target_peak(*way.target));
     if (peak == 0) continue;
-    error += colour->error / (peak * peak);
-    for (const TargetPlane* target : colour->targets) {
-      for (const float w : target->weight.values) weight += double(w);
-      if (target->weight.size() == 0) weight += double(target->amplitude.size());
+    error += colour->error() / (peak * peak);
+    for (const TargetWay& way : colour->ways) {
+      for (const float w : way.target->weight.values) weight += double(w);
+      if (way.target->weight.size() == 0) weight += double(way.target->amplitude.size());
     }
   }
   return 10 * std::log10(weight / std::max(error, 1e-30));
 }
 
-void tell_quality(const std::vector<std::unique_ptr<Colour>>& colours, const Observer& observer, Hologram& hologram) {
+void tell_quality(const Colours& colours, const Observer& observer, std::vector<Hologram>& frames) {
   double light = 0;
   for (const auto& colour : colours) {
-    if (colour->u.wavelength == hologram.wavelength) hologram.illumination = colour->scale * colour->scale;
-    light += colour->light / double(colour->targets.size() * colour->u.samples.size());
+    for (Hologram& frame : frames)
+      if (colour->wavelength == frame.wavelength) frame.illumination = colour->scale * colour->scale;
+    light += colour->light() / (double(colour->ways.size()) * double(frames.front().grid.pixels()));
   }
   observer.fact("psnr_db", Fact(psnr(colours)));
   observer.fact("target_efficiency", Fact(light / double(colours.size())));
 }
 
+// The planes of each iteration: all of them have their turn, in an order that is random for each round.
+class Turns {
+ public:
+  Turns(size_t planes, int per_update, uint64_t seed)
+      : order_(planes), per_update_(per_update == 0 ? planes : std::min(planes, size_t(per_update))), seed_(seed) {
+    std::iota(order_.begin(), order_.end(), size_t(0));
+    next_ = planes;
+  }
+
+  std::vector<size_t> take() {
+    std::vector<size_t> planes;
+    if (per_update_ == order_.size()) return order_;
+    while (planes.size() < per_update_) {
+      if (next_ == order_.size()) shuffle();
+      planes.push_back(order_[next_++]);
+    }
+    return planes;
+  }
+
+ private:
+  void shuffle() {
+    CounterRandom random(seed_, 0, round_++);
+    for (size_t i = order_.size(); i > 1; --i) std::swap(order_[i - 1], order_[size_t(random.uniform() * double(i))]);
+    next_ = 0;
+  }
+
+  std::vector<size_t> order_;
+  size_t per_update_, next_;
+  uint64_t seed_, round_ = 0;
+};
+
+// Drive of a frame, and what Adam remembers of it.
+struct Drive {
+  Array2D<float> level, mean, square;
+};
+
 }  // namespace
 
-void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Observer& observer, Hologram& hologram) {
-  const std::vector<std::unique_ptr<Colour>> colours = colours_of(targets, slm, hologram);
-  Array2D<float> levels(hologram.level.ny, hologram.level.nx);
-  std::copy(hologram.level.values.begin(), hologram.level.values.end(), levels.values.begin());
-  for (const auto& colour : colours) look_at(*colour, levels, false);
-  tell_quality(colours, observer, hologram);
+void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
+           const Observer& observer, std::vector<Hologram>& frames) {
+  const Colours colours = colours_of(targets, slm, params, frames.front());
+  std::vector<Array2D<float>> levels;
+  for (const Hologram& frame : frames) levels.push_back(levels_of(frame));
+  for (const auto& colour : colours) colour->judge(levels);
+  tell_quality(colours, observer, frames);
 }
 
-void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
-             const Observer& observer, Hologram& hologram) {
+void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
+             std::vector<Hologram>& frames) {
   const int iterations = iterations_of(params);
-  const std::vector<std::unique_ptr<Colour>> colours = colours_of(targets, slm, hologram);
+  const Colours colours = colours_of(targets.planes, slm, params, frames.front());
   // Each colour is weighted by its own light, so that dim colours count as much as bright ones; dark ones do not count.
   double lit = 0;
   for (const auto& colour : colours) lit += colour->power > 0;
   const auto part = [&](const Colour& colour) { return colour.power > 0 ? 1 / (colour.power * lit) : 0; };
   const auto loss = [&] {
     double sum = 0;
-    for (const auto& colour : colours) sum += colour->error * part(*colour);
+    for (const auto& colour : colours) sum += colour->error() * part(*colour);
     return sum;
   };
 
@@ -127,40 +245,61 @@ void descend(const std::vector<TargetPlane>& targets, const Slm& slm, const Enco
   const float turn = colours.size() == 1 ? float(first.turn()) : 0;  // levels in a whole turn
   const double step = (params.step > 0 ? params.step : sgd_step) * first.levels_per_radian();
   constexpr double beta1 = 0.9, beta2 = 0.99;
-  const int nx = hologram.level.nx, ny = hologram.level.ny;
-  Array2D<float> drive(ny, nx), levels(ny, nx), slope(ny, nx), mean(ny, nx), square(ny, nx);
-  std::copy(hologram.level.values.begin(), hologram.level.values.end(), drive.values.begin());
-  levels.values = drive.values;
+  const int nx = slm.grid.nx, ny = slm.grid.ny;
+  std::vector<Drive> drives;
+  std::vector<Array2D<float>> levels, slopes;
+  for (const Hologram& frame : frames) {
+    levels.push_back(levels_of(frame));
+    drives.push_back({levels.back(), Array2D<float>(ny, nx), Array2D<float>(ny, nx)});
+    slopes.emplace_back(ny, nx);
+  }
+  std::vector<Turns> turns;
+  for (const auto& colour : colours)
+    turns.emplace_back(colour->ways.size(), params.planes_per_update, uint64_t(params.seed));
   std::vector<double> convergence;
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    std::fill(slope.values.begin(), slope.values.end(), 0.0F);
-    for (const auto& colour : colours) {
-      if (colour->power == 0) continue;
-      const Field residual = look_at(*colour, levels, true);
-      colour->panel.add_slope(levels, colour->u, residual, -2 * colour->scale * colour->scale * part(*colour), slope);
+    for (Array2D<float>& slope : slopes) std::fill(slope.values.begin(), slope.values.end(), 0.0F);
+    for (size_t c = 0; c < colours.size(); ++c) {
+      Colour& colour = *colours[c];
+      if (colour.power == 0) continue;
+      colour.leave(levels);
+      const std::vector<size_t> planes = turns[c].take();
+      std::vector<Array2D<float>> light;
+      std::vector<std::vector<std::vector<Field>>> samples(planes.size());
+      for (size_t i = 0; i < planes.size(); ++i) {
+        light.push_back(colour.mean_light(colour.ways[planes[i]], &samples[i]));
+        colour.lights[planes[i]].sums = fit_sums(*colour.ways[planes[i]].target, light.back());
+      }
+      colour.fit_scale();
+      for (size_t i = 0; i < planes.size(); ++i)
+        colour.lights[planes[i]].error =
+            colour.add_gradient(colour.ways[planes[i]], std::move(light[i]), samples[i], part(colour), levels, slopes);
     }
     convergence.push_back(loss());
     const double fall = (1 + std::cos(pi * iteration / iterations)) / 2, t = iteration + 1;
     const double correction = std::sqrt(1 - std::pow(beta2, t)) / (1 - std::pow(beta1, t));
     const AdamStep adam{float(beta1), float(beta2), float(step * fall * correction), 1e-20F};
-    parallel_for(
-        0, ny,
-        [&](int64_t row) {
-          const int j = int(row);
-          adam_step(adam, slope.row(j), mean.row(j), square.row(j), drive.row(j), size_t(nx));
-          settle_drive(turn, float(hologram.levels), drive.row(j), levels.row(j), size_t(nx));
-        },
-        {}, 16);
+    for (size_t m = 0; m < frames.size(); ++m)
+      parallel_for(
+          0, ny,
+          [&](int64_t row) {
+            const int j = int(row);
+            Drive& drive = drives[m];
+            adam_step(adam, slopes[m].row(j), drive.mean.row(j), drive.square.row(j), drive.level.row(j), size_t(nx));
+            settle_drive(turn, float(frames[m].levels), drive.level.row(j), levels[m].row(j), size_t(nx));
+          },
+          {}, 16);
     observer.progress((iteration + 1.0) / iterations);
   }
-  for (const auto& colour : colours) look_at(*colour, levels, false);
+  for (const auto& colour : colours) colour->judge(levels);
   convergence.push_back(loss());
-  std::copy(levels.values.begin(), levels.values.end(), hologram.level.values.begin());
+  for (size_t m = 0; m < frames.size(); ++m)
+    std::copy(levels[m].values.begin(), levels[m].values.end(), frames[m].level.values.begin());
   observer.fact("iterations", iterations);
   observer.fact("loss_first", Fact(convergence.front()));
   observer.fact("loss_last", Fact(convergence.back()));
   observer.curve("convergence", convergence);
-  tell_quality(colours, observer, hologram);
+  tell_quality(colours, observer, frames);
 }
 
 }  // namespace holotrace

@@ -65,35 +65,47 @@ void add_unit_modulus(float* u, const float* g, size_t count) {
   });
 }
 
-void sums(const float* v, const float* amplitude, const float* weight, size_t count, ModulusSums* out) {
-  Sum cross, square;
+void add_square(const float* v, float factor, float* power, size_t count) {
   each(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> re, im;
     hn::LoadInterleaved2(d, v + 2 * i, re, im);
     const auto norm = hn::MulAdd(re, re, hn::Mul(im, im));
+    hn::StoreU(hn::MulAdd(hn::Set(d, factor), norm, hn::LoadU(d, power + i)), d, power + i);
+  });
+}
+
+void sums(const float* power, const float* amplitude, const float* weight, size_t count, ModulusSums* out) {
+  Sum cross, square;
+  each(count, [&](auto d, size_t i) {
+    const auto light = hn::LoadU(d, power + i);
     const auto w = weight ? hn::LoadU(d, weight + i) : hn::Set(d, 1.0f);
-    cross.add(d, hn::Mul(hn::Mul(w, hn::LoadU(d, amplitude + i)), hn::Sqrt(norm)));
-    square.add(d, hn::Mul(w, norm));
+    cross.add(d, hn::Mul(hn::Mul(w, hn::LoadU(d, amplitude + i)), hn::Sqrt(light)));
+    square.add(d, hn::Mul(w, light));
   });
   *out = {cross.total(), square.total()};
 }
 
-void residual(float* v, const float* amplitude, const float* weight, float scale, size_t count, double* out) {
+void residual(float* power, const float* amplitude, const float* weight, float scale, size_t count, double* out) {
   Sum error;
   each(count, [&](auto d, size_t i) {
-    hn::Vec<decltype(d)> re, im;
-    hn::LoadInterleaved2(d, v + 2 * i, re, im);
-    const auto modulus = hn::Sqrt(hn::MulAdd(re, re, hn::Mul(im, im)));
+    const auto modulus = hn::Sqrt(hn::LoadU(d, power + i));
     const auto w = weight ? hn::LoadU(d, weight + i) : hn::Set(d, 1.0f);
     const auto lack = hn::Sub(hn::Mul(hn::Set(d, scale), hn::LoadU(d, amplitude + i)), modulus);
     error.add(d, hn::Mul(w, hn::Mul(lack, lack)));
     const auto is_dark = hn::Eq(modulus, hn::Zero(d));
-    const auto one = hn::Set(d, 1.0f);
-    const auto factor = hn::Div(hn::Mul(w, lack), hn::IfThenElse(is_dark, one, modulus));
-    re = hn::IfThenElse(is_dark, one, re);
-    hn::StoreInterleaved2(hn::Mul(factor, re), hn::Mul(factor, im), d, v + 2 * i);
+    const auto factor = hn::Div(hn::Mul(w, lack), hn::IfThenElse(is_dark, hn::Set(d, 1.0f), modulus));
+    hn::StoreU(hn::IfThenElse(is_dark, hn::Zero(d), factor), d, power + i);
   });
   *out = error.total();
+}
+
+void real_product(const float* factor, float* v, size_t count) {
+  each(count, [&](auto d, size_t i) {
+    hn::Vec<decltype(d)> re, im;
+    hn::LoadInterleaved2(d, v + 2 * i, re, im);
+    const auto f = hn::LoadU(d, factor + i);
+    hn::StoreInterleaved2(hn::Mul(f, re), hn::Mul(f, im), d, v + 2 * i);
+  });
 }
 
 void phase_gradient(const float* g, const float* u, float factor, float* to, size_t count) {
@@ -148,8 +160,10 @@ namespace {
 
 HWY_EXPORT(unit_modulus);
 HWY_EXPORT(add_unit_modulus);
+HWY_EXPORT(add_square);
 HWY_EXPORT(sums);
 HWY_EXPORT(residual);
+HWY_EXPORT(real_product);
 HWY_EXPORT(phase_gradient);
 HWY_EXPORT(adam);
 HWY_EXPORT(settle);
@@ -165,16 +179,24 @@ void add_and_make_unit_modulus(std::complex<float>* u, const std::complex<float>
   HWY_DYNAMIC_DISPATCH(add_unit_modulus)(reals(u), reals(d), count);
 }
 
-ModulusSums modulus_sums(const std::complex<float>* v, const float* amplitude, const float* weight, size_t count) {
+void add_power(const std::complex<float>* v, float factor, float* power, size_t count) {
+  HWY_DYNAMIC_DISPATCH(add_square)(reals(v), factor, power, count);
+}
+
+ModulusSums modulus_sums(const float* power, const float* amplitude, const float* weight, size_t count) {
   ModulusSums out;
-  HWY_DYNAMIC_DISPATCH(sums)(reals(v), amplitude, weight, count, &out);
+  HWY_DYNAMIC_DISPATCH(sums)(power, amplitude, weight, count, &out);
   return out;
 }
 
-double take_residual(std::complex<float>* v, const float* amplitude, const float* weight, float scale, size_t count) {
+double take_residual(float* power, const float* amplitude, const float* weight, float scale, size_t count) {
   double error = 0;
-  HWY_DYNAMIC_DISPATCH(residual)(reals(v), amplitude, weight, scale, count, &error);
+  HWY_DYNAMIC_DISPATCH(residual)(power, amplitude, weight, scale, count, &error);
   return error;
+}
+
+void multiply_by_real(const float* factor, std::complex<float>* v, size_t count) {
+  HWY_DYNAMIC_DISPATCH(real_product)(factor, reals(v), count);
 }
 
 void add_phase_gradient(const std::complex<float>* g, const std::complex<float>* u, float factor, float* d,

@@ -14,16 +14,23 @@ void make_unit_modulus(std::complex<float>* u, size_t count);
 /// u ← (u + d)/|u + d|, and 1 where the sum is 0.
 void add_and_make_unit_modulus(std::complex<float>* u, const std::complex<float>* d, size_t count);
 
-/// Sums that fit the modulus of a field to a target: Σw·a·|v| and Σw·|v|².
+/// power ← power + factor·|v|²
+void add_power(const std::complex<float>* v, float factor, float* power, size_t count);
+
+/// Sums that fit the amplitude A = √power to a target: Σw·a·A and Σw·A².
 struct ModulusSums {
   double cross = 0, square = 0;
 };
 
 /// @param weight  w; nullptr means 1 everywhere
-ModulusSums modulus_sums(const std::complex<float>* v, const float* amplitude, const float* weight, size_t count);
+ModulusSums modulus_sums(const float* power, const float* amplitude, const float* weight, size_t count);
 
-/// v ← w·(s·a − |v|)·v/|v|, the change that gives v the modulus s·a. @return Σw·(|v| − s·a)²
-double take_residual(std::complex<float>* v, const float* amplitude, const float* weight, float scale, size_t count);
+/// power ← w·(s·a − A)/A with A = √power, and 0 where A is 0: the factor that turns light of the amplitude A into the
+/// change that gives it the amplitude s·a. @return Σw·(A − s·a)²
+double take_residual(float* power, const float* amplitude, const float* weight, float scale, size_t count);
+
+/// v ← factor·v
+void multiply_by_real(const float* factor, std::complex<float>* v, size_t count);
 
 /// d ← d + factor·Im(g·u*): adds the gradient by the phase of u, given g = ∂f/∂Re u + i·∂f/∂Im u.
 void add_phase_gradient(const std::complex<float>* g, const std::complex<float>* u, float factor, float* d,

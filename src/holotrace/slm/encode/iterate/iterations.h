@@ -17,4 +17,10 @@ inline int iterations_of(const EncodeParams& params) {
   return params.method == Encoding::sgd ? sgd_iterations : gerchberg_saxton_iterations;
 }
 
+/// Half width of the stop of a method as a fraction of 1/2p: the one asked for, or the method's default; 1 means none.
+inline double stop_width(const EncodeParams& params) {
+  if (params.stop > 0) return params.stop;
+  return params.method == Encoding::double_phase || params.method == Encoding::error_diffusion ? 0.4 : 1;
+}
+
 }  // namespace holotrace

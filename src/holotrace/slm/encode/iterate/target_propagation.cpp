@@ -1,27 +1,114 @@
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/slm/encode/iterate/iteration_kernels.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
 #include "holotrace/wave/propagate/adjoint.h"
+#include "holotrace/wave/propagate/convolve.h"
 
 namespace holotrace {
+namespace {
 
-Field TargetPropagation::to_plane(const Field& panel) const { return propagate(panel, there); }
-Field TargetPropagation::to_panel(const Field& plane) const { return propagate(plane, back); }
+std::vector<Vec2> shifts_of(PixelSamples samples) {
+  switch (samples) {
+    case PixelSamples::middle:
+      return {{0, 0}};
+    case PixelSamples::diagonal:
+      return {{-0.25, -0.25}, {0.25, 0.25}};
+    case PixelSamples::four:
+      return {{-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}};
+  }
+  return {};
+}
 
-TargetPropagation make_target_propagation(const Slm& slm, double wavelength, double z, PixelAperture aperture,
-                                          double stop) {
-  TargetPropagation propagation;
-  propagation.there = make_propagator<float>(slm.grid, wavelength, z);
+Grid finer(Grid grid, int subpixels) {
+  grid.nx *= subpixels;
+  grid.ny *= subpixels;
+  grid.pitch /= subpixels;
+  return grid;
+}
+
+// The smallest window on the lattice of a grid that holds a pupil.
+Grid window_of(const Pupil& pupil, const Grid& grid) {
+  const int samples = int(std::ceil(pupil.diameter / grid.pitch)) + 1;
+  const auto nearest = [&](double place, int count, double centre) {
+    const double first = centre - (count - 1) / 2.0 * grid.pitch;  // a sample of the grid
+    const double offset = place - (samples - 1) / 2.0 * grid.pitch - first;
+    return first + std::round(offset / grid.pitch) * grid.pitch + (samples - 1) / 2.0 * grid.pitch;
+  };
+  return {samples, samples, grid.pitch, nearest(pupil.centre.x, grid.nx, grid.centre_x),
+          nearest(pupil.centre.y, grid.ny, grid.centre_y)};
+}
+
+PropagateParams to_window(const Grid& grid) {
+  PropagateParams params;
+  params.columns = grid.nx;
+  params.rows = grid.ny;
+  params.centre_x = grid.centre_x;
+  params.centre_y = grid.centre_y;
+  return params;
+}
+
+}  // namespace
+
+TargetPropagation::TargetPropagation(const Slm& slm, double wavelength, double z, const TargetOptics& optics)
+    : shifts_(shifts_of(optics.samples)) {
+  const Grid grid = finer(slm.grid, optics.subpixels);
+  const double samples = double(shifts_.size()) * optics.subpixels * optics.subpixels;
+  const double scale = std::pow(samples, -0.25);  // along each axis: T holds 1/√samples
   const auto passing = [&](double lit) {
     return [=](double f) {
-      const double dimmed = aperture == PixelAperture::included ? aperture_spectrum(f, lit) : 1;
-      return f <= stop / 2 * (1 + 1e-9) ? dimmed : 0;
+      const double in_pixels = f * optics.subpixels;
+      const double dimmed = optics.aperture == PixelAperture::included ? aperture_spectrum(in_pixels, lit) : 1;
+      return in_pixels <= optics.stop / 2 * (1 + 1e-9) ? scale * dimmed : 0;
     };
   };
-  if (aperture == PixelAperture::included || stop < 1)
-    filter_transfer<float>(propagation.there, passing(slm.lit_x()), passing(slm.lit_y()));
-  propagation.back = adjoint_of(propagation.there);
-  return propagation;
+  Propagator<float>* first = &there_;
+  if (optics.pupil) {
+    const Pupil& pupil = *optics.pupil;
+    const Grid window = window_of(pupil, grid);
+    to_pupil_ = make_propagator<float>(grid, wavelength, pupil.centre.z, to_window(window));
+    first = &*to_pupil_;
+    there_ = make_propagator<float>(window, wavelength, z - pupil.centre.z, to_window(grid));
+    disc_ = Array2D<float>(window.ny, window.nx);
+    for (int j = 0; j < window.ny; ++j)
+      for (int i = 0; i < window.nx; ++i)
+        disc_(j, i) = std::hypot(window.x(i) - pupil.centre.x, window.y(j) - pupil.centre.y) <= pupil.diameter / 2;
+  } else {
+    there_ = make_propagator<float>(grid, wavelength, z);
+  }
+  if (optics.aperture == PixelAperture::included || optics.stop < 1 || samples > 1)
+    filter_transfer<float>(*first, passing(slm.lit_x()), passing(slm.lit_y()));
+  if (optics.pupil) {
+    from_pupil_ = adjoint_of(*to_pupil_);
+    back_ = adjoint_of(there_);
+  }
+}
+
+std::vector<Field> TargetPropagation::to_plane(const Field& panel) const {
+  Field at_pupil;
+  if (to_pupil_) {
+    at_pupil = convolve(panel, *to_pupil_, {});
+    multiply_by_real(disc_.values.data(), at_pupil.samples.values.data(), disc_.size());
+  }
+  std::vector<ConvolutionLink<float>> links;
+  for (const Vec2& shift : shifts_) links.push_back({&there_, false, shift.x, shift.y});
+  return convolve_to_many(to_pupil_ ? at_pupil : panel, links);
+}
+
+Field TargetPropagation::to_panel(const std::vector<Field>& plane) const {
+  std::vector<ConvolutionLink<float>> links;
+  std::vector<const Field*> fields;
+  for (size_t i = 0; i < plane.size(); ++i) {
+    links.push_back({back_ ? &*back_ : &there_, !back_, -shifts_[i].x, -shifts_[i].y});
+    fields.push_back(&plane[i]);
+  }
+  Field back = convolve_to_sum(fields, links);
+  if (!from_pupil_) return back;
+  multiply_by_real(disc_.values.data(), back.samples.values.data(), disc_.size());
+  return convolve(back, *from_pupil_, {});
 }
 
 }  // namespace holotrace

@@ -1,29 +1,62 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
+#include "holotrace/base/vec.h"
+#include "holotrace/data/field.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/data/target.h"
 #include "holotrace/wave/propagate/propagator.h"
 
 namespace holotrace {
 
-/// The propagation from the pixels of a panel to a target plane, and its adjoint, prepared for iterations. The windows
-/// are as large as the panel, and zero-padded.
-struct TargetPropagation {
-  Propagator<float> there, back;
-
-  Field to_plane(const Field& panel) const;
-  Field to_panel(const Field& plane) const;
-};
-
 /// Whether the propagation includes the aperture of the pixels. If included, the transfer function is
 /// H·w_x·sinc(w_x·p·u)·w_y·sinc(w_y·p·v); from one sample per pixel it then gives the light of the panel's order 0.
 enum class PixelAperture { left_out, included };
 
-/// @param wavelength  [m]
-/// @param z           distance of the plane [m]: > 0 in front of the panel
-/// @param stop        half width of a stop on the axis, as a fraction of 1/2p
-/// @throws Error      as make_propagator does
-TargetPropagation make_target_propagation(const Slm& slm, double wavelength, double z, PixelAperture aperture,
-                                          double stop = 1);
+/// Places in a pixel of a target plane where the light is sampled. The irradiance of a band of 1/p has a band of 2/p:
+/// its mean over a pixel needs more than the sample in the pixel's middle.
+enum class PixelSamples {
+  middle,    ///< one sample
+  diagonal,  ///< two, at (±p/4, ±p/4): with those of all pixels a lattice of diamonds
+  four       ///< four, at (±p/4, ±p/4) and (±p/4, ∓p/4)
+};
+
+/// What the light passes between the panel and the samples of a target plane.
+struct TargetOptics {
+  PixelAperture aperture = PixelAperture::included;
+  PixelSamples samples = PixelSamples::middle;
+  int subpixels = 1;             ///< field samples per pixel and axis on the panel, and in the target plane
+  double stop = 1;               ///< half width of a stop on the axis, as a fraction of 1/2p; 1: no stop
+  std::optional<Pupil> pupil{};  ///< pupil between the panel and the viewer's retina
+};
+
+/// The propagation T from a panel to the samples of a target plane, and its adjoint, prepared for iterations. The
+/// window of the plane is as large as the panel, and zero-padded.
+///
+/// T is scaled so that Σ|v|² over the samples of a pixel is the mean irradiance over the pixel, and ‖T‖ ≤ 1.
+/// A pupil blocks light beside its disc in its own plane: the light goes from the panel to the pupil, and from there
+/// back to the target plane, in a window just as large as the pupil.
+class TargetPropagation {
+ public:
+  /// @param wavelength  [m]
+  /// @param z           distance of the plane [m]: > 0 in front of the panel
+  /// @throws Error      as make_propagator does
+  TargetPropagation(const Slm& slm, double wavelength, double z, const TargetOptics& optics = {});
+
+  /// The samples: one field for each place in a pixel.
+  std::vector<Field> to_plane(const Field& panel) const;
+
+  /// The adjoint.
+  Field to_panel(const std::vector<Field>& plane) const;
+
+ private:
+  std::vector<Vec2> shifts_;                                // of the samples from the pixels' middles [samples]
+  Propagator<float> there_;                                 // to the plane, or from the pupil to the plane
+  std::optional<Propagator<float>> back_;                   // with a pupil: its adjoint, …
+  std::optional<Propagator<float>> to_pupil_, from_pupil_;  // … the propagation from the panel and its adjoint
+  Array2D<float> disc_;                                     // 1 inside the pupil
+};
 
 }  // namespace holotrace

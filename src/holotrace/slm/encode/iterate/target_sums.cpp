@@ -35,14 +35,66 @@ double target_power(const TargetPlane& target) {
   });
 }
 
-ModulusSums fit_sums(const TargetPlane& target, const Field& shown) {
+namespace {
+
+int samples_across(const Field& field, const Array2D<float>& pixels) { return field.samples.nx / pixels.nx; }
+
+}  // namespace
+
+void add_power(const std::vector<Field>& samples, double factor, Array2D<float>& power) {
+  const int n = samples_across(samples.front(), power);
+  parallel_for(
+      0, power.ny,
+      [&](int64_t row) {
+        float* to = power.row(int(row));
+        for (const Field& field : samples) {
+          if (n == 1) {
+            add_power(field.samples.row(int(row)), float(factor), to, size_t(power.nx));
+            continue;
+          }
+          for (int j = 0; j < n; ++j) {
+            const std::complex<float>* v = field.samples.row(int(row) * n + j);
+            for (int i = 0; i < power.nx * n; ++i) to[i / n] += float(factor) * std::norm(v[i]);
+          }
+        }
+      },
+      {}, 16);
+}
+
+Array2D<float> power_of(const std::vector<Field>& samples, const Grid& pixels) {
+  Array2D<float> power(pixels.ny, pixels.nx);
+  add_power(samples, 1, power);
+  return power;
+}
+
+void multiply(const Array2D<float>& factor, std::vector<Field>& samples) {
+  const int n = samples_across(samples.front(), factor);
+  parallel_for(
+      0, factor.ny,
+      [&](int64_t row) {
+        const float* by = factor.row(int(row));
+        for (Field& field : samples) {
+          if (n == 1) {
+            multiply_by_real(by, field.samples.row(int(row)), size_t(factor.nx));
+            continue;
+          }
+          for (int j = 0; j < n; ++j) {
+            std::complex<float>* v = field.samples.row(int(row) * n + j);
+            for (int i = 0; i < factor.nx * n; ++i) v[i] *= by[i / n];
+          }
+        }
+      },
+      {}, 16);
+}
+
+ModulusSums fit_sums(const TargetPlane& target, const Array2D<float>& power) {
   const int nx = target.amplitude.nx, ny = target.amplitude.ny;
   std::vector<ModulusSums> rows(static_cast<size_t>(ny));
   parallel_for(
       0, ny,
       [&](int64_t j) {
-        rows[size_t(j)] = modulus_sums(shown.samples.row(int(j)), target.amplitude.row(int(j)),
-                                       weights_of(target, int(j)), size_t(nx));
+        rows[size_t(j)] =
+            modulus_sums(power.row(int(j)), target.amplitude.row(int(j)), weights_of(target, int(j)), size_t(nx));
       },
       {}, 16);
   ModulusSums sums;
@@ -53,22 +105,19 @@ ModulusSums fit_sums(const TargetPlane& target, const Field& shown) {
   return sums;
 }
 
-double modulus_error(const TargetPlane& target, const Field& shown, double scale) {
+double modulus_error(const TargetPlane& target, const Array2D<float>& power, double scale) {
   return sum_of_rows(target.amplitude.ny, [&](int j) {
-    const float *a = target.amplitude.row(j), *w = weights_of(target, j);
-    const std::complex<float>* v = shown.samples.row(j);
+    const float *a = target.amplitude.row(j), *w = weights_of(target, j), *light = power.row(j);
     double sum = 0;
-    for (int i = 0; i < target.amplitude.nx; ++i) {
-      const double modulus = std::sqrt(double(v[i].real()) * v[i].real() + double(v[i].imag()) * v[i].imag());
-      sum += (w ? double(w[i]) : 1.0) * std::pow(modulus - scale * a[i], 2);
-    }
+    for (int i = 0; i < target.amplitude.nx; ++i)
+      sum += (w ? double(w[i]) : 1.0) * std::pow(std::sqrt(double(light[i])) - scale * a[i], 2);
     return sum;
   });
 }
 
-double leave_residual(const TargetPlane& target, double scale, Field& shown) {
+double leave_residual(const TargetPlane& target, double scale, Array2D<float>& power) {
   return sum_of_rows(target.amplitude.ny, [&](int j) {
-    return take_residual(shown.samples.row(j), target.amplitude.row(j), weights_of(target, j), float(scale),
+    return take_residual(power.row(j), target.amplitude.row(j), weights_of(target, j), float(scale),
                          size_t(target.amplitude.nx));
   });
 }

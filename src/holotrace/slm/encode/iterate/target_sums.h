@@ -1,24 +1,37 @@
 #pragma once
 
+#include <vector>
+
 #include "holotrace/data/field.h"
 #include "holotrace/data/target.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
 
 // Sums over a target plane: within a row in float, over rows in double and in order; the same on any number of threads.
+// The light of a plane is its power, the mean irradiance over each pixel, shape (ny, nx), and A = √power.
 
 namespace holotrace {
 
 /// Σw·a².
 double target_power(const TargetPlane& target);
 
-/// Σw·a·|v| and Σw·|v|².
-ModulusSums fit_sums(const TargetPlane& target, const Field& shown);
+/// power ← power + factor·Σ|v|², the sum over the samples of a pixel: one in each of several fields, or n × n in one
+/// field that is n times as fine.
+void add_power(const std::vector<Field>& samples, double factor, Array2D<float>& power);
 
-/// Σw·(|v| − s·a)².
-double modulus_error(const TargetPlane& target, const Field& shown, double scale);
+/// The power of one set of samples.
+Array2D<float> power_of(const std::vector<Field>& samples, const Grid& pixels);
 
-/// As modulus_error; the field becomes its residual w·(s·a − |v|)·v/|v|.
-double leave_residual(const TargetPlane& target, double scale, Field& shown);
+/// v ← factor·v at all samples of each pixel.
+void multiply(const Array2D<float>& factor, std::vector<Field>& samples);
+
+/// Σw·a·A and Σw·A².
+ModulusSums fit_sums(const TargetPlane& target, const Array2D<float>& power);
+
+/// Σw·(A − s·a)².
+double modulus_error(const TargetPlane& target, const Array2D<float>& power, double scale);
+
+/// As modulus_error; the power becomes the factor w·(s·a − A)/A, which turns the light into its residual.
+double leave_residual(const TargetPlane& target, double scale, Array2D<float>& power);
 
 /// to ← to + factor·from, or factor·from where `to` has no samples yet.
 void add_part(const Field& from, double factor, Field& to);
