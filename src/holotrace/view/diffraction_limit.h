@@ -21,7 +21,7 @@ namespace holotrace {
 /// @param stack       changed in place
 /// @param panel       size and pitch of the panel; not that of the stack
 /// @param wavelength  [m]
-/// @throws Error      for a wavelength that is not above 0, or a panel without pixels
+/// @throws Error      for a wavelength that is not above 0, or a panel without pixels, and as check_focal_stack
 void limit_to_panel(FocalStack& stack, const Grid& panel, double wavelength);
 
 }  // namespace holotrace
