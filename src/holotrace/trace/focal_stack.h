@@ -66,7 +66,7 @@ struct SceneViews {
 /// @param wavelength  used for the acceptance [m]; colours do not depend on it
 /// @param planes      at least one plane, of the stack or of the light field
 /// @param params      paths, max_depth, clamp, path_expressions, background, accelerator and seed are used
-/// @param observer    receives the facts of `report`, and "planes"
+/// @param observer    receives the facts of `report`
 /// @return            three channels [W/m²/sr]
 /// @throws Error      as `render` does; for distances that are not above 0 or not finite, for no plane at all, for
 ///                    fewer cells than 1 × 1 or more than the panel has pixels, and if the memory does not suffice
