@@ -54,7 +54,8 @@ struct SceneViews {
 ///
 /// **Pixels without a path.** In a plane: the mean of the nearest pixels with paths (the smallest square around it that
 /// has any). In a cell's picture: the mean of the same pixel of the nearest cells (the smallest square of cells around
-/// it that has any). 0 if there are none.
+/// it that has any). 0 if there are none. With fewer paths than cells, light from neighbouring cells blurs the parallax:
+/// use one path per cell or more.
 ///
 /// **Luminous points.** A point at depth D is seen from the part of the panel (or of the cell) within T·D of it. Its
 /// light is spread evenly over the image of that part in the plane, |d − D|/D times as large, at least one pixel wide
