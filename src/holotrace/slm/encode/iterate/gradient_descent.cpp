@@ -49,13 +49,12 @@ class Colour {
   }
 
   TargetWay way_to(const TargetPlane& target) const {
-    return {&target,
-            TargetPropagation(slm_, wavelength, target.z,
-                              {.aperture = panel.aperture(),
-                               .samples = params_.subpixels == 1 ? PixelSamples::diagonal : PixelSamples::middle,
-                               .subpixels = params_.subpixels,
-                               .stop = stop_width(params_),
-                               .pupil = target.pupil})};
+    return {&target, TargetPropagation(slm_, wavelength, target.z,
+                                       {.aperture = panel.aperture(),
+                                        .samples = params_.subpixels == 1 ? PixelSamples::four : PixelSamples::middle,
+                                        .subpixels = params_.subpixels,
+                                        .stop = stop_width(params_),
+                                        .pupil = target.pupil})};
   }
 
   // Light of all frames on the panel.
