@@ -11,19 +11,22 @@
 namespace holotrace {
 namespace {
 
-// f(ℓ) of gradient_descent.h without rounding, and its gradient if `slope` is given.
+// f(ℓ) of gradient_descent.h for one frame without rounding, and its gradient if `slope` is given.
 double loss(const std::vector<TargetPlane>& targets, const Slm& slm, const Hologram& hologram,
             const Array2D<float>& drive, Array2D<float>* slope) {
   double sum = 0;
   for (const TargetPlane& target : targets) {  // each with its own wavelength
     const DrivenPanel panel(slm, hologram, target.wavelength);
-    const TargetPropagation propagation = make_target_propagation(slm, target.wavelength, target.z, panel.aperture());
+    const TargetPropagation propagation(slm, target.wavelength, target.z,
+                                        {.aperture = panel.aperture(), .samples = PixelSamples::four});
     Field u(slm.grid, target.wavelength);
     panel.leave(drive, u);
-    Field shown = propagation.to_plane(u);
-    const ModulusSums sums = fit_sums(target, shown);
+    std::vector<Field> shown = propagation.to_plane(u);
+    Array2D<float> light = power_of(shown, slm.grid);
+    const ModulusSums sums = fit_sums(target, light);
     const double s = sums.cross / sums.square;
-    sum += s * s * leave_residual(target, 1 / s, shown);
+    sum += s * s * leave_residual(target, 1 / s, light);
+    multiply(light, shown);
     if (slope) panel.add_slope(drive, u, propagation.to_panel(shown), -2 * s * s, *slope);
   }
   return sum;
@@ -94,12 +97,13 @@ TEST(GradientDescent, TakesTheStepsOfAdam) {
       drive.values[i] -= float(step * (m[i] / (1 - std::pow(0.9, t))) / std::sqrt(v[i] / (1 - std::pow(0.99, t))));
     }
   }
-  descend(targets, slm, params, {}, hologram);
+  std::vector<Hologram> frames{hologram};
+  descend({targets}, slm, params, {}, frames);
   // The six steps are 0.4 … 0.03 rad; without the corrections they would be a quarter to two thirds longer. Levels are
   // 1e-4 rad apart. Floats may flip a few slopes near 0, which Adam scales up like all others: compare quantiles.
   std::vector<double> apart;
   for (size_t i = 0; i < drive.size(); ++i)
-    apart.push_back(std::abs(std::remainder(hologram.level.values[i] - drive.values[i], 65536.0)) / radian);
+    apart.push_back(std::abs(std::remainder(frames[0].level.values[i] - drive.values[i], 65536.0)) / radian);
   std::sort(apart.begin(), apart.end());
   EXPECT_LT(apart[apart.size() / 2], 2e-4);
   EXPECT_LT(apart[apart.size() * 9 / 10], 1e-3);
@@ -113,12 +117,12 @@ TEST(GradientDescent, MeansOverColours) {
   params.iterations = 1;
   const TargetPlane green = picture_targets(slm, params).front(), red = picture_targets(slm, params, 633e-9).front();
   const auto told = [&](const std::vector<TargetPlane>& targets) {
-    Hologram hologram = blank_hologram(slm);
-    for (size_t i = 0; i < hologram.level.size(); ++i) hologram.level.values[i] = uint16_t(i * i % 256);
+    std::vector<Hologram> frames{blank_hologram(slm)};
+    for (size_t i = 0; i < frames[0].level.size(); ++i) frames[0].level.values[i] = uint16_t(i * i % 256);
     Heard heard;
-    judge(targets, slm, heard.observer(), hologram);
+    judge(targets, slm, params, heard.observer(), frames);
     const double efficiency = heard.number("target_efficiency");
-    descend(targets, slm, params, heard.observer(), hologram);
+    descend({targets}, slm, params, heard.observer(), frames);
     return std::pair(efficiency, heard.number("loss_first"));
   };
   const auto of_green = told({green}), of_red = told({red}), of_both = told({green, red});
@@ -153,9 +157,8 @@ TEST(GradientDescent, OneHologramShowsAPlaneInEachOfTwoColours) {
   Heard joint, alone;
   targets.push_back(picture_targets(slm, params, 633e-9).front());
   encode_targets(targets, start, slm, params, joint.observer());
-  const Hologram of_one = encode_targets({targets[0]}, start, slm, params);
-  Hologram again = of_one;
-  judge(targets, slm, alone.observer(), again);
+  std::vector<Hologram> of_one{encode_targets({targets[0]}, start, slm, params)};
+  judge(targets, slm, params, alone.observer(), of_one);
   EXPECT_GT(joint.number("psnr_db"), alone.number("psnr_db") + 3);  // at most half the error's power
 }
 
