@@ -1,6 +1,7 @@
 // Subcommands that read a scene: run, render, trace.
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,8 +12,10 @@
 #include "flags.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
@@ -21,6 +24,7 @@
 #include "holotrace/run/convergence.h"
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
+#include "holotrace/trace/focal_stack.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
@@ -133,6 +137,27 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   });
 }
 
+// Traces and writes the focal stack that the scene or a flag asks for.
+void save_stack(const Job& job, const std::string& output, Console& console, bool is_quiet) {
+  const auto start = std::chrono::steady_clock::now();
+  const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone);
+  const FocalStack stack = trace_focal_stack(job.scene, job.slm.grid, wavelength, job.render.focal_stack, job.render,
+                                             console.watch("focal stack"));
+  const std::chrono::duration<double> traced = std::chrono::steady_clock::now() - start;
+  console.finish();
+  if (extension_of(output) == ".h5") {
+    save_focal_stack(output, stack);
+  } else {
+    const double white = common_white(stack.pictures, 0);
+    save_numbered(output, stack.pictures,
+                  [&](const std::string& path, const Image& image) { save_image(path, image, white, 8); });
+  }
+  const std::chrono::duration<double> all = std::chrono::steady_clock::now() - start;
+  if (!is_quiet)
+    fmt::print("focal stack of {} planes of {} x {} pixels: traced in {:.1f} s, written in {:.1f} s\n",
+               stack.pictures.size(), stack.grid.nx, stack.grid.ny, traced.count(), (all - traced).count());
+}
+
 void add_render(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("render", "path-traced image of a scene, seen from the panel");
   struct Options {
@@ -141,14 +166,21 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
-  add_output(*command, o->output,
-             "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph");
+  add_output(
+      *command, o->output,
+      "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph; with "
+      "--focal-stack one for each plane: NAME, NAME_2, …; or all planes in one .h5");
   o->flags.add(*command, RenderParams());
   command->callback([o, &global] {
     Job job = load_scene(o->scene);
     o->flags.apply(job.render);
-    check_output(o->output, {".png", ".exr"});
+    const bool is_stack = !job.render.focal_stack.empty();
+    require(!is_stack || job.render.eye_separation == 0,
+            "expected one of focal_stack and eye_separation, got both; leave one out");
+    check_output(o->output,
+                 is_stack ? std::vector<std::string>{".h5", ".exr", ".png"} : std::vector<std::string>{".png", ".exr"});
     Console console(global.is_quiet);
+    if (is_stack) return save_stack(job, o->output, console, global.is_quiet);
     const auto render_with = [&](const RenderParams& params, const std::string& stage) {
       return render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), params,
                     console.watch(stage));

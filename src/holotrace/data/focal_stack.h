@@ -15,4 +15,8 @@ struct FocalStack {
   std::vector<Image> pictures;    ///< linear radiance [W/m²/sr], one per plane, 1 or 3 channels, shape of `grid`
 };
 
+/// @throws Error unless the stack has planes at finite distances above 0, and for each a picture of the grid's size with
+///         one number of channels, 1 or 3, and finite values of 0 or more.
+void check_focal_stack(const FocalStack& stack);
+
 }  // namespace holotrace

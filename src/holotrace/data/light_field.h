@@ -17,6 +17,11 @@ struct LightField {
   /// Mean radiance [W/m²/sr] of the rays from cell (column, row) through each pixel, at views[row·columns + column];
   /// 1 or 3 channels, shape of `plane`.
   std::vector<Image> views;
+
+  double cell_width() const { return panel.width() / columns; }
+  double cell_height() const { return panel.height() / rows; }
+  double left() const { return panel.centre_x - panel.width() / 2; }  ///< left side of the panel [m]
+  double top() const { return panel.centre_y + panel.height() / 2; }  ///< upper side of the panel [m]
 };
 
 }  // namespace holotrace

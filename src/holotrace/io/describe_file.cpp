@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/field/sources_file.h"
@@ -113,6 +114,19 @@ Json describe(const Image& image) {
           {"greatest", double(*greatest)}};
 }
 
+Json describe(const FocalStack& stack) {
+  float greatest = 0;
+  for (const Image& picture : stack.pictures)
+    greatest = std::max(greatest, *std::max_element(picture.values.begin(), picture.values.end()));
+  return {{"kind", "focal stack"},
+          {"planes", stack.pictures.size()},
+          {"distances", lengths_text(stack.distances)},
+          {"pixels", size_text(stack.grid.nx, stack.grid.ny)},
+          {"pitch", format_length(stack.grid.pitch)},
+          {"channels", stack.pictures.front().channels},
+          {"greatest_w_per_m2_sr", double(greatest)}};
+}
+
 Json describe(const LoadedModel& model) {
   size_t triangles = 0;
   Vec3 low{INFINITY, INFINITY, INFINITY}, high = -low;
@@ -198,6 +212,7 @@ Json describe_file(const std::string& path) {
   if (extension == ".ply") return describe_ply(path);
   if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return describe(load_meshes(path));
   if (extension == ".png" && std::filesystem::exists(sidecar_path(path))) return describe(load_hologram(path));
+  if (is_focal_stack_file(path)) return describe(load_focal_stack(path));
   if (is_field_file(path)) return describe(load_fields_double(path));
   return describe(load_image(path));
 }

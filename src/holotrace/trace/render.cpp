@@ -1,7 +1,6 @@
 #include "holotrace/trace/render.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -13,10 +12,8 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
-#include "holotrace/data/point_strength.h"
+#include "holotrace/trace/camera_rays.h"
 #include "holotrace/trace/geometry/first_hits.h"
-#include "holotrace/trace/materials/bsdf.h"
-#include "holotrace/trace/paths/path.h"
 
 namespace holotrace {
 
@@ -69,25 +66,13 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, co
                   std::span<Vec3> sums, PathCounts& counts) {
   const auto [row, column] = pixel;
   LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(eye.columns) + uint64_t(column));
-  std::fill(sums.begin(), sums.end(), Vec3{});
-  const double seen_path_groups = std::popcount(scene.automaton.accepted(scene.automaton.start()));
   Vec3 sum;
   for (int path = 0; path < params.paths; ++path) {
     numbers.start(uint32_t(path));
     const Vec2 place = numbers.two();
     const auto ray = eye.ray(column + place.x, row + place.y, eye.needs_lens_place() ? numbers.two() : Vec2{});
-    if (!ray) continue;
-    ++counts.rays;
-    const auto hit = scene.accelerator.closest_hit(*ray);
-    if (!hit) {
-      if (params.has_background) sum += scene.emitters.background(ray->direction) * seen_path_groups;
-      continue;
-    }
-    const Material& material = material_at(scene.scene, hit->point);
-    const SurfacePoint point = material.normal_map ? shading_point(material, hit->point) : hit->point;
-    add_radiance(scene, {point, -ray->direction, scene.automaton.start(), 1}, numbers, sums, counts);
+    if (ray) sum += radiance_along(scene, *ray, params.has_background, numbers, sums, counts);
   }
-  for (const Vec3 of_group : sums) sum += of_group;
   return sum / params.paths;
 }
 
@@ -112,11 +97,8 @@ void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, do
     const bool is_inside = std::abs(column - (eye.columns - 1) / 2.0) <= eye.columns / 2.0 &&
                            std::abs(row - (eye.rows - 1) / 2.0) <= eye.rows / 2.0;
     if (!is_inside || scene.is_occluded(from, point.position)) continue;
-    const double distance = length(way), cosine = -way.z / distance;
-    const double side = eye.pixel * eye.focus / (eye.focus + from.z), share = -point.position.z / distance;
-    const double amplitude = point_amplitude(panel, wavelength, wavelength, -point.position.z) * point.amplitude;
-    const double irradiance = amplitude * amplitude * share * share;
-    const double radiance = irradiance / (side * side * cosine * cosine * cosine * cosine);
+    const double side = eye.pixel * eye.focus / (eye.focus + from.z);
+    const double radiance = point_light(point, from, panel, wavelength) / (side * side);
     add_between(image, column, row, Vec3{1, 1, 1} * radiance);
   }
 }
@@ -141,12 +123,7 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
                 .panel_x = panel.width() / 2,
                 .panel_y = panel.height() / 2,
                 .reach = box_radius(params.focus, wavelength, panel.pitch)};
-  PathParams path_params;
-  path_params.max_depth = params.max_depth;
-  path_params.clamp = params.clamp;
-  path_params.seed = uint64_t(params.seed);
-  path_params.accelerator = params.accelerator;
-  const PathScene path_scene(scene, Lines{}, params.path_expressions, path_params);
+  const PathScene path_scene = make_path_scene(scene, params);
   require_memory(3.0 * sizeof(float) * columns * rows, fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);
   std::vector<PathCounts> counts(size_t(rows), PathCounts{});

@@ -17,16 +17,17 @@ enum class Lens { pinhole, round, panel };
 
 /// The picture of a scene seen by an eye in front of the panel.
 struct RenderParams {
-  int columns = 0, rows = 512;  ///< size of the picture [pixels]; columns 0: square
-  double field_of_view = 0;     ///< half angle over the height [rad]; 0: the panel's acceptance
-  Vec3 eye{0, 0, 0};            ///< position of the lens [m], on the panel or in front of it: z ≥ 0
-  Lens lens = Lens::pinhole;    ///< aperture of the camera
-  double pupil = 4e-3;          ///< diameter of the round lens [m]
-  double focus = 0.3;           ///< distance from the panel to the plane in focus [m]
-  double eye_separation = 0;    ///< distance between two eyes along x, centred on `eye` [m]: a stereo pair; 0: one eye
-  int paths = 64;               ///< light paths per pixel
-  int max_depth = 8;            ///< largest number of surfaces on a light path
-  double clamp = 0;             ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
+  int columns = 0, rows = 512;        ///< size of the picture [pixels]; columns 0: square
+  double field_of_view = 0;           ///< half angle over the height [rad]; 0: the panel's acceptance
+  Vec3 eye{0, 0, 0};                  ///< position of the lens [m], on the panel or in front of it: z ≥ 0
+  Lens lens = Lens::pinhole;          ///< aperture of the camera
+  double pupil = 4e-3;                ///< diameter of the round lens [m]
+  double focus = 0.3;                 ///< distance from the panel to the plane in focus [m]
+  std::vector<double> focal_stack{};  ///< distances from the panel to planes [m]: a focal stack instead of a picture
+  double eye_separation = 0;  ///< distance between two eyes along x, centred on `eye` [m]: a stereo pair; 0: one eye
+  int paths = 64;             ///< light paths per pixel
+  int max_depth = 8;          ///< largest number of surfaces on a light path
+  double clamp = 0;           ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
   std::vector<std::string> path_expressions{};  ///< light path expressions whose light is summed; empty: all light
   bool has_background = true;                   ///< shows the environment where no surface is; holograms leave it out
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
@@ -45,6 +46,10 @@ void describe(Visitor& v, RenderParams& p) {
            "aperture of the camera: a pinhole, a round lens, or the panel's own area");
   v.length("pupil", p.pupil, range::positive, "diameter of the round lens");
   v.length("focus", p.focus, range::positive, "distance from the panel to the plane in focus");
+  v.lengths(
+      "focal_stack", p.focal_stack, range::positive,
+      "distances from the panel to planes; makes a focal stack with the panel as lens, on the panel's pixels, from "
+      "one tracing");
   v.length("eye_separation", p.eye_separation, range::not_negative,
            "distance between two eyes along x, centred on eye; makes a stereo pair and its anaglyph; 0 m: one eye");
   v.count("paths", p.paths, range::at_least(1), "light paths per pixel");

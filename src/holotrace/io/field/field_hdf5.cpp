@@ -1,47 +1,13 @@
-#include <hdf5.h>
-
 #include <array>
-#include <utility>
 #include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/field_formats.h"
+#include "holotrace/io/field/hdf5_access.h"
 #include "holotrace/io/field/metadata.h"
 
 namespace holotrace {
 namespace {
-
-// An HDF5 identifier that is closed by the function of its kind.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  Handle(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-  bool valid() const { return id_ >= 0; }
-  herr_t close() { return close_(std::exchange(id_, -1)); }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-// Turns off HDF5's printing of errors; here they become an Error.
-class Silence {
- public:
-  Silence() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-  Silence(const Silence&) = delete;
-
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
-};
 
 constexpr const char* filter_names[] = {"filter_u0_per_m", "filter_v0_per_m", "filter_half_u_per_m",
                                         "filter_half_v_per_m"};
@@ -53,79 +19,9 @@ hid_t complex_type(size_t bytes, hid_t real) {
   return type;
 }
 
-void require_written(bool holds, const std::string& path) {
-  require(holds, "expected to write {}, but HDF5 could not; check the room and the permissions there", path);
-}
-
-void write_numbers(hid_t object, const char* name, const double* values, hid_t shape, const std::string& path) {
-  const Handle space(shape, H5Sclose);
-  const Handle attribute(H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  require_written(attribute.valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, values) >= 0, path);
-}
-
-void write_number(hid_t object, const char* name, double value, const std::string& path) {
-  write_numbers(object, name, &value, H5Screate(H5S_SCALAR), path);
-}
-
-void write_word(hid_t object, const char* name, const std::string& value, const std::string& path) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, H5T_VARIABLE);  // h5py reads it as str
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  const char* text = value.c_str();
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  require_written(attribute.valid() && H5Awrite(attribute, type, &text) >= 0, path);
-}
-
-std::vector<double> read_numbers(hid_t object, const char* name, hssize_t wanted, const std::string& path) {
-  require(H5Aexists(object, name) > 0,
-          "{}: expected the attribute \"{}\" of \"field\", which is missing; add it, in SI units", path, name);
-  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
-  const Handle space(H5Aget_space(attribute), H5Sclose);
-  const hssize_t count = H5Sget_simple_extent_npoints(space);
-  require(count == wanted, "{}: expected {} number(s) in \"{}\", as many as the dataset has fields, got {}", path,
-          wanted, name, count);
-  std::vector<double> values(size_t(wanted), 0.0);
-  require(H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0,
-          "{}: expected a number for \"{}\", got another kind", path, name);
-  return values;
-}
-
-double read_number(hid_t object, const char* name, const std::string& path) {
-  return read_numbers(object, name, 1, path).front();
-}
-
-std::string read_word(hid_t object, const char* name, const std::string& path) {
-  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
-  const Handle type(H5Aget_type(attribute), H5Tclose);
-  require(H5Tget_class(type) == H5T_STRING, "{}: expected a text for \"{}\", got another kind", path, name);
-  if (H5Tis_variable_str(type) > 0) {  // as h5py writes str
-    const Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
-    H5Tset_size(memory, H5T_VARIABLE);
-    H5Tset_cset(memory, H5Tget_cset(type));
-    char* text = nullptr;
-    require(H5Aread(attribute, memory, &text) >= 0 && text, "{}: expected a text for \"{}\", got none", path, name);
-    const std::string value(text);
-    H5free_memory(text);
-    return value;
-  }
-  std::vector<char> text(H5Tget_size(type) + 1, '\0');
-  require(H5Aread(attribute, type, text.data()) >= 0, "{}: expected a text for \"{}\", got none", path, name);
-  return text.data();
-}
-
 template <class Real>
 hid_t native_real() {
   return sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
-}
-
-// The file format of HDF5 1.8 and later has checksums, so that damage is detected.
-hid_t create_file(const std::string& path) {
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
-  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
-  H5Pset_obj_track_times(creation, false);  // the same field gives the same bytes
-  return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access);
 }
 
 // Makes the dataset "field" with its metadata, for the fields' grid and wavelengths, without samples.
@@ -142,9 +38,8 @@ hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid
   require_written(data >= 0, path);
   std::vector<double> wavelengths;
   for (const auto& one : stack) wavelengths.push_back(one.wavelength);
-  const hsize_t count = wavelengths.size();
   write_number(data, "pitch_m", field.grid.pitch, path);
-  write_numbers(data, "wavelengths_m", wavelengths.data(), H5Screate_simple(1, &count, nullptr), path);
+  write_numbers(data, "wavelengths_m", wavelengths, path);
   write_number(data, "z_m", field.z, path);
   if (field.grid.centre_x != 0) write_number(data, "centre_x_m", field.grid.centre_x, path);
   if (field.grid.centre_y != 0) write_number(data, "centre_y_m", field.grid.centre_y, path);
@@ -166,8 +61,7 @@ template <class Real>
 void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Real>>& stack) {
   const Silence silence;
   const Grid& grid = stack.front().grid;
-  const Handle file(create_file(path), H5Fclose);
-  require_written(file.valid(), path);
+  const Handle file(create_hdf5(path), H5Fclose);
   {
     const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     const Handle data(create_dataset(file, stack, properties, path), H5Dclose);
@@ -187,8 +81,7 @@ void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Rea
 
 void create_fields_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows) {
   const Silence silence;
-  Handle file(create_file(path), H5Fclose);
-  require_written(file.valid(), path);
+  Handle file(create_hdf5(path), H5Fclose);
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   const std::array<hsize_t, 3> chunk{1, hsize_t(chunk_rows), hsize_t(headers.front().grid.nx)};
   const bool is_one = headers.size() == 1;
@@ -222,11 +115,7 @@ std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vec
 template <class Real>
 std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
   const Silence silence;
-  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  require(file.valid(), "{}: expected an HDF5 file, got other bytes or a truncated file; write it again", path);
-  const Handle data(H5Dopen2(file, "field", H5P_DEFAULT), H5Dclose);
-  require(data.valid(), "{}: expected a dataset \"field\", which is missing", path);
-
+  const Hdf5Dataset data(path, "field");
   const Handle type(H5Dget_type(data), H5Tclose);
   require(H5Tget_class(type) == H5T_COMPOUND && H5Tget_nmembers(type) == 2 && H5Tget_member_index(type, "r") >= 0 &&
               H5Tget_member_index(type, "i") >= 0,
@@ -243,12 +132,7 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
               nx < (1u << 30),
           "{}: expected the shape (ny, nx) or (wavelengths, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
 
-  const Handle properties(H5Dget_create_plist(data), H5Pclose);
-  const hsize_t stored = H5Dget_storage_size(data);
-  require(H5Pget_layout(properties) != H5D_CONTIGUOUS ||
-              double(stored) == double(H5Tget_size(type)) * double(count) * double(ny * nx),
-          "{}: expected {} × {} samples, got {} bytes of them; the file is truncated or damaged", path, nx, ny, stored);
-
+  require_all_samples(data, double(count) * double(ny * nx), path);
   const std::vector<double> wavelengths = read_numbers(data, "wavelengths_m", hssize_t(count), path);
   BasicField<Real> field;
   field.grid = {int(nx), int(ny), read_number(data, "pitch_m", path)};

@@ -1,0 +1,121 @@
+#include "holotrace/io/field/focal_stack_file.h"
+
+#include <array>
+#include <filesystem>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/io/field/hdf5_access.h"
+#include "holotrace/io/files/file.h"
+
+namespace holotrace {
+
+namespace {
+
+constexpr const char* dataset_name = "focal_stack";
+
+using Shape = std::array<hsize_t, 4>;  // planes, rows, columns, channels
+
+/// Calls transfer(shape in memory, place in the file) for plane k. @return whether it succeeded
+template <class Transfer>
+bool for_plane(hid_t data, const Shape& shape, size_t k, const Transfer& transfer) {
+  const Shape start{k, 0, 0, 0}, block{1, shape[1], shape[2], shape[3]};
+  const Handle memory(H5Screate_simple(3, block.data() + 1, nullptr), H5Sclose);
+  const Handle place(H5Dget_space(data), H5Sclose);
+  H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+  return transfer(memory, place) >= 0;
+}
+
+void write_stack(const std::string& path, const FocalStack& stack) {
+  const Silence silence;
+  const Grid& grid = stack.grid;
+  const int channels = stack.pictures.front().channels;
+  const Shape shape{stack.pictures.size(), hsize_t(grid.ny), hsize_t(grid.nx), hsize_t(channels)};
+  const Handle file(create_hdf5(path), H5Fclose);
+  {
+    const Handle space(H5Screate_simple(channels == 1 ? 3 : 4, shape.data(), nullptr), H5Sclose);
+    const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_obj_track_times(properties, false);
+    const Handle data(H5Dcreate2(file, dataset_name, H5T_IEEE_F32LE, space, H5P_DEFAULT, properties, H5P_DEFAULT),
+                      H5Dclose);
+    require_written(data.valid(), path);
+    write_number(data, "pitch_m", grid.pitch, path);
+    write_numbers(data, "distances_m", stack.distances, path);
+    write_word(data, "unit", "W/m2/sr", path);
+    for (size_t k = 0; k < stack.pictures.size(); ++k)
+      require_written(for_plane(data, shape, k,
+                                [&](hid_t memory, hid_t place) {
+                                  return H5Dwrite(data, H5T_NATIVE_FLOAT, memory, place, H5P_DEFAULT,
+                                                  stack.pictures[k].values.data());
+                                }),
+                      path);
+  }
+  require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
+}
+
+/// The shape of a stack's dataset. @throws Error, naming the file, for another one
+Shape shape_of(hid_t data, const std::string& path) {
+  const Handle space(H5Dget_space(data), H5Sclose);
+  const int rank = H5Sget_simple_extent_ndims(space);
+  Shape shape{0, 0, 0, 1};
+  if (rank == 3 || rank == 4) H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  constexpr hsize_t limit = 1u << 30;
+  require((rank == 3 || rank == 4) && shape[1] > 0 && shape[2] > 0 && (shape[3] == 1 || shape[3] == 3) &&
+              shape[0] < limit && shape[1] < limit && shape[2] < limit,
+          "{}: expected the shape (planes, rows, columns) or (planes, rows, columns, 3) of \"{}\", got {} dimensions "
+          "of {} x {} x {} x {}",
+          path, dataset_name, rank, shape[0], shape[1], shape[2], shape[3]);
+  require(shape[0] > 0, "{}: expected a focal stack of at least one plane, got none", path);
+  return shape;
+}
+
+}  // namespace
+
+void save_focal_stack(const std::string& path, const FocalStack& stack) {
+  check_focal_stack(stack);
+  require(extension_of(path) == ".h5", "expected .h5 for a focal stack, got {}", path);
+  write_atomically(path, [&](const std::string& temporary) { write_stack(temporary, stack); });
+}
+
+FocalStack load_focal_stack(const std::string& path) {
+  check_file_exists(path, "a focal stack");
+  const Silence silence;
+  const Hdf5Dataset data(path, dataset_name);
+  const Handle type(H5Dget_type(data), H5Tclose);
+  const H5T_class_t kind = H5Tget_class(type);
+  require(kind == H5T_FLOAT || kind == H5T_INTEGER,
+          "{}: expected real numbers in \"{}\", got another kind; convert them to float32", path, dataset_name);
+  const Shape shape = shape_of(data, path);
+  const double samples = double(shape[0]) * double(shape[1]) * double(shape[2]) * double(shape[3]);
+  require_all_samples(data, samples, path);
+  require_memory(samples * sizeof(float), fmt::format("the focal stack {}", path));
+
+  FocalStack stack;
+  stack.grid = {int(shape[2]), int(shape[1]), read_number(data, "pitch_m", path)};
+  stack.distances = read_numbers(data, "distances_m", hssize_t(shape[0]), path);
+  for (size_t k = 0; k < shape[0]; ++k) {
+    Image& picture = stack.pictures.emplace_back(stack.grid.ny, stack.grid.nx, int(shape[3]));
+    picture.pitch = stack.grid.pitch;
+    const auto read = [&](hid_t memory, hid_t place) {
+      return H5Dread(data, H5T_NATIVE_FLOAT, memory, place, H5P_DEFAULT, picture.values.data());
+    };
+    require(for_plane(data, shape, k, read),
+            "{}: expected {} x {} pixels in plane {}, but they cannot be read; the file is truncated or damaged", path,
+            stack.grid.nx, stack.grid.ny, k + 1);
+  }
+  try {
+    check_focal_stack(stack);
+  } catch (const Error& error) {
+    fail("{}: {}", path, error.what());
+  }
+  return stack;
+}
+
+bool is_focal_stack_file(const std::string& path) {
+  if (extension_of(path) != ".h5" || !std::filesystem::exists(path)) return false;
+  const Silence silence;
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  return file.valid() && H5Lexists(file, dataset_name, H5P_DEFAULT) > 0;
+}
+
+}  // namespace holotrace

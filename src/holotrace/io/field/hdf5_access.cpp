@@ -1,0 +1,112 @@
+#include "holotrace/io/field/hdf5_access.h"
+
+#include <array>
+
+#include "holotrace/base/error.h"
+
+namespace holotrace {
+
+namespace {
+
+void write_attribute(hid_t object, const char* name, const double* values, hid_t shape, const std::string& path) {
+  const Handle space(shape, H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require_written(attribute.valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, values) >= 0, path);
+}
+
+/// The name of a dataset, without the slash of its folder.
+std::string name_of(hid_t object) {
+  std::array<char, 256> name{};
+  H5Iget_name(object, name.data(), name.size());
+  return name[0] == '/' ? name.data() + 1 : name.data();
+}
+
+}  // namespace
+
+void require_written(bool holds, const std::string& path) {
+  require(holds, "expected to write {}, but HDF5 could not; check the room and the permissions there", path);
+}
+
+hid_t create_hdf5(const std::string& path) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  H5Pset_obj_track_times(creation, false);  // the same data give the same bytes
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access);
+  require_written(file >= 0, path);
+  return file;
+}
+
+Hdf5Dataset::Hdf5Dataset(const std::string& path, const char* name)
+    : file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose),
+      data_(file_.valid() ? H5Dopen2(file_, name, H5P_DEFAULT) : -1, H5Dclose) {
+  require(file_.valid(), "{}: expected an HDF5 file, got other bytes or a truncated file; write it again", path);
+  require(data_.valid(), "{}: expected a dataset \"{}\", which is missing", path, name);
+}
+
+void write_numbers(hid_t object, const char* name, const std::vector<double>& values, const std::string& path) {
+  const hsize_t count = values.size();
+  write_attribute(object, name, values.data(), H5Screate_simple(1, &count, nullptr), path);
+}
+
+void write_number(hid_t object, const char* name, double value, const std::string& path) {
+  write_attribute(object, name, &value, H5Screate(H5S_SCALAR), path);
+}
+
+void write_word(hid_t object, const char* name, const std::string& value, const std::string& path) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, H5T_VARIABLE);  // h5py reads it as str
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const char* text = value.c_str();
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require_written(attribute.valid() && H5Awrite(attribute, type, &text) >= 0, path);
+}
+
+std::vector<double> read_numbers(hid_t object, const char* name, hssize_t wanted, const std::string& path) {
+  require(H5Aexists(object, name) > 0,
+          "{}: expected the attribute \"{}\" of \"{}\", which is missing; add it, in SI units", path, name,
+          name_of(object));
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  require(count == wanted, "{}: expected {} number(s) in \"{}\", as many as \"{}\" has parts, got {}", path, wanted,
+          name, name_of(object), count);
+  std::vector<double> values(size_t(wanted), 0.0);
+  require(H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0,
+          "{}: expected a number for \"{}\", got another kind", path, name);
+  return values;
+}
+
+double read_number(hid_t object, const char* name, const std::string& path) {
+  return read_numbers(object, name, 1, path).front();
+}
+
+std::string read_word(hid_t object, const char* name, const std::string& path) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  require(H5Tget_class(type) == H5T_STRING, "{}: expected a text for \"{}\", got another kind", path, name);
+  if (H5Tis_variable_str(type) > 0) {  // as h5py writes str
+    const Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(memory, H5T_VARIABLE);
+    H5Tset_cset(memory, H5Tget_cset(type));
+    char* text = nullptr;
+    require(H5Aread(attribute, memory, &text) >= 0 && text, "{}: expected a text for \"{}\", got none", path, name);
+    const std::string value(text);
+    H5free_memory(text);
+    return value;
+  }
+  std::vector<char> text(H5Tget_size(type) + 1, '\0');
+  require(H5Aread(attribute, type, text.data()) >= 0, "{}: expected a text for \"{}\", got none", path, name);
+  return text.data();
+}
+
+void require_all_samples(hid_t data, double samples, const std::string& path) {
+  const Handle properties(H5Dget_create_plist(data), H5Pclose);
+  const Handle type(H5Dget_type(data), H5Tclose);
+  const hsize_t stored = H5Dget_storage_size(data);
+  require(H5Pget_layout(properties) != H5D_CONTIGUOUS || double(stored) == double(H5Tget_size(type)) * samples,
+          "{}: expected {} samples, got {} bytes of them; the file is truncated or damaged", path, samples, stored);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+// HDF5's handles, attributes and errors. Only the files of this room use it.
+
+namespace holotrace {
+
+/// An HDF5 identifier that is closed by the function of its kind.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  Handle(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+  bool valid() const { return id_ >= 0; }
+  herr_t close() { return close_(std::exchange(id_, -1)); }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// Turns off HDF5's printing of errors; here they become an Error.
+class Silence {
+ public:
+  Silence() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  Silence(const Silence&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// @throws Error, naming the file, unless `holds`
+void require_written(bool holds, const std::string& path);
+
+/// An empty file in the format of HDF5 1.8 and later, which has checksums, so that damage is detected.
+hid_t create_hdf5(const std::string& path);
+
+/// Opens a dataset of a file. @throws Error, naming the file, if it is not HDF5 or has no such dataset
+class Hdf5Dataset {
+ public:
+  Hdf5Dataset(const std::string& path, const char* name);
+  operator hid_t() const { return data_; }
+
+ private:
+  Handle file_, data_;
+};
+
+void write_number(hid_t object, const char* name, double value, const std::string& path);
+
+/// Numbers as an attribute with one dimension.
+void write_numbers(hid_t object, const char* name, const std::vector<double>& values, const std::string& path);
+void write_word(hid_t object, const char* name, const std::string& value, const std::string& path);
+
+/// The numbers of an attribute. @throws Error if it is missing, or unless it has as many numbers as `wanted`
+std::vector<double> read_numbers(hid_t object, const char* name, hssize_t wanted, const std::string& path);
+double read_number(hid_t object, const char* name, const std::string& path);
+std::string read_word(hid_t object, const char* name, const std::string& path);
+
+/// @throws Error if the file holds fewer than `samples` samples of a dataset that is stored in one piece
+void require_all_samples(hid_t data, double samples, const std::string& path);
+
+}  // namespace holotrace

@@ -1,0 +1,235 @@
+#include "holotrace/trace/focal_stack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/base/thread_count.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/trace/camera_rays.h"
+#include "holotrace/trace/panel_rays.h"
+#include "holotrace/trace/radiance_sums.h"
+#include "holotrace/trace/stack_points.h"
+
+namespace holotrace {
+
+namespace {
+
+/// The light of a path, to be added to all pictures.
+struct TracedRay {
+  float from[2], slope[2], weight, radiance[3];
+};
+
+/// The pictures that the rays are added to: one per plane, or for the light field one per cell.
+struct Target {
+  PixelPlane plane;
+  int columns = 1, rows = 1;  // cells
+  std::vector<RadianceSums> sums;
+};
+
+/// Adds the rays that cross some of a target's rows of pixels, [first, last).
+void add_rays(const std::vector<std::vector<TracedRay>>& blocks, const Grid& panel, int first, int last,
+              Target& target) {
+  const Grid& grid = target.plane.grid;
+  const auto per_pixel = float(1 / grid.pitch), distance = float(target.plane.distance);
+  const auto left = float(grid.x(-0.5)), top = float(grid.y(-0.5));
+  const auto panel_left = float(panel.x(-0.5)), panel_top = float(panel.y(-0.5));
+  const auto cells_per_x = float(target.columns / panel.width()), cells_per_y = float(target.rows / panel.height());
+  for (const auto& block : blocks)
+    for (const TracedRay& ray : block) {
+      const float row = std::floor((top - (ray.from[1] + ray.slope[1] * distance)) * per_pixel);
+      if (!(row >= float(first) && row < float(last))) continue;
+      const float column = std::floor((ray.from[0] + ray.slope[0] * distance - left) * per_pixel);
+      if (!(column >= 0 && column < float(grid.nx))) continue;
+      size_t cell = 0;
+      if (target.sums.size() > 1) {
+        const int i = std::clamp(int((ray.from[0] - panel_left) * cells_per_x), 0, target.columns - 1);
+        const int j = std::clamp(int((panel_top - ray.from[1]) * cells_per_y), 0, target.rows - 1);
+        cell = size_t(j * target.columns + i);
+      }
+      target.sums[cell].add(size_t(row) * size_t(grid.nx) + size_t(column), ray.weight, ray.radiance);
+    }
+}
+
+/// Adds rays to all targets. Each row of a target is one thread's, which adds the rays in their order: the sums do not
+/// depend on the number of threads.
+void add_rays(const std::vector<std::vector<TracedRay>>& blocks, const Grid& panel, std::vector<Target>& targets) {
+  const int count = int(targets.size()), strips = (2 * thread_count() + count - 1) / count;
+  parallel_for(0, int64_t(count) * strips, [&](int64_t task) {
+    Target& target = targets[size_t(task % count)];
+    const int64_t strip = task / count, rows = target.plane.grid.ny;
+    add_rays(blocks, panel, int(rows * strip / strips), int(rows * (strip + 1) / strips), target);
+  });
+}
+
+class Tracing {
+ public:
+  Tracing(const PathScene& scene, const PanelRays& rays, const RenderParams& params)
+      : scene_(scene), rays_(rays), params_(params) {}
+
+  /// Traces the paths of some pixels of a plane, [first, last) row by row, and adds them to `found`.
+  void trace(int plane, const Grid& grid, int64_t first, int64_t last, std::vector<TracedRay>& found,
+             PathCounts& counts) const {
+    std::vector<Vec3> sums(size_t(scene_.sums()));
+    for (int64_t pixel = first; pixel < last; ++pixel) {
+      const int row = int(pixel / grid.nx), column = int(pixel % grid.nx);
+      const int candidates = rays_.candidates(plane, row, column);
+      LowDiscrepancy numbers(uint64_t(params_.seed), uint32_t(plane), uint64_t(pixel));
+      for (int path = 0; path < candidates; ++path) {
+        numbers.start(uint32_t(path));
+        const Vec2 place = numbers.two(), lens_place = numbers.two();
+        const auto ray = rays_.ray(plane, {column + place.x, row + place.y}, lens_place);
+        if (!ray || numbers.one() >= rays_.keep_probability(plane, *ray, candidates)) continue;
+        const Vec3 direction = normalize({ray->slope.x, ray->slope.y, -1});
+        const Vec3 light = radiance_along(scene_, {{ray->from.x, ray->from.y, 0}, direction}, params_.has_background,
+                                          numbers, sums, counts);
+        found.push_back({{float(ray->from.x), float(ray->from.y)},
+                         {float(ray->slope.x), float(ray->slope.y)},
+                         float(rays_.weight(*ray)),
+                         {float(light.x), float(light.y), float(light.z)}});
+      }
+    }
+  }
+
+ private:
+  const PathScene& scene_;
+  const PanelRays& rays_;
+  const RenderParams& params_;
+};
+
+/// Traces the rays of all planes in turn, in bands of a size that memory holds, and adds them to the targets.
+PathCounts fill_targets(const PathScene& scene, const Grid& panel, double tangent, const RenderParams& params,
+                        std::vector<Target>& targets, const Observer& observer) {
+  std::vector<PixelPlane> planes;
+  for (const Target& target : targets) planes.push_back(target.plane);
+  const PanelRays rays(panel, tangent, planes, params.paths);
+  const Tracing tracing(scene, rays, params);
+  constexpr int64_t pixels_per_block = 64, rays_per_band = int64_t(1) << 21;
+  const int64_t blocks_per_band = std::max<int64_t>(1, rays_per_band / (pixels_per_block * params.paths));
+  PathCounts total;
+  for (size_t p = 0; p < planes.size(); ++p) {
+    const Grid& grid = planes[p].grid;
+    const int64_t blocks = (grid.pixels() + pixels_per_block - 1) / pixels_per_block;
+    for (int64_t band = 0; band < blocks; band += blocks_per_band) {
+      const int64_t in_band = std::min(blocks_per_band, blocks - band);
+      std::vector<std::vector<TracedRay>> found(size_t(in_band), std::vector<TracedRay>{});
+      std::vector<PathCounts> counts(size_t(in_band), PathCounts{});
+      parallel_for(0, in_band, [&](int64_t i) {
+        const int64_t first = (band + i) * pixels_per_block;
+        tracing.trace(int(p), grid, first, std::min(grid.pixels(), first + pixels_per_block), found[size_t(i)],
+                      counts[size_t(i)]);
+      });
+      for (const PathCounts& one : counts) total += one;
+      add_rays(found, panel, targets);
+      // The first plane has nearly all of the work.
+      observer.progress(p == 0 ? 0.8 * double(band + in_band) / double(blocks)
+                               : 0.8 + 0.2 * (double(p - 1) + double(band + in_band) / double(blocks)) /
+                                           double(planes.size() - 1));
+    }
+  }
+  observer.progress(1);
+  return total;
+}
+
+void check_planes(const ScenePlanes& planes, const Grid& panel) {
+  require(!planes.distances.empty() || planes.light_field,
+          "expected at least one plane for a focal stack, got none; give distances, such as \"290 mm, 300 mm\"");
+  for (const double distance : planes.distances)
+    check_range(distance, range::positive, Quantity::length, " for a plane of the focal stack");
+  if (!planes.light_field) return;
+  const LightFieldParams& p = *planes.light_field;
+  check_range(p.distance, range::positive, Quantity::length, " for the plane of the light field");
+  require(p.columns >= 1 && p.rows >= 1 && p.columns <= panel.nx && p.rows <= panel.ny,
+          "expected 1 to {} columns and 1 to {} rows of cells for the light field of a panel of that many pixels, got "
+          "{} and {}",
+          panel.nx, panel.ny, p.columns, p.rows);
+  if (p.plane.pixels() > 0) check_grid(p.plane);
+}
+
+/// The light field's plane, if there is one, and the others from far to near. `places` receives the place of each
+/// target's picture in the stack; −1 for the light field.
+std::vector<Target> make_targets(const ScenePlanes& planes, const Grid& panel, std::vector<int>& places) {
+  std::vector<Target> targets;
+  if (planes.light_field) {
+    const LightFieldParams& p = *planes.light_field;
+    targets.push_back({{p.plane.pixels() > 0 ? p.plane : panel, p.distance}, p.columns, p.rows, {}});
+    places.push_back(-1);
+  }
+  std::vector<int> order(planes.distances.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return planes.distances[size_t(a)] > planes.distances[size_t(b)]; });
+  for (const int place : order) {
+    targets.push_back({{panel, planes.distances[size_t(place)]}, 1, 1, {}});
+    places.push_back(place);
+  }
+  double bytes = 0;
+  for (const Target& t : targets) bytes += 4.0 * sizeof(float) * double(t.plane.grid.pixels()) * t.columns * t.rows;
+  require_memory(bytes, fmt::format("{} planes of a focal stack{}", planes.distances.size(),
+                                    planes.light_field ? " and the cells of a light field" : ""));
+  for (Target& t : targets) t.sums.assign(size_t(t.columns) * size_t(t.rows), RadianceSums(t.plane.grid));
+  return targets;
+}
+
+}  // namespace
+
+SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavelength, const ScenePlanes& planes,
+                             const RenderParams& params, const Observer& observer) {
+  check_scene(scene);
+  check_grid(panel);
+  check_wavelength(wavelength);
+  check_ranges(params);
+  check_planes(planes, panel);
+
+  const double tangent = acceptance_tangent(wavelength, panel.pitch);
+  const PathScene path_scene = make_path_scene(scene, params);
+  std::vector<int> places;
+  std::vector<Target> targets = make_targets(planes, panel, places);
+  const PathCounts counts = fill_targets(path_scene, panel, tangent, params, targets, observer);
+
+  SceneViews views;
+  views.stack = {panel, planes.distances, std::vector<Image>(planes.distances.size())};
+  PanelPart part{panel.x(-0.5), panel.x(panel.nx - 0.5), panel.y(panel.ny - 0.5), panel.y(-0.5), tangent, panel,
+                 wavelength};
+  for (size_t t = 0; t < targets.size(); ++t) {
+    Target& target = targets[t];
+    if (places[t] >= 0) {
+      Image& picture = views.stack.pictures[size_t(places[t])];
+      picture = means_by_pixel(std::move(target.sums.front()));
+      draw_points(path_scene.accelerator, part, target.plane, picture);
+      continue;
+    }
+    LightField& field = views.light_field;
+    field = {panel,
+             target.columns,
+             target.rows,
+             target.plane.grid,
+             target.plane.distance,
+             means_by_cell(std::move(target.sums), target.columns, target.rows)};
+    for (int cell = 0; cell < target.columns * target.rows; ++cell) {
+      PanelPart of_cell = part;
+      of_cell.left = field.left() + cell % target.columns * field.cell_width();
+      of_cell.right = of_cell.left + field.cell_width();
+      of_cell.high = field.top() - cell / target.columns * field.cell_height();
+      of_cell.low = of_cell.high - field.cell_height();
+      draw_points(path_scene.accelerator, of_cell, target.plane, field.views[size_t(cell)]);
+    }
+  }
+  report(counts, params.max_depth, observer);
+  observer.fact("planes", planes.distances.size());
+  return views;
+}
+
+FocalStack trace_focal_stack(const Scene& scene, const Grid& panel, double wavelength,
+                             const std::vector<double>& distances, const RenderParams& params,
+                             const Observer& observer) {
+  return trace_scene_views(scene, panel, wavelength, {distances, {}}, params, observer).stack;
+}
+
+}  // namespace holotrace

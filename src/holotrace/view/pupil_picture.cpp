@@ -1,0 +1,191 @@
+#include "holotrace/view/pupil_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/range.h"
+#include "holotrace/view/disc_area.h"
+
+namespace holotrace {
+
+namespace {
+
+/// What the pixels of one column (or row) have in common: the cells that the footprint touches along one axis.
+struct AxisCells {
+  int first = 0, count = 0;      // touched cells; 0 if none
+  std::vector<double> edges;     // their count + 1 borders, from the disc's centre in radii, within −1 … 1
+  std::vector<double> segments;  // area of the disc below each border
+  std::vector<double> places;    // for each cell: where its picture is read, in pixels along this axis
+};
+
+/// One axis of the panel, and how rays cross it. Places grow with the index of cells and pixels: y points down here.
+struct Axis {
+  double panel_low, cell;  // border of the first cell, and size of a cell [m]
+  int cells;
+  double view_first, view_pitch;  // centre of the first pixel of the cells' pictures, and their pitch [m]
+  double eye;                     // centre of the pupil [m]
+};
+
+struct Geometry {
+  double distance, view_distance;  // planes of the picture, and of the cells' pictures [m]
+  double share;                    // d/(d + e_z)
+  double radius;                   // of the footprint [m]
+  double reach;                    // of the acceptance box [m]
+};
+
+AxisCells touched_cells(const Axis& axis, const Geometry& geometry, double pixel) {
+  const double centre = pixel + (axis.eye - pixel) * geometry.share;
+  const double low = std::max({axis.panel_low, pixel - geometry.reach, centre - geometry.radius});
+  const double high =
+      std::min({axis.panel_low + axis.cell * axis.cells, pixel + geometry.reach, centre + geometry.radius});
+  AxisCells result;
+  if (!(low < high)) return result;
+  result.first = std::clamp(int((low - axis.panel_low) / axis.cell), 0, axis.cells - 1);
+  const int last = std::clamp(int(std::ceil((high - axis.panel_low) / axis.cell)) - 1, result.first, axis.cells - 1);
+  result.count = last - result.first + 1;
+  for (int i = 0; i <= result.count; ++i) {
+    const double border = std::clamp(axis.panel_low + axis.cell * (result.first + i), low, high);
+    const double edge = std::clamp((border - centre) / geometry.radius, -1.0, 1.0);
+    result.edges.push_back(edge);
+    result.segments.push_back(disc_area_below(edge));
+  }
+  for (int i = 0; i < result.count; ++i) {
+    const double from = axis.panel_low + axis.cell * (result.first + i);
+    const double seen_low = std::max(from, pixel - geometry.reach);
+    const double seen_high = std::min(from + axis.cell, pixel + geometry.reach);
+    const double place = (seen_low + seen_high) / 2;
+    const double at = place + (pixel - place) * geometry.view_distance / geometry.distance;
+    result.places.push_back((at - axis.view_first) / axis.view_pitch);
+  }
+  return result;
+}
+
+/// Places between pixels as two pixels and the share of the second one; the nearest pixel outside.
+struct Between {
+  int first, second;
+  float share;
+};
+
+Between between(double place, int count) {
+  const double inside = std::clamp(place, 0.0, double(count - 1));
+  // Places on a pixel, but for rounding, need no other pixel.
+  const int nearest = int(std::lround(inside));
+  if (std::abs(inside - nearest) < 1e-6) return {nearest, nearest, 0};
+  const int first = int(inside);
+  return {first, first + 1, float(inside - first)};
+}
+
+void add_bilinear(const Image& view, const Between& x, const Between& y, float weight, float* sum) {
+  const size_t channels = size_t(view.channels), width = size_t(view.nx);
+  const auto add = [&](int row, int column, float share) {
+    const float* values = &view.values[(size_t(row) * width + size_t(column)) * channels];
+    for (size_t c = 0; c < channels; ++c) sum[c] += share * values[c];
+  };
+  add(y.first, x.first, weight * (1 - x.share) * (1 - y.share));
+  if (x.share > 0) add(y.first, x.second, weight * x.share * (1 - y.share));
+  if (y.share > 0) add(y.second, x.first, weight * (1 - x.share) * y.share);
+  if (x.share > 0 && y.share > 0) add(y.second, x.second, weight * x.share * y.share);
+}
+
+/// Area of the disc up to two borders, one along each axis.
+double corner_area(const AxisCells& x, const AxisCells& y, size_t i, size_t j) {
+  const double u = x.edges[i], v = y.edges[j];
+  if (u <= -1 || v <= -1) return 0;
+  if (u >= 1) return y.segments[j];
+  if (v >= 1) return x.segments[i];
+  return disc_area_below(u, v);
+}
+
+/// Adds the pictures of all cells that the footprint of one pixel touches. @return area of the footprint [radii²]
+double add_cells(const LightField& field, const AxisCells& x, const AxisCells& y, float* sum) {
+  double total = 0;
+  for (int j = 0; j < y.count; ++j) {
+    const Between row = between(y.places[size_t(j)], field.plane.ny);
+    double above = corner_area(x, y, 0, size_t(j)), below = corner_area(x, y, 0, size_t(j) + 1);
+    for (int i = 0; i < x.count; ++i) {
+      const double above_next = corner_area(x, y, size_t(i) + 1, size_t(j));
+      const double below_next = corner_area(x, y, size_t(i) + 1, size_t(j) + 1);
+      const double area = below_next - below - (above_next - above);
+      above = above_next;
+      below = below_next;
+      if (area < 1e-9) continue;
+      total += area;
+      const size_t cell = size_t(y.first + j) * size_t(field.columns) + size_t(x.first + i);
+      add_bilinear(field.views[cell], between(x.places[size_t(i)], field.plane.nx), row, float(area), sum);
+    }
+  }
+  return total;
+}
+
+void check_light_field(const LightField& field) {
+  check_grid(field.panel);
+  check_grid(field.plane);
+  require(field.columns >= 1 && field.rows >= 1 && field.views.size() == size_t(field.columns) * size_t(field.rows),
+          "expected a light field with a picture for each of its {} x {} cells, got {}", field.columns, field.rows,
+          field.views.size());
+  check_range(field.distance, range::positive, Quantity::length, " for the plane of the light field");
+  const int channels = field.views.front().channels;
+  for (const Image& view : field.views)
+    require(view.nx == field.plane.nx && view.ny == field.plane.ny && view.channels == channels &&
+                (channels == 1 || channels == 3) &&
+                view.values.size() == size_t(field.plane.pixels()) * size_t(channels),
+            "expected pictures of {} x {} pixels and 1 or 3 channels in the light field, got {} x {} and {}",
+            field.plane.nx, field.plane.ny, view.nx, view.ny, view.channels);
+}
+
+Image make_image(const Grid& grid, int channels) {
+  Image image(grid.ny, grid.nx, channels);
+  image.pitch = grid.pitch;
+  image.centre_x = grid.centre_x;
+  image.centre_y = grid.centre_y;
+  return image;
+}
+
+}  // namespace
+
+PupilPicture picture_through(const LightField& light_field, double wavelength, const Grid& grid, double distance,
+                             const Pupil& pupil) {
+  check_light_field(light_field);
+  check_wavelength(wavelength);
+  check_grid(grid);
+  check_range(distance, range::positive, Quantity::length, " for the plane of the picture");
+  check_range(pupil.diameter, range::positive, Quantity::length, " for the pupil's diameter");
+  check_range(pupil.centre.z, range::positive, Quantity::length, " for the pupil's distance from the panel");
+  require(is_finite(pupil.centre), "expected a pupil at a finite place, got one that is not");
+
+  const double share = distance / (distance + pupil.centre.z);
+  const Geometry geometry{distance, light_field.distance, share, pupil.diameter / 2 * share,
+                          box_radius(distance, wavelength, light_field.panel.pitch)};
+  const Grid& view = light_field.plane;
+  const Axis across{light_field.left(), light_field.cell_width(), light_field.columns, view.x(0), view.pitch,
+                    pupil.centre.x};
+  const Axis down{-light_field.top(), light_field.cell_height(), light_field.rows, -view.y(0), view.pitch,
+                  -pupil.centre.y};
+  std::vector<AxisCells> columns;
+  for (int column = 0; column < grid.nx; ++column) columns.push_back(touched_cells(across, geometry, grid.x(column)));
+
+  const int channels = light_field.views.front().channels;
+  PupilPicture picture{make_image(grid, channels), make_image(grid, 1)};
+  parallel_for(0, grid.ny, [&](int64_t row) {
+    const AxisCells rows = touched_cells(down, geometry, -grid.y(double(row)));
+    if (rows.count == 0) return;
+    for (int column = 0; column < grid.nx; ++column) {
+      const AxisCells& cells = columns[size_t(column)];
+      if (cells.count == 0) continue;
+      std::array<float, 3> sum{};
+      const double area = add_cells(light_field, cells, rows, sum.data());
+      if (!(area > 0)) continue;
+      picture.open(int(row), column) = float(std::min(1.0, area / pi));
+      for (int c = 0; c < channels; ++c) picture.radiance(int(row), column, c) = sum[size_t(c)] / float(area);
+    }
+  });
+  return picture;
+}
+
+}  // namespace holotrace
