@@ -255,6 +255,8 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
   std::vector<Turns> turns;
   for (const auto& colour : colours)
     turns.emplace_back(colour->ways.size(), params.planes_per_update, uint64_t(params.seed));
+  if (iterations > 0)
+    for (const auto& colour : colours) colour->judge(levels);  // planes count from the start, before their first turn
   std::vector<double> convergence;
   for (int iteration = 0; iteration < iterations; ++iteration) {
     for (Array2D<float>& slope : slopes) std::fill(slope.values.begin(), slope.values.end(), 0.0F);
