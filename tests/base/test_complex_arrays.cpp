@@ -48,11 +48,33 @@ TYPED_TEST(ComplexArrays, MultiplyAndAddNumberByNumber) {
     }
 }
 
+TYPED_TEST(ComplexArrays, MultiplyAndAddConjugates) {
+  for (const size_t count : {0, 1, 3, 8, 21, 64})
+    for (const size_t offset : {0, 1}) {
+      const auto a = noise<TypeParam>(count + offset, 1), b = noise<TypeParam>(count + offset, 2);
+      auto product = noise<TypeParam>(count + offset + 1, 3), sum = product;
+      const auto before = product;
+      multiply_conjugate(product.data() + offset, a.data() + offset, b.data() + offset, count);
+      multiply_conjugate_add(sum.data() + offset, a.data() + offset, b.data() + offset, count);
+      for (size_t i = offset; i < count + offset; ++i) {
+        this->expect_near(product[i], a[i] * std::conj(b[i]));
+        this->expect_near(sum[i], before[i] + a[i] * std::conj(b[i]));
+      }
+      EXPECT_EQ(product.back(), before.back());  // nothing is written past the end
+      EXPECT_EQ(sum.back(), before.back());
+    }
+}
+
 TYPED_TEST(ComplexArrays, MultiplyInPlace) {
   const auto a = noise<TypeParam>(37, 4), b = noise<TypeParam>(37, 5);
   auto product = a;
   multiply(product.data(), product.data(), b.data(), a.size());
-  for (size_t i = 0; i < a.size(); ++i) this->expect_near(product[i], a[i] * b[i]);
+  auto conjugate = a;
+  multiply_conjugate(conjugate.data(), conjugate.data(), b.data(), a.size());
+  for (size_t i = 0; i < a.size(); ++i) {
+    this->expect_near(product[i], a[i] * b[i]);
+    this->expect_near(conjugate[i], a[i] * std::conj(b[i]));
+  }
 }
 
 TYPED_TEST(ComplexArrays, MultiplyRowsByTheirFactors) {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cmath>
+#include <complex>
 #include <vector>
 
 #include "holotrace/estimate/test_picture.h"
 #include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/encode/iterate/target_sums.h"
 #include "holotrace/slm/encode/target.h"
 #include "support/panels.h"
 
@@ -18,6 +21,21 @@ inline Field random_field(const Grid& grid, uint64_t seed) {
     u = std::complex<float>(std::polar(modulus, 2 * pi * random.uniform()));
   }
   return field;
+}
+
+/// ⟨a, b⟩ = Σ conj(a)·b over all samples.
+inline std::complex<double> inner(const Field& a, const Field& b) {
+  std::complex<double> sum = 0;
+  for (size_t i = 0; i < a.samples.size(); ++i)
+    sum += std::conj(std::complex<double>(a.samples.values[i])) * std::complex<double>(b.samples.values[i]);
+  return sum;
+}
+
+/// √Σ|v|² of a pixel's samples: the amplitude that a target asks for, shape (ny, nx).
+inline Array2D<float> amplitude_of(const std::vector<Field>& samples, const Grid& pixels) {
+  Array2D<float> amplitude = power_of(samples, pixels);
+  for (float& a : amplitude.values) a = std::sqrt(a);
+  return amplitude;
 }
 
 /// The targets that a natural picture gives on a panel.

@@ -89,10 +89,10 @@ TEST(DoublePhase, SaysWhatIsWrong) {
   const Slm slm = make_panel(8, 8);
   const Field field = random_field(slm.grid, 1);
   for (const Encoding method : {Encoding::double_phase, Encoding::error_diffusion})
-    EXPECT_EQ(error_of([&] { encode(field, slm, {.method = method, .stop = 0}); }),
-              "expected a number above 0, up to 1 for \"stop\", got 0");
+    EXPECT_EQ(error_of([&] { encode(field, slm, {.method = method, .stop = -0.1}); }),
+              "expected a number from 0 to 1 for \"stop\", got -0.1");
   EXPECT_EQ(error_of([&] { encode(field, slm, {.method = Encoding::double_phase, .stop = 1.1}); }),
-            "expected a number above 0, up to 1 for \"stop\", got 1.1");
+            "expected a number from 0 to 1 for \"stop\", got 1.1");
   EXPECT_EQ(error_of([&] { encode(field, slm, {.method = Encoding::complex}); }),
             "expected an encoding for a panel that modulates only phase or only amplitude, as \"test\" is, got "
             "\"complex\"; use \"double-phase\" or \"off-axis\", or a panel whose modulation is complex");

@@ -23,12 +23,13 @@ double psnr_of(Slm slm, EncodeParams params, const std::vector<std::string>& eff
 Slm panel() { return make_panel(256, 192); }
 
 TEST(Quality, AComplexPanelShowsThePictureToItsLevels) {
+  // 8 bits of modulus and phase, of a field that is rarely near its maximum: 41 dB measured. The picture is the light
+  // over the pixels; that at their middles differs from it by its finest detail.
   Slm slm = panel();
   slm.modulation = Modulation::complex;
-  // At the pixels' middles: 8 bits of a field that is rarely near its maximum. The picture is given at the middles, so
-  // even the exact field differs from it over pixel areas, which average the finest detail: 33.9 dB measured.
-  EXPECT_GT(psnr_of(slm, {.method = Encoding::complex}, {}, PixelSampling::point), 40);
-  EXPECT_GT(psnr_of(slm, {.method = Encoding::complex}), 32);
+  const double integrated = psnr_of(slm, {.method = Encoding::complex});
+  EXPECT_GT(integrated, 39);
+  EXPECT_LT(psnr_of(slm, {.method = Encoding::complex}, {}, PixelSampling::point), integrated - 3);
 }
 
 TEST(Quality, DoublePhaseAndErrorDiffusionKeepTheModulus) {
@@ -39,17 +40,12 @@ TEST(Quality, DoublePhaseAndErrorDiffusionKeepTheModulus) {
 }
 
 TEST(Quality, DescentIsTheBestOfPhasePanels) {
-  EncodeParams descent{.method = Encoding::sgd}, projections{.method = Encoding::gerchberg_saxton};
+  EncodeParams descent{.method = Encoding::sgd};
   descent.iterations = 60;
-  // At the pixels' middles, where both iterations evaluate it: double-phase reaches 26 dB and more in full HD, full
-  // runs of descent reach 35 and more there.
-  const double at_middles = psnr_of(panel(), descent, {}, PixelSampling::point);
-  EXPECT_GT(at_middles, 28);
-  EXPECT_GT(at_middles, psnr_of(panel(), projections, {}, PixelSampling::point) + 3);
-  // Over the pixels' area both are worse, because of errors between the middles: 26.5 dB and 25.0 dB measured.
   const double integrated = psnr_of(panel(), descent);
-  EXPECT_GT(integrated, 25.5);
-  EXPECT_GT(integrated, psnr_of(panel(), projections) + 1);
+  EXPECT_GT(integrated, 34);  // 35.5 measured; 26.4 and 24.2 for the others
+  for (const Encoding method : {Encoding::gerchberg_saxton, Encoding::double_phase})
+    EXPECT_GT(integrated, psnr_of(panel(), {.method = method}) + 6);  // a quarter of their error
 }
 
 TEST(Quality, DescentThatKnowsThePanelIsBetterByThreeDecibels) {
@@ -67,17 +63,22 @@ TEST(Quality, DescentThatKnowsThePanelIsBetterByThreeDecibels) {
   EXPECT_GT(psnr_of(slm, params, {"all"}), unknown + 3);  // as for the full-size figures
 }
 
-// A random start leaves phase vortices: dark points between the pixels' middles, which the iteration does not see. The
-// picture is right at the middles and has speckle between them, so pixels that integrate over their area show it worse.
-TEST(Quality, VorticesBetweenThePixelsMeasureWorseThanTheirMiddles) {
+// A random start leaves phase vortices: dark points between the pixels' middles. The iterations count the light over
+// the pixels, so they see them. encoder_quality integrates in another way, through the virtual SLM; it may differ by the
+// finest detail, for which four samples weigh cos(πfp/2) instead of sinc(fp) (target_propagation.h). Counted at the
+// middles alone, the same picture is far worse.
+TEST(Quality, IterationsCountTheLightOverThePixels) {
   EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.01}};
   params.target_columns = 208;
   params.target_rows = 152;
   params.start = StartPhase::random;
   const std::vector<TargetPlane> targets = picture_targets(panel(), params);
-  const Hologram h = encode_targets(targets, field_of_target(targets[0], panel(), params), panel(), params);
-  const double points = encoder_quality(targets[0], h, panel(), {}, PixelSampling::point).psnr;
-  EXPECT_LT(encoder_quality(targets[0], h, panel()).psnr, points - 3);
+  Heard heard;
+  const Hologram h =
+      encode_targets(targets, field_of_target(targets[0], panel(), params), panel(), params, heard.observer());
+  const double integrated = encoder_quality(targets[0], h, panel()).psnr;
+  EXPECT_NEAR(heard.number("psnr_db"), integrated, 0.5);
+  EXPECT_LT(encoder_quality(targets[0], h, panel(), {}, PixelSampling::point).psnr, integrated - 5);
 }
 
 }  // namespace

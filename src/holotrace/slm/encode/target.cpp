@@ -115,7 +115,7 @@ std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& pane
 
 Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   const TargetPropagation propagation(slm, target.wavelength, target.z,
-                                      {.samples = PixelSamples::diagonal, .stop = stop_width(params)});
+                                      {.samples = PixelSamples::four, .stop = stop_width(params)});
   const double power = target_power(target);
   const int wanted = params.iterations > 0 ? params.iterations : target_field_iterations;
   const int steps = aims_at_targets(params.method) || power == 0 ? 0 : wanted;

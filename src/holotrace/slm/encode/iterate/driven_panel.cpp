@@ -35,7 +35,8 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
   const PixelResponse response(slm, hologram.modulation, hologram.levels, design / wavelength, 0);
   has_two_levels_ = hologram.levels == 2;
   turn_ = has_two_levels_ ? 0 : drive_of_turn(response, hologram.levels);
-  levels_per_radian_ = hologram.levels / (2 * pi * (response.cycles_at(hologram.levels) - response.cycles_at(0)));
+  const double cycles = response.cycles_at(hologram.levels) - response.cycles_at(0);
+  levels_per_radian_ = response.has_phase() ? hologram.levels / (2 * pi * cycles) : hologram.levels - 1.0;
   if (effects_of(slm).empty() && hologram.modulation == Modulation::phase && subpixels == 1) return;
   IlluminationState state;
   state.wavelength = wavelength;

@@ -28,7 +28,8 @@ class DrivenPanel {
   /// Levels in a whole turn of phase; 0 if the levels do not cover a turn, or are only two.
   double turn() const { return turn_; }
 
-  /// Mean number of levels per radian of phase.
+  /// Mean number of levels that change the light by its own modulus: per radian of phase, or for an amplitude panel from
+  /// dark to bright.
   double levels_per_radian() const { return levels_per_radian_; }
 
   /// Writes the light that leaves the panel to `u`.

@@ -45,7 +45,7 @@ Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, A
   propagations.reserve(targets.size());
   for (const TargetPlane& target : targets)
     propagations.emplace_back(slm, wavelength, target.z,
-                              TargetOptics{.samples = PixelSamples::diagonal, .stop = stop_width(params)});
+                              TargetOptics{.samples = PixelSamples::four, .stop = stop_width(params)});
 
   Field u(slm.grid, wavelength);
   u.samples = std::move(start);

@@ -49,13 +49,12 @@ class Colour {
   }
 
   TargetWay way_to(const TargetPlane& target) const {
-    return {&target,
-            TargetPropagation(slm_, wavelength, target.z,
-                              {.aperture = panel.aperture(),
-                               .samples = params_.subpixels == 1 ? PixelSamples::diagonal : PixelSamples::middle,
-                               .subpixels = params_.subpixels,
-                               .stop = stop_width(params_),
-                               .pupil = target.pupil})};
+    return {&target, TargetPropagation(slm_, wavelength, target.z,
+                                       {.aperture = panel.aperture(),
+                                        .samples = params_.subpixels == 1 ? PixelSamples::four : PixelSamples::middle,
+                                        .subpixels = params_.subpixels,
+                                        .stop = stop_width(params_),
+                                        .pupil = target.pupil})};
   }
 
   // Light of all frames on the panel.
@@ -276,6 +275,8 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
   std::vector<Turns> turns;
   for (const auto& colour : colours)
     turns.emplace_back(colour->ways.size(), params.planes_per_update, uint64_t(params.seed));
+  if (iterations > 0)
+    for (const auto& colour : colours) colour->judge(levels);  // planes count from the start, before their first turn
   std::vector<double> convergence;
   for (int iteration = 0; iteration < iterations; ++iteration) {
     for (Array2D<float>& slope : slopes) std::fill(slope.values.begin(), slope.values.end(), 0.0F);

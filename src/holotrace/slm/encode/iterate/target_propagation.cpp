@@ -62,7 +62,8 @@ TargetPropagation::TargetPropagation(const Slm& slm, double wavelength, double z
     return [=](double f) {
       const double in_pixels = f * optics.subpixels;
       const double dimmed = optics.aperture == PixelAperture::included ? aperture_spectrum(in_pixels, lit) : 1;
-      return in_pixels <= optics.stop / 2 * (1 + 1e-9) ? scale * dimmed : 0;
+      const bool is_inside = optics.stop >= 1 || in_pixels <= optics.stop / 2 * (1 + 1e-9);
+      return is_inside ? scale * dimmed : 0;
     };
   };
   Propagator<float>* first = &there_;

@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "support/descent.h"
+
+// The gradient of gradient_descent.h, as support/descent.h puts it together, against differences of its loss.
+
+namespace holotrace {
+namespace {
+
+struct Case {
+  std::string name;
+  Slm slm;
+  EncodeParams params{};
+  Modulation modulation = Modulation::phase;
+  std::vector<double> planes{-0.004};
+  std::vector<Pupil> pupils{};  // of further targets, behind the panel as the first
+  bool has_two_colours = false;
+};
+
+std::vector<Case> cases() {
+  const Slm plain = make_panel(64, 40, 256, 0.9);
+  Slm uneven = plain, amplitude = plain, calibrated = plain;
+  uneven.effects.crosstalk = 0.25;
+  uneven.effects.gap_amplitude = 0.5;
+  uneven.effects.aberration = {{2, 0, 0.4}};
+  amplitude.modulation = Modulation::amplitude;
+  for (int level = 0; level < 256; ++level)
+    calibrated.effects.calibration.push_back({2 * pi * level / 256.0 * (0.9 + level / 2560.0), 1 - level / 1024.0});
+  const EncodeParams stop{.stop = 0.5}, finer{.subpixels = 3}, both{.stop = 0.5, .subpixels = 3};
+  const std::vector<Pupil> pupils{{{0, 0, 0.004}, 1.7e-4}, {{6e-5, -5e-5, 0.006}, 2.3e-4}};
+  return {{"plain", plain},
+          {"planes", plain, {}, Modulation::phase, {-0.004, 0.003, -0.0045}},
+          {"colours", plain, {}, Modulation::phase, {-0.004}, {}, true},
+          {"effects", uneven},
+          {"effects, colours", uneven, {}, Modulation::phase, {-0.004}, {}, true},
+          {"calibration", calibrated},
+          {"stop", plain, stop},
+          {"subpixels", plain, finer},
+          {"subpixels, effects, stop", uneven, both},
+          {"pupils", plain, {}, Modulation::phase, {-0.004}, pupils},
+          {"pupils, effects, stop", uneven, stop, Modulation::phase, {-0.004}, pupils},
+          {"pupils, subpixels", plain, finer, Modulation::phase, {-0.004}, pupils},
+          {"amplitude", amplitude, {}, Modulation::amplitude},
+          {"amplitude, effects", uneven, finer, Modulation::amplitude, {-0.004}, pupils}};
+}
+
+TEST(Gradient, IsThatOfFiniteDifferences) {
+  // Central differences along the gradient: the error is of third order in the step; 1 % covers it and the floats.
+  for (const Case& c : cases())
+    for (const int frames : {1, 3}) {
+      const EncodeParams picture{.target_distances = {0.004}, .target_columns = 40, .target_rows = 24};
+      TargetPlane target = picture_targets(c.slm, picture).front();
+      std::vector<TargetPlane> targets;
+      for (const double z : c.planes) {
+        target.z = z;
+        targets.push_back(target);
+      }
+      for (const Pupil& pupil : c.pupils) {
+        target.pupil = pupil;
+        targets.push_back(target);
+      }
+      if (c.has_two_colours) targets.push_back(picture_targets(c.slm, picture, 633e-9).front());
+      const Descent descent{targets, c.slm, c.params, make_hologram(c.slm, c.modulation, [](int) { return 0; })};
+      std::vector<Array2D<float>> drives, slopes;
+      CounterRandom random(5, 0, 0);
+      for (int m = 0; m < frames; ++m) {
+        drives.emplace_back(40, 64);
+        for (float& level : drives.back().values) level = float(20.3 + 200 * random.uniform());
+      }
+      descent.loss(drives, &slopes);
+      double square = 0, most = 0;
+      for (const Array2D<float>& slope : slopes)
+        for (const float d : slope.values) {
+          square += double(d) * d;
+          most = std::max(most, std::abs(double(d)));
+        }
+      const double h = 2 / most;  // the largest change is 2 levels, 0.05 rad
+      const auto at = [&](double step) {
+        std::vector<Array2D<float>> moved = drives;
+        for (size_t m = 0; m < moved.size(); ++m)
+          for (size_t i = 0; i < moved[m].size(); ++i) moved[m].values[i] += float(step * double(slopes[m].values[i]));
+        return descent.loss(moved, nullptr);
+      };
+      EXPECT_NEAR((at(h) - at(-h)) / (2 * h) / square, 1, 0.01) << c.name << ", frames: " << frames;
+    }
+}
+
+// Of two levels, 0 and π, the light of a pixel can only jump by Δu = u₁ − u₀ along a straight line. Halfway on the circle
+// the light moves along that line, π/2 times as fast as on it: slope = π/2·Re⟨g, Δu⟩, whatever the level is.
+TEST(Gradient, OfTwoLevelsIsThatAlongTheLineBetweenThem) {
+  Slm with_gaps = make_panel(48, 32, 2, 0.9);
+  with_gaps.effects.gap_amplitude = 0.5;
+  with_gaps.effects.aberration = {{2, 0, 0.4}};
+  for (const Slm& slm : {make_panel(48, 32, 2), with_gaps})
+    for (const int subpixels : {1, 3}) {
+      const DrivenPanel panel(slm, make_hologram(slm, Modulation::phase, [](int) { return 0; }), test_wavelength,
+                              subpixels);
+      const Grid grid{48 * subpixels, 32 * subpixels, test_pitch / subpixels};
+      Array2D<float> drive(32, 48), slope(32, 48);
+      CounterRandom random(5, 0, 0);
+      for (float& level : drive.values) level = float(random.uniform() < 0.5);
+      Field u(grid, test_wavelength), flipped(grid, test_wavelength);
+      const Field g = random_field(grid, 2);
+      panel.leave(drive, u);
+      panel.add_slope(drive, u, g, 1, slope);
+      Array2D<float> other = drive;  // some pixels show the other level
+      double expected = 0, square = 0;
+      for (size_t i = 0; i < other.size(); ++i) {
+        square += double(slope.values[i]) * slope.values[i];
+        if (random.uniform() < 0.7) continue;
+        other.values[i] = 1 - drive.values[i];
+        expected += double(other.values[i] - drive.values[i]) * slope.values[i];
+      }
+      panel.leave(other, flipped);
+      const double change = inner(g, flipped).real() - inner(g, u).real();
+      EXPECT_NEAR(pi / 2 * change, expected, 1e-4 * std::sqrt(square)) << subpixels;  // float sums
+      EXPECT_GT(std::abs(expected), std::sqrt(square) / 100) << subpixels;            // else it proves nothing
+    }
+}
+
+}  // namespace
+}  // namespace holotrace
