@@ -14,7 +14,7 @@ namespace holotrace {
 
 struct Console::Bar {
   using Clock = std::chrono::steady_clock;
-  std::string stage;
+  std::string stage, status;
   std::mutex mutex;
   Clock::time_point start = Clock::now(), drawn{};
   double fraction = 0;
@@ -26,10 +26,15 @@ struct Console::Bar {
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     const std::string bar = std::string(size_t(full), '#') + std::string(size_t(width - full), '.');
     const std::optional<double> left = time_left.estimate(seconds, fraction);
-    fmt::print(stderr, "\r\033[K{:<16} [{}] {:3.0f} %  {}{}", stage, bar, 100 * fraction, format_duration(seconds),
-               left ? ", " + format_duration(*left) + " left" : std::string());
+    fmt::print(stderr, "\r\033[K{:<16} [{}] {:3.0f} %  {}{}{}", stage, bar, 100 * fraction, format_duration(seconds),
+               left ? ", " + format_duration(*left) + " left" : std::string(), status.empty() ? status : ", " + status);
     std::fflush(stderr);
     drawn = Clock::now();
+  }
+
+  void tell(const std::string& text) {
+    const std::lock_guard lock(mutex);
+    status = text;
   }
 
   void update(double value) {
@@ -52,6 +57,7 @@ Observer Console::watch(const std::string& stage) {
     bar_->stage = stage;
     bar_->draw();
     observer.on_progress = [bar = bar_](double fraction) { bar->update(fraction); };
+    observer.on_status = [bar = bar_](const std::string& text) { bar->tell(text); };
   }
   return observer;
 }

@@ -1,5 +1,6 @@
 // holotrace encode: converts fields, or a target picture, to the levels of an SLM.
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "flags.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
@@ -15,6 +17,7 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/run/convergence.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/run/stage.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
@@ -35,7 +38,7 @@ bool is_picture(const std::string& path) {
 // Inputs of the holograms: a list of targets for each, and the field at the panel for each.
 struct Wanted {
   std::vector<std::vector<TargetPlane>> targets;
-  std::vector<Field> fields;
+  std::vector<Field> fields;  // none for a focal stack
 };
 
 Wanted wanted_of_picture(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
@@ -67,34 +70,62 @@ Wanted wanted_of_fields(const std::string& path, const std::vector<Field>& field
   return wanted;
 }
 
+Wanted wanted_of_stack(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
+                       const EncodeParams& params) {
+  require(!wavelengths.empty(), "{} is a focal stack and has no wavelength; give --wavelength", path);
+  require(params.method == Encoding::sgd, "expected --method sgd for the focal stack {}; give it, or encode a field",
+          path);
+  require(params.target_distances.empty(),
+          "expected --target-distances only with a field or a picture; the focal stack {} has its own; leave it out",
+          path);
+  const FocalStack stack = load_focal_stack(path);
+  Wanted wanted;
+  for (const double wavelength : wavelengths)
+    wanted.targets.push_back(targets_of_stack(stack, slm.grid, wavelength, params.image));
+  return wanted;
+}
+
 // Makes one hologram for all wavelengths.
 void join(Wanted& wanted) {
   for (size_t i = 1; i < wanted.targets.size(); ++i)
     wanted.targets[0].insert(wanted.targets[0].end(), wanted.targets[i].begin(), wanted.targets[i].end());
   wanted.targets.resize(1);
-  wanted.fields.resize(1);
+  if (!wanted.fields.empty()) wanted.fields.resize(1);
 }
 
 }  // namespace
 
 void add_encode_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("encode", "hologram (levels of an SLM) from a field or a picture");
+  CLI::App* command =
+      app.add_subcommand("encode", "hologram (levels of an SLM) from a field, a picture or a focal stack");
   struct Options {
     std::string input, output, slm, wavelength, report, plot;
+    int frames = 1;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("field", o->input, "field file, or target picture for the planes at --target-distances")
-      ->required()
-      ->type_name("FIELD|PICTURE");
-  add_output(*command, o->output,
-             "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json; in colour: NAME, NAME_2, …");
   command
-      ->add_option("--slm", o->slm,
-                   "panel: preset name, or a file with [slm] [256 levels on the field's grid; pictures: pluto]")
+      ->add_option("field", o->input,
+                   "field file; target picture for the planes at --target-distances; or focal stack (.h5, as render "
+                   "--focal-stack writes it)")
+      ->required()
+      ->type_name("FIELD|PICTURE|STACK");
+  add_output(
+      *command, o->output,
+      "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json; several frames or colours: NAME, NAME_2, …");
+  command
+      ->add_option(
+          "--slm", o->slm,
+          "panel: preset name, or a file with [slm] [256 levels on the field's grid; pictures and focal stacks: pluto]")
       ->type_name("NAME|SCENE.toml");
-  command->add_option("--wavelength", o->wavelength, "wavelength of a target picture; several for colour")
+  command
+      ->add_option("--wavelength", o->wavelength, "wavelength of a target picture or focal stack; several for colour")
       ->type_name("LENGTHS");
+  command
+      ->add_option("--frames", o->frames,
+                   "focal stacks: number of holograms that are shown one after the other, found together so that their "
+                   "mean light is the stack's [1]")
+      ->type_name("N");
   command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
       ->type_name("FILE.json");
   command->add_option("--plot", o->plot, "iterations: chart of the error after each iteration")
@@ -109,12 +140,16 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     require(o->plot.empty() || aims_at_targets(params.method),
             "expected --plot with a method that iterates, gerchberg-saxton, weighted-gerchberg-saxton or sgd; "
             "leave it out, or use one of these");
-    const bool is_field = !is_picture(o->input);
+    const bool is_stack = is_focal_stack_file(o->input), is_field = !is_stack && !is_picture(o->input);
+    check_flag("--frames", o->frames, range::at_least(1), Quantity::count);
+    require(o->frames == 1 || is_stack, "expected --frames only with a focal stack, got {}; leave it out", o->input);
     std::vector<Field> fields;
     if (is_field) fields = load_fields(o->input);
-    require(!is_field || o->wavelength.empty(),
-            "expected --wavelength only with a picture; {} is a field and has its own wavelength; leave it out",
-            o->input);
+    require(
+        !is_field || o->wavelength.empty(),
+        "expected --wavelength only with a picture or a focal stack; {} is a field and has its own wavelength; leave it "
+        "out",
+        o->input);
     Slm slm;
     if (!o->slm.empty()) {
       slm = slm_by_name(o->slm);
@@ -129,25 +164,34 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     std::vector<double> wavelengths;
     if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
     Console console(global.is_quiet);
-    Wanted wanted = is_field ? wanted_of_fields(o->input, fields, params)
-                             : wanted_of_picture(o->input, slm, wavelengths, params, console);
+    Wanted wanted = is_field   ? wanted_of_fields(o->input, fields, params)
+                    : is_stack ? wanted_of_stack(o->input, slm, wavelengths, params)
+                               : wanted_of_picture(o->input, slm, wavelengths, params, console);
     if (params.is_joint) {
       require(params.method == Encoding::sgd, "expected --joint only with --method sgd; use sgd, or leave out --joint");
       join(wanted);
     }
     Report report;
     report.seed = params.seed;
-    for (size_t i = 0; i < wanted.fields.size(); ++i) {
-      const std::string stage =
-          wanted.fields.size() == 1 ? "encode" : "encode " + format_length(wanted.fields[i].wavelength);
-      Hologram hologram = run_stage(stage, report, console.stages(), [&](const Observer& observer) {
-        return aims_at_targets(params.method)
-                   ? encode_targets(wanted.targets[i], wanted.fields[i], slm, params, observer)
-                   : encode(wanted.fields[i], slm, params, observer);
+    const size_t colours = std::max(wanted.targets.size(), wanted.fields.size());
+    std::vector<std::vector<Hologram>> frames(colours);
+    for (size_t i = 0; i < colours; ++i) {
+      const double wavelength = wanted.fields.empty() ? wavelengths[i] : wanted.fields[i].wavelength;
+      const std::string stage = colours == 1 ? "encode" : "encode " + format_length(wavelength);
+      frames[i] = run_stage(stage, report, console.stages(), [&](const Observer& observer) {
+        if (is_stack) return encode_frames({wanted.targets[i]}, wavelength, o->frames, slm, params, observer);
+        return std::vector<Hologram>{aims_at_targets(params.method)
+                                         ? encode_targets(wanted.targets[i], wanted.fields[i], slm, params, observer)
+                                         : encode(wanted.fields[i], slm, params, observer)};
       });
-      if (is_field && o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
-      save_hologram(numbered_path(o->output, i), hologram);
     }
+    size_t number = 0;
+    for (int frame = 0; frame < o->frames; ++frame)
+      for (std::vector<Hologram>& of_colour : frames) {
+        Hologram& hologram = of_colour[size_t(frame)];
+        if (is_field && o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
+        save_hologram(numbered_path(o->output, number++), hologram);
+      }
     console.finish();
     if (!o->report.empty()) save_report(o->report, report);
     if (!o->plot.empty()) save_chart(o->plot, convergence_chart(report));

@@ -83,7 +83,14 @@ class Flags {
   /// Adds a flag per field of `defaults`, except the fields in `without`. `group` is their heading in the help text.
   template <class Params>
   void add(CLI::App& app, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "") {
-    Adder adder{app, texts_, without, group};
+    Adder adder{app, texts_, without, false, group};
+    describe(adder, defaults);
+  }
+
+  /// Adds a flag for each of the named fields of `defaults`.
+  template <class Params>
+  void add_only(CLI::App& app, Params defaults, const std::set<std::string>& names, const std::string& group = "") {
+    Adder adder{app, texts_, names, true, group};
     describe(adder, defaults);
   }
 
@@ -103,11 +110,12 @@ class Flags {
   struct Adder {
     CLI::App& app;
     Texts& given;
-    const std::set<std::string>& without;
+    const std::set<std::string>& names;
+    bool is_only;  // fields that are named, or all others
     const std::string& group;
 
     void add(const std::string& name, const std::string& help, const std::string& shown, const std::string& kind) {
-      if (without.count(name)) return;
+      if ((names.count(name) > 0) != is_only) return;
       const std::string other = name == "distances" ? ",--distances" : "";
       const auto keep = [&given = given, name](const std::string& text) { given[name] = text; };
       CLI::Option* option =

@@ -24,6 +24,7 @@
 #include "holotrace/run/convergence.h"
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
+#include "holotrace/run/quality.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
@@ -70,7 +71,8 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     std::string scene, folder, wavelengths, eye_separation;
     std::optional<int64_t> seed;
     bool is_estimated = false;
-    Flags flags, trace_flags, synthesize_flags;  // separate sets, because some names (samples, rows, …) occur twice
+    Flags flags, encode_flags, trace_flags,
+        synthesize_flags;  // separate sets, because some names (samples, rows, …) occur twice
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
@@ -90,11 +92,14 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
                    "distance between two eyes along x: stereo pairs of render and view [the scene's]")
       ->type_name("LENGTH");
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
+  o->encode_flags.add_only(*command, EncodeParams(), {"quality", "target", "planes", "iterations"},
+                           "Encoding (overrides the scene's [encode])");
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
   o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
   command->callback([o, &global] {
     Job job = load_job(o->scene);
     o->flags.apply(job.camera);
+    o->encode_flags.apply(job.encode);
     o->trace_flags.apply(job.trace);
     if (o->trace_flags.has("accelerator")) job.render.accelerator = job.trace.accelerator;
     o->synthesize_flags.apply(job.synthesize);
@@ -103,6 +108,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
       job.render.eye_separation = parse_length_flag("--eye-separation", o->eye_separation, range::not_negative);
     if (o->seed) check_flag("--seed", double(*o->seed), range::not_negative, Quantity::count);
     if (o->seed) job.trace.seed = job.render.seed = *o->seed;
+    job = with_quality(job);
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
     check_job(job);  // before a folder is made in vain
     make_folder(o->folder);

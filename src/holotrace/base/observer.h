@@ -20,6 +20,7 @@ struct Observer {
   std::function<void(const std::string& sentence)> on_warning;              ///< a doubt about the result
   std::function<void(const std::string& name, const std::vector<double>& values)>
       on_curve{};  ///< values per iteration, from iteration 0
+  std::function<void(const std::string& text)> on_status{};  ///< how far the result is, for a progress bar: "loss -28 dB"
 
   void progress(double fraction) const {
     if (on_progress) on_progress(fraction);
@@ -34,6 +35,9 @@ struct Observer {
   }
   void curve(const std::string& name, const std::vector<double>& values) const {
     if (on_curve) on_curve(name, values);
+  }
+  void status(const std::string& text) const {
+    if (on_status) on_status(text);
   }
   void warn(const std::string& sentence) const {
     if (on_warning) on_warning(sentence);

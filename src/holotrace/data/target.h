@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "holotrace/base/array.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/data/pupil.h"
 
 namespace holotrace {
@@ -18,12 +19,21 @@ struct TargetPlane {
   std::optional<Pupil> pupil{};  ///< the plane is seen through this pupil only; none: all light that leaves the panel
 };
 
+/// What eyes should see through several pupils, all at one distance from the panel and focused on one plane. The
+/// pupils do not overlap.
+struct ViewTargets {
+  double z = 0;           ///< z of the plane in focus [m]
+  double wavelength = 0;  ///< [m]
+  Grid picture;           ///< samples of every picture, in that plane; coarser than the panel's
+  std::vector<Pupil> pupils;
+  std::vector<Array2D<float>> amplitudes;  ///< modulus ≥ 0 of each picture, shape of `picture`, scaled as the planes'
+};
+
 /// Targets of an optimisation.
 struct TargetSet {
   std::vector<TargetPlane> planes;  ///< all target planes, of one or several wavelengths
-  /// The plane that a viewer sees through a pupil, drawn anew for each update, for one of the wavelengths; its scale
-  /// is that of the planes. Empty: updates use the planes only.
-  std::function<TargetPlane(int update, double wavelength)> draw_view{};
+  /// Views drawn anew for an update, for one of the wavelengths. Empty: updates use the planes only.
+  std::function<ViewTargets(int update, double wavelength)> draw_views{};
 };
 
 }  // namespace holotrace

@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/run/quality.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/run/repeated_stages.h"
 #include "holotrace/run/scene_targets.h"
@@ -171,7 +172,8 @@ Image reference_of(const Job& job, const std::optional<SceneTargets>& targets, c
 
 }  // namespace
 
-Boxes run(const Job& job, const StageObserver& watch) {
+Boxes run(const Job& given, const StageObserver& watch) {
+  const Job job = with_quality(given);
   Boxes b;
   b.report.seed = job.trace.seed;
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };

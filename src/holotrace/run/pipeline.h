@@ -43,9 +43,14 @@ struct Boxes {
 /// set without waves, such as green light of a red scene, is dark. Iterative encoders use the camera's distances if the
 /// job names none for them.
 ///
+/// Holograms that aim at the scene's light (encode.target render or light-field) are found together, all frames of a
+/// wavelength at once, from a focal stack (scene_targets.h) instead of waves: the run then has the stages "focal stack"
+/// and "encode" in place of "render", "trace" and "synthesize", no sources and no fields, and `renders` are the stack's
+/// pictures in the planes that the camera looks at. The job's quality chooses the numbers that it does not give.
+///
 /// With several holograms or illumination states, the report has one entry per kind of stage: the seconds of
 /// all, the facts of the first (waves and waves_pixels are summed), and each warning once.
 /// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
-Boxes run(const Job& job, const StageObserver& watch = {});
+Boxes run(const Job& given, const StageObserver& watch = {});
 
 }  // namespace holotrace

@@ -8,6 +8,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/slm/encode/iterate/pupil_propagation.h"
 #include "holotrace/trace/depth_range.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/view/combine_views.h"
@@ -47,43 +48,58 @@ double place_of(double distance, ImageSide image) { return image == ImageSide::r
 
 double eye_distance(const Job& job) { return job.camera.eye.z > 0 ? job.camera.eye.z : 0.3; }
 
-// The pupil of an update: its diameter even between 2 and 4 mm, its place even in the eyebox. From |e| ≤ w/2·(1 + z/2d) at
-// least three quarters of the window at the distance d are seen through the panel of width w.
-Pupil draw_pupil(const Job& job, double distance, CounterRandom& random) {
-  const double z = eye_distance(job);
-  const double reach = box_radius(distance + z, shared_wavelength(job), job.slm.grid.pitch);
-  const auto even = [&](double side) {
-    return std::min(side / 2 * (1 + z / (2 * distance)), reach) * (2 * random.uniform() - 1);
-  };
-  Pupil pupil;
-  const double x = even(job.slm.grid.width()), y = even(job.slm.grid.height());
-  pupil.centre = {job.camera.eye.x + x, job.camera.eye.y + y, z};
-  pupil.diameter = 2e-3 + 2e-3 * random.uniform();
-  return pupil;
+// The light of the view through a pupil on some samples of the plane at a distance, relative to that of the planes.
+Image light_through(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance, double wavelength,
+                    const Grid& samples) {
+  require(targets.light_field.has_value(), "expected a light field for the view through a pupil, got none");
+  const PupilPicture seen = picture_through(*targets.light_field, shared_wavelength(job), samples, distance, pupil);
+  Image light = seen_at(seen.radiance, {wavelength});
+  const Grid& panel = job.slm.grid;
+  const double largest = largest_part(panel, box_radius(distance, shared_wavelength(job), panel.pitch));
+  const double to_pupil = distance + pupil.centre.z;
+  const double solid = pi / 4 * std::pow(pupil.diameter * distance / to_pupil, 2) / largest;
+  for (size_t i = 0; i < light.values.size(); ++i) light.values[i] *= float(solid) * seen.open.values[i];
+  limit_to_pupil(light, samples.pitch, wavelength, to_pupil, pupil.diameter);
+  return light;
 }
 
-TargetPlane draw_view(const SceneTargets& targets, const Job& job, int update, double wavelength) {
+// Views for an update: pupils side by side over the eye's window, which is as large as the panel, with a diameter even
+// between 2 and 4 mm and the first one anywhere; the plane in focus is any of the planes.
+ViewTargets draw_views(const SceneTargets& targets, const Job& job, int update, double wavelength) {
   CounterRandom random(uint64_t(job.encode.seed), 1, uint64_t(update));
-  const Pupil pupil = draw_pupil(job, shared_wavelength(job), random);
-  const size_t plane =
-      std::min(targets.planes.distances.size() - 1, size_t(random.uniform() * double(targets.planes.distances.size())));
-  return view_target(targets, job, pupil, targets.planes.distances[plane], wavelength);
+  const std::vector<double>& distances = targets.planes.distances;
+  const double distance =
+      distances[std::min(distances.size() - 1, size_t(random.uniform() * double(distances.size())))];
+  const double diameter = 2e-3 + 2e-3 * random.uniform();
+  const Grid& panel = job.slm.grid;
+  ViewTargets views{.z = -distance, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
+  // Centres of pupils along one axis of the window, from one edge to the other.
+  const auto centres = [&](double side) {
+    std::vector<double> values;
+    for (double at = -side / 2 - diameter / 2 + diameter * random.uniform(); at <= side / 2 + diameter / 2;
+         at += diameter)
+      if (std::abs(at) <= side / 2) values.push_back(at);
+    if (values.empty()) values.push_back(side * (random.uniform() - 0.5));
+    return values;
+  };
+  const std::vector<double> across = centres(panel.width()), down = centres(panel.height());
+  for (const double y : down)
+    for (const double x : across) views.pupils.push_back({{x, y, eye_distance(job)}, diameter});
+  views.picture = picture_grid(panel, views.pupils.front(), wavelength, views.z);
+  for (const Pupil& pupil : views.pupils)
+    views.amplitudes.push_back(amplitude_of(light_through(targets, job, pupil, distance, wavelength, views.picture)));
+  return views;
 }
 
 }  // namespace
 
 TargetPlane view_target(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance,
                         double wavelength) {
-  const Grid& panel = job.slm.grid;
-  require(targets.light_field.has_value(), "expected a light field for the view through a pupil, got none");
-  const PupilPicture seen = picture_through(*targets.light_field, shared_wavelength(job), panel, distance, pupil);
-  Image light = seen_at(seen.radiance, {wavelength});
-  const double largest = largest_part(panel, box_radius(distance, shared_wavelength(job), panel.pitch));
-  const double to_pupil = distance + pupil.centre.z;
-  const double solid = pi / 4 * std::pow(pupil.diameter * distance / to_pupil, 2) / largest;
-  for (size_t i = 0; i < light.values.size(); ++i) light.values[i] *= float(solid) * seen.open.values[i];
-  limit_to_pupil(light, panel.pitch, wavelength, to_pupil, pupil.diameter);
-  return {place_of(distance, job.encode.image), wavelength, amplitude_of(light), {}, pupil};
+  return {place_of(distance, job.encode.image),
+          wavelength,
+          amplitude_of(light_through(targets, job, pupil, distance, wavelength, job.slm.grid)),
+          {},
+          pupil};
 }
 
 bool aims_at_scene(const Job& job) {
@@ -101,7 +117,8 @@ std::vector<double> target_distances_of(const Job& job) {
       format_length(job.slm.grid.width()));
   const double side = std::max(job.slm.grid.width(), job.slm.grid.height());
   const double near = 1 / range->nearest, far = 1 / range->farthest, spacing = 2 * wavelength / (side * side);
-  const int planes = std::clamp(int(std::ceil((near - far) / spacing)) + 1, 1, job.encode.planes);
+  const int planes = std::clamp(int(std::ceil((near - far) / spacing)) + 1, 1,
+                                job.encode.planes > 0 ? job.encode.planes : most_target_planes);
   std::vector<double> distances;
   for (int k = 0; k < planes; ++k)
     distances.push_back(1 / (planes == 1 ? (near + far) / 2 : near + (far - near) * k / (planes - 1)));
@@ -138,25 +155,43 @@ SceneTargets trace_targets(const Job& job, const Observer& observer) {
   return targets;
 }
 
+std::vector<TargetPlane> targets_of_stack(const FocalStack& stack, const Grid& panel, double wavelength,
+                                          ImageSide image) {
+  check_focal_stack(stack);
+  require(
+      stack.grid.nx == panel.nx && stack.grid.ny == panel.ny,
+      "expected a focal stack of {} × {} pixels, as many as the panel has, got {} × {}; render it for this panel, or "
+      "name its panel (--slm)",
+      panel.nx, panel.ny, stack.grid.nx, stack.grid.ny);
+  require(
+      std::abs(stack.grid.pitch / panel.pitch - 1) < 1e-6,
+      "expected a focal stack with the panel's pitch {}, got {}; render it for this panel, or name its panel (--slm)",
+      format_length(panel.pitch), format_length(stack.grid.pitch));
+  std::vector<TargetPlane> planes;
+  for (size_t k = 0; k < stack.distances.size(); ++k)
+    planes.push_back({place_of(stack.distances[k], image),
+                      wavelength,
+                      amplitude_of(limited(stack, k, {wavelength}, wavelength, panel)),
+                      {},
+                      {}});
+  return planes;
+}
+
 TargetSet targets_of(const SceneTargets& targets, const Job& job, double wavelength) {
   const Grid& panel = job.slm.grid;
-  TargetSet set;
-  for (size_t k = 0; k < targets.planes.distances.size(); ++k) {
-    const double distance = targets.planes.distances[k];
-    Image light = limited(targets.planes, k, {wavelength}, wavelength, panel);
-    if (targets.light_field) {
-      const double reach = box_radius(distance, shared_wavelength(job), panel.pitch);
-      for (int j = 0; j < light.ny; ++j)
-        for (int i = 0; i < light.nx; ++i)
-          light(j, i) *= float(side_seen(panel.x(i), panel.width() / 2, reach) *
-                               side_seen(panel.y(j), panel.height() / 2, reach) / largest_part(panel, reach));
-    }
-    set.planes.push_back({place_of(distance, job.encode.image), wavelength, amplitude_of(light), {}, {}});
+  TargetSet set{targets_of_stack(targets.planes, panel, wavelength, job.encode.image)};
+  if (!targets.light_field) return set;
+  for (TargetPlane& plane : set.planes) {
+    const double reach = box_radius(std::abs(plane.z), shared_wavelength(job), panel.pitch);
+    const double largest = largest_part(panel, reach);
+    for (int j = 0; j < panel.ny; ++j)
+      for (int i = 0; i < panel.nx; ++i)
+        plane.amplitude(j, i) *= float(std::sqrt(side_seen(panel.x(i), panel.width() / 2, reach) *
+                                                 side_seen(panel.y(j), panel.height() / 2, reach) / largest));
   }
-  if (targets.light_field)
-    set.draw_view = [&targets, job = &job](int update, double colour) {
-      return draw_view(targets, *job, update, colour);
-    };
+  set.draw_views = [&targets, job = &job](int update, double colour) {
+    return draw_views(targets, *job, update, colour);
+  };
   return set;
 }
 

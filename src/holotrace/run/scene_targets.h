@@ -30,6 +30,11 @@ std::vector<double> target_distances_of(const Job& job);
 /// @throws Error  as trace_scene_views and target_distances_of do, and for a real image with the target light-field
 SceneTargets trace_targets(const Job& job, const Observer& observer = {});
 
+/// The targets of a focal stack at one wavelength: the modulus √L of the radiance L that limit_to_panel leaves.
+/// @throws Error  as check_focal_stack and limit_to_panel do, and for a stack whose pixels are not the panel's
+std::vector<TargetPlane> targets_of_stack(const FocalStack& stack, const Grid& panel, double wavelength,
+                                          ImageSide image);
+
 /// The targets of the holograms of one wavelength, with the blur of the panel's aperture (limit_to_panel).
 ///
 /// Each plane has weight 1, and amplitude √L for the mean radiance L of a pixel. With a light field, a plane's light is

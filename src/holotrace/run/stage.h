@@ -29,7 +29,8 @@ auto run_stage(const std::string& name, Report& report, const StageObserver& wat
                           [&](const std::string& key, const std::vector<double>& values) {
                             entry.curves.emplace_back(key, values);
                             caller.curve(key, values);
-                          }};
+                          },
+                          caller.on_status};
   const auto start = std::chrono::steady_clock::now();
   auto result = stage(recorder);
   entry.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -36,11 +36,15 @@ enum class StartPhase { field, random };
 /// path tracer finds in the target planes (a focal stack); or that and what eyes anywhere before the panel see.
 enum class EncodeTarget { field, render, light_field };
 
+/// How much work a hologram of a scene is worth: numbers of frames, target planes and iterations (run/quality.h).
+enum class Quality { as_given, draft, good, best };
+
 /// Quantity in which the two levels of a binary hologram differ.
 enum class BinaryLevels { panel, phase, amplitude };
 
 /// Defaults of the iterations, and of the step of sgd [rad], used where 0 is given.
 inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, target_field_iterations = 30;
+inline constexpr int most_target_planes = 8;
 inline constexpr double sgd_step = 0.4;
 
 /// How the field on the panel becomes the levels of its pixels.
@@ -57,18 +61,19 @@ struct EncodeParams {
   /// need one. 1: no stop.
   double stop = 0;
   EncodeTarget target = EncodeTarget::field;  ///< what iterations aim at
+  Quality quality = Quality::as_given;        ///< sgd, scenes: chooses frames, planes and iterations that are not given
   std::vector<double> target_distances{};     ///< iterations: distances of the target planes from the panel [m], ≥ 0
-  int planes = 8;                             ///< targets render, light-field: most planes of the program's own choice
-  int target_columns = 0, target_rows = 0;    ///< part of those planes that the error counts, centred [pixels]; 0: all
-  bool resample = false;                      ///< scale a target picture of another size to that part
-  bool is_joint = false;                      ///< sgd: one hologram for all wavelengths
-  int iterations = 0;                         ///< number of iterations; 0: the default of the method, above
-  double step = 0;                            ///< sgd: step of the phase per iteration [rad]; 0: sgd_step
-  int planes_per_update = 1;                  ///< sgd: number of target planes in each iteration, in turn; 0: all
-  int subpixels = 1;                          ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
-  StartPhase start = StartPhase::field;       ///< start phase of iterations, and phase of a target picture
-  int64_t seed = 1;                           ///< seed for random start phases
-  std::vector<std::string> effects{};         ///< effects of the panel that the levels compensate; or "all"
+  int planes = 0;  ///< targets render, light-field: most planes of the program's own choice; 0: 8, or by quality
+  int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
+  bool resample = false;                    ///< scale a target picture of another size to that part
+  bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
+  int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
+  double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: sgd_step
+  int planes_per_update = 1;                ///< sgd: number of target planes in each iteration, in turn; 0: all
+  int subpixels = 1;                        ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
+  StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
+  int64_t seed = 1;                         ///< seed for random start phases
+  std::vector<std::string> effects{};       ///< effects of the panel that the levels compensate; or "all"
 };
 
 template <class Visitor>
@@ -111,13 +116,18 @@ void describe(Visitor& v, EncodeParams& p) {
   v.choice(
       "target", p.target,
       {{"field", EncodeTarget::field}, {"render", EncodeTarget::render}, {"light-field", EncodeTarget::light_field}},
-      "sgd, scenes: light to show; the modulus of the field of all waves (field); the path-traced light in planes "
-      "through the scene (render); that light and the views from anywhere before the panel (light-field)");
+      "sgd, scenes: light that the holograms show; the modulus of the field of all waves (field); the path-traced "
+      "light in planes through the scene (render); that light and the views through pupils (light-field)");
+  v.choice(
+      "quality", p.quality,
+      {{"as-given", Quality::as_given}, {"draft", Quality::draft}, {"good", Quality::good}, {"best", Quality::best}},
+      "sgd, scenes: number of frames, target planes and iterations where none is given; draft: 4, 6, 50; good: 8, "
+      "10, 150; best: 16, 16, 300; as-given: the defaults of each");
   v.lengths("target_distances", p.target_distances, range::not_negative,
             "iterations: distances of the target planes from the panel");
-  v.count(
-      "planes", p.planes, range::at_least(1),
-      "targets render and light-field: largest number of planes through the scene, where target_distances gives none");
+  v.count("planes", p.planes, range::not_negative,
+          "targets render, light-field: largest number of planes through the scene, if target_distances gives none; 0: "
+          "8, or as quality says");
   v.count("target_columns", p.target_columns, range::not_negative,
           "iterations, pictures: width in pixels of the part of a target plane that the error counts; 0: the panel's");
   v.count("target_rows", p.target_rows, range::not_negative,

@@ -62,6 +62,10 @@ Job job_for_model(const std::string& path) {
   job.camera.distances = {model_depth};
   if (front + model_depth > 0.2_mm) job.camera.distances = {-front, model_depth};  // more than the depth of focus there
   job.render.focus = model_depth;
+  job.render.paths = 32;
+  job.encode.method = Encoding::sgd;
+  job.encode.target = EncodeTarget::render;
+  job.encode.quality = Quality::draft;
   check_scene(job.scene);
   return job;
 }

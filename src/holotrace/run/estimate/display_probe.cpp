@@ -11,6 +11,7 @@
 #include "holotrace/run/estimate/small_panel.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/pipeline.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 
@@ -26,7 +27,8 @@ void shrink_effects(Slm& slm) {
 }
 
 bool is_before_encoding(const std::string& stage) {
-  return stage == "scene" || stage == "trace" || stage == "synthesize" || stage.starts_with("render");
+  return stage == "scene" || stage == "focal stack" || stage == "trace" || stage == "synthesize" ||
+         stage.starts_with("render");
 }
 
 // The same job with other distances: transfer functions of a run are kept, but a real run has none yet.
@@ -67,6 +69,7 @@ Job on_small_panel(const Job& job, double side) {
                      &small.propagate.rows, &small.render.rows, &small.render.columns})
     fewer(*count);
   CameraParams& camera = small.camera;
+  if (aims_at_scene(job)) small.encode.target_distances = target_distances_of(job);
   for (double& distance : camera.distances) distance *= side;
   for (double& distance : small.encode.target_distances) distance *= side;
   for (double* length : {&camera.pupil,

@@ -17,7 +17,9 @@
 #include "holotrace/run/estimate/synthesis_probe.h"
 #include "holotrace/run/estimate/trace_probe.h"
 #include "holotrace/run/pipeline.h"
+#include "holotrace/run/quality.h"
 #include "holotrace/run/renders.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/wave/synthesize.h"
@@ -100,6 +102,28 @@ ProbeResult probe_other_sum(const Job& job, const SceneLight& light, double part
   return {seconds, seconds * double(job.slm.grid.pixels()) / double(panel.pixels())};
 }
 
+// Traces the focal stack with fewer paths.
+ProbeResult probe_stack(const Job& job, double part) {
+  Job some = job;
+  some.render.paths = std::max(1, int(std::lround(job.render.paths * part)));
+  const double seconds = median_seconds(1, [&] { trace_targets(some); });
+  return {seconds, seconds * job.render.paths / some.render.paths};
+}
+
+// A job whose holograms aim at the light of its scene: focal stack, and all stages after it.
+void estimate_scene_targets(const Job& job, JobEstimate& e) {
+  e.sets = e.wavelengths;
+  DisplayProbe display(job);
+  display.holograms = e.holograms();
+  std::vector<Probe> probes(2);
+  probes[0] = {[&](double part) { return probe_stack(job, part); }, 1.0 / job.render.paths};
+  probes[1] = {[&](double part) { return display.run(part); }, display.first_part()};
+  refine_probes(probes, share_of_job, long_enough);
+  e.why_no_simulation = display.why_none;
+  e.stages.push_back({"focal stack", probes[0].last.predicted});
+  for (const StageReport& stage : display.stages) e.stages.push_back({stage.stage, stage.seconds});
+}
+
 }  // namespace
 
 double JobEstimate::seconds() const { return seconds_of(""); }
@@ -111,7 +135,8 @@ double JobEstimate::seconds_of(const std::string& prefix) const {
   return sum;
 }
 
-JobEstimate estimate_job(const Job& job) {
+JobEstimate estimate_job(const Job& given) {
+  const Job job = with_quality(given);
   JobEstimate e;
   e.probe_seconds = median_seconds(1, [&] {
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
@@ -121,6 +146,7 @@ JobEstimate estimate_job(const Job& job) {
     e.lights = double(job.scene.lights.size());
     e.subpixels = double(job.show.subpixels) * job.show.subpixels;
 
+    if (aims_at_scene(job)) return estimate_scene_targets(job, e);
     TraceProbe trace(job);
     const double trace_part = find_light(trace);
     require_light(trace);
@@ -201,7 +227,8 @@ std::vector<StageComparison> compare_with_run(const JobEstimate& estimate, Repor
     if (found == estimate.stages.end()) continue;
     add(stage.stage, found->seconds, stage.seconds);
     count(found->seconds, stage.seconds, all);
-    const bool is_light = stage.stage == "trace" || stage.stage == "synthesize" || stage.stage.starts_with("render");
+    const bool is_light = stage.stage == "focal stack" || stage.stage == "trace" || stage.stage == "synthesize" ||
+                          stage.stage.starts_with("render");
     if (!is_light) count(found->seconds, stage.seconds, simulation);
   }
   if (estimate.is_whole())

@@ -45,7 +45,7 @@ struct JobEstimate {
 };
 
 /// @throws Error  as `run` does for the job; if the probe finds no light
-JobEstimate estimate_job(const Job& job);
+JobEstimate estimate_job(const Job& given);
 
 /// Adds T_t for the accelerator that the job does not use, and the predicted cost of the uniform grid. Takes seconds.
 void measure_other_accelerator(const Job& job, JobEstimate& estimate);

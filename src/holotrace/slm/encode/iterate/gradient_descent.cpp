@@ -1,9 +1,12 @@
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <optional>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
@@ -12,6 +15,7 @@
 #include "holotrace/slm/encode/iterate/driven_panel.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/slm/encode/iterate/pupil_propagation.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
@@ -100,17 +104,45 @@ class Colour {
     return error;
   }
 
-  // Adds the gradient of the error of one view, at the scale of the planes, as a fraction of the light of the views so
-  // far: bright and dim views then count by their light.
-  void add_view(const TargetPlane& view, double factor, const std::vector<Array2D<float>>& levels,
-                std::vector<Array2D<float>>& slopes) {
-    light_of_views_ += target_power(view);
-    ++views_;
-    if (light_of_views_ == 0) return;
-    const TargetWay way = way_to(view);
-    std::vector<std::vector<Field>> samples;
-    Array2D<float> shown = mean_light(way, &samples);
-    add_gradient(way, std::move(shown), samples, factor * views_ / light_of_views_, levels, slopes);
+  // Adds the gradient of the error of some views, at the scale of the planes, as a fraction of their light. Returns that
+  // fraction.
+  double add_views(const ViewTargets& views, double factor, const std::vector<Array2D<float>>& levels,
+                   std::vector<Array2D<float>>& slopes) {
+    const size_t count = views.pupils.size();
+    double light = 0;
+    for (const Array2D<float>& amplitude : views.amplitudes)
+      for (const float a : amplitude.values) light += double(a) * a;
+    if (light == 0) return 0;
+    if (!pupils_)
+      pupils_.emplace(
+          slm_, wavelength, views.pupils.front().centre.z,
+          TargetOptics{.aperture = panel.aperture(), .subpixels = params_.subpixels, .stop = stop_width(params_)});
+    std::vector<std::vector<Array2D<std::complex<float>>>> pictures(u.size());
+    std::vector<Array2D<float>> power(count, Array2D<float>(views.picture.ny, views.picture.nx));
+    for (size_t m = 0; m < u.size(); ++m) {
+      const Field eye = pupils_->to_eye(u[m]);
+      pictures[m].resize(count);
+      parallel_for(0, int64_t(count), [&](int64_t k) {
+        pictures[m][size_t(k)] = take_picture(eye, views.pupils[size_t(k)], views.z, views.picture);
+        add_power(pictures[m][size_t(k)].values.data(), float(1 / double(u.size())), power[size_t(k)].values.data(),
+                  power[size_t(k)].size());
+      });
+    }
+    double error = 0;
+    for (size_t k = 0; k < count; ++k)
+      error += take_residual(power[k].values.data(), views.amplitudes[k].values.data(), nullptr, float(1 / scale),
+                             power[k].size());
+    for (size_t m = 0; m < u.size(); ++m) {
+      Field eye = pupils_->dark_eye();
+      parallel_for(0, int64_t(count), [&](int64_t k) {
+        Array2D<std::complex<float>>& picture = pictures[m][size_t(k)];
+        multiply_by_real(power[size_t(k)].values.data(), picture.values.data(), picture.size());
+        add_picture_adjoint(picture, views.pupils[size_t(k)], views.z, views.picture, eye);
+      });
+      panel.add_slope(levels[m], u[m], pupils_->to_panel(eye), -2 * scale * scale * factor / (light * double(u.size())),
+                      slopes[m]);
+    }
+    return error * scale * scale / light;
   }
 
   // Error and sums of all planes for some levels.
@@ -145,8 +177,7 @@ class Colour {
   const Slm& slm_;
   const EncodeParams& params_;
   ModulusSums recent_;
-  double light_of_views_ = 0;
-  int views_ = 0;
+  std::optional<PupilPropagation> pupils_;  // made for the first views
 
  public:
   DrivenPanel panel;
@@ -246,6 +277,8 @@ void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Encode
   tell_quality(colours, observer, frames);
 }
 
+static double view_weight() { return getenv("VW") ? atof(getenv("VW")) : 1; }
+
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
              std::vector<Hologram>& frames) {
   const int iterations = iterations_of(params);
@@ -280,13 +313,17 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
   std::vector<double> convergence;
   for (int iteration = 0; iteration < iterations; ++iteration) {
     for (Array2D<float>& slope : slopes) std::fill(slope.values.begin(), slope.values.end(), 0.0F);
-    const bool is_view = targets.draw_view && iteration % 2 == 1;
+    const bool is_view = targets.draw_views && iteration % 2 == 1;
     for (size_t c = 0; c < colours.size(); ++c) {
       Colour& colour = *colours[c];
       if (colour.power == 0) continue;
       colour.leave(levels);
       if (is_view) {
-        colour.add_view(targets.draw_view(iteration, colour.wavelength), 1 / lit, levels, slopes);
+        const double error =
+            colour.add_views(targets.draw_views(iteration, colour.wavelength), view_weight() / lit, levels, slopes);
+        if (getenv("VW"))
+          fprintf(stderr, "views %d %.2f dB  scale %.4f loss %.2f\n", iteration, -10 * log10(error), colour.scale,
+                  -10 * log10(loss()));
         continue;
       }
       const std::vector<size_t> planes = turns[c].take();
@@ -318,6 +355,7 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
             settle_drive(turn, float(frames[m].levels), drive.level.row(j), levels[m].row(j), size_t(nx));
           },
           {}, 16);
+    observer.status(fmt::format("loss {:.1f} dB", 10 * std::log10(std::max(convergence.back(), 1e-30))));
     observer.progress((iteration + 1.0) / iterations);
   }
   for (const auto& colour : colours) colour->judge(levels);

@@ -1,0 +1,136 @@
+#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/fft.h"
+#include "holotrace/base/wrapped.h"
+#include "holotrace/slm/panel/pixel_kernel.h"
+#include "holotrace/wave/propagate/adjoint.h"
+#include "holotrace/wave/propagate/convolve.h"
+
+namespace holotrace {
+namespace {
+
+constexpr double eye_margin = 2e-3;  // room for half of the widest pupil beyond the panel's size [m]
+
+int transform_length(const Pupil& pupil, double pitch) {
+  return fft_good_length(int(std::ceil(2 * pupil.diameter / pitch)) + 2);
+}
+
+double distance_to(const Pupil& pupil, double z) { return pupil.centre.z - z; }
+
+// The samples of a window that lie in a pupil, row by row, each with the phase that the transform needs.
+class PupilSamples {
+ public:
+  PupilSamples(const Field& eye, const Pupil& pupil, double z)
+      : length(transform_length(pupil, eye.grid.pitch)), grid_(eye.grid), pupil_(pupil) {
+    const double s = distance_to(pupil, z), turns = 1 / (eye.wavelength * s), pitch = eye.grid.pitch;
+    scale = float(pitch * pitch / (eye.wavelength * s));
+    const auto phases = [&](double centre, double (Grid::*place)(double) const, int count) {
+      std::vector<std::complex<double>> values;
+      for (int i = 0; i < count; ++i) {
+        const double offset = (grid_.*place)(i)-centre;
+        values.push_back(cis_cycles(-turns * (offset * offset / 2 + centre * offset)));
+      }
+      return values;
+    };
+    along_x_ = phases(pupil.centre.x, &Grid::x, eye.grid.nx);
+    along_y_ = phases(pupil.centre.y, &Grid::y, eye.grid.ny);
+    first_x_ = nearest((pupil.centre.x - grid_.x(0)) / pitch);
+    first_y_ = nearest((grid_.y(0) - pupil.centre.y) / pitch);
+  }
+
+  // Calls work(row, column, place in the transform, phase) for each sample.
+  template <class Work>
+  void each(const Work& work) const {
+    const double radius = pupil_.diameter / 2;
+    const int reach = int(std::ceil(radius / grid_.pitch)) + 1;
+    for (int j = std::max(0, first_y_ - reach); j <= std::min(grid_.ny - 1, first_y_ + reach); ++j)
+      for (int i = std::max(0, first_x_ - reach); i <= std::min(grid_.nx - 1, first_x_ + reach); ++i) {
+        if (std::hypot(grid_.x(i) - pupil_.centre.x, grid_.y(j) - pupil_.centre.y) > radius) continue;
+        const size_t at =
+            size_t(wrapped(j - first_y_, length)) * size_t(length) + size_t(wrapped(i - first_x_, length));
+        work(j, i, at, std::complex<float>(along_x_[size_t(i)] * along_y_[size_t(j)]));
+      }
+  }
+
+  int length;
+  float scale;
+
+ private:
+  static int nearest(double place) { return int(std::lround(place)); }
+
+  const Grid& grid_;
+  const Pupil& pupil_;
+  std::vector<std::complex<double>> along_x_, along_y_;
+  int first_x_ = 0, first_y_ = 0;
+};
+
+// Calls work(row, column, place in the transform) for the samples of a picture. Rows go down, as in the pupil.
+template <class Work>
+void each_of_picture(const Grid& picture, int length, const Work& work) {
+  for (int j = 0; j < picture.ny; ++j)
+    for (int i = 0; i < picture.nx; ++i)
+      work(j, i,
+           size_t(wrapped(j - picture.ny / 2, length)) * size_t(length) + size_t(wrapped(i - picture.nx / 2, length)));
+}
+
+}  // namespace
+
+PupilPropagation::PupilPropagation(const Slm& slm, double wavelength, double eye_z, const TargetOptics& optics) {
+  require(optics.subpixels == 1,
+          "expected one sample per pixel for views through pupils, got {} per axis; give "
+          "subpixels = 1",
+          optics.subpixels);
+  PropagateParams wider;
+  wider.columns = slm.grid.nx + 2 * int(std::ceil(eye_margin / slm.grid.pitch));
+  wider.rows = slm.grid.ny + 2 * int(std::ceil(eye_margin / slm.grid.pitch));
+  there_ = make_propagator<float>(slm.grid, wavelength, eye_z, wider);
+  const auto passing = [&](double lit) {
+    return [=](double f) {
+      const double dimmed = optics.aperture == PixelAperture::included ? aperture_spectrum(f, lit) : 1;
+      return optics.stop >= 1 || f <= optics.stop / 2 * (1 + 1e-9) ? dimmed : 0;
+    };
+  };
+  filter_transfer<float>(there_, passing(slm.lit_x()), passing(slm.lit_y()));
+  back_ = adjoint_of(there_);
+}
+
+Field PupilPropagation::to_eye(const Field& panel) const { return convolve(panel, there_, {}); }
+
+Field PupilPropagation::to_panel(const Field& eye) const { return convolve(eye, back_, {}); }
+
+Grid picture_grid(const Grid& panel, const Pupil& pupil, double wavelength, double z) {
+  const double pitch = wavelength * distance_to(pupil, z) / (transform_length(pupil, panel.pitch) * panel.pitch);
+  const auto odd = [&](double side) { return 2 * int(side / (2 * pitch)) + 1; };
+  return {odd(panel.width()), odd(panel.height()), pitch};
+}
+
+Array2D<std::complex<float>> take_picture(const Field& eye, const Pupil& pupil, double z, const Grid& picture) {
+  const PupilSamples samples(eye, pupil, z);
+  const size_t length = size_t(samples.length);
+  Array2D<std::complex<float>> light(samples.length, samples.length);
+  samples.each([&](int j, int i, size_t at, std::complex<float> phase) {
+    light.values[at] = eye.samples(j, i) * phase * samples.scale;
+  });
+  fft_2d(light.values.data(), int(length), int(length), FftDirection::backward);
+  Array2D<std::complex<float>> taken(picture.ny, picture.nx);
+  each_of_picture(picture, samples.length, [&](int j, int i, size_t at) { taken(j, i) = light.values[at]; });
+  return taken;
+}
+
+void add_picture_adjoint(const Array2D<std::complex<float>>& light, const Pupil& pupil, double z, const Grid& picture,
+                         Field& eye) {
+  const PupilSamples samples(eye, pupil, z);
+  Array2D<std::complex<float>> wide(samples.length, samples.length);
+  each_of_picture(picture, samples.length, [&](int j, int i, size_t at) { wide.values[at] = light(j, i); });
+  fft_2d(wide.values.data(), samples.length, samples.length, FftDirection::forward);
+  samples.each([&](int j, int i, size_t at, std::complex<float> phase) {
+    eye.samples(j, i) += wide.values[at] * std::conj(phase) * samples.scale;
+  });
+}
+
+}  // namespace holotrace

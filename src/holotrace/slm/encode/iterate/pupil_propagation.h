@@ -1,0 +1,57 @@
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "holotrace/base/array.h"
+#include "holotrace/data/field.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/data/target.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
+#include "holotrace/wave/propagate/propagator.h"
+
+namespace holotrace {
+
+/// The propagation from a panel to the plane of many pupils, prepared for iterations, and from each pupil to its picture.
+///
+/// A pupil of diameter D shows no detail below λ·s/D, s the distance from the pupil to the plane in focus. Its picture
+/// needs few samples, and one transform of the light in the pupil gives them (Fresnel's approximation; phases of the
+/// picture do not matter):
+///
+///     v(x) = p²/(λs)·Σ_ε u(c + ε)·exp(−iπ|ε|²/(λs))·exp(i2π(x − c)·ε/(λs)),   |ε| ≤ D/2
+///
+/// c is the pupil's centre; the plane is the distance s behind it. From samples of pitch p the picture repeats after
+/// λs/p, the width of the panel's diffraction cone, so nothing overlaps.
+class PupilPropagation {
+ public:
+  /// @param eye_z  distance of all pupils from the panel [m]
+  /// @throws Error  as make_propagator does
+  PupilPropagation(const Slm& slm, double wavelength, double eye_z, const TargetOptics& optics);
+
+  /// Light in the plane of the pupils: a window 2 mm wider than the panel on every side, centred on the axis.
+  Field to_eye(const Field& panel) const;
+
+  /// The adjoint of to_eye.
+  Field to_panel(const Field& eye) const;
+
+  /// A field without light in that window.
+  Field dark_eye() const { return Field(there_.output, there_.wavelength); }
+
+ private:
+  Propagator<float> there_, back_;
+};
+
+/// The samples that pictures in the plane z need, for pupils of this size and distance: at most λs/2D apart, as a
+/// transform of good length gives them; as many as cover the panel's window, and odd numbers of them.
+Grid picture_grid(const Grid& panel, const Pupil& pupil, double wavelength, double z);
+
+/// The picture in the plane z that a pupil takes of the light in its plane, as above.
+/// @param picture  picture_grid for such a pupil
+Array2D<std::complex<float>> take_picture(const Field& eye, const Pupil& pupil, double z, const Grid& picture);
+
+/// Adds the adjoint of take_picture to `eye`. Pupils of one call per thread must not overlap.
+void add_picture_adjoint(const Array2D<std::complex<float>>& light, const Pupil& pupil, double z, const Grid& picture,
+                         Field& eye);
+
+}  // namespace holotrace
