@@ -177,6 +177,9 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
     const bool is_stack = !job.render.focal_stack.empty();
     require(!is_stack || job.render.eye_separation == 0,
             "expected one of focal_stack and eye_separation, got both; leave one out");
+    require(
+        is_stack || extension_of(o->output) != ".h5",
+        "expected --focal-stack for a picture in .h5, got none; give the distances of the planes, or another format");
     check_output(o->output,
                  is_stack ? std::vector<std::string>{".h5", ".exr", ".png"} : std::vector<std::string>{".png", ".exr"});
     Console console(global.is_quiet);

@@ -104,6 +104,24 @@ TEST(FocalStack, ARectangleIsSharpInItsPlaneAndBlurredByTheApertureElsewhere) {
   }
 }
 
+TEST(FocalStack, RaysThatMissFartherWindowsHaveTheirOwnWeight) {
+  // Lit is what lies to the right of and above the window: near the panel, rays to it miss the farther windows, and
+  // have another density than the dark rays of the same pixel. The planes see 0.03 mm, 0.13 mm and 3 mm to each side.
+  const Interval x{0.12_mm, 1_mm}, y{0.05_mm, 1_mm};
+  const std::vector<double> distances{0.001, 0.004, 0.1};
+  const int paths = 64;
+  const FocalStack stack =
+      trace_focal_stack(make_rectangle(x, y, 0.005), panel, green_light, distances, {.paths = paths});
+  for (size_t k = 0; k < distances.size(); ++k) {
+    SCOPED_TRACE(distances[k]);
+    // At the corners of the window a pixel sees a quarter of its box: a quarter of the paths.
+    expect_fractions(stack.pictures[k], paths / 2, [&](int row, int column) {
+      return seen_fraction(panel_x, x, panel.x(column), distances[k], 0.005) *
+             seen_fraction(panel_y, y, panel.y(row), distances[k], 0.005);
+    });
+  }
+}
+
 TEST(FocalStack, ANearCardHidesTheFarWallFromPartOfTheAperture) {
   Scene scene = make_bright_wall(-0.3);
   scene.materials.push_back(grey(0));
@@ -291,6 +309,26 @@ TEST(FocalStack, APointOutOfFocusIsTheImageOfTheAperture) {
         ASSERT_NEAR(stack.pictures[k](j, i) / (sum(stack.pictures[k]) / 3), covered, 1e-6) << j << " " << i;
       }
   }
+}
+
+TEST(FocalStack, APointThatOnlyPartOfThePanelSeesKeepsItsFlux) {
+  // Flux through the panel: Σ L·pitch²/d²·(part of the panel that the pixel sees). From 3 mm the cone has 0.2 mm.
+  Scene scene;
+  scene.points = {{{0.01_mm, 0, -0.003}, 1.0f, 0}};
+  const FocalStack stack = trace_focal_stack(scene, panel, green_light, {0.003, 0.002, 0.005}, {.paths = 1});
+  std::vector<double> fluxes;
+  for (size_t k = 0; k < 3; ++k) {
+    const double d = stack.distances[k], reach = d * acceptance_tangent(green_light, panel.pitch);
+    double flux = 0;
+    for (int j = 0; j < panel.ny; ++j)
+      for (int i = 0; i < panel.nx; ++i)
+        flux += stack.pictures[k](j, i) / (d * d) * overlap(panel_x, {panel.x(i) - reach, panel.x(i) + reach}).size() *
+                overlap(panel_y, {panel.y(j) - reach, panel.y(j) + reach}).size();
+    fluxes.push_back(flux);
+  }
+  EXPECT_GT(fluxes[0], 0);
+  EXPECT_NEAR(fluxes[1] / fluxes[0], 1, 1e-5) << "floats";
+  EXPECT_NEAR(fluxes[2] / fluxes[0], 1, 1e-5) << "floats";
 }
 
 TEST(FocalStack, EachCellSeesAPointFromItsOwnPlace) {

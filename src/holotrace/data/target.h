@@ -5,16 +5,9 @@
 #include <vector>
 
 #include "holotrace/base/array.h"
-#include "holotrace/base/vec.h"
-#include "holotrace/data/grid.h"
+#include "holotrace/data/pupil.h"
 
 namespace holotrace {
-
-/// The pupil of an eye or of a camera: a disc parallel to the panel that light must pass.
-struct Pupil {
-  Vec3 centre;          ///< [m], in front of the panel: z > 0
-  double diameter = 0;  ///< [m]
-};
 
 /// The light that a hologram should show in one target plane: the modulus of the field, at any phase and scale.
 struct TargetPlane {

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/run/repeated_stages.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
@@ -50,26 +54,119 @@ std::vector<Image> make_renders(const Job& job, const std::vector<PlannedRender>
   return renders;
 }
 
-// Number of calls of repeated stages: those of each frame and of each of its holograms.
-int64_t repeated_calls(const Job& job, const SceneLight& light, const std::vector<Viewpoint>& from) {
-  int64_t of_frame = 1;
-  for (size_t set = 0; set < light.sets(); ++set)
-    of_frame += 1 + viewing_calls(states_at(job, light.wavelength(set), from), from);
+// Number of calls of repeated stages: those of each frame and of each of its holograms, of the given wavelengths.
+int64_t repeated_calls(const Job& job, const std::vector<double>& wavelengths, const std::vector<Viewpoint>& from) {
+  int64_t of_frame = aims_at_scene(job) ? 0 : 1;  // synthesize
+  for (const double wavelength : wavelengths)
+    of_frame += (aims_at_scene(job) ? 0 : 1) + viewing_calls(states_at(job, wavelength, from), from);
   return job.trace.frames * of_frame;
 }
 
 // The light of a job of one wavelength may differ from the one that it was computed for (ShowParams::wavelength).
-Image reference_of(const Job& job, const Image& render, const CombinedViews& sum, const Image& view, double distance) {
+std::vector<double> seen_wavelengths(const Job& job, const CombinedViews& sum) {
   const std::vector<double> lines = sum.wavelengths();
-  const std::vector<double>& seen = lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
-  const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid,
-                                             view_wavelength(job.wavelengths, job.trace.has_common_cone));
-  Image in_plane(view.ny, view.nx, 1);  // the sensor's pixels in the plane in focus
+  return lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
+}
+
+// The sensor's pixels in the plane in focus.
+Image sensor_in_plane(const Job& job, const Image& view, double distance) {
+  Image in_plane(view.ny, view.nx, 1);
   const double m = magnification(job.camera, distance, job.encode.image);
   in_plane.pitch = view.pitch / m;
   in_plane.centre_x = view.centre_x / m;
   in_plane.centre_y = view.centre_y / m;
-  return project_render(seen_at(render, seen), half_tangent, in_plane, distance);
+  return in_plane;
+}
+
+Image reference_of(const Job& job, const Image& render, const CombinedViews& sum, const Image& view, double distance) {
+  const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid,
+                                             view_wavelength(job.wavelengths, job.trace.has_common_cone));
+  return project_render(seen_at(render, seen_wavelengths(job, sum)), half_tangent, sensor_in_plane(job, view, distance),
+                        distance);
+}
+
+std::vector<double> wavelengths_of(const SceneLight& light) {
+  std::vector<double> wavelengths;
+  for (size_t set = 0; set < light.sets(); ++set) wavelengths.push_back(light.wavelength(set));
+  return wavelengths;
+}
+
+SceneLight trace_waves(const Job& job, const Observer& o) {
+  o.fact("seed", job.trace.seed);
+  SceneLight traced = trace_light(job, o);
+  o.fact("wavelengths", job.wavelengths.size());
+  o.fact("sets", traced.sets());
+  o.fact("frames", job.trace.frames);
+  if (job.trace.frames > 1 && traced.gathered.empty() && !traced.has_random_phase())
+    o.warn(fmt::format("no wave has a random phase, so all {} frames are equal; use one frame, or random phases",
+                       job.trace.frames));
+  return traced;
+}
+
+// The holograms of a run, and how they are seen.
+class Showing {
+ public:
+  Showing(const Job& job, const std::vector<double>& wavelengths, Boxes& boxes, const StageObserver& watch)
+      : repeat(int64_t(wavelengths.size()) * job.trace.frames, most_states(job, boxes.viewpoints),
+               repeated_calls(job, wavelengths, boxes.viewpoints), boxes.report, watch),
+        sums(boxes.viewpoints.size(), CombinedViews(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths)),
+        viewing_{job.slm, job.show, job.propagate, boxes.viewpoints},
+        boxes_(boxes) {}
+
+  void add(Hologram hologram) {
+    boxes_.holograms.push_back(std::move(hologram));
+    const double power = view_hologram(boxes_.holograms.back(), viewing_, repeat, sums);
+    if (boxes_.holograms.size() == 1) power_on_panel = power;
+  }
+
+  RepeatedStages repeat;
+  std::vector<CombinedViews> sums;
+  double power_on_panel = 0;  // for the brightest hologram [W]; irradiances are relative to it
+
+ private:
+  Viewing viewing_;
+  Boxes& boxes_;
+};
+
+// One hologram for each frame and set, from the field of its waves.
+void show_fields(const Job& job, const SceneLight& light, Boxes& b, Showing& showing) {
+  const EncodeParams encoding = encoding_of(job);
+  for (int frame = 0; frame < job.trace.frames; ++frame) {
+    std::vector<Field> fields = showing.repeat("synthesize", [&](const Observer& o) {
+      return fields_of_frame(light, uint32_t(frame), job.slm.grid, job.synthesize, o);
+    });
+    for (size_t i = 0; i < fields.size(); ++i)
+      showing.add(showing.repeat("encode", [&](const Observer& o) {
+        return encode(fields[i], job.slm, encoding, light.is_dark(i) ? Observer{} : o);  // tracing has warned already
+      }));
+    if (frame == 0) b.fields = group_by_name(std::move(fields));
+  }
+}
+
+// The frames of all wavelengths, found together from the path-traced light.
+std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& targets, Report& report,
+                                      const StageObserver& watch) {
+  std::vector<std::vector<Hologram>> of_colours;
+  for (const double wavelength : job.wavelengths) {
+    const std::string stage = job.wavelengths.size() == 1 ? "encode" : "encode " + format_length(wavelength);
+    of_colours.push_back(run_stage(stage, report, watch, [&](const Observer& o) {
+      return encode_frames(targets_of(targets, job, wavelength), wavelength, job.trace.frames, job.slm, job.encode, o);
+    }));
+  }
+  std::vector<Hologram> frames;
+  for (size_t frame = 0; frame < size_t(job.trace.frames); ++frame)
+    for (std::vector<Hologram>& of_colour : of_colours) frames.push_back(std::move(of_colour[frame]));
+  return frames;
+}
+
+// The light that a view should show: the traced light of its plane, or a render.
+Image reference_of(const Job& job, const std::optional<SceneTargets>& targets, const Boxes& b, size_t d,
+                   const CombinedViews& sum) {
+  const double distance = b.viewpoints[d].distance;
+  if (!targets) return reference_of(job, b.renders[std::min(d, b.renders.size() - 1)], sum, b.views[d], distance);
+  const Image light = reference_of(*targets, job, d, seen_wavelengths(job, sum));
+  return project_render(light, job.slm.grid.height() / 2 / distance, sensor_in_plane(job, b.views[d], distance),
+                        distance);
 }
 
 }  // namespace
@@ -78,7 +175,6 @@ Boxes run(const Job& job, const StageObserver& watch) {
   Boxes b;
   b.report.seed = job.trace.seed;
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
-  const Grid& panel = job.slm.grid;
   check_job(job);
 
   if (!job.warnings.empty())
@@ -86,59 +182,45 @@ Boxes run(const Job& job, const StageObserver& watch) {
       for (const std::string& warning : job.warnings) o.warn(warning);
       return job.warnings.size();
     });
-  b.renders = make_renders(job, plan_renders(job), b.report, watch);
-  b.stereo_renders = make_renders(job, plan_stereo_renders(job), b.report, watch);
-  SceneLight light = stage("trace", [&](const Observer& o) {
-    o.fact("seed", job.trace.seed);
-    SceneLight traced = trace_light(job, o);
-    o.fact("wavelengths", job.wavelengths.size());
-    o.fact("sets", traced.sets());
-    o.fact("frames", job.trace.frames);
-    if (job.trace.frames > 1 && traced.gathered.empty() && !traced.has_random_phase())
-      o.warn(fmt::format("no wave has a random phase, so all {} frames are equal; use one frame, or random phases",
-                         job.trace.frames));
-    return traced;
-  });
-  require(light.sets() > 0, "expected at least one source, got none; is the scene lit and in view?");
-  check_memory(job, light.sets());
-
-  const EncodeParams encoding = encoding_of(job);
   b.viewpoints = viewpoints(job.camera, job.render);
-  const int64_t holograms = int64_t(light.sets()) * job.trace.frames;
-  RepeatedStages repeat(holograms, most_states(job, b.viewpoints), repeated_calls(job, light, b.viewpoints), b.report,
-                        watch);
-  std::vector<CombinedViews> sums(b.viewpoints.size(),
-                                  CombinedViews(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths));
-  const Viewing viewing{job.slm, job.show, job.propagate, b.viewpoints};
-  double power_on_panel = 0;  // for the brightest hologram [W]; irradiances are relative to it
-  for (int frame = 0; frame < job.trace.frames; ++frame) {
-    std::vector<Field> fields = repeat("synthesize", [&](const Observer& o) {
-      return fields_of_frame(light, uint32_t(frame), panel, job.synthesize, o);
+  std::optional<SceneTargets> targets;
+  SceneLight light;
+  if (aims_at_scene(job)) {
+    targets = stage("focal stack", [&](const Observer& o) {
+      o.fact("seed", job.render.seed);
+      return trace_targets(job, o);
     });
-    for (size_t i = 0; i < fields.size(); ++i) {
-      b.holograms.push_back(repeat("encode", [&](const Observer& o) {
-        return encode(fields[i], job.slm, encoding, light.is_dark(i) ? Observer{} : o);  // tracing has warned already
-      }));
-      const double power = view_hologram(b.holograms.back(), viewing, repeat, sums);
-      if (b.holograms.size() == 1) power_on_panel = power;
-    }
-    if (frame == 0) b.fields = group_by_name(std::move(fields));
+    b.renders = targets->seen.pictures;
+  } else {
+    b.renders = make_renders(job, plan_renders(job), b.report, watch);
   }
+  b.stereo_renders = make_renders(job, plan_stereo_renders(job), b.report, watch);
+  if (!targets) light = stage("trace", [&](const Observer& o) { return trace_waves(job, o); });
+  const std::vector<double> wavelengths = targets ? job.wavelengths : wavelengths_of(light);
+  require(!wavelengths.empty(), "expected at least one source, got none; is the scene lit and in view?");
+  check_memory(job, wavelengths.size());
+
+  std::vector<Hologram> frames;
+  if (targets) frames = frames_of_scene(job, *targets, b.report, watch);
+  Showing showing(job, wavelengths, b, watch);
+  if (targets)
+    for (Hologram& frame : frames) showing.add(std::move(frame));
+  else
+    show_fields(job, light, b, showing);
+  const std::vector<CombinedViews>& sums = showing.sums;
   ViewSeries views = expose_series(b.viewpoints, sums, ViewKind::distance, job.camera);
   b.views = std::move(views.images);
   b.white = views.white;
   for (size_t d = 0; d < b.views.size(); ++d)
-    repeat.finish(b.viewpoints[d].stage, [&](const Observer& o) {
+    showing.repeat.finish(b.viewpoints[d].stage, [&](const Observer& o) {
       const Image& view = b.views[d];
-      const Image& render = b.renders[std::min(d, b.renders.size() - 1)];
       const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
-      const double incident = sums[d].relative_illumination() * power_on_panel;
-      report_metrics(reference_of(job, render, sums[d], view, b.viewpoints[d].distance), view,
-                     sums[d].mean_irradiance() * sensor / incident, o);
+      const double incident = sums[d].relative_illumination() * showing.power_on_panel;
+      report_metrics(reference_of(job, targets, b, d, sums[d]), view, sums[d].mean_irradiance() * sensor / incident, o);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
-  report_sweep(b.viewpoints, b.sweep, repeat);
+  report_sweep(b.viewpoints, b.sweep, showing.repeat);
   b.sources = std::move(light.sources);
   return b;
 }

@@ -222,7 +222,6 @@ SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavel
     }
   }
   report(counts, params.max_depth, observer);
-  observer.fact("planes", planes.distances.size());
   return views;
 }
 

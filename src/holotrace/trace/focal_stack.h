@@ -54,7 +54,8 @@ struct SceneViews {
 ///
 /// **Pixels without a path.** In a plane: the mean of the nearest pixels with paths (the smallest square around it that
 /// has any). In a cell's picture: the mean of the same pixel of the nearest cells (the smallest square of cells around
-/// it that has any). 0 if there are none.
+/// it that has any). 0 if there are none. With fewer paths than cells, light from neighbouring cells blurs the parallax:
+/// use one path per cell or more.
 ///
 /// **Luminous points.** A point at depth D is seen from the part of the panel (or of the cell) within T·D of it. Its
 /// light is spread evenly over the image of that part in the plane, |d − D|/D times as large, at least one pixel wide
@@ -66,7 +67,7 @@ struct SceneViews {
 /// @param wavelength  used for the acceptance [m]; colours do not depend on it
 /// @param planes      at least one plane, of the stack or of the light field
 /// @param params      paths, max_depth, clamp, path_expressions, background, accelerator and seed are used
-/// @param observer    receives the facts of `report`, and "planes"
+/// @param observer    receives the facts of `report`
 /// @return            three channels [W/m²/sr]
 /// @throws Error      as `render` does; for distances that are not above 0 or not finite, for no plane at all, for
 ///                    fewer cells than 1 × 1 or more than the panel has pixels, and if the memory does not suffice

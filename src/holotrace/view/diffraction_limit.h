@@ -2,6 +2,7 @@
 
 #include "holotrace/data/focal_stack.h"
 #include "holotrace/data/grid.h"
+#include "holotrace/data/image.h"
 
 namespace holotrace {
 
@@ -23,5 +24,14 @@ namespace holotrace {
 /// @param wavelength  [m]
 /// @throws Error      for a wavelength that is not above 0, or a panel without pixels, and as check_focal_stack
 void limit_to_panel(FocalStack& stack, const Grid& panel, double wavelength);
+
+/// The same for one picture that is seen through a pupil of diameter D, at the distance s from the pupil to the picture:
+///
+///     H(ν) = 2/π·(arccos u − u·√(1 − u²)),   u = |ν|·λ·s/D,   0 for u ≥ 1
+///
+/// The Airy pattern is its point spread function. Values below 0, from rounding, are set to 0.
+/// @param picture   one channel; changed in place
+/// @param pitch     of its pixels [m]
+void limit_to_pupil(Image& picture, double pitch, double wavelength, double distance, double diameter);
 
 }  // namespace holotrace

@@ -1,17 +1,11 @@
 #pragma once
 
-#include "holotrace/base/vec.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/light_field.h"
+#include "holotrace/data/pupil.h"
 
 namespace holotrace {
-
-/// The round entrance of an eye, parallel to the panel and in front of it.
-struct Pupil {
-  Vec3 centre;          ///< [m], z > 0
-  double diameter = 0;  ///< [m]
-};
 
 /// The picture that an eye sees through the panel.
 struct PupilPicture {

@@ -58,6 +58,7 @@ struct EncodeParams {
   double stop = 0;
   EncodeTarget target = EncodeTarget::field;  ///< what iterations aim at
   std::vector<double> target_distances{};     ///< iterations: distances of the target planes from the panel [m], ≥ 0
+  int planes = 8;                             ///< targets render, light-field: most planes of the program's own choice
   int target_columns = 0, target_rows = 0;    ///< part of those planes that the error counts, centred [pixels]; 0: all
   bool resample = false;                      ///< scale a target picture of another size to that part
   bool is_joint = false;                      ///< sgd: one hologram for all wavelengths
@@ -114,6 +115,9 @@ void describe(Visitor& v, EncodeParams& p) {
       "through the scene (render); that light and the views from anywhere before the panel (light-field)");
   v.lengths("target_distances", p.target_distances, range::not_negative,
             "iterations: distances of the target planes from the panel");
+  v.count(
+      "planes", p.planes, range::at_least(1),
+      "targets render and light-field: largest number of planes through the scene, where target_distances gives none");
   v.count("target_columns", p.target_columns, range::not_negative,
           "iterations, pictures: width in pixels of the part of a target plane that the error counts; 0: the panel's");
   v.count("target_rows", p.target_rows, range::not_negative,

@@ -291,23 +291,37 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   return frames.front();
 }
 
+namespace {
+
+// The light of the middle target plane with the phase 0, on the panel. One frame from such a start has little speckle.
+Field flat_start(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params) {
+  EncodeParams direct = params;
+  direct.method = Encoding::phase;
+  direct.iterations = 1;
+  direct.start = StartPhase::field;
+  return field_of_target(targets[targets.size() / 2], slm, direct);
+}
+
+}  // namespace
+
 std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                                     const EncodeParams& params, const Observer& observer) {
   check_iterations(targets.planes, slm, params, observer);
   require(params.method == Encoding::sgd, "expected the method sgd for frames that are found together, got \"{}\"",
           name_of(params.method));
   require(frames >= 1, "expected at least one frame, got {}", frames);
-  EncodeParams random = params;
-  random.start = StartPhase::random;
+  EncodeParams start_params = params;
+  if (frames > 1) start_params.start = StartPhase::random;  // equal starts would give equal frames
   std::vector<Hologram> holograms;
   const Slm known = with_effects(slm, params.effects);
+  Field start(slm.grid, wavelength);
+  if (start_params.start == StartPhase::field) start = flat_start(targets.planes, slm, params);
   for (int frame = 0; frame < frames; ++frame) {
-    Field start(slm.grid, wavelength);
     start.frame = uint32_t(frame);
     holograms.push_back(blank_hologram(start, slm, params, frame == 0 ? observer : Observer{}));
     const PhaseLevels levels(known, holograms.back().levels, wavelength);
     if (frame == 0) tell_phase_range(known, levels.range(), wavelength, observer);
-    write_phase_levels(start_pattern(start, random), false, levels, holograms.back().level);
+    write_phase_levels(start_pattern(start, start_params), false, levels, holograms.back().level);
   }
   if (is_dark(targets.planes, wavelength, observer)) {
     for (Hologram& hologram : holograms) hologram.illumination = 0;

@@ -78,14 +78,12 @@ class Colour {
     return light;
   }
 
-  // The scale that fits all planes that have had a turn.
-  void fit_scale() {
-    ModulusSums all;
-    for (const PlaneLight& light : lights) {
-      all.cross += light.sums.cross;
-      all.square += light.sums.square;
-    }
-    scale = all.square > 0 && all.cross > 0 ? all.cross / all.square : 1;
+  // The scale that fits the planes of the latest turns: the sums of each earlier turn count 0.7 times those of the next
+  // one, because the light in the planes grows while the frames are found.
+  void fit_scale(const ModulusSums& turn) {
+    recent_.cross = 0.7 * recent_.cross + turn.cross;
+    recent_.square = 0.7 * recent_.square + turn.square;
+    scale = recent_.square > 0 && recent_.cross > 0 ? recent_.cross / recent_.square : 1;
   }
 
   // Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor. Returns that sum.
@@ -102,11 +100,30 @@ class Colour {
     return error;
   }
 
+  // Adds the gradient of the error of one view, at the scale of the planes, as a fraction of the light of the views so
+  // far: bright and dim views then count by their light.
+  void add_view(const TargetPlane& view, double factor, const std::vector<Array2D<float>>& levels,
+                std::vector<Array2D<float>>& slopes) {
+    light_of_views_ += target_power(view);
+    ++views_;
+    if (light_of_views_ == 0) return;
+    const TargetWay way = way_to(view);
+    std::vector<std::vector<Field>> samples;
+    Array2D<float> shown = mean_light(way, &samples);
+    add_gradient(way, std::move(shown), samples, factor * views_ / light_of_views_, levels, slopes);
+  }
+
   // Error and sums of all planes for some levels.
   void judge(const std::vector<Array2D<float>>& levels) {
     leave(levels);
-    for (size_t k = 0; k < ways.size(); ++k) lights[k].sums = fit_sums(*ways[k].target, mean_light(ways[k], nullptr));
-    fit_scale();
+    ModulusSums all;
+    for (size_t k = 0; k < ways.size(); ++k) {
+      lights[k].sums = fit_sums(*ways[k].target, mean_light(ways[k], nullptr));
+      all.cross += lights[k].sums.cross;
+      all.square += lights[k].sums.square;
+    }
+    recent_ = {};
+    fit_scale(all);
     for (size_t k = 0; k < ways.size(); ++k)
       lights[k].error =
           target_power(*ways[k].target) - 2 * scale * lights[k].sums.cross + scale * scale * lights[k].sums.square;
@@ -127,6 +144,9 @@ class Colour {
  private:
   const Slm& slm_;
   const EncodeParams& params_;
+  ModulusSums recent_;
+  double light_of_views_ = 0;
+  int views_ = 0;
 
  public:
   DrivenPanel panel;
@@ -260,18 +280,26 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
   std::vector<double> convergence;
   for (int iteration = 0; iteration < iterations; ++iteration) {
     for (Array2D<float>& slope : slopes) std::fill(slope.values.begin(), slope.values.end(), 0.0F);
+    const bool is_view = targets.draw_view && iteration % 2 == 1;
     for (size_t c = 0; c < colours.size(); ++c) {
       Colour& colour = *colours[c];
       if (colour.power == 0) continue;
       colour.leave(levels);
+      if (is_view) {
+        colour.add_view(targets.draw_view(iteration, colour.wavelength), 1 / lit, levels, slopes);
+        continue;
+      }
       const std::vector<size_t> planes = turns[c].take();
       std::vector<Array2D<float>> light;
       std::vector<std::vector<std::vector<Field>>> samples(planes.size());
+      ModulusSums turn_sums;
       for (size_t i = 0; i < planes.size(); ++i) {
         light.push_back(colour.mean_light(colour.ways[planes[i]], &samples[i]));
-        colour.lights[planes[i]].sums = fit_sums(*colour.ways[planes[i]].target, light.back());
+        const ModulusSums sums = fit_sums(*colour.ways[planes[i]].target, light.back());
+        turn_sums.cross += sums.cross;
+        turn_sums.square += sums.square;
       }
-      colour.fit_scale();
+      colour.fit_scale(turn_sums);
       for (size_t i = 0; i < planes.size(); ++i)
         colour.lights[planes[i]].error =
             colour.add_gradient(colour.ways[planes[i]], std::move(light[i]), samples[i], part(colour), levels, slopes);

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "holotrace/base/observer.h"
+#include "holotrace/data/focal_stack.h"
+#include "holotrace/data/job.h"
+#include "holotrace/data/light_field.h"
+#include "holotrace/data/target.h"
+
+namespace holotrace {
+
+/// Whether the holograms of a job aim at the path-traced light of its scene, and not at the field of its waves.
+bool aims_at_scene(const Job& job);
+
+/// The path-traced light of a scene that its holograms are to show, from one tracing.
+struct SceneTargets {
+  FocalStack planes;                        ///< the target planes
+  FocalStack seen;                          ///< the planes that the camera looks at, its references
+  std::optional<LightField> light_field{};  ///< for views through pupils
+};
+
+/// Distances of the target planes: those of the job or, if it names none, planes through the depth of the scene, evenly
+/// spaced in 1/distance and one depth of focus 2λ(d/w)² apart, but at most `encode.planes`.
+/// @throws Error  for a scene without anything in the panel's window
+std::vector<double> target_distances_of(const Job& job);
+
+/// Traces the targets. Facts: those of trace_scene_views; `target_distances`, the number of planes.
+/// @throws Error  as trace_scene_views and target_distances_of do, and for a real image with the target light-field
+SceneTargets trace_targets(const Job& job, const Observer& observer = {});
+
+/// The targets of the holograms of one wavelength, with the blur of the panel's aperture (limit_to_panel).
+///
+/// Each plane has weight 1, and amplitude √L for the mean radiance L of a pixel. With a light field, a plane's light is
+/// that of the part of the panel that each pixel sees, as for the views through pupils: a² = L·A/A₀, A is the area of
+/// that part, A₀ the largest. The views are drawn at random for each update: the pupil's diameter between 2 and 4 mm, its
+/// place in the eyebox at the camera's eye (300 mm if it is on the panel), its plane among those of the stack; their
+/// light is a² = L·open·(D²π/4)/(d + e_z)²·d²/A₀, blurred by the pupil's diffraction.
+TargetSet targets_of(const SceneTargets& targets, const Job& job, double wavelength);
+
+/// The view through one pupil, focused on the plane at a distance [m], as targets_of describes it.
+/// @throws Error  unless the targets have a light field
+TargetPlane view_target(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance,
+                        double wavelength);
+
+/// What the camera should see in the plane that it looks at: the traced light with the blur of the panel's aperture, in
+/// the colours of the wavelengths.
+Image reference_of(const SceneTargets& targets, const Job& job, size_t plane, const std::vector<double>& wavelengths);
+
+}  // namespace holotrace

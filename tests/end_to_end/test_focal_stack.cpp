@@ -1,0 +1,59 @@
+// Focal stacks by the command line.
+
+#include <gtest/gtest.h>
+
+#include "end_to_end/scenes.h"
+#include "holotrace/io/field/focal_stack_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+std::string scene(const std::string& keys) { return scene_head() + points_object() + "[render]\npaths = 1\n" + keys; }
+
+TEST(FocalStacks, AreWrittenAsOneFileOrAsASeriesOfPictures) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0.0001, 0, -0.04}}}));
+  work.write("scene.toml", scene("focal_stack = \"30 mm, 40 mm\"\n"));
+  const Outcome outcome = work.run({"render", "scene.toml", "-o", "stack.h5"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.find("focal stack of 2 planes of 256 x 192 pixels: traced in "), 0u) << outcome.out;
+  const FocalStack stack = load_focal_stack(work.path("stack.h5"));
+  EXPECT_EQ(stack.distances, (std::vector<double>{0.03, 0.04}));
+  ASSERT_EQ(work.run({"render", "scene.toml", "-o", "s.exr"}).exit_code, 0);
+  for (const size_t k : {0, 1}) {
+    const Image image = load_image(work.path(k == 0 ? "s.exr" : "s_2.exr"));
+    EXPECT_EQ(image.values, stack.pictures[k].values) << "EXR holds floats";
+  }
+  // The flag replaces the scene's list. Of the two pictures of a shorter list, none is left over.
+  ASSERT_EQ(work.run({"render", "scene.toml", "-o", "s.exr", "--focal-stack", "35 mm"}).exit_code, 0);
+  EXPECT_FALSE(work.has("s_2.exr"));
+  EXPECT_NE(work.run({"info", "stack.h5"}).out.find("focal stack"), std::string::npos);
+  EXPECT_EQ(work.run({"-q", "render", "scene.toml", "-o", "p.png"}).out, "");
+  EXPECT_TRUE(work.has("p_2.png"));
+}
+
+TEST(FocalStacks, AreRefusedWithASentence) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.04}}}));
+  work.write("scene.toml", scene(""));
+  const auto error = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments{"render", "scene.toml"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const Outcome outcome = work.run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    return outcome.err;
+  };
+  EXPECT_NE(
+      error({"-o", "x.h5", "--focal-stack", "30, 0 mm"}).find("--focal-stack: expected a length above 0 m, got 0 m"),
+      std::string::npos);
+  EXPECT_NE(error({"-o", "x.h5", "--focal-stack", "30 mm", "--eye-separation", "6 mm"})
+                .find("expected one of focal_stack and eye_separation, got both; leave one out"),
+            std::string::npos);
+  EXPECT_NE(error({"-o", "x.h5"}).find("expected --focal-stack for a picture in .h5"), std::string::npos);
+  EXPECT_NE(error({"-o", "x.npy", "--focal-stack", "30 mm"}).find(".h5"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace holotrace::test
