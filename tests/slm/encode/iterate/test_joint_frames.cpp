@@ -119,12 +119,12 @@ TEST(JointFrames, MoreLevelsShowMore) {
   }
 }
 
-TEST(JointFrames, OneFrameIsAHologramFromARandomStart) {
+TEST(JointFrames, OneFrameIsTheHologramOfItsTargets) {
   const Slm slm = make_panel(96, 64);
   EncodeParams params = descent({0.01, 0.012}, 10);
+  params.start = StartPhase::random;
   const std::vector<TargetPlane> targets = picture_targets(slm, params);
   const std::vector<Hologram> frames = encode_frames({targets}, test_wavelength, 1, slm, params);
-  params.start = StartPhase::random;
   const Hologram hologram = encode_targets(targets, Field(slm.grid, test_wavelength), slm, params);
   EXPECT_EQ(frames.front().level.values, hologram.level.values);
   EXPECT_EQ(frames.front().illumination, hologram.illumination);
@@ -185,7 +185,9 @@ TEST(JointFrames, ZeroPlanesPerUpdateMeansAll) {
   EXPECT_EQ(run(targets, slm, params, 7).levels, all.levels);
   const Updates one = run(targets, slm, params, 1);
   EXPECT_NE(one.levels, all.levels);
-  EXPECT_NEAR(one.loss_first, all.loss_first, 1e-5 * all.loss_first);  // planes count before their first turn
+  // Planes count before their first turn; without them the loss would be a third. That of the plane in the first update
+  // is for a scale where this plane counts more than the others: 1 %.
+  EXPECT_NEAR(one.loss_first, all.loss_first, 0.01 * all.loss_first);
 }
 
 // Only one plane has any weight, so the loss changes with its turns alone. Each plane takes its turn once in each round,
@@ -216,6 +218,30 @@ TEST(JointFrames, EachPlaneHasItsTurnInEachRound) {
     EXPECT_EQ(sorted, (std::vector<size_t>{0, 1, 2, 3})) << "round " << r;
   }
   EXPECT_GT(orders.size(), 1u);
+}
+
+// The second, fourth, … update uses a view that is drawn for it. Planes are then seen in half of the updates only.
+TEST(JointFrames, EverySecondUpdateDrawsAView) {
+  const Slm slm = make_panel(128, 96);
+  EncodeParams params = descent({0.01}, 60);
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  TargetPlane view = targets.front();
+  view.pupil = Pupil{{1e-4, -5e-5, 0.02}, 4e-4};
+  std::vector<int> updates;
+  const auto draw = [&](int update, double wavelength) {
+    EXPECT_EQ(wavelength, test_wavelength);
+    updates.push_back(update);
+    return view;
+  };
+  const auto psnr = [&](std::vector<Hologram> frames) {  // of the view
+    Heard heard;
+    judge({view}, slm, params, heard.observer(), frames);
+    return heard.number("psnr_db");
+  };
+  const double without = psnr(encode_frames({targets}, test_wavelength, 2, slm, params));
+  EXPECT_GT(psnr(encode_frames({targets, draw}, test_wavelength, 2, slm, params)), without + 3);  // half the error
+  ASSERT_EQ(updates.size(), 30u);
+  for (int i = 0; i < 30; ++i) EXPECT_EQ(updates[size_t(i)], 2 * i + 1);
 }
 
 TEST(JointFrames, SayWhatIsWrong) {
