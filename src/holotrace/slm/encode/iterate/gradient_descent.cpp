@@ -82,11 +82,11 @@ class Colour {
     return light;
   }
 
-  // The scale that fits the planes of the latest turns: the sums of each earlier turn count 0.7 times those of the next
-  // one, because the light in the planes grows while the frames are found.
-  void fit_scale(const ModulusSums& turn) {
-    recent_.cross = 0.7 * recent_.cross + turn.cross;
-    recent_.square = 0.7 * recent_.square + turn.square;
+  // The scale that fits the planes of the latest turns: the sums of each earlier update count `memory` times those of
+  // the next one, because the light in the planes grows while the frames are found.
+  void fit_scale(const ModulusSums& turn, double memory) {
+    recent_.cross = memory * recent_.cross + turn.cross;
+    recent_.square = memory * recent_.square + turn.square;
     scale = recent_.square > 0 && recent_.cross > 0 ? recent_.cross / recent_.square : 1;
   }
 
@@ -154,8 +154,7 @@ class Colour {
       all.cross += lights[k].sums.cross;
       all.square += lights[k].sums.square;
     }
-    recent_ = {};
-    fit_scale(all);
+    fit_scale(all, 0);
     for (size_t k = 0; k < ways.size(); ++k)
       lights[k].error =
           target_power(*ways[k].target) - 2 * scale * lights[k].sums.cross + scale * scale * lights[k].sums.square;
@@ -336,7 +335,8 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
         turn_sums.cross += sums.cross;
         turn_sums.square += sums.square;
       }
-      colour.fit_scale(turn_sums);
+      // Of all planes, the sums need no others.
+      colour.fit_scale(turn_sums, std::min(0.7, 1 - double(planes.size()) / double(colour.ways.size())));
       for (size_t i = 0; i < planes.size(); ++i)
         colour.lights[planes[i]].error =
             colour.add_gradient(colour.ways[planes[i]], std::move(light[i]), samples[i], part(colour), levels, slopes);

@@ -25,8 +25,9 @@ namespace holotrace {
 /// unrounded drive (Bengio, Léonard and Courville, arXiv:1308.3432).
 ///
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
-/// random for each round. Errors and sums of a plane's last turn count for s and the loss. If targets.draw_view exists,
-/// every second iteration uses a view that it draws instead.
+/// random for each round. Errors of a plane's last turn count for the loss. s fits the planes of this update and, with
+/// weights that fall by 0.7 or more from update to update, those before. If targets.draw_view exists, every second
+/// iteration uses a view that it draws instead, at the scale of the planes; views count by their light.
 ///
 /// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine.
 ///

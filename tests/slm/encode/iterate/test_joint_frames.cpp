@@ -1,0 +1,272 @@
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "holotrace/slm/encode/iterate/gradient_descent.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/view/expose.h"
+#include "holotrace/view/sensor.h"
+#include "holotrace/wave/propagate/propagate.h"
+#include "support/targets.h"
+
+// Frames that are found together, measured by the virtual SLM and the sensor: the mean of their irradiances over the
+// pixels of a plane.
+
+namespace holotrace {
+namespace {
+
+EncodeParams descent(std::vector<double> distances, int iterations = 60) {
+  EncodeParams params{.method = Encoding::sgd, .target_distances = std::move(distances)};
+  params.target_columns = 96;
+  params.target_rows = 64;
+  params.iterations = iterations;
+  return params;
+}
+
+struct Seen {
+  double psnr;   // of the amplitude, at the best scale, relative to the largest wanted one [dB]
+  double scale;  // that scale: 1 if the light has the brightness that is wanted
+};
+
+Seen look(const TargetPlane& target, const std::vector<Hologram>& frames, const Slm& slm) {
+  std::vector<double> irradiance(target.amplitude.size());
+  for (const Hologram& frame : frames) {
+    const Field light = show(frame, slm, {.irradiance = frame.illumination});
+    const Field there = propagate(light, target.z, window_of(light.grid, 2, integration_rim));
+    const Image seen = mean_over_pixels(irradiance_of(there), 2, integration_rim, true);
+    for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] += double(seen.values[i]) / double(frames.size());
+  }
+  double wanted = 0, cross = 0, square = 0, pixels = 0, peak = 0;
+  for (size_t i = 0; i < irradiance.size(); ++i) {
+    if (target.weight.size() > 0 && target.weight.values[i] == 0) continue;
+    const double a = target.amplitude.values[i], v = std::sqrt(irradiance[i]);
+    wanted += a * a;
+    cross += a * v;
+    square += v * v;
+    pixels += 1;
+    peak = std::max(peak, a);
+  }
+  return {10 * std::log10(peak * peak * pixels / (wanted - cross * cross / square)), cross / square};
+}
+
+std::vector<std::vector<uint16_t>> levels_of(const std::vector<Hologram>& frames) {
+  std::vector<std::vector<uint16_t>> levels;
+  for (const Hologram& frame : frames) levels.emplace_back(frame.level.values.begin(), frame.level.values.end());
+  return levels;
+}
+
+TEST(JointFrames, FourReachWhatOneCannot) {
+  // Two planes of 96 × 64 pixels ask for as much as one frame of 128 × 96 has phases; four frames have four times as many.
+  // An error that is independent from frame to frame would fall by half: 3 dB in amplitude for each doubling. Here the
+  // frames correct each other: 26 and 38 dB measured.
+  const Slm slm = make_panel(128, 96);
+  const EncodeParams params = descent({0.009, 0.011});
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  const auto psnr = [&](int frames) {
+    const std::vector<Hologram> holograms = encode_frames({targets}, test_wavelength, frames, slm, params);
+    return std::min(look(targets[0], holograms, slm).psnr, look(targets[1], holograms, slm).psnr);
+  };
+  EXPECT_GT(psnr(4), psnr(1) + 8);
+}
+
+TEST(JointFrames, ShowPlanesBetweenTheTargets) {
+  // The light of the panel's band has a depth of focus of λ/NA² = 4p²/λ = 0.48 mm. A plane in the middle of two targets
+  // 0.2 mm apart is as good as they are: 39 dB measured. Aimed at one of them alone, it is not: 30 dB.
+  const Slm slm = make_panel(128, 96);
+  const EncodeParams both = descent({0.0099, 0.0101}), one = descent({0.0099});
+  const std::vector<TargetPlane> targets = picture_targets(slm, both);
+  TargetPlane between = targets[0];
+  between.z = -0.01;
+  const std::vector<Hologram> frames = encode_frames({targets}, test_wavelength, 4, slm, both);
+  const double at_targets = look(targets[0], frames, slm).psnr, psnr = look(between, frames, slm).psnr;
+  const double with_one =
+      look(between, encode_frames({picture_targets(slm, one)}, test_wavelength, 4, slm, one), slm).psnr;
+  EXPECT_GT(psnr, at_targets - 3);
+  EXPECT_GT(psnr, with_one + 3);
+}
+
+TEST(JointFrames, HaveTheBrightnessOfTheTarget) {
+  // Through pixels that let 0.9² of the light pass, with targets of any brightness. The light over pixels is integrated in
+  // two ways (target_propagation.h), which differ by the finest detail: 1 % of the amplitude.
+  const Slm slm = make_panel(128, 96, 256, 0.9);
+  const EncodeParams params = descent({0.01}, 30);
+  for (const float brightness : {1.0F, 300.0F}) {
+    std::vector<TargetPlane> targets = picture_targets(slm, params);
+    for (float& a : targets.front().amplitude.values) a *= std::sqrt(brightness);
+    const std::vector<Hologram> frames = encode_frames({targets}, test_wavelength, 2, slm, params);
+    EXPECT_EQ(frames[0].illumination, frames[1].illumination);
+    EXPECT_NEAR(look(targets.front(), frames, slm).scale, 1, 0.01) << brightness;
+  }
+}
+
+TEST(JointFrames, MoreLevelsShowMore) {
+  double before = 20;  // two levels: more than 20 dB
+  for (const int levels : {2, 4, 16, 256}) {
+    const Slm slm = make_panel(128, 96, levels);
+    const EncodeParams params = descent({0.009, 0.011});
+    const std::vector<TargetPlane> targets = picture_targets(slm, params);
+    const std::vector<Hologram> frames = encode_frames({targets}, test_wavelength, 4, slm, params);
+    for (const std::vector<uint16_t>& values : levels_of(frames)) {
+      EXPECT_EQ(std::set<uint16_t>(values.begin(), values.end()).size(), size_t(levels));  // all are used, and no other
+      EXPECT_LT(*std::max_element(values.begin(), values.end()), levels);
+    }
+    const double psnr = look(targets[0], frames, slm).psnr;
+    EXPECT_GT(psnr, before) << levels;
+    before = psnr;
+  }
+}
+
+TEST(JointFrames, OneFrameIsTheHologramOfItsTargets) {
+  const Slm slm = make_panel(96, 64);
+  EncodeParams params = descent({0.01, 0.012}, 10);
+  params.start = StartPhase::random;
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  const std::vector<Hologram> frames = encode_frames({targets}, test_wavelength, 1, slm, params);
+  const Hologram hologram = encode_targets(targets, Field(slm.grid, test_wavelength), slm, params);
+  EXPECT_EQ(frames.front().level.values, hologram.level.values);
+  EXPECT_EQ(frames.front().illumination, hologram.illumination);
+}
+
+TEST(JointFrames, TheMeanOfEqualFramesIsOneOfThem) {
+  const Slm slm = make_panel(96, 64);
+  const EncodeParams params = descent({0.01, 0.012}, 10);
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  const std::vector<Hologram> frames = encode_frames({targets}, test_wavelength, 2, slm, params);
+  EXPECT_NE(frames[0].level.values, frames[1].level.values);  // each has its own start
+  const auto psnr = [&](std::vector<Hologram> shown) {
+    Heard heard;
+    judge(targets, slm, params, heard.observer(), shown);
+    return heard.number("psnr_db");
+  };
+  EXPECT_NEAR(psnr({frames[0], frames[0], frames[0]}), psnr({frames[0]}), 1e-3);  // float
+  EXPECT_GT(psnr(frames), psnr({frames[0]}) + 1);  // independent errors would be 3 dB less
+}
+
+TEST(JointFrames, SameBytesOnAnyNumberOfThreads) {
+  const Slm slm = make_panel(96, 64);
+  const EncodeParams params = descent({0.01, 0.011, 0.012}, 8);
+  std::vector<TargetPlane> targets = picture_targets(slm, params);
+  targets.back().pupil = Pupil{{1e-4, 0, 0.02}, 3e-4};
+  std::vector<std::vector<std::vector<uint16_t>>> levels;
+  for (const size_t threads : {1, 3}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    levels.push_back(levels_of(encode_frames({targets}, test_wavelength, 3, slm, params)));
+  }
+  EXPECT_EQ(levels[0], levels[1]);
+}
+
+// What an optimisation with so many planes per update reports, and its levels.
+struct Updates {
+  double loss_first;
+  std::vector<double> convergence;
+  std::vector<std::vector<uint16_t>> levels;
+};
+
+Updates run(const std::vector<TargetPlane>& targets, const Slm& slm, EncodeParams params, int planes_per_update) {
+  params.planes_per_update = planes_per_update;
+  Updates run;
+  Heard heard;
+  Observer observer = heard.observer();
+  observer.on_curve = [&](const std::string&, const std::vector<double>& values) { run.convergence = values; };
+  run.levels = levels_of(encode_frames({targets}, test_wavelength, 2, slm, params, observer));
+  run.loss_first = heard.number("loss_first");
+  return run;
+}
+
+TEST(JointFrames, ZeroPlanesPerUpdateMeansAll) {
+  const Slm slm = make_panel(96, 64);
+  const EncodeParams params = descent({0.01, 0.011, 0.012}, 8);
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  const Updates all = run(targets, slm, params, 0);
+  EXPECT_EQ(run(targets, slm, params, 3).levels, all.levels);
+  EXPECT_EQ(run(targets, slm, params, 7).levels, all.levels);
+  const Updates one = run(targets, slm, params, 1);
+  EXPECT_NE(one.levels, all.levels);
+  // Planes count before their first turn; without them the loss would be a third. That of the plane in the first update
+  // is for a scale where this plane counts more than the others: 1 %.
+  EXPECT_NEAR(one.loss_first, all.loss_first, 0.01 * all.loss_first);
+}
+
+// Only one plane has any weight, so the loss changes with its turns alone. Each plane takes its turn once in each round,
+// no two at once, and not in the same order in all rounds.
+TEST(JointFrames, EachPlaneHasItsTurnInEachRound) {
+  constexpr size_t planes = 4, rounds = 6;
+  const Slm slm = make_panel(48, 32);
+  EncodeParams params{.method = Encoding::sgd, .target_distances = {0.008, 0.009, 0.01, 0.011}};
+  params.iterations = int(planes * rounds);
+  std::vector<std::vector<size_t>> order(rounds, std::vector<size_t>(planes, planes));
+  for (size_t k = 0; k < planes; ++k) {
+    std::vector<TargetPlane> targets = picture_targets(slm, params);
+    for (size_t other = 0; other < planes; ++other)
+      if (other != k) targets[other].weight = Array2D<float>(32, 48);
+    const std::vector<double> loss = run(targets, slm, params, 1).convergence;
+    for (size_t i = planes; i < planes * rounds;
+         ++i) {  // in the first round, the levels may still be those of the start
+      if (loss[i] == loss[i - 1]) continue;
+      EXPECT_EQ(order[i / planes][i % planes], planes) << "two planes in update " << i;
+      order[i / planes][i % planes] = k;
+    }
+  }
+  std::set<std::vector<size_t>> orders;
+  for (size_t r = 1; r < rounds; ++r) {
+    orders.insert(order[r]);
+    std::vector<size_t> sorted = order[r];
+    std::sort(sorted.begin(), sorted.end());
+    EXPECT_EQ(sorted, (std::vector<size_t>{0, 1, 2, 3})) << "round " << r;
+  }
+  EXPECT_GT(orders.size(), 1u);
+}
+
+// The second, fourth, … update uses a view that is drawn for it. Planes are then seen in half of the updates only.
+TEST(JointFrames, EverySecondUpdateDrawsAView) {
+  const Slm slm = make_panel(128, 96);
+  EncodeParams params = descent({0.01}, 60);
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  TargetPlane view = targets.front();
+  view.pupil = Pupil{{1e-4, -5e-5, 0.02}, 4e-4};
+  std::vector<int> updates;
+  const auto draw = [&](int update, double wavelength) {
+    EXPECT_EQ(wavelength, test_wavelength);
+    updates.push_back(update);
+    return view;
+  };
+  const auto psnr = [&](std::vector<Hologram> frames) {  // of the view
+    Heard heard;
+    judge({view}, slm, params, heard.observer(), frames);
+    return heard.number("psnr_db");
+  };
+  const double without = psnr(encode_frames({targets}, test_wavelength, 2, slm, params));
+  EXPECT_GT(psnr(encode_frames({targets, draw}, test_wavelength, 2, slm, params)), without + 3);  // half the error
+  ASSERT_EQ(updates.size(), 30u);
+  for (int i = 0; i < 30; ++i) EXPECT_EQ(updates[size_t(i)], 2 * i + 1);
+}
+
+TEST(JointFrames, SayWhatIsWrong) {
+  const Slm slm = make_panel(8, 6);
+  EncodeParams params{.method = Encoding::sgd, .target_distances = {0.001}};
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  EXPECT_EQ(error_of([&] { encode_frames({targets}, test_wavelength, 0, slm, params); }),
+            "expected at least one frame, got 0");
+  EXPECT_EQ(error_of([&] { encode_frames({}, test_wavelength, 2, slm, params); }),
+            "expected a target for the image, got none");
+  params.method = Encoding::gerchberg_saxton;
+  EXPECT_EQ(error_of([&] { encode_frames({targets}, test_wavelength, 2, slm, params); }),
+            "expected the method sgd for frames that are found together, got \"gerchberg-saxton\"");
+}
+
+TEST(JointFrames, ADarkTargetMakesDarkFrames) {
+  const Slm slm = make_panel(8, 6);
+  const EncodeParams params{.method = Encoding::sgd, .target_distances = {0.001}};
+  Heard heard;
+  const auto frames = encode_frames({targets_of_picture(Image(6, 8, 1), slm.grid, test_wavelength, params)},
+                                    test_wavelength, 2, slm, params, heard.observer());
+  ASSERT_EQ(frames.size(), 2u);
+  for (const Hologram& frame : frames) EXPECT_EQ(frame.illumination, 0);
+  EXPECT_EQ(heard.warnings.size(), 1u);
+}
+
+}  // namespace
+}  // namespace holotrace
