@@ -55,5 +55,41 @@ TEST(FocalStacks, AreRefusedWithASentence) {
   EXPECT_NE(error({"-o", "x.npy", "--focal-stack", "30 mm"}).find(".h5"), std::string::npos);
 }
 
+TEST(FocalStacks, BecomeFramesInColour) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0.0001, 0, -0.04}}}));
+  work.write("scene.toml", scene(""));
+  ASSERT_EQ(work.run({"render", "scene.toml", "-o", "stack.h5", "--focal-stack", "30 mm, 40 mm"}).exit_code, 0);
+  const Outcome outcome = work.run({"encode", "stack.h5", "--slm", "scene.toml", "--method", "sgd", "--wavelength",
+                                    "520 nm, 450 nm", "--frames", "2", "--iterations", "3", "-o", "h.png"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* name : {"h.png", "h_2.png", "h_3.png", "h_4.png"}) EXPECT_TRUE(work.has(name)) << name;
+  const auto error = [&](std::vector<std::string> flags) {
+    std::vector<std::string> arguments{"encode", "stack.h5", "-o", "x.png"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    return work.run(arguments).err;
+  };
+  EXPECT_NE(error({"--method", "sgd", "--slm", "scene.toml"}).find("has no wavelength; give --wavelength"),
+            std::string::npos);
+  EXPECT_NE(error({"--wavelength", "520 nm", "--slm", "scene.toml"}).find("expected --method sgd for the focal stack"),
+            std::string::npos);
+  EXPECT_NE(error({"--wavelength", "520 nm", "--method", "sgd"}).find("expected a focal stack of 1920 × 1080 pixels"),
+            std::string::npos);
+}
+
+TEST(FocalStacks, AreTheTargetsOfARun) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0.0001, 0, -0.04}}}));
+  work.write("scene.toml", scene("[encode]\nmethod = \"sgd\"\ntarget = \"render\"\niterations = 4\n[camera]\n"
+                                 "distances = \"40 mm\"\n"));
+  const Outcome outcome = work.run({"run", "scene.toml", "-o", "out", "--frames", "2"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* name : {"out/hologram.png", "out/hologram_2.png", "out/view.png", "out/render.png",
+                           "out/convergence.png", "out/report.json"})
+    EXPECT_TRUE(work.has(name)) << name;
+  EXPECT_FALSE(work.has("out/sources.ply"));
+  EXPECT_FALSE(work.has("out/hologram_3.png"));
+}
+
 }  // namespace
 }  // namespace holotrace::test

@@ -342,8 +342,8 @@ TEST(Encode, SaysWhatIsWrong) {
   Slm amplitude = slm;
   amplitude.modulation = Modulation::amplitude;
   EXPECT_EQ(error(good, amplitude, {}),
-            "expected an encoding for an amplitude panel, which \"test\" is, got \"phase\"; use \"amplitude\" or "
-            "\"off-axis\"");
+            "expected an encoding for an amplitude panel, which \"test\" is, got \"phase\"; use \"amplitude\", "
+            "\"off-axis\" or \"sgd\"");
   EXPECT_EQ(error(good, slm, {.method = Encoding::off_axis, .reference_ratio = 0}),
             "expected a number above 0 for \"reference_ratio\", got 0");
   // asin(λ/2p) = 1.905° at 532 nm and 8 µm (closed_forms.md 1); 0.05 rad is 2.865°.

@@ -77,6 +77,8 @@ Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
       if (params.binary_levels == BinaryLevels::phase) return Modulation::phase;
       if (params.binary_levels == BinaryLevels::amplitude) return Modulation::amplitude;
       return slm.modulation == Modulation::amplitude ? Modulation::amplitude : Modulation::phase;
+    case Encoding::sgd:
+      return slm.modulation == Modulation::amplitude ? Modulation::amplitude : Modulation::phase;
     default:
       return Modulation::phase;
   }
@@ -85,9 +87,11 @@ Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
 void check_panel(const Slm& slm, const EncodeParams& params, const Observer& observer) {
   const Modulation modulation = modulation_of(params, slm);
   const char* name = name_of(params.method);
-  require(modulation != Modulation::phase || slm.modulation != Modulation::amplitude,
-          "expected an encoding for an amplitude panel, which \"{}\" is, got \"{}\"; use \"amplitude\" or \"off-axis\"",
-          slm.name, name);
+  require(
+      modulation != Modulation::phase || slm.modulation != Modulation::amplitude,
+      "expected an encoding for an amplitude panel, which \"{}\" is, got \"{}\"; use \"amplitude\", \"off-axis\" or "
+      "\"sgd\"",
+      slm.name, name);
   require(modulation != Modulation::complex || slm.modulation == Modulation::complex,
           "expected an encoding for a panel that modulates only phase or only amplitude, as \"{}\" is, got "
           "\"{}\"; use \"double-phase\" or \"off-axis\", or a panel whose modulation is complex",
@@ -242,6 +246,14 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 
 namespace {
 
+// Writes the start of gradient descent: the pattern's phase or, on a panel of amplitudes, its real part between 0 and 1.
+void write_start(const Array2D<std::complex<float>>& pattern, const PhaseLevels& levels, Hologram& hologram) {
+  if (hologram.modulation != Modulation::amplitude) return write_phase_levels(pattern, false, levels, hologram.level);
+  for (size_t i = 0; i < pattern.size(); ++i)
+    hologram.level.values[i] =
+        uint16_t(std::lround((hologram.levels - 1) * std::clamp((1 + pattern.values[i].real()) / 2, 0.0F, 1.0F)));
+}
+
 // Checks what all iterations need, and reports what the levels compensate.
 void check_iterations(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
                       const Observer& observer) {
@@ -276,10 +288,11 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   }
   const Slm known = with_effects(slm, params.effects);
   const PhaseLevels levels(known, frames.front().levels, start.wavelength);
-  tell_phase_range(known, levels.range(), start.wavelength, observer);
+  const bool is_amplitude = frames.front().modulation == Modulation::amplitude;
+  if (!is_amplitude) tell_phase_range(known, levels.range(), start.wavelength, observer);
   Array2D<std::complex<float>> pattern = start_pattern(start, params);
   if (params.method == Encoding::sgd) {
-    write_phase_levels(pattern, false, levels, frames.front().level);
+    write_start(pattern, levels, frames.front());
     descend({targets}, known, params, observer, frames);
   } else {
     write_phase_levels(project_in_turn(targets, std::move(pattern), slm, params, observer), false, levels,
@@ -320,8 +333,9 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
     start.frame = uint32_t(frame);
     holograms.push_back(blank_hologram(start, slm, params, frame == 0 ? observer : Observer{}));
     const PhaseLevels levels(known, holograms.back().levels, wavelength);
-    if (frame == 0) tell_phase_range(known, levels.range(), wavelength, observer);
-    write_phase_levels(start_pattern(start, start_params), false, levels, holograms.back().level);
+    if (frame == 0 && holograms.back().modulation != Modulation::amplitude)
+      tell_phase_range(known, levels.range(), wavelength, observer);
+    write_start(start_pattern(start, start_params), levels, holograms.back());
   }
   if (is_dark(targets.planes, wavelength, observer)) {
     for (Hologram& hologram : holograms) hologram.illumination = 0;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
@@ -27,6 +28,9 @@ struct PlaneLight {
   ModulusSums sums;
   double error = 0;
 };
+
+// What the power of some samples is multiplied by to give the mean irradiance of a pixel.
+double part_of_light(SampleGroup group) { return group == SampleGroup::all ? 1 : 2; }
 
 // A target and the way to it.
 struct TargetWay {
@@ -71,12 +75,20 @@ class Colour {
     for (size_t m = 0; m < levels.size(); ++m) panel.leave(levels[m], u[m]);
   }
 
+  // The samples that an update uses. Many frames take the diagonals of the pixels in turn: the update then takes 0.6 of
+  // the time, and the frames lose less than 1 dB; few frames lose more.
+  SampleGroup group_of(uint64_t round) const {
+    constexpr size_t many = 4;
+    if (u.size() < many || params_.subpixels > 1) return SampleGroup::all;
+    return round % 2 == 0 ? SampleGroup::falling : SampleGroup::rising;
+  }
+
   // The mean irradiance of the frames in a target plane, and on request the samples of each frame.
-  Array2D<float> mean_light(const TargetWay& way, std::vector<std::vector<Field>>* samples) const {
+  Array2D<float> mean_light(const TargetWay& way, SampleGroup group, std::vector<std::vector<Field>>* samples) const {
     Array2D<float> light(slm_.grid.ny, slm_.grid.nx);
     for (const Field& frame : u) {
-      std::vector<Field> shown = way.propagation.to_plane(frame);
-      add_power(shown, 1 / double(u.size()), light);
+      std::vector<Field> shown = way.propagation.to_plane(frame, group);
+      add_power(shown, part_of_light(group) / double(u.size()), light);
       if (samples) samples->push_back(std::move(shown));
     }
     return light;
@@ -91,15 +103,16 @@ class Colour {
   }
 
   // Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor. Returns that sum.
-  double add_gradient(const TargetWay& way, Array2D<float> light, std::vector<std::vector<Field>>& samples,
-                      double factor, const std::vector<Array2D<float>>& levels,
-                      std::vector<Array2D<float>>& slopes) const {
+  double add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light,
+                      std::vector<std::vector<Field>>& samples, double factor,
+                      const std::vector<Array2D<float>>& levels, std::vector<Array2D<float>>& slopes) const {
     const double error = scale * scale * leave_residual(*way.target, 1 / scale, light);
     for (size_t m = 0; m < samples.size(); ++m) {
       multiply(light, samples[m]);
-      const Field back = way.propagation.to_panel(samples[m]);
+      const Field back = way.propagation.to_panel(samples[m], group);
       samples[m].clear();
-      panel.add_slope(levels[m], u[m], back, -2 * scale * scale * factor / double(samples.size()), slopes[m]);
+      panel.add_slope(levels[m], u[m], back,
+                      -2 * scale * scale * factor * part_of_light(group) / double(samples.size()), slopes[m]);
     }
     return error;
   }
@@ -150,7 +163,7 @@ class Colour {
     leave(levels);
     ModulusSums all;
     for (size_t k = 0; k < ways.size(); ++k) {
-      lights[k].sums = fit_sums(*ways[k].target, mean_light(ways[k], nullptr));
+      lights[k].sums = fit_sums(*ways[k].target, mean_light(ways[k], SampleGroup::all, nullptr));
       all.cross += lights[k].sums.cross;
       all.square += lights[k].sums.square;
     }
@@ -238,9 +251,15 @@ class Turns {
     next_ = planes;
   }
 
+  // Number of rounds that have begun.
+  uint64_t round() const { return round_; }
+
   std::vector<size_t> take() {
     std::vector<size_t> planes;
-    if (per_update_ == order_.size()) return order_;
+    if (per_update_ == order_.size()) {
+      ++round_;
+      return order_;
+    }
     while (planes.size() < per_update_) {
       if (next_ == order_.size()) shuffle();
       planes.push_back(order_[next_++]);
@@ -260,6 +279,15 @@ class Turns {
   uint64_t seed_, round_ = 0;
 };
 
+// Transfer functions and targets of the planes; drive, moments, slope, light and samples of the frames.
+void require_memory_for(size_t planes, size_t frames, const Grid& grid, const EncodeParams& params) {
+  const double fine = double(params.subpixels) * params.subpixels, samples = params.subpixels > 1 ? fine : 4;
+  const double of_plane = 4 + 16 * fine, of_frame = 20 + 8 * fine + 8 * samples;
+  require_memory(double(grid.pixels()) * (of_plane * double(planes) + of_frame * double(frames)),
+                 fmt::format("gradient descent for {} frame(s) of {} × {} pixels and {} target plane(s)", frames,
+                             grid.nx, grid.ny, planes));
+}
+
 // Drive of a frame, and what Adam remembers of it.
 struct Drive {
   Array2D<float> level, mean, square;
@@ -276,11 +304,10 @@ void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Encode
   tell_quality(colours, observer, frames);
 }
 
-static double view_weight() { return getenv("VW") ? atof(getenv("VW")) : 1; }
-
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
              std::vector<Hologram>& frames) {
   const int iterations = iterations_of(params);
+  require_memory_for(targets.planes.size(), frames.size(), slm.grid, params);
   const Colours colours = colours_of(targets.planes, slm, params, frames.front());
   // Each colour is weighted by its own light, so that dim colours count as much as bright ones; dark ones do not count.
   double lit = 0;
@@ -318,19 +345,16 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
       if (colour.power == 0) continue;
       colour.leave(levels);
       if (is_view) {
-        const double error =
-            colour.add_views(targets.draw_views(iteration, colour.wavelength), view_weight() / lit, levels, slopes);
-        if (getenv("VW"))
-          fprintf(stderr, "views %d %.2f dB  scale %.4f loss %.2f\n", iteration, -10 * log10(error), colour.scale,
-                  -10 * log10(loss()));
+        colour.add_views(targets.draw_views(iteration, colour.wavelength), 1 / lit, levels, slopes);
         continue;
       }
       const std::vector<size_t> planes = turns[c].take();
+      const SampleGroup group = colour.group_of(turns[c].round());
       std::vector<Array2D<float>> light;
       std::vector<std::vector<std::vector<Field>>> samples(planes.size());
       ModulusSums turn_sums;
       for (size_t i = 0; i < planes.size(); ++i) {
-        light.push_back(colour.mean_light(colour.ways[planes[i]], &samples[i]));
+        light.push_back(colour.mean_light(colour.ways[planes[i]], group, &samples[i]));
         const ModulusSums sums = fit_sums(*colour.ways[planes[i]].target, light.back());
         turn_sums.cross += sums.cross;
         turn_sums.square += sums.square;
@@ -338,8 +362,8 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
       // Of all planes, the sums need no others.
       colour.fit_scale(turn_sums, std::min(0.7, 1 - double(planes.size()) / double(colour.ways.size())));
       for (size_t i = 0; i < planes.size(); ++i)
-        colour.lights[planes[i]].error =
-            colour.add_gradient(colour.ways[planes[i]], std::move(light[i]), samples[i], part(colour), levels, slopes);
+        colour.lights[planes[i]].error = colour.add_gradient(colour.ways[planes[i]], group, std::move(light[i]),
+                                                             samples[i], part(colour), levels, slopes);
     }
     convergence.push_back(loss());
     const double fall = (1 + std::cos(pi * iteration / iterations)) / 2, t = iteration + 1;

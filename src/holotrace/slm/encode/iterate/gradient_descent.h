@@ -25,19 +25,19 @@ namespace holotrace {
 /// unrounded drive (Bengio, Léonard and Courville, arXiv:1308.3432).
 ///
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
-/// random for each round. Errors of a plane's last turn count for the loss. s fits the planes of this update and, with
-/// weights that fall by 0.7 or more from update to update, those before. If targets.draw_view exists, every second
-/// iteration uses a view that it draws instead, at the scale of the planes; views count by their light.
+/// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, every second
+/// iteration uses the views that it draws instead, and the error is relative to their own light. With four or more
+/// frames, planes use the samples on one diagonal of the pixels in one round, and on the other in the next.
 ///
 /// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine.
 ///
 /// @param targets  target planes of one wavelength or, for one hologram in several colours, of several
 /// @param slm      panel with the effects that are on
 /// @param frames   their levels M, modulation and wavelength are used; their `level` is the start, and then the result
-/// @throws Error   for a number of iterations or a step size below 0
+/// @throws Error   for a number of iterations or a step size below 0, and if the memory does not suffice
 /// Facts: `iterations`, `loss_first`, `loss_last` (f), and those of judge. Curve: `convergence`, the loss
 /// before each iteration, and that of the final levels. Cost: two propagations per frame, plane and iteration and, with
-/// effects, the panel model forward and back. Memory: 40 bytes per pixel and frame.
+/// effects, the panel model forward and back. Memory: 60 bytes per pixel and frame, 20 per pixel and plane.
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
              std::vector<Hologram>& frames);
 

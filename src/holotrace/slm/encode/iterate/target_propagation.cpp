@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "holotrace/base/error.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
 #include "holotrace/wave/propagate/adjoint.h"
@@ -11,7 +12,7 @@
 namespace holotrace {
 namespace {
 
-std::vector<Vec2> shifts_of(PixelSamples samples) {
+std::vector<Vec2> places_of(PixelSamples samples) {
   switch (samples) {
     case PixelSamples::middle:
       return {{0, 0}};
@@ -54,7 +55,7 @@ PropagateParams to_window(const Grid& grid) {
 }  // namespace
 
 TargetPropagation::TargetPropagation(const Slm& slm, double wavelength, double z, const TargetOptics& optics)
-    : shifts_(shifts_of(optics.samples)) {
+    : shifts_(places_of(optics.samples)) {
   const Grid grid = finer(slm.grid, optics.subpixels);
   const double samples = double(shifts_.size()) * optics.subpixels * optics.subpixels;
   const double scale = std::pow(samples, -0.25);  // along each axis: T holds 1/√samples
@@ -88,22 +89,29 @@ TargetPropagation::TargetPropagation(const Slm& slm, double wavelength, double z
   }
 }
 
-std::vector<Field> TargetPropagation::to_plane(const Field& panel) const {
+std::vector<Vec2> TargetPropagation::shifts_of(SampleGroup group) const {
+  if (group == SampleGroup::all) return shifts_;
+  require(shifts_.size() == 4, "expected four samples per pixel for a group of them, got {}", shifts_.size());
+  return group == SampleGroup::falling ? std::vector{shifts_[0], shifts_[3]} : std::vector{shifts_[1], shifts_[2]};
+}
+
+std::vector<Field> TargetPropagation::to_plane(const Field& panel, SampleGroup group) const {
   Field at_pupil;
   if (to_pupil_) {
     at_pupil = convolve(panel, *to_pupil_, {});
     multiply_by_real(disc_.values.data(), at_pupil.samples.values.data(), disc_.size());
   }
   std::vector<ConvolutionLink<float>> links;
-  for (const Vec2& shift : shifts_) links.push_back({&there_, false, shift.x, shift.y});
+  for (const Vec2& shift : shifts_of(group)) links.push_back({&there_, false, shift.x, shift.y});
   return convolve_to_many(to_pupil_ ? at_pupil : panel, links);
 }
 
-Field TargetPropagation::to_panel(const std::vector<Field>& plane) const {
+Field TargetPropagation::to_panel(const std::vector<Field>& plane, SampleGroup group) const {
+  const std::vector<Vec2> shifts = shifts_of(group);
   std::vector<ConvolutionLink<float>> links;
   std::vector<const Field*> fields;
   for (size_t i = 0; i < plane.size(); ++i) {
-    links.push_back({back_ ? &*back_ : &there_, !back_, -shifts_[i].x, -shifts_[i].y});
+    links.push_back({back_ ? &*back_ : &there_, !back_, -shifts[i].x, -shifts[i].y});
     fields.push_back(&plane[i]);
   }
   Field back = convolve_to_sum(fields, links);

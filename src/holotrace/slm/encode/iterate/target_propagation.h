@@ -25,6 +25,10 @@ enum class PixelSamples {
   four       ///< four, at (±p/4, ±p/4) and (±p/4, ∓p/4): with those of all pixels a grid of pitch p/2
 };
 
+/// Which of the samples of PixelSamples::four are taken: all of them, or those on one diagonal of the pixel. Σ|v|² over a
+/// diagonal is half of the mean irradiance.
+enum class SampleGroup { all, falling, rising };
+
 /// What the light passes between the panel and the samples of a target plane.
 struct TargetOptics {
   PixelAperture aperture = PixelAperture::included;
@@ -48,12 +52,14 @@ class TargetPropagation {
   TargetPropagation(const Slm& slm, double wavelength, double z, const TargetOptics& optics = {});
 
   /// The samples: one field for each place in a pixel.
-  std::vector<Field> to_plane(const Field& panel) const;
+  std::vector<Field> to_plane(const Field& panel, SampleGroup group = SampleGroup::all) const;
 
   /// The adjoint.
-  Field to_panel(const std::vector<Field>& plane) const;
+  Field to_panel(const std::vector<Field>& plane, SampleGroup group = SampleGroup::all) const;
 
  private:
+  std::vector<Vec2> shifts_of(SampleGroup group) const;
+
   std::vector<Vec2> shifts_;                                // of the samples from the pixels' middles [samples]
   Propagator<float> there_;                                 // to the plane, or from the pupil to the plane
   std::optional<Propagator<float>> back_;                   // with a pupil: its adjoint, …

@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/run/pipeline.h"
+#include "holotrace/run/quality.h"
+#include "holotrace/run/scene_targets.h"
+#include "support/panels.h"
+
+namespace holotrace {
+namespace {
+
+// A luminous square of side 0.3 mm at 20 mm, and one of side 0.4 mm behind it at 24 mm, displaced sideways.
+Job two_squares() {
+  Job job;
+  job.wavelengths = {test_wavelength};
+  job.slm = make_panel(160, 120);
+  Material lamp;
+  lamp.emission = {1, 1, 1};
+  job.scene.materials = {lamp};
+  const auto square = [](double x, double depth, double side) {
+    Mesh mesh;
+    const double h = side / 2;
+    mesh.positions = {{x - h, -h, -depth}, {x + h, -h, -depth}, {x + h, h, -depth}, {x - h, h, -depth}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return mesh;
+  };
+  job.scene.meshes = {square(-2e-4, 0.02, 3e-4), square(2.5e-4, 0.024, 4e-4)};
+  job.encode.method = Encoding::sgd;
+  job.encode.target = EncodeTarget::render;
+  job.render.paths = 16;
+  job.camera.distances = {0.02};
+  return job;
+}
+
+TEST(SceneTargets, PlanesGoThroughTheDepthOfTheScene) {
+  Job job = two_squares();
+  job.encode.planes = 3;
+  const std::vector<double> distances = target_distances_of(job);
+  ASSERT_EQ(distances.size(), 3u);
+  EXPECT_NEAR(distances[0], 0.02, 1e-9);
+  EXPECT_NEAR(distances[2], 0.024, 1e-9);
+  EXPECT_NEAR(1 / distances[1], (1 / 0.02 + 1 / 0.024) / 2, 1e-6);  // evenly spaced in 1/distance
+  // The squares are 8.33/m apart in 1/distance; a depth of focus is 2λ/w² with w = 1.28 mm, 0.649/m: 13 steps, 14 planes.
+  job.encode.planes = 100;
+  EXPECT_EQ(target_distances_of(job).size(), 14u);
+  job.encode.target_distances = {0.021};
+  EXPECT_EQ(target_distances_of(job), (std::vector<double>{0.021}));
+  job.encode.target_distances = {};
+  job.scene = {};
+  EXPECT_THROW(target_distances_of(job), Error);
+}
+
+TEST(SceneTargets, AmplitudeIsTheRootOfTheRadiance) {
+  Job job = two_squares();
+  job.encode.target_distances = {0.02, 0.024};
+  const SceneTargets targets = trace_targets(job);
+  const TargetSet set = targets_of(targets, job, test_wavelength);
+  ASSERT_EQ(set.planes.size(), 2u);
+  EXPECT_EQ(set.planes[0].z, -0.02);
+  EXPECT_FALSE(set.draw_views);
+  // In the middle of the near square, 19 pixels from its edges, there is its radiance of 1 but for the light that the
+  // aperture diffracts beyond the edges: 1/(2π²·19·c) of each of four edges, c = w/λd = 0.98 cycles per pixel: 1 %.
+  const Grid& grid = job.slm.grid;
+  const int column = int(std::lround((-2e-4 - grid.x(0)) / grid.pitch));
+  EXPECT_NEAR(set.planes[0].amplitude(60, column), 1, 0.02);
+  EXPECT_LT(set.planes[0].amplitude(5, column), 0.1);  // above the square
+}
+
+TEST(SceneTargets, ViewsSendTheLightOfTheirPupil) {
+  // Pupils side by side over the eye's window pass part of the light that the planes have; none more than all.
+  Job job = two_squares();
+  job.encode.target = EncodeTarget::light_field;
+  job.encode.target_distances = {0.02};
+  job.camera.eye.z = 0.3;
+  const SceneTargets targets = trace_targets(job);
+  const TargetSet set = targets_of(targets, job, test_wavelength);
+  ASSERT_TRUE(set.draw_views);
+  const ViewTargets views = set.draw_views(1, test_wavelength);
+  ASSERT_EQ(views.amplitudes.size(), views.pupils.size());
+  ASSERT_FALSE(views.pupils.empty());
+  for (const Pupil& pupil : views.pupils) {
+    EXPECT_EQ(pupil.centre.z, 0.3);
+    EXPECT_GE(pupil.diameter, 2e-3);
+    EXPECT_LE(pupil.diameter, 4e-3);
+  }
+  // In the middle of the near square: a 2 mm pupil at 300 mm is a disc of 2 mm·20/320 = 0.125 mm on the panel, 0.0100 of
+  // the 1.28 × 0.96 mm that a place on the axis sees. The pupil's Airy radius is 0.104 mm, so about 7 % of the light of a
+  // square of 0.3 mm is missing in its middle, and there is as much uncertainty in that.
+  const TargetPlane view = view_target(targets, job, {{0, 0, 0.3}, 2e-3}, 0.02, test_wavelength);
+  const Grid& grid = job.slm.grid;
+  const int column = int(std::lround((-2e-4 - grid.x(0)) / grid.pitch));
+  EXPECT_NEAR(std::pow(view.amplitude(60, column), 2), 0.0100 * 0.93, 0.0007);
+  // Its plane: the part of the panel within 0.665 mm of that place is 1.105 mm wide.
+  EXPECT_NEAR(std::pow(set.planes[0].amplitude(60, column), 2), 1.105 / 1.28, 0.03);
+}
+
+TEST(SceneTargets, RunShowsTheTracedLight) {
+  Job job = two_squares();
+  job.encode.iterations = 40;
+  job.trace.frames = 4;
+  const Boxes boxes = run(job);
+  EXPECT_EQ(boxes.holograms.size(), 4u);
+  EXPECT_TRUE(boxes.sources.empty());
+  EXPECT_TRUE(boxes.fields.empty());
+  EXPECT_EQ(boxes.report.stages.front().stage, "focal stack");
+  const auto psnr = [](const Boxes& shown) {  // of the view
+    for (const StageReport& stage : shown.report.stages)
+      for (const auto& [name, value] : stage.facts)
+        if (stage.stage.starts_with("look") && name == "psnr_db") return std::get<double>(value);
+    return 0.0;
+  };
+  job.encode.iterations = 1;                   // random phases
+  EXPECT_GT(psnr(boxes), psnr(run(job)) + 6);  // a quarter of the error, or less
+}
+
+TEST(Quality, ChoosesWhatIsNotGiven) {
+  Job job = two_squares();
+  EXPECT_EQ(with_quality(job).encode.iterations, 0);
+  job.encode.quality = Quality::good;
+  EXPECT_EQ(with_quality(job).trace.frames, 8);
+  EXPECT_EQ(with_quality(job).encode.planes, 10);
+  EXPECT_EQ(with_quality(job).encode.iterations, 150);
+  job.encode.iterations = 7;
+  job.trace.frames = 3;
+  job.encode.planes = 2;
+  const Job chosen = with_quality(job);
+  EXPECT_EQ(chosen.encode.iterations, 7);
+  EXPECT_EQ(chosen.trace.frames, 3);
+  EXPECT_EQ(chosen.encode.planes, 2);
+  job.encode.target = EncodeTarget::field;
+  job.encode.iterations = 0;
+  EXPECT_EQ(with_quality(job).encode.iterations, 0);
+}
+
+TEST(SceneTargets, RefuseStacksOfAnotherPanel) {
+  FocalStack stack{{8, 6, 8e-6}, {0.3}, {Image(6, 8, 1)}};
+  const auto error = [&](const Grid& panel) {
+    try {
+      targets_of_stack(stack, panel, test_wavelength, ImageSide::virtual_image);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(error({8, 6, 8e-6}), "");
+  EXPECT_NE(error({10, 6, 8e-6}).find("expected a focal stack of 10 × 6 pixels, as many as the panel has, got 8 × 6"),
+            std::string::npos);
+  EXPECT_NE(error({8, 6, 4e-6}).find("expected a focal stack with the panel's pitch 4 µm, got 8 µm"), std::string::npos)
+      << error({8, 6, 4e-6});
+}
+
+}  // namespace
+}  // namespace holotrace
