@@ -1,0 +1,272 @@
+#include "holotrace/calibrate/fit_panel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <set>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/calibrate/least_squares.h"
+#include "holotrace/calibrate/measured_panel.h"
+#include "holotrace/calibrate/patterns.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/view/register/register.h"
+
+namespace holotrace {
+namespace {
+
+constexpr size_t least_levels = 3;
+constexpr double least_correlation = 0.5;  // of a photograph that shows its pattern, before the last fit
+constexpr int first_iterations = 12;
+constexpr double curvature_reach = 6, curvature_step = 0.4;  // of the search [rad rms]
+
+void check_inputs(const CalibrationPlan& plan, const std::vector<Image>& photographs) {
+  require(!plan.patterns.empty(), "expected a plan with test patterns, got none");
+  require(plan.patterns.size() == photographs.size(), "expected a photograph for each of {} patterns, got {}",
+          plan.patterns.size(), photographs.size());
+  std::set<int> levels;
+  bool has_spots = false;
+  for (size_t i = 0; i < photographs.size(); ++i) {
+    const TestPattern& pattern = plan.patterns[i];
+    const Hologram& first = plan.patterns.front().hologram;
+    require(pattern.hologram.slm.has_value(),
+            "{}: expected a pattern with the panel it was made for, got none; write "
+            "the patterns again",
+            pattern.name);
+    require(
+        pattern.hologram.grid == first.grid && pattern.hologram.wavelength == first.wavelength &&
+            pattern.hologram.levels == first.levels && pattern.hologram.modulation == Modulation::phase,
+        "{}: expected a phase pattern for the same panel and wavelength as {}, got another; write the patterns again",
+        pattern.name, plan.patterns.front().name);
+    require(
+        photographs[i].nx == photographs.front().nx && photographs[i].ny == photographs.front().ny,
+        "{}: expected a photograph of {} × {} pixels, as that of {}, got {} × {}; take all with one camera that does "
+        "not move, and do not crop them",
+        pattern.name, photographs.front().nx, photographs.front().ny, plan.patterns.front().name, photographs[i].nx,
+        photographs[i].ny);
+    has_spots |= pattern.kind == PatternKind::spots;
+    for (const uint16_t level : pattern.hologram.level.values) levels.insert(level);
+  }
+  require(has_spots,
+          "expected a pattern of the kind \"spots\", which shows where the camera is, got none; write the "
+          "patterns again");
+  require(levels.size() >= least_levels,
+          "expected patterns with at least {} levels, got {}; write patterns with more "
+          "measured levels",
+          least_levels, levels.size());
+}
+
+Channel channel_of(const Image& photograph, bool is_mirrored) {
+  Channel channel = mean_of_channels(photograph);
+  if (is_mirrored)
+    for (int j = 0; j < channel.ny; ++j) std::reverse(&channel(j, 0), &channel(j, 0) + channel.nx);
+  return channel;
+}
+
+Image image_of(const Channel& channel) {
+  Image image(channel.ny, channel.nx, 1);
+  image.values = channel.values;
+  return image;
+}
+
+// From places in the photograph (u right, v down) to places in the window.
+Similarity camera_of(const Registration& r) {
+  const double c = std::cos(r.rotation) / r.scale, s = std::sin(r.rotation) / r.scale;
+  // In (u, v) the registration is q = scale·R(−rotation)·p + (shift_x, −shift_y); this is its inverse.
+  return {c, s, -(c * r.shift_x - s * -r.shift_y), -(s * r.shift_x + c * -r.shift_y)};
+}
+
+class PanelSearch {
+ public:
+  PanelSearch(const CalibrationPlan& plan, const CalibrateParams& params, const Observer& observer)
+      : plan_(plan),
+        params_(params),
+        observer_(observer),
+        bench_(make_basis(plan.patterns, params), plan.distance),
+        unknowns_(first_guess(bench_.basis(), *plan.patterns.front().hologram.slm, plan.patterns.size())) {}
+
+  PanelFit find(const std::vector<Image>& photographs) {
+    place_camera(photographs);
+    search_curve();
+    search_curvature();
+    const FitResult result = fit_all();
+    return measured_panel(bench_.basis(), *plan_.patterns.front().hologram.slm, unknowns_, result, names(),
+                          correlations(), bench_.window());
+  }
+
+ private:
+  std::vector<Exposure> of_kind(PatternKind kind) const {
+    std::vector<Exposure> chosen;
+    for (const Exposure& exposure : exposures_)
+      if (plan_.patterns[exposure.number].kind == kind) chosen.push_back(exposure);
+    return chosen;
+  }
+
+  void add(std::vector<Unknown>& free, UnknownKind kind, size_t count, size_t first = 0) const {
+    for (size_t k = first; k < count; ++k) free.push_back({kind, k});
+  }
+
+  // Camera, light and wavefront; the curvature only if `whole`, since spots alone do not tell it from the camera's scale.
+  std::vector<Unknown> optics(bool whole) const {
+    std::vector<Unknown> free;
+    add(free, UnknownKind::camera, 4);
+    add(free, UnknownKind::light, unknowns_.light.size());
+    for (size_t k = 0; k < unknowns_.aberration.size(); ++k)
+      if (whole || bench_.basis().aberration[k].m != 0 || bench_.basis().aberration[k].n != 2)
+        free.push_back({UnknownKind::aberration, k});
+    return free;
+  }
+
+  std::vector<Unknown> everything() const {
+    std::vector<Unknown> free = optics(true);
+    add(free, UnknownKind::phase, unknowns_.phases.size(), 1);
+    add(free, UnknownKind::amplitude, unknowns_.amplitude.size());
+    add(free, UnknownKind::crosstalk, 1);
+    add(free, UnknownKind::gap, 2);
+    return free;
+  }
+
+  void place_camera(const std::vector<Image>& photographs) {
+    size_t first = 0;
+    while (plan_.patterns[first].kind != PatternKind::spots) ++first;
+    const TestPattern& spots = plan_.patterns[first];
+    const Channel photograph = channel_of(photographs[first], params_.is_mirrored);
+    try {
+      const Registration r =
+          register_image(image_of(photograph), image_of(bench_.irradiance(spots.hologram, unknowns_)));
+      unknowns_.camera = camera_of(r);
+    } catch (const Error& error) {
+      fail(
+          "{}: expected the spots of this pattern in its photograph, but it cannot be registered: {} Check that the "
+          "sensor is at {} from the panel without a lens, and that the light of order 0 is on it; try the flag "
+          "mirrored",
+          spots.name, error.what(), format_length(plan_.distance));
+    }
+    for (size_t i = 0; i < photographs.size(); ++i)
+      exposures_.push_back({&plan_.patterns[i].hologram,
+                            choose_pixels(channel_of(photographs[i], params_.is_mirrored), unknowns_.camera,
+                                          bench_.window(), params_.samples, plan_.patterns[i].name),
+                            i});
+    const std::vector<Exposure> seen = of_kind(PatternKind::spots);
+    misfit_of(bench_, seen, unknowns_);
+    fit(bench_, seen, optics(false), first_iterations, false, unknowns_, part_of(observer_, 0, 10));
+  }
+
+  // The best start for the phases among scaled and bent copies of the assumed curve.
+  void search_curve() {
+    std::vector<Exposure> seen = of_kind(PatternKind::levels);
+    if (seen.empty()) return;
+    if (seen.size() > 3) seen.resize(3);
+    const std::vector<double> assumed = unknowns_.phases;
+    const double last = assumed.back();
+    double best = std::numeric_limits<double>::infinity();
+    std::vector<double> chosen = assumed;
+    const std::vector<double> bends{1, 0.8, 1.25, 0.64, 1.56};
+    const int steps = 16;
+    for (size_t b = 0; b < bends.size(); ++b)
+      for (int k = 0; k <= steps; ++k) {
+        const double scale = 0.5 * std::pow(4.0, double(k) / steps);  // 0.5 … 2
+        for (size_t i = 0; i < assumed.size(); ++i)
+          unknowns_.phases[i] = scale * last * std::pow(std::max(0.0, assumed[i] / last), bends[b]);
+        const double cost = misfit_of(bench_, seen, unknowns_).of_one();
+        if (cost < best) {
+          best = cost;
+          chosen = unknowns_.phases;
+        }
+        observer_.progress(0.1 + 0.1 * double(b * (steps + 1) + size_t(k) + 1) / double(bends.size() * (steps + 1)));
+      }
+    unknowns_.phases = chosen;
+    std::vector<Unknown> free;
+    add(free, UnknownKind::phase, unknowns_.phases.size(), 1);
+    misfit_of(bench_, seen, unknowns_);
+    fit(bench_, seen, free, first_iterations, false, unknowns_, part_of(observer_, 2, 10));
+  }
+
+  // A curvature moves the light of a lens at (x, y) by a multiple of (x, y), as another scale of the camera does.
+  void search_curvature() {
+    const std::vector<Exposure> seen = of_kind(PatternKind::focus);
+    const std::vector<ZernikeTerm>& terms = bench_.basis().aberration;
+    size_t k = 0;
+    while (k < terms.size() && !(terms[k].n == 2 && terms[k].m == 0)) ++k;
+    if (seen.empty() || k == terms.size()) return;
+    const Grid& grid = bench_.basis().slm.grid;
+    const double radius = std::hypot(grid.width(), grid.height()) / 2;
+    // ψ = c·√3·(2ρ² − 1): slope c·4√3·r/R², moved by z·λ/2π times it.
+    const double growth =
+        4 * std::sqrt(3.0) / (radius * radius) * plan_.distance * bench_.basis().wavelength / (2 * pi);
+    const Unknowns start = unknowns_;
+    Unknowns chosen = start;
+    double best = std::numeric_limits<double>::infinity();
+    const int steps = int(2 * curvature_reach / curvature_step);
+    for (int n = 0; n <= steps; ++n) {
+      Unknowns u = start;
+      const double c = -curvature_reach + n * curvature_step;
+      u.aberration[k] = c;
+      const double scale = 1 + growth * c;
+      u.camera = {start.camera.a * scale, start.camera.b * scale, start.camera.x * scale, start.camera.y * scale};
+      const double cost = misfit_of(bench_, seen, u).of_one();
+      if (cost < best) {
+        best = cost;
+        chosen = u;
+      }
+    }
+    unknowns_ = chosen;
+    std::vector<Exposure> both = seen;
+    for (const Exposure& exposure : of_kind(PatternKind::spots)) both.push_back(exposure);
+    misfit_of(bench_, both, unknowns_);
+    fit(bench_, both, optics(true), first_iterations, false, unknowns_, part_of(observer_, 3, 10));
+  }
+
+  FitResult fit_all() {
+    misfit_of(bench_, exposures_, unknowns_);
+    for (const Exposure& exposure : exposures_) {
+      const double correlation = correlation_of(bench_, exposure, unknowns_);
+      require(
+          correlation >= least_correlation,
+          "{}: expected a photograph of this pattern, got one whose correlation with it is {:.2f}; check that it was "
+          "taken with this pattern on the panel and that the camera did not move",
+          plan_.patterns[exposure.number].name, correlation);
+    }
+    Observer rest = observer_;
+    rest.on_progress = [this](double fraction) { observer_.progress(0.4 + 0.6 * fraction); };
+    FitResult result = fit(bench_, exposures_, everything(), params_.iterations, true, unknowns_, rest);
+    require(
+        result.has_converged,
+        "expected the fit to converge, but after {} iterations the misfit still falls; give more iterations, or lower "
+        "the orders of the aberration and the light",
+        result.iterations);
+    return result;
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const TestPattern& pattern : plan_.patterns) all.push_back(pattern.name);
+    return all;
+  }
+
+  std::vector<double> correlations() const {
+    std::vector<double> all;
+    for (const Exposure& exposure : exposures_) all.push_back(correlation_of(bench_, exposure, unknowns_));
+    return all;
+  }
+
+  const CalibrationPlan& plan_;
+  const CalibrateParams& params_;
+  const Observer& observer_;
+  CalibrationBench bench_;
+  Unknowns unknowns_;
+  std::vector<Exposure> exposures_;
+};
+
+}  // namespace
+
+PanelFit fit_panel(const CalibrationPlan& plan, const std::vector<Image>& photographs, const CalibrateParams& params,
+                   const Observer& observer) {
+  check_ranges(params);
+  check_inputs(plan, photographs);
+  return PanelSearch(plan, params, observer).find(photographs);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "holotrace/calibrate/fit_panel.h"
+#include "holotrace/calibrate/least_squares.h"
+
+namespace holotrace {
+
+/// The fitted unknowns as a panel and as measured values with standard errors.
+/// @param assumed       the panel as it was assumed to be
+/// @param names, correlations  of the photographs
+/// @param window        samples of the simulation, in which the camera's place is given
+PanelFit measured_panel(const UnknownsBasis& basis, const Slm& assumed, const Unknowns& unknowns,
+                        const FitResult& result, const std::vector<std::string>& names,
+                        const std::vector<double>& correlations, const Grid& window);
+
+/// Values that never fall, nearest to the given ones by least squares (pool adjacent violators).
+std::vector<double> never_falling(const std::vector<double>& values);
+
+/// Values at all levels 0 … levels − 1 from values at some: piecewise cubic, monotone where the values are (Fritsch and
+/// Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984)). Beyond the last given level the last slope goes on.
+std::vector<double> at_all_levels(const std::vector<int>& levels, const std::vector<double>& values, int count);
+
+}  // namespace holotrace
