@@ -75,8 +75,13 @@ Equations equations_at(const CalibrationBench& bench, const std::vector<Exposure
                        const std::vector<Unknown>& free, const Unknowns& unknowns, bool precise,
                        const Observer& observer) {
   const auto count = Eigen::Index(free.size() + 2 * exposures.size());
-  Equations e{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count),
-              Eigen::MatrixXd::Zero(precise ? count : 0, precise ? count : 0)};
+  Equations e{Eigen::MatrixXd::Zero(count, count),
+              Eigen::VectorXd::Zero(count),
+              Eigen::MatrixXd::Zero(precise ? count : 0, precise ? count : 0),
+              0,
+              0,
+              {},
+              {}};
   for (size_t p = 0; p < exposures.size(); ++p) {
     const Exposure& exposure = exposures[p];
     const CalibrationBench::Response response = bench.respond(*exposure.pattern, unknowns, free);

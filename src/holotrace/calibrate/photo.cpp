@@ -14,7 +14,7 @@ namespace {
 constexpr int block_side = 16;  // [pixels], as in view/register/refine.h
 constexpr double margin = 4;    // of the window, for steps of the camera's place [samples]
 constexpr size_t least_pixels = 1000;
-constexpr double most_saturated = 0.01;  // of the pixels brighter than the mean
+constexpr double most_saturated = 0.1;  // of the pixels brighter than the mean
 constexpr double even_share = 0.1;       // least probability of a pixel relative to one of mean brightness
 
 struct Place {

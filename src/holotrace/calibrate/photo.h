@@ -22,7 +22,7 @@ struct PhotoPixels {
 
 /// Chooses at most `most` pixels: all, or random ones, bright pixels more often than dark ones.
 /// @param camera  an estimate of the camera's place
-/// @throws Error  naming the photograph, if more than 1 % of its light-filled pixels are saturated, if it has no light, or
+/// @throws Error  naming the photograph, if more than 10 % of its bright pixels are saturated, if it has no light, or
 ///                if too few of its pixels show the panel
 PhotoPixels choose_pixels(const Channel& photograph, const Similarity& camera, const Grid& window, int most,
                           const std::string& name);
