@@ -30,7 +30,14 @@ Chart curve_chart(const PanelFit& fit) {
 }
 
 Chart residual_chart(const PanelFit& fit) {
-  Chart chart{"Photographs against the fitted panel", "photograph", "rms difference, of the mean light", {}, false, false, false, {}};
+  Chart chart{"Photographs against the fitted panel",
+              "photograph",
+              "rms difference, of the mean light",
+              {},
+              false,
+              false,
+              false,
+              {}};
   Series rms{"", {}, {}, true, false};
   for (size_t n = 0; n < fit.photographs.size(); ++n) {
     rms.x.push_back(double(n + 1));

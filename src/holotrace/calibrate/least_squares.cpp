@@ -27,6 +27,12 @@ Eigen::VectorXd weights_of(const Exposure& exposure, const Eigen::VectorXd& seen
   });
 }
 
+// A photograph as the unknowns predict it, before gain and offset.
+Eigen::VectorXd prediction_of(const CalibrationBench& bench, const Exposure& exposure, const Unknowns& unknowns) {
+  const Channel irradiance = bench.irradiance(*exposure.pattern, unknowns);
+  return PixelMeans(exposure.pixels, unknowns.camera, irradiance).of(irradiance);
+}
+
 Eigen::VectorXd without_nan(const Eigen::VectorXd& v) {
   return v.unaryExpr([](double x) { return std::isfinite(x) ? x : 0.0; });
 }
@@ -44,16 +50,17 @@ struct Equations {
 
 // Columns of one photograph: those of `free`, then gain and offset.
 Eigen::MatrixXd columns_of(const Exposure& exposure, const CalibrationBench::Response& response,
-                           const std::vector<Unknown>& free, const Unknowns& unknowns, const Eigen::VectorXd& seen,
-                           const Slopes& slopes) {
+                           const std::vector<Unknown>& free, const Unknowns& unknowns, const PixelMeans& means) {
   const double gain = unknowns.exposures[exposure.number].gain;
+  const Eigen::VectorXd seen = without_nan(means.of(response.irradiance));
+  const Slopes slopes = means.slopes_of(response.irradiance);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(seen.size(), Eigen::Index(free.size()) + 2);
   for (size_t n = 0; n < free.size(); ++n) {
     const auto column = Eigen::Index(n);
     if (free[n].kind == UnknownKind::camera)
       columns.col(column) = gain * slopes.col(Eigen::Index(free[n].index));
     else if (!response.slopes[n].values.empty())
-      columns.col(column) = gain * without_nan(seen_by(exposure.pixels, unknowns.camera, response.slopes[n]));
+      columns.col(column) = gain * without_nan(means.of(response.slopes[n]));
   }
   columns.col(Eigen::Index(free.size())) = seen;
   columns.col(Eigen::Index(free.size()) + 1).setOnes();
@@ -85,11 +92,11 @@ Equations equations_at(const CalibrationBench& bench, const std::vector<Exposure
   for (size_t p = 0; p < exposures.size(); ++p) {
     const Exposure& exposure = exposures[p];
     const CalibrationBench::Response response = bench.respond(*exposure.pattern, unknowns, free);
-    Slopes slopes;
-    const Eigen::VectorXd raw = seen_by(exposure.pixels, unknowns.camera, response.irradiance, slopes);
+    const PixelMeans means(exposure.pixels, unknowns.camera, response.irradiance);
+    const Eigen::VectorXd raw = means.of(response.irradiance);
     const PhotoExposure& at = unknowns.exposures[exposure.number];
     const Eigen::VectorXd weights = weights_of(exposure, raw, at), seen = without_nan(raw);
-    Eigen::MatrixXd columns = columns_of(exposure, response, free, unknowns, seen, slopes);
+    Eigen::MatrixXd columns = columns_of(exposure, response, free, unknowns, means);
     Eigen::VectorXd residual = values_of(exposure.pixels).cast<double>() - at.gain * seen;
     residual.array() = (residual.array() - at.offset) * weights.array();
     columns.array().colwise() *= weights.array();
@@ -122,8 +129,7 @@ double cost_at(const CalibrationBench& bench, const std::vector<Exposure>& expos
   for (size_t p = 0; p < exposures.size(); ++p) {
     const Exposure& exposure = exposures[p];
     const PhotoExposure& at = unknowns.exposures[exposure.number];
-    const Eigen::VectorXd seen =
-        without_nan(seen_by(exposure.pixels, unknowns.camera, bench.irradiance(*exposure.pattern, unknowns)));
+    const Eigen::VectorXd seen = without_nan(prediction_of(bench, exposure, unknowns));
     const Eigen::VectorXd residual = values_of(exposure.pixels).cast<double>() - at.gain * seen;
     cost += ((residual.array() - at.offset) * weights[p].array()).matrix().squaredNorm();
   }
@@ -188,8 +194,7 @@ FitResult fit(const CalibrationBench& bench, const std::vector<Exposure>& exposu
 Misfit misfit_of(const CalibrationBench& bench, const std::vector<Exposure>& exposures, Unknowns& unknowns) {
   Misfit misfit;
   for (const Exposure& exposure : exposures) {
-    const Eigen::VectorXd raw =
-        seen_by(exposure.pixels, unknowns.camera, bench.irradiance(*exposure.pattern, unknowns));
+    const Eigen::VectorXd raw = prediction_of(bench, exposure, unknowns);
     const Eigen::VectorXd seen = without_nan(raw), value = values_of(exposure.pixels).cast<double>();
     PhotoExposure& at = unknowns.exposures[exposure.number];
     // The weights need a brightness: the ratio of the means.
@@ -209,7 +214,7 @@ Misfit misfit_of(const CalibrationBench& bench, const std::vector<Exposure>& exp
 }
 
 double correlation_of(const CalibrationBench& bench, const Exposure& exposure, const Unknowns& unknowns) {
-  const Eigen::VectorXd raw = seen_by(exposure.pixels, unknowns.camera, bench.irradiance(*exposure.pattern, unknowns));
+  const Eigen::VectorXd raw = prediction_of(bench, exposure, unknowns);
   double n = 0, s = 0, v = 0, ss = 0, sv = 0, vv = 0;
   for (Eigen::Index i = 0; i < raw.size(); ++i) {
     if (!std::isfinite(raw[i])) continue;

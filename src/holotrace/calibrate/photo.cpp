@@ -15,30 +15,10 @@ constexpr int block_side = 16;  // [pixels], as in view/register/refine.h
 constexpr double margin = 4;    // of the window, for steps of the camera's place [samples]
 constexpr size_t least_pixels = 1000;
 constexpr double most_saturated = 0.1;  // of the pixels brighter than the mean
-constexpr double even_share = 0.1;       // least probability of a pixel relative to one of mean brightness
+constexpr double even_share = 0.1;      // least probability of a pixel relative to one of mean brightness
 
-struct Place {
-  double column, row;
-};
-
-Place place_in(const Similarity& camera, const Channel& picture, double u, double v) {
-  const auto [x, y] = camera(u, v);
-  return {x + picture.u_centre(), y + picture.v_centre()};
-}
-
-// Gauss's two points on a pixel's side.
-constexpr double gauss = 0.28867513459481287;  // 1/(2√3)
-
-template <class Take>
-bool over_pixel(const Similarity& camera, const Channel& picture, double u, double v, const Take& take) {
-  for (const double du : {-gauss, gauss})
-    for (const double dv : {-gauss, gauss}) {
-      const Place p = place_in(camera, picture, u + du, v + dv);
-      if (!holds_cubic(picture, p.column, p.row)) return false;
-      take(sample_cubic(picture, p.column, p.row), u + du, v + dv);
-    }
-  return true;
-}
+constexpr double gauss = 0.28867513459481287;  // 1/(2√3), the place of Gauss's two points on a side of 1
+constexpr double longest_part = 1.5;           // of a pixel's side [samples]
 
 }  // namespace
 
@@ -55,9 +35,8 @@ PhotoPixels choose_pixels(const Channel& photograph, const Similarity& camera, c
   for (int j = 0; j < photograph.ny; ++j)
     for (int i = 0; i < photograph.nx; ++i) {
       const double u = i - photograph.u_centre(), v = j - photograph.v_centre();
-      const Place p = place_in(camera, frame, u, v);
-      if (p.column < margin || p.row < margin || p.column > window.nx - 1 - margin || p.row > window.ny - 1 - margin)
-        continue;
+      const auto [x, y] = camera(u, v);
+      if (std::abs(x) > frame.u_centre() - margin || std::abs(y) > frame.v_centre() - margin) continue;
       all.u.push_back(float(u));
       all.v.push_back(float(v));
       all.value.push_back(photograph(j, i));
@@ -98,41 +77,91 @@ PhotoPixels choose_pixels(const Channel& photograph, const Similarity& camera, c
   return chosen;
 }
 
-Eigen::VectorXd seen_by(const PhotoPixels& pixels, const Similarity& camera, const Channel& picture) {
-  Eigen::VectorXd seen(Eigen::Index(pixels.size()));
+PixelMeans::PixelMeans(const PhotoPixels& pixels, const Similarity& camera, const Channel& frame)
+    : pixels_(pixels), camera_(camera), nx_(frame.nx), ny_(frame.ny), first_(pixels.size(), -1) {
+  const double size = std::hypot(camera.a, camera.b);
+  const int parts = std::max(1, int(std::ceil(size / longest_part)));
+  for (int k = 0; k < parts; ++k)
+    for (const double at : {-gauss, gauss}) places_.push_back((k + 0.5 + at) / parts - 0.5);
+  const int reach = int(std::ceil(size * std::sqrt(0.5)));  // from a pixel's middle to its corner
+  side_ = 2 * reach + 4;
+  weights_.assign(pixels.size() * size_t(side_) * size_t(side_), 0);
   parallel_for(
       0, int64_t(pixels.size()),
-      [&](int64_t i) {
-        double sum = 0;
-        const bool is_inside = over_pixel(camera, picture, pixels.u[size_t(i)], pixels.v[size_t(i)],
-                                          [&](const Sample& s, double, double) { sum += s.value / 4; });
-        seen[i] = is_inside ? sum : std::numeric_limits<double>::quiet_NaN();
+      [&](int64_t n) {
+        const auto i = size_t(n);
+        if (!covers(i)) return;
+        const Place middle = place(pixels.u[i], pixels.v[i]);
+        const int column = int(std::floor(middle.column)) - 1 - reach, row = int(std::floor(middle.row)) - 1 - reach;
+        first_[i] = int64_t(row) * nx_ + column;
+        float* to = weights_.data() + i * size_t(side_) * size_t(side_);
+        const double part = 1.0 / double(places_.size() * places_.size());
+        for (const double du : places_)
+          for (const double dv : places_) {
+            const Place p = place(pixels.u[i] + du, pixels.v[i] + dv);
+            double across[4], down[4], ignored[4];
+            cubic_weights(p.column - std::floor(p.column), across, ignored);
+            cubic_weights(p.row - std::floor(p.row), down, ignored);
+            const int x = int(std::floor(p.column)) - 1 - column, y = int(std::floor(p.row)) - 1 - row;
+            for (int k = 0; k < 4; ++k)
+              for (int l = 0; l < 4; ++l) to[(y + k) * side_ + x + l] += float(part * down[k] * across[l]);
+          }
       },
       {}, 1024);
-  return seen;
 }
 
-Eigen::VectorXd seen_by(const PhotoPixels& pixels, const Similarity& camera, const Channel& picture,
-                        Eigen::Matrix<double, Eigen::Dynamic, 4>& slopes) {
-  Eigen::VectorXd seen(Eigen::Index(pixels.size()));
-  slopes.resize(Eigen::Index(pixels.size()), 4);
+PixelMeans::Place PixelMeans::place(double u, double v) const {
+  const auto [x, y] = camera_(u, v);
+  return {x + (nx_ - 1) / 2.0, y + (ny_ - 1) / 2.0};
+}
+
+// Whether the picture has all samples that the mean may use.
+bool PixelMeans::covers(size_t pixel) const {
+  const Place p = place(pixels_.u[pixel], pixels_.v[pixel]);
+  return p.column >= side_ && p.row >= side_ && p.column < nx_ - side_ && p.row < ny_ - side_;
+}
+
+Eigen::VectorXd PixelMeans::of(const Channel& picture) const {
+  Eigen::VectorXd means(Eigen::Index(first_.size()));
   parallel_for(
-      0, int64_t(pixels.size()),
+      0, int64_t(first_.size()),
       [&](int64_t i) {
+        means[i] = std::numeric_limits<double>::quiet_NaN();
+        if (first_[size_t(i)] < 0) return;
+        const float* values = picture.values.data() + first_[size_t(i)];
+        const float* weights = weights_.data() + size_t(i) * size_t(side_) * size_t(side_);
         double sum = 0;
-        Eigen::RowVector4d slope = Eigen::RowVector4d::Zero();
-        const bool is_inside = over_pixel(
-            camera, picture, pixels.u[size_t(i)], pixels.v[size_t(i)], [&](const Sample& s, double u, double v) {
-              sum += s.value / 4;
-              slope += Eigen::RowVector4d(s.slope_u * u + s.slope_v * v, s.slope_v * u - s.slope_u * v, s.slope_u,
-                                          s.slope_v) /
-                       4;
-            });
-        seen[i] = is_inside ? sum : std::numeric_limits<double>::quiet_NaN();
-        slopes.row(i) = slope;
+        for (int y = 0; y < side_; ++y, values += nx_, weights += side_) {
+          float row = 0;
+          for (int x = 0; x < side_; ++x) row += weights[x] * values[x];
+          sum += row;
+        }
+        means[i] = sum;
       },
       {}, 1024);
-  return seen;
+  return means;
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 4> PixelMeans::slopes_of(const Channel& picture) const {
+  Eigen::Matrix<double, Eigen::Dynamic, 4> slopes(Eigen::Index(first_.size()), 4);
+  parallel_for(
+      0, int64_t(first_.size()),
+      [&](int64_t n) {
+        const auto i = size_t(n);
+        Eigen::RowVector4d sum = Eigen::RowVector4d::Zero();
+        if (first_[i] >= 0)
+          for (const double du : places_)
+            for (const double dv : places_) {
+              const double u = pixels_.u[i] + du, v = pixels_.v[i] + dv;
+              const Place p = place(u, v);
+              const Sample s = sample_cubic(picture, p.column, p.row);
+              sum += Eigen::RowVector4d(s.slope_u * u + s.slope_v * v, s.slope_v * u - s.slope_u * v, s.slope_u,
+                                        s.slope_v);
+            }
+        slopes.row(n) = sum / double(places_.size() * places_.size());
+      },
+      {}, 1024);
+  return slopes;
 }
 
 }  // namespace holotrace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,12 +28,32 @@ struct PhotoPixels {
 PhotoPixels choose_pixels(const Channel& photograph, const Similarity& camera, const Grid& window, int most,
                           const std::string& name);
 
-/// The mean of a picture over each camera pixel: of 2 × 2 places in it, which is exact for polynomials to degree 3. Places
-/// beyond the picture give NaN.
-Eigen::VectorXd seen_by(const PhotoPixels& pixels, const Similarity& camera, const Channel& picture);
+/// Takes the mean of pictures over camera pixels, by cubic convolution at 2 × 2 Gaussian places in each, or in each part
+/// of at most 1.5 samples of a larger pixel. All pictures have the size of `frame`.
+class PixelMeans {
+ public:
+  PixelMeans(const PhotoPixels& pixels, const Similarity& camera, const Channel& frame);
 
-/// The same, and its derivatives by a, b, x and y of the camera.
-Eigen::VectorXd seen_by(const PhotoPixels& pixels, const Similarity& camera, const Channel& picture,
-                        Eigen::Matrix<double, Eigen::Dynamic, 4>& slopes);
+  /// The means; NaN for pixels that the picture does not cover.
+  Eigen::VectorXd of(const Channel& picture) const;
+
+  /// Derivatives of the means by a, b, x and y of the camera; 0 for pixels that the picture does not cover.
+  Eigen::Matrix<double, Eigen::Dynamic, 4> slopes_of(const Channel& picture) const;
+
+ private:
+  struct Place {
+    double column, row;
+  };
+  Place place(double u, double v) const;
+  bool covers(size_t pixel) const;
+
+  const PhotoPixels& pixels_;
+  Similarity camera_;
+  int nx_, ny_;
+  std::vector<double> places_;  // along a pixel's side, from its middle [pixels]
+  int side_;                    // of the samples that a mean uses
+  std::vector<int64_t> first_;  // the first of them; −1: not covered
+  std::vector<float> weights_;  // side² for each pixel
+};
 
 }  // namespace holotrace

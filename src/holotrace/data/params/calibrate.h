@@ -34,7 +34,7 @@ struct CalibrateParams {
   int light_order = 4;       ///< degree of the polynomial for the logarithm of the irradiance; 0: even light
   int amplitude_order = 4;   ///< degree of the polynomial for the logarithm of a level's amplitude; 0: 1 at all levels
   int iterations = 30;       ///< most iterations of the last fit
-  int samples = 400000;      ///< most pixels of a photograph that are used
+  int samples = 30000;       ///< most pixels of a photograph that are used
   bool is_mirrored = false;  ///< the photographs are mirror images
 };
 
