@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <numeric>
 #include <set>
 
 #include "holotrace/base/error.h"
@@ -65,9 +65,16 @@ Channel channel_of(const Image& photograph, bool is_mirrored) {
   return channel;
 }
 
-Image image_of(const Channel& channel) {
-  Image image(channel.ny, channel.nx, 1);
-  image.values = channel.values;
+// The largest value of pictures of one size, each of the same brightness: the spots of all of them, over less light between.
+Image largest_of(const std::vector<Channel>& channels) {
+  Image image(channels.front().ny, channels.front().nx, 1);
+  for (const Channel& channel : channels) {
+    const double sum = std::accumulate(channel.values.begin(), channel.values.end(), 0.0);
+    if (sum <= 0) continue;
+    const float scale = float(double(channel.values.size()) / sum);
+    for (size_t i = 0; i < channel.values.size(); ++i)
+      image.values[i] = std::max(image.values[i], scale * channel.values[i]);
+  }
   return image;
 }
 
@@ -128,30 +135,29 @@ class PanelSearch {
     return free;
   }
 
+  // Each pattern has its spots at other places: together they have one pose only.
   void place_camera(const std::vector<Image>& photographs) {
-    size_t first = 0;
-    while (plan_.patterns[first].kind != PatternKind::spots) ++first;
-    const TestPattern& spots = plan_.patterns[first];
-    const Channel photograph = channel_of(photographs[first], params_.is_mirrored);
+    std::vector<Channel> seen, expected;
+    for (size_t i = 0; i < photographs.size(); ++i) {
+      seen.push_back(channel_of(photographs[i], params_.is_mirrored));
+      expected.push_back(bench_.irradiance(plan_.patterns[i].hologram, unknowns_));
+    }
     try {
-      const Registration r =
-          register_image(image_of(photograph), image_of(bench_.irradiance(spots.hologram, unknowns_)));
-      unknowns_.camera = camera_of(r);
+      unknowns_.camera = camera_of(register_image(largest_of(seen), largest_of(expected)));
     } catch (const Error& error) {
       fail(
-          "{}: expected the spots of this pattern in its photograph, but it cannot be registered: {} Check that the "
-          "sensor is at {} from the panel without a lens, and that the light of order 0 is on it; try the flag "
-          "mirrored",
-          spots.name, error.what(), format_length(plan_.distance));
+          "expected photographs that show the spots of their patterns at {} from the panel, but: {}; check the "
+          "distance, that there is no lens before the sensor, and whether the photographs are mirror images (mirrored)",
+          format_length(plan_.distance), error.what());
     }
     for (size_t i = 0; i < photographs.size(); ++i)
       exposures_.push_back({&plan_.patterns[i].hologram,
                             choose_pixels(channel_of(photographs[i], params_.is_mirrored), unknowns_.camera,
                                           bench_.window(), params_.samples, plan_.patterns[i].name),
                             i});
-    const std::vector<Exposure> seen = of_kind(PatternKind::spots);
-    misfit_of(bench_, seen, unknowns_);
-    fit(bench_, seen, optics(false), first_iterations, false, unknowns_, part_of(observer_, 0, 10));
+    const std::vector<Exposure> spots = of_kind(PatternKind::spots);
+    misfit_of(bench_, spots, unknowns_);
+    fit(bench_, spots, optics(false), first_iterations, false, unknowns_, part_of(observer_, 0, 10));
   }
 
   // The best start for the phases among scaled and bent copies of the assumed curve.

@@ -55,8 +55,8 @@ struct PanelFit {
 /// Finds a panel from photographs of test patterns, by least squares: the unknowns are those for which the program's own
 /// simulation of the bench explains the photographs best.
 ///
-/// 1. The first photograph of `spots` is registered to its simulation (view/register), which gives the camera's place;
-///    then wavefront, light and camera are fitted to it.
+/// 1. The largest values of all photographs are registered to those of their simulations (view/register), which gives
+///    the camera's place; then wavefront, light and camera are fitted to `spots`.
 /// 2. The curve is searched among φ(ℓ) = s·φ_M·(φ₀(ℓ)/φ_M)^γ for the assumed curve φ₀.
 /// 3. The curvature, which spots alone cannot tell from the camera's scale, is searched with the patterns `focus`.
 /// 4. All unknowns are fitted to all photographs (Levenberg–Marquardt).

@@ -49,7 +49,7 @@ Unknowns first_guess(const UnknownsBasis& basis, const Slm& assumed, size_t phot
   const double zero = assumed_phase(assumed, 0, basis.wavelength);
   for (const int level : basis.levels) u.phases.push_back(assumed_phase(assumed, level, basis.wavelength) - zero);
   u.amplitude.assign(size_t(std::max(0, basis.amplitude_order)), 0);
-  u.crosstalk = 0.1;
+  u.crosstalk = 0.25;  // a middling panel of liquid crystal
   u.gap = 0;
   u.exposures.assign(photographs, {});
   return u;
