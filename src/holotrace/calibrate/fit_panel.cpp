@@ -162,21 +162,25 @@ class PanelSearch {
 
   // The best start for the phases among scaled and bent copies of the assumed curve.
   void search_curve() {
-    std::vector<Exposure> seen = of_kind(PatternKind::levels);
-    if (seen.empty()) return;
-    if (seen.size() > 3) seen.resize(3);
+    const std::vector<Exposure> all = of_kind(PatternKind::levels);
+    if (all.empty()) return;
+    const std::vector<Exposure> some(all.begin(), all.begin() + std::ptrdiff_t(std::min<size_t>(all.size(), 3)));
     const std::vector<double> assumed = unknowns_.phases;
     const double last = assumed.back();
+    require(last > 0,
+            "expected an assumed panel whose phase grows with the level, got {} rad at its last level; give it a "
+            "phase_range above 0, or another calibration",
+            last);
     double best = std::numeric_limits<double>::infinity();
     std::vector<double> chosen = assumed;
     const std::vector<double> bends{1, 0.8, 1.25, 0.64, 1.56};
-    const int steps = 16;
+    const int steps = 12;  // by 12 % each: 0.35 rad from the nearest at 2π, well within the reach of the fit
     for (size_t b = 0; b < bends.size(); ++b)
       for (int k = 0; k <= steps; ++k) {
         const double scale = 0.5 * std::pow(4.0, double(k) / steps);  // 0.5 … 2
         for (size_t i = 0; i < assumed.size(); ++i)
           unknowns_.phases[i] = scale * last * std::pow(std::max(0.0, assumed[i] / last), bends[b]);
-        const double cost = misfit_of(bench_, seen, unknowns_).of_one();
+        const double cost = misfit_of(bench_, some, unknowns_).of_one();
         if (cost < best) {
           best = cost;
           chosen = unknowns_.phases;
@@ -186,8 +190,8 @@ class PanelSearch {
     unknowns_.phases = chosen;
     std::vector<Unknown> free;
     add(free, UnknownKind::phase, unknowns_.phases.size(), 1);
-    misfit_of(bench_, seen, unknowns_);
-    fit(bench_, seen, free, first_iterations, false, unknowns_, part_of(observer_, 2, 10));
+    misfit_of(bench_, all, unknowns_);
+    fit(bench_, all, free, first_iterations, false, unknowns_, part_of(observer_, 2, 10));
   }
 
   // A curvature moves the light of a lens at (x, y) by a multiple of (x, y), as another scale of the camera does.
