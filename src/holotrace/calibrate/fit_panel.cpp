@@ -19,7 +19,7 @@ namespace {
 
 constexpr size_t least_levels = 3;
 constexpr double least_correlation = 0.5;  // of a photograph that shows its pattern, before the last fit
-constexpr int first_iterations = 12;
+constexpr double last_tolerance = 1e-5;    // of the fit of all unknowns
 constexpr double curvature_reach = 6, curvature_step = 0.4;  // of the search [rad rms]
 
 void check_inputs(const CalibrationPlan& plan, const std::vector<Image>& photographs) {
@@ -99,8 +99,9 @@ class PanelSearch {
     search_curve();
     search_curvature();
     const FitResult result = fit_all();
-    return measured_panel(bench_.basis(), *plan_.patterns.front().hologram.slm, unknowns_, result, names(),
-                          correlations(), bench_.window());
+    PanelFit fit = measured_panel(bench_, *plan_.patterns.front().hologram.slm, unknowns_, result);
+    fit.photographs = explained(result);
+    return fit;
   }
 
  private:
@@ -157,7 +158,7 @@ class PanelSearch {
                             i});
     const std::vector<Exposure> spots = of_kind(PatternKind::spots);
     misfit_of(bench_, spots, unknowns_);
-    fit(bench_, spots, optics(false), first_iterations, false, unknowns_, part_of(observer_, 0, 10));
+    fit(bench_, spots, optics(false), FitEffort{}, unknowns_, part_of(observer_, 0, 10));
   }
 
   // The best start for the phases among scaled and bent copies of the assumed curve.
@@ -191,7 +192,7 @@ class PanelSearch {
     std::vector<Unknown> free;
     add(free, UnknownKind::phase, unknowns_.phases.size(), 1);
     misfit_of(bench_, all, unknowns_);
-    fit(bench_, all, free, first_iterations, false, unknowns_, part_of(observer_, 2, 10));
+    fit(bench_, all, free, FitEffort{}, unknowns_, part_of(observer_, 2, 10));
   }
 
   // A curvature moves the light of a lens at (x, y) by a multiple of (x, y), as another scale of the camera does.
@@ -226,7 +227,7 @@ class PanelSearch {
     std::vector<Exposure> both = seen;
     for (const Exposure& exposure : of_kind(PatternKind::spots)) both.push_back(exposure);
     misfit_of(bench_, both, unknowns_);
-    fit(bench_, both, optics(true), first_iterations, false, unknowns_, part_of(observer_, 3, 10));
+    fit(bench_, both, optics(true), FitEffort{}, unknowns_, part_of(observer_, 3, 10));
   }
 
   FitResult fit_all() {
@@ -241,7 +242,8 @@ class PanelSearch {
     }
     Observer rest = observer_;
     rest.on_progress = [this](double fraction) { observer_.progress(0.4 + 0.6 * fraction); };
-    FitResult result = fit(bench_, exposures_, everything(), params_.iterations, true, unknowns_, rest);
+    FitResult result =
+        fit(bench_, exposures_, everything(), {params_.iterations, last_tolerance, true}, unknowns_, rest);
     require(
         result.has_converged,
         "expected the fit to converge, but after {} iterations the misfit still falls; give more iterations, or lower "
@@ -250,15 +252,11 @@ class PanelSearch {
     return result;
   }
 
-  std::vector<std::string> names() const {
-    std::vector<std::string> all;
-    for (const TestPattern& pattern : plan_.patterns) all.push_back(pattern.name);
-    return all;
-  }
-
-  std::vector<double> correlations() const {
-    std::vector<double> all;
-    for (const Exposure& exposure : exposures_) all.push_back(correlation_of(bench_, exposure, unknowns_));
+  std::vector<PhotographFit> explained(const FitResult& result) const {
+    std::vector<PhotographFit> all;
+    for (const Exposure& exposure : exposures_)
+      all.push_back({plan_.patterns[exposure.number].name, correlation_of(bench_, exposure, unknowns_),
+                     result.misfit.rms[exposure.number]});
     return all;
   }
 

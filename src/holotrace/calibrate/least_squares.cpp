@@ -10,7 +10,6 @@ namespace holotrace {
 namespace {
 
 constexpr double noise_floor = 0.1;  // of the mean, in the weights
-constexpr double least_gain = 1e-4;  // relative fall of the misfit at which a fit ends
 constexpr double first_damping = 1e-3, most_damping = 1e6;
 
 using Slopes = Eigen::Matrix<double, Eigen::Dynamic, 4>;
@@ -152,7 +151,7 @@ Eigen::MatrixXd damped(const Eigen::MatrixXd& normal, double damping) {
 }  // namespace
 
 FitResult fit(const CalibrationBench& bench, const std::vector<Exposure>& exposures, const std::vector<Unknown>& free,
-              int most, bool precise, Unknowns& unknowns, const Observer& observer) {
+              const FitEffort& effort, Unknowns& unknowns, const Observer& observer) {
   FitResult result;
   result.unknowns = free;
   for (const Exposure& exposure : exposures)
@@ -161,28 +160,28 @@ FitResult fit(const CalibrationBench& bench, const std::vector<Exposure>& exposu
   double damping = first_damping;
   Equations e;
   for (result.iterations = 0;; ++result.iterations) {
-    e = equations_at(bench, exposures, free, unknowns, precise,
-                     part_of(observer, std::min(result.iterations, most), most + 1));
-    if (result.has_converged || result.iterations == most) break;
+    e = equations_at(bench, exposures, free, unknowns, effort.has_covariance,
+                     part_of(observer, std::min(result.iterations, effort.iterations), effort.iterations + 1));
+    if (result.has_converged || result.iterations == effort.iterations) break;
     for (;; damping *= 10) {
       const Eigen::VectorXd step = damped(e.normal, damping).ldlt().solve(e.gradient);
       const Unknowns next = moved(unknowns, result.unknowns, step);
       const double cost = cost_at(bench, exposures, next, e.weights);
       if (cost < e.cost) {
         unknowns = next;
-        result.has_converged = e.cost - cost < least_gain * e.cost;
+        result.has_converged = e.cost - cost < effort.tolerance * e.cost;
         damping = std::max(1e-9, damping / 10);
         break;
       }
-      if (damping > most_damping || std::abs(cost - e.cost) < least_gain * e.cost) {
+      if (damping > most_damping || std::abs(cost - e.cost) < effort.tolerance * e.cost) {
         result.has_converged = true;
         break;
       }
     }
-    if (result.has_converged && !precise) break;
+    if (result.has_converged && !effort.has_covariance) break;
   }
   result.misfit = {e.cost, e.pixels, e.rms};
-  if (precise) {
+  if (effort.has_covariance) {
     const auto factors = damped(e.normal, 0).ldlt();
     const auto count = e.normal.rows();
     const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(count, count));

@@ -37,12 +37,18 @@ struct FitResult {
   std::vector<Unknown> unknowns;  ///< `free`, then gains and offsets
 };
 
+/// When a fit ends.
+struct FitEffort {
+  int iterations = 12;      ///< at most
+  double tolerance = 1e-3;  ///< relative fall of the misfit in the last iteration
+  /// Also computes the covariance: White's estimate, summed over blocks of 16 × 16 pixels (Liang and Zeger, Biometrika
+  /// 73, 13 (1986)), which holds if the errors of neighbouring pixels are related.
+  bool has_covariance = false;
+};
+
 /// @param unknowns    start, and result
-/// @param most        iterations
-/// @param precise     also computes the covariance: White's estimate, summed over blocks of 16 × 16 pixels (Liang and
-///                    Zeger, Biometrika 73, 13 (1986)), which holds if the errors of neighbouring pixels are related
 FitResult fit(const CalibrationBench& bench, const std::vector<Exposure>& exposures, const std::vector<Unknown>& free,
-              int most, bool precise, Unknowns& unknowns, const Observer& observer = {});
+              const FitEffort& effort, Unknowns& unknowns, const Observer& observer = {});
 
 /// The misfit with the best gain and offset of each photograph, which are put into the unknowns.
 Misfit misfit_of(const CalibrationBench& bench, const std::vector<Exposure>& exposures, Unknowns& unknowns);

@@ -109,9 +109,9 @@ std::vector<double> at_all_levels(const std::vector<int>& levels, const std::vec
   return out;
 }
 
-PanelFit measured_panel(const UnknownsBasis& basis, const Slm& assumed, const Unknowns& u, const FitResult& result,
-                        const std::vector<std::string>& names, const std::vector<double>& correlations,
-                        const Grid& window) {
+PanelFit measured_panel(const CalibrationBench& bench, const Slm& assumed, const Unknowns& u, const FitResult& result) {
+  const UnknownsBasis& basis = bench.basis();
+  const Grid& window = bench.window();
   const Errors errors(result);
   PanelFit fit;
   fit.slm = basis.slm;
@@ -156,10 +156,8 @@ PanelFit measured_panel(const UnknownsBasis& basis, const Slm& assumed, const Un
     fit.gap_phase = {std::arg(u.gap),
                      std::sqrt(std::max(0.0, im * im * xx - 2 * re * im * xy + re * re * yy)) / square};
   }
-  fit.camera_scale = window.pitch > 0 ? basis.slm.grid.pitch / window.pitch / std::hypot(u.camera.a, u.camera.b) : 0;
+  fit.camera_scale = basis.slm.grid.pitch / window.pitch / std::hypot(u.camera.a, u.camera.b);
   fit.camera_rotation = std::atan2(u.camera.b, u.camera.a);
-  for (size_t p = 0; p < names.size(); ++p)
-    fit.photographs.push_back({names[p], correlations[p], result.misfit.rms[p]});
   fit.iterations = result.iterations;
   fit.pixels = result.misfit.pixels;
   return fit;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "holotrace/calibrate/fit_panel.h"
@@ -8,13 +7,10 @@
 
 namespace holotrace {
 
-/// The fitted unknowns as a panel and as measured values with standard errors.
-/// @param assumed       the panel as it was assumed to be
-/// @param names, correlations  of the photographs
-/// @param window        samples of the simulation, in which the camera's place is given
-PanelFit measured_panel(const UnknownsBasis& basis, const Slm& assumed, const Unknowns& unknowns,
-                        const FitResult& result, const std::vector<std::string>& names,
-                        const std::vector<double>& correlations, const Grid& window);
+/// The fitted unknowns as a panel and as measured values with standard errors; without the photographs.
+/// @param assumed  the panel as it was assumed to be
+PanelFit measured_panel(const CalibrationBench& bench, const Slm& assumed, const Unknowns& unknowns,
+                        const FitResult& result);
 
 /// Values that never fall, nearest to the given ones by least squares (pool adjacent violators).
 std::vector<double> never_falling(const std::vector<double>& values);
