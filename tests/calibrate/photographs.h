@@ -54,9 +54,9 @@ inline Slm hidden_panel(int nx, int ny) {
 
 struct TestCamera {
   double pixel = 6e-6;                   ///< [m]
-  double rotation = 0.11;                ///< of the panel in the photograph, anticlockwise [rad]
+  double rotation = 2.4;                 ///< of the panel in the photograph, anticlockwise [rad]
   double shift_x = 3.3, shift_y = -4.6;  ///< [pixels]
-  int nx = 200, ny = 190;
+  int nx = 230, ny = 220;
   double electrons = 20000;  ///< full well; 0: no noise and no rounding
 };
 

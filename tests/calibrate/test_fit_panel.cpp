@@ -138,7 +138,7 @@ TEST(FitPanel, RefusesPhotographsThatCannotBeUsed) {
   photos[2] = Image(100, 90, 1);
   EXPECT_EQ(
       refusal(photos),
-      "03_levels: expected a photograph of 200 × 190 pixels, as that of 01_spots, got 90 × 100; take all with one "
+      "03_levels: expected a photograph of 230 × 220 pixels, as that of 01_spots, got 90 × 100; take all with one "
       "camera that does not move, and do not crop them");
 
   photos = good_photographs();

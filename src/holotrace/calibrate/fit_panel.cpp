@@ -65,7 +65,9 @@ Channel channel_of(const Image& photograph, bool is_mirrored) {
   return channel;
 }
 
-// The largest value of pictures of one size, each of the same brightness: the spots of all of them, over less light between.
+// The largest value of pictures of one size, each of the same brightness, squared: the spots of all of them. Registration
+// compares the roots of two pictures, and so the light itself; its roots would give the light between the spots, which
+// depends on what is not known yet, too much weight.
 Image largest_of(const std::vector<Channel>& channels) {
   Image image(channels.front().ny, channels.front().nx, 1);
   for (const Channel& channel : channels) {
@@ -73,7 +75,7 @@ Image largest_of(const std::vector<Channel>& channels) {
     if (sum <= 0) continue;
     const float scale = float(double(channel.values.size()) / sum);
     for (size_t i = 0; i < channel.values.size(); ++i)
-      image.values[i] = std::max(image.values[i], scale * channel.values[i]);
+      image.values[i] = std::max(image.values[i], std::pow(scale * std::max(0.0F, channel.values[i]), 2.0F));
   }
   return image;
 }

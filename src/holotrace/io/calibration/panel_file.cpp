@@ -36,9 +36,11 @@ std::string calibration_text(const std::vector<CalibrationPoint>& points) {
 
 std::string panel_text(const std::string& path, const Slm& slm) {
   const SlmEffects& e = slm.effects;
-  std::string text =
-      fmt::format("name = {}\nsource = {}\ncolumns = {}\nrows = {}\npitch = \"{:.12g} um\"\nlevels = {}\n",
-                  quoted(slm.name), quoted(slm.source), slm.grid.nx, slm.grid.ny, slm.grid.pitch * 1e6, slm.levels);
+  std::string text;
+  if (!slm.name.empty()) text += fmt::format("name = {}\n", quoted(slm.name));
+  if (!slm.source.empty()) text += fmt::format("source = {}\n", quoted(slm.source));
+  text += fmt::format("columns = {}\nrows = {}\npitch = \"{:.12g} um\"\nlevels = {}\n", slm.grid.nx, slm.grid.ny,
+                      slm.grid.pitch * 1e6, slm.levels);
   if (slm.fill_x > 0)
     text += fmt::format("fill_x = {:.12g}\nfill_y = {:.12g}\n", slm.fill_x, slm.fill_y);
   else
