@@ -67,6 +67,7 @@ Json facts_of(const PanelFit& fit) {
           {"least_light", fit.least_light},
           {"most_light", fit.most_light},
           {"camera_scale", fit.camera_scale},
+          {"camera_blur_pixels2", with_error(fit.camera_blur)},
           {"camera_rotation_deg", fit.camera_rotation * 180 / pi},
           {"photographs", photographs},
           {"iterations", fit.iterations},
@@ -86,8 +87,8 @@ void print_table(const PanelFit& fit) {
     fmt::print("{:<26} {:.4f} +- {:.4f} rad rms\n", fmt::format("Zernike n = {}, m = {}", term.n, term.m),
                term.rms.value, term.rms.error);
   fmt::print("{:<26} {:.3f} to {:.3f} of its mean\n", "irradiance", fit.least_light, fit.most_light);
-  fmt::print("{:<26} {:.4f} pixels per pixel of the panel, turned by {:.3f} deg\n", "camera", fit.camera_scale,
-             fit.camera_rotation * 180 / pi);
+  fmt::print("{:<26} {:.4f} pixels per pixel of the panel, turned by {:.3f} deg, blur of variance {:.3f} pixels2\n",
+             "camera", fit.camera_scale, fit.camera_rotation * 180 / pi, fit.camera_blur.value);
   fmt::print("\n{:<16} {:>12} {:>10}\n", "photograph", "correlation", "residual");
   for (const PhotographFit& p : fit.photographs)
     fmt::print("{:<16} {:>12.4f} {:>10.4f}\n", p.name, p.correlation, p.residual);

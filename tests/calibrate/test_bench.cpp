@@ -24,6 +24,7 @@ struct Case {
     unknowns.phases = {0, 1.3, 3.2, 4.9, 6.8};
     unknowns.amplitude = {0.02, -0.03};
     unknowns.crosstalk = 0.3;
+    unknowns.blur = 0.1;
     unknowns.gap = std::polar(0.05, 0.6);
   }
 };
@@ -37,7 +38,8 @@ double rms(const std::vector<float>& values) {
 TEST(CalibrationBench, ShowsWhatThePanelModelShows) {
   // The same panel, written as an Slm. The bench multiplies wavefront and light after the aperture: over a pixel they
   // change by a few 1e-3. The assumed fill factor is 0.93; γ = 0.05·F/(1 − F) = 0.664.
-  const Case c;
+  Case c;
+  c.unknowns.blur = 0;
   Slm slm = assumed_panel(96, 80);
   slm.design_wavelength = bench_wavelength;
   slm.effects.crosstalk = 0.3;
@@ -83,6 +85,7 @@ TEST(CalibrationBench, SlopesAreThoseOfFiniteDifferences) {
   for (size_t k = 0; k < 5; ++k) of.push_back({UnknownKind::light, k});
   for (size_t k = 0; k < c.unknowns.aberration.size(); ++k) of.push_back({UnknownKind::aberration, k});
   for (size_t k = 1; k < 5; ++k) of.push_back({UnknownKind::phase, k});
+  of.push_back({UnknownKind::blur, 0});
   of.push_back({UnknownKind::amplitude, 0});
   of.push_back({UnknownKind::amplitude, 1});
   of.push_back({UnknownKind::crosstalk, 0});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/units.h"
@@ -28,7 +29,27 @@ PropagateParams window_of(const Grid& grid, double wavelength, double distance) 
   return params;
 }
 
-bool changes_light(const Unknown& of) { return of.kind != UnknownKind::camera && of.kind != UnknownKind::exposure; }
+bool changes_light(const Unknown& of) {
+  return of.kind != UnknownKind::camera && of.kind != UnknownKind::blur && of.kind != UnknownKind::exposure;
+}
+
+// The derivative of a picture by the variance of a small blur: ½(∂²/∂x² + ∂²/∂y²). 0 at its border.
+Channel blur_slope(const Channel& picture) {
+  Channel out(picture.ny, picture.nx);
+  for (int j = 1; j + 1 < picture.ny; ++j)
+    for (int i = 1; i + 1 < picture.nx; ++i)
+      out(j, i) =
+          (picture(j - 1, i) + picture(j + 1, i) + picture(j, i - 1) + picture(j, i + 1) - 4 * picture(j, i)) / 2;
+  return out;
+}
+
+// The picture after a small blur.
+Channel blurred(Channel picture, double variance) {
+  if (variance == 0) return picture;
+  const Channel slope = blur_slope(picture);
+  for (size_t i = 0; i < picture.values.size(); ++i) picture.values[i] += float(variance) * slope.values[i];
+  return picture;
+}
 
 // The step of a difference quotient: large beside the rounding of single precision, small beside the unknown's scale.
 double step_of(const Unknown& of) { return of.kind == UnknownKind::crosstalk ? 0.01 : 0.003; }
@@ -96,7 +117,7 @@ Field CalibrationBench::at_sensor(const Field& left, const Array2D<Complex>& fac
 }
 
 Channel CalibrationBench::irradiance(const Hologram& pattern, const Unknowns& unknowns) const {
-  return squares_of(at_sensor(leave(pattern, unknowns), smooth_factor(unknowns)));
+  return blurred(squares_of(at_sensor(leave(pattern, unknowns), smooth_factor(unknowns))), unknowns.blur);
 }
 
 // ∂(light that leaves)/∂unknown, without the smooth factor.
@@ -128,17 +149,19 @@ CalibrationBench::Response CalibrationBench::respond(const Hologram& pattern, co
   const Field field = at_sensor(left, factor);
   std::vector<bool> is_shown(size_t(basis_.slm.levels));
   for (const uint16_t level : pattern.level.values) is_shown[level] = true;
-  Response response{squares_of(field), std::vector<Channel>(of.size())};
+  const Channel sharp = squares_of(field);
+  Response response{blurred(sharp, unknowns.blur), std::vector<Channel>(of.size())};
   for (size_t n = 0; n < of.size(); ++n) {
+    if (of[n].kind == UnknownKind::blur) response.slopes[n] = blur_slope(sharp);
     if (!changes_light(of[n])) continue;
     if (of[n].kind == UnknownKind::phase && !is_shown[size_t(basis_.levels[of[n].index])]) continue;
     const Field slope = at_sensor(slope_of(pattern, unknowns, of[n], left), factor);
-    Channel& out = response.slopes[n];
-    out = Channel(field.grid.ny, field.grid.nx);
+    Channel out(field.grid.ny, field.grid.nx);
     for (size_t i = 0; i < out.values.size(); ++i) {
       const Complex u = field.samples.values[i], du = slope.samples.values[i];
       out.values[i] = 2 * (u.real() * du.real() + u.imag() * du.imag());
     }
+    response.slopes[n] = blurred(std::move(out), unknowns.blur);
   }
   return response;
 }

@@ -28,7 +28,7 @@ class CalibrationBench {
   /// Field in the window of light `left` times `factor`.
   Field at_sensor(const Field& left, const Array2D<std::complex<float>>& factor) const;
 
-  /// Irradiance in the window.
+  /// Irradiance in the window, with the camera's blur.
   Channel irradiance(const Hologram& pattern, const Unknowns& unknowns) const;
 
   /// Changes of the irradiance in the window per unit of each unknown that changes the light; an empty Channel for an

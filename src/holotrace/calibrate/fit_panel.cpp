@@ -131,6 +131,7 @@ class PanelSearch {
 
   std::vector<Unknown> everything() const {
     std::vector<Unknown> free = optics(true);
+    add(free, UnknownKind::blur, 1);
     add(free, UnknownKind::phase, unknowns_.phases.size(), 1);
     add(free, UnknownKind::amplitude, unknowns_.amplitude.size());
     add(free, UnknownKind::crosstalk, 1);

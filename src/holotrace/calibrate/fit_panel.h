@@ -46,7 +46,8 @@ struct PanelFit {
   std::vector<MeasuredTerm> aberration;
   double least_light = 1, most_light = 1;  ///< of the light map, relative to its mean
   double camera_scale = 1;                 ///< pixels of a photograph per pixel of the panel
-  double camera_rotation = 0;              ///< anticlockwise [rad]
+  Measured camera_blur;        ///< variance of the camera's blur beyond its pixels' area, per axis [pixels²]
+  double camera_rotation = 0;  ///< anticlockwise [rad]
   std::vector<PhotographFit> photographs;
   int iterations = 0;
   size_t pixels = 0;  ///< pixels of all photographs that were used

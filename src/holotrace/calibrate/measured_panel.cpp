@@ -157,6 +157,8 @@ PanelFit measured_panel(const CalibrationBench& bench, const Slm& assumed, const
                      std::sqrt(std::max(0.0, im * im * xx - 2 * re * im * xy + re * re * yy)) / square};
   }
   fit.camera_scale = basis.slm.grid.pitch / window.pitch / std::hypot(u.camera.a, u.camera.b);
+  const double area = u.camera.a * u.camera.a + u.camera.b * u.camera.b;  // of a camera pixel [samples²]
+  fit.camera_blur = {u.blur / area, errors.of(UnknownKind::blur, 0) / area};
   fit.camera_rotation = std::atan2(u.camera.b, u.camera.a);
   fit.iterations = result.iterations;
   fit.pixels = result.misfit.pixels;

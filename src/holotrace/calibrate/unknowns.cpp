@@ -60,6 +60,8 @@ double& value_of(Unknowns& u, const Unknown& unknown) {
   switch (unknown.kind) {
     case UnknownKind::camera:
       return *std::array<double*, 4>{&u.camera.a, &u.camera.b, &u.camera.x, &u.camera.y}[k];
+    case UnknownKind::blur:
+      return u.blur;
     case UnknownKind::light:
       return u.light[k];
     case UnknownKind::aberration:

@@ -19,6 +19,9 @@ struct PhotoExposure {
 
 /// What a calibration looks for.
 struct Unknowns {
+  /// Blur by the camera beyond the area of its pixels: variance per axis [samples of the window²]. It also takes up what
+  /// the interpolation between samples loses, and may be below 0.
+  double blur = 0;
   Similarity camera;               ///< from places in a photograph to places in the window of the simulation [samples]
   std::vector<double> light;       ///< coefficients of ln(irradiance), one per LightTerm
   std::vector<double> aberration;  ///< rms of each Zernike term [rad]
@@ -30,7 +33,7 @@ struct Unknowns {
 };
 
 /// The groups of unknowns that a fit may change. Gains and offsets of the photographs always change.
-enum class UnknownKind { camera, light, aberration, phase, amplitude, crosstalk, gap, exposure };
+enum class UnknownKind { camera, blur, light, aberration, phase, amplitude, crosstalk, gap, exposure };
 
 /// One unknown: a member of Unknowns by kind and index.
 struct Unknown {
