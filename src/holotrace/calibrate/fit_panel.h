@@ -60,7 +60,7 @@ struct PanelFit {
 ///    the camera's place; then wavefront, light and camera are fitted to `spots`.
 /// 2. The curve is searched among φ(ℓ) = s·φ_M·(φ₀(ℓ)/φ_M)^γ for the assumed curve φ₀.
 /// 3. The curvature, which spots alone cannot tell from the camera's scale, is searched with the patterns `focus`.
-/// 4. All unknowns are fitted to all photographs (Levenberg–Marquardt).
+/// 4. All unknowns, and the camera's blur, are fitted to all photographs (Levenberg–Marquardt).
 ///
 /// The distance counts as exact: an error of it appears as a curvature of the panel. Wavefront tilts cannot be told from
 /// the camera's place and are left out. The gaps' light and the fill factor have the same effect on order 0; the fill
