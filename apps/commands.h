@@ -28,6 +28,7 @@ void add_compare_command(CLI::App& app, const GlobalFlags& global);
 void add_limits_command(CLI::App& app, const GlobalFlags& global);
 void add_info_command(CLI::App& app, const GlobalFlags& global);
 void add_estimate_command(CLI::App& app, const GlobalFlags& global);
+void add_calibrate_command(CLI::App& app, const GlobalFlags& global);
 void add_bench_command(CLI::App& app, const GlobalFlags& global);
 
 /// Adds `-o`, required.

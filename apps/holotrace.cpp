@@ -69,6 +69,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   add_limits_command(app, global);
   add_info_command(app, global);
   add_estimate_command(app, global);
+  add_calibrate_command(app, global);
   add_bench_command(app, global);
 
   keep_fft_wisdom();

@@ -10,7 +10,7 @@
 namespace holotrace {
 
 std::vector<std::string> slm_effect_names() {
-  return {"calibration", "crosstalk", "gaps", "flicker", "aberration", "phase-map", "dead-pixels"};
+  return {"calibration", "crosstalk", "gaps", "flicker", "aberration", "phase-map", "light-map", "dead-pixels"};
 }
 
 Slm with_effects(const Slm& slm, const std::vector<std::string>& names) {
@@ -37,6 +37,7 @@ Slm with_effects(const Slm& slm, const std::vector<std::string>& names) {
   if (is_on("flicker")) on.flicker = has.flicker;
   if (is_on("aberration")) on.aberration = has.aberration;
   if (is_on("phase-map")) on.phase_map = has.phase_map;
+  if (is_on("light-map")) on.light_map = has.light_map;
   if (is_on("dead-pixels")) {
     on.dead_fraction = has.dead_fraction;
     on.dead_seed = has.dead_seed;
@@ -54,6 +55,7 @@ std::vector<std::string> effects_of(const Slm& slm) {
   if (e.flicker > 0) names.push_back("flicker");
   if (!e.aberration.empty()) names.push_back("aberration");
   if (e.phase_map) names.push_back("phase-map");
+  if (e.light_map) names.push_back("light-map");
   if (e.dead_fraction > 0 || !e.dead_pixels.empty()) names.push_back("dead-pixels");
   return names;
 }
@@ -82,6 +84,11 @@ void check_calibration(const std::vector<CalibrationPoint>& points, int levels) 
   }
 }
 
+void check_map(const Array2D<float>& map, const Grid& grid, const char* kind) {
+  require(map.nx == grid.nx && map.ny == grid.ny, "expected a {} map of {} × {} pixels, as the panel has, got {} × {}",
+          kind, grid.nx, grid.ny, map.nx, map.ny);
+}
+
 void check_effects(const Slm& slm) {
   const SlmEffects& e = slm.effects;
   check_calibration(e.calibration, slm.levels);
@@ -97,12 +104,16 @@ void check_effects(const Slm& slm) {
             term.m, term.rms);
   }
   if (e.phase_map) {
-    const Array2D<float>& map = *e.phase_map;
-    require(map.nx == slm.grid.nx && map.ny == slm.grid.ny,
-            "expected a phase map of {} × {} pixels, as the panel has, got {} × {}", slm.grid.nx, slm.grid.ny, map.nx,
-            map.ny);
-    require(std::all_of(map.values.begin(), map.values.end(), [](float v) { return std::isfinite(v); }),
-            "expected finite phases in the phase map");
+    check_map(*e.phase_map, slm.grid, "phase");
+    require(
+        std::all_of(e.phase_map->values.begin(), e.phase_map->values.end(), [](float v) { return std::isfinite(v); }),
+        "expected finite phases in the phase map");
+  }
+  if (e.light_map) {
+    check_map(*e.light_map, slm.grid, "light");
+    require(std::all_of(e.light_map->values.begin(), e.light_map->values.end(),
+                        [](float v) { return std::isfinite(v) && v >= 0; }),
+            "expected irradiances of 0 or more in the light map");
   }
   require(is_in_unit_interval(e.dead_fraction), "expected a fraction of dead pixels in [0, 1], got {}",
           e.dead_fraction);

@@ -40,9 +40,11 @@ struct SlmEffects {
   double flicker = 0;                         ///< amplitude of the ripple of the phase in a frame, as a part of it
   std::vector<ZernikeTerm> aberration;        ///< static error of the phase: the panel's curvature
   std::shared_ptr<const Array2D<float>> phase_map;  ///< static error of the phase [rad], a value per pixel
-  double dead_fraction = 0;                         ///< fraction of dead pixels, at random places and levels
-  int64_t dead_seed = 1;                            ///< seed for those places
-  std::vector<DeadPixel> dead_pixels;               ///< known dead pixels
+  /// Irradiance of the light on each pixel, relative to that of even light: 0 or more. Empty: even.
+  std::shared_ptr<const Array2D<float>> light_map;
+  double dead_fraction = 0;            ///< fraction of dead pixels, at random places and levels
+  int64_t dead_seed = 1;               ///< seed for those places
+  std::vector<DeadPixel> dead_pixels;  ///< known dead pixels
 };
 
 /// A spatial light modulator.
@@ -67,7 +69,7 @@ struct Slm {
 /// Beyond the last point the phase continues with the last slope, and the amplitude is constant.
 CalibrationPoint calibration_at(const std::vector<CalibrationPoint>& points, double level);
 
-/// The names of the effects: calibration, crosstalk, gaps, flicker, aberration, phase-map, dead-pixels.
+/// The names of the effects: calibration, crosstalk, gaps, flicker, aberration, phase-map, light-map, dead-pixels.
 std::vector<std::string> slm_effect_names();
 
 /// The panel with only the named effects on; "all": all of them.
@@ -79,7 +81,7 @@ std::vector<std::string> effects_of(const Slm& slm);
 
 /// @throws Error unless the grid is valid, levels are 2 … 65536, fill factors are in (0, 1], and the values of every
 ///         effect are in range: a calibration with a point per level and a phase that never falls, amplitudes in
-///         [0, 1], a phase map with a value per pixel, dead pixels on the panel.
+///         [0, 1], a phase map and a light map with a value per pixel, dead pixels on the panel.
 void check_slm(const Slm& slm);
 
 }  // namespace holotrace

@@ -177,6 +177,7 @@ Json describe_effects(const Slm& slm) {
   if (e.flicker > 0) json["flicker"] = fmt::format("±{:g} % of the phase", 100 * e.flicker);
   if (!e.aberration.empty()) json["aberration"] = aberration_text(e.aberration);
   if (e.phase_map) json["phase-map"] = size_text(e.phase_map->nx, e.phase_map->ny);
+  if (e.light_map) json["light-map"] = size_text(e.light_map->nx, e.light_map->ny);
   if (e.dead_fraction > 0 || !e.dead_pixels.empty())
     json["dead-pixels"] = fmt::format("{} known, {:g} % at random", e.dead_pixels.size(), 100 * e.dead_fraction);
   return json;

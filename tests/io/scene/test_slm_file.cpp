@@ -206,6 +206,8 @@ Slm panel_of_all_effects() {
   Array2D<float> map(4, 8);
   for (size_t i = 0; i < map.size(); ++i) map.values[i] = 0.1F * float(i) - 1;
   slm.effects.phase_map = std::make_shared<const Array2D<float>>(map);
+  for (float& value : map.values) value = value * value;
+  slm.effects.light_map = std::make_shared<const Array2D<float>>(map);
   return slm;
 }
 
@@ -218,7 +220,8 @@ TEST(SlmFile, AHologramKeepsItsPanelsEffectsWhereverItGoes) {
   hologram.effects = {"calibration", "phase-map"};
   const std::string here = fresh_folder("here"), there = fresh_folder("there");
   save_hologram(here + "/h.png", hologram);
-  for (const char* file : {"h.png", "h.json", "h_phase_map.exr"}) fs::rename(here + "/" + file, there + "/" + file);
+  for (const char* file : {"h.png", "h.json", "h_phase_map.exr", "h_light_map.exr"})
+    fs::rename(here + "/" + file, there + "/" + file);
   const Hologram again = load_hologram(there + "/h.png");
   EXPECT_EQ(again.effects, hologram.effects);
   ASSERT_TRUE(again.slm);
@@ -249,6 +252,8 @@ TEST(SlmFile, AHologramKeepsItsPanelsEffectsWhereverItGoes) {
   EXPECT_EQ(is.dead_pixels[0].level, 15);
   ASSERT_TRUE(is.phase_map);
   EXPECT_EQ(is.phase_map->values, was.phase_map->values);
+  ASSERT_TRUE(is.light_map);
+  EXPECT_EQ(is.light_map->values, was.light_map->values);
   EXPECT_EQ(effects_of(*again.slm), effects_of(slm));
 }
 
@@ -293,6 +298,20 @@ TEST(SlmFile, APhaseMapIsAnImageOfThePanel) {
   EXPECT_EQ(slm.name, "mapped");
   ASSERT_TRUE(slm.effects.phase_map);
   EXPECT_FLOAT_EQ((*slm.effects.phase_map)(1, 2), 2 * 5 / 4.0F);
+}
+
+TEST(SlmFile, ALightMapIsAnImageOfThePanelInWhichWhiteIs1) {
+  Image image(2, 3, 1);
+  for (int i = 0; i < 6; ++i) image.values[size_t(i)] = float(i) / 4;
+  const std::string map = test::make_file("light.exr", "");
+  save_image(map, image, 1, 8);
+  const std::string keys = "columns = 3\nrows = 2\npitch = \"8 um\"\nlight_map = \"light.exr\"\n";
+  const Slm slm = load_slm(test::make_file("lit.toml", keys));
+  ASSERT_TRUE(slm.effects.light_map);
+  EXPECT_FLOAT_EQ((*slm.effects.light_map)(1, 2), 5 / 4.0F);
+  EXPECT_EQ(effects_of(slm), std::vector<std::string>{"light-map"});
+  EXPECT_EQ(effects_of(with_effects(slm, {"crosstalk"})), std::vector<std::string>{});
+  EXPECT_EQ(effects_of(with_effects(slm, {"light-map"})), std::vector<std::string>{"light-map"});
 }
 
 TEST(SlmFile, FillFactorsOfTheAxesBelongTogether) {

@@ -232,6 +232,37 @@ TEST(StaticErrors, MoveTheGapsToo) {
     EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of two transforms
 }
 
+// --- light map ----------------------------------------------------------------------------------
+
+TEST(LightMap, IsTheIrradianceOnEachPixelAndItsGaps) {
+  // Of a mirror, with gaps of the same light as the pixels, every pixel sends √m of its own light: the samples of n = 1
+  // are the pixels' own, and those of a panel without effects times √m.
+  Slm slm = make_panel(6, 5, 4, 0.7);
+  Array2D<float> map(5, 6);
+  double sum = 0;
+  for (size_t i = 0; i < map.size(); ++i) sum += map.values[i] = float(i % 7) / 4;
+  slm.effects.light_map = std::make_shared<const Array2D<float>>(map);
+  slm.effects.gap_amplitude = 1;
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
+  Slm full = slm;
+  full.fill_factor = 1;
+  Heard heard;
+  const Field a = show(h, slm, with({"all"}, 1), heard.observer()), b = show(h, full, with({"all"}, 1));
+  const Field off = show(h, slm, with({"gaps"}, 1)), even = show(h, full, with({}, 1));
+  for (size_t i = 0; i < a.samples.size(); ++i) {
+    EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of two transforms
+    EXPECT_LT(std::abs(off.samples.values[i] - even.samples.values[i]), 2e-6);
+  }
+  // The light of all samples together is that of the map, roll-off aside; the panel with F = 1 and n = 1 keeps the mean.
+  EXPECT_NEAR(heard.number("power_in"), sum / 30 * slm.grid.width() * slm.grid.height(),
+              1e-6 * heard.number("power_in"));
+  // A sample in the middle of a pixel, of 21 per side, shows its √m; the ringing of the edges is 1/21π of a step.
+  const Field fine = show(h, full, with({"light-map"}, 21));
+  for (int j = 0; j < 5; ++j)
+    for (int i = 0; i < 6; ++i)
+      EXPECT_NEAR(std::abs(fine.samples(21 * j + 10, 21 * i + 10)), std::sqrt(map(j, i)), 0.03) << j << ", " << i;
+}
+
 // --- dead pixels --------------------------------------------------------------------------------
 
 TEST(DeadPixels, ShowTheirLevelWhateverTheyAreSent) {
@@ -373,6 +404,14 @@ TEST(Effects, OutOfRangeAreRefused) {
             "expected fill factors of both axes in (0, 1], or of neither, got 1.5 in x, 1.5 in y");
   EXPECT_EQ(error([](Slm& s) { s.effects.phase_map = std::make_shared<Array2D<float>>(4, 7); }),
             "expected a phase map of 8 × 4 pixels, as the panel has, got 7 × 4");
+  EXPECT_EQ(error([](Slm& s) { s.effects.light_map = std::make_shared<Array2D<float>>(4, 7); }),
+            "expected a light map of 8 × 4 pixels, as the panel has, got 7 × 4");
+  EXPECT_EQ(error([](Slm& s) {
+              Array2D<float> map(4, 8);
+              map(1, 2) = -0.1F;
+              s.effects.light_map = std::make_shared<Array2D<float>>(map);
+            }),
+            "expected irradiances of 0 or more in the light map");
 }
 
 }  // namespace

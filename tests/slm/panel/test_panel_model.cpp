@@ -21,6 +21,9 @@ Slm imperfect_panel(int nx, int ny) {
   slm.effects.gap_phase = 1;
   slm.effects.flicker = 0.05;
   slm.effects.aberration = {{2, 0, 0.5}, {3, -1, 0.2}};
+  Array2D<float> light(ny, nx);
+  for (size_t i = 0; i < light.size(); ++i) light.values[i] = 0.3F + 0.1F * float(i % 11);
+  slm.effects.light_map = std::make_shared<const Array2D<float>>(light);
   slm.effects.dead_fraction = 0.05;
   slm.effects.dead_pixels = {{1, 2, 3}};
   return slm;

@@ -56,7 +56,7 @@ void describe(Visitor& v, ShowParams& p) {
           "number of states of partly coherent light and flicker to average; 0: as many as the views need");
   v.texts("effects", p.effects,
           "panel effects that are modelled: calibration, crosstalk, gaps, flicker, aberration, phase-map, "
-          "dead-pixels; all; or none");
+          "light-map, dead-pixels; all; or none");
 }
 
 }  // namespace holotrace

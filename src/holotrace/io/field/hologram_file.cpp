@@ -28,7 +28,7 @@ void check_levels(int levels, const std::string& path) {
 }
 
 // Path of a file beside a hologram: "out/h.png" → "out/h_modulus.png", the amplitudes of a complex one, and
-// "out/h_phase_map.exr", the static phase error of its panel [rad].
+// "out/h_phase_map.exr" and "out/h_light_map.exr", the maps of its panel.
 std::string beside(const std::string& path, const char* ending) {
   return path.substr(0, path.size() - extension_of(path).size()) + ending;
 }
@@ -36,14 +36,16 @@ std::string file_name(const std::string& path) { return std::filesystem::path(pa
 std::string modulus_path(const std::string& path) { return beside(path, "_modulus.png"); }
 std::string phase_map_path(const std::string& path) { return beside(path, "_phase_map.exr"); }
 
-void save_phase_map(const std::string& path, const Array2D<float>& map) {
+std::string light_map_path(const std::string& path) { return beside(path, "_light_map.exr"); }
+
+void save_map(const std::string& path, const Array2D<float>& map) {
   Image image(map.ny, map.nx, 1);
   image.values.assign(map.values.begin(), map.values.end());
   save_image(path, image, 1, 16);
 }
 
-std::shared_ptr<const Array2D<float>> load_phase_map(const std::string& path) {
-  check_file_exists(path, "the phase map of a hologram's panel");
+std::shared_ptr<const Array2D<float>> load_map(const std::string& path, const char* kind) {
+  check_file_exists(path, kind);
   const Image image = load_image(path, ImageContent::data);
   auto map = std::make_shared<Array2D<float>>(image.ny, image.nx);
   for (int j = 0; j < image.ny; ++j)
@@ -67,7 +69,10 @@ Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& pa
   slm.preset = metadata_text(json, sidecar, "panel", "");
   slm.source = metadata_text(json, sidecar, "source", "");
   if (json.contains("effects")) slm.effects = effects_from_json(json["effects"], sidecar);
-  if (json.contains("phase_map")) slm.effects.phase_map = load_phase_map(phase_map_path(path));
+  if (json.contains("phase_map"))
+    slm.effects.phase_map = load_map(phase_map_path(path), "the phase map of a hologram's panel");
+  if (json.contains("light_map"))
+    slm.effects.light_map = load_map(light_map_path(path), "the light map of a hologram's panel");
   try {
     check_slm(slm);
   } catch (const Error& error) {
@@ -190,7 +195,12 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
   if (hologram.slm && hologram.slm->effects.phase_map) {
     const std::string map = phase_map_path(path);
     json["slm"]["phase_map"] = file_name(map);
-    save_phase_map(map, *hologram.slm->effects.phase_map);
+    save_map(map, *hologram.slm->effects.phase_map);
+  }
+  if (hologram.slm && hologram.slm->effects.light_map) {
+    const std::string map = light_map_path(path);
+    json["slm"]["light_map"] = file_name(map);
+    save_map(map, *hologram.slm->effects.light_map);
   }
   if (hologram.modulation == Modulation::complex) {
     const std::string modulus = modulus_path(path);

@@ -73,7 +73,8 @@ std::vector<DeadPixel> read_dead_pixels(TomlTable& table) {
   return pixels;
 }
 
-std::shared_ptr<const Array2D<float>> load_phase_map(const std::string& path, double range) {
+// The numbers in an image times `range`.
+std::shared_ptr<const Array2D<float>> load_map(const std::string& path, double range) {
   const Image image = load_image(path, ImageContent::data);
   auto map = std::make_shared<Array2D<float>>(image.ny, image.nx);
   for (int j = 0; j < image.ny; ++j)
@@ -87,7 +88,7 @@ void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<s
   const auto has_any = [&](std::initializer_list<const char*> keys) {
     return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return table.has(key); });
   };
-  std::string calibration, map;
+  std::string calibration, map, light;
   double map_range = 2 * pi;
   table.text("calibration", calibration);
   if (!calibration.empty())
@@ -103,7 +104,10 @@ void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<s
   table.text("phase_map", map);
   table.angle("phase_map_range", map_range, range::any);
   if (!map.empty())
-    table.locate("phase_map", [&] { effects.phase_map = load_phase_map(table.beside("phase_map", map), map_range); });
+    table.locate("phase_map", [&] { effects.phase_map = load_map(table.beside("phase_map", map), map_range); });
+  table.text("light_map", light);
+  if (!light.empty())
+    table.locate("light_map", [&] { effects.light_map = load_map(table.beside("light_map", light), 1); });
   table.number("dead_fraction", effects.dead_fraction, range::fraction);
   table.count("dead_seed", effects.dead_seed, range::not_negative);
   if (table.has("dead_pixels")) effects.dead_pixels = read_dead_pixels(table);
@@ -114,6 +118,7 @@ void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<s
   if (has_any({"flicker"})) names.push_back("flicker");
   if (has_any({"aberration"})) names.push_back("aberration");
   if (has_any({"phase_map", "phase_map_range"})) names.push_back("phase-map");
+  if (has_any({"light_map"})) names.push_back("light-map");
   if (has_any({"dead_fraction", "dead_seed", "dead_pixels"})) names.push_back("dead-pixels");
   const std::vector<std::string> on = effects_of(slm);  // a value of 0 turns an effect off
   std::erase_if(names, [&](const std::string& name) { return std::find(on.begin(), on.end(), name) == on.end(); });

@@ -24,6 +24,7 @@ constexpr int few_states = 2;
 void shrink_effects(Slm& slm) {
   slm.effects.dead_pixels.clear();
   if (slm.effects.phase_map) slm.effects.phase_map = std::make_shared<Array2D<float>>(slm.grid.ny, slm.grid.nx);
+  slm.effects.light_map = nullptr;  // a factor per pixel, which takes no time of its own
 }
 
 bool is_before_encoding(const std::string& stage) {

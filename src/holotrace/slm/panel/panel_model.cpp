@@ -1,5 +1,7 @@
 #include "holotrace/slm/panel/panel_model.h"
 
+#include <numeric>
+
 #include "holotrace/base/error.h"
 #include "holotrace/slm/panel/panel_parts.h"
 
@@ -42,7 +44,11 @@ Array2D<float> PanelModel::pull_back(const Array2D<float>& drive, const Array2D<
 
 double PanelModel::power_in() const {
   const Parts& parts = *parts_;
-  return parts.params.irradiance * mean_irradiance(parts.light) * parts.slm.grid.width() * parts.slm.grid.height();
+  const Grid& grid = parts.slm.grid;
+  double mean = mean_irradiance(parts.light);
+  if (const auto& map = parts.slm.effects.light_map)
+    mean *= std::accumulate(map->values.begin(), map->values.end(), 0.0) / double(map->size());
+  return parts.params.irradiance * mean * grid.width() * grid.height();
 }
 
 }  // namespace holotrace

@@ -19,7 +19,7 @@ namespace holotrace {
 ///
 ///     drive, except of dead pixels → phase φ(ℓ), amplitude a(ℓ), flicker                pixel_response.h
 ///           → blur of both (crosstalk) → a·exp(iφ)                                        crosstalk.h
-///           → light on lit areas, γ in the gaps between them → static errors exp(iψ)      static_errors.h
+///           → light on lit areas, γ in the gaps between them → static errors √m·exp(iψ)   static_errors.h
 ///           → band limited to n/2p                                                        pixel_line.h
 ///           → times the illumination √E·e(x, y)                                           illumination.h
 ///

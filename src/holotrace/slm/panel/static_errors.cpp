@@ -49,7 +49,7 @@ double zernike(int n, int m, double rho, double theta) {
 
 Array2D<std::complex<float>> static_phasors(const Slm& slm, double stretch) {
   const SlmEffects& effects = slm.effects;
-  if (effects.aberration.empty() && !effects.phase_map) return {};
+  if (effects.aberration.empty() && !effects.phase_map && !effects.light_map) return {};
   const Grid grid{slm.grid.nx, slm.grid.ny, slm.grid.pitch};
   const double radius = std::hypot(grid.width(), grid.height()) / 2;
   std::vector<Polynomial> polynomials;
@@ -60,7 +60,8 @@ Array2D<std::complex<float>> static_phasors(const Slm& slm, double stretch) {
       const double x = grid.x(i) / radius, y = grid.y(double(j)) / radius;
       double phase = effects.phase_map ? double((*effects.phase_map)(int(j), i)) : 0;
       for (size_t t = 0; t < polynomials.size(); ++t) phase += effects.aberration[t].rms * polynomials[t](x, y);
-      phasors(int(j), i) = std::complex<float>(cis_cycles(stretch * phase / (2 * pi)));
+      const double amplitude = effects.light_map ? std::sqrt(double((*effects.light_map)(int(j), i))) : 1;
+      phasors(int(j), i) = std::complex<float>(amplitude * cis_cycles(stretch * phase / (2 * pi)));
     }
   });
   return phasors;

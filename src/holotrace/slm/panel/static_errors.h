@@ -16,8 +16,9 @@ namespace holotrace {
 /// Surg. 18, S652 (2002).
 double zernike(int n, int m, double rho, double theta);
 
-/// exp(i·(λ₀/λ)·ψ) for every pixel. ψ is the static phase error of the panel: Zernike terms over the circle through the
-/// panel's corners, evaluated at the pixels' centres, plus its phase map. Empty if the panel has neither.
+/// √m·exp(i·(λ₀/λ)·ψ) for every pixel. ψ is the static phase error of the panel: Zernike terms over the circle through
+/// the panel's corners, evaluated at the pixels' centres, plus its phase map. m is the light map, 1 without one. Empty
+/// if the panel has none of these.
 Array2D<std::complex<float>> static_phasors(const Slm& slm, double stretch);
 
 }  // namespace holotrace

@@ -51,8 +51,9 @@ Channel filtered(const Channel& channel, int ny, int nx, double pixel, double si
   return out;
 }
 
-// Keys' kernel with a = −1/2 at the distances t + 1, t, 1 − t, 2 − t, and its slopes along t.
-void keys(double t, double weights[4], double slopes[4]) {
+}  // namespace
+
+void cubic_weights(double t, double weights[4], double slopes[4]) {
   weights[0] = ((-0.5 * t + 1) * t - 0.5) * t;
   weights[1] = (1.5 * t - 2.5) * t * t + 1;
   weights[2] = ((-1.5 * t + 2) * t + 0.5) * t;
@@ -62,8 +63,6 @@ void keys(double t, double weights[4], double slopes[4]) {
   slopes[2] = (-4.5 * t + 4) * t + 0.5;
   slopes[3] = (1.5 * t - 1) * t;
 }
-
-}  // namespace
 
 Channel mean_of_channels(const Image& image) {
   Channel channel(image.ny, image.nx);
@@ -90,8 +89,8 @@ Channel without_shading(const Channel& channel, double extent) {
 Sample sample_cubic(const Channel& channel, double column, double row) {
   const int i = int(column), j = int(row);
   double across[4], across_slope[4], down[4], down_slope[4];
-  keys(column - i, across, across_slope);
-  keys(row - j, down, down_slope);
+  cubic_weights(column - i, across, across_slope);
+  cubic_weights(row - j, down, down_slope);
   Sample s{};
   for (int y = 0; y < 4; ++y) {
     double value = 0, slope = 0;

@@ -42,6 +42,9 @@ Channel reduced(const Channel& channel, double pixel, double blur);
 /// The picture less its own blur by a Gaussian of σ = `extent` pixels: without shading, ambient light and offset.
 Channel without_shading(const Channel& channel, double extent);
 
+/// Keys' kernel with a = −1/2 at the distances t + 1, t, 1 − t, 2 − t, and its slopes along t, for t in [0, 1).
+void cubic_weights(double t, double weights[4], double slopes[4]);
+
 /// Value and slopes at a place between pixel centres.
 struct Sample {
   double value, slope_u, slope_v;

@@ -1,0 +1,161 @@
+// holotrace calibrate: test patterns for a panel, and the panel that their photographs show.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "console.h"
+#include "facts.h"
+#include "flags.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/calibrate/charts.h"
+#include "holotrace/calibrate/fit_panel.h"
+#include "holotrace/calibrate/patterns.h"
+#include "holotrace/io/calibration/panel_file.h"
+#include "holotrace/io/calibration/plan_file.h"
+#include "holotrace/io/files/output.h"
+#include "save_views.h"
+#include "try_save_chart.h"
+
+namespace holotrace {
+namespace {
+
+struct PatternOptions {
+  std::string slm = "pluto", wavelength = "632.8 nm", distance = "300 mm", output;
+  Flags flags;
+};
+
+struct FitOptions {
+  std::string plan, photographs, output, name;
+  bool is_json = false;
+  Flags flags;
+};
+
+void write_patterns(const PatternOptions& o) {
+  TestPatternParams params;
+  o.flags.apply(params);
+  const double wavelength = parse_length_flag("--wavelength", o.wavelength, range::positive);
+  const double distance = parse_length_flag("--distance", o.distance, range::positive);
+  CalibrationPlan plan{distance, make_test_patterns(slm_by_name(o.slm), wavelength, distance, params)};
+  save_plan(o.output, plan);
+  fmt::print("{} patterns and {}\n", plan.patterns.size(), plan_path(o.output));
+}
+
+Json with_error(const Measured& measured) { return {{"value", measured.value}, {"standard_error", measured.error}}; }
+
+Json facts_of(const PanelFit& fit) {
+  Json levels = Json::array(), aberration = Json::array(), photographs = Json::array();
+  for (const MeasuredLevel& level : fit.levels)
+    levels.push_back({{"level", level.level},
+                      {"phase_rad", level.phase.value},
+                      {"standard_error", level.phase.error},
+                      {"assumed_phase_rad", level.assumed_phase},
+                      {"amplitude", level.amplitude}});
+  for (const MeasuredTerm& term : fit.aberration)
+    aberration.push_back(
+        {{"n", term.n}, {"m", term.m}, {"rms_rad", term.rms.value}, {"standard_error", term.rms.error}});
+  for (const PhotographFit& p : fit.photographs)
+    photographs.push_back({{"name", p.name}, {"correlation", p.correlation}, {"residual", p.residual}});
+  return {{"levels", levels},
+          {"crosstalk_pixels", with_error(fit.crosstalk)},
+          {"gap_light", with_error(fit.gap_light)},
+          {"gap_phase_rad", with_error(fit.gap_phase)},
+          {"fill_factor", fit.slm.fill_factor},
+          {"aberration", aberration},
+          {"least_light", fit.least_light},
+          {"most_light", fit.most_light},
+          {"camera_scale", fit.camera_scale},
+          {"camera_blur_pixels2", with_error(fit.camera_blur)},
+          {"camera_rotation_deg", fit.camera_rotation * 180 / pi},
+          {"photographs", photographs},
+          {"iterations", fit.iterations},
+          {"pixels", fit.pixels}};
+}
+
+void print_table(const PanelFit& fit) {
+  fmt::print("{:<12} {:>10} {:>10} {:>10} {:>10}\n", "level", "phase", "+-", "assumed", "amplitude");
+  for (const MeasuredLevel& level : fit.levels)
+    fmt::print("{:<12} {:>6.4f} rad {:>10.4f} {:>10.4f} {:>10.4f}\n", level.level, level.phase.value, level.phase.error,
+               level.assumed_phase, level.amplitude);
+  fmt::print("\n{:<26} {:.4f} +- {:.4f} pixels\n", "crosstalk", fit.crosstalk.value, fit.crosstalk.error);
+  fmt::print("{:<26} {:.4f} +- {:.4f} of the lit pixels' light, phase {:.3f} +- {:.3f} rad\n",
+             "gaps, amplitude in order 0", fit.gap_light.value, fit.gap_light.error, fit.gap_phase.value,
+             fit.gap_phase.error);
+  for (const MeasuredTerm& term : fit.aberration)
+    fmt::print("{:<26} {:.4f} +- {:.4f} rad rms\n", fmt::format("Zernike n = {}, m = {}", term.n, term.m),
+               term.rms.value, term.rms.error);
+  fmt::print("{:<26} {:.3f} to {:.3f} of its mean\n", "irradiance", fit.least_light, fit.most_light);
+  fmt::print("{:<26} {:.4f} pixels per pixel of the panel, turned by {:.3f} deg, blur of variance {:.3f} pixels2\n",
+             "camera", fit.camera_scale, fit.camera_rotation * 180 / pi, fit.camera_blur.value);
+  fmt::print("\n{:<16} {:>12} {:>10}\n", "photograph", "correlation", "residual");
+  for (const PhotographFit& p : fit.photographs)
+    fmt::print("{:<16} {:>12.4f} {:>10.4f}\n", p.name, p.correlation, p.residual);
+}
+
+void fit_photographs(const FitOptions& o, const GlobalFlags& global) {
+  CalibrateParams params;
+  o.flags.apply(params);
+  check_output(o.output, {".toml"});
+  require(!is_same_file(o.output, o.plan),
+          "expected another name for the panel file than that of the plan, got {} for both", o.output);
+  const CalibrationPlan plan = load_plan(o.plan);
+  const std::vector<Image> photographs = load_photographs(o.photographs, plan);
+  Console console(global.is_quiet);
+  PanelFit fit = fit_panel(plan, photographs, params, console.watch("calibrate"));
+  console.finish();
+  if (!o.name.empty()) fit.slm.name = o.name;
+  fit.slm.source = fmt::format("holotrace calibrate: {} photographs at {}, {} from the panel", photographs.size(),
+                               format_length(fit.slm.design_wavelength), format_length(plan.distance));
+  save_panel(o.output, fit.slm);
+  if (o.is_json)
+    fmt::print("{}\n", facts_of(fit).dump(2));
+  else
+    print_table(fit);
+  const std::string picture = o.output.substr(0, o.output.size() - 5) + ".png";
+  try_save_chart(path_with_suffix(picture, "_curve"), curve_chart(fit), console);
+  try_save_chart(path_with_suffix(picture, "_residuals"), residual_chart(fit), console);
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("calibrate", "panel file from photographs of test patterns");
+  command->require_subcommand(1);
+
+  CLI::App* patterns = command->add_subcommand("patterns", "test patterns to show on the panel, and their plan");
+  auto p = std::make_shared<PatternOptions>();
+  patterns->add_option("--slm", p->slm, "panel as it is assumed to be: preset name, or a file with [slm] [pluto]")
+      ->type_name("NAME|SCENE.toml");
+  patterns->add_option("--wavelength", p->wavelength, "wavelength of the light [" + p->wavelength + "]")
+      ->type_name("LENGTH");
+  patterns->add_option("--distance", p->distance, "distance from the panel to the camera's bare sensor [300 mm]")
+      ->type_name("LENGTH");
+  patterns->add_option("-o,--output", p->output, "folder for the patterns and calibration.toml")
+      ->required()
+      ->type_name("FOLDER");
+  p->flags.add(*patterns, TestPatternParams());
+  patterns->callback([p] { write_patterns(*p); });
+
+  CLI::App* fit = command->add_subcommand("fit", "panel that explains the photographs of the patterns best");
+  auto f = std::make_shared<FitOptions>();
+  fit->add_option("plan", f->plan, "plan that `holotrace calibrate patterns` wrote")
+      ->required()
+      ->type_name("calibration.toml");
+  fit->add_option("photographs", f->photographs,
+                  "folder of the photographs, each named as its pattern: .png, .tif, .jpg or .exr")
+      ->required()
+      ->type_name("FOLDER");
+  fit->add_option("-o,--output", f->output,
+                  "panel file for --slm: NAME.toml, with NAME_phase.csv, NAME_light.exr and the charts NAME_curve.png "
+                  "and NAME_residuals.png")
+      ->required()
+      ->type_name("FILE.toml");
+  fit->add_option("--name", f->name, "name of the panel [that of the assumed panel]")->type_name("NAME");
+  fit->add_flag("--json", f->is_json, "as JSON");
+  f->flags.add(*fit, CalibrateParams());
+  fit->callback([f, &global] { fit_photographs(*f, global); });
+}
+
+}  // namespace holotrace

@@ -1,0 +1,130 @@
+#include "holotrace/io/calibration/plan_file.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/toml_table.h"
+
+namespace holotrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct KindName {
+  PatternKind kind;
+  const char* name;
+};
+constexpr KindName kinds[] = {
+    {PatternKind::spots, "spots"}, {PatternKind::levels, "levels"}, {PatternKind::focus, "focus"}};
+constexpr const char* extensions[] = {".png", ".tif", ".tiff", ".jpg", ".jpeg", ".exr"};
+
+const char* name_of(PatternKind kind) {
+  return std::find_if(std::begin(kinds), std::end(kinds), [&](const KindName& k) { return k.kind == kind; })->name;
+}
+
+toml::table parse(const std::string& path) {
+  check_file_exists(path, "the plan of a calibration, calibration.toml");
+  try {
+    return toml::parse(read_text(path), path);
+  } catch (const toml::parse_error& e) {
+    const auto at = e.source().begin;
+    fail("{}:{}:{}: expected valid TOML, but: {}", path, at.line, at.column, e.description());
+  }
+}
+
+std::string photograph_path(const std::string& folder, const std::string& name) {
+  for (const char* extension : extensions) {
+    const fs::path path = fs::path(folder) / (name + extension);
+    std::error_code ignored;
+    if (fs::is_regular_file(path, ignored)) return path.string();
+  }
+  return "";
+}
+
+// Patterns that an earlier plan in the folder lists, with their sidecars.
+void remove_earlier(const std::string& folder) {
+  std::error_code ignored;
+  if (!fs::exists(plan_path(folder), ignored)) return;
+  const toml::table table = parse(plan_path(folder));
+  const toml::array* patterns = table["pattern"].as_array();
+  if (!patterns) return;
+  for (const toml::node& item : *patterns) {
+    const auto file = item.as_table() ? (*item.as_table())["file"].value<std::string>() : std::nullopt;
+    if (!file || fs::path(*file).has_parent_path() || fs::path(*file).extension() != ".png") continue;
+    const std::string path = (fs::path(folder) / *file).string();
+    fs::remove(path, ignored);
+    fs::remove(sidecar_path(path), ignored);
+  }
+}
+
+}  // namespace
+
+std::string plan_path(const std::string& folder) { return (fs::path(folder) / "calibration.toml").string(); }
+
+void save_plan(const std::string& folder, const CalibrationPlan& plan) {
+  make_folder(folder);
+  remove_earlier(folder);
+  std::string text =
+      "# Test patterns of a calibration. Show each on the panel and photograph it as NAME.png, .tif, .jpg or .exr\n"
+      "# with a sensor without a lens at this distance from the panel; camera and exposure stay as they are.\n";
+  text += fmt::format("distance = \"{:.12g} mm\"\n", plan.distance * 1e3);
+  for (const TestPattern& pattern : plan.patterns) {
+    save_hologram((fs::path(folder) / (pattern.name + ".png")).string(), pattern.hologram);
+    text += fmt::format("\n[[pattern]]\nfile = \"{}.png\"\nkind = \"{}\"\n", pattern.name, name_of(pattern.kind));
+  }
+  write_text(plan_path(folder), text);
+}
+
+CalibrationPlan load_plan(const std::string& path) {
+  const toml::table parsed = parse(path);
+  TomlTable table(parsed, {path}, "the plan");
+  CalibrationPlan plan;
+  table.require_key("distance");
+  table.length("distance", plan.distance, range::positive);
+  for (TomlTable& item : table.tables("pattern")) {
+    TestPattern pattern;
+    std::string file;
+    item.require_key("file");
+    item.require_key("kind");
+    item.text("file", file);
+    item.choice("kind", pattern.kind,
+                {{"spots", PatternKind::spots}, {"levels", PatternKind::levels}, {"focus", PatternKind::focus}});
+    item.refuse_unknown_keys();
+    pattern.name = fs::path(file).stem().string();
+    item.locate("file", [&] { pattern.hologram = load_hologram(item.beside("file", file)); });
+    plan.patterns.push_back(std::move(pattern));
+  }
+  table.refuse_unknown_keys();
+  require(!plan.patterns.empty(),
+          "{}: expected a plan with a table [[pattern]] per test pattern, got none; write it with "
+          "`holotrace calibrate patterns`",
+          path);
+  return plan;
+}
+
+std::vector<Image> load_photographs(const std::string& folder, const CalibrationPlan& plan) {
+  require(fs::is_directory(folder), "expected a folder with the photographs, got {}, which is none", folder);
+  std::vector<std::string> paths, missing;
+  for (const TestPattern& pattern : plan.patterns) {
+    paths.push_back(photograph_path(folder, pattern.name));
+    if (paths.back().empty()) missing.push_back(pattern.name);
+  }
+  require(
+      missing.empty(),
+      "expected a photograph of each pattern in {}, got none of {}; name it as its pattern, with .png, .tif, .jpg or "
+      ".exr",
+      folder, fmt::join(missing, ", "));
+  std::vector<Image> photographs;
+  for (const std::string& path : paths) photographs.push_back(load_image(path));
+  return photographs;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "holotrace/data/calibration.h"
+#include "holotrace/data/image.h"
+
+namespace holotrace {
+
+/// Writes the patterns of a calibration into a folder, NAME.png with NAME.json each (hologram_file.h), and the plan that
+/// lists them, calibration.toml:
+///
+///     distance = "300 mm"
+///     [[pattern]]
+///     file = "01_spots.png"
+///     kind = "spots"          # or "levels", "focus"
+///
+/// The folder is made if it is missing; patterns of an earlier plan in it are removed.
+/// @throws Error  as save_hologram and write_text do
+void save_plan(const std::string& folder, const CalibrationPlan& plan);
+
+/// The file that save_plan writes in a folder.
+std::string plan_path(const std::string& folder);
+
+/// Reads a plan and its patterns.
+/// @throws Error  with file:line:column for a missing or unknown key and for a plan without patterns, and as
+///                load_hologram does
+CalibrationPlan load_plan(const std::string& path);
+
+/// Reads the photographs of a plan's patterns: from a folder, the file named as the pattern with the extension .png,
+/// .tif, .tiff, .jpg, .jpeg or .exr.
+/// @throws Error  naming all missing photographs; and as load_image does
+std::vector<Image> load_photographs(const std::string& folder, const CalibrationPlan& plan);
+
+}  // namespace holotrace
