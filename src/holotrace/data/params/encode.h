@@ -150,7 +150,7 @@ void describe(Visitor& v, EncodeParams& p) {
   v.texts(
       "effects", p.effects,
       "panel effects that the encoding compensates: calibration; with sgd also crosstalk, gaps, aberration, phase-map, "
-      "dead-pixels; or all");
+      "light-map, dead-pixels; or all");
 }
 
 }  // namespace holotrace
