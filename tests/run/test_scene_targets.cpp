@@ -119,7 +119,7 @@ TEST(Quality, ChoosesWhatIsNotGiven) {
   EXPECT_EQ(with_quality(job).encode.iterations, 0);
   job.encode.quality = Quality::good;
   EXPECT_EQ(with_quality(job).trace.frames, 8);
-  EXPECT_EQ(with_quality(job).encode.planes, 10);
+  EXPECT_EQ(with_quality(job).encode.planes, 16);
   EXPECT_EQ(with_quality(job).encode.iterations, 150);
   job.encode.iterations = 7;
   job.trace.frames = 3;

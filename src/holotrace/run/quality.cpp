@@ -12,11 +12,11 @@ struct Effort {
 Effort effort_of(Quality quality) {
   switch (quality) {
     case Quality::draft:
-      return {4, 6, 50};
+      return {4, 10, 50};
     case Quality::good:
-      return {8, 10, 150};
+      return {8, 16, 150};
     case Quality::best:
-      return {16, 16, 300};
+      return {16, 24, 300};
     case Quality::as_given:
       break;
   }

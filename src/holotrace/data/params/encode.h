@@ -44,7 +44,7 @@ enum class BinaryLevels { panel, phase, amplitude };
 
 /// Defaults of the iterations, and of the step of sgd [rad], used where 0 is given.
 inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, target_field_iterations = 30;
-inline constexpr int most_target_planes = 8;
+inline constexpr int most_target_planes = 16;
 inline constexpr double sgd_step = 0.4;
 
 /// How the field on the panel becomes the levels of its pixels.
@@ -63,7 +63,7 @@ struct EncodeParams {
   EncodeTarget target = EncodeTarget::field;  ///< what iterations aim at
   Quality quality = Quality::as_given;        ///< sgd, scenes: chooses frames, planes and iterations that are not given
   std::vector<double> target_distances{};     ///< iterations: distances of the target planes from the panel [m], ≥ 0
-  int planes = 0;  ///< targets render, light-field: most planes of the program's own choice; 0: 8, or by quality
+  int planes = 0;  ///< targets render, light-field: most planes of the program's own choice; 0: 16, or by quality
   int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
   bool resample = false;                    ///< scale a target picture of another size to that part
   bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
@@ -121,13 +121,13 @@ void describe(Visitor& v, EncodeParams& p) {
   v.choice(
       "quality", p.quality,
       {{"as-given", Quality::as_given}, {"draft", Quality::draft}, {"good", Quality::good}, {"best", Quality::best}},
-      "sgd, scenes: number of frames, target planes and iterations where none is given; draft: 4, 6, 50; good: 8, "
-      "10, 150; best: 16, 16, 300; as-given: the defaults of each");
+      "sgd, scenes: number of frames, target planes and iterations where none is given; draft: 4, 10, 50; good: 8, "
+      "16, 150; best: 16, 24, 300; as-given: the defaults of each");
   v.lengths("target_distances", p.target_distances, range::not_negative,
             "iterations: distances of the target planes from the panel");
   v.count("planes", p.planes, range::not_negative,
           "targets render, light-field: largest number of planes through the scene, if target_distances gives none; 0: "
-          "8, or as quality says");
+          "16, or as quality says");
   v.count("target_columns", p.target_columns, range::not_negative,
           "iterations, pictures: width in pixels of the part of a target plane that the error counts; 0: the panel's");
   v.count("target_rows", p.target_rows, range::not_negative,
