@@ -98,6 +98,7 @@ TEST(SceneTargets, ViewsSendTheLightOfTheirPupil) {
 TEST(SceneTargets, RunShowsTheTracedLight) {
   Job job = two_squares();
   job.encode.iterations = 40;
+  job.encode.planes = 5;  // eight turns for each
   job.trace.frames = 4;
   const Boxes boxes = run(job);
   EXPECT_EQ(boxes.holograms.size(), 4u);
