@@ -20,7 +20,8 @@ struct Observer {
   std::function<void(const std::string& sentence)> on_warning;              ///< a doubt about the result
   std::function<void(const std::string& name, const std::vector<double>& values)>
       on_curve{};  ///< values per iteration, from iteration 0
-  std::function<void(const std::string& text)> on_status{};  ///< how far the result is, for a progress bar: "loss -28 dB"
+  std::function<void(const std::string& text)>
+      on_status{};  ///< how far the result is, for a progress bar: "loss -28 dB"
 
   void progress(double fraction) const {
     if (on_progress) on_progress(fraction);
