@@ -1,6 +1,7 @@
 // holotrace encode: converts fields, or a target picture, to the levels of an SLM.
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -142,7 +143,8 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
             "leave it out, or use one of these");
     const bool is_stack = is_focal_stack_file(o->input), is_field = !is_stack && !is_picture(o->input);
     check_flag("--frames", o->frames, range::at_least(1), Quantity::count);
-    require(o->frames == 1 || is_stack, "expected --frames only with a focal stack, got {}; leave it out", o->input);
+    require(o->frames == 1 || is_stack || !std::filesystem::exists(o->input),
+            "expected --frames only with a focal stack, got {}; leave it out", o->input);
     std::vector<Field> fields;
     if (is_field) fields = load_fields(o->input);
     require(
