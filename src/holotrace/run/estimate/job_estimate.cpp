@@ -102,12 +102,21 @@ ProbeResult probe_other_sum(const Job& job, const SceneLight& light, double part
   return {seconds, seconds * double(job.slm.grid.pixels()) / double(panel.pixels())};
 }
 
-// Traces the focal stack with fewer paths.
+// Traces the focal stack with fewer paths, and with one: what one path takes too is done once.
 ProbeResult probe_stack(const Job& job, double part) {
-  Job some = job;
-  some.render.paths = std::max(1, int(std::lround(job.render.paths * part)));
-  const double seconds = median_seconds(1, [&] { trace_targets(some); });
-  return {seconds, seconds * job.render.paths / some.render.paths};
+  const auto seconds_of = [&](int paths) {
+    Job some = job;
+    some.render.paths = paths;
+    return median_seconds(1, [&] { trace_targets(some); });
+  };
+  const int paths = std::max(1, int(std::lround(job.render.paths * part)));
+  if (paths >= job.render.paths) {
+    const double seconds = seconds_of(job.render.paths);
+    return {seconds, seconds};
+  }
+  const double first = seconds_of(1), one = seconds_of(1);  // the first one also touches memory that is new
+  const double more = seconds_of(paths + 1), each = std::max(0.0, more - one) / paths;
+  return {first + one + more, first + each * (job.render.paths - 1)};
 }
 
 // A job whose holograms aim at the light of its scene: focal stack, and all stages after it.
