@@ -134,6 +134,13 @@ TEST(Quality, ChoosesWhatIsNotGiven) {
   EXPECT_EQ(with_quality(job).encode.iterations, 0);
 }
 
+TEST(SceneTargets, NeedGradientDescent) {
+  Job job = two_squares();
+  EXPECT_NO_THROW(check_job(job));
+  job.encode.method = Encoding::phase;
+  EXPECT_THROW(check_job(job), Error);
+}
+
 TEST(SceneTargets, RefuseStacksOfAnotherPanel) {
   FocalStack stack{{8, 6, 8e-6}, {0.3}, {Image(6, 8, 1)}};
   const auto error = [&](const Grid& panel) {

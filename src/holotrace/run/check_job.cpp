@@ -85,6 +85,9 @@ void check_job(const Job& job) {
           "expected [encode] joint with pictures as targets (holotrace encode), got a scene of {} wavelengths, whose "
           "holograms are one for each; leave it out",
           job.wavelengths.size());
+  require(job.encode.target == EncodeTarget::field || job.encode.method == Encoding::sgd,
+          "expected the encoding method sgd for the targets render and light-field, got another one; give method = "
+          "\"sgd\", or leave target out");
   if (job.synthesize.method == SynthesisMethod::triangles)
     check_shading(job.scene, job.trace);
   else if (job.trace.strategy == Strategy::gather)
