@@ -40,7 +40,7 @@ double Colour::light() const {
                          [](double sum, const PlaneLight& light) { return sum + light.sums.square; });
 }
 
-void Colour::leave(const std::vector<Array2D<float>>& levels) {
+void Colour::leave(const std::vector<Drive>& levels) {
   Grid grid = slm_.grid;
   grid.nx *= params_.subpixels;
   grid.ny *= params_.subpixels;
@@ -49,7 +49,7 @@ void Colour::leave(const std::vector<Array2D<float>>& levels) {
   for (size_t m = 0; m < levels.size(); ++m) panel_.leave(levels[m], u_[m]);
 }
 
-void Colour::judge(const std::vector<Array2D<float>>& levels) {
+void Colour::judge(const std::vector<Drive>& levels) {
   leave(levels);
   ModulusSums all;
   for (size_t k = 0; k < ways_.size(); ++k) {
@@ -91,7 +91,7 @@ void Colour::fit_scale(const ModulusSums& turn, double memory) {
 }
 
 void Colour::add_planes(const std::vector<size_t>& planes, uint64_t round, double factor,
-                        const std::vector<Array2D<float>>& levels, std::vector<Array2D<float>>& slopes) {
+                        const std::vector<Drive>& levels, std::vector<Drive>& slopes) {
   const SampleGroup group = group_of(round);
   std::vector<Array2D<float>> light;
   std::vector<Samples> samples(planes.size());
@@ -111,8 +111,7 @@ void Colour::add_planes(const std::vector<size_t>& planes, uint64_t round, doubl
 
 // Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor. Returns that sum.
 double Colour::add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light, Samples& samples,
-                            double factor, const std::vector<Array2D<float>>& levels,
-                            std::vector<Array2D<float>>& slopes) const {
+                            double factor, const std::vector<Drive>& levels, std::vector<Drive>& slopes) const {
   const double error = scale_ * scale_ * leave_residual(*way.target, 1 / scale_, light);
   for (size_t m = 0; m < samples.size(); ++m) {
     multiply(light, samples[m]);
@@ -124,8 +123,8 @@ double Colour::add_gradient(const TargetWay& way, SampleGroup group, Array2D<flo
   return error;
 }
 
-double Colour::add_views(const ViewTargets& views, double factor, const std::vector<Array2D<float>>& levels,
-                         std::vector<Array2D<float>>& slopes) {
+double Colour::add_views(const ViewTargets& views, double factor, const std::vector<Drive>& levels,
+                         std::vector<Drive>& slopes) {
   const size_t count = views.pupils.size();
   double light = 0;
   for (const Array2D<float>& amplitude : views.amplitudes)

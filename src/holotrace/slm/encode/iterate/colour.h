@@ -15,10 +15,10 @@
 
 namespace holotrace {
 
-/// What is known of a plane since its last turn.
+/// What is known of a plane.
 struct PlaneLight {
-  ModulusSums sums;
-  double error = 0;
+  ModulusSums sums;  ///< since it was last judged
+  double error = 0;  ///< since its last turn
 };
 
 /// A target and the way to it.
@@ -42,24 +42,33 @@ class Colour {
   double power() const { return power_; }  ///< light of the targets
   double scale() const { return scale_; }  ///< the scale s of the light that fits the targets
   double error() const;                    ///< sum of the errors of all planes, each from its last turn
-  double light() const;                    ///< sum of the light in all planes, each from its last turn
+  double light() const;                    ///< sum of the light in all planes when they were last judged
 
   /// Light of all frames on the panel.
-  void leave(const std::vector<Array2D<float>>& levels);
+  void leave(const std::vector<Drive>& levels);
 
   /// Error and sums of all planes for some levels.
-  void judge(const std::vector<Array2D<float>>& levels);
+  void judge(const std::vector<Drive>& levels);
 
   /// Adds the gradient of the errors of some planes by the levels of each frame, times factor, for the light that left
   /// last. The scale follows the planes of the latest turns.
   /// @param round  rounds of all planes that have begun: which samples of the pixels count
-  void add_planes(const std::vector<size_t>& planes, uint64_t round, double factor,
-                  const std::vector<Array2D<float>>& levels, std::vector<Array2D<float>>& slopes);
+  void add_planes(const std::vector<size_t>& planes, uint64_t round, double factor, const std::vector<Drive>& levels,
+                  std::vector<Drive>& slopes);
 
   /// Adds the gradient of the error of some views, at the scale of the planes, as a fraction of their light. Returns
   /// that fraction.
-  double add_views(const ViewTargets& views, double factor, const std::vector<Array2D<float>>& levels,
-                   std::vector<Array2D<float>>& slopes);
+  double add_views(const ViewTargets& views, double factor, const std::vector<Drive>& levels,
+                   std::vector<Drive>& slopes);
+
+  /// Calls work(number) for each number that outlasts an update; it may change them.
+  template <class Work>
+  void each_number(const Work& work) {
+    work(recent_.cross);
+    work(recent_.square);
+    work(scale_);
+    for (PlaneLight& light : lights_) work(light.error);
+  }
 
  private:
   using Samples = std::vector<std::vector<Field>>;  // of each frame
@@ -68,14 +77,14 @@ class Colour {
   Array2D<float> mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const;
   void fit_scale(const ModulusSums& turn, double memory);
   double add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light, Samples& samples, double factor,
-                      const std::vector<Array2D<float>>& levels, std::vector<Array2D<float>>& slopes) const;
+                      const std::vector<Drive>& levels, std::vector<Drive>& slopes) const;
 
   const Slm& slm_;
   const EncodeParams& params_;
   double wavelength_;
   DrivenPanel panel_;
   std::vector<TargetWay> ways_;
-  std::vector<PlaneLight> lights_;          // of each plane, from its last turn
+  std::vector<PlaneLight> lights_;          // of each plane
   std::vector<Field> u_;                    // light that leaves the panel, of each frame
   std::optional<PupilPropagation> pupils_;  // made for the first views
   ModulusSums recent_;
