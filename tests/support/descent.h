@@ -17,6 +17,7 @@ struct Descent {
   Slm slm;
   EncodeParams params;
   Hologram hologram;
+  PanelDetail detail{};
 
   /// @param slopes  if given, set to the gradient
   double loss(const std::vector<Drive>& drives, std::vector<Drive>* slopes) const {
@@ -35,7 +36,7 @@ struct Descent {
       std::vector<std::vector<Field>> shown;
       Array2D<float> light(ny, nx);
       for (size_t m = 0; m < drives.size(); ++m) {
-        panel.leave(drives[m], u[m]);
+        panel.leave(drives[m], u[m], detail);
         shown.push_back(way.to_plane(u[m]));
         add_power(shown[m], 1 / double(drives.size()), light);
       }
@@ -44,7 +45,8 @@ struct Descent {
       sum += s * s * leave_residual(target, 1 / s, light);
       for (size_t m = 0; slopes && m < drives.size(); ++m) {
         multiply(light, shown[m]);
-        panel.add_slope(drives[m], u[m], way.to_panel(shown[m]), -2 * s * s / double(drives.size()), (*slopes)[m]);
+        panel.add_slope(drives[m], u[m], way.to_panel(shown[m]), -2 * s * s / double(drives.size()), (*slopes)[m],
+                        detail);
       }
     }
     return sum;
