@@ -132,7 +132,7 @@ double Colour::add_views(const ViewTargets& views, double factor, const std::vec
   if (light == 0) return 0;
   if (!pupils_)
     pupils_.emplace(
-        slm_, wavelength_, views.pupils.front().centre.z,
+        slm_, wavelength_, views.pupils.front(),
         TargetOptics{.aperture = panel_.aperture(), .subpixels = params_.subpixels, .stop = stop_width(params_)});
   std::vector<std::vector<Array2D<std::complex<float>>>> pictures(u_.size());
   std::vector<Array2D<float>> power(count, Array2D<float>(views.picture.ny, views.picture.nx));
