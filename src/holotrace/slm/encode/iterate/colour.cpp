@@ -1,6 +1,7 @@
 #include "holotrace/slm/encode/iterate/colour.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "holotrace/base/threads.h"
@@ -26,18 +27,19 @@ void Colour::add(const TargetPlane& target) {
                                    .subpixels = params_.subpixels,
                                    .stop = stop_width(params_),
                                    .pupil = target.pupil})});
-  lights_.emplace_back();
+  errors_.push_back(0);
   power_ += target_power(target);
 }
 
-double Colour::error() const {
-  return std::accumulate(lights_.begin(), lights_.end(), 0.0,
-                         [](double sum, const PlaneLight& light) { return sum + light.error; });
+double Colour::error() const { return std::accumulate(errors_.begin(), errors_.end(), 0.0); }
+
+double Colour::judged_scale() const {
+  return judged_.square > 0 && judged_.cross > 0 ? judged_.cross / judged_.square : 1;
 }
 
-double Colour::light() const {
-  return std::accumulate(lights_.begin(), lights_.end(), 0.0,
-                         [](double sum, const PlaneLight& light) { return sum + light.sums.square; });
+double Colour::judged_error() const {
+  const double s = judged_scale();
+  return power_ - 2 * s * judged_.cross + s * s * judged_.square;
 }
 
 void Colour::leave(const std::vector<Drive>& levels) {
@@ -51,16 +53,22 @@ void Colour::leave(const std::vector<Drive>& levels) {
 
 void Colour::judge(const std::vector<Drive>& levels) {
   leave(levels);
+  judged_ = {};
   ModulusSums all;
-  for (size_t k = 0; k < ways_.size(); ++k) {
-    lights_[k].sums = fit_sums(*ways_[k].target, mean_light(ways_[k], SampleGroup::all, nullptr));
-    all.cross += lights_[k].sums.cross;
-    all.square += lights_[k].sums.square;
+  std::vector<ModulusSums> sums;
+  const auto add = [](const ModulusSums& from, ModulusSums& to) {
+    to.cross += from.cross;
+    to.square += from.square;
+  };
+  for (const TargetWay& way : ways_) {
+    const auto [light, means] = light_to_judge(way);
+    sums.push_back(fit_sums(*way.target, light));
+    add(sums.back(), all);
+    add(fit_sums(*way.target, means), judged_);
   }
   fit_scale(all, 0);
   for (size_t k = 0; k < ways_.size(); ++k)
-    lights_[k].error =
-        target_power(*ways_[k].target) - 2 * scale_ * lights_[k].sums.cross + scale_ * scale_ * lights_[k].sums.square;
+    errors_[k] = target_power(*ways_[k].target) - 2 * scale_ * sums[k].cross + scale_ * scale_ * sums[k].square;
 }
 
 // The samples that an update uses. Many frames take the diagonals of the pixels in turn: the update then takes 0.6 of
@@ -80,6 +88,23 @@ Array2D<float> Colour::mean_light(const TargetWay& way, SampleGroup group, Sampl
     if (samples) samples->push_back(std::move(shown));
   }
   return light;
+}
+
+// The light that the loss counts, and its mean over the pixels, as well as the samples can tell it.
+std::pair<Array2D<float>, Array2D<float>> Colour::light_to_judge(const TargetWay& way) const {
+  if (params_.subpixels > 1) {
+    Array2D<float> light = mean_light(way, SampleGroup::all, nullptr);
+    return {light, light};
+  }
+  Array2D<float> light(slm_.grid.ny, slm_.grid.nx);
+  std::array<Array2D<float>, 4> power;
+  for (Array2D<float>& sample : power) sample = light;
+  for (const Field& frame : u_) {
+    std::vector<Field> shown = way.propagation.to_plane(frame);
+    add_power(shown, 1 / double(u_.size()), light);
+    for (size_t i = 0; i < power.size(); ++i) add_power({std::move(shown[i])}, 1 / double(u_.size()), power[i]);
+  }
+  return {std::move(light), pixel_means(power)};
 }
 
 // The scale that fits the planes of the latest turns: the sums of each earlier update count `memory` times those of
@@ -105,8 +130,7 @@ void Colour::add_planes(const std::vector<size_t>& planes, uint64_t round, doubl
   // Of all planes, the sums need no others.
   fit_scale(turn, std::min(0.7, 1 - double(planes.size()) / double(ways_.size())));
   for (size_t i = 0; i < planes.size(); ++i)
-    lights_[planes[i]].error =
-        add_gradient(ways_[planes[i]], group, std::move(light[i]), samples[i], factor, levels, slopes);
+    errors_[planes[i]] = add_gradient(ways_[planes[i]], group, std::move(light[i]), samples[i], factor, levels, slopes);
 }
 
 // Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor. Returns that sum.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/array.h"
@@ -14,12 +15,6 @@
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 
 namespace holotrace {
-
-/// What is known of a plane.
-struct PlaneLight {
-  ModulusSums sums;  ///< since it was last judged
-  double error = 0;  ///< since its last turn
-};
 
 /// A target and the way to it.
 struct TargetWay {
@@ -42,7 +37,11 @@ class Colour {
   double power() const { return power_; }  ///< light of the targets
   double scale() const { return scale_; }  ///< the scale s of the light that fits the targets
   double error() const;                    ///< sum of the errors of all planes, each from its last turn
-  double light() const;                    ///< sum of the light in all planes when they were last judged
+
+  /// What judge found over all planes, for light that is averaged over the pixels (pixel_means).
+  double judged_scale() const;                            ///< the scale that fits the targets best
+  double judged_error() const;                            ///< the error at that scale
+  double judged_light() const { return judged_.square; }  ///< sum of the light
 
   /// Light of all frames on the panel.
   void leave(const std::vector<Drive>& levels);
@@ -67,7 +66,7 @@ class Colour {
     work(recent_.cross);
     work(recent_.square);
     work(scale_);
-    for (PlaneLight& light : lights_) work(light.error);
+    for (double& error : errors_) work(error);
   }
 
  private:
@@ -75,6 +74,7 @@ class Colour {
 
   SampleGroup group_of(uint64_t round) const;
   Array2D<float> mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const;
+  std::pair<Array2D<float>, Array2D<float>> light_to_judge(const TargetWay& way) const;
   void fit_scale(const ModulusSums& turn, double memory);
   double add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light, Samples& samples, double factor,
                       const std::vector<Drive>& levels, std::vector<Drive>& slopes) const;
@@ -84,10 +84,10 @@ class Colour {
   double wavelength_;
   DrivenPanel panel_;
   std::vector<TargetWay> ways_;
-  std::vector<PlaneLight> lights_;          // of each plane
+  std::vector<double> errors_;              // of each plane, from its last turn
   std::vector<Field> u_;                    // light that leaves the panel, of each frame
   std::optional<PupilPropagation> pupils_;  // made for the first views
-  ModulusSums recent_;
+  ModulusSums recent_, judged_;
   double scale_ = 1, power_ = 0;
 };
 

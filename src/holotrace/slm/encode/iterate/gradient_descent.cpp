@@ -24,7 +24,7 @@ double psnr(const Colours& colours) {
     double peak = 0;
     for (const TargetWay& way : colour->ways()) peak = std::max(peak, target_peak(*way.target));
     if (peak == 0) continue;
-    error += colour->error() / (peak * peak);
+    error += colour->judged_error() / (peak * peak);
     for (const TargetWay& way : colour->ways()) {
       for (const float w : way.target->weight.values) weight += double(w);
       if (way.target->weight.size() == 0) weight += double(way.target->amplitude.size());
@@ -37,8 +37,8 @@ void tell_quality(const Colours& colours, const Observer& observer, std::vector<
   double light = 0;
   for (const auto& colour : colours) {
     for (Hologram& frame : frames)
-      if (colour->wavelength() == frame.wavelength) frame.illumination = colour->scale() * colour->scale();
-    light += colour->light() / (double(colour->ways().size()) * double(frames.front().grid.pixels()));
+      if (colour->wavelength() == frame.wavelength) frame.illumination = std::pow(colour->judged_scale(), 2);
+    light += colour->judged_light() / (double(colour->ways().size()) * double(frames.front().grid.pixels()));
   }
   observer.fact("psnr_db", Fact(psnr(colours)));
   observer.fact("target_efficiency", Fact(light / double(colours.size())));
