@@ -42,7 +42,8 @@ double Colour::judged_error() const {
   return power_ - 2 * s * judged_.cross + s * s * judged_.square;
 }
 
-void Colour::leave(const std::vector<Drive>& levels) {
+void Colour::leave(const std::vector<Drive>& levels, bool is_hard) {
+  is_hard_ = is_hard;
   Grid grid = slm_.grid;
   grid.nx *= params_.subpixels;
   grid.ny *= params_.subpixels;
@@ -142,7 +143,8 @@ double Colour::add_gradient(const TargetWay& way, SampleGroup group, Array2D<flo
     const Field back = way.propagation.to_panel(samples[m], group);
     samples[m].clear();
     panel_.add_slope(levels[m], u_[m], back,
-                     -2 * scale_ * scale_ * factor * part_of_light(group) / double(samples.size()), slopes[m]);
+                     -2 * scale_ * scale_ * factor * part_of_light(group) / double(samples.size()), slopes[m],
+                     is_hard_);
   }
   return error;
 }
@@ -181,7 +183,7 @@ double Colour::add_views(const ViewTargets& views, double factor, const std::vec
       add_picture_adjoint(picture, views.pupils[size_t(k)], views.z, views.picture, eye);
     });
     panel_.add_slope(levels[m], u_[m], pupils_->to_panel(eye),
-                     -2 * scale_ * scale_ * factor / (light * double(u_.size())), slopes[m]);
+                     -2 * scale_ * scale_ * factor / (light * double(u_.size())), slopes[m], is_hard_);
   }
   return error * scale_ * scale_ / light;
 }

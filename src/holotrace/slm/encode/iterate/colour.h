@@ -44,7 +44,8 @@ class Colour {
   double judged_light() const { return judged_.square; }  ///< sum of the light
 
   /// Light of all frames on the panel.
-  void leave(const std::vector<Drive>& levels);
+  /// @param is_hard  whether the levels are whole (DrivenPanel::add_slope)
+  void leave(const std::vector<Drive>& levels, bool is_hard = true);
 
   /// Error and sums of all planes for some levels.
   void judge(const std::vector<Drive>& levels);
@@ -89,6 +90,7 @@ class Colour {
   std::optional<PupilPropagation> pupils_;  // made for the first views
   ModulusSums recent_, judged_;
   double scale_ = 1, power_ = 0;
+  bool is_hard_ = true;  // of the light that left last
 };
 
 }  // namespace holotrace

@@ -57,7 +57,9 @@ class DrivenPanel {
   ///
   /// Of two levels the slope is that halfway between them, where the phase moves the light from one level's toward the
   /// other's; at a level itself, it moves it across that direction and says nothing about the other level.
-  void add_slope(const Drive& drive, const Field& u, const Field& g, double factor, Drive& slope) const;
+  /// @param is_hard  whether drives are whole levels: between them, two levels have their own slopes
+  void add_slope(const Drive& drive, const Field& u, const Field& g, double factor, Drive& slope,
+                 bool is_hard = true) const;
 
  private:
   double cycles_per_level_, turn_, levels_per_radian_;
