@@ -4,7 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include "holotrace/base/random.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
+#include "holotrace/slm/encode/iterate/target_sums.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "support/fields.h"
 #include "support/panels.h"
@@ -227,7 +229,7 @@ TEST(TargetPropagation, APointThroughAPupilIsAnAiryPattern) {
 TEST(PixelMeans, FringesHaveTheContrastOfTheirMeanOverAPixel) {
   const int n = 24;
   for (const auto& [f, g] : {std::pair{0.25, 0.0}, {0.0, 0.5}, {0.75, 0.0}, {0.5, 0.75}, {1.0, 0.25}}) {
-    std::array<Array2D<float>, 4> power;
+    SamplePower power;
     for (size_t s = 0; s < 4; ++s) {
       power[s] = Array2D<float>(n, n);
       for (int j = 0; j < n; ++j)
@@ -244,6 +246,24 @@ TEST(PixelMeans, FringesHaveTheContrastOfTheirMeanOverAPixel) {
             most, std::abs(means(j, i) - 1 - sinc(f) * sinc(g) * std::cos(2 * pi * f * i) * std::cos(2 * pi * g * j)));
     EXPECT_LT(most, 0.026) << f << ' ' << g;
   }
+}
+
+TEST(PixelMeans, SpreadToSamplesIsTheAdjoint) {
+  SamplePower power;
+  Array2D<float> factor(5, 7);
+  for (size_t i = 0; i < factor.size(); ++i) factor.values[i] = float(CounterRandom(1, 0, i).uniform());
+  for (size_t s = 0; s < 4; ++s) {
+    power[s] = Array2D<float>(5, 7);
+    for (size_t i = 0; i < factor.size(); ++i) power[s].values[i] = float(CounterRandom(2, uint32_t(s), i).uniform());
+  }
+  const Array2D<float> means = pixel_means(power);
+  const SamplePower spread = spread_to_samples(factor);
+  double there = 0, back = 0;
+  for (size_t i = 0; i < factor.size(); ++i) {
+    there += double(means.values[i]) * factor.values[i];
+    for (size_t s = 0; s < 4; ++s) back += double(power[s].values[i]) * spread[s].values[i];
+  }
+  EXPECT_NEAR(there, back, 1e-5 * there);  // sums of 140 floats
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "holotrace/slm/encode/iterate/colour.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 #include "holotrace/base/threads.h"
@@ -33,15 +32,6 @@ void Colour::add(const TargetPlane& target) {
 
 double Colour::error() const { return std::accumulate(errors_.begin(), errors_.end(), 0.0); }
 
-double Colour::judged_scale() const {
-  return judged_.square > 0 && judged_.cross > 0 ? judged_.cross / judged_.square : 1;
-}
-
-double Colour::judged_error() const {
-  const double s = judged_scale();
-  return power_ - 2 * s * judged_.cross + s * s * judged_.square;
-}
-
 void Colour::leave(const std::vector<Drive>& levels, bool is_hard) {
   is_hard_ = is_hard;
   Grid grid = slm_.grid;
@@ -54,20 +44,15 @@ void Colour::leave(const std::vector<Drive>& levels, bool is_hard) {
 
 void Colour::judge(const std::vector<Drive>& levels) {
   leave(levels);
-  judged_ = {};
   ModulusSums all;
   std::vector<ModulusSums> sums;
-  const auto add = [](const ModulusSums& from, ModulusSums& to) {
-    to.cross += from.cross;
-    to.square += from.square;
-  };
   for (const TargetWay& way : ways_) {
-    const auto [light, means] = light_to_judge(way);
-    sums.push_back(fit_sums(*way.target, light));
-    add(sums.back(), all);
-    add(fit_sums(*way.target, means), judged_);
+    sums.push_back(fit_sums(*way.target, mean_light(way, SampleGroup::all, nullptr)));
+    all.cross += sums.back().cross;
+    all.square += sums.back().square;
   }
   fit_scale(all, 0);
+  light_ = all.square;
   for (size_t k = 0; k < ways_.size(); ++k)
     errors_[k] = target_power(*ways_[k].target) - 2 * scale_ * sums[k].cross + scale_ * scale_ * sums[k].square;
 }
@@ -80,32 +65,28 @@ SampleGroup Colour::group_of(uint64_t round) const {
   return round % 2 == 0 ? SampleGroup::falling : SampleGroup::rising;
 }
 
+// All four samples and those of the neighbours give the mean over a pixel better than the pixel's own samples do.
+bool Colour::has_pixel_means(SampleGroup group) const { return group == SampleGroup::all && params_.subpixels == 1; }
+
 // The mean irradiance of the frames in a target plane, and on request the samples of each frame.
 Array2D<float> Colour::mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const {
   Array2D<float> light(slm_.grid.ny, slm_.grid.nx);
+  if (has_pixel_means(group)) {
+    SamplePower power;
+    power.fill(light);
+    for (const Field& frame : u_) {
+      std::vector<Field> shown = way.propagation.to_plane(frame, group);
+      for (size_t i = 0; i < power.size(); ++i) add_power(shown[i], 1 / double(u_.size()), power[i]);
+      if (samples) samples->push_back(std::move(shown));
+    }
+    return pixel_means(power);
+  }
   for (const Field& frame : u_) {
     std::vector<Field> shown = way.propagation.to_plane(frame, group);
     add_power(shown, part_of_light(group) / double(u_.size()), light);
     if (samples) samples->push_back(std::move(shown));
   }
   return light;
-}
-
-// The light that the loss counts, and its mean over the pixels, as well as the samples can tell it.
-std::pair<Array2D<float>, Array2D<float>> Colour::light_to_judge(const TargetWay& way) const {
-  if (params_.subpixels > 1) {
-    Array2D<float> light = mean_light(way, SampleGroup::all, nullptr);
-    return {light, light};
-  }
-  Array2D<float> light(slm_.grid.ny, slm_.grid.nx);
-  std::array<Array2D<float>, 4> power;
-  for (Array2D<float>& sample : power) sample = light;
-  for (const Field& frame : u_) {
-    std::vector<Field> shown = way.propagation.to_plane(frame);
-    add_power(shown, 1 / double(u_.size()), light);
-    for (size_t i = 0; i < power.size(); ++i) add_power({std::move(shown[i])}, 1 / double(u_.size()), power[i]);
-  }
-  return {std::move(light), pixel_means(power)};
 }
 
 // The scale that fits the planes of the latest turns: the sums of each earlier update count `memory` times those of
@@ -138,8 +119,13 @@ void Colour::add_planes(const std::vector<size_t>& planes, uint64_t round, doubl
 double Colour::add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light, Samples& samples,
                             double factor, const std::vector<Drive>& levels, std::vector<Drive>& slopes) const {
   const double error = scale_ * scale_ * leave_residual(*way.target, 1 / scale_, light);
+  SamplePower of_sample;
+  if (has_pixel_means(group)) of_sample = spread_to_samples(light);
   for (size_t m = 0; m < samples.size(); ++m) {
-    multiply(light, samples[m]);
+    if (has_pixel_means(group))
+      for (size_t i = 0; i < of_sample.size(); ++i) multiply(of_sample[i], samples[m][i]);
+    else
+      multiply(light, samples[m]);
     const Field back = way.propagation.to_panel(samples[m], group);
     samples[m].clear();
     panel_.add_slope(levels[m], u_[m], back,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "holotrace/base/array.h"
@@ -37,11 +36,7 @@ class Colour {
   double power() const { return power_; }  ///< light of the targets
   double scale() const { return scale_; }  ///< the scale s of the light that fits the targets
   double error() const;                    ///< sum of the errors of all planes, each from its last turn
-
-  /// What judge found over all planes, for light that is averaged over the pixels (pixel_means).
-  double judged_scale() const;                            ///< the scale that fits the targets best
-  double judged_error() const;                            ///< the error at that scale
-  double judged_light() const { return judged_.square; }  ///< sum of the light
+  double light() const { return light_; }  ///< sum of the light in all planes when they were last judged
 
   /// Light of all frames on the panel.
   /// @param is_hard  whether the levels are whole (DrivenPanel::add_slope)
@@ -75,7 +70,7 @@ class Colour {
 
   SampleGroup group_of(uint64_t round) const;
   Array2D<float> mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const;
-  std::pair<Array2D<float>, Array2D<float>> light_to_judge(const TargetWay& way) const;
+  bool has_pixel_means(SampleGroup group) const;
   void fit_scale(const ModulusSums& turn, double memory);
   double add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light, Samples& samples, double factor,
                       const std::vector<Drive>& levels, std::vector<Drive>& slopes) const;
@@ -88,8 +83,8 @@ class Colour {
   std::vector<double> errors_;              // of each plane, from its last turn
   std::vector<Field> u_;                    // light that leaves the panel, of each frame
   std::optional<PupilPropagation> pupils_;  // made for the first views
-  ModulusSums recent_, judged_;
-  double scale_ = 1, power_ = 0;
+  ModulusSums recent_;
+  double scale_ = 1, power_ = 0, light_ = 0;
   bool is_hard_ = true;  // of the light that left last
 };
 

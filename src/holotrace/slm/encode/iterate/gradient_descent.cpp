@@ -24,7 +24,7 @@ double psnr(const Colours& colours) {
     double peak = 0;
     for (const TargetWay& way : colour->ways()) peak = std::max(peak, target_peak(*way.target));
     if (peak == 0) continue;
-    error += colour->judged_error() / (peak * peak);
+    error += colour->error() / (peak * peak);
     for (const TargetWay& way : colour->ways()) {
       for (const float w : way.target->weight.values) weight += double(w);
       if (way.target->weight.size() == 0) weight += double(way.target->amplitude.size());
@@ -34,7 +34,7 @@ double psnr(const Colours& colours) {
 }
 
 void set_illumination(const Colour& colour, bool is_joint, Hologram& frame) {
-  const double illumination = colour.judged_scale() * colour.judged_scale();
+  const double illumination = colour.scale() * colour.scale();
   if (colour.wavelength() == frame.wavelength) frame.illumination = illumination;
   if (is_joint) frame.colours.push_back({colour.wavelength(), illumination});
 }
@@ -44,7 +44,7 @@ void tell_quality(const Colours& colours, const Observer& observer, std::vector<
   for (Hologram& frame : frames) frame.colours.clear();
   for (const auto& colour : colours) {
     for (Hologram& frame : frames) set_illumination(*colour, colours.size() > 1, frame);
-    light += colour->judged_light() / (double(colour->ways().size()) * double(frames.front().grid.pixels()));
+    light += colour->light() / (double(colour->ways().size()) * double(frames.front().grid.pixels()));
   }
   observer.fact("psnr_db", Fact(psnr(colours)));
   observer.fact("target_efficiency", Fact(light / double(colours.size())));
