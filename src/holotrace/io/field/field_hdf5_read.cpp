@@ -8,6 +8,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
+#include "holotrace/base/printable.h"
 #include "holotrace/io/field/field_formats.h"
 #include "holotrace/io/field/hdf5_access.h"
 #include "holotrace/io/field/metadata.h"
@@ -107,7 +108,7 @@ BasicField<Real> field_of(const Head& head, const std::string& image, const std:
   field.grid.centre_y = head.centre_y;
   field.z = head.z;
   if (!image.empty()) field.image = image_side_from(image, path);
-  field.name = name;
+  field.name = printable(name);
   field.frame = frame_from(head.frame, path);
   field.cone_wavelength = head.cone_wavelength;
   if (head.has_filter) field.filter = SpectralFilter{head.filter[0], head.filter[1], head.filter[2], head.filter[3]};

@@ -23,7 +23,7 @@
 namespace holotrace {
 namespace {
 
-constexpr double first_seconds = 10, first_bytes = double(1 << 30);
+constexpr double first_seconds = 2, first_bytes = double(1 << 30);
 constexpr int longest_silence = 120;  // seconds without a byte from the child: it waits for something
 
 // The sanitizers reserve terabytes of addresses, which a limit would forbid.

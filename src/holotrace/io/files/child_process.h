@@ -63,7 +63,7 @@ class FromChild {
   int pipe_;
 };
 
-/// Runs `read` in a child process and `receive` here at the same time. The child has 10 s of processor time and 1 GiB
+/// Runs `read` in a child process and `receive` here at the same time. The child has 2 s of processor time and 1 GiB
 /// of memory beyond what the program has when it starts, unless it calls ToParent::allow; it does not print.
 /// @param path  file that is read, for messages
 /// @throws Error  that of `read` or `receive`; and, naming the file, if the child crashes or reaches a limit

@@ -59,7 +59,7 @@ void turn_on(const std::vector<std::string>& own, TomlTable& root, Job& job) {
   if (has_calibration && says_nothing("encode")) job.encode.effects = {"calibration"};
 }
 
-Job read_job(TomlTable& root, const std::string& path) {
+Job read_job(TomlTable& root, const std::string& path, Outside outside) {
   Job job;
   for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
                               "render", "synthesize", "encode", "show", "propagate", "camera"})
@@ -74,7 +74,7 @@ Job read_job(TomlTable& root, const std::string& path) {
   job.slm = slm ? read_slm(*slm, "pluto", own_effects) : slm_preset("pluto");
   if (!own_effects.empty()) job.slm.preset = path;  // a panel with effects of its own is read from this file again
 
-  SceneObjects objects(job);
+  SceneObjects objects(job, outside);
   std::vector<std::string> names;
   const auto materials = root.named_tables("materials", names);
   for (size_t i = 0; i < materials.size(); ++i) objects.add_material(names[i], read_material(materials[i]));
@@ -170,12 +170,13 @@ Slm load_slm(const std::string& name) {
   return slm;
 }
 
-Job load_job(const std::string& path) {
-  if (is_mesh_file(path)) return job_for_model(path);
+Job load_job(const std::string& path, Outside outside) {
+  if (is_mesh_file(path)) return job_for_model(path, outside);
+  check_file_exists(path, "a scene file");
   std::vector<std::string> files, warnings;
   const toml::table parsed = read_scene(path, files, warnings);
   TomlTable root(parsed, files, "the scene file");
-  Job job = read_job(root, path);
+  Job job = read_job(root, path, outside);
   job.warnings.insert(job.warnings.begin(), warnings.begin(), warnings.end());
   return job;
 }
