@@ -174,6 +174,25 @@ def main():
     seed("picture", "tiff", b"II*\0" + struct.pack("<I", 8) + struct.pack("<H", 9) + b"".join(
         struct.pack("<HHII", *entry) for entry in ((256, 3, 1, 2), (257, 3, 1, 2), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1),
                                                    (273, 4, 1, 122), (277, 3, 1, 1), (278, 3, 1, 2), (279, 4, 1, 4))) + bytes(8))
+    # The first byte chooses the format: its remainder by 5.
+    seed("assimp", "stl", "\x05solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n")
+    triangle = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
+    seed("assimp", "stl_binary", b"\x05" + bytes(80) + struct.pack("<I", 1) + triangle)
+    seed("assimp", "off", "\x06OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    seed("assimp", "dae", '\x07<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'
+         '<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="9">0 0 0 1 0 0 0 1 0</float_array>'
+         '<technique_common><accessor source="#a" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>'
+         '<param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/>'
+         '</vertices><triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry>'
+         '</library_geometries><library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene>'
+         '</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>\n')
+
+    def chunk3ds(kind, content):
+        return struct.pack("<HI", kind, 6 + len(content)) + content
+
+    mesh = chunk3ds(0x4100, chunk3ds(0x4110, struct.pack("<H9f", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0))
+                    + chunk3ds(0x4120, struct.pack("<H4H", 1, 0, 1, 2, 0)))
+    seed("assimp", "3ds", b"\x08" + chunk3ds(0x4D4D, chunk3ds(0x3D3D, chunk3ds(0x4000, b"a\0" + mesh))))
     for i, text in enumerate(("E(D|G)L", "E.*L", "ES*(D|G)L", "ED+L?", "532 nm", "0 0 -300 mm", "1.5 deg", "2 GiB")):
         seed("path_expression", str(i), text)
     seed("report", "object", '{"a": [1, 2.5e3, true, null, "\\u00e4"], "b": {"c": {}}}')

@@ -10,6 +10,7 @@
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/field/npy.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/file_kind.h"
 
 namespace holotrace {
 namespace {
@@ -105,7 +106,7 @@ std::vector<BasicField<Real>> load(const std::string& path, Outside outside) {
   } else if (extension == ".exr") {
     stack.push_back(convert<Real>(read_field_exr(path)));
   } else {
-    fail_extension(path);
+    fail("{}: expected a field .npy, .h5 or .exr, got {}", path, kind_of_file(path));
   }
   for (const auto& field : stack) check_loaded(path, field);
   return stack;

@@ -15,7 +15,7 @@ struct LoadedModel {
   std::vector<std::string> warnings;  ///< features that the file asks for and that are not shown
 };
 
-/// Whether load_meshes supports files with that extension: .obj, .ply, .gltf, .glb.
+/// Whether load_meshes supports files with that extension: .obj, .ply, .gltf, .glb, and .stl, .off, .dae, .3ds and .fbx.
 bool is_mesh_file(const std::string& path);
 
 /// Reads OBJ, PLY, glTF and GLB: triangles in metres with the transforms of their nodes applied (a mirroring transform
@@ -25,7 +25,9 @@ bool is_mesh_file(const std::string& path);
 ///
 /// - glTF 2.0: see gltf_materials in io/mesh/gltf_materials.h.
 /// - OBJ: see read_obj_materials in io/mesh/obj_materials.h. Vertex colours are sRGB-coded, in [0, 1].
-/// - PLY: faces are split into fans; integer colours are sRGB-coded, floating-point colours are linear. The triangle
+/// - STL, OFF, COLLADA, 3DS and FBX: shapes, vertex colours (sRGB-coded), diffuse and emitted colours, and the diffuse
+///   texture beside the file, as Assimp reads them.
+/// - PLY: faces are split into fans, strips of triangles are read; integer colours are sRGB-coded, floating-point colours are linear. The triangle
 ///   soup of the OpenHolo library's dialect (property `face_idx`) is read, too.
 ///
 /// @param outside  whether the files that it names may lie outside its folder

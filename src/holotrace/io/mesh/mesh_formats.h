@@ -76,5 +76,6 @@ void triangulate(const std::vector<Vec3>& corners, std::vector<std::array<uint32
 LoadedModel load_obj_mesh(const std::string& path, Outside outside);
 LoadedModel load_gltf_mesh(const std::string& path, Outside outside);
 LoadedModel load_ply_mesh(const std::string& path);
+LoadedModel load_assimp_mesh(const std::string& path, Outside outside);
 
 }  // namespace holotrace

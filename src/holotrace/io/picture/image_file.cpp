@@ -14,6 +14,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
@@ -61,8 +62,9 @@ OIIO::ImageSpec plain_colours() {
   return config;
 }
 
-[[noreturn]] void fail_not_an_image(const std::string& name) {
-  fail("{}: expected an image, but it is not an image in a format known here; convert it to PNG, JPEG or EXR", name);
+[[noreturn]] void fail_not_an_image(const std::string& name, const std::string& kind = "") {
+  fail("{}: expected an image, but it is not an image in a format known here{}; convert it to PNG, JPEG or EXR", name,
+       kind);
 }
 
 void write_image(const std::string& path, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type, const void* values) {
@@ -98,7 +100,11 @@ Image load_image(const std::string& path, ImageContent content) {
   check_file_exists(path, "an image");
   const OIIO::ImageSpec config = plain_colours();
   const auto input = open_picture(path, config);
-  if (!input) fail_not_an_image(path);
+  if (!input) {
+    const std::string kind = known_kind_of_file(path);
+    const bool is_picture = kind.find("a picture") != std::string::npos;  // damaged
+    fail_not_an_image(path, kind.empty() || is_picture ? "" : fmt::format(", it is {}", kind));
+  }
   require(!is_truncated_png(path), "{}: expected an image of {} × {} pixels, but it is truncated or damaged", path,
           input->spec().width, input->spec().height);
   return read_image(*input, path, content);

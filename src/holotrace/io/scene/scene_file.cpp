@@ -12,6 +12,7 @@
 #include "holotrace/data/params/renamed.h"
 #include "holotrace/data/path_expression.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/scene/model_job.h"
 #include "holotrace/io/scene/params_toml.h"
 #include "holotrace/io/scene/scene_lights.h"
@@ -173,6 +174,8 @@ Slm load_slm(const std::string& name) {
 Job load_job(const std::string& path, Outside outside) {
   if (is_mesh_file(path)) return job_for_model(path, outside);
   check_file_exists(path, "a scene file");
+  require(extension_of(path) == ".toml" || (is_text_file(path) && extension_of(path) != ".json"),
+          "{}: expected a scene .toml or a model such as .obj or .glb, got {}", path, kind_of_file(path));
   std::vector<std::string> files, warnings;
   const toml::table parsed = read_scene(path, files, warnings);
   TomlTable root(parsed, files, "the scene file");
