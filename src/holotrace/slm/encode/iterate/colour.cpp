@@ -32,14 +32,14 @@ void Colour::add(const TargetPlane& target) {
 
 double Colour::error() const { return std::accumulate(errors_.begin(), errors_.end(), 0.0); }
 
-void Colour::leave(const std::vector<Drive>& levels, bool is_hard) {
-  is_hard_ = is_hard;
+void Colour::leave(const std::vector<Drive>& levels, const PanelDetail& detail) {
+  detail_ = detail;
   Grid grid = slm_.grid;
   grid.nx *= params_.subpixels;
   grid.ny *= params_.subpixels;
   grid.pitch /= params_.subpixels;
   while (u_.size() < levels.size()) u_.emplace_back(grid, wavelength_);
-  for (size_t m = 0; m < levels.size(); ++m) panel_.leave(levels[m], u_[m]);
+  for (size_t m = 0; m < levels.size(); ++m) panel_.leave(levels[m], u_[m], detail);
 }
 
 void Colour::judge(const std::vector<Drive>& levels) {
@@ -129,8 +129,7 @@ double Colour::add_gradient(const TargetWay& way, SampleGroup group, Array2D<flo
     const Field back = way.propagation.to_panel(samples[m], group);
     samples[m].clear();
     panel_.add_slope(levels[m], u_[m], back,
-                     -2 * scale_ * scale_ * factor * part_of_light(group) / double(samples.size()), slopes[m],
-                     is_hard_);
+                     -2 * scale_ * scale_ * factor * part_of_light(group) / double(samples.size()), slopes[m], detail_);
   }
   return error;
 }
@@ -169,7 +168,7 @@ double Colour::add_views(const ViewTargets& views, double factor, const std::vec
       add_picture_adjoint(picture, views.pupils[size_t(k)], views.z, views.picture, eye);
     });
     panel_.add_slope(levels[m], u_[m], pupils_->to_panel(eye),
-                     -2 * scale_ * scale_ * factor / (light * double(u_.size())), slopes[m], is_hard_);
+                     -2 * scale_ * scale_ * factor / (light * double(u_.size())), slopes[m], detail_);
   }
   return error * scale_ * scale_ / light;
 }

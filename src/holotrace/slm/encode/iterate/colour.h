@@ -39,8 +39,7 @@ class Colour {
   double light() const { return light_; }  ///< sum of the light in all planes when they were last judged
 
   /// Light of all frames on the panel.
-  /// @param is_hard  whether the levels are whole (DrivenPanel::add_slope)
-  void leave(const std::vector<Drive>& levels, bool is_hard = true);
+  void leave(const std::vector<Drive>& levels, const PanelDetail& detail = {});
 
   /// Error and sums of all planes for some levels.
   void judge(const std::vector<Drive>& levels);
@@ -85,7 +84,7 @@ class Colour {
   std::optional<PupilPropagation> pupils_;  // made for the first views
   ModulusSums recent_;
   double scale_ = 1, power_ = 0, light_ = 0;
-  bool is_hard_ = true;  // of the light that left last
+  PanelDetail detail_;  // of the light that left last
 };
 
 }  // namespace holotrace

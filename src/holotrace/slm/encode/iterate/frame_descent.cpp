@@ -109,7 +109,7 @@ void FrameDescent::update() {
   for (size_t c = 0; c < colours_.size(); ++c) {
     Colour& colour = *colours_[c];
     if (colour.power() == 0) continue;
-    colour.leave(rounded_, updates() == 0 || hardness(updates()) == 1);
+    colour.leave(rounded_, detail(updates()));
     const std::vector<size_t> planes = turns_[c].take();
     colour.add_planes(planes, turns_[c].round(), part(colour), rounded_, slopes_);
     if (!targets_.draw_views) continue;
@@ -137,12 +137,20 @@ float FrameDescent::hardness(int updates) const {
   return float(std::min(1.0, place(updates) / hard_from));
 }
 
+// How an update takes the panel. Most of the schedule need not know crosstalk exactly: its last part corrects what that
+// spoils. The start has whole levels.
+PanelDetail FrameDescent::detail(int updates) const {
+  constexpr double fine_from = 0.75;
+  const bool has_coarse = colours_.front()->panel().has_coarse();
+  return {.is_hard = updates == 0 || hardness(updates) == 1, .is_fine = !has_coarse || place(updates) >= fine_from};
+}
+
 // Compares the mean losses of two windows of updates, each of two rounds of all planes or more. If the second one is not
 // lower by params.least_gain, the rest of the schedule passes within one more window.
 void FrameDescent::end_if_little_is_gained() {
   const int window = std::max(10, 2 * updates_per_round()), now = updates();
   if (!(params_.least_gain > 0) || ending_from_ >= 0 || now < 2 * window || now + window >= iterations_) return;
-  if (hardness(now - 2 * window) < 1) return;  // hardening makes the loss grow
+  if (hardness(now - 2 * window) < 1 || !detail(now - 2 * window).is_fine) return;  // these change the loss
   const auto mean = [&](int end) {
     return std::accumulate(losses_.begin() + (end - window), losses_.begin() + end, 0.0) / window;
   };

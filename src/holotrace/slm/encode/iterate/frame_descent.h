@@ -67,6 +67,7 @@ class FrameDescent {
   double part(const Colour& colour) const;
   double place(int updates) const;
   float hardness(int updates) const;
+  PanelDetail detail(int updates) const;
   void step();
   void end_if_little_is_gained();
   template <class Work>

@@ -27,6 +27,9 @@ namespace holotrace {
 /// of drive + h·(level − drive), and h grows evenly from 0 to 1 over the first 0.7 of the iterations, of two levels over
 /// the first 0.15.
 ///
+/// With crosstalk, the first three quarters of the iterations compute the panel on three quarters of the cells per axis
+/// that `show` takes, and the rest on all of them. Figures and the loss at the end are those of all cells.
+///
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
 /// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, each
 /// iteration also uses the views that it draws; half of their error, relative to their own light, is added to that of
