@@ -6,10 +6,12 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <stdexcept>
 
 #include "banded_field.h"
 #include "commands.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/printable.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/estimate/machine/calibrate.h"
 #include "holotrace/io/rates_file.h"
@@ -19,8 +21,12 @@
 
 namespace {
 
+constexpr const char* out_of_memory =
+    "expected enough memory for this job, but it ran out; use smaller files, a smaller panel, fewer subpixels or fewer "
+    "samples";
+
 int report_error(const std::string& sentence) {
-  fmt::print(stderr, "holotrace: {}\n", sentence);
+  fmt::print(stderr, "holotrace: {}\n", holotrace::printable(sentence));
   return 1;
 }
 
@@ -37,7 +43,7 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, ch
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
   fmt::print(stderr, "{}\nRun with --help for more information.\n",
-             holotrace::unknown_name_message("command", argv[1], names));
+             holotrace::printable(holotrace::unknown_name_message("command", argv[1], names)));
   return 2;
 }
 
@@ -53,6 +59,8 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   app.add_option("--threads", global.threads, "number of threads; 0: all. Results do not depend on it")
       ->check(check_threads, "N", "N");
   app.add_flag("-q,--quiet", global.is_quiet, "no progress bars");
+  app.add_flag("--allow-outside", global.allow_outside,
+               "models and HDF5 files may name files outside their own folder; give it for files that you trust");
 
   std::unique_ptr<tbb::global_control> limit;
   app.parse_complete_callback([&] {
@@ -80,8 +88,9 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   } catch (const CLI::ParseError& error) {
     return report_usage(app, error, argc, argv);
   } catch (const std::bad_alloc&) {
-    return report_error(
-        "expected enough memory for this job, but it ran out; use a smaller panel, fewer subpixels or fewer samples");
+    return report_error(out_of_memory);
+  } catch (const std::length_error&) {  // of a vector that is longer than the addresses of this machine
+    return report_error(out_of_memory);
   } catch (const std::exception& error) {
     return report_error(error.what());
   }

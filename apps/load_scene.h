@@ -5,15 +5,16 @@
 #include <cstdio>
 #include <string>
 
+#include "holotrace/base/printable.h"
 #include "holotrace/io/scene/scene_file.h"
 
 namespace holotrace {
 
 /// load_job, with its warnings on stderr: for all commands but `run`, whose first stage reports them.
 /// @throws Error as load_job does
-inline Job load_scene(const std::string& path) {
-  Job job = load_job(path);
-  for (const std::string& warning : job.warnings) fmt::print(stderr, "warning: scene: {}\n", warning);
+inline Job load_scene(const std::string& path, Outside outside) {
+  Job job = load_job(path, outside);
+  for (const std::string& warning : job.warnings) fmt::print(stderr, "warning: scene: {}\n", printable(warning));
   return job;
 }
 

@@ -161,7 +161,8 @@ TEST(BadInput, DamagedMeshesAreRefused) {
   expect("range.ply", ply + "3 0 1 7\n", {"range.ply"});
   expect("negative.ply", ply + "3 0 1 -1\n", {"negative.ply"});
   expect("short.ply", ply, {"short.ply"});
-  expect("mesh.stl", "solid\nendsolid\n", {"mesh.stl", ".obj"});
+  expect("mesh.step", "ISO-10303-21;\n", {"mesh.step", ".obj", "a file .step"});
+  expect("mesh.stl", "solid\nendsolid\n", {"mesh.stl", "expected a mesh"});
   expect("broken.gltf", "{ \"asset\": ", {"broken.gltf"});
   work.write("scene.toml", scene_head() + "[[object]]\ntype = \"mesh\"\nfile = \"no.obj\"\nposition = \"0 0 -1 mm\"\n");
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:8:", "no.obj", "no such file"});
@@ -417,6 +418,45 @@ TEST(BadInput, AFieldIsNotComparedWithAnImage) {
   ASSERT_EQ(work.run({"render", "scene.toml", "-o", "r.exr"}).exit_code, 0);
   expect_error(work, {"compare", "f.exr", "r.exr"}, {"two images or two fields", "field f.exr", "image r.exr"});
   expect_error(work, {"compare", "r.exr", "f.npy"}, {"two images or two fields", "image r.exr", "field f.npy"});
+}
+
+TEST(BadInput, WhatAFileIsDecidesTheMessage) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  ASSERT_EQ(work.run({"render", "scene.toml", "-o", "r.png"}).exit_code, 0);
+  ASSERT_EQ(work.run({"trace", "scene.toml", "-o", "s.ply"}).exit_code, 0);
+  ASSERT_EQ(work.run({"field", "s.ply", "-o", "f.npy"}).exit_code, 0);
+  expect_error(work, {"run", "r.png", "-o", "out"}, {"r.png", "a PNG, a picture", "holotrace encode"});
+  expect_error(work, {"run", "f.npy", "-o", "out"}, {"f.npy", "a field in NPY", "holotrace propagate"});
+  expect_error(work, {"run", "s.ply", "-o", "out"}, {"s.ply", "sources of waves", "holotrace field"});
+  expect_error(work, {"propagate", "scene.toml", "--distance", "1 mm", "-o", "g.npy"},
+               {"scene.toml", "a field .npy, .h5 or .exr", "a scene or panel file", "holotrace run"});
+}
+
+// Names in files reach no terminal as they are: they could move the cursor or hide what follows.
+TEST(BadInput, ControlCharactersInNamesAreEscaped) {
+  const Workplace work;
+  work.write("m.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": [\"\\u001b[2Jx\"]}");
+  expect_error(work, {"info", "m.gltf"}, {"\\x1b[2Jx"});
+  work.write("scene.toml", scene_with("type = \"sphere\"", "type = \"\\u001b[31msphere\""));
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"unknown object type \"\\x1b[31msphere\""});
+}
+
+TEST(BadInput, FilesOutsideAModelsFolderNeedAFlag) {
+  const Workplace work;
+  std::filesystem::create_directory(work.path("models"));
+  work.write("out.mtl", "newmtl a\nKd 1 1 1\n");
+  work.write("models/m.obj", "mtllib ../out.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  work.write("scene.toml", scene_head() + "[[object]]\ntype = \"mesh\"\nfile = \"models/m.obj\"\n" +
+                               "position = \"0 0 -30 mm\"\nscale = 0.001\n");
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"info", "models/m.obj"},
+                                                  {"info", "scene.toml"},
+                                                  {"trace", "scene.toml", "-o", "s.ply"}}) {
+    expect_error(work, command, {"models/m.obj: expected files in its own folder", "../out.mtl", "--allow-outside"});
+    std::vector<std::string> allowed = command;
+    allowed.emplace_back("--allow-outside");
+    EXPECT_EQ(work.run(allowed).exit_code, 0) << command.back();
+  }
 }
 
 }  // namespace

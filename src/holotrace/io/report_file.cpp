@@ -25,7 +25,7 @@ nlohmann::ordered_json report_json(const Report& report) {
 }
 
 void save_report(const std::string& path, const Report& report) {
-  write_text(path, report_json(report).dump(2) + "\n");
+  write_text(path, report_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace holotrace

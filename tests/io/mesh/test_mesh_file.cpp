@@ -145,11 +145,14 @@ TEST(MeshFile, VertexColoursOfObjAndPlyAreDecoded) {
 }
 
 TEST(MeshFile, MissingAndUnknownFilesAreNamed) {
-  const std::string none = test::temporary("none.obj"), other = make_file("m.stl", "solid");
+  const std::string none = test::temporary("none.obj"), other = make_file("m.step", "ISO-10303-21;");
   EXPECT_EQ(error_of([&] { load_meshes(none); }),
             "expected a mesh at " + none + ", but there is no such file; check the path");
-  EXPECT_EQ(error_of([&] { load_meshes(other); }),
-            "expected a mesh file .obj, .ply, .gltf or .glb, got " + other + "; convert it");
+  EXPECT_EQ(
+      error_of([&] { load_meshes(other); }),
+      other +
+          ": expected a mesh file .obj, .ply, .gltf, .glb, .stl, .off, .dae, .3ds, .fbx, got a file .step; convert "
+          "it to one of these");
 }
 
 TEST(MeshFile, AMeshWithoutTrianglesIsRefused) {

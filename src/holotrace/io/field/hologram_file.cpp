@@ -13,6 +13,7 @@
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
@@ -89,11 +90,9 @@ struct Greys {
 Greys read_greys(const std::string& path) {
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::open(path, &config);
-  if (!input) {
-    OIIO::geterror();
-    fail("{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
-  }
+  const auto input = open_picture(path, config);
+  require(input != nullptr,
+          "{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
   const OIIO::ImageSpec& spec = input->spec();
   require(!is_truncated_png(path), "{}: expected a hologram of {} × {} pixels, but it is truncated or damaged", path,
           spec.width, spec.height);

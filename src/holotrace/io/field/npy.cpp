@@ -50,16 +50,17 @@ Header read_header(const std::string& bytes, const std::string& path) {
   Header header;
   header.data_begin = begin + length;
   const auto descr = value_of(dictionary, "descr", path);
-  header.dtype = descr.substr(1, descr.size() > 1 ? descr.find_first_of("'\"", 1) - 1 : 0);
+  require(descr.size() > 1, "{}: expected a type such as '<c8' in the .npy header, got none", path);
+  header.dtype = descr.substr(1, descr.find_first_of("'\"", 1) - 1);
   header.fortran_order = value_of(dictionary, "fortran_order", path).substr(0, 4) == "True";
   const auto shape = value_of(dictionary, "shape", path);
   const char* at = shape.data() + 1;
   const char* end = shape.data() + std::min(shape.find(')'), shape.size());
   while (at < end) {
-    int64_t n;
+    int64_t n = 0;
     const auto [next, error] = std::from_chars(at, end, n);
-    if (error == std::errc()) header.shape.push_back(n);
-    at = error == std::errc() ? next : at + 1;
+    if (error != std::errc::invalid_argument) header.shape.push_back(error == std::errc() ? n : -1);  // −1: too large
+    at = error != std::errc::invalid_argument ? next : at + 1;
   }
   return header;
 }

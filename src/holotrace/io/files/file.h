@@ -1,14 +1,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 
 namespace holotrace {
 
-/// The bytes of a file.
-/// @throws Error if it is missing, a folder, or not readable, naming the path.
-std::string read_text(const std::string& path);
+/// Bytes that a text for people may have: a scene, a panel, metadata, a table. Parsers need many times as much memory.
+constexpr uint64_t most_text = 64 << 20;
+
+/// The bytes of a file on a disk.
+/// @param most  bytes that it may have
+/// @throws Error if it is missing, a folder, a pipe or a device, not readable, too large or larger than the memory of
+///         this machine, naming the path
+std::string read_text(const std::string& path, uint64_t most = UINT64_MAX);
 
 /// Writes a file completely or not at all: `write` fills a temporary file in the same folder
 /// with the same extension, which is then renamed to `path`. If a run is killed, the earlier
@@ -27,7 +33,7 @@ void write_text(const std::string& path, const std::string& text);
 /// @throws Error if not all of them can be written, naming the path and the system's reason
 void write_bytes(const std::string& path, const void* bytes, size_t size);
 
-/// @throws Error unless `path` is a file, naming it; `kind` states what was expected ("a mesh").
+/// @throws Error unless `path` is a file on a disk, naming it; `kind` states what was expected ("a mesh").
 void check_file_exists(const std::string& path, const char* kind);
 
 /// The extension in lower case, with its dot: ".png". Empty if there is none.

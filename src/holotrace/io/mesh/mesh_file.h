@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/data/scene.h"
+#include "holotrace/io/files/outside.h"
 
 namespace holotrace {
 
@@ -14,7 +15,7 @@ struct LoadedModel {
   std::vector<std::string> warnings;  ///< features that the file asks for and that are not shown
 };
 
-/// Whether load_meshes supports files with that extension: .obj, .ply, .gltf, .glb.
+/// Whether load_meshes supports files with that extension: .obj, .ply, .gltf, .glb, and .stl, .off, .dae, .3ds and .fbx.
 bool is_mesh_file(const std::string& path);
 
 /// Reads OBJ, PLY, glTF and GLB: triangles in metres with the transforms of their nodes applied (a mirroring transform
@@ -23,12 +24,15 @@ bool is_mesh_file(const std::string& path);
 /// or beside the file. All surfaces are two-sided: culling of back faces is an optimization of rasterisers.
 ///
 /// - glTF 2.0: see gltf_materials in io/mesh/gltf_materials.h.
-/// - OBJ: see obj_material in io/mesh/mesh_formats.h. Vertex colours are sRGB-coded, in [0, 1].
-/// - PLY: faces are split into fans; integer colours are sRGB-coded, floating-point colours are linear. The triangle
+/// - OBJ: see read_obj_materials in io/mesh/obj_materials.h. Vertex colours are sRGB-coded, in [0, 1].
+/// - STL, OFF, COLLADA, 3DS and FBX: shapes, vertex colours (sRGB-coded), diffuse and emitted colours, and the diffuse
+///   texture beside the file, as Assimp reads them.
+/// - PLY: faces are split into fans, strips of triangles are read; integer colours are sRGB-coded, floating-point colours are linear. The triangle
 ///   soup of the OpenHolo library's dialect (property `face_idx`) is read, too.
 ///
+/// @param outside  whether the files that it names may lie outside its folder
 /// @throws Error naming the file if it is missing, of another kind, damaged or without triangles, and
 ///         naming the mesh for indices that are out of range and coordinates that are not finite
-LoadedModel load_meshes(const std::string& path);
+LoadedModel load_meshes(const std::string& path, Outside outside = Outside::refused);
 
 }  // namespace holotrace

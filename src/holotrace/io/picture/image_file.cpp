@@ -14,6 +14,8 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/file_kind.h"
+#include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
@@ -32,8 +34,6 @@ Image read_image(OIIO::ImageInput& input, const std::string& name, ImageContent 
           "{}: expected an image, got a field (channels \"real\" and \"imag\"); give it to a command that "
           "takes a field",
           name);
-  require(spec.width > 0 && spec.height > 0 && spec.nchannels > 0, "{}: expected an image with pixels, got {} × {}",
-          name, spec.width, spec.height);
   const int file_channels = spec.nchannels;
   std::vector<float> values(size_t(spec.width) * size_t(spec.height) * size_t(file_channels));
   if (!input.read_image(0, 0, 0, file_channels, OIIO::TypeDesc::FLOAT, values.data()))
@@ -62,9 +62,9 @@ OIIO::ImageSpec plain_colours() {
   return config;
 }
 
-[[noreturn]] void fail_not_an_image(const std::string& name) {
-  OIIO::geterror();  // clears the error
-  fail("{}: expected an image, but it is not an image in a format known here; convert it to PNG, JPEG or EXR", name);
+[[noreturn]] void fail_not_an_image(const std::string& name, const std::string& kind = "") {
+  fail("{}: expected an image, but it is not an image in a format known here{}; convert it to PNG, JPEG or EXR", name,
+       kind);
 }
 
 void write_image(const std::string& path, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type, const void* values) {
@@ -99,26 +99,20 @@ bool is_truncated_png(const std::string& path) {
 Image load_image(const std::string& path, ImageContent content) {
   check_file_exists(path, "an image");
   const OIIO::ImageSpec config = plain_colours();
-  const auto input = OIIO::ImageInput::open(path, &config);
-  if (!input) fail_not_an_image(path);
+  const auto input = open_picture(path, config);
+  if (!input) {
+    const std::string kind = known_kind_of_file(path);
+    const bool is_picture = kind.find("a picture") != std::string::npos;  // damaged
+    fail_not_an_image(path, kind.empty() || is_picture ? "" : fmt::format(", it is {}", kind));
+  }
   require(!is_truncated_png(path), "{}: expected an image of {} × {} pixels, but it is truncated or damaged", path,
           input->spec().width, input->spec().height);
   return read_image(*input, path, content);
 }
 
 Image decode_image(const void* bytes, size_t size, const std::string& name, ImageContent content) {
-  const auto* first = static_cast<const unsigned char*>(bytes);
-  const auto begins = [&](std::string_view signature, size_t at = 0) {
-    return size >= at + signature.size() && std::equal(signature.begin(), signature.end(), first + at,
-                                                       [](char a, unsigned char b) { return (unsigned char)(a) == b; });
-  };
-  const char* kind = begins("\xff\xd8") ? "texture.jpg" : begins("WEBP", 8) ? "texture.webp" : "texture.png";
   OIIO::Filesystem::IOMemReader memory(const_cast<void*>(bytes), size);
-  OIIO::ImageSpec config = plain_colours();
-  OIIO::Filesystem::IOProxy* source = &memory;
-  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
-  // The name only selects the format; the bytes come from memory.
-  const auto input = OIIO::ImageInput::open(kind, &config, source);
+  const auto input = open_picture(memory, name, plain_colours());
   if (!input) fail_not_an_image(name);
   return read_image(*input, name, content);
 }

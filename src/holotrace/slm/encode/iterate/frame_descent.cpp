@@ -16,6 +16,10 @@
 namespace holotrace {
 namespace {
 
+// Weight of the error of an update's views, relative to their light, against that of its planes. Views gain nothing from
+// 2, and planes lose 6 dB (docs/explanation/encoders.md).
+constexpr double view_weight = 0.5;
+
 // Transfer functions and targets of the planes; drive, moments, slope, light and samples of the frames.
 void require_memory_for(size_t planes, size_t frames, const Grid& grid, const EncodeParams& params, size_t arrays) {
   const double fine = double(params.subpixels) * params.subpixels, samples = params.subpixels > 1 ? fine : 4;
@@ -83,7 +87,7 @@ FrameDescent::FrameDescent(const TargetSet& targets, const Slm& slm, const Encod
 int FrameDescent::updates_per_round() const {
   size_t most = 1;
   for (const Turns& turns : turns_) most = std::max(most, turns.updates_per_round());
-  return int(most) * (targets_.draw_views ? 2 : 1);
+  return int(most);
 }
 
 void FrameDescent::judge() {
@@ -102,17 +106,16 @@ double FrameDescent::loss() const {
 void FrameDescent::update() {
   for (Drive& slope : slopes_)
     each_array(slope, [](Array2D<float>& values) { std::fill(values.values.begin(), values.values.end(), 0.0F); });
-  const bool is_view = targets_.draw_views && updates() % 2 == 1;
   for (size_t c = 0; c < colours_.size(); ++c) {
     Colour& colour = *colours_[c];
     if (colour.power() == 0) continue;
     colour.leave(rounded_, detail(updates()));
-    if (is_view) {
-      colour.add_views(targets_.draw_views(updates(), colour.wavelength()), 1 / lit_, rounded_, slopes_);
-      continue;
-    }
     const std::vector<size_t> planes = turns_[c].take();
     colour.add_planes(planes, turns_[c].round(), part(colour), rounded_, slopes_);
+    if (!targets_.draw_views) continue;
+    const double share = double(planes.size()) / double(colour.ways().size());  // of the planes' light
+    colour.add_views(targets_.draw_views(updates(), colour.wavelength()), view_weight * share / lit_, rounded_,
+                     slopes_);
   }
   step();
   losses_.push_back(loss());

@@ -31,9 +31,9 @@ namespace holotrace {
 /// that `show` takes, and the rest on all of them. Figures and the loss at the end are those of all cells.
 ///
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
-/// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, every second
-/// iteration uses the views that it draws instead, and the error is relative to their own light. With four or more
-/// frames, planes use the samples on one diagonal of the pixels in one round, and on the other in the next.
+/// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, each
+/// iteration also uses the views that it draws; half of their error, relative to their own light, is added to that of
+/// the iteration's planes. The loss leaves it out. With four or more frames, planes use the samples on one diagonal of the pixels in one round, and on the other in the next.
 ///
 /// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine. With
 /// params.least_gain > 0 the iterations may end early. Losses of single updates are noisy, so the means of two windows are

@@ -1,0 +1,84 @@
+// Formats that Assimp reads in a child process.
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "holotrace/io/files/file_kind.h"
+#include "holotrace/io/mesh/mesh_file.h"
+#include "support/temporary.h"
+
+namespace holotrace {
+namespace {
+
+using test::error_of;
+using test::make_file;
+
+constexpr const char* off_triangle = "OFF\n3 1 0\n0 0 0\n2 0 0\n0 1 0\n3 0 1 2\n";
+constexpr const char* stl_triangle =
+    "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+    "endsolid a\n";
+
+std::string collada(const std::string& node) {
+  return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><up_axis>Y_UP</up_axis></asset>
+<library_effects><effect id="e"><profile_COMMON><technique sid="t"><lambert><diffuse><color>1 0.5 0.25 1</color></diffuse>
+</lambert></technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="9">0 0 0 2 0 0 0 1 0</float_array>
+<technique_common><accessor source="#a" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/>
+</vertices><triangles count="1" material="s"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles>
+</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s">)" +
+         node + R"(</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+}
+
+double area(const LoadedModel& model) {
+  double sum = 0;
+  for (const Mesh& mesh : model.meshes)
+    for (auto [a, b, c] : mesh.triangles) {
+      const Vec3 p = mesh.positions[a];
+      sum += length(cross(mesh.positions[b] - p, mesh.positions[c] - p)) / 2;
+    }
+  return sum;
+}
+
+TEST(OtherFormats, StlAndOffAreRead) {
+  EXPECT_EQ(area(load_meshes(make_file("m.off", off_triangle))), 1);
+  EXPECT_EQ(area(load_meshes(make_file("m.stl", stl_triangle))), 1);
+}
+
+TEST(OtherFormats, ColladaHasItsColourAndThePlaceOfItsNode) {
+  const LoadedModel model = load_meshes(make_file(
+      "m.dae",
+      collada(R"(<node><translate>0 0 5</translate><instance_geometry url="#g"><bind_material><technique_common>
+<instance_material symbol="s" target="#m"/></technique_common></bind_material></instance_geometry></node>)")));
+  EXPECT_EQ(area(model), 1);
+  EXPECT_EQ(model.meshes[0].positions[0].z, 5);
+  const auto& surface = model.materials[size_t(model.meshes[0].material)].surface;
+  EXPECT_EQ(std::get<DiffuseMaterial>(surface).reflectance, (Vec3{1, 0.5, 0.25}));
+}
+
+TEST(OtherFormats, DamageIsAnErrorThatNamesTheFile) {
+  for (const char* name : {"m.off", "m.stl", "m.dae", "m.3ds", "m.fbx"})
+    for (const std::string& bytes : {std::string(), std::string("OFF\n3 1 0\n0 0 0\n"), std::string(300, '\xff')}) {
+      const std::string path = make_file(name, bytes);
+      EXPECT_TRUE(error_of([&] { load_meshes(path); }).starts_with(path + ": expected")) << name << bytes.size();
+    }
+  // A chain of nodes in which Assimp calls itself for each.
+  std::string chain;
+  for (int i = 0; i < 100000; ++i) chain += "<node>";
+  const std::string path = make_file("m.dae", collada(chain));
+  EXPECT_TRUE(error_of([&] { load_meshes(path); }).starts_with(path + ": expected"));
+}
+
+TEST(FileKind, FilesAreNamedByTheirFirstBytes) {
+  EXPECT_TRUE(kind_of_file(make_file("f", "\x89PNG\r\n")).starts_with("a PNG, a picture"));
+  EXPECT_TRUE(kind_of_file(make_file("f", "\x93NUMPY")).starts_with("a field in NPY"));
+  EXPECT_TRUE(kind_of_file(make_file("f", "glTF")).starts_with("a glTF file, a model"));
+  EXPECT_EQ(kind_of_file(make_file("f.dwg", "AC1027")), "a file .dwg");
+  EXPECT_EQ(kind_of_file(make_file("f", "")), "an empty file");
+}
+
+}  // namespace
+}  // namespace holotrace
