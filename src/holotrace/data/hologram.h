@@ -37,6 +37,9 @@ struct Hologram {
   std::string name{};                  ///< name of the path group or light that it shows, "" for all light
   uint32_t frame = 0;                  ///< index of the frame of a time-multiplexed hologram
   double cone_wavelength = 0;          ///< acceptance wavelength of its waves (Sources) [m]; 0: its own
+  /// What makes its light weaker in one colour than in another, so that views balance it (axial_reach): the cone of the
+  /// waves that it shows, which the light of a target does not have; and the pixels' aperture, which iterations undo.
+  bool loses_by_cone = true, loses_by_pixels = true;
   Array2D<uint16_t> modulus_level{};   ///< levels of amplitude, beside those of phase, if the modulation is complex
   std::vector<std::string> effects{};  ///< effects of the panel that the levels compensate (slm_effect_names)
 };

@@ -72,7 +72,9 @@ double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedS
   const std::string doubt = doubt_of(plan, params);
   const auto add = [&](size_t i, const Image& view) {
     sums[i].add(wavelength, hologram.name, illumination_at(hologram, wavelength), view,
-                axial_reach(viewing.slm, {wavelength, hologram.image, hologram.filter, hologram.cone_wavelength},
+                axial_reach(viewing.slm,
+                            {wavelength, hologram.image, hologram.filter, hologram.cone_wavelength,
+                             hologram.loses_by_cone, hologram.loses_by_pixels},
                             viewing.from[i].distance, viewing.from[i].camera));
   };
   std::vector<Image> mixed(all.size() > 1 ? from.size() : 0);

@@ -233,7 +233,7 @@ double looking_bytes(const FieldShape& field, const Slm& slm, double distance, c
 
 double axial_reach(const Slm& slm, const HologramLight& light, double distance, const CameraParams& camera) {
   if (distance <= 0) return 1;
-  const auto& [wavelength, image, filter, cone_wavelength] = light;
+  const auto& [wavelength, image, filter, cone_wavelength, loses_by_cone, loses_by_pixels] = light;
   // The pupil's shadow on the panel, as seen from the point behind or in front of the panel.
   const double z = image == ImageSide::real_image ? std::abs(camera.eye.z - distance) : distance + camera.eye.z;
   const double seen = camera.pupil > 0 && z > 0 ? camera.pupil * distance / z : std::numeric_limits<double>::infinity();
@@ -241,7 +241,7 @@ double axial_reach(const Slm& slm, const HologramLight& light, double distance, 
   const double lambda = wavelength, cone = (cone_wavelength > 0 ? cone_wavelength : wavelength) / (2 * pitch);
   const auto along = [&](double side, double lit, double half_band, double carrier) {
     const double sine = std::min({lambda * half_band, cone, 1.0});
-    const double box = sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
+    const double box = loses_by_cone && sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
     const double half = std::min(side / 2, box);
     constexpr int steps = 200;  // Simpson's rule on less than one lobe of sinc²: to 1e-9
     double sum = 0;
@@ -253,8 +253,9 @@ double axial_reach(const Slm& slm, const HologramLight& light, double distance, 
     return sum * 2 * half / (3.0 * steps) / side;
   };
   const double open = 1 / pitch;
-  return along(std::min(slm.grid.width(), seen), slm.lit_x(), filter ? filter->half_u : open, filter ? filter->u0 : 0) *
-         along(std::min(slm.grid.height(), seen), slm.lit_y(), filter ? filter->half_v : open, filter ? filter->v0 : 0);
+  const double lit_x = loses_by_pixels ? slm.lit_x() : 0, lit_y = loses_by_pixels ? slm.lit_y() : 0;
+  return along(std::min(slm.grid.width(), seen), lit_x, filter ? filter->half_u : open, filter ? filter->u0 : 0) *
+         along(std::min(slm.grid.height(), seen), lit_y, filter ? filter->half_v : open, filter ? filter->v0 : 0);
 }
 
 double common_white(const std::vector<Image>& views, double exposure) {

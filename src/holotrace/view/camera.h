@@ -65,6 +65,7 @@ struct HologramLight {
   ImageSide image = ImageSide::virtual_image;
   std::optional<SpectralFilter> filter{};  ///< stop of the encoder
   double cone_wavelength = 0;              ///< acceptance wavelength of its waves [m]; 0: its own
+  bool loses_by_cone = true, loses_by_pixels = true;  ///< as in Hologram
 };
 
 /// Fraction of the light of a point on the axis at `distance` that a panel accepts and sends on in order 0. A white
@@ -75,7 +76,8 @@ struct HologramLight {
 /// with w the lit part of a pixel's side on that axis. The integral is over the part of the panel's side where |u| is
 /// below 1/2p, or below the half width of the encoder's stop (centred at u₀), and from which light reaches the camera's
 /// pupil. Waves that keep to the cone of another wavelength (Sources::cone_wavelength; 0: their own) end at
-/// 1/2p·cone_wavelength/λ. The result is in [0, 1]; it is 1 at a distance of 0 m, where it has no meaning.
+/// 1/2p·cone_wavelength/λ. Without a loss by the cone the integral ends at the panel's side; without a loss by the pixels
+/// the factor sinc² is 1. The result is in [0, 1]; it is 1 at a distance of 0 m, where it has no meaning.
 double axial_reach(const Slm& slm, const HologramLight& light, double distance, const CameraParams& camera);
 
 /// The irradiance shown as white in all the views: the exposure given, or that of the brightest view.

@@ -176,7 +176,10 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
   hologram.encoder = name_of(params.method);
   hologram.modulation = modulation_of(params, slm);
   hologram.effects = allowed_effects(slm, params);
-  if (aims_at_targets(params.method)) hologram.filter = stop_of(params, slm.grid, field.wavelength);
+  if (aims_at_targets(params.method)) {
+    hologram.filter = stop_of(params, slm.grid, field.wavelength);
+    hologram.loses_by_cone = hologram.loses_by_pixels = false;
+  }
   observer.fact("encoder", hologram.encoder);
   observer.fact("levels", hologram.levels);
   return hologram;
@@ -237,7 +240,11 @@ double short_range_efficiency(double range) {
 Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   check_params(slm, params);
   require_grid_of(slm, field.grid, "field");
-  if (aims_at_targets(params.method)) return encode_targets(targets_of(field, params), field, slm, params, observer);
+  if (aims_at_targets(params.method)) {
+    Hologram found = encode_targets(targets_of(field, params), field, slm, params, observer);
+    found.loses_by_cone = true;  // the targets are the field's own light
+    return found;
+  }
   check_panel(slm, params, observer);
   tell_effects(slm, params, observer);
   check_field(field, slm, observer);
