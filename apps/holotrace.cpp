@@ -2,7 +2,10 @@
 
 #include <tbb/global_control.h>
 
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <new>
@@ -12,15 +15,17 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/estimate/machine/calibrate.h"
+#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/rates_file.h"
 #include "holotrace/io/wisdom_file.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "ranks.h"
+#include "say.h"
 
 namespace {
 
 int report_error(const std::string& sentence) {
-  fmt::print(stderr, "holotrace: {}\n", sentence);
+  holotrace::say("holotrace: {}\n", sentence);
   return 1;
 }
 
@@ -36,9 +41,17 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, ch
   if (!is_unknown) return app.exit(error) == 0 ? 0 : 2;
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-  fmt::print(stderr, "{}\nRun with --help for more information.\n",
-             holotrace::unknown_name_message("command", argv[1], names));
+  holotrace::say("{}\nRun with --help for more information.\n",
+                 holotrace::unknown_name_message("command", argv[1], names));
   return 2;
+}
+
+// The exit code, once all that was printed has left the program: standard output may be a file on a full disk.
+int after_output(int exit_code) {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  return report_error(fmt::format("expected to write the standard output, got \"{}\"; make room where it goes",
+                                  std::strerror(errno != 0 ? errno : EIO)));
 }
 
 int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
@@ -72,8 +85,10 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   add_calibrate_command(app, global);
   add_bench_command(app, global);
 
-  keep_fft_wisdom();
-  set_summation_rates([] { return keep_summation_rates(calibration_key(), calibrate_summation); });
+  const auto warn = [](const std::string& sentence) { say("warning: {}\n", sentence); };
+  keep_fft_wisdom(warn);
+  set_summation_rates([warn] { return keep_summation_rates(calibration_key(), calibrate_summation, warn); });
+  const CommandFiles files;
   try {
     app.parse(argc, argv);
     return 0;
@@ -83,7 +98,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
     return report_error(
         "expected enough memory for this job, but it ran out; use a smaller panel, fewer subpixels or fewer samples");
   } catch (const std::exception& error) {
-    return report_error(error.what());
+    return std::ferror(stdout) != 0 ? 1 : report_error(error.what());  // after_output says what is wrong with stdout
   }
 }
 
@@ -99,7 +114,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
       serve_bands(ranks);
       return 0;
     }
-    const int exit_code = run_command(argc, argv, ranks);
+    const int exit_code = after_output(run_command(argc, argv, ranks));
     dismiss_ranks(ranks, exit_code);
     return exit_code;
   } catch (const Error& error) {

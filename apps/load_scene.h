@@ -1,11 +1,9 @@
 #pragma once
 
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <string>
 
 #include "holotrace/io/scene/scene_file.h"
+#include "say.h"
 
 namespace holotrace {
 
@@ -13,7 +11,7 @@ namespace holotrace {
 /// @throws Error as load_job does
 inline Job load_scene(const std::string& path) {
   Job job = load_job(path);
-  for (const std::string& warning : job.warnings) fmt::print(stderr, "warning: scene: {}\n", warning);
+  for (const std::string& warning : job.warnings) say("warning: scene: {}\n", warning);
   return job;
 }
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -12,7 +11,9 @@
 #include "holotrace/io/field/effects_json.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/picture/image_output.h"
 
 namespace holotrace {
 namespace {
@@ -81,8 +82,21 @@ Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& pa
   return slm;
 }
 
+// The text of a PNG that holds its metadata. Longer texts than the limit are not read by libpng.
+constexpr const char* metadata_name = "holotrace";
+constexpr size_t longest_text = 7'000'000;
+
+// The metadata beside a PNG without text, under its name or the one of earlier versions; empty if there is none.
+std::string sidecar_of(const std::string& path) {
+  std::error_code ignored;
+  for (const std::string& sidecar : {sidecar_path(path), old_sidecar_path(path)})
+    if (std::filesystem::exists(sidecar, ignored)) return sidecar;
+  return "";
+}
+
 struct Greys {
   int nx = 0, ny = 0, bits = 8;
+  std::string metadata;
   std::vector<uint16_t> values;
 };
 
@@ -104,7 +118,8 @@ Greys read_greys(const std::string& path) {
   std::vector<uint16_t> values(count * channels);
   require(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT16, values.data()),
           "{}: expected a hologram of {} × {} pixels, but it is truncated or damaged", path, spec.width, spec.height);
-  Greys greys{spec.width, spec.height, is_8 ? 8 : 16, std::vector<uint16_t>(count)};
+  Greys greys{spec.width, spec.height, is_8 ? 8 : 16, std::string(spec.get_string_attribute(metadata_name)),
+              std::vector<uint16_t>(count)};
   for (size_t i = 0; i < count; ++i) {
     const uint16_t* pixel = values.data() + i * channels;
     require(channels < 3 || (pixel[0] == pixel[1] && pixel[1] == pixel[2]),
@@ -113,6 +128,14 @@ Greys read_greys(const std::string& path) {
     greys.values[i] = uint16_t(is_8 ? pixel[0] / 257 : pixel[0]);  // 8-bit values were widened by 65535/255 = 257
   }
   return greys;
+}
+
+// The metadata inside a PNG; empty if there are none.
+std::string metadata_in(const std::string& path) {
+  if (is_truncated_png(path)) return "";
+  const auto input = OIIO::ImageInput::open(path);
+  if (!input) OIIO::geterror();  // clears the error
+  return input ? std::string(input->spec().get_string_attribute(metadata_name)) : "";
 }
 
 nlohmann::ordered_json to_json(const Slm& slm) {
@@ -132,9 +155,9 @@ nlohmann::ordered_json to_json(const Slm& slm) {
   return json;
 }
 
-// Writes levels as greys; calls `before_named` when all is written but the file does not have its name yet.
+// Writes levels as greys, with metadata.
 void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels, Modulation modulation,
-                 const std::function<void()>& before_named = {}) {
+                 const std::string& metadata = "") {
   const int bits = levels <= 256 ? 8 : 16;
   const double scale = grey_scale(levels, modulation, bits);
   std::vector<uint16_t> greys;
@@ -147,15 +170,8 @@ void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pix
   OIIO::ImageSpec spec(levels_of_pixels.nx, levels_of_pixels.ny, 1,
                        bits == 8 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
   spec.attribute("oiio:ColorSpace", "Linear");
-  write_atomically(path, [&](const std::string& temporary) {
-    const auto output = OIIO::ImageOutput::create(temporary);
-    const void* values = bits == 8 ? static_cast<const void*>(bytes.data()) : greys.data();
-    const bool written =
-        output && output->open(temporary, spec) && output->write_image(spec.format, values) && output->close();
-    require(written, "expected to write {}, got \"{}\"; check the room and the permissions there", path,
-            output ? output->geterror() : OIIO::geterror());
-    if (before_named) before_named();
-  });
+  if (!metadata.empty()) spec.attribute(metadata_name, metadata);
+  write_image_file(path, spec, spec.format, bits == 8 ? static_cast<const void*>(bytes.data()) : greys.data());
 }
 
 Array2D<uint16_t> levels_of(const Greys& greys, int levels, Modulation modulation, const std::string& path,
@@ -175,12 +191,14 @@ Array2D<uint16_t> levels_of(const Greys& greys, int levels, Modulation modulatio
 
 }  // namespace
 
-void save_hologram(const std::string& path, const Hologram& hologram) {
+void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part,
+                   const FileRecord& record) {
   require(extension_of(path) == ".png", "expected a hologram file .png, got {}; change its extension", path);
   check_levels(hologram.levels, path);
   require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
           path, hologram.level.nx, hologram.level.ny);
-  nlohmann::ordered_json json{{"pitch_m", hologram.grid.pitch},
+  nlohmann::ordered_json json{{"kind", "hologram"},
+                              {"pitch_m", hologram.grid.pitch},
                               {"wavelength_m", hologram.wavelength},
                               {"levels", hologram.levels},
                               {"modulation", modulation_name(hologram.modulation)},
@@ -209,8 +227,45 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
   }
   if (hologram.filter) json["filter"] = filter_to_json(*hologram.filter);
 
-  const auto write_sidecar = [&] { write_text(sidecar_path(path), json.dump(2) + "\n"); };
-  write_greys(path, hologram.level, hologram.levels, hologram.modulation, write_sidecar);
+  if (part.count > 1) {
+    json["part"] = part.number;
+    json["parts"] = part.count;
+  }
+  if (!record.empty()) json["files"] = record_json(record);
+  const std::string text = json.dump(-1, ' ', true);  // ASCII, as PNG asks for
+  const bool is_inside = text.size() <= longest_text;
+  if (!is_inside) write_text(sidecar_path(path), text + "\n");
+  write_greys(path, hologram.level, hologram.levels, hologram.modulation, is_inside ? text : "");
+}
+
+void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms) {
+  const FileRecord before = set.record();
+  for (size_t i = holograms.size(); i-- > 0;)
+    save_hologram(set.path(numbered_path(name, i)), holograms[i], {i + 1, holograms.size()},
+                  i == 0 ? set.record_since(before) : FileRecord());
+}
+
+bool is_hologram_file(const std::string& path) {
+  std::error_code ignored;
+  if (extension_of(path) != ".png" || !std::filesystem::is_regular_file(path, ignored)) return false;
+  if (!metadata_in(path).empty()) return true;
+  const std::string sidecar = sidecar_of(path);
+  return !sidecar.empty() && nlohmann::json::parse(read_text(sidecar), nullptr, false).contains("modulation");
+}
+
+SeriesPart series_part(const std::string& path) {
+  const std::string text = metadata_in(path);
+  if (text.empty()) return {};
+  const nlohmann::json json = parse_metadata(text, path);
+  return {size_t(frame_from(metadata_number(json, path, "part", 1), path)),
+          size_t(frame_from(metadata_number(json, path, "parts", 1), path))};
+}
+
+FileRecord hologram_record(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {};
+  const nlohmann::json json = nlohmann::json::parse(metadata_in(path), nullptr, false);
+  return json.contains("files") ? record_from(json["files"]) : FileRecord();
 }
 
 Hologram load_hologram(const std::string& path) {
@@ -220,9 +275,10 @@ Hologram load_hologram(const std::string& path) {
   hologram.levels = greys.bits == 8 ? 256 : 65536;
   hologram.grid.nx = greys.nx;
   hologram.grid.ny = greys.ny;
-  const std::string sidecar = sidecar_path(path);
-  if (std::filesystem::exists(sidecar)) {
-    const nlohmann::json json = read_metadata(sidecar);
+  const bool is_inside = !greys.metadata.empty();
+  const std::string beside = is_inside ? "" : sidecar_of(path), sidecar = beside.empty() ? path : beside;
+  if (is_inside || !beside.empty()) {
+    const nlohmann::json json = is_inside ? parse_metadata(greys.metadata, path) : read_metadata(beside);
     hologram.grid.pitch = metadata_number(json, sidecar, "pitch_m");
     hologram.wavelength = metadata_number(json, sidecar, "wavelength_m");
     require(hologram.grid.pitch >= 0 && hologram.wavelength >= 0,

@@ -9,8 +9,9 @@
 
 namespace holotrace {
 
-nlohmann::json read_metadata(const std::string& path) {
-  const std::string text = read_text(path);
+nlohmann::json read_metadata(const std::string& path) { return parse_metadata(read_text(path), path); }
+
+nlohmann::json parse_metadata(const std::string& text, const std::string& path) {
   nlohmann::json json;
   try {
     json = nlohmann::json::parse(text);
