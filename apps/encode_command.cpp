@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "checkpoints.h"
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
@@ -103,7 +104,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command =
       app.add_subcommand("encode", "hologram (levels of an SLM) from a field, a picture or a focal stack");
   struct Options {
-    std::string input, output, slm, wavelength, report, plot;
+    std::string input, output, slm, wavelength, report, plot, checkpoint;
     int frames = 1;
     Flags flags;
   };
@@ -134,6 +135,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("FILE.json");
   command->add_option("--plot", o->plot, "iterations: chart of the error after each iteration")
       ->type_name("FILE.png|svg");
+  Checkpoints::add_flag(*command, o->checkpoint);
   o->flags.add(*command, EncodeParams());
   command->callback([o, &global] {
     EncodeParams params;
@@ -144,6 +146,9 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     require(o->plot.empty() || aims_at_targets(params.method),
             "expected --plot with a method that iterates, gerchberg-saxton, weighted-gerchberg-saxton or sgd; "
             "leave it out, or use one of these");
+    const Checkpoints checkpoints(o->checkpoint);
+    require(!checkpoints.are_kept() || params.method == Encoding::sgd,
+            "expected --checkpoint only with --method sgd; use sgd, or leave out --checkpoint");
     const bool is_stack = is_focal_stack_file(o->input), is_field = !is_stack && !is_picture(o->input);
     check_flag("--frames", o->frames, range::at_least(1), Quantity::count);
     require(o->frames == 1 || is_stack || !std::filesystem::exists(o->input),
@@ -185,10 +190,10 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       const double wavelength = wanted.fields.empty() ? wavelengths[i] : wanted.fields[i].wavelength;
       const std::string stage = colours == 1 ? "encode" : "encode " + format_length(wavelength);
       frames[i] = run_stage(stage, report, console.stages(), [&](const Observer& observer) {
-        if (is_stack) return encode_frames({wanted.targets[i]}, wavelength, o->frames, slm, params, observer);
-        return std::vector<Hologram>{aims_at_targets(params.method)
-                                         ? encode_targets(wanted.targets[i], wanted.fields[i], slm, params, observer)
-                                         : encode(wanted.fields[i], slm, params, observer)};
+        const Checkpoint kept = checkpoints.of(i);
+        if (is_stack) return encode_frames({wanted.targets[i]}, wavelength, o->frames, slm, params, observer, kept);
+        if (!aims_at_targets(params.method)) return std::vector{encode(wanted.fields[i], slm, params, observer)};
+        return std::vector{encode_targets(wanted.targets[i], wanted.fields[i], slm, params, observer, kept)};
       });
     }
     std::vector<Hologram> holograms;
@@ -204,6 +209,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     }));
     if (!o->report.empty()) save_report(o->report, report);
     if (!o->plot.empty()) save_chart(o->plot, convergence_chart(report));
+    checkpoints.remove();
   });
 }
 

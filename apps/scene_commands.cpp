@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "checkpoints.h"
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
@@ -23,6 +24,7 @@
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/quality.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
@@ -70,7 +72,7 @@ void print_comparison(const JobEstimate& estimate, const std::vector<StageCompar
 void add_run(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
-    std::string scene, folder, wavelengths, eye_separation;
+    std::string scene, folder, wavelengths, eye_separation, checkpoint;
     std::optional<int64_t> seed;
     bool is_estimated = false;
     Flags flags, encode_flags, trace_flags,
@@ -93,6 +95,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
       ->add_option("--eye-separation", o->eye_separation,
                    "distance between two eyes along x: stereo pairs of render and view [the scene's]")
       ->type_name("LENGTH");
+  Checkpoints::add_flag(*command, o->checkpoint);
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
   o->encode_flags.add_only(*command, EncodeParams(), {"quality", "target", "planes", "iterations"},
                            "Encoding (overrides the scene's [encode])");
@@ -113,16 +116,22 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     job = with_quality(job);
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
     check_job(job);  // before a folder is made in vain
+    const Checkpoints checkpoints(o->checkpoint);
+    require(
+        !checkpoints.are_kept() || aims_at_scene(job),
+        "expected --checkpoint only with the method sgd and the target render or light-field; give [encode] target, "
+        "or leave out --checkpoint");
     make_folder(o->folder);
     const FolderLock lock(o->folder);
     for (const std::string& path : run_paths(o->folder)) note_output(path);
     std::optional<JobEstimate> estimate;
     if (o->is_estimated) estimate = estimate_job(job);
     Console console(global.is_quiet);
-    Boxes boxes = run(job, console.stages());
+    Boxes boxes = run(job, console.stages(), [&](size_t i) { return checkpoints.of(i); });
     console.finish();
     if (estimate) print_comparison(*estimate, compare_with_run(*estimate, boxes.report));
     save_run(o->folder, boxes, job, console);
+    checkpoints.remove();
   });
 }
 

@@ -81,9 +81,10 @@ TEST(SceneTargets, ViewsSendTheLightOfTheirPupil) {
   ASSERT_FALSE(views.pupils.empty());
   for (const Pupil& pupil : views.pupils) {
     EXPECT_EQ(pupil.centre.z, 0.3);
-    EXPECT_GE(pupil.diameter, 2e-3);
-    EXPECT_LE(pupil.diameter, 4e-3);
+    EXPECT_EQ(pupil.diameter, 2e-3);
   }
+  job.camera.pupil = 3.5e-3;
+  EXPECT_EQ(targets_of(targets, job, test_wavelength).draw_views(1, test_wavelength).pupils.front().diameter, 3.5e-3);
   // In the middle of the near square: a 2 mm pupil at 300 mm is a disc of 2 mm·20/320 = 0.125 mm on the panel, 0.0100 of
   // the 1.28 × 0.96 mm that a place on the axis sees. The pupil's Airy radius is 0.104 mm, so about 7 % of the light of a
   // square of 0.3 mm is missing in its middle, and there is as much uncertainty in that.

@@ -19,9 +19,9 @@ struct Descent {
   Hologram hologram;
 
   /// @param slopes  if given, set to the gradient
-  double loss(const std::vector<Array2D<float>>& drives, std::vector<Array2D<float>>* slopes) const {
+  double loss(const std::vector<Drive>& drives, std::vector<Drive>* slopes) const {
     const int n = params.subpixels, nx = slm.grid.nx, ny = slm.grid.ny;
-    if (slopes) slopes->assign(drives.size(), Array2D<float>(ny, nx));
+    if (slopes) slopes->assign(drives.size(), Drive::like(drives.front()));
     double sum = 0;
     for (const TargetPlane& target : targets) {
       const DrivenPanel panel(slm, hologram, target.wavelength, n);

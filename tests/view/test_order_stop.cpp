@@ -15,7 +15,7 @@ constexpr int nx = 128, ny = 64;
 Field round_trip(const std::vector<PlaneWave>& waves, const EncodeParams& params, int subpixels) {
   const Slm slm = make_panel(nx, ny, 65536);
   const Field shown = show(encode(sum_of(waves, slm.grid), slm, params), slm, {.subpixels = subpixels});
-  return apply_order_stop(shown, *shown.filter);
+  return apply_order_stop(shown, *shown.filter, 0);
 }
 
 // Expected result: each wave times the aperture's roll-off at the frequency to which the order carries it.
@@ -81,7 +81,7 @@ TEST(OrderStop, TakesOffACarrierBetweenBins) {
       carried.samples(j, i) =
           std::complex<float>(std::complex<double>(field.samples(j, i)) *
                               std::polar(1.0, 2 * pi * (u * field.grid.x(i) + v * field.grid.y(j))));
-  EXPECT_LT(compare(field, apply_order_stop(carried, {u, v, 1e6, 1e6})).relative_error, 1e-6);
+  EXPECT_LT(compare(field, apply_order_stop(carried, {u, v, 1e6, 1e6}, 0)).relative_error, 1e-6);
 }
 
 TEST(OrderStop, StrongReferenceSuppressesTheBias) {
@@ -110,7 +110,7 @@ TEST(OrderStop, KeepsTheBandAndItsPower) {
   all.insert(all.end(), outside.begin(), outside.end());
   const SpectralFilter filter{11 / grid.width(), 5 / grid.height(), 1 / grid.width(), 1 / grid.height()};
   Heard heard;
-  const Field seen = apply_order_stop(sum_of(all, grid), filter, heard.observer());
+  const Field seen = apply_order_stop(sum_of(all, grid), filter, 0, heard.observer());
   std::vector<PlaneWave> moved = inside;
   for (PlaneWave& w : moved) w.a -= 11, w.b -= 5;
   EXPECT_LT(compare(sum_of(moved, grid), seen).relative_error, 1e-6);  // single precision
@@ -118,15 +118,38 @@ TEST(OrderStop, KeepsTheBandAndItsPower) {
   EXPECT_NEAR(heard.number("filter_power"), 5.25 / 18.25, 1e-6);
 }
 
+TEST(OrderStop, LightBesideTheWindowStaysThere) {
+  // One bright sample in a corner becomes (2hp)²·sinc(2hx)·sinc(2hy) around it. Without a margin half of it would come in
+  // from the opposite edges. Of 2hp = 0.4, the sum over the bins of a window n = 96 samples wide gives an odd number of them,
+  // 39/96: 1.6 % more. Repeats lie 32 samples or more away, and there the sinc is below 1/(32·0.4·pi) of its peak: 2.5 %.
+  const Grid grid{64, 32, test_pitch};
+  Field corner(grid, test_wavelength);
+  corner.samples(0, 0) = 1;
+  const double h = 0.4 / (2 * test_pitch);
+  const int margin = order_stop_margin({0, 0, h, h}, grid);
+  ASSERT_EQ(margin, 16);  // a quarter of 64; 32 responses are 80 samples
+  const Field seen = apply_order_stop(corner, {0, 0, h, h}, margin);
+  ASSERT_EQ(seen.grid.nx, 96);
+  ASSERT_EQ(seen.grid.ny, 64);
+  for (int j = 0; j < seen.grid.ny; ++j)
+    for (int i = 0; i < seen.grid.nx; ++i)
+      EXPECT_NEAR(seen.samples(j, i).real(), 0.16 * sinc(0.4 * (i - margin)) * sinc(0.4 * (j - margin)), 0.16 * 0.05);
+}
+
+TEST(OrderStop, MarginIs32ResponsesOfTheStop) {
+  EXPECT_EQ(order_stop_margin({0, 0, 0.4 / (2 * test_pitch), 1e6}, {1920, 1080, test_pitch}), 80);
+  EXPECT_EQ(order_stop_margin({0, 0, 1e6, 1e6}, {1920, 1080, test_pitch}), 2);  // 32·1/2·1e6 = 16 µm: two samples
+}
+
 TEST(OrderStop, SaysWhatIsWrong) {
   const Field field({16, 16, test_pitch}, test_wavelength);
   EXPECT_EQ(error_of([&] {
-              apply_order_stop(field, {0, 0, 0, 1});
+              apply_order_stop(field, {0, 0, 0, 1}, 0);
             }),
             "expected a pass band with finite centre and half widths above 0, got centre (0, 0) /m, half widths (0, 1) "
             "/m");
   EXPECT_EQ(error_of([&] {
-              apply_order_stop(field, {1e5, 0, 1e4, 1e4});
+              apply_order_stop(field, {1e5, 0, 1e4, 1e4}, 0);
             }),
             "expected a pass band that begins below 62500 /m, the Nyquist frequency of samples 8 µm apart, got one "
             "around (100000, 0) /m; show the hologram with more subpixels");

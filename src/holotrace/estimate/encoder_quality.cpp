@@ -24,8 +24,9 @@ EncoderQuality encoder_quality(const TargetPlane& target, const Hologram& hologr
   for (const IlluminationState& state :
        illumination_states(with_effects(slm, params.effects), params, hologram.wavelength)) {
     Field light = show(hologram, slm, params, state);
-    if (light.filter) light = apply_order_stop(light, *light.filter);
-    light = propagate(light, target.z, window_of(light.grid, samples, rim));
+    const PropagateParams window = window_of(light.grid, samples, rim);
+    if (light.filter) light = apply_order_stop(light, *light.filter, order_stop_margin(*light.filter, light.grid));
+    light = propagate(light, target.z, window);
     const Image seen = mean_over_pixels(irradiance_of(light), samples, rim, is_integrated);
     for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] += state.weight * double(seen.values[i]);
   }

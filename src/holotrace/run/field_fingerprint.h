@@ -13,7 +13,7 @@ namespace holotrace {
 /// version, the panel, the method and its tolerance, the first rows of the bands, and everything that the field of each
 /// set depends on. An unfinished file is resumed only by a job with the same number.
 ///
-/// FNV-1a: different jobs have different numbers except by chance; it does not protect against intent.
+/// Different jobs have different numbers except by chance (base/fingerprint.h).
 uint64_t field_fingerprint(const Grid& panel, const SynthesizeParams& params, const std::vector<const Sources*>& sets,
                            const std::vector<int>& first_rows);
 

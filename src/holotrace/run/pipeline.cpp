@@ -146,12 +146,13 @@ void show_fields(const Job& job, const SceneLight& light, Boxes& b, Showing& sho
 
 // The frames of all wavelengths, found together from the path-traced light.
 std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& targets, Report& report,
-                                      const StageObserver& watch) {
+                                      const StageObserver& watch, const CheckpointOf& checkpoint_of) {
   std::vector<std::vector<Hologram>> of_colours;
   for (const double wavelength : job.wavelengths) {
     const std::string stage = job.wavelengths.size() == 1 ? "encode" : "encode " + format_length(wavelength);
     of_colours.push_back(run_stage(stage, report, watch, [&](const Observer& o) {
-      return encode_frames(targets_of(targets, job, wavelength), wavelength, job.trace.frames, job.slm, job.encode, o);
+      return encode_frames(targets_of(targets, job, wavelength), wavelength, job.trace.frames, job.slm, job.encode, o,
+                           checkpoint_of ? checkpoint_of(of_colours.size()) : Checkpoint{});
     }));
   }
   std::vector<Hologram> frames;
@@ -172,7 +173,7 @@ Image reference_of(const Job& job, const std::optional<SceneTargets>& targets, c
 
 }  // namespace
 
-Boxes run(const Job& given, const StageObserver& watch) {
+Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of) {
   const Job job = with_quality(given);
   Boxes b;
   b.report.seed = job.trace.seed;
@@ -203,7 +204,7 @@ Boxes run(const Job& given, const StageObserver& watch) {
   check_memory(job, wavelengths.size());
 
   std::vector<Hologram> frames;
-  if (targets) frames = frames_of_scene(job, *targets, b.report, watch);
+  if (targets) frames = frames_of_scene(job, *targets, b.report, watch, checkpoint_of);
   Showing showing(job, wavelengths, b, watch);
   if (targets)
     for (Hologram& frame : frames) showing.add(std::move(frame));

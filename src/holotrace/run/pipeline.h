@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <vector>
 
+#include "holotrace/data/checkpoint.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/image.h"
@@ -37,6 +40,9 @@ struct Boxes {
   Report report;
 };
 
+/// The checkpoint of the i-th set of frames that are found together: one set for each wavelength.
+using CheckpointOf = std::function<Checkpoint(size_t i)>;
+
 /// The whole pipeline, stage by stage. Each frame m of job.trace.frames gives the waves of every set independent phases
 /// (set_frame, without new tracing). Holograms are shown with irradiances in proportion to their illumination, the
 /// brightest with job.show.irradiance. The camera averages frames and illumination states and adds sets (viewing.h). A
@@ -48,9 +54,11 @@ struct Boxes {
 /// and "encode" in place of "render", "trace" and "synthesize", no sources and no fields, and `renders` are the stack's
 /// pictures in the planes that the camera looks at. The job's quality chooses the numbers that it does not give.
 ///
+/// The states of those optimisations are kept by `checkpoint_of`; a run that goes on traces the focal stack again.
+///
 /// With several holograms or illumination states, the report has one entry per kind of stage: the seconds of
 /// all, the facts of the first (waves and waves_pixels are summed), and each warning once.
 /// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
-Boxes run(const Job& given, const StageObserver& watch = {});
+Boxes run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {});
 
 }  // namespace holotrace

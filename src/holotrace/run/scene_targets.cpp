@@ -48,6 +48,8 @@ double place_of(double distance, ImageSide image) { return image == ImageSide::r
 
 double eye_distance(const Job& job) { return job.camera.eye.z > 0 ? job.camera.eye.z : 0.3; }
 
+double pupil_diameter(const Job& job) { return job.camera.pupil > 0 ? job.camera.pupil : 2e-3; }
+
 // The light of the view through a pupil on some samples of the plane at a distance, relative to that of the planes.
 Image light_through(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance, double wavelength,
                     const Grid& samples) {
@@ -63,14 +65,14 @@ Image light_through(const SceneTargets& targets, const Job& job, const Pupil& pu
   return light;
 }
 
-// Views for an update: pupils side by side over the eye's window, which is as large as the panel, with a diameter even
-// between 2 and 4 mm and the first one anywhere; the plane in focus is any of the planes.
+// Views for an update: pupils side by side over the eye's window, which is as large as the panel, the first one anywhere;
+// the plane in focus is any of the planes.
 ViewTargets draw_views(const SceneTargets& targets, const Job& job, int update, double wavelength) {
   CounterRandom random(uint64_t(job.encode.seed), 1, uint64_t(update));
   const std::vector<double>& distances = targets.planes.distances;
   const double distance =
       distances[std::min(distances.size() - 1, size_t(random.uniform() * double(distances.size())))];
-  const double diameter = 2e-3 + 2e-3 * random.uniform();
+  const double diameter = pupil_diameter(job);
   const Grid& panel = job.slm.grid;
   ViewTargets views{.z = -distance, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
   // Centres of pupils along one axis of the window, from one edge to the other.

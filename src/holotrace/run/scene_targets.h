@@ -39,9 +39,9 @@ std::vector<TargetPlane> targets_of_stack(const FocalStack& stack, const Grid& p
 ///
 /// Each plane has weight 1, and amplitude √L for the mean radiance L of a pixel. With a light field, a plane's light is
 /// that of the part of the panel that each pixel sees, as for the views through pupils: a² = L·A/A₀, A is the area of
-/// that part, A₀ the largest. Views are drawn for every second update: pupils side by side over a window as large as the
-/// panel, at the distance of the camera's eye (300 mm if it is on the panel), with one diameter between 2 and 4 mm, focused on
-/// one of the planes. Their light is a² = L·open·(D²π/4)/(d + e_z)²·d²/A₀, blurred by the pupil's diffraction.
+/// that part, A₀ the largest. Views are drawn for every update: pupils side by side over a window as large as the
+/// panel, at the distance of the camera's eye (300 mm if it is on the panel), with the diameter of the camera's pupil (2 mm
+/// if it has none), focused on one of the planes. Their light is a² = L·open·(D²π/4)/(d + e_z)²·d²/A₀, blurred by the pupil's diffraction.
 TargetSet targets_of(const SceneTargets& targets, const Job& job, double wavelength);
 
 /// The view through one pupil, focused on the plane at a distance [m], as targets_of describes it.

@@ -118,8 +118,9 @@ void warn_outside_eyebox(const Field& shown, const Slm& slm, const CameraParams&
                   format_length(2 * up), format_length(z), others, format_length(right), format_length(up)));
 }
 
-// The sensor's window with explicit size and pitch, because the field in the pupil has a smaller window.
-PropagateParams from_pupil(PropagateParams sensor, const Grid& shown) {
+// The sensor's window with explicit size and pitch, for a field whose window is not that of the light shown: in the pupil
+// it is smaller, behind a stop larger.
+PropagateParams with_its_size(PropagateParams sensor, const Grid& shown) {
   const Grid window = propagation_output(shown, sensor);
   sensor.columns = window.nx;
   sensor.rows = window.ny;
@@ -180,8 +181,10 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
                                   std::abs(z) * source.reach(), observer);
   const auto sensed = [&](const Field& field) { return read_sensor(field, sensor, source, z, m, observer); };
   const auto stopped = [&](double over, const PropagateParams& window) {
-    return shown.filter ? propagate(apply_order_stop(shown, *shown.filter, observer), over, window, observer)
-                        : propagate(shown, over, window, observer);
+    if (!shown.filter) return propagate(shown, over, window, observer);
+    const int margin = window.is_periodic ? 0 : order_stop_margin(*shown.filter, shown.grid);
+    return propagate(apply_order_stop(shown, *shown.filter, margin, observer), over, with_its_size(window, shown.grid),
+                     observer);
   };
   if (camera.pupil == 0) return sensed(stopped(z, sensor.window));
 
@@ -192,7 +195,7 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
     return sensed(Field(plane, shown.wavelength));  // dark
   Field in_pupil = stopped(camera.eye.z, to_window(*window, propagation.method));
   cut_by_pupil(in_pupil, camera);
-  return sensed(propagate(in_pupil, z - camera.eye.z, from_pupil(sensor.window, shown.grid), observer));
+  return sensed(propagate(in_pupil, z - camera.eye.z, with_its_size(sensor.window, shown.grid), observer));
 }
 
 double looking_bytes(const FieldShape& field, const Slm& slm, double distance, const PropagateParams& propagation,
@@ -218,13 +221,14 @@ double looking_bytes(const FieldShape& field, const Slm& slm, double distance, c
       return complex_bytes * double(sensor.pixels());
     }
   };
-  const double stopped = complex_bytes * double(shown.pixels());  // the light behind the encoder's stop
+  const int margin = largest_order_stop_margin(shown);
+  const double stopped = complex_bytes * (shown.nx + 2.0 * margin) * (shown.ny + 2.0 * margin);  // light behind a stop
   if (camera.pupil == 0) return std::max(reading, stopped + bytes_over(shown, z, window));
   const std::optional<Grid> pupil = pupil_window(shown, wavelength, camera);
   if (!pupil) return reading;
   const double in_pupil = complex_bytes * double(pupil->pixels());
   return std::max({stopped + bytes_over(shown, camera.eye.z, to_window(*pupil, propagation.method)),
-                   in_pupil + bytes_over(*pupil, z - camera.eye.z, from_pupil(window, shown)), in_pupil + reading});
+                   in_pupil + bytes_over(*pupil, z - camera.eye.z, with_its_size(window, shown)), in_pupil + reading});
 }
 
 double axial_reach(const Slm& slm, const HologramLight& light, double distance, const CameraParams& camera) {

@@ -1,5 +1,6 @@
 #include "holotrace/view/order_stop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -44,12 +45,25 @@ std::vector<std::complex<double>> carrier(int n, double f, const Position& posit
 
 }  // namespace
 
-Field apply_order_stop(const Field& field, const SpectralFilter& filter, const Observer& observer) {
+int order_stop_margin(const SpectralFilter& filter, const Grid& grid) {
+  const double width = 1 / (2 * std::min(filter.half_u, filter.half_v) * grid.pitch);
+  return int(std::min(std::ceil(32 * width), double(largest_order_stop_margin(grid))));
+}
+
+Field apply_order_stop(const Field& field, const SpectralFilter& filter, int margin, const Observer& observer) {
   check_grid(field.grid);
   check_filter(filter, field.grid);
-  const Grid& grid = field.grid;
+  require(margin >= 0, "expected a margin of 0 samples or more beside a window, got {}", margin);
   Field out = field;
   out.filter.reset();
+  out.grid.nx += 2 * margin;
+  out.grid.ny += 2 * margin;
+  const Grid& grid = out.grid;
+  if (margin > 0) {
+    out.samples = Array2D<std::complex<float>>(grid.ny, grid.nx);
+    for (int j = 0; j < field.grid.ny; ++j)
+      std::copy_n(field.samples.row(j), field.grid.nx, out.samples.row(j + margin) + margin);
+  }
   fft_2d(out.samples.values.data(), grid.ny, grid.nx, FftDirection::forward);
   const std::vector<char> columns = bins_inside(grid.nx, grid.width(), 1, filter.u0, filter.half_u);
   const std::vector<char> rows = bins_inside(grid.ny, grid.height(), -1, filter.v0, filter.half_v);  // y is up

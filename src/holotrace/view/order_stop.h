@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 
@@ -10,16 +12,26 @@ namespace holotrace {
 ///     V(u, v) = U(u, v) where |u − u0| ≤ half_u and |v − v0| ≤ half_v, else 0
 ///     out(x, y) = v(x, y)·exp(−2πi(u0·x + v0·y))
 ///
-/// Unit magnification and no inversion. The spectrum is that of the samples without padding, so the field counts as
-/// one period of a periodic field. The carrier is removed in double precision and need not fall on a bin.
+/// Unit magnification and no inversion. The stop spreads light beyond the edges of the window. The field is dark there up
+/// to `margin`, and then it repeats: without a margin it counts as one period of a periodic field. The carrier is removed
+/// in double precision and need not fall on a bin.
 ///
 /// @param field   light before the stop, shape (ny, nx) [√(W/m²)]
 /// @param filter  pass band [1/m]
-/// @return        field on the same grid and plane, without `filter`
+/// @param margin  samples beside each edge of the window, ≥ 0; order_stop_margin for light that is dark outside
+/// @return        field in the same plane, on a window wider by the margin on each side, without `filter`
 /// @throws Error  if a value of the filter is not finite, a half width is not above 0, or the whole band lies beyond
 ///                the frequencies that the samples can represent
 /// Fact: `filter_power`, the fraction of the light that passes.
 /// Cost: two FFTs, one copy of the field.
-Field apply_order_stop(const Field& field, const SpectralFilter& filter, const Observer& observer = {});
+Field apply_order_stop(const Field& field, const SpectralFilter& filter, int margin, const Observer& observer = {});
+
+/// The margin that holds the light which a stop spreads over the window's edges [samples]: 32 times the width 1/2h of its
+/// response, at most a quarter of the longer side. Of a bright edge, the part beyond is 1.6e-4 of the light in a strip 1/2h wide
+/// (∫ (2π²hx)⁻²/2 dx).
+int order_stop_margin(const SpectralFilter& filter, const Grid& grid);
+
+/// The largest of these margins.
+inline int largest_order_stop_margin(const Grid& grid) { return std::max(grid.nx, grid.ny) / 4; }
 
 }  // namespace holotrace

@@ -20,7 +20,7 @@ TEST(DoublePhase, PlaneWavesWithinTheStopComeOutAsTheyWentIn) {
   ASSERT_TRUE(h.filter);
   EXPECT_DOUBLE_EQ(h.filter->half_u, 0.2 / test_pitch);  // 0.4 times 1/2p
   EXPECT_LT(heard.number("clipped_part"), 1e-3);
-  const Field shown = apply_order_stop(show(h, slm, {.irradiance = h.illumination}), *h.filter);
+  const Field shown = apply_order_stop(show(h, slm, {.irradiance = h.illumination}), *h.filter, 0);
   for (const PlaneWave& w : waves) {
     const double roll_off = sinc(w.a / 64.0) * sinc(w.b / 64.0);
     EXPECT_LT(std::abs(wave_in(shown, w.a, w.b) - roll_off * w.amplitude), 0.01) << w.a << ", " << w.b;

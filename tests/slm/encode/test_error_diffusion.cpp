@@ -17,7 +17,7 @@ TEST(ErrorDiffusion, NoiseIsPushedAwayFromTheAxis) {
   const auto worst = [&](Encoding method) {
     const Hologram h = encode(field, slm, {.method = method});
     Field shown = show(h, slm, {.irradiance = h.illumination});
-    if (h.filter) shown = apply_order_stop(shown, *h.filter);
+    if (h.filter) shown = apply_order_stop(shown, *h.filter, 0);
     double most = 0;
     for (const PlaneWave& w : waves)
       most = std::max(most, std::abs(wave_in(shown, w.a, w.b) - sinc(w.a / 128.0) * sinc(w.b / 128.0) * w.amplitude));

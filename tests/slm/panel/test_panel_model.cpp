@@ -87,7 +87,7 @@ TEST(PanelModel, PullsBackWhatFiniteDifferencesSay) {
     const Array2D<float> drive = random_drive(s.slm, 7);
     const Field field = model.leave(drive);
     const Array2D<Complex> g = random_field(field.grid.ny, field.grid.nx, 8);
-    const Array2D<float> gradient = model.pull_back(drive, g);
+    const Array2D<float> gradient = model.pull_back(drive, g).drive;
     CounterRandom random(9, 0, 0);
     Array2D<float> direction(drive.ny, drive.nx);
     double predicted = 0, size = 0;
@@ -121,7 +121,7 @@ TEST(PanelModel, AmplitudePanelsAreLinearAndPullBackTheirAdjoint) {
       const Array2D<float> x = random_drive(slm, 1);
       const Field field = model.leave(x);
       const Array2D<Complex> y = random_field(field.grid.ny, field.grid.nx, 2);
-      const Array2D<float> back = model.pull_back(x, y);
+      const Array2D<float> back = model.pull_back(x, y).drive;
       double right = 0;
       for (size_t i = 0; i < x.size(); ++i) right += double(back.values[i]) * x.values[i];
       const double norm = std::sqrt(real_product(y, y) * real_product(field.samples, field.samples));

@@ -238,7 +238,7 @@ TEST(Show, StopFollowsTheOrderUnderTiltedLight) {
   const auto passed = [&](const ShowParams& params) {
     const Field f = show(h, slm, params);
     Heard heard;
-    apply_order_stop(f, *f.filter, heard.observer());
+    apply_order_stop(f, *f.filter, 0, heard.observer());
     return heard.number("filter_power") * energy(f.samples.values.data(), f.samples.size());
   };
   const ShowParams axial{.subpixels = 5};

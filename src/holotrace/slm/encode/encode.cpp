@@ -78,7 +78,7 @@ Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
       if (params.binary_levels == BinaryLevels::amplitude) return Modulation::amplitude;
       return slm.modulation == Modulation::amplitude ? Modulation::amplitude : Modulation::phase;
     case Encoding::sgd:
-      return slm.modulation == Modulation::amplitude ? Modulation::amplitude : Modulation::phase;
+      return slm.modulation;
     default:
       return Modulation::phase;
   }
@@ -246,8 +246,11 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 
 namespace {
 
-// Writes the start of gradient descent: the pattern's phase or, on a panel of amplitudes, its real part between 0 and 1.
+// Writes the start of gradient descent: the pattern's phase, on a complex panel at half of the largest amplitude; or, on
+// a panel of amplitudes, its real part between 0 and 1.
 void write_start(const Array2D<std::complex<float>>& pattern, const PhaseLevels& levels, Hologram& hologram) {
+  if (hologram.modulation == Modulation::complex)
+    hologram.modulus_level = Array2D<uint16_t>(pattern.ny, pattern.nx, uint16_t(hologram.levels / 2));
   if (hologram.modulation != Modulation::amplitude) return write_phase_levels(pattern, false, levels, hologram.level);
   for (size_t i = 0; i < pattern.size(); ++i)
     hologram.level.values[i] =
@@ -278,7 +281,9 @@ bool is_dark(const std::vector<TargetPlane>& targets, double wavelength, const O
 }  // namespace
 
 Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
-                        const EncodeParams& params, const Observer& observer) {
+                        const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint) {
+  require(!checkpoint || params.method == Encoding::sgd, "expected the method sgd for a checkpoint, got \"{}\"",
+          name_of(params.method));
   check_iterations(targets, slm, params, observer);
   check_field(start, slm, observer);
   std::vector<Hologram> frames{blank_hologram(start, slm, params, observer)};
@@ -293,7 +298,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   Array2D<std::complex<float>> pattern = start_pattern(start, params);
   if (params.method == Encoding::sgd) {
     write_start(pattern, levels, frames.front());
-    descend({targets}, known, params, observer, frames);
+    descend({targets}, known, params, observer, frames, checkpoint);
   } else {
     write_phase_levels(project_in_turn(targets, std::move(pattern), slm, params, observer), false, levels,
                        frames.front().level);
@@ -318,7 +323,8 @@ Field flat_start(const std::vector<TargetPlane>& targets, const Slm& slm, const 
 }  // namespace
 
 std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
-                                    const EncodeParams& params, const Observer& observer) {
+                                    const EncodeParams& params, const Observer& observer,
+                                    const Checkpoint& checkpoint) {
   check_iterations(targets.planes, slm, params, observer);
   require(params.method == Encoding::sgd, "expected the method sgd for frames that are found together, got \"{}\"",
           name_of(params.method));
@@ -341,7 +347,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
     for (Hologram& hologram : holograms) hologram.illumination = 0;
     return holograms;
   }
-  descend(targets, known, params, observer, holograms);
+  descend(targets, known, params, observer, holograms, checkpoint);
   observer.fact("illumination", Fact(holograms.front().illumination));
   observer.progress(1);
   return holograms;

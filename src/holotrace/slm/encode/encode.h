@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "holotrace/base/observer.h"
+#include "holotrace/data/checkpoint.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/encode.h"
@@ -57,13 +58,14 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 ///
 /// @param targets  one or several planes, of one wavelength or (sgd) several, on the panel's pixels
 /// @param start    field at the panel that the iterations start from; its wavelength is the hologram's
+/// @param checkpoint  sgd: keeps the state of the iterations (gradient_descent.h)
 /// @return         levels; for targets without any light a dark hologram (illumination 0), with a warning
-/// @throws Error   as encode does, for a method without iterations, and for targets of another size
+/// @throws Error   as encode does, for a method without iterations, for targets of another size, and as descend does
 /// Facts: as encode; `iterations`; `psnr_db`, for the amplitudes that the levels show where the weight is not 0, at the
 /// best scale, relative to the largest wanted amplitude; `target_efficiency`, the fraction of the panel's light that
 /// falls there. Curve: `convergence`.
 Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
-                        const EncodeParams& params, const Observer& observer = {});
+                        const EncodeParams& params, const Observer& observer = {}, const Checkpoint& checkpoint = {});
 
 /// Levels of several frames, found together: the mean of their irradiances has the targets' moduli (method sgd).
 ///
@@ -74,7 +76,8 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
 /// @return            one hologram per frame, all with one illumination
 /// @throws Error      as encode_targets does, and unless the method is sgd
 std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
-                                    const EncodeParams& params, const Observer& observer = {});
+                                    const EncodeParams& params, const Observer& observer = {},
+                                    const Checkpoint& checkpoint = {});
 
 /// Fraction of the light in the image of a phase hologram whose levels span only `range` < 1 turns. Phases are even
 /// over the circle; those in the gap are moved to the nearer end:

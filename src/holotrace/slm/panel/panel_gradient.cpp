@@ -53,42 +53,55 @@ void PanelModel::Parts::gradient_of_cells(const Complex* q, int j, const Cells& 
     }
 }
 
-// From ∂f/∂cycles and ∂f/∂amplitude of the pixels of row j to ∂f/∂drive.
-void PanelModel::Parts::gradient_of_drive(const Array2D<float>& drive, int j, const float* of_cycles,
-                                          const float* of_amplitudes, float* to) const {
+// From ∂f/∂cycles and ∂f/∂amplitude of the pixels of row j to ∂f/∂drive and ∂f/∂modulus. With a modulus μ, a pixel's
+// amplitude is a(ℓ)·μ/(M−1).
+void PanelModel::Parts::gradient_of_pattern(const DrivenPixels& pixels, int j, const float* of_cycles,
+                                            const float* of_amplitudes, Slopes& to) const {
+  const float* level = pixels.drive.row(j);
+  const float* modulus = pixels.modulus ? pixels.modulus->row(j) : nullptr;
+  const float scale = modulus ? 1.0F / float(levels - 1) : 1;
+  float* of_drive = to.drive.row(j);
+  AlignedVector<float> of_level(modulus ? size_t(nx()) : 0);  // a(ℓ)
+  if (modulus) response.amplitudes(level, nx(), of_level.data());
   for (int i = 0; i < nx(); ++i) {
     float cycles_slope = 0, amplitude_slope = 0;
-    response.slopes(drive(j, i), cycles_slope, amplitude_slope);
-    to[i] = cycles_slope * of_cycles[i] + (of_amplitudes ? amplitude_slope * of_amplitudes[i] : 0);
+    response.slopes(level[i], cycles_slope, amplitude_slope);
+    of_drive[i] = cycles_slope * of_cycles[i];
+    if (of_amplitudes) of_drive[i] += (modulus ? scale * modulus[i] : 1) * amplitude_slope * of_amplitudes[i];
+    if (modulus) to.modulus(j, i) = scale * of_level[size_t(i)] * of_amplitudes[i];
   }
-  for (size_t k = stuck_of_row[size_t(j)]; k < stuck_of_row[size_t(j) + 1]; ++k)
-    to[size_t(stuck[k].pixel - int64_t(j) * nx())] = 0;
+  for (size_t k = stuck_of_row[size_t(j)]; k < stuck_of_row[size_t(j) + 1]; ++k) {
+    const int i = int(stuck[k].pixel - int64_t(j) * nx());
+    of_drive[i] = 0;
+    if (modulus) to.modulus(j, i) = 0;
+  }
 }
 
-Array2D<float> PanelModel::Parts::pull_back(const Array2D<float>& drive, const Array2D<Complex>& gradient) const {
-  const bool has_a = response.has_amplitude();
+PanelModel::Slopes PanelModel::Parts::pull_back(const Array2D<float>& drive, const Array2D<float>* modulus,
+                                                const Array2D<Complex>& gradient) const {
+  const bool has_a = has_amplitude(modulus);
   const size_t pixels = size_t(nx()) * size_t(ny());
-  Workspace::Loan lent(workspace, blur_floats(nullptr));
-  const DrivenPixels pixels_driven = driven(drive, nullptr, lent.data());
+  Workspace::Loan lent(workspace, blur_floats(modulus));
+  const DrivenPixels pattern = driven(drive, modulus, lent.data());
 
   Workspace::Loan space(workspace, 2 * size_t(s) * size_t(ny()) * row_stride());
   Complex* rows = reinterpret_cast<Complex*>(space.data());
   gather_columns(gradient, rows);
 
-  Array2D<float> result(ny(), nx());
+  Slopes result{Array2D<float>(ny(), nx()), modulus ? Array2D<float>(ny(), nx()) : Array2D<float>()};
   // With crosstalk: gradients of the rows of cells after the adjoint blur along x, [phase, amplitude][cell][row].
   Workspace::Loan unblurred(workspace, has_crosstalk ? pixels * size_t(s) * (has_a ? 2 : 1) : 0);
   parallel_for(0, int64_t(s) * ny(), [&](int64_t r) {
     const int cy = int(r / ny()), j = int(r % ny());
     Cells cells(*this);
-    cells_of_row(pixels_driven, j, cy, cells);
+    cells_of_row(pattern, j, cy, cells);
     phasors(cells.cycles.data(), nullptr, cells.values.size(), cells.values.data());
     AlignedVector<Complex> q(cells.values.size());
     row.gather(rows + size_t(r) * row_stride(), q.data());
     AlignedVector<float> of_cycles(q.size()), of_amplitudes(has_a ? q.size() : 0);
     gradient_of_cells(q.data(), j, cells, of_cycles.data(), has_a ? of_amplitudes.data() : nullptr);
     if (!has_crosstalk) {
-      gradient_of_drive(drive, j, of_cycles.data(), has_a ? of_amplitudes.data() : nullptr, result.row(j));
+      gradient_of_pattern(pattern, j, of_cycles.data(), has_a ? of_amplitudes.data() : nullptr, result);
       return;
     }
     blur.from_cells(of_cycles.data(), unblurred.data() + size_t(r) * size_t(nx()));
@@ -99,7 +112,7 @@ Array2D<float> PanelModel::Parts::pull_back(const Array2D<float>& drive, const A
     AlignedVector<float> of_cycles(static_cast<size_t>(nx())), of_amplitudes(has_a ? size_t(nx()) : 0);
     blur.from_rows(unblurred.data(), int(j), of_cycles.data());
     if (has_a) blur.from_rows(unblurred.data() + pixels * size_t(s), int(j), of_amplitudes.data());
-    gradient_of_drive(drive, int(j), of_cycles.data(), has_a ? of_amplitudes.data() : nullptr, result.row(int(j)));
+    gradient_of_pattern(pattern, int(j), of_cycles.data(), has_a ? of_amplitudes.data() : nullptr, result);
   });
   return result;
 }

@@ -13,10 +13,7 @@ PanelModel::PanelModel(const Slm& slm, const ShowParams& params, Modulation modu
 
 void PanelModel::leave(const Array2D<float>& drive, Field& field, const Array2D<float>* modulus) const {
   const Parts& parts = *parts_;
-  parts.check(drive, "drive");
-  require((modulus != nullptr) == (parts.modulation == Modulation::complex),
-          "expected an array of moduli for complex modulation only");
-  if (modulus) parts.check(*modulus, "modulus");
+  parts.check_pattern(drive, modulus);
   const bool fits = field.samples.nx == parts.out.nx && field.samples.ny == parts.out.ny;
   field.grid = parts.out;
   field.wavelength = parts.state.wavelength;
@@ -31,15 +28,14 @@ Field PanelModel::leave(const Array2D<float>& drive, const Array2D<float>* modul
   return field;
 }
 
-Array2D<float> PanelModel::pull_back(const Array2D<float>& drive, const Array2D<std::complex<float>>& gradient) const {
+PanelModel::Slopes PanelModel::pull_back(const Array2D<float>& drive, const Array2D<std::complex<float>>& gradient,
+                                         const Array2D<float>* modulus) const {
   const Parts& parts = *parts_;
-  parts.check(drive, "drive");
-  require(parts.modulation != Modulation::complex,
-          "expected a panel of phase or of amplitude for gradients, got one of both");
+  parts.check_pattern(drive, modulus);
   require(gradient.nx == parts.out.nx && gradient.ny == parts.out.ny,
           "expected a gradient of {} × {} samples, as the field has, got {} × {}", parts.out.nx, parts.out.ny,
           gradient.nx, gradient.ny);
-  return parts.pull_back(drive, gradient);
+  return parts.pull_back(drive, modulus, gradient);
 }
 
 double PanelModel::power_in() const {

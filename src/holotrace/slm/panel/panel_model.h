@@ -57,8 +57,13 @@ class PanelModel {
   ///
   /// @param drive     drive at which u was computed
   /// @param gradient  g, shape (n·ny, n·nx)
-  /// @return          shape (ny, nx)
-  Array2D<float> pull_back(const Array2D<float>& drive, const Array2D<std::complex<float>>& gradient) const;
+  /// @param modulus   amplitudes in levels, for a complex modulation
+  /// @return          ∂f/∂drive and, for a complex modulation, ∂f/∂modulus: shape (ny, nx)
+  struct Slopes {
+    Array2D<float> drive, modulus;
+  };
+  Slopes pull_back(const Array2D<float>& drive, const Array2D<std::complex<float>>& gradient,
+                   const Array2D<float>* modulus = nullptr) const;
 
   /// Power of the light on the panel [W].
   double power_in() const;

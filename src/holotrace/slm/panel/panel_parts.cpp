@@ -60,6 +60,13 @@ void PanelModel::Parts::check(const Array2D<float>& drive, const char* what) con
           what, nx(), ny(), slm.name, drive.nx, drive.ny);
 }
 
+void PanelModel::Parts::check_pattern(const Array2D<float>& drive, const Array2D<float>* modulus) const {
+  check(drive, "drive");
+  require((modulus != nullptr) == (modulation == Modulation::complex),
+          "expected an array of moduli for complex modulation only");
+  if (modulus) check(*modulus, "modulus");
+}
+
 // The drive of row j, with the levels of its dead pixels.
 const float* PanelModel::Parts::drive_of_row(const Array2D<float>& drive, int j, AlignedVector<float>& copy,
                                              bool is_modulus) const {

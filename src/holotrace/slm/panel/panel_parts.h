@@ -64,6 +64,9 @@ struct PanelModel::Parts {
   /// @throws Error  for a drive or modulus whose size differs from the panel's
   void check(const Array2D<float>& drive, const char* what) const;
 
+  /// @throws Error  as check does, and unless there is a modulus for complex modulation, and only for that
+  void check_pattern(const Array2D<float>& drive, const Array2D<float>* modulus) const;
+
   // Phases [cycles] and, if there are any, amplitudes of the cells of one row of pixels.
   struct Cells {
     explicit Cells(const Parts& parts)
@@ -89,12 +92,12 @@ struct PanelModel::Parts {
   void illuminate_samples(Array2D<Complex>& field) const;
 
   // panel_gradient.cpp
-  Array2D<float> pull_back(const Array2D<float>& drive, const Array2D<Complex>& gradient) const;
+  Slopes pull_back(const Array2D<float>& drive, const Array2D<float>* modulus, const Array2D<Complex>& gradient) const;
   void gather_columns(const Array2D<Complex>& gradient, Complex* rows) const;
   Complex unlit(Complex g, int j, int i) const;
   void gradient_of_cells(const Complex* q, int j, const Cells& cells, float* of_cycles, float* of_amplitudes) const;
-  void gradient_of_drive(const Array2D<float>& drive, int j, const float* of_cycles, const float* of_amplitudes,
-                         float* to) const;
+  void gradient_of_pattern(const DrivenPixels& pixels, int j, const float* of_cycles, const float* of_amplitudes,
+                           Slopes& to) const;
 
  private:
   const float* drive_of_row(const Array2D<float>& drive, int j, AlignedVector<float>& copy, bool is_modulus) const;

@@ -20,15 +20,23 @@ struct Case {
   bool has_two_colours = false;
 };
 
+Slm uneven_panel(Slm slm) {
+  slm.effects.crosstalk = 0.25;
+  slm.effects.gap_amplitude = 0.5;
+  slm.effects.aberration = {{2, 0, 0.4}};
+  return slm;
+}
+
 std::vector<Case> cases() {
   const Slm plain = make_panel(64, 40, 256, 0.9);
-  Slm uneven = plain, amplitude = plain, calibrated = plain;
-  uneven.effects.crosstalk = 0.25;
-  uneven.effects.gap_amplitude = 0.5;
-  uneven.effects.aberration = {{2, 0, 0.4}};
+  Slm uneven = plain, amplitude = plain, calibrated = plain, complex = uneven_panel(plain);
+  uneven = uneven_panel(plain);
+  complex.modulation = Modulation::complex;
   amplitude.modulation = Modulation::amplitude;
   for (int level = 0; level < 256; ++level)
     calibrated.effects.calibration.push_back({2 * pi * level / 256.0 * (0.9 + level / 2560.0), 1 - level / 1024.0});
+  Slm complex_calibrated = complex;
+  complex_calibrated.effects = calibrated.effects;
   const EncodeParams stop{.stop = 0.5}, finer{.subpixels = 3}, both{.stop = 0.5, .subpixels = 3};
   const std::vector<Pupil> pupils{{{0, 0, 0.004}, 1.7e-4}, {{6e-5, -5e-5, 0.006}, 2.3e-4}};
   return {{"plain", plain},
@@ -43,6 +51,8 @@ std::vector<Case> cases() {
           {"pupils", plain, {}, Modulation::phase, {-0.004}, pupils},
           {"pupils, effects, stop", uneven, stop, Modulation::phase, {-0.004}, pupils},
           {"pupils, subpixels", plain, finer, Modulation::phase, {-0.004}, pupils},
+          {"complex, effects", complex, stop, Modulation::complex, {-0.004}, pupils},
+          {"complex, calibration", complex_calibrated, finer, Modulation::complex},
           {"amplitude", amplitude, {}, Modulation::amplitude},
           {"amplitude, effects", uneven, finer, Modulation::amplitude, {-0.004}, pupils}};
 }
@@ -64,24 +74,31 @@ TEST(Gradient, IsThatOfFiniteDifferences) {
       }
       if (c.has_two_colours) targets.push_back(picture_targets(c.slm, picture, 633e-9).front());
       const Descent descent{targets, c.slm, c.params, make_hologram(c.slm, c.modulation, [](int) { return 0; })};
-      std::vector<Array2D<float>> drives, slopes;
+      std::vector<Drive> drives, slopes;
       CounterRandom random(5, 0, 0);
       for (int m = 0; m < frames; ++m) {
-        drives.emplace_back(40, 64);
-        for (float& level : drives.back().values) level = float(20.3 + 200 * random.uniform());
+        const bool has_modulus = c.modulation == Modulation::complex;
+        drives.push_back({Array2D<float>(40, 64), has_modulus ? Array2D<float>(40, 64) : Array2D<float>()});
+        each_array(drives.back(), [&](Array2D<float>& values) {
+          for (float& level : values.values) level = float(20.3 + 200 * random.uniform());
+        });
       }
       descent.loss(drives, &slopes);
       double square = 0, most = 0;
-      for (const Array2D<float>& slope : slopes)
-        for (const float d : slope.values) {
-          square += double(d) * d;
-          most = std::max(most, std::abs(double(d)));
-        }
+      for (Drive& slope : slopes)
+        each_array(slope, [&](const Array2D<float>& values) {
+          for (const float d : values.values) {
+            square += double(d) * d;
+            most = std::max(most, std::abs(double(d)));
+          }
+        });
       const double h = 2 / most;  // the largest change is 2 levels, 0.05 rad
       const auto at = [&](double step) {
-        std::vector<Array2D<float>> moved = drives;
+        std::vector<Drive> moved = drives;
         for (size_t m = 0; m < moved.size(); ++m)
-          for (size_t i = 0; i < moved[m].size(); ++i) moved[m].values[i] += float(step * double(slopes[m].values[i]));
+          for (Array2D<float> Drive::*values : {&Drive::level, &Drive::modulus})
+            for (size_t i = 0; i < (moved[m].*values).size(); ++i)
+              (moved[m].*values).values[i] += float(step * double((slopes[m].*values).values[i]));
         return descent.loss(moved, nullptr);
       };
       EXPECT_NEAR((at(h) - at(-h)) / (2 * h) / square, 1, 0.01) << c.name << ", frames: " << frames;
@@ -99,20 +116,20 @@ TEST(Gradient, OfTwoLevelsIsThatAlongTheLineBetweenThem) {
       const DrivenPanel panel(slm, make_hologram(slm, Modulation::phase, [](int) { return 0; }), test_wavelength,
                               subpixels);
       const Grid grid{48 * subpixels, 32 * subpixels, test_pitch / subpixels};
-      Array2D<float> drive(32, 48), slope(32, 48);
+      Drive drive{Array2D<float>(32, 48), {}}, slope = Drive::like(drive);
       CounterRandom random(5, 0, 0);
-      for (float& level : drive.values) level = float(random.uniform() < 0.5);
+      for (float& level : drive.level.values) level = float(random.uniform() < 0.5);
       Field u(grid, test_wavelength), flipped(grid, test_wavelength);
       const Field g = random_field(grid, 2);
       panel.leave(drive, u);
       panel.add_slope(drive, u, g, 1, slope);
-      Array2D<float> other = drive;  // some pixels show the other level
+      Drive other = drive;  // some pixels show the other level
       double expected = 0, square = 0;
-      for (size_t i = 0; i < other.size(); ++i) {
-        square += double(slope.values[i]) * slope.values[i];
+      for (size_t i = 0; i < other.level.size(); ++i) {
+        square += double(slope.level.values[i]) * slope.level.values[i];
         if (random.uniform() < 0.7) continue;
-        other.values[i] = 1 - drive.values[i];
-        expected += double(other.values[i] - drive.values[i]) * slope.values[i];
+        other.level.values[i] = 1 - drive.level.values[i];
+        expected += double(other.level.values[i] - drive.level.values[i]) * slope.level.values[i];
       }
       panel.leave(other, flipped);
       const double change = inner(g, flipped).real() - inner(g, u).real();

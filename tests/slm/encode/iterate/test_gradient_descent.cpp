@@ -29,25 +29,25 @@ TEST(GradientDescent, TakesTheStepsOfAdam) {
     std::vector<TargetPlane> targets = picture_targets(slm, params);
     if (has_pupil) targets.front().pupil = Pupil{{2e-5, 1e-5, 0.004}, 1.5e-4};
     std::vector<Hologram> frames(size_t(count), blank_hologram(slm));
-    std::vector<Array2D<float>> drives, slopes;
+    std::vector<Drive> drives, slopes;
     CounterRandom random(6, 0, 0);
     for (Hologram& frame : frames) {
-      drives.emplace_back(24, 32);
+      drives.push_back({Array2D<float>(24, 32), {}});
       for (size_t i = 0; i < frame.level.size(); ++i)
-        drives.back().values[i] = frame.level.values[i] = uint16_t(20000 + 20000 * random.uniform());
+        drives.back().level.values[i] = frame.level.values[i] = uint16_t(20000 + 20000 * random.uniform());
     }
     const Descent descent{targets, slm, params, frames.front()};
     const double power = target_power(targets.front()), radian = 65536 / (2 * pi);
-    std::vector<std::vector<double>> m(frames.size(), std::vector<double>(drives.front().size())), v = m;
+    std::vector<std::vector<double>> m(frames.size(), std::vector<double>(drives.front().level.size())), v = m;
     for (int t = 1; t <= params.iterations; ++t) {
       descent.loss(drives, &slopes);
       const double step = 0.4 * radian * (1 + std::cos(pi * (t - 1) / params.iterations)) / 2;
       for (size_t f = 0; f < frames.size(); ++f)
-        for (size_t i = 0; i < drives[f].size(); ++i) {
-          const double d = slopes[f].values[i] / power;
+        for (size_t i = 0; i < drives[f].level.size(); ++i) {
+          const double d = slopes[f].level.values[i] / power;
           m[f][i] = 0.9 * m[f][i] + 0.1 * d;
           v[f][i] = 0.99 * v[f][i] + 0.01 * d * d;
-          drives[f].values[i] -=
+          drives[f].level.values[i] -=
               float(step * (m[f][i] / (1 - std::pow(0.9, t))) / std::sqrt(v[f][i] / (1 - std::pow(0.99, t))));
         }
     }
@@ -56,8 +56,9 @@ TEST(GradientDescent, TakesTheStepsOfAdam) {
     // 1e-4 rad apart. Floats may flip a few slopes near 0, which Adam scales up like all others: compare quantiles.
     std::vector<double> apart;
     for (size_t f = 0; f < frames.size(); ++f)
-      for (size_t i = 0; i < drives[f].size(); ++i)
-        apart.push_back(std::abs(std::remainder(frames[f].level.values[i] - drives[f].values[i], 65536.0)) / radian);
+      for (size_t i = 0; i < drives[f].level.size(); ++i)
+        apart.push_back(std::abs(std::remainder(frames[f].level.values[i] - drives[f].level.values[i], 65536.0)) /
+                        radian);
     std::sort(apart.begin(), apart.end());
     EXPECT_LT(apart[apart.size() / 2], 2e-4) << count;
     EXPECT_LT(apart[apart.size() * 9 / 10], 1e-3) << count;

@@ -23,7 +23,7 @@ const Pupil small_pupil{{1e-4, -6e-5, 0.05}, 3e-4};
 TEST(PupilPropagation, WayBackIsTheAdjoint) {
   // Float sums of some ten thousand products: 1e-5 of the norms.
   const Slm slm = make_panel(72, 40);
-  const PupilPropagation eyes(slm, test_wavelength, 0.05, {});
+  const PupilPropagation eyes(slm, test_wavelength, small_pupil, {});
   const Field u = random_field(slm.grid, 1);
   Field g = eyes.dark_eye();
   g.samples = random_field(g.grid, 2).samples;
@@ -38,7 +38,7 @@ TEST(PupilPropagation, PictureHasItsAdjoint) {
   const Slm slm = make_panel(72, 40);
   const double z = -0.03;
   const Grid picture = picture_grid(slm.grid, small_pupil, test_wavelength, z);
-  Field eye = PupilPropagation(slm, test_wavelength, 0.05, {}).dark_eye();
+  Field eye = PupilPropagation(slm, test_wavelength, small_pupil, {}).dark_eye();
   eye.samples = random_field(eye.grid, 3).samples;
   const auto taken = take_picture(eye, small_pupil, z, picture);
   const auto g = random_field(picture, 4).samples;
@@ -56,7 +56,7 @@ TEST(PupilPropagation, PictureIsThatOfPlainPropagation) {
   const double z = -0.03;
   const Field u = random_field(slm.grid, 5);
   const Grid picture = picture_grid(slm.grid, small_pupil, test_wavelength, z);
-  const auto taken = take_picture(PupilPropagation(slm, test_wavelength, 0.05, {}).to_eye(u), small_pupil, z, picture);
+  const auto taken = take_picture(PupilPropagation(slm, test_wavelength, small_pupil, {}).to_eye(u), small_pupil, z, picture);
   const Field plain = TargetPropagation(slm, test_wavelength, z, {.pupil = small_pupil}).to_plane(u).front();
   double error = 0, power = 0;
   int compared = 0;

@@ -221,5 +221,30 @@ TEST(TargetPropagation, APointThroughAPupilIsAnAiryPattern) {
   }
 }
 
+// Fringes of f cycles per pixel along x and g along y, at the four samples of each pixel: the mean over a pixel multiplies
+// them by sinc(f)·sinc(g). Its weights are within 0.013 of sinc along each axis, so their product is within 0.026. The four
+// samples alone are 0.087 off.
+TEST(PixelMeans, FringesHaveTheContrastOfTheirMeanOverAPixel) {
+  const int n = 24;
+  for (const auto& [f, g] : {std::pair{0.25, 0.0}, {0.0, 0.5}, {0.75, 0.0}, {0.5, 0.75}, {1.0, 0.25}}) {
+    std::array<Array2D<float>, 4> power;
+    for (size_t s = 0; s < 4; ++s) {
+      power[s] = Array2D<float>(n, n);
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+          const double x = i + (s % 2 == 0 ? -0.25 : 0.25), y = j + (s < 2 ? -0.25 : 0.25);
+          power[s](j, i) = float((1 + std::cos(2 * pi * f * x) * std::cos(2 * pi * g * y)) / 4);
+        }
+    }
+    const Array2D<float> means = pixel_means(power);
+    double most = 0;
+    for (int j = 1; j + 1 < n; ++j)  // pixels at the edges lack a neighbour
+      for (int i = 1; i + 1 < n; ++i)
+        most = std::max(
+            most, std::abs(means(j, i) - 1 - sinc(f) * sinc(g) * std::cos(2 * pi * f * i) * std::cos(2 * pi * g * j)));
+    EXPECT_LT(most, 0.026) << f << ' ' << g;
+  }
+}
+
 }  // namespace
 }  // namespace holotrace

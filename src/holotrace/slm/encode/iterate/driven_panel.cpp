@@ -27,6 +27,12 @@ double drive_of_turn(const PixelResponse& response, int levels) {
   return std::abs(high - levels) < 1e-5 * levels ? levels : high;
 }
 
+const Array2D<float>* modulus_of(const Drive& drive) { return drive.modulus.size() > 0 ? &drive.modulus : nullptr; }
+
+void add_times(double factor, const Array2D<float>& part, Array2D<float>& sum) {
+  for (size_t i = 0; i < sum.size(); ++i) sum.values[i] += float(factor) * part.values[i];
+}
+
 }  // namespace
 
 DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavelength, int subpixels) {
@@ -45,42 +51,44 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
   model_.emplace(slm, params, hologram.modulation, hologram.levels, design, state);
 }
 
-void DrivenPanel::leave(const Array2D<float>& drive, Field& u) const {
+void DrivenPanel::leave(const Drive& drive, Field& u) const {
   if (model_) {
-    model_->leave(drive, u);
+    model_->leave(drive.level, u, modulus_of(drive));
     return;
   }
   parallel_for(
-      0, drive.ny,
+      0, drive.level.ny,
       [&](int64_t j) {
-        AlignedVector<float> cycles(size_t(drive.nx));
-        const float* level = drive.row(int(j));
+        AlignedVector<float> cycles(size_t(drive.level.nx));
+        const float* level = drive.level.row(int(j));
         for (size_t i = 0; i < cycles.size(); ++i) cycles[i] = float(cycles_per_level_) * level[i];
         phasors(cycles.data(), nullptr, cycles.size(), u.samples.row(int(j)));
       },
       {}, 16);
 }
 
-void DrivenPanel::add_slope(const Array2D<float>& drive, const Field& u, const Field& g, double factor,
-                            Array2D<float>& slope) const {
+void DrivenPanel::add_slope(const Drive& drive, const Field& u, const Field& g, double factor, Drive& slope) const {
+  const int nx = drive.level.nx, ny = drive.level.ny;
   if (model_) {
     Array2D<float> halfway;
     if (has_two_levels_) {
-      halfway = Array2D<float>(drive.ny, drive.nx);
+      halfway = Array2D<float>(ny, nx);
       std::fill(halfway.values.begin(), halfway.values.end(), 0.5F);
     }
-    const Array2D<float> part = model_->pull_back(has_two_levels_ ? halfway : drive, g.samples);
-    for (size_t i = 0; i < slope.size(); ++i) slope.values[i] += float(factor) * part.values[i];
+    const PanelModel::Slopes part =
+        model_->pull_back(has_two_levels_ ? halfway : drive.level, g.samples, modulus_of(drive));
+    add_times(factor, part.drive, slope.level);
+    add_times(factor, part.modulus, slope.modulus);
     return;
   }
   const float radians_per_level = float(factor * 2 * pi * cycles_per_level_);
   std::vector<std::complex<float>> halfway;
-  if (has_two_levels_) halfway.assign(size_t(drive.nx), std::complex<float>(cis_cycles(cycles_per_level_ / 2)));
+  if (has_two_levels_) halfway.assign(size_t(nx), std::complex<float>(cis_cycles(cycles_per_level_ / 2)));
   parallel_for(
-      0, drive.ny,
+      0, ny,
       [&](int64_t j) {
         add_phase_gradient(g.samples.row(int(j)), has_two_levels_ ? halfway.data() : u.samples.row(int(j)),
-                           radians_per_level, slope.row(int(j)), size_t(drive.nx));
+                           radians_per_level, slope.level.row(int(j)), size_t(nx));
       },
       {}, 16);
 }

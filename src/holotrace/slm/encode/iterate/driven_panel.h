@@ -11,6 +11,24 @@
 
 namespace holotrace {
 
+/// What drives the pixels of a panel: levels, not rounded, shape (ny, nx).
+struct Drive {
+  Array2D<float> level;    ///< levels of phase, or of amplitude
+  Array2D<float> modulus;  ///< levels of amplitude, if the modulation is complex; otherwise empty
+
+  /// A drive like another one, of zeros.
+  static Drive like(const Drive& other) {
+    return {Array2D<float>(other.level.ny, other.level.nx), Array2D<float>(other.modulus.ny, other.modulus.nx)};
+  }
+};
+
+/// Calls work for each array of values that a drive has.
+template <class Work>
+void each_array(Drive& drive, const Work& work) {
+  work(drive.level);
+  if (drive.modulus.size() > 0) work(drive.modulus);
+}
+
 /// A panel at one wavelength, for gradient descent: levels give light, and gradients go back.
 ///
 /// A phase panel without effects is exp(2πi·c·ℓ) pixel by pixel, one sample per pixel; the pixels' aperture is then part
@@ -29,18 +47,17 @@ class DrivenPanel {
   double turn() const { return turn_; }
 
   /// Mean number of levels that change the light by its own modulus: per radian of phase, or for an amplitude panel from
-  /// dark to bright.
+  /// dark to bright, as for the modulus of a complex modulation.
   double levels_per_radian() const { return levels_per_radian_; }
 
   /// Writes the light that leaves the panel to `u`.
-  void leave(const Array2D<float>& drive, Field& u) const;
+  void leave(const Drive& drive, Field& u) const;
 
   /// Adds factor·∂f/∂drive to `slope`, given g = ∂f/∂Re u + i·∂f/∂Im u.
   ///
   /// Of two levels the slope is that halfway between them, where the phase moves the light from one level's toward the
   /// other's; at a level itself, it moves it across that direction and says nothing about the other level.
-  void add_slope(const Array2D<float>& drive, const Field& u, const Field& g, double factor,
-                 Array2D<float>& slope) const;
+  void add_slope(const Drive& drive, const Field& u, const Field& g, double factor, Drive& slope) const;
 
  private:
   double cycles_per_level_, turn_, levels_per_radian_;

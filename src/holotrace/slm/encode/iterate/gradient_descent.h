@@ -4,6 +4,7 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
+#include "holotrace/data/checkpoint.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
@@ -25,21 +26,24 @@ namespace holotrace {
 /// unrounded drive (Bengio, Léonard and Courville, arXiv:1308.3432).
 ///
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
-/// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, every second
-/// iteration uses the views that it draws instead, and the error is relative to their own light. With four or more
-/// frames, planes use the samples on one diagonal of the pixels in one round, and on the other in the next.
+/// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, each
+/// iteration also uses the views that it draws; half of their error, relative to their own light, is added to that of
+/// the iteration's planes. The loss leaves it out. With four or more frames, planes use the samples on one diagonal of the pixels in one round, and on the other in the next.
 ///
 /// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine.
 ///
 /// @param targets  target planes of one wavelength or, for one hologram in several colours, of several
 /// @param slm      panel with the effects that are on
+/// @param checkpoint  keeps the state of now and then: a later call with the same job goes on from there, to the same
+///                 levels and facts
 /// @param frames   their levels M, modulation and wavelength are used; their `level` is the start, and then the result
-/// @throws Error   for a number of iterations or a step size below 0, and if the memory does not suffice
+/// @throws Error   for a number of iterations or a step size below 0, if the memory does not suffice, for a checkpoint of
+///                 another job, and if it says stop
 /// Facts: `iterations`, `loss_first`, `loss_last` (f), and those of judge. Curve: `convergence`, the loss
 /// before each iteration, and that of the final levels. Cost: two propagations per frame, plane and iteration and, with
 /// effects, the panel model forward and back. Memory: 60 bytes per pixel and frame, 20 per pixel and plane.
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
-             std::vector<Hologram>& frames);
+             std::vector<Hologram>& frames, const Checkpoint& checkpoint = {});
 
 /// Evaluates the levels of frames with the known effects of their panel. Sets the illumination that shows the
 /// targets at their own brightness, at the holograms' wavelength. Facts: `psnr_db`, `target_efficiency` (encode.h).

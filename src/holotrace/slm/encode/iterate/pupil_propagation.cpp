@@ -14,8 +14,6 @@
 namespace holotrace {
 namespace {
 
-constexpr double eye_margin = 2e-3;  // room for half of the widest pupil beyond the panel's size [m]
-
 int transform_length(const Pupil& pupil, double pitch) {
   return fft_good_length(int(std::ceil(2 * pupil.diameter / pitch)) + 2);
 }
@@ -80,15 +78,16 @@ void each_of_picture(const Grid& picture, int length, const Work& work) {
 
 }  // namespace
 
-PupilPropagation::PupilPropagation(const Slm& slm, double wavelength, double eye_z, const TargetOptics& optics) {
+PupilPropagation::PupilPropagation(const Slm& slm, double wavelength, const Pupil& pupil, const TargetOptics& optics) {
   require(optics.subpixels == 1,
           "expected one sample per pixel for views through pupils, got {} per axis; give "
           "subpixels = 1",
           optics.subpixels);
   PropagateParams wider;
-  wider.columns = slm.grid.nx + 2 * int(std::ceil(eye_margin / slm.grid.pitch));
-  wider.rows = slm.grid.ny + 2 * int(std::ceil(eye_margin / slm.grid.pitch));
-  there_ = make_propagator<float>(slm.grid, wavelength, eye_z, wider);
+  const int margin = int(std::ceil(pupil.diameter / 2 / slm.grid.pitch));
+  wider.columns = slm.grid.nx + 2 * margin;
+  wider.rows = slm.grid.ny + 2 * margin;
+  there_ = make_propagator<float>(slm.grid, wavelength, pupil.centre.z, wider);
   const auto passing = [&](double lit) {
     return [=](double f) {
       const double dimmed = optics.aperture == PixelAperture::included ? aperture_spectrum(f, lit) : 1;

@@ -25,11 +25,11 @@ namespace holotrace {
 /// λs/p, the width of the panel's diffraction cone, so nothing overlaps.
 class PupilPropagation {
  public:
-  /// @param eye_z  distance of all pupils from the panel [m]
+  /// @param pupil  one of the pupils: all have its diameter and its distance from the panel
   /// @throws Error  as make_propagator does
-  PupilPropagation(const Slm& slm, double wavelength, double eye_z, const TargetOptics& optics);
+  PupilPropagation(const Slm& slm, double wavelength, const Pupil& pupil, const TargetOptics& optics);
 
-  /// Light in the plane of the pupils: a window 2 mm wider than the panel on every side, centred on the axis.
+  /// Light in the plane of the pupils: a window wider than the panel by half a pupil on every side, centred on the axis.
   Field to_eye(const Field& panel) const;
 
   /// The adjoint of to_eye.

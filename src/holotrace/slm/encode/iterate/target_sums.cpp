@@ -67,6 +67,33 @@ Array2D<float> power_of(const std::vector<Field>& samples, const Grid& pixels) {
   return power;
 }
 
+Array2D<float> pixel_means(const std::array<Array2D<float>, 4>& power) {
+  constexpr float of_neighbour = 2 * 0.0289F, own = 1 - of_neighbour;  // the least error of all even weights
+  const int ny = power[0].ny, nx = power[0].nx;
+  // Along a row, from the left and the right samples of its pixels; and in the same way along the columns.
+  const auto along_row = [&](size_t first, int j, std::vector<float>& means) {
+    const float *left = power[first].row(j), *right = power[first + 1].row(j);
+    for (int i = 0; i < nx; ++i)
+      means[size_t(i)] = own * (left[i] + right[i]) +
+                         of_neighbour * ((i > 0 ? right[i - 1] : left[0]) + (i + 1 < nx ? left[i + 1] : right[nx - 1]));
+  };
+  Array2D<float> means(ny, nx);
+  parallel_for(
+      0, ny,
+      [&](int64_t row) {
+        const int j = int(row);
+        std::vector<float> above(static_cast<size_t>(nx)), upper(above), lower(above), below(above);
+        j > 0 ? along_row(2, j - 1, above) : along_row(0, j, above);
+        along_row(0, j, upper);
+        along_row(2, j, lower);
+        j + 1 < ny ? along_row(0, j + 1, below) : along_row(2, j, below);
+        for (size_t i = 0; i < size_t(nx); ++i)
+          means.row(j)[i] = own * (upper[i] + lower[i]) + of_neighbour * (above[i] + below[i]);
+      },
+      {}, 16);
+  return means;
+}
+
 void multiply(const Array2D<float>& factor, std::vector<Field>& samples) {
   const int n = samples_across(samples.front(), factor);
   parallel_for(

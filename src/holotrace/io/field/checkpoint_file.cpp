@@ -1,0 +1,128 @@
+#include "holotrace/io/field/checkpoint_file.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/io/field/hdf5_access.h"
+#include "holotrace/io/files/file.h"
+
+namespace holotrace {
+namespace {
+
+constexpr const char *numbers_name = "numbers", *arrays_name = "arrays";
+
+using Shape = std::array<hsize_t, 3>;  // arrays, rows, columns
+
+std::string number_of(const IterationState& job) { return fmt::format("{:016x}", job.job); }
+
+// Calls transfer(shape in memory, place in the file) for array k. @return whether it succeeded
+template <class Transfer>
+bool for_array(hid_t data, const Shape& shape, size_t k, const Transfer& transfer) {
+  const Shape start{k, 0, 0}, block{1, shape[1], shape[2]};
+  const Handle memory(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
+  const Handle place(H5Dget_space(data), H5Sclose);
+  H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+  return transfer(memory, place) >= 0;
+}
+
+hid_t create_dataset(hid_t file, const char* name, hid_t type, int rank, const hsize_t* shape) {
+  const Handle space(H5Screate_simple(rank, shape, nullptr), H5Sclose);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(properties, false);
+  return H5Dcreate2(file, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+}
+
+void write_state(const std::string& path, const IterationState& state) {
+  const Silence silence;
+  Handle file(create_hdf5(path), H5Fclose);
+  {
+    const hsize_t count = state.numbers.size();
+    const Handle numbers(create_dataset(file, numbers_name, H5T_IEEE_F64LE, 1, &count), H5Dclose);
+    require_written(numbers.valid() &&
+                        H5Dwrite(numbers, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, state.numbers.data()) >= 0,
+                    path);
+    write_word(numbers, "job", number_of(state), path);
+    write_word(numbers, "description", state.description, path);
+    write_number(numbers, "updates", state.updates, path);
+    const Array2D<float>& first = state.arrays.front();
+    const Shape shape{state.arrays.size(), hsize_t(first.ny), hsize_t(first.nx)};
+    const Handle arrays(create_dataset(file, arrays_name, H5T_IEEE_F32LE, 3, shape.data()), H5Dclose);
+    require_written(arrays.valid(), path);
+    for (size_t k = 0; k < state.arrays.size(); ++k)
+      require_written(for_array(arrays, shape, k,
+                                [&](hid_t memory, hid_t place) {
+                                  return H5Dwrite(arrays, H5T_NATIVE_FLOAT, memory, place, H5P_DEFAULT,
+                                                  state.arrays[k].values.data());
+                                }),
+                      path);
+  }
+  close_written(file, path);
+}
+
+// The sizes of a dataset. @throws Error, naming the file, for another number of dimensions
+template <size_t rank>
+std::array<hsize_t, rank> sizes_of(hid_t data, const char* name, const std::string& path) {
+  const Handle space(H5Dget_space(data), H5Sclose);
+  std::array<hsize_t, rank> sizes{};
+  require(H5Sget_simple_extent_ndims(space) == int(rank),
+          "{}: expected {} dimension(s) of \"{}\" in a checkpoint, got {}", path, rank, name,
+          H5Sget_simple_extent_ndims(space));
+  H5Sget_simple_extent_dims(space, sizes.data(), nullptr);
+  return sizes;
+}
+
+}  // namespace
+
+void save_checkpoint(const std::string& path, const IterationState& state) {
+  require(!state.arrays.empty() && !state.numbers.empty(), "expected numbers and arrays in a state, got none");
+  for (const Array2D<float>& array : state.arrays)
+    require(array.nx == state.arrays.front().nx && array.ny == state.arrays.front().ny,
+            "expected arrays of one size in a state, got {} × {} and {} × {}", state.arrays.front().nx,
+            state.arrays.front().ny, array.nx, array.ny);
+  write_atomically(path, [&](const std::string& temporary) { write_state(temporary, state); });
+}
+
+std::optional<IterationState> load_checkpoint(const std::string& path, const IterationState& job) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  const Silence silence;
+  IterationState state;
+  {
+    const Hdf5Dataset numbers(path, numbers_name);
+    require(H5Aexists(numbers, "job") > 0 && H5Aexists(numbers, "description") > 0,
+            "expected a checkpoint in {}, got another HDF5 file; give another path", path);
+    state.description = read_word(numbers, "description", path);
+    require(
+        read_word(numbers, "job", path) == number_of(job),
+        "expected the checkpoint of this job in {} ({}), got that of another one ({}); give another file, or remove "
+        "this one to begin anew",
+        path, job.description, state.description);
+    state.job = job.job;
+    state.updates = int(read_number(numbers, "updates", path));
+    const hsize_t count = sizes_of<1>(numbers, numbers_name, path)[0];
+    require_all_samples(numbers, double(count), path);
+    state.numbers.resize(count);
+    require(H5Dread(numbers, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, state.numbers.data()) >= 0,
+            "{}: expected numbers in \"{}\", which cannot be read; the file is damaged: remove it", path, numbers_name);
+  }
+  const Hdf5Dataset arrays(path, arrays_name);
+  const Shape shape = sizes_of<3>(arrays, arrays_name, path);
+  const double samples = double(shape[0]) * double(shape[1]) * double(shape[2]);
+  require_all_samples(arrays, samples, path);
+  require_memory(samples * sizeof(float), fmt::format("the checkpoint {}", path));
+  for (size_t k = 0; k < shape[0]; ++k) {
+    Array2D<float>& array = state.arrays.emplace_back(int(shape[1]), int(shape[2]));
+    const auto read = [&](hid_t memory, hid_t place) {
+      return H5Dread(arrays, H5T_NATIVE_FLOAT, memory, place, H5P_DEFAULT, array.values.data());
+    };
+    require(for_array(arrays, shape, k, read),
+            "{}: expected {} arrays, of which the one with number {} cannot be read; the file is damaged: remove it",
+            path, shape[0], k + 1);
+  }
+  return state;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "holotrace/data/checkpoint.h"
+#include "holotrace/data/hologram.h"
+#include "holotrace/data/params/encode.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/data/target.h"
+#include "holotrace/slm/encode/iterate/colour.h"
+#include "holotrace/slm/encode/iterate/driven_panel.h"
+#include "holotrace/slm/encode/iterate/turns.h"
+
+namespace holotrace {
+
+using Colours = std::vector<std::unique_ptr<Colour>>;
+
+/// The wavelengths of some targets, in their order, for a panel with the hologram's levels and modulation.
+Colours colours_of(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
+                   const Hologram& hologram);
+
+/// The levels of a hologram, as a drive.
+Drive drive_of(const Hologram& hologram);
+
+/// Frames that are found together by the updates of gradient_descent.h, one after the other. All that one update leaves
+/// to the next is in state(): restored in another object of the same job, the updates that follow are the same.
+class FrameDescent {
+ public:
+  /// @param targets, slm, params  must outlive this object
+  /// @param frames  their levels are the start
+  /// @throws Error  if the memory does not suffice
+  FrameDescent(const TargetSet& targets, const Slm& slm, const EncodeParams& params,
+               const std::vector<Hologram>& frames);
+
+  /// Loss before each update that is done.
+  const std::vector<double>& losses() const { return losses_; }
+
+  int updates() const { return int(losses_.size()); }
+
+  /// Updates until each plane of each colour has had its turn.
+  int updates_per_round() const;
+
+  /// Evaluates all planes for the levels of now. Before the first update, planes count for the loss from the start.
+  void judge();
+
+  void update();
+
+  /// The loss of the levels of now.
+  double loss() const;
+
+  const Colours& colours() const { return colours_; }
+
+  /// Writes the rounded levels.
+  void write(std::vector<Hologram>& frames) const;
+
+  IterationState state();
+  void restore(const IterationState& state);
+
+ private:
+  // A frame: its drive, what Adam remembers of it, and the gradient.
+  struct Frame {
+    Drive drive, mean, square;
+  };
+
+  double part(const Colour& colour) const;
+  void step();
+  template <class Work>
+  void each_number(const Work& work);
+  template <class Work>
+  void each_array_of_state(const Work& work);
+
+  const TargetSet& targets_;
+  const EncodeParams& params_;
+  const int iterations_, levels_;
+  Colours colours_;
+  std::vector<Turns> turns_;  // of each colour
+  double lit_ = 0;            // number of colours that have light
+  float turn_ = 0;            // levels of a whole turn of phase; 0 for none
+  double level_step_, modulus_step_;
+  std::vector<Frame> frames_;
+  std::vector<Drive> rounded_, slopes_;  // of each frame
+  std::vector<double> losses_;
+};
+
+}  // namespace holotrace

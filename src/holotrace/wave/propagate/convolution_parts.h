@@ -1,0 +1,83 @@
+#pragma once
+
+#include <algorithm>
+#include <complex>
+#include <cstdint>
+#include <vector>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/large_buffer.h"
+#include "holotrace/base/wrapped.h"
+#include "holotrace/wave/propagate/column_blocks.h"
+#include "holotrace/wave/propagate/propagation_axis.h"
+
+// The parts of a padded transform, and the blocks of columns that hold one part (convolve.h).
+
+namespace holotrace {
+
+/// One part of one axis: the frequencies k ≡ part modulo axis.parts.
+template <class Real>
+struct AxisPart {
+  using Complex = std::complex<Real>;
+  const PropagationAxis& axis;
+  int part, length, columns;  // columns: number of frequencies in use
+  int first;                  // the least of them
+  std::vector<Complex> enter, leave;
+
+  AxisPart(const PropagationAxis& a, int part, double scale)
+      : axis(a),
+        part(part),
+        length(a.part_length()),
+        columns(0),
+        first(a.first + wrapped(part - a.first, a.parts)),
+        enter(size_t(a.inputs)),
+        leave(size_t(a.outputs)) {
+    if (first <= a.last) columns = (a.last - first) / a.parts + 1;
+    for (int i = 0; i < a.inputs; ++i) enter[size_t(i)] = Complex(turn(-i));
+    for (int o = 0; o < a.outputs; ++o) leave[size_t(o)] = Complex(scale * turn(wrapped(o + a.shift, a.padded)));
+  }
+
+  std::complex<double> turn(int64_t place) const {
+    return cis_cycles(double(place * part % axis.padded) / axis.padded);
+  }
+  int frequency(int column) const { return first + column * axis.parts; }
+  // Columns are in the order of their frequencies; negative ones, which end the transform, come first.
+  int below_zero() const { return std::min(columns, first < 0 ? (-first + axis.parts - 1) / axis.parts : 0); }
+  int bin(int column) const { return wrapped(frequency(column), axis.padded) / axis.parts; }
+
+  // Calls work(o, at, count) for each run of outputs o … that are consecutive, from `at` on, in the part's period.
+  template <class Work>
+  void each_run_of_outputs(const Work& work) const {
+    for (int o = 0; o < axis.outputs;) {
+      const int at = wrapped(o + axis.shift, length), count = std::min(axis.outputs - o, length - at);
+      work(o, at, count);
+      o += count;
+    }
+  }
+};
+
+/// Blocks of columns for a part of the spectrum along x: [block][row][column in block].
+template <class Real>
+struct ColumnBlocks {
+  int rows;
+  LargeBuffer<std::complex<Real>> values;
+
+  ColumnBlocks(int columns, int rows) : rows(rows), values(size_t(blocks_of(columns)) * size_t(rows) * block) {}
+  static int blocks_of(int columns) { return (columns + block - 1) / block; }
+  std::complex<Real>* at(int b, int row) { return values.data() + (size_t(b) * size_t(rows) + size_t(row)) * block; }
+};
+
+/// exp(2πi·k·shift/padded) for the frequencies k of an axis, which displaces samples by `shift`; empty for 0.
+/// `frequency(i)` is that of slot i, between −padded/2 and padded/2.
+template <class Real, class Frequency>
+std::vector<std::complex<Real>> displacement_ramp(const PropagationAxis& axis, double shift, int slots,
+                                                  const Frequency& frequency) {
+  std::vector<std::complex<Real>> values(shift == 0 ? 0 : size_t(slots));
+  for (size_t i = 0; i < values.size(); ++i)
+    values[i] = std::complex<Real>(cis_cycles(double(frequency(int(i))) * shift / axis.padded));
+  return values;
+}
+
+inline int signed_frequency(int k, int padded) { return 2 * k < padded ? k : k - padded; }
+
+}  // namespace holotrace

@@ -1,0 +1,193 @@
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "holotrace/slm/encode/iterate/descent_job.h"
+#include "holotrace/slm/encode/iterate/gradient_descent.h"
+#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "support/targets.h"
+
+namespace holotrace {
+namespace {
+
+// A checkpoint in memory that stops a descent after some updates. It is due after every third one.
+struct Kept {
+  std::optional<IterationState> state{};
+  int stop_after = -1;
+  std::vector<int> saved{};  // updates of each state that was saved
+  int updates = 0;
+
+  Checkpoint checkpoint() {
+    return {.load =
+                [this](const IterationState& job) {
+                  if (state) {
+                    EXPECT_EQ(state->job, job.job);
+                  }
+                  updates = state ? state->updates : 0;
+                  return state;
+                },
+            .save =
+                [this](const IterationState& now) {
+                  state = now;
+                  saved.push_back(now.updates);
+                },
+            .is_due = [this] { return ++updates % 3 == 0; },
+            .is_stopping = [this] { return updates + 1 == stop_after; }};
+  }
+};
+
+// What a job gives: levels, illumination and all that it reports.
+struct Result {
+  std::vector<Array2D<uint16_t>> levels, moduli;
+  std::vector<double> numbers, convergence;
+};
+
+bool operator==(const Result& a, const Result& b) {
+  for (size_t m = 0; m < a.levels.size(); ++m)
+    if (a.levels[m].values != b.levels[m].values || a.moduli[m].values != b.moduli[m].values) return false;
+  return a.numbers == b.numbers && a.convergence == b.convergence;
+}
+
+// A job of gradient descent.
+struct DescentCase {
+  std::string name;
+  Slm slm = make_panel(48, 32);
+  int frames = 3;
+  bool has_two_colours = false, has_views = false;
+  EncodeParams params{.method = Encoding::sgd, .target_distances = {0.01, 0.011, 0.012}, .iterations = 10};
+
+  TargetSet targets() const {
+    TargetSet set{picture_targets(slm, params)};
+    if (has_two_colours)
+      for (const TargetPlane& target : picture_targets(slm, params, 633e-9)) set.planes.push_back(target);
+    if (has_views)
+      set.draw_views = [this](int update, double wavelength) {
+        CounterRandom random(3, 0, uint64_t(update));
+        ViewTargets views{.z = -0.01, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
+        views.pupils.push_back({{2e-4 * random.uniform(), 0, 0.02}, 3e-4});
+        views.picture = picture_grid(slm.grid, views.pupils.front(), wavelength, views.z);
+        views.amplitudes.emplace_back(views.picture.ny, views.picture.nx, 0.5F);
+        return views;
+      };
+    return set;
+  }
+
+  Result run(const Checkpoint& checkpoint = {}) const {
+    Result result;
+    Observer observer;
+    observer.on_fact = [&](const std::string&, const Fact& value) {
+      if (const double* number = std::get_if<double>(&value)) result.numbers.push_back(*number);
+    };
+    observer.on_curve = [&](const std::string&, const std::vector<double>& values) { result.convergence = values; };
+    for (const Hologram& hologram :
+         encode_frames(targets(), test_wavelength, frames, slm, params, observer, checkpoint)) {
+      result.levels.push_back(hologram.level);
+      result.moduli.push_back(hologram.modulus_level);
+      result.numbers.push_back(hologram.illumination);
+    }
+    return result;
+  }
+};
+
+std::vector<DescentCase> cases() {
+  DescentCase plain{.name = "planes"}, many{.name = "diagonals"}, complex{.name = "complex"},
+      colours{.name = "colours"}, views{.name = "views"}, two{.name = "two planes per update"};
+  many.frames = 4;
+  complex.slm.modulation = Modulation::complex;
+  colours.has_two_colours = true;
+  views.has_views = true;
+  two.params.planes_per_update = 2;
+  return {plain, many, complex, colours, views, two};
+}
+
+// Stopped after any number of updates, in the middle of a round of planes and at its end, and once more later.
+TEST(DescentCheckpoint, GoesOnToTheSameBytes) {
+  for (const DescentCase& c : cases()) {
+    const Result whole = c.run();
+    for (const int stop : {1, 4, 9}) {
+      Kept kept;
+      kept.stop_after = stop;
+      EXPECT_EQ(error_of([&] { c.run(kept.checkpoint()); }),
+                "stopped after " + std::to_string(stop) +
+                    " of 10 iterations, which the checkpoint keeps; give the same command again to go on");
+      ASSERT_TRUE(kept.state);
+      EXPECT_EQ(kept.state->updates, stop);
+      kept.stop_after = stop < 5 ? stop + 3 : -1;
+      if (stop < 5) {
+        EXPECT_NE(error_of([&] { c.run(kept.checkpoint()); }), "");
+      }
+      kept.stop_after = -1;
+      EXPECT_TRUE(c.run(kept.checkpoint()) == whole) << c.name << ", stopped after " << stop;
+      EXPECT_EQ(kept.state->updates, 10);
+      EXPECT_TRUE(c.run(kept.checkpoint()) == whole) << c.name << ", from a finished job";
+    }
+  }
+}
+
+TEST(DescentCheckpoint, IsSavedBeforeTheFirstUpdateWhenItIsDueAndAtTheEnd) {
+  Kept kept;
+  DescentCase{}.run(kept.checkpoint());
+  EXPECT_EQ(kept.saved, (std::vector<int>{0, 3, 6, 9, 10}));
+}
+
+TEST(DescentCheckpoint, KnowsEverythingThatTheResultDependsOn) {
+  const auto job = [](const DescentCase& c, int level = 0) {
+    std::vector<Hologram> frames(size_t(c.frames), make_hologram(c.slm, c.slm.modulation, [&](int) { return level; }));
+    return descent_job(c.targets(), c.slm, c.params, frames).job;
+  };
+  const DescentCase plain;
+  using Change = std::function<void(DescentCase&)>;
+  const std::map<std::string, Change> changes{
+      {"frames", [](DescentCase& c) { c.frames = 2; }},
+      {"iterations", [](DescentCase& c) { c.params.iterations = 11; }},
+      {"step", [](DescentCase& c) { c.params.step = 0.3; }},
+      {"stop", [](DescentCase& c) { c.params.stop = 0.5; }},
+      {"seed", [](DescentCase& c) { c.params.seed = 2; }},
+      {"subpixels", [](DescentCase& c) { c.params.subpixels = 3; }},
+      {"planes per update", [](DescentCase& c) { c.params.planes_per_update = 2; }},
+      {"distances", [](DescentCase& c) { c.params.target_distances.back() = 0.0121; }},
+      {"part of the plane", [](DescentCase& c) { c.params.target_columns = 24; }},
+      {"colours", [](DescentCase& c) { c.has_two_colours = true; }},
+      {"views", [](DescentCase& c) { c.has_views = true; }},
+      {"fill factor", [](DescentCase& c) { c.slm.fill_factor = 0.9; }},
+      {"levels", [](DescentCase& c) { c.slm.levels = 128; }},
+      {"phase range", [](DescentCase& c) { c.slm.phase_range = 6; }},
+      {"crosstalk", [](DescentCase& c) { c.slm.effects.crosstalk = 0.2; }},
+      {"aberration",
+       [](DescentCase& c) {
+         c.slm.effects.aberration = {{2, 0, 0.3}};
+       }},
+      {"dead pixels",
+       [](DescentCase& c) {
+         c.slm.effects.dead_pixels = {{3, 4, 5}};
+       }},
+      {"phase map",
+       [](DescentCase& c) { c.slm.effects.phase_map = std::make_shared<const Array2D<float>>(32, 48, 0.1F); }}};
+  EXPECT_EQ(job(plain), job(plain));
+  EXPECT_NE(job(plain, 1), job(plain)) << "start";
+  for (const auto& [name, change] : changes) {
+    DescentCase other;
+    change(other);
+    EXPECT_NE(job(other), job(plain)) << name;
+  }
+}
+
+TEST(DescentCheckpoint, SaysWhatIsWrong) {
+  const DescentCase c;
+  Kept kept;
+  c.run(kept.checkpoint());
+  kept.state->arrays.pop_back();
+  EXPECT_NE(error_of([&] { c.run(kept.checkpoint()); }).find("remove the checkpoint"), std::string::npos);
+  EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.01}};
+  const Slm slm = make_panel(8, 6);
+  EXPECT_EQ(error_of([&] {
+              encode_targets(picture_targets(slm, params), Field(slm.grid, test_wavelength), slm, params, {},
+                             kept.checkpoint());
+            }),
+            "expected the method sgd for a checkpoint, got \"gerchberg-saxton\"");
+}
+
+}  // namespace
+}  // namespace holotrace
