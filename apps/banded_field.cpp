@@ -22,6 +22,7 @@
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/synthesize.h"
+#include "interrupts.h"
 #include "say.h"
 
 namespace holotrace {
@@ -259,6 +260,7 @@ void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observ
   sort_into_files(*work);
   open_files(*work);
   work->tell_progress();
+  say_on_interrupt("holotrace: interrupted; the finished bands are kept, and the same command goes on from there\n");
   if (ranks.size() > 1)
     share_bands(work, ranks);
   else

@@ -31,6 +31,8 @@ class Interrupts {
 
 }  // namespace
 
+bool was_interrupted() { return is_interrupted != 0; }
+
 void Checkpoints::add_flag(CLI::App& command, std::string& path) {
   command
       .add_option(

@@ -9,6 +9,9 @@
 
 namespace holotrace {
 
+/// Whether Ctrl-C stopped a job that keeps a checkpoint.
+bool was_interrupted();
+
 /// The files of the flag --checkpoint: the state of the iterations of each hologram, or of each set of frames.
 class Checkpoints {
  public:

@@ -15,7 +15,10 @@ class Ranks;
 struct GlobalFlags {
   int threads = 0;
   bool is_quiet = false;
+  bool allow_outside = false;
   Ranks* ranks = nullptr;  ///< the processes of this run
+
+  Outside outside() const { return allow_outside ? Outside::allowed : Outside::refused; }
 };
 
 // Each function adds its subcommands with their flags and actions.

@@ -203,7 +203,8 @@ void add_compare_command(CLI::App& app, const GlobalFlags& global) {
     check_flags(*o, is_field);
     Console console(global.is_quiet);
     if (is_field)
-      print_facts(field_facts(load_fields_double(o->a), load_fields_double(o->b)), o->is_json);
+      print_facts(field_facts(load_fields_double(o->a, global.outside()), load_fields_double(o->b, global.outside())),
+                  o->is_json);
     else
       compare_images(*o, console);
   });

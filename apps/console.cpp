@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <mutex>
 
+#include "holotrace/base/printable.h"
 #include "holotrace/base/time_left.h"
 #include "say.h"
 
@@ -51,7 +52,7 @@ Observer Console::watch(const std::string& stage) {
   finish();
   Observer observer;
   observer.on_warning = [stage, is_terminal = is_terminal_](const std::string& sentence) {
-    say("{}warning: {}: {}\n", is_terminal ? "\r\033[K" : "", stage, sentence);
+    say("{}warning: {}: {}\n", is_terminal ? "\r\033[K" : "", stage, printable(sentence));
   };
   if (is_terminal_) {
     bar_ = std::make_shared<Bar>();

@@ -75,7 +75,7 @@ Wanted wanted_of_fields(const std::string& path, const std::vector<Field>& field
   return wanted;
 }
 
-Wanted wanted_of_stack(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
+Wanted wanted_of_stack(const std::string& path, Outside outside, const Slm& slm, const std::vector<double>& wavelengths,
                        const EncodeParams& params) {
   require(!wavelengths.empty(), "{} is a focal stack and has no wavelength; give --wavelength", path);
   require(params.method == Encoding::sgd, "expected --method sgd for the focal stack {}; give it, or encode a field",
@@ -83,7 +83,7 @@ Wanted wanted_of_stack(const std::string& path, const Slm& slm, const std::vecto
   require(params.target_distances.empty(),
           "expected --target-distances only with a field or a picture; the focal stack {} has its own; leave it out",
           path);
-  const FocalStack stack = load_focal_stack(path);
+  const FocalStack stack = load_focal_stack(path, outside);
   Wanted wanted;
   for (const double wavelength : wavelengths)
     wanted.targets.push_back(targets_of_stack(stack, slm.grid, wavelength, params.image));
@@ -154,7 +154,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     require(o->frames == 1 || is_stack || !std::filesystem::exists(o->input),
             "expected --frames only with a focal stack, got {}; leave it out", o->input);
     std::vector<Field> fields;
-    if (is_field) fields = load_fields(o->input);
+    if (is_field) fields = load_fields(o->input, global.outside());
     require(
         !is_field || o->wavelength.empty(),
         "expected --wavelength only with a picture or a focal stack; {} is a field and has its own wavelength; leave it "
@@ -175,7 +175,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
     Console console(global.is_quiet);
     Wanted wanted = is_field   ? wanted_of_fields(o->input, fields, params)
-                    : is_stack ? wanted_of_stack(o->input, slm, wavelengths, params)
+                    : is_stack ? wanted_of_stack(o->input, global.outside(), slm, wavelengths, params)
                                : wanted_of_picture(o->input, slm, wavelengths, params, console);
     if (params.is_joint) {
       require(params.method == Encoding::sgd, "expected --joint only with --method sgd; use sgd, or leave out --joint");

@@ -167,7 +167,7 @@ void print_text(const Answer& a) {
 
 }  // namespace
 
-void add_estimate_command(CLI::App& app, const GlobalFlags&) {
+void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand(
       "estimate",
       "predicted time of a run, stage by stage, and what real-time display would need; measured by short "
@@ -188,9 +188,9 @@ void add_estimate_command(CLI::App& app, const GlobalFlags&) {
       "also compare the time per ray of Embree and of the uniform grid (the paper's appendix); takes some "
       "seconds more");
   command->add_flag("--json", o->is_json, "as JSON");
-  command->callback([o] {
+  command->callback([o, &global] {
     check_flag("--fps", o->frames_per_second, range::positive, Quantity::number);
-    const Answer a = answer(load_scene(o->scene), o->frames_per_second, o->has_accelerators);
+    const Answer a = answer(load_scene(o->scene, global.outside()), o->frames_per_second, o->has_accelerators);
     if (o->is_json)
       fmt::print("{}\n", json_of(a).dump(2));
     else

@@ -213,7 +213,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
     if (is_scene && o->inputs.size() > 1) throw CLI::ExtrasError({o->inputs.begin() + 1, o->inputs.end()});
     Job job;
     job.slm = slm_preset("pluto");
-    if (is_scene) job = load_scene(o->inputs.front());
+    if (is_scene) job = load_scene(o->inputs.front(), global.outside());
     if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
     o->panel.apply(job.slm.grid);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);

@@ -9,23 +9,31 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <stdexcept>
 
 #include "banded_field.h"
+#include "checkpoints.h"
 #include "commands.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/printable.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/estimate/machine/calibrate.h"
 #include "holotrace/io/files/command_files.h"
 #include "holotrace/io/rates_file.h"
 #include "holotrace/io/wisdom_file.h"
 #include "holotrace/wave/shared/cost_model.h"
+#include "interrupts.h"
 #include "ranks.h"
 #include "say.h"
 
 namespace {
 
+constexpr const char* out_of_memory =
+    "expected enough memory for this job, but it ran out; use smaller files, a smaller panel, fewer subpixels or fewer "
+    "samples";
+
 int report_error(const std::string& sentence) {
-  holotrace::say("holotrace: {}\n", sentence);
+  holotrace::say("holotrace: {}\n", holotrace::printable(sentence));
   return 1;
 }
 
@@ -42,7 +50,7 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, ch
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
   holotrace::say("{}\nRun with --help for more information.\n",
-                 holotrace::unknown_name_message("command", argv[1], names));
+                 holotrace::printable(holotrace::unknown_name_message("command", argv[1], names)));
   return 2;
 }
 
@@ -65,7 +73,9 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   GlobalFlags global{.ranks = &ranks};
   app.add_option("--threads", global.threads, "number of threads; 0: all. Results do not depend on it")
       ->check(check_threads, "N", "N");
-  app.add_flag("-q,--quiet", global.is_quiet, "no progress bars");
+  app.add_flag("-q,--quiet", global.is_quiet, "no progress bars, no summary");
+  app.add_flag("--allow-outside", global.allow_outside,
+               "models and HDF5 files may name files outside their own folder; give it for files that you trust");
 
   std::unique_ptr<tbb::global_control> limit;
   app.parse_complete_callback([&] {
@@ -95,10 +105,13 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   } catch (const CLI::ParseError& error) {
     return report_usage(app, error, argc, argv);
   } catch (const std::bad_alloc&) {
-    return report_error(
-        "expected enough memory for this job, but it ran out; use a smaller panel, fewer subpixels or fewer samples");
+    return report_error(out_of_memory);
+  } catch (const std::length_error&) {  // of a vector that is longer than the addresses of this machine
+    return report_error(out_of_memory);
   } catch (const std::exception& error) {
-    return std::ferror(stdout) != 0 ? 1 : report_error(error.what());  // after_output says what is wrong with stdout
+    if (std::ferror(stdout) != 0) return 1;  // after_output says what is wrong with it
+    const int exit_code = report_error(error.what());
+    return was_interrupted() ? interrupted_exit_code : exit_code;
   }
 }
 
@@ -107,6 +120,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
 // What is not an Error is a mistake in the program: it ends it with its own message.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   using namespace holotrace;
+  end_on_interrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit on file sizes becomes an Error
   try {
     Ranks ranks(argc, argv);

@@ -10,7 +10,7 @@
 
 namespace holotrace {
 
-void add_info_command(CLI::App& app, const GlobalFlags&) {
+void add_info_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("info", "contents of any file that holotrace reads, or data of a panel");
   struct Options {
     std::string path, slm;
@@ -26,9 +26,10 @@ void add_info_command(CLI::App& app, const GlobalFlags&) {
           ->type_name("NAME|FILE.toml");
   slm->excludes(file);
   command->add_flag("--json", o->is_json, "as JSON");
-  command->callback([o] {
+  command->callback([o, &global] {
     if (o->path.empty() && o->slm.empty()) throw CLI::RequiredError("a file or --slm");
-    print_facts(o->slm.empty() ? describe_file(o->path) : describe_slm(slm_by_name(o->slm)), o->is_json);
+    print_facts(o->slm.empty() ? describe_file(o->path, global.outside()) : describe_slm(slm_by_name(o->slm)),
+                o->is_json);
   });
 }
 

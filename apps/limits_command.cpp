@@ -31,13 +31,13 @@ struct LimitsOptions {
   bool is_json = false;
 };
 
-LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command) {
+LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command, const GlobalFlags& global) {
   LimitsQuestion q;
   q.wavelengths = parse_lengths_flag("--wavelength", o.wavelength, range::positive);
   if (o.scene.empty()) {
     q.slm = slm_by_name(o.slm);
   } else {
-    const Job job = load_scene(o.scene);
+    const Job job = load_scene(o.scene, global.outside());
     q.slm = command.count("--slm") > 0 ? slm_by_name(o.slm) : job.slm;
     if (command.count("--wavelength") == 0) q.wavelengths = job.wavelengths;
     q.points = points_of(job.scene);
@@ -67,8 +67,8 @@ void save_pictures(const std::string& path, const LimitsQuestion& q) {
   save(picture_across_y(path), AcrossPanel::y);
 }
 
-void answer_about_panel(const LimitsOptions& o, const CLI::App& command) {
-  const LimitsQuestion q = question_of(o, command);
+void answer_about_panel(const LimitsOptions& o, const CLI::App& command, const GlobalFlags& global) {
+  const LimitsQuestion q = question_of(o, command, global);
   if (o.is_json) {
     fmt::print("{}\n", limits_json(q).dump(2));
   } else {
@@ -166,11 +166,11 @@ void add_flags(CLI::App& command, LimitsOptions& o) {
 
 }  // namespace
 
-void add_limits_command(CLI::App& app, const GlobalFlags&) {
+void add_limits_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("limits", "limits of a panel: angles, sizes, resolution, number of pixels");
   auto o = std::make_shared<LimitsOptions>();
   add_flags(*command, *o);
-  command->callback([o, command] {
+  command->callback([o, command, &global] {
     const auto is_given = [&](const std::string& flag) { return command->count(flag) > 0; };
     for (const std::string* path : {&o->picture, &o->plot})
       if (!path->empty()) check_output(*path, {".png", ".svg"});
@@ -196,7 +196,7 @@ void add_limits_command(CLI::App& app, const GlobalFlags&) {
               "{} needs the half diffraction angle of the new panel; add it, for example --angle \"15 deg\"", flag);
     require(!is_given("--order") || is_given("--period"),
             "--order needs the period of a grating; add it, for example --period \"16 um\"");
-    answer_about_panel(*o, *command);
+    answer_about_panel(*o, *command, global);
   });
 }
 

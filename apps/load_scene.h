@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "holotrace/base/printable.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "say.h"
 
@@ -9,9 +10,9 @@ namespace holotrace {
 
 /// load_job, with its warnings on stderr: for all commands but `run`, whose first stage reports them.
 /// @throws Error as load_job does
-inline Job load_scene(const std::string& path) {
-  Job job = load_job(path);
-  for (const std::string& warning : job.warnings) say("warning: scene: {}\n", warning);
+inline Job load_scene(const std::string& path, Outside outside) {
+  Job job = load_job(path, outside);
+  for (const std::string& warning : job.warnings) say("warning: scene: {}\n", printable(warning));
   return job;
 }
 

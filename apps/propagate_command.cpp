@@ -52,9 +52,9 @@ void add_propagate_command(CLI::App& app, const GlobalFlags& global) {
     check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
     if (o->is_double)
-      propagate_file(load_fields_double(o->input), o->output, distance, params, console);
+      propagate_file(load_fields_double(o->input, global.outside()), o->output, distance, params, console);
     else
-      propagate_file(load_fields(o->input), o->output, distance, params, console);
+      propagate_file(load_fields(o->input, global.outside()), o->output, distance, params, console);
   });
 }
 

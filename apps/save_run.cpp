@@ -54,13 +54,14 @@ std::vector<std::string> run_paths(const std::string& folder) {
   return paths;
 }
 
-void save_run(const std::string& folder, const Boxes& boxes, const Job& job, Console& console) {
+FileRecord save_run(const std::string& folder, const Boxes& boxes, const Job& job, Console& console) {
   const std::string report = (std::filesystem::path(folder) / "report.json").string();
   const FileRecord earlier = report_record(report);
+  FileRecord files;
   std::vector<std::string> notes;
   const auto write = [&](const OutputSet& set) {
     save_boxes(set, boxes, job, console);
-    const FileRecord files = set.record();
+    files = set.record();
     save_report(set.path("report.json"), boxes.report, files);
     // From here on the folder may hold files of both runs.
     if (std::filesystem::exists(report) && !is_report(report)) notes.push_back(set_aside(report));
@@ -71,6 +72,7 @@ void save_run(const std::string& folder, const Boxes& boxes, const Job& job, Con
   const std::vector<std::string> aside = write_together(report, earlier, write);
   say_warnings(notes);
   say_warnings(aside);
+  return files;
 }
 
 }  // namespace holotrace

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "holotrace/base/printable.h"
+
 namespace holotrace {
 
 /// Prints on standard error. A message that cannot be written, because a disk is full or a terminal is gone, is lost: it
@@ -18,7 +20,7 @@ void say(fmt::format_string<Args...> format, Args&&... args) {
 
 /// Prints warnings on standard error.
 inline void say_warnings(const std::vector<std::string>& sentences) {
-  for (const std::string& sentence : sentences) say("warning: {}\n", sentence);
+  for (const std::string& sentence : sentences) say("warning: {}\n", printable(sentence));
 }
 
 }  // namespace holotrace

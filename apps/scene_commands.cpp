@@ -32,6 +32,7 @@
 #include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
 #include "load_scene.h"
+#include "run_summary.h"
 #include "save_run.h"
 #include "save_views.h"
 #include "say.h"
@@ -102,7 +103,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
   o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
   command->callback([o, &global] {
-    Job job = load_job(o->scene);
+    Job job = load_job(o->scene, global.outside());
     o->flags.apply(job.camera);
     o->encode_flags.apply(job.encode);
     o->trace_flags.apply(job.trace);
@@ -130,7 +131,8 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     Boxes boxes = run(job, console.stages(), [&](size_t i) { return checkpoints.of(i); });
     console.finish();
     if (estimate) print_comparison(*estimate, compare_with_run(*estimate, boxes.report));
-    save_run(o->folder, boxes, job, console);
+    const FileRecord files = save_run(o->folder, boxes, job, console);
+    if (!global.is_quiet) print_summary(boxes.report, o->folder, files);
     checkpoints.remove();
   });
 }
@@ -168,7 +170,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
       "--focal-stack one for each plane: NAME, NAME_2, …; or all planes in one .h5");
   o->flags.add(*command, RenderParams());
   command->callback([o, &global] {
-    Job job = load_scene(o->scene);
+    Job job = load_scene(o->scene, global.outside());
     o->flags.apply(job.render);
     const bool is_stack = !job.render.focal_stack.empty();
     require(!is_stack || job.render.eye_separation == 0,
@@ -214,7 +216,7 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   add_output(*command, o->output, "sources: .ply; one per wavelength, path group and light: NAME, NAME_2, …");
   o->flags.add(*command, TraceParams());
   command->callback([o, &global] {
-    Job job = load_scene(o->scene);
+    Job job = load_scene(o->scene, global.outside());
     o->flags.apply(job.trace);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
     check_output(o->output, {".ply"});

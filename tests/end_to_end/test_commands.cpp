@@ -32,7 +32,11 @@ std::string succeed(const Workplace& work, const std::vector<std::string>& argum
 TEST(Commands, RunWritesEveryBoxOfThePipeline) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
-  EXPECT_EQ(succeed(work, {"run", "scene.toml", "-o", "out"}), "");
+  const std::string summary = succeed(work, {"run", "scene.toml", "-o", "out"});
+  for (const char* words : {"trace", " waves", "look at 30 mm", "PSNR", "all stages",
+                            "written to out: field.npy, field.npy.json, hologram.png, render.png, report.json, "
+                            "sources.ply, view.png\n"})
+    EXPECT_NE(summary.find(words), std::string::npos) << words << " is not in:\n" << summary;
   const std::set<std::string> expected{"scene.toml",       "out",           "out/render.png",
                                        "out/sources.ply",  "out/field.npy", "out/field.npy.json",
                                        "out/hologram.png", "out/view.png",  "out/report.json"};

@@ -100,5 +100,30 @@ TEST(Killed, DuringWritingLeavesWholeFilesAndTheNextRunIsWhole) {
     EXPECT_EQ(name.find(".holotrace-"), std::string::npos) << name << " was left by a killed run";
 }
 
+// timeout sends SIGINT, as Ctrl-C does, and ends with the exit code of the program.
+TEST(Interrupted, ARunSaysWhatIsKeptAndEndsWith130) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.1}}}));
+  work.write("scene.toml", large_scene());
+  const Outcome outcome =
+      work.run_under({"timeout", "--preserve-status", "-s", "INT", "0.3"}, {"run", "scene.toml", "-o", "out"});
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_EQ(outcome.err, "holotrace: interrupted; files of earlier calls are as they were\n");
+  EXPECT_FALSE(work.has("out/report.json"));
+}
+
+TEST(Interrupted, AFieldInBandsSaysThatItsBandsAreKept) {
+  const Workplace work;
+  work.write("points.ply", point_file(std::vector<Luminous>(2000, {{0, 0, -0.1}})));
+  work.write("scene.toml", large_scene());
+  // 2000 waves on 4 million pixels one by one: about a minute, in bands of a few seconds.
+  const std::vector<std::string> field{"field", "scene.toml", "-o", "f.h5", "--method", "exact", "--memory", "20 MB"};
+  const Outcome outcome = work.run_under({"timeout", "--preserve-status", "-s", "INT", "4"}, field);
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_NE(outcome.err.find("the finished bands are kept, and the same command goes on from there"), std::string::npos)
+      << outcome.err;
+  EXPECT_TRUE(work.has("f.h5.partial"));
+}
+
 }  // namespace
 }  // namespace holotrace::test

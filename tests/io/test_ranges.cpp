@@ -90,9 +90,9 @@ TEST(Ranges, OfTheOtherKeysHoldInSceneFiles) {
   EXPECT_EQ(object("scale = 0\nsize = \"1 mm\"\ntype = \"sphere\""),
             "scene.toml:9:9: expected a number above 0 for \"scale\", got 0");
   EXPECT_EQ(object("segments = 2\nsize = \"1 mm\"\ntype = \"sphere\""),
-            "scene.toml:9:12: expected a whole number of 3 or more for \"segments\", got 2");
+            "scene.toml:9:12: expected a whole number from 3 to 4096 for \"segments\", got 2");
   EXPECT_EQ(object("points_per_edge = 1\nsize = \"1 mm\"\ntype = \"wireframe_cube\""),
-            "scene.toml:9:19: expected a whole number of 2 or more for \"points_per_edge\", got 1");
+            "scene.toml:9:19: expected a whole number from 2 to 4096 for \"points_per_edge\", got 1");
   EXPECT_EQ(object("distance = \"-1 mm\"\nsize = \"1 mm\"\ntype = \"sphere\""),
             "scene.toml:9:12: expected a length of 0 m or more for \"distance\", got -1 mm");
   EXPECT_EQ(slm("pitch = \"0 um\""), "scene.toml:9:9: expected a length above 0 m for \"pitch\", got 0 m");

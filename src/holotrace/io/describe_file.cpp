@@ -205,15 +205,15 @@ Json describe_slm(const Slm& slm) {
   return json;
 }
 
-Json describe_file(const std::string& path) {
+Json describe_file(const std::string& path, Outside outside) {
   check_file_exists(path, "a file");
   const std::string extension = extension_of(path);
-  if (extension == ".toml") return describe(load_job(path));
+  if (extension == ".toml") return describe(load_job(path, outside));
   if (extension == ".ply") return describe_ply(path);
-  if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return describe(load_meshes(path));
+  if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return describe(load_meshes(path, outside));
   if (is_hologram_file(path)) return describe(load_hologram(path));
-  if (is_focal_stack_file(path)) return describe(load_focal_stack(path));
-  if (is_field_file(path)) return describe(load_fields_double(path));
+  if (is_focal_stack_file(path)) return describe(load_focal_stack(path, outside));
+  if (is_field_file(path)) return describe(load_fields_double(path, outside));
   return describe(load_image(path));
 }
 

@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/cache_folder.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/nesting.h"
 
 namespace holotrace {
 namespace {
@@ -17,8 +18,15 @@ using Json = nlohmann::ordered_json;
 // The content of the file; an empty object if it cannot be read.
 Json read_machines(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) return Json::object();
-  const Json json = Json::parse(read_text(path), nullptr, false);
-  return json.is_object() ? json : Json::object();
+  try {
+    const std::string text = read_text(path, most_text);
+    check_json_nesting(text, path);
+    Json json = Json::parse(text, nullptr, false);
+    if (json.is_object()) return json;
+  } catch (const Error&) {
+    // A damaged file is replaced.
+  }
+  return Json::object();
 }
 
 std::optional<SummationRates> rates_of(const Json& machines, const std::string& key) {

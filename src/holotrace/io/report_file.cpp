@@ -48,13 +48,13 @@ void save_report(const std::string& path, const Report& report, const FileRecord
     json["complete"] = true;
     json["files"] = record_json(files);
   }
-  write_text(path, json.dump(2) + "\n");
+  write_text(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 void save_incomplete_report(const std::string& path, const FileRecord& files) {
   const nlohmann::ordered_json json{
       {"versions", versions()}, {"complete", false}, {"files", record_json(files)}, {"stages", Json::array()}};
-  write_text(path, json.dump(2) + "\n");
+  write_text(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 bool is_report(const std::string& path) { return read_report(path).contains("versions"); }

@@ -404,7 +404,7 @@ TEST(SceneFileErrors, WhatShapesAndFilesRefuseIsPlaced) {
   EXPECT_EQ(error_with("[[object]]\ntype = \"sphere\"\n"),
             "2:1: expected the key \"size\" in [[object]], which is missing");
   EXPECT_EQ(error_with("[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nsegments = 2\n"),
-            "5:12: expected a whole number of 3 or more for \"segments\", got 2");
+            "5:12: expected a whole number from 3 to 4096 for \"segments\", got 2");
   EXPECT_EQ(error_with("[[object]]\ntype = \"lathe\"\nprofile = { unit = \"furlong\", points = [[0, 1], [1, 2]] }\n"),
             "4:20: expected a length in one of the units nm, um, µm, mm, cm, m, got \"0 furlong\"");
   EXPECT_EQ(

@@ -11,6 +11,7 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/toml_file.h"
 #include "holotrace/io/scene/toml_table.h"
 
 namespace holotrace {
@@ -30,15 +31,7 @@ const char* name_of(PatternKind kind) {
   return std::find_if(std::begin(kinds), std::end(kinds), [&](const KindName& k) { return k.kind == kind; })->name;
 }
 
-toml::table parse(const std::string& path) {
-  check_file_exists(path, "the plan of a calibration, calibration.toml");
-  try {
-    return toml::parse(read_text(path), path);
-  } catch (const toml::parse_error& e) {
-    const auto at = e.source().begin;
-    fail("{}:{}:{}: expected valid TOML, but: {}", path, at.line, at.column, e.description());
-  }
-}
+toml::table parse(const std::string& path) { return parse_toml(path, "the plan of a calibration, calibration.toml"); }
 
 std::string photograph_path(const std::string& folder, const std::string& name) {
   for (const char* extension : extensions) {

@@ -3,11 +3,13 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/printable.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/field_formats.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/image_output.h"
+#include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
@@ -48,17 +50,14 @@ void save_field_exr(const std::string& path, const Field& field) {
 }
 
 bool is_field_exr(const std::string& path) {
-  const auto input = OIIO::ImageInput::open(path);
-  if (!input) OIIO::geterror();  // clears the error
+  const auto input = open_picture(path);
   return input && input->spec().channelindex("real") >= 0 && input->spec().channelindex("imag") >= 0;
 }
 
 Field read_field_exr(const std::string& path) {
-  const auto input = OIIO::ImageInput::open(path);
-  if (!input) {
-    OIIO::geterror();
-    fail("{}: expected an OpenEXR field, but it is not an image or is truncated; write it again", path);
-  }
+  const auto input = open_picture(path);
+  require(input != nullptr, "{}: expected an OpenEXR field, but it is not an image or is truncated; write it again",
+          path);
   const OIIO::ImageSpec& spec = input->spec();
   const int real = spec.channelindex("real"), imag = spec.channelindex("imag");
   require(real >= 0 && imag >= 0, "{}: expected the channels \"real\" and \"imag\" of a field, got other channels",
@@ -83,7 +82,7 @@ Field read_field_exr(const std::string& path) {
   if (spec.find_attribute("centre_y_m")) field.grid.centre_y = read_number(spec, "centre_y_m", path);
   if (spec.find_attribute("image"))
     field.image = image_side_from(std::string(spec.get_string_attribute("image")), path);
-  field.name = spec.get_string_attribute("name");
+  field.name = printable(std::string(spec.get_string_attribute("name")));
   if (spec.find_attribute("frame")) field.frame = frame_from(read_number(spec, "frame", path), path);
   if (spec.find_attribute("cone_wavelength_m")) field.cone_wavelength = read_number(spec, "cone_wavelength_m", path);
   if (spec.find_attribute(filter_names[0]))

@@ -103,14 +103,14 @@ void check_loaded(const std::string& path, const BasicField<Real>& field) {
 }
 
 template <class Real>
-std::vector<BasicField<Real>> load(const std::string& path) {
+std::vector<BasicField<Real>> load(const std::string& path, Outside outside) {
   check_file_exists(path, "a field");
   const std::string extension = extension_of(path);
   std::vector<BasicField<Real>> stack;
   if (extension == ".npy") {
     stack = read_fields_npy<Real>(path);
   } else if (extension == ".h5") {
-    stack = read_fields_hdf5<Real>(path);
+    stack = read_fields_hdf5<Real>(path, outside);
   } else if (extension == ".exr") {
     stack.push_back(convert<Real>(read_field_exr(path)));
   } else {
@@ -181,10 +181,14 @@ bool is_field_file(const std::string& path) {
   return extension == ".npy" || extension == ".h5" || (extension == ".exr" && is_field_exr(path));
 }
 
-std::vector<Field> load_fields(const std::string& path) { return load<float>(path); }
-std::vector<FieldDouble> load_fields_double(const std::string& path) { return load<double>(path); }
-Field load_field(const std::string& path) { return the_only_one(path, load<float>(path)); }
-FieldDouble load_field_double(const std::string& path) { return the_only_one(path, load<double>(path)); }
+std::vector<Field> load_fields(const std::string& path, Outside outside) { return load<float>(path, outside); }
+std::vector<FieldDouble> load_fields_double(const std::string& path, Outside outside) {
+  return load<double>(path, outside);
+}
+Field load_field(const std::string& path, Outside outside) { return the_only_one(path, load<float>(path, outside)); }
+FieldDouble load_field_double(const std::string& path, Outside outside) {
+  return the_only_one(path, load<double>(path, outside));
+}
 
 template void save_fields(const std::string&, const std::vector<Field>&);
 template void save_fields(const std::string&, const std::vector<FieldDouble>&);

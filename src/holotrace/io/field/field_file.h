@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/data/field.h"
+#include "holotrace/io/files/outside.h"
 
 namespace holotrace {
 
@@ -23,20 +24,21 @@ template <class Real>
 void save_fields(const std::string& path, const std::vector<BasicField<Real>>& stack);
 
 /// Reads what save_fields wrote, one field per wavelength. complex128 samples are rounded to complex64.
+/// @param outside  whether an HDF5 file may have its samples in files outside its folder
 /// @throws Error naming the file if it or its sidecar is missing or truncated, has another kind of
 ///         number or a shape other than (ny, nx) or (wavelengths, ny, nx), or has samples that are not finite
-std::vector<Field> load_fields(const std::string& path);
+std::vector<Field> load_fields(const std::string& path, Outside outside = Outside::refused);
 
 /// Like load_fields, in double precision. complex64 samples are widened.
-std::vector<FieldDouble> load_fields_double(const std::string& path);
+std::vector<FieldDouble> load_fields_double(const std::string& path, Outside outside = Outside::refused);
 
 /// Like save_fields, for one field.
 template <class Real>
 void save_field(const std::string& path, const BasicField<Real>& field);
 
 /// Like load_fields, for one field. @throws Error also for several wavelengths
-Field load_field(const std::string& path);
-FieldDouble load_field_double(const std::string& path);
+Field load_field(const std::string& path, Outside outside = Outside::refused);
+FieldDouble load_field_double(const std::string& path, Outside outside = Outside::refused);
 
 /// Whether a file is a field rather than an image: .npy and .h5 are fields, and an EXR with channels "real" and "imag".
 bool is_field_file(const std::string& path);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "holotrace/data/field.h"
+#include "holotrace/io/files/outside.h"
 
 // One pair of functions per file format of fields; field_file.cpp selects it by extension. write_… and create_…
 // fill the file in place, for use inside write_atomically.
@@ -15,7 +16,7 @@ namespace holotrace {
 template <class Real>
 void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Real>>& stack);
 template <class Real>
-std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path);
+std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path, Outside outside);
 
 /// Makes a file like write_fields_hdf5, in chunks of that many whole rows, with a fixed place for every sample, but no
 /// samples. The same headers give the same bytes.

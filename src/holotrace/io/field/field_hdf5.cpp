@@ -12,13 +12,6 @@ namespace {
 constexpr const char* filter_names[] = {"filter_u0_per_m", "filter_v0_per_m", "filter_half_u_per_m",
                                         "filter_half_v_per_m"};
 
-hid_t complex_type(size_t bytes, hid_t real) {
-  const hid_t type = H5Tcreate(H5T_COMPOUND, 2 * bytes);
-  H5Tinsert(type, "r", 0, real);
-  H5Tinsert(type, "i", bytes, real);
-  return type;
-}
-
 template <class Real>
 hid_t native_real() {
   return sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
@@ -112,60 +105,7 @@ std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vec
   return offsets;
 }
 
-template <class Real>
-std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path) {
-  const Silence silence;
-  const Hdf5Dataset data(path, "field");
-  const Handle type(H5Dget_type(data), H5Tclose);
-  require(H5Tget_class(type) == H5T_COMPOUND && H5Tget_nmembers(type) == 2 && H5Tget_member_index(type, "r") >= 0 &&
-              H5Tget_member_index(type, "i") >= 0,
-          "{}: expected complex samples {{r, i}} in \"field\", got another kind of number; convert them to complex64",
-          path);
-  const Handle space(H5Dget_space(data), H5Sclose);
-  const int rank = H5Sget_simple_extent_ndims(space);
-  std::array<hsize_t, 3> shape{};
-  if (rank == 2 || rank == 3) H5Sget_simple_extent_dims(space, shape.data(), nullptr);
-  const bool has_wavelengths = rank == 3;
-  const hsize_t count = has_wavelengths ? shape[0] : 1, ny = shape[has_wavelengths],
-                nx = shape[size_t(has_wavelengths) + 1];
-  require((rank == 2 || rank == 3) && count > 0 && ny > 0 && nx > 0 && count < (1u << 30) && ny < (1u << 30) &&
-              nx < (1u << 30),
-          "{}: expected the shape (ny, nx) or (wavelengths, ny, nx), got {} dimensions of {} × {}", path, rank, ny, nx);
-
-  require_all_samples(data, double(count) * double(ny * nx), path);
-  const std::vector<double> wavelengths = read_numbers(data, "wavelengths_m", hssize_t(count), path);
-  BasicField<Real> field;
-  field.grid = {int(nx), int(ny), read_number(data, "pitch_m", path)};
-  if (H5Aexists(data, "z_m") > 0) field.z = read_number(data, "z_m", path);
-  if (H5Aexists(data, "centre_x_m") > 0) field.grid.centre_x = read_number(data, "centre_x_m", path);
-  if (H5Aexists(data, "centre_y_m") > 0) field.grid.centre_y = read_number(data, "centre_y_m", path);
-  if (H5Aexists(data, "image") > 0) field.image = image_side_from(read_word(data, "image", path), path);
-  if (H5Aexists(data, "name") > 0) field.name = read_word(data, "name", path);
-  if (H5Aexists(data, "frame") > 0) field.frame = frame_from(read_number(data, "frame", path), path);
-  if (H5Aexists(data, "cone_wavelength_m") > 0) field.cone_wavelength = read_number(data, "cone_wavelength_m", path);
-  if (H5Aexists(data, filter_names[0]) > 0)
-    field.filter = SpectralFilter{read_number(data, filter_names[0], path), read_number(data, filter_names[1], path),
-                                  read_number(data, filter_names[2], path), read_number(data, filter_names[3], path)};
-  const Handle memory(complex_type(sizeof(Real), native_real<Real>()), H5Tclose);
-  std::vector<BasicField<Real>> stack;
-  for (hsize_t n = 0; n < count; ++n) {
-    field.wavelength = wavelengths[n];
-    BasicField<Real>& one = stack.emplace_back(field);
-    one.samples = Array2D<std::complex<Real>>(one.grid.ny, one.grid.nx);
-    const std::array<hsize_t, 3> start{n, 0, 0}, block{1, ny, nx};
-    const Handle field_space(H5Screate_simple(2, block.data() + 1, nullptr), H5Sclose);
-    const Handle place(H5Dget_space(data), H5Sclose);
-    if (has_wavelengths) H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
-    require(H5Dread(data, memory, field_space, place, H5P_DEFAULT, one.samples.values.data()) >= 0,
-            "{}: expected {} × {} complex samples, but they cannot be read; the file is truncated or damaged", path, nx,
-            ny);
-  }
-  return stack;
-}
-
 template void write_fields_hdf5(const std::string&, const std::vector<Field>&);
 template void write_fields_hdf5(const std::string&, const std::vector<FieldDouble>&);
-template std::vector<Field> read_fields_hdf5(const std::string&);
-template std::vector<FieldDouble> read_fields_hdf5(const std::string&);
 
 }  // namespace holotrace

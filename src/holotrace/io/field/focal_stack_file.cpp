@@ -6,6 +6,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/io/field/hdf5_access.h"
+#include "holotrace/io/files/child_process.h"
 #include "holotrace/io/files/file.h"
 
 namespace holotrace {
@@ -69,6 +70,25 @@ Shape shape_of(hid_t data, const std::string& path) {
   return shape;
 }
 
+double samples_of(const Shape& shape) {
+  return double(shape[0]) * double(shape[1]) * double(shape[2]) * double(shape[3]);
+}
+
+void send_pictures(const Hdf5Dataset& data, const Shape& shape, const std::string& path, ToParent& out) {
+  const double plane = samples_of(shape) / double(shape[0]) * sizeof(float), slowest = 1e7;  // [bytes], [bytes/s]
+  out.allow(10 + double(shape[0]) * plane / slowest, plane + 2 * data.chunk_bytes() + double(1 << 28));
+  std::vector<float> values(size_t(plane) / sizeof(float));
+  for (size_t k = 0; k < shape[0]; ++k) {
+    const auto read = [&](hid_t memory, hid_t place) {
+      return H5Dread(data, H5T_NATIVE_FLOAT, memory, place, H5P_DEFAULT, values.data());
+    };
+    require(for_plane(data, shape, k, read),
+            "{}: expected {} x {} pixels in plane {}, but they cannot be read; the file is truncated or damaged", path,
+            shape[2], shape[1], k + 1);
+    out.bytes(values.data(), values.size() * sizeof(float));
+  }
+}
+
 }  // namespace
 
 void save_focal_stack(const std::string& path, const FocalStack& stack) {
@@ -77,32 +97,37 @@ void save_focal_stack(const std::string& path, const FocalStack& stack) {
   write_atomically(path, [&](const std::string& temporary) { write_stack(temporary, stack); });
 }
 
-FocalStack load_focal_stack(const std::string& path) {
+FocalStack load_focal_stack(const std::string& path, Outside outside) {
   check_file_exists(path, "a focal stack");
-  const Silence silence;
-  const Hdf5Dataset data(path, dataset_name);
-  const Handle type(H5Dget_type(data), H5Tclose);
-  const H5T_class_t kind = H5Tget_class(type);
-  require(kind == H5T_FLOAT || kind == H5T_INTEGER,
-          "{}: expected real numbers in \"{}\", got another kind; convert them to float32", path, dataset_name);
-  const Shape shape = shape_of(data, path);
-  const double samples = double(shape[0]) * double(shape[1]) * double(shape[2]) * double(shape[3]);
-  require_all_samples(data, samples, path);
-  require_memory(samples * sizeof(float), fmt::format("the focal stack {}", path));
-
   FocalStack stack;
-  stack.grid = {int(shape[2]), int(shape[1]), read_number(data, "pitch_m", path)};
-  stack.distances = read_numbers(data, "distances_m", hssize_t(shape[0]), path);
-  for (size_t k = 0; k < shape[0]; ++k) {
-    Image& picture = stack.pictures.emplace_back(stack.grid.ny, stack.grid.nx, int(shape[3]));
-    picture.pitch = stack.grid.pitch;
-    const auto read = [&](hid_t memory, hid_t place) {
-      return H5Dread(data, H5T_NATIVE_FLOAT, memory, place, H5P_DEFAULT, picture.values.data());
-    };
-    require(for_plane(data, shape, k, read),
-            "{}: expected {} x {} pixels in plane {}, but they cannot be read; the file is truncated or damaged", path,
-            stack.grid.nx, stack.grid.ny, k + 1);
-  }
+  const auto read = [&](ToParent& out) {
+    const Silence silence;
+    const Hdf5Dataset data(path, dataset_name, outside);
+    const Handle type(H5Dget_type(data), H5Tclose);
+    const H5T_class_t kind = H5Tget_class(type);
+    require(kind == H5T_FLOAT || kind == H5T_INTEGER,
+            "{}: expected real numbers in \"{}\", got another kind; convert them to float32", path, dataset_name);
+    const Shape shape = shape_of(data, path);
+    require_all_samples(data, samples_of(shape), path);
+    out.value(shape);
+    out.value(read_number(data, "pitch_m", path));
+    out.list(read_numbers(data, "distances_m", hssize_t(shape[0]), path));
+    send_pictures(data, shape, path, out);
+  };
+  read_in_child(path, read, [&](FromChild& from) {
+    const auto shape = from.value<Shape>();
+    constexpr hsize_t limit = 1u << 30;  // a child whose memory is damaged may send any numbers
+    require(shape[0] < limit && shape[1] < limit && shape[2] < limit && (shape[3] == 1 || shape[3] == 3),
+            "{}: expected a focal stack, but it is damaged", path);
+    require_memory(samples_of(shape) * sizeof(float), fmt::format("the focal stack {}", path));
+    stack.grid = {int(shape[2]), int(shape[1]), from.value<double>()};
+    stack.distances = from.list<double>();
+    for (size_t k = 0; k < shape[0]; ++k) {
+      Image& picture = stack.pictures.emplace_back(stack.grid.ny, stack.grid.nx, int(shape[3]));
+      picture.pitch = stack.grid.pitch;
+      from.bytes(picture.values.data(), picture.values.size() * sizeof(float));
+    }
+  });
   try {
     check_focal_stack(stack);
   } catch (const Error& error) {
@@ -111,11 +136,18 @@ FocalStack load_focal_stack(const std::string& path) {
   return stack;
 }
 
-bool is_focal_stack_file(const std::string& path) {
-  if (extension_of(path) != ".h5" || !std::filesystem::exists(path)) return false;
-  const Silence silence;
-  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  return file.valid() && H5Lexists(file, dataset_name, H5P_DEFAULT) > 0;
+bool is_focal_stack_file(const std::string& path) try {
+  if (extension_of(path) != ".h5" || !std::filesystem::is_regular_file(path)) return false;
+  bool is_stack = false;
+  const auto read = [&](ToParent& out) {
+    const Silence silence;
+    const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    out.value(file.valid() && H5Lexists(file, dataset_name, H5P_DEFAULT) > 0);
+  };
+  read_in_child(path, read, [&](FromChild& from) { is_stack = from.value<bool>(); });
+  return is_stack;
+} catch (const Error&) {
+  return false;  // damaged: the reader of fields says so
 }
 
 }  // namespace holotrace

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "holotrace/data/focal_stack.h"
+#include "holotrace/io/files/outside.h"
 
 namespace holotrace {
 
@@ -15,7 +16,7 @@ void save_focal_stack(const std::string& path, const FocalStack& stack);
 /// Reads such a file, from any program: all kinds of real numbers are accepted. "unit" is not needed.
 /// @throws Error  naming the file, if it is missing, truncated or not HDF5, lacks the dataset or an attribute, has
 ///                another shape, does not fit in memory, and as check_focal_stack
-FocalStack load_focal_stack(const std::string& path);
+FocalStack load_focal_stack(const std::string& path, Outside outside = Outside::refused);
 
 /// Whether a file is HDF5 and has the dataset "focal_stack".
 bool is_focal_stack_file(const std::string& path);

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "holotrace/io/files/outside.h"
+
 // HDF5's handles, attributes and errors. Only the files of this room use it.
 
 namespace holotrace {
@@ -51,15 +53,27 @@ void close_written(Handle& file, const std::string& path);
 /// An empty file in the format of HDF5 1.8 and later, which has checksums, so that damage is detected.
 hid_t create_hdf5(const std::string& path);
 
-/// Opens a dataset of a file. @throws Error, naming the file, if it is not HDF5 or has no such dataset
+/// Opens a dataset of a file. libhdf5 crashes at some damaged files: read in a child process
+/// (io/files/child_process.h).
+/// @throws Error, naming the file, if it is not HDF5, has no such dataset, or has it in another file and that is refused
 class Hdf5Dataset {
  public:
-  Hdf5Dataset(const std::string& path, const char* name);
+  Hdf5Dataset(const std::string& path, const char* name, Outside outside);
   operator hid_t() const { return data_; }
 
+  /// Rows of one chunk, the last but `after` of its dimensions; 1 if the dataset is not stored in chunks.
+  hsize_t chunk_rows(int after) const;
+
+  /// Bytes of one chunk; 0 if the dataset is not stored in chunks.
+  double chunk_bytes() const;
+
  private:
-  Handle file_, data_;
+  std::vector<hsize_t> chunk() const;
+  Handle file_, access_, data_;
 };
+
+/// The type {r, i} of complex samples, each part of `bytes` bytes of the type `real`, as h5py has it.
+hid_t complex_type(size_t bytes, hid_t real);
 
 void write_number(hid_t object, const char* name, double value, const std::string& path);
 
@@ -72,7 +86,8 @@ std::vector<double> read_numbers(hid_t object, const char* name, hssize_t wanted
 double read_number(hid_t object, const char* name, const std::string& path);
 std::string read_word(hid_t object, const char* name, const std::string& path);
 
-/// @throws Error if the file holds fewer than `samples` samples of a dataset that is stored in one piece
+/// @throws Error if the file holds fewer than `samples` samples of a dataset that is stored in one piece, or so few bytes
+///         in chunks that no compression explains it
 void require_all_samples(hid_t data, double samples, const std::string& path);
 
 }  // namespace holotrace

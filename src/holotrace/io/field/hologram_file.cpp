@@ -14,6 +14,7 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/picture/image_output.h"
+#include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
@@ -103,11 +104,9 @@ struct Greys {
 Greys read_greys(const std::string& path) {
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::open(path, &config);
-  if (!input) {
-    OIIO::geterror();
-    fail("{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
-  }
+  const auto input = open_picture(path, config);
+  require(input != nullptr,
+          "{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
   const OIIO::ImageSpec& spec = input->spec();
   require(!is_truncated_png(path), "{}: expected a hologram of {} × {} pixels, but it is truncated or damaged", path,
           spec.width, spec.height);
@@ -132,10 +131,7 @@ Greys read_greys(const std::string& path) {
 
 // The metadata inside a PNG; empty if there are none.
 std::string metadata_in(const std::string& path) {
-  if (is_truncated_png(path)) return "";
-  const auto input = OIIO::ImageInput::open(path);
-  if (!input) OIIO::geterror();  // clears the error
-  return input ? std::string(input->spec().get_string_attribute(metadata_name)) : "";
+  return extension_of(path) == ".png" ? text_in_image(path, metadata_name) : "";
 }
 
 nlohmann::ordered_json to_json(const Slm& slm) {
@@ -262,8 +258,6 @@ SeriesPart series_part(const std::string& path) {
 }
 
 FileRecord hologram_record(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return {};
   const nlohmann::json json = nlohmann::json::parse(metadata_in(path), nullptr, false);
   return json.contains("files") ? record_from(json["files"]) : FileRecord();
 }

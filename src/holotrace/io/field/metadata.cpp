@@ -6,21 +6,14 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/json_text.h"
 
 namespace holotrace {
 
-nlohmann::json read_metadata(const std::string& path) { return parse_metadata(read_text(path), path); }
+nlohmann::json read_metadata(const std::string& path) { return parse_metadata(read_text(path, most_text), path); }
 
 nlohmann::json parse_metadata(const std::string& text, const std::string& path) {
-  nlohmann::json json;
-  try {
-    json = nlohmann::json::parse(text);
-  } catch (const nlohmann::json::parse_error& e) {
-    const auto end = text.begin() + ptrdiff_t(std::min(e.byte, text.size()));
-    const auto line = 1 + std::count(text.begin(), end, '\n');
-    fail("{}:{}: expected valid JSON, but it is truncated or wrong at byte {}; write the file again", path, line,
-         e.byte);
-  }
+  nlohmann::json json = parse_json(text, path);
   require(json.is_object(), "{}: expected a JSON object {{…}}, got {}", path, json.type_name());
   return json;
 }

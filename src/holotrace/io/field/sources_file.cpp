@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/printable.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/ply.h"
@@ -132,7 +133,7 @@ Sources load_sources(const std::string& path, double default_wavelength) {
         path);
   if (const auto text = comment_of(vertices, "cone_wavelength_m"))
     parse_comment<double>(vertices, "cone_wavelength_m", "a number of metres", *text, {&sources.cone_wavelength});
-  if (const auto text = comment_of(vertices, "name")) sources.name = *text;
+  if (const auto text = comment_of(vertices, "name")) sources.name = printable(*text);
   if (const auto text = comment_of(vertices, "seed"))
     parse_comment<uint64_t>(vertices, "seed", "a whole number", *text, {&sources.seed});
   if (const auto text = comment_of(vertices, "frame"))

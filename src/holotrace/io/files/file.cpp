@@ -1,5 +1,8 @@
 #include "holotrace/io/files/file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
@@ -7,8 +10,11 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/base/units.h"
 #include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/new_file.h"
 
@@ -27,23 +33,45 @@ std::string replace_all(std::string text, const std::string& from, const std::st
   return text;
 }
 
-void check_file_exists(const std::string& path, const char* kind) {
+void check_is_file(const std::string& path, const char* kind) {
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) fail("expected {} at {}, got a folder; name a file in it", kind, path);
-  if (!fs::exists(path, ignored)) fail("expected {} at {}, but there is no such file; check the path", kind, path);
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) fail("expected {} at {}, got a folder; name a file in it", kind, path);
+  if (!fs::exists(status)) fail("expected {} at {}, but there is no such file; check the path", kind, path);
+  if (!fs::is_regular_file(status))
+    fail("expected {} at {}, got {}; only files on a disk are read, so save its content to one", kind, path,
+         fs::is_fifo(status)     ? "a pipe"
+         : fs::is_socket(status) ? "a socket"
+                                 : "a device");
+}
+
+void check_file_exists(const std::string& path, const char* kind) {
+  check_is_file(path, kind);
   note_input(path);
 }
 
-std::string read_text(const std::string& path) {
+std::string read_text(const std::string& path, uint64_t most) {
   check_file_exists(path, "a file");
-  const File file(std::fopen(path.c_str(), "rb"), std::fclose);
+  // Another file may take the name after this check: without O_NONBLOCK opening a pipe would wait for its writer.
+  const int descriptor = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  const File file(descriptor < 0 ? nullptr : fdopen(descriptor, "rb"), std::fclose);
   if (!file) fail("expected to read {}, got \"{}\"; check its permissions", path, std::strerror(errno));
+  struct stat status {};
+  require(fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode), "expected a file at {}, got something else",
+          path);
+  const auto check_size = [&](uint64_t size) {
+    require(size <= most, "{}: expected at most {} of this kind of file, got {} or more; is it another file?", path,
+            format_bytes(double(most)), format_bytes(double(size)));
+  };
+  check_size(uint64_t(status.st_size));
+  require_memory(double(status.st_size), path);
   std::string text;
-  std::error_code unknown_size;
-  const auto size = fs::file_size(path, unknown_size);
-  if (!unknown_size) text.reserve(size);
-  char block[1 << 16];
-  for (size_t got; (got = std::fread(block, 1, sizeof block, file.get())) > 0;) text.append(block, got);
+  text.reserve(size_t(status.st_size));
+  std::vector<char> block(1 << 16);
+  for (size_t got; (got = std::fread(block.data(), 1, block.size(), file.get())) > 0;) {
+    text.append(block.data(), got);
+    check_size(text.size());
+  }
   if (std::ferror(file.get())) fail("expected to read {}, got \"{}\"", path, std::strerror(errno));
   return text;
 }

@@ -1,14 +1,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 
 namespace holotrace {
 
-/// The bytes of a file.
-/// @throws Error if it is missing, a folder, or not readable, naming the path.
-std::string read_text(const std::string& path);
+/// Bytes that a text for people may have: a scene, a panel, metadata, a table. Parsers need many times as much memory.
+constexpr uint64_t most_text = 64 << 20;
+
+/// The bytes of a file on a disk.
+/// @param most  bytes that it may have
+/// @throws Error if it is missing, a folder, a pipe or a device, not readable, too large or larger than the memory of
+///         this machine, naming the path
+std::string read_text(const std::string& path, uint64_t most = UINT64_MAX);
 
 /// Writes a file by a library that opens it by its name, completely or not at all (NewFile).
 /// @param write  fills the file with the given temporary name; its exceptions reach the caller, with
@@ -21,8 +27,10 @@ void write_atomically(const std::string& path, const std::function<void(const st
 /// @throws Error as write_atomically does
 void write_text(const std::string& path, const std::string& text);
 
-/// Notes that a command reads the file `path` (note_input).
-/// @throws Error unless it is a file, naming it; `kind` states what was expected ("a mesh"); and as note_input does
+/// @throws Error unless `path` is a file on a disk, naming it; `kind` states what was expected ("a mesh").
+void check_is_file(const std::string& path, const char* kind);
+
+/// The same for an input: also notes that the command reads it (note_input). @throws Error also as note_input does
 void check_file_exists(const std::string& path, const char* kind);
 
 /// The text with every `from` replaced by `to`.

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <sstream>
@@ -227,9 +228,8 @@ size_t least_row_size(const Element& element, Format format) {
 }  // namespace
 
 const std::vector<double>* PlyVertices::find(const std::string& name) const {
-  for (size_t i = 0; i < names.size(); ++i)
-    if (names[i] == name) return &columns[i];
-  return nullptr;
+  const auto found = places.find(name);
+  return found == places.end() ? nullptr : &columns[found->second];
 }
 
 const std::vector<double>& PlyVertices::column(const std::string& name) const {
@@ -239,9 +239,8 @@ const std::vector<double>& PlyVertices::column(const std::string& name) const {
 }
 
 double PlyVertices::largest_of(const std::string& name) const {
-  for (size_t i = 0; i < names.size(); ++i)
-    if (names[i] == name) return largest[i];
-  return 0;
+  const auto found = places.find(name);
+  return found == places.end() ? 0 : largest[found->second];
 }
 
 PlyVertices read_ply(const std::string& path, bool with_faces) {
@@ -266,6 +265,7 @@ PlyVertices read_ply(const std::string& path, bool with_faces) {
       vertices.count = element.count;
       for (const Property& p : element.properties)
         if (!p.list_count) {
+          vertices.places.emplace(p.name, vertices.names.size());
           vertices.names.push_back(p.name);
           vertices.largest.push_back(largest_of(p.kind));
           vertices.columns.emplace_back().reserve(element.count);
@@ -276,13 +276,16 @@ PlyVertices read_ply(const std::string& path, bool with_faces) {
       for (const Property& p : element.properties) {
         const double value = numbers.next(p.list_count.value_or(p.kind));
         if (p.list_count) {
-          require(value >= 0 && value <= double(numbers.bytes_left()),
+          require(value >= 0 && value <= double(numbers.bytes_left()) && value < 0x1p32 && value == std::floor(value),
                   "{}: expected the length of a list in the element \"{}\", got {}", path, element.name, value);
-          const bool is_face = with_faces && element.name == "face" && p.name.starts_with("vertex_ind");
-          if (is_face) vertices.faces.emplace_back();
+          const bool is_wanted = with_faces && p.name.starts_with("vertex_ind");
+          const bool is_face = is_wanted && element.name == "face", is_strip = is_wanted && element.name == "tristrips";
+          if (is_face) vertices.face_sizes.push_back(uint32_t(value));
+          if (is_strip && !vertices.strips.empty()) vertices.strips.push_back(-1);
           for (auto n = uint64_t(value); n > 0; --n) {
             const double item = numbers.next(p.kind);
-            if (is_face) vertices.faces.back().push_back(item);
+            if (is_face) vertices.face_corners.push_back(item);
+            if (is_strip) vertices.strips.push_back(item);
           }
         } else if (wanted) {
           vertices.columns[column++].push_back(value);

@@ -12,6 +12,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/json_text.h"
 
 namespace holotrace {
 namespace {
@@ -24,17 +25,6 @@ uint32_t read_u32(std::string_view bytes, size_t at) {
   uint32_t value = 0;
   for (size_t i = 0; i < 4; ++i) value |= uint32_t(static_cast<unsigned char>(bytes[at + i])) << (8 * i);
   return value;
-}
-
-void append_u32(std::string& bytes, uint32_t value) {
-  for (int i = 0; i < 4; ++i) bytes.push_back(char(value >> (8 * i)));
-}
-
-void append_chunk(std::string& bytes, uint32_t kind, std::string content, char filler) {
-  content.resize((content.size() + 3) / 4 * 4, filler);
-  append_u32(bytes, uint32_t(content.size()));
-  append_u32(bytes, kind);
-  bytes += content;
 }
 
 // Splits a GLB into its JSON and its binary part.
@@ -67,7 +57,8 @@ void check_version(const GltfFile& gltf) {
 
 // Refuses files that require an extension without which they cannot be read.
 void check_required_extensions(const GltfFile& gltf) {
-  constexpr std::array harmless{"KHR_texture_transform", "KHR_lights_punctual", "EXT_texture_webp"};
+  constexpr std::array harmless{"KHR_texture_transform", "KHR_lights_punctual", "EXT_texture_webp",
+                                "KHR_mesh_quantization"};
   for (const Json& item : gltf.document.value("extensionsRequired", Json::array())) {
     const std::string name = item.get<std::string>();
     if (name.starts_with("KHR_materials_") || std::find(harmless.begin(), harmless.end(), name) != harmless.end())
@@ -142,68 +133,72 @@ std::string read_uri(const GltfFile& gltf, const std::string& uri, std::string& 
     return comma == std::string::npos ? "" : decode_base64(std::string_view(uri).substr(comma + 1));
   }
   label = beside(gltf, uri);
-  return std::filesystem::exists(label) ? read_text(label) : "";
+  std::error_code ignored;
+  if (!std::filesystem::exists(label, ignored)) return "";
+  require_inside(label, gltf.path, gltf.outside);
+  return read_text(label);
 }
 
-std::string read_view(const GltfFile& gltf, size_t index) {
-  const Json& view = gltf.document.at("bufferViews").at(index);
-  const Json& buffer = gltf.document.at("buffers").at(view.at("buffer").get<size_t>());
-  std::string label, bytes;
-  if (buffer.contains("uri")) bytes = read_uri(gltf, buffer.at("uri").get<std::string>(), label);
-  const std::string& whole = buffer.contains("uri") ? bytes : gltf.binary;
-  const auto begin = view.value("byteOffset", size_t(0)), size = view.at("byteLength").get<size_t>();
-  require(begin <= whole.size() && size <= whole.size() - begin,
-          "{}: expected {} bytes of an image from byte {} on, but its data end after {}; export it again", gltf.path,
-          size, begin, whole.size());
-  return whole.substr(begin, size);
+// The bytes of all buffers. The first buffer of a GLB without a URI is its binary part.
+std::vector<std::string> read_buffers(const GltfFile& gltf, std::string&& binary) {
+  std::vector<std::string> buffers;
+  for (const Json& buffer : gltf.document.value("buffers", Json::array())) {
+    std::string label;
+    if (buffer.contains("uri")) {
+      buffers.push_back(read_uri(gltf, buffer.at("uri").get<std::string>(), label));
+      require(!buffers.back().empty(), "{}: expected data in its buffer {}, got none{}", gltf.path, buffers.size() - 1,
+              label.empty() ? "; export it again" : fmt::format("; is {} missing?", label));
+    } else {
+      buffers.push_back(buffers.empty() ? std::move(binary) : "");
+    }
+  }
+  return buffers;
 }
 
 }  // namespace
 
-GltfFile read_gltf(const std::string& path) {
-  GltfFile gltf{path, {}, {}};
-  std::string text = read_text(path);
-  if (extension_of(path) == ".glb") std::tie(text, gltf.binary) = split_glb(path, text);
+GltfFile read_gltf(const std::string& path, Outside outside) {
+  GltfFile gltf{path, {}, {}, outside};
+  std::string text = read_text(path), binary;
+  if (extension_of(path) == ".glb") std::tie(text, binary) = split_glb(path, text);
+  gltf.document = parse_json(text, path);
   try {
-    gltf.document = Json::parse(text);
     check_version(gltf);
     check_required_extensions(gltf);
     check_nodes(gltf);
+    gltf.buffers = read_buffers(gltf, std::move(binary));
   } catch (const Json::exception& e) {
-    fail("{}: expected a glTF model, but it is damaged ({}); export it again", path, e.what());
+    fail("{}: expected a glTF model, but it is damaged ({}); export it again", path, reason(e));
   } catch (const std::out_of_range&) {
     fail("{}: expected nodes that are there, got one with a number beyond them; export it again", path);
   }
   return gltf;
 }
 
-std::string gltf_shapes(const GltfFile& gltf) {
-  Json document = gltf.document;
-  for (const char* key : {"textures", "images", "samplers", "animations", "skins", "cameras", "extensions",
-                          "extensionsUsed", "extensionsRequired"})
-    document.erase(key);
-  if (document.contains("materials"))
-    for (size_t i = 0; i < document["materials"].size(); ++i)
-      document["materials"][i] = Json{{"name", std::to_string(i)}};
-  if (document.contains("nodes"))
-    for (Json& node : document["nodes"])
-      for (const char* key : {"camera", "skin", "extensions"}) node.erase(key);
-  std::string text = document.dump();
-  if (extension_of(gltf.path) != ".glb") return text;
-  std::string chunks;
-  append_chunk(chunks, json_chunk, std::move(text), ' ');
-  if (!gltf.binary.empty()) append_chunk(chunks, binary_chunk, gltf.binary, '\0');
-  std::string bytes = "glTF";
-  append_u32(bytes, 2);
-  append_u32(bytes, uint32_t(chunks.size() + 12));
-  return bytes + chunks;
+std::string_view gltf_view(const GltfFile& gltf, size_t index) {
+  const Json& view = gltf.document.at("bufferViews").at(index);
+  const auto number = view.at("buffer").get<size_t>();
+  require(number < gltf.buffers.size(), "{}: expected buffers below {}, got {} in buffer view {}; export it again",
+          gltf.path, gltf.buffers.size(), number, index);
+  const std::string& whole = gltf.buffers[number];
+  const auto begin = view.value("byteOffset", size_t(0)), size = view.at("byteLength").get<size_t>();
+  require(begin <= whole.size() && size <= whole.size() - begin,
+          "{}: expected {} bytes from byte {} on in buffer {}, but its data end after {}; export it again", gltf.path,
+          size, begin, number, whole.size());
+  return std::string_view(whole).substr(begin, size);
+}
+
+std::string reason(const nlohmann::json::exception& error) {
+  const std::string_view message =
+      error.what();  // "[json.exception.type_error.302] type must be number, but is string"
+  return std::string(message.substr(std::min(message.find("] ") + 2, message.size())));
 }
 
 std::string gltf_image(const GltfFile& gltf, int image, std::string& label) {
   const Json& source = gltf.document.at("images").at(size_t(image));
   label = fmt::format("{} (image {} \"{}\")", gltf.path, image, source.value("name", ""));
   if (source.contains("uri")) return read_uri(gltf, source.at("uri").get<std::string>(), label);
-  return read_view(gltf, source.at("bufferView").get<size_t>());
+  return std::string(gltf_view(gltf, source.at("bufferView").get<size_t>()));
 }
 
 }  // namespace holotrace

@@ -2,27 +2,34 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <vector>
+
+#include "holotrace/io/files/outside.h"
 
 namespace holotrace {
 
-/// A glTF 2.0 model as stored: the JSON, and the binary part of a GLB.
+/// A glTF 2.0 model as stored: the JSON, and the bytes of its buffers.
 struct GltfFile {
   std::string path;
   nlohmann::json document;
-  std::string binary;  ///< binary part of a GLB; empty for .gltf
+  std::vector<std::string> buffers;
+  Outside outside = Outside::refused;
 };
 
 /// @throws Error naming the file if it is missing, damaged, of another version, or requires an extension without
-///         which it cannot be read
-GltfFile read_gltf(const std::string& path);
+///         which it cannot be read, and if it names files outside its folder and `outside` is refused
+GltfFile read_gltf(const std::string& path, Outside outside);
 
-/// The file reduced to shapes: without textures, animations and the like, its materials named by their number, in the
-/// format of the path.
-std::string gltf_shapes(const GltfFile& gltf);
+/// The bytes of a buffer view. @throws Error naming the file if they are not inside its buffer
+std::string_view gltf_view(const GltfFile& gltf, size_t index);
 
 /// The bytes of an image of the model, embedded or in a file beside it; "" if that file is missing.
 /// @param label  receives the name of the image for error messages
 /// @throws Error naming the file if the data are damaged
 std::string gltf_image(const GltfFile& gltf, int image, std::string& label);
+
+/// What a JSON error says, without the library's own number of it.
+std::string reason(const nlohmann::json::exception& error);
 
 }  // namespace holotrace

@@ -203,7 +203,7 @@ std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& w
     materials.push_back(reader.read(Json::object(), "default"));
   } catch (const Json::exception& e) {
     fail("{}: expected a glTF model, but material {} is damaged ({}); export it again", gltf.path, materials.size(),
-         e.what());
+         reason(e));
   }
   return materials;
 }
@@ -225,7 +225,7 @@ void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn) try {
       warn(name, fmt::format("the extension {} is ignored", name));
   }
 } catch (const Json::exception& e) {
-  fail("{}: expected a glTF model, but it is damaged ({}); export it again", gltf.path, e.what());
+  fail("{}: expected a glTF model, but it is damaged ({}); export it again", gltf.path, reason(e));
 }
 
 }  // namespace holotrace

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/data/scene.h"
+#include "holotrace/io/files/outside.h"
 
 namespace holotrace {
 
@@ -23,12 +24,13 @@ bool is_mesh_file(const std::string& path);
 /// or beside the file. All surfaces are two-sided: culling of back faces is an optimization of rasterisers.
 ///
 /// - glTF 2.0: see gltf_materials in io/mesh/gltf_materials.h.
-/// - OBJ: see obj_material in io/mesh/mesh_formats.h. Vertex colours are sRGB-coded, in [0, 1].
+/// - OBJ: see read_obj_materials in io/mesh/obj_materials.h. Vertex colours are sRGB-coded, in [0, 1].
 /// - PLY: faces are split into fans; integer colours are sRGB-coded, floating-point colours are linear. The triangle
 ///   soup of the OpenHolo library's dialect (property `face_idx`) is read, too.
 ///
+/// @param outside  whether the files that it names may lie outside its folder
 /// @throws Error naming the file if it is missing, of another kind, damaged or without triangles, and
 ///         naming the mesh for indices that are out of range and coordinates that are not finite
-LoadedModel load_meshes(const std::string& path);
+LoadedModel load_meshes(const std::string& path, Outside outside = Outside::refused);
 
 }  // namespace holotrace

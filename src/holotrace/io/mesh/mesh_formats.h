@@ -1,15 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
 
-struct aiMaterial;
-
-// Functions of each format that mesh_file.cpp calls.
+// Functions of each format that mesh_file.cpp calls, and what they share.
 namespace holotrace {
 
 /// Texture coordinates: (u, v), v down, of one set of the mesh, scaled, rotated and moved.
@@ -33,20 +32,49 @@ struct FileMaterial {
 /// Receives a sentence about a feature that is not shown, once per feature.
 using WarnOnce = std::function<void(const std::string& feature, const std::string& sentence)>;
 
-/// Loads a texture beside an OBJ file; nullptr if it is missing.
-using ObjTextures = std::function<std::shared_ptr<const Image>(const std::string& name, ImageContent content)>;
+/// A model while its file is read: what every format does with its materials and meshes.
+class ModelReader {
+ public:
+  ModelReader(std::string path, Outside outside) : path_(std::move(path)), outside_(outside) {}
 
-/// A material of an MTL file as Assimp reads it. It is diffuse, from Kd and map_Kd; with a highlight (illum 2 or more
-/// and Ks, or Pr, Pm) metallic-roughness, with the roughness Pr or that of a lobe as wide as with Ns; if it transmits
-/// (illum 4, 6, 7, 9, d < 1 and Ni > 1), glass of the index Ni.
-FileMaterial obj_material(const aiMaterial& source, const ObjTextures& load, const WarnOnce& warn);
+  const std::string& path() const { return path_; }
+  Outside outside() const { return outside_; }
+  void warn(const std::string& feature, const std::string& sentence);
+  WarnOnce warner() {
+    return [this](const std::string& feature, const std::string& sentence) { warn(feature, sentence); };
+  }
 
-/// Checks the indices of the faces of an OBJ file. Assimp silently drops texture coordinates and normals whose indices
-/// are out of range, and reports bad vertex indices without their line.
-/// @throws Error naming file, line, kind and index
-void check_obj_indices(const std::string& path);
+  /// A texture beside the file; nullptr, with a warning, if it is missing. @throws Error if it lies outside the folder
+  std::shared_ptr<const Image> load_texture(const std::string& name, ImageContent content);
 
-/// Reads a PLY mesh with the reader of point files, because Assimp ends the program at some damaged files.
+  /// @throws Error if all meshes up to here and one with so many vertices and triangles need too much memory: a file
+  ///         can show the same vertices any number of times
+  void reserve(size_t vertices, size_t triangles);
+
+  /// Adds a mesh, if it has triangles: drops normals that are not usable, applies the material's transform of texture
+  /// coordinates (v up, one pair per position or none), and moves the mesh. @throws Error for numbers that are not finite
+  void add(Mesh mesh, const FileMaterial& material, const Frame& frame);
+
+  void leave_out(size_t primitives) { left_out_ += primitives; }  ///< points and lines
+
+  /// The model with these materials. @throws Error if it has no triangles
+  LoadedModel finish(std::vector<FileMaterial> materials);
+
+ private:
+  std::string path_;
+  Outside outside_;
+  LoadedModel model_{};
+  std::set<std::string> warned_{};
+  size_t left_out_ = 0;
+  double bytes_ = 0;
+};
+
+/// Splits a polygon into triangles, given as places in `corners`: a fan if it is convex, else by cutting ears.
+/// Polygons of more than 500 corners are taken as convex.
+void triangulate(const std::vector<Vec3>& corners, std::vector<std::array<uint32_t, 3>>& triangles);
+
+LoadedModel load_obj_mesh(const std::string& path, Outside outside);
+LoadedModel load_gltf_mesh(const std::string& path, Outside outside);
 LoadedModel load_ply_mesh(const std::string& path);
 
 }  // namespace holotrace

@@ -33,11 +33,54 @@ void read_colours(const PlyVertices& vertices, Mesh& mesh, std::vector<std::stri
   for (size_t i = 0; i < vertices.count; ++i) mesh.colours.push_back({channel(0, i), channel(1, i), channel(2, i)});
 }
 
+uint32_t index_of(const PlyVertices& vertices, double index, const char* element, size_t number) {
+  require(index >= 0 && index < double(vertices.count) && index == std::floor(index),
+          "{}: expected vertex indices below {}, got {} in {} {}", vertices.path, vertices.count, index, element,
+          number);
+  return uint32_t(index);
+}
+
+void add_faces(const PlyVertices& vertices, Mesh& mesh) {
+  const double* corners = vertices.face_corners.data();
+  for (size_t f = 0; f < vertices.face_sizes.size(); ++f) {
+    const uint32_t size = vertices.face_sizes[f];
+    require(size >= 3, "{}: expected faces of 3 vertices or more, got {} in face {}", vertices.path, size, f);
+    const auto corner = [&](uint32_t i) { return index_of(vertices, corners[i], "face", f); };
+    for (uint32_t i = 2; i < size; ++i)  // a fan, correct for convex faces
+      mesh.triangles.push_back({corner(0), corner(i - 1), corner(i)});
+    corners += size;
+  }
+}
+
+// Strips: each corner after the second makes a triangle with the two before it, every other one turned. Corners that
+// occur twice join parts of a strip by triangles without an area, which are left out.
+void add_strips(const PlyVertices& vertices, Mesh& mesh) {
+  size_t length = 0, number = 0;
+  uint32_t a = 0, b = 0;
+  for (const double item : vertices.strips) {
+    if (item == -1) {
+      length = 0;
+      ++number;
+      continue;
+    }
+    const uint32_t c = index_of(vertices, item, "triangle strip", number);
+    if (++length >= 3 && a != b && b != c && c != a) {
+      if (length % 2 == 1)
+        mesh.triangles.push_back({a, b, c});
+      else
+        mesh.triangles.push_back({b, a, c});
+    }
+    a = b;
+    b = c;
+  }
+}
+
 }  // namespace
 
 LoadedModel load_ply_mesh(const std::string& path) {
   const PlyVertices vertices = read_ply(path, true);
   require(vertices.count > 0, "{}: expected a mesh with vertices, got none", path);
+  require(vertices.count < UINT32_MAX, "{}: expected fewer than 2³² vertices, got {}", path, vertices.count);
   const auto& x = vertices.column("x");
   const auto& y = vertices.column("y");
   const auto& z = vertices.column("z");
@@ -73,15 +116,8 @@ LoadedModel load_ply_mesh(const std::string& path) {
     }
   }
 
-  for (size_t f = 0; f < vertices.faces.size(); ++f) {
-    const auto& face = vertices.faces[f];
-    require(face.size() >= 3, "{}: expected faces of 3 vertices or more, got {} in face {}", path, face.size(), f);
-    for (double index : face)
-      require(index >= 0 && index < double(vertices.count) && index == std::floor(index),
-              "{}: expected vertex indices below {}, got {} in face {}", path, vertices.count, index, f);
-    for (size_t i = 2; i < face.size(); ++i)  // a fan, correct for convex faces
-      mesh.triangles.push_back({uint32_t(face[0]), uint32_t(face[i - 1]), uint32_t(face[i])});
-  }
+  add_faces(vertices, mesh);
+  add_strips(vertices, mesh);
   if (vertices.find("face_idx") && mesh.triangles.empty()) {  // the triangle soup of the OpenHolo library
     require(vertices.count % 3 == 0, "{}: expected three vertices per face, got {} vertices", path, vertices.count);
     for (uint32_t i = 0; i < vertices.count; i += 3) mesh.triangles.push_back({i, i + 1, i + 2});

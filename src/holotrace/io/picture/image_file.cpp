@@ -18,6 +18,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/image_output.h"
+#include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
@@ -47,8 +48,6 @@ Image read_image(OIIO::ImageInput& input, const std::string& name, ImageContent 
           "{}: expected an image, got a field (channels \"real\" and \"imag\"); give it to a command that "
           "takes a field",
           name);
-  require(spec.width > 0 && spec.height > 0 && spec.nchannels > 0, "{}: expected an image with pixels, got {} × {}",
-          name, spec.width, spec.height);
   const int file_channels = spec.nchannels;
   std::vector<float> values(size_t(spec.width) * size_t(spec.height) * size_t(file_channels));
   if (!input.read_image(0, 0, 0, file_channels, OIIO::TypeDesc::FLOAT, values.data()))
@@ -77,7 +76,6 @@ OIIO::ImageSpec plain_colours() {
 }
 
 [[noreturn]] void fail_not_an_image(const std::string& name) {
-  OIIO::geterror();  // clears the error
   fail("{}: expected an image, but it is not an image in a format known here; convert it to PNG, JPEG or EXR", name);
 }
 
@@ -106,7 +104,7 @@ bool is_truncated_png(const std::string& path) {
 Image load_image(const std::string& path, ImageContent content) {
   check_file_exists(path, "an image");
   const OIIO::ImageSpec config = plain_colours();
-  const auto input = OIIO::ImageInput::open(path, &config);
+  const auto input = open_picture(path, config);
   if (!input) fail_not_an_image(path);
   require(!is_truncated_png(path), "{}: expected an image of {} × {} pixels, but it is truncated or damaged", path,
           input->spec().width, input->spec().height);
@@ -114,18 +112,8 @@ Image load_image(const std::string& path, ImageContent content) {
 }
 
 Image decode_image(const void* bytes, size_t size, const std::string& name, ImageContent content) {
-  const auto* first = static_cast<const unsigned char*>(bytes);
-  const auto begins = [&](std::string_view signature, size_t at = 0) {
-    return size >= at + signature.size() && std::equal(signature.begin(), signature.end(), first + at,
-                                                       [](char a, unsigned char b) { return (unsigned char)(a) == b; });
-  };
-  const char* kind = begins("\xff\xd8") ? "texture.jpg" : begins("WEBP", 8) ? "texture.webp" : "texture.png";
   OIIO::Filesystem::IOMemReader memory(const_cast<void*>(bytes), size);
-  OIIO::ImageSpec config = plain_colours();
-  OIIO::Filesystem::IOProxy* source = &memory;
-  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &source);
-  // The name only selects the format; the bytes come from memory.
-  const auto input = OIIO::ImageInput::open(kind, &config, source);
+  const auto input = open_picture(memory, name, plain_colours());
   if (!input) fail_not_an_image(name);
   return read_image(*input, name, content);
 }
@@ -170,13 +158,18 @@ void save_image(const std::string& path, const Image& image, double white, int b
   write_image_file(path, spec, spec.format, bits == 8 ? static_cast<const void*>(bytes.data()) : codes.data());
 }
 
-FileRecord image_record(const std::string& path) {
+std::string text_in_image(const std::string& path, const char* name) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored) || is_truncated_png(path)) return {};
-  const auto input = OIIO::ImageInput::open(path);
-  if (!input) OIIO::geterror();  // clears the error
-  return input ? record_from_text(std::string(input->spec().get_string_attribute(record_name))) : FileRecord();
+  if (!std::filesystem::is_regular_file(path, ignored) || is_truncated_png(path)) return "";
+  try {
+    const auto input = open_picture(path);
+    return input ? std::string(input->spec().get_string_attribute(name)) : "";
+  } catch (const Error&) {
+    return "";  // a damaged picture has no text
+  }
 }
+
+FileRecord image_record(const std::string& path) { return record_from_text(text_in_image(path, record_name)); }
 
 Image resample_image(const Image& image, int columns, int rows) {
   const OIIO::ImageSpec from(image.nx, image.ny, image.channels, OIIO::TypeDesc::FLOAT);

@@ -38,6 +38,9 @@ Image with_three_channels(Image image);
 /// @throws Error for another extension, white or bits, and where NewFile throws
 void save_image(const std::string& path, const Image& image, double white, int bits, const FileRecord& record = {});
 
+/// The text of that name in an image file; empty if there is no such file or text, or if the file is damaged.
+std::string text_in_image(const std::string& path, const char* name);
+
 /// The record that save_image wrote into a file; empty if there is no such file, or no record in it.
 FileRecord image_record(const std::string& path);
 

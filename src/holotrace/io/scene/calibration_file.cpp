@@ -71,7 +71,7 @@ struct Row {
 
 std::vector<CalibrationPoint> load_calibration(const std::string& path, int levels) {
   check_file_exists(path, "a calibration");
-  std::stringstream text(read_text(path));
+  std::stringstream text(read_text(path, most_text));
   std::vector<Row> rows;
   Columns columns;
   int number = 0;

@@ -42,8 +42,8 @@ RectangleLight key_light() {
 
 }  // namespace
 
-Job job_for_model(const std::string& path) {
-  LoadedModel model = load_meshes(path);
+Job job_for_model(const std::string& path, Outside outside) {
+  LoadedModel model = load_meshes(path, outside);
   const Frame frame = placing(model.meshes, path);
   for (Mesh& mesh : model.meshes) transform_mesh(frame, mesh);
   Job job;

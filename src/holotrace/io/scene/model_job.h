@@ -3,6 +3,7 @@
 #include <string>
 
 #include "holotrace/data/job.h"
+#include "holotrace/io/files/outside.h"
 
 namespace holotrace {
 
@@ -11,6 +12,6 @@ namespace holotrace {
 /// above left in front of it that lights a white surface to about 0.7; camera and eye focused at 200 mm. The holograms
 /// aim at the path-traced light (sgd, target render, quality draft). The rest is as in an empty scene file.
 /// @throws Error as load_meshes does
-Job job_for_model(const std::string& path);
+Job job_for_model(const std::string& path, Outside outside = Outside::refused);
 
 }  // namespace holotrace

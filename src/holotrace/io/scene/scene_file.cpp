@@ -18,6 +18,7 @@
 #include "holotrace/io/scene/scene_materials.h"
 #include "holotrace/io/scene/scene_objects.h"
 #include "holotrace/io/scene/slm_file.h"
+#include "holotrace/io/scene/toml_file.h"
 
 namespace holotrace {
 namespace {
@@ -58,7 +59,7 @@ void turn_on(const std::vector<std::string>& own, TomlTable& root, Job& job) {
   if (has_calibration && says_nothing("encode")) job.encode.effects = {"calibration"};
 }
 
-Job read_job(TomlTable& root, const std::string& path) {
+Job read_job(TomlTable& root, const std::string& path, Outside outside) {
   Job job;
   for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
                               "render", "synthesize", "encode", "show", "propagate", "camera"})
@@ -73,7 +74,7 @@ Job read_job(TomlTable& root, const std::string& path) {
   job.slm = slm ? read_slm(*slm, "pluto", own_effects) : slm_preset("pluto");
   if (!own_effects.empty()) job.slm.preset = path;  // a panel with effects of its own is read from this file again
 
-  SceneObjects objects(job);
+  SceneObjects objects(job, outside);
   std::vector<std::string> names;
   const auto materials = root.named_tables("materials", names);
   for (size_t i = 0; i < materials.size(); ++i) objects.add_material(names[i], read_material(materials[i]));
@@ -114,18 +115,6 @@ void rename_keys(toml::table& scene, const std::string& path, std::vector<std::s
   }
 }
 
-toml::table parse_file(const std::string& path, std::vector<std::string>& warnings) {
-  const std::string text = read_text(path);
-  try {
-    toml::table scene = toml::parse(text, path);
-    rename_keys(scene, path, warnings);
-    return scene;
-  } catch (const toml::parse_error& e) {
-    const auto at = e.source().begin;
-    fail("{}:{}:{}: expected valid TOML, but: {}", path, at.line, at.column, e.description());
-  }
-}
-
 // Puts the keys of `over` into `base`: tables key by key; everything else is replaced as a whole (lists of tables, and
 // tables with the key `type`, such as another kind of material).
 void overrule(toml::table& base, toml::table&& over) {
@@ -142,16 +131,24 @@ void overrule(toml::table& base, toml::table&& over) {
 
 // The tables of a scene file merged over those of the file that it extends, the names of all files, and warnings.
 toml::table read_scene(const std::string& path, std::vector<std::string>& files, std::vector<std::string>& warnings) {
+  constexpr size_t most_files = 16;
+  toml::table scene = parse_toml(path, "a scene or panel file");
+  rename_keys(scene, path, warnings);
   files.push_back(path);
-  toml::table scene = parse_file(path, warnings);
   if (!scene.contains("extends")) return scene;
   TomlTable root(scene, files, "the scene file");
   std::string name;
   root.text("extends", name);
   const std::string extended = root.beside("extends", name);
-  require(std::find(files.begin(), files.end(), extended) == files.end(),
-          "{}expected a scene that does not extend itself, but \"{}\" is being read", root.where("extends"), extended);
   root.locate("extends", [&] { check_file_exists(extended, "a scene file"); });
+  const auto is_same = [&](const std::string& file) {
+    std::error_code ignored;
+    return std::filesystem::equivalent(file, extended, ignored);
+  };
+  require(std::none_of(files.begin(), files.end(), is_same),
+          "{}expected a scene that does not extend itself, but \"{}\" is being read", root.where("extends"), extended);
+  require(files.size() < most_files, "{}expected at most {} scenes that extend each other, got more",
+          root.where("extends"), most_files);
   toml::table base = read_scene(extended, files, warnings);
   scene.erase("extends");
   overrule(base, std::move(scene));
@@ -162,7 +159,6 @@ toml::table read_scene(const std::string& path, std::vector<std::string>& files,
 
 Slm load_slm(const std::string& name) {
   if (extension_of(name) != ".toml") return slm_preset(name);
-  check_file_exists(name, "a scene or panel file");
   std::vector<std::string> files, own_effects, unheard;  // `unheard` has warnings about other tables than [slm]
   const toml::table parsed = read_scene(name, files, unheard);
   const bool is_panel = !parsed.contains("wavelength") && !parsed.contains("slm");
@@ -174,13 +170,13 @@ Slm load_slm(const std::string& name) {
   return slm;
 }
 
-Job load_job(const std::string& path) {
-  if (is_mesh_file(path)) return job_for_model(path);
+Job load_job(const std::string& path, Outside outside) {
+  if (is_mesh_file(path)) return job_for_model(path, outside);
   check_file_exists(path, "a scene file");
   std::vector<std::string> files, warnings;
   const toml::table parsed = read_scene(path, files, warnings);
   TomlTable root(parsed, files, "the scene file");
-  Job job = read_job(root, path);
+  Job job = read_job(root, path, outside);
   job.warnings.insert(job.warnings.begin(), warnings.begin(), warnings.end());
   return job;
 }

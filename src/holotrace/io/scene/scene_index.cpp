@@ -121,7 +121,7 @@ void read_glass_index(TomlTable& table, const char* key, RefractiveIndex& index)
 
 RefractiveIndex load_index_table(const std::string& path) {
   check_file_exists(path, "a table of refractive indices");
-  std::istringstream lines(read_text(path));
+  std::istringstream lines(read_text(path, most_text));
   RefractiveIndex index;
   std::string line;
   for (size_t number = 1; std::getline(lines, line); ++number) {

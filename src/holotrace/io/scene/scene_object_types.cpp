@@ -12,6 +12,9 @@
 namespace holotrace {
 namespace {
 
+constexpr double most_steps = 4096;    // along a circle or an edge: a sphere then has 17 million triangles
+constexpr double most_points = 16384;  // along a side of a rectangle of points
+
 double read_required_length(TomlTable& object, const char* key) {
   object.require_key(key);
   double value = 0;
@@ -42,20 +45,20 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
   }
   if (type == "wireframe_cube") {
     int per_edge = 20;
-    object.count("points_per_edge", per_edge, range::at_least(2));
+    object.count("points_per_edge", per_edge, range::from_to(2, most_steps));
     return {{}, make_wireframe_cube(read_required_length(object, "size"), per_edge)};
   }
   if (type == "wireframe_sphere") {
     int meridians = 12, parallels = 7, per_circle = 64;
-    object.count("meridians", meridians, range::at_least(1));
-    object.count("parallels", parallels, range::not_negative);
-    object.count("points_per_circle", per_circle, range::at_least(3));
+    object.count("meridians", meridians, range::from_to(1, most_steps));
+    object.count("parallels", parallels, range::from_to(0, most_steps));
+    object.count("points_per_circle", per_circle, range::from_to(3, most_steps));
     return {{}, make_wireframe_sphere(read_required_length(object, "size"), meridians, parallels, per_circle)};
   }
   if (type == "point_quad" || type == "textured_quad") {
     int columns = 64, rows = 64;
-    object.count("columns", columns, range::at_least(2));
-    object.count("rows", rows, range::at_least(2));
+    object.count("columns", columns, range::from_to(2, most_points));
+    object.count("rows", rows, range::from_to(2, most_points));
     const double width = read_required_length(object, "width"), height = read_required_length(object, "height");
     if (type == "textured_quad" || object.has("texture")) {
       const std::string file = read_file_name(object, "texture");
@@ -83,12 +86,12 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
   }
   int segments = 64;
   if (type == "sphere") {
-    object.count("segments", segments, range::at_least(3));
+    object.count("segments", segments, range::from_to(3, most_steps));
     return from_mesh(make_sphere(read_required_length(object, "size"), segments));
   }
   std::vector<Vec2> outline;
   if (type == "lathe") {
-    object.count("segments", segments, range::at_least(3));
+    object.count("segments", segments, range::from_to(3, most_steps));
     object.require_key("profile");
     object.outline("profile", outline);
     return from_mesh(make_lathe(outline, segments));

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
@@ -107,6 +108,9 @@ void SceneObjects::add_object(TomlTable object) {
 
 // Reads an object's geometry and applies place · rotate · scale, once per place.
 SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
+  constexpr size_t most_objects = 100'000;  // shapes of shapes of shapes … multiply
+  require(++objects_ <= most_objects, "{}expected at most {} objects with the parts of all shapes, got more",
+          object.where(""), most_objects);
   std::string type, name;
   object.require_key("type");
   object.text("type", type);
@@ -149,6 +153,7 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
     for (Mesh& mesh : local.meshes) mesh.name = name;
 
   const Frame size = fit > 0 ? fitting(bounds_of(local), fit, object.where("fit")) : scaling(scale);
+  check_growth(object, local, positions.size());
   Geometry placed;
   for (Vec3 place : positions) {
     Frame frame = compose(rotation, size);
@@ -161,6 +166,20 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
   return placed;
 }
 
+// A few lines can place a mesh, or a shape of shapes, any number of times.
+void SceneObjects::check_growth(TomlTable& object, const Geometry& geometry, size_t copies) {
+  double bytes = double(geometry.points.size()) * sizeof(ScenePoint);
+  for (const Mesh& mesh : geometry.meshes)
+    bytes += sizeof mesh + double(mesh.positions.size() + mesh.normals.size() + mesh.colours.size()) * sizeof(Vec3) +
+             double(mesh.texture_coordinates.size()) * sizeof(Vec2) +
+             double(mesh.triangles.size()) * sizeof mesh.triangles[0];
+  const double most = physical_memory() / 4;  // parts, wholes and the rays' tree are there at the same time
+  require(bytes * double(copies) <= most,
+          "{}expected objects that need at most {}, a quarter of this machine's memory, got {}; use fewer copies, or a "
+          "simpler mesh",
+          object.where(""), format_bytes(most), format_bytes(bytes * double(copies)));
+}
+
 SceneObjects::Geometry SceneObjects::read_shape(TomlTable& object) {
   object.require_key("shape");
   std::string name;
@@ -171,6 +190,9 @@ SceneObjects::Geometry SceneObjects::read_shape(TomlTable& object) {
     for (const auto& [known, parts] : shapes_) names.push_back(known);
     throw Error(object.where("shape") + unknown_name_message("shape", name, names));
   }
+  constexpr size_t most_levels = 64;
+  require(open_shapes_.size() < most_levels, "{}expected at most {} levels of shapes in shapes, got more",
+          object.where("shape"), most_levels);
   require(open_shapes_.insert(name).second, "{}expected a shape of other shapes, but \"{}\" holds itself",
           object.where("shape"), name);
   Geometry whole = read_parts(name);
@@ -197,7 +219,7 @@ void SceneObjects::check_unused_shapes() {
 SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
   const std::string file = read_file_name(object, "file");
   if (!models_.contains(file)) {
-    object.locate("file", [&] { models_[file].loaded = load_meshes(file); });
+    object.locate("file", [&] { models_[file].loaded = load_meshes(file, outside_); });
     const auto& warnings = models_[file].loaded.warnings;
     job_.warnings.insert(job_.warnings.end(), warnings.begin(), warnings.end());
   }

@@ -16,7 +16,8 @@ namespace holotrace {
 class SceneObjects {
  public:
   /// @param job  receives materials, meshes, points and warnings; must outlive this object
-  explicit SceneObjects(Job& job) : job_(job) {}
+  /// @param outside  whether models may name files outside their folders
+  SceneObjects(Job& job, Outside outside) : job_(job), outside_(outside) {}
 
   void add_material(const std::string& name, const Material& material);
   void add_shapes(TomlTable& shapes);  ///< the table with all [[shape.NAME]]
@@ -36,6 +37,7 @@ class SceneObjects {
   };
 
   Geometry read_object(TomlTable& object);
+  void check_growth(TomlTable& object, const Geometry& geometry, size_t copies);
   Geometry read_type(TomlTable& object, const std::string& type);
   Geometry read_shape(TomlTable& object);
   Geometry read_parts(const std::string& shape);
@@ -49,9 +51,11 @@ class SceneObjects {
   };
 
   Job& job_;
+  Outside outside_;
   std::map<std::string, int> materials_;
   std::map<std::string, std::vector<TomlTable>> shapes_;
   std::set<std::string> open_shapes_;  // shapes being read, to refuse a shape that contains itself
+  size_t objects_ = 0;                 // objects read, parts of shapes each time anew
   std::set<std::string> used_shapes_;
   std::map<std::string, Model> models_;
   int default_material_ = -1;

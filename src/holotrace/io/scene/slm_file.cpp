@@ -11,8 +11,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/base/units.h"
-#include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/toml_file.h"
 
 namespace holotrace {
 namespace {
@@ -162,14 +162,7 @@ Slm load_panel(const std::string& name, std::vector<std::string> chain) {
   const bool is_plain = !name.empty() && name.find('/') == std::string::npos;
   const std::string path = is_plain ? panel_file(name) : "";
   if (path.empty()) fail_unknown(name);
-  const std::string text = read_text(path);
-  toml::table parsed;
-  try {
-    parsed = toml::parse(text, path);
-  } catch (const toml::parse_error& e) {
-    const auto at = e.source().begin;
-    fail("{}:{}:{}: expected valid TOML, but: {}", path, at.line, at.column, e.description());
-  }
+  const toml::table parsed = parse_toml(path, "a panel file");
   std::vector<std::string> ignored;
   Slm slm = read_over(TomlTable(parsed, {path}, "the panel"), "", chain, ignored);
   if (!parsed.contains("name")) slm.name = name;
