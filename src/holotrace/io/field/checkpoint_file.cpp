@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/io/field/hdf5_access.h"
+#include "holotrace/io/files/child_process.h"
 #include "holotrace/io/files/file.h"
 
 namespace holotrace {
@@ -63,6 +64,8 @@ void write_state(const std::string& path, const IterationState& state) {
   close_written(file, path);
 }
 
+double samples_of(const Shape& shape) { return double(shape[0]) * double(shape[1]) * double(shape[2]); }
+
 // The sizes of a dataset. @throws Error, naming the file, for another number of dimensions
 template <size_t rank>
 std::array<hsize_t, rank> sizes_of(hid_t data, const char* name, const std::string& path) {
@@ -73,6 +76,48 @@ std::array<hsize_t, rank> sizes_of(hid_t data, const char* name, const std::stri
           H5Sget_simple_extent_ndims(space));
   H5Sget_simple_extent_dims(space, sizes.data(), nullptr);
   return sizes;
+}
+
+// Sends a state, after a check that it belongs to the job.
+void send_state(const std::string& path, const IterationState& job, ToParent& out) {
+  const Silence silence;
+  {
+    const Hdf5Dataset numbers(path, numbers_name, Outside::refused);
+    require(H5Aexists(numbers, "job") > 0 && H5Aexists(numbers, "description") > 0,
+            "expected a checkpoint in {}, got another HDF5 file; give another path", path);
+    const std::string description = read_word(numbers, "description", path);
+    require(
+        read_word(numbers, "job", path) == number_of(job),
+        "expected the checkpoint of this job in {} ({}), got that of another one ({}); give another file, or remove "
+        "this one to begin anew",
+        path, job.description, description);
+    out.text(description);
+    out.value(int(read_number(numbers, "updates", path)));
+    const hsize_t count = sizes_of<1>(numbers, numbers_name, path)[0];
+    require_all_samples(numbers, double(count), path);
+    out.allow(10, double(count) * sizeof(double) + double(1 << 28));
+    std::vector<double> values(count);
+    require(H5Dread(numbers, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0,
+            "{}: expected numbers in \"{}\", which cannot be read; the file is damaged: remove it", path, numbers_name);
+    out.list(values);
+  }
+  const Hdf5Dataset arrays(path, arrays_name, Outside::refused);
+  const Shape shape = sizes_of<3>(arrays, arrays_name, path);
+  require_all_samples(arrays, samples_of(shape), path);
+  out.value(shape);
+  const double bytes = samples_of(shape) * sizeof(float), slowest = 1e7;  // [bytes/s]
+  const auto size = size_t(shape[1] * shape[2]);
+  out.allow(10 + bytes / slowest, double(size) * sizeof(float) + 2 * arrays.chunk_bytes() + double(1 << 28));
+  std::vector<float> values(size);
+  for (size_t k = 0; k < shape[0]; ++k) {
+    const auto read = [&](hid_t memory, hid_t place) {
+      return H5Dread(arrays, H5T_NATIVE_FLOAT, memory, place, H5P_DEFAULT, values.data());
+    };
+    require(for_array(arrays, shape, k, read),
+            "{}: expected {} arrays, of which the one with number {} cannot be read; the file is damaged: remove it",
+            path, shape[0], k + 1);
+    out.bytes(values.data(), values.size() * sizeof(float));
+  }
 }
 
 }  // namespace
@@ -88,40 +133,23 @@ void save_checkpoint(const std::string& path, const IterationState& state) {
 
 std::optional<IterationState> load_checkpoint(const std::string& path, const IterationState& job) {
   if (!std::filesystem::exists(path)) return std::nullopt;
-  const Silence silence;
+  check_file_exists(path, "a checkpoint");
   IterationState state;
-  {
-    const Hdf5Dataset numbers(path, numbers_name);
-    require(H5Aexists(numbers, "job") > 0 && H5Aexists(numbers, "description") > 0,
-            "expected a checkpoint in {}, got another HDF5 file; give another path", path);
-    state.description = read_word(numbers, "description", path);
-    require(
-        read_word(numbers, "job", path) == number_of(job),
-        "expected the checkpoint of this job in {} ({}), got that of another one ({}); give another file, or remove "
-        "this one to begin anew",
-        path, job.description, state.description);
-    state.job = job.job;
-    state.updates = int(read_number(numbers, "updates", path));
-    const hsize_t count = sizes_of<1>(numbers, numbers_name, path)[0];
-    require_all_samples(numbers, double(count), path);
-    state.numbers.resize(count);
-    require(H5Dread(numbers, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, state.numbers.data()) >= 0,
-            "{}: expected numbers in \"{}\", which cannot be read; the file is damaged: remove it", path, numbers_name);
-  }
-  const Hdf5Dataset arrays(path, arrays_name);
-  const Shape shape = sizes_of<3>(arrays, arrays_name, path);
-  const double samples = double(shape[0]) * double(shape[1]) * double(shape[2]);
-  require_all_samples(arrays, samples, path);
-  require_memory(samples * sizeof(float), fmt::format("the checkpoint {}", path));
-  for (size_t k = 0; k < shape[0]; ++k) {
-    Array2D<float>& array = state.arrays.emplace_back(int(shape[1]), int(shape[2]));
-    const auto read = [&](hid_t memory, hid_t place) {
-      return H5Dread(arrays, H5T_NATIVE_FLOAT, memory, place, H5P_DEFAULT, array.values.data());
-    };
-    require(for_array(arrays, shape, k, read),
-            "{}: expected {} arrays, of which the one with number {} cannot be read; the file is damaged: remove it",
-            path, shape[0], k + 1);
-  }
+  state.job = job.job;
+  const auto read = [&](ToParent& out) { send_state(path, job, out); };
+  read_in_child(path, read, [&](FromChild& from) {
+    state.description = from.text();
+    state.updates = from.value<int>();
+    state.numbers = from.list<double>();
+    const auto shape = from.value<Shape>();
+    require(shape[1] < 1u << 30 && shape[2] < 1u << 30, "{}: expected a checkpoint, but it is damaged; remove it",
+            path);
+    require_memory(samples_of(shape) * sizeof(float), fmt::format("the checkpoint {}", path));
+    for (size_t k = 0; k < shape[0]; ++k) {
+      auto& values = state.arrays.emplace_back(int(shape[1]), int(shape[2])).values;
+      from.bytes(values.data(), values.size() * sizeof(float));
+    }
+  });
   return state;
 }
 

@@ -1,0 +1,13 @@
+// Tables of a panel'\''s calibration, and of refractive indices.
+#include "../reader.h"
+#include "holotrace/io/scene/scene_index.h"
+#include "holotrace/io/scene/slm_file.h"
+
+using namespace holotrace;
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const std::string path = fuzz::write("table.csv", fuzz::text_of(data, size));
+  fuzz::read([&] { load_calibration(path, 256); });
+  fuzz::read([&] { load_index_table(path); });
+  return 0;
+}

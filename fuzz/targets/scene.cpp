@@ -1,0 +1,13 @@
+// Scene files (TOML).
+#include "../reader.h"
+#include "holotrace/io/scene/scene_file.h"
+
+using namespace holotrace;
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const auto text = fuzz::text_of(data, size);
+  if (fuzz::has_long_number(text, 4)) return -1;
+  const std::string path = fuzz::write("scene.toml", text);
+  fuzz::read([&] { load_job(path); });
+  return 0;
+}
