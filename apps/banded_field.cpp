@@ -258,9 +258,9 @@ void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observ
   work->shares = band_shares(work->job.sets, work->job.panel, work->bands);
   warn_of_missed_waves(work->job, observer);
   sort_into_files(*work);
+  say_on_interrupt("holotrace: interrupted; the finished bands are kept, and the same command goes on from there\n");
   open_files(*work);
   work->tell_progress();
-  say_on_interrupt("holotrace: interrupted; the finished bands are kept, and the same command goes on from there\n");
   if (ranks.size() > 1)
     share_bands(work, ranks);
   else

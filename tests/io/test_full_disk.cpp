@@ -121,6 +121,9 @@ std::vector<Writer> writers() {
   };
 }
 
+// For the names of tests.
+void PrintTo(const Writer& writer, std::ostream* out) { *out << writer.name; }
+
 class FullDiskFor : public ::testing::TestWithParam<Writer> {};
 
 TEST_P(FullDiskFor, AnyByteLeavesTheOldFileAndSaysWhy) {

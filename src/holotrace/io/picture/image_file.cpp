@@ -17,6 +17,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/record_names.h"
 #include "holotrace/io/picture/image_output.h"
 #include "holotrace/io/picture/picture_input.h"
 
@@ -132,13 +133,14 @@ void save_image(const std::string& path, const Image& image, double white, int b
           "expected an image with pixels of 1 or 3 channels to save as {}, got {} × {} of {}", path, image.nx, image.ny,
           image.channels);
   const std::string extension = extension_of(path);
+  const auto record_text = [&] { return record_json(record_inside(path, record)).dump(-1, ' ', true); };
   if (extension == ".exr") {
     OIIO::ImageSpec spec(image.nx, image.ny, image.channels, OIIO::TypeDesc::FLOAT);
     spec.attribute("compression", "zip");
     spec.attribute("DateTime", "");  // no time stamp: the same image gives the same bytes
     spec.attribute("oiio:ColorSpace", "Linear");
     if (image.pitch > 0) spec.attribute("pitch_m", OIIO::TypeDesc::DOUBLE, &image.pitch);
-    if (!record.empty()) spec.attribute(record_name, record_json(record).dump(-1, ' ', true));
+    if (!record.empty()) spec.attribute(record_name, record_text());
     return write_image_file(path, spec, OIIO::TypeDesc::FLOAT, image.values.data());
   }
   require(extension == ".png", "expected an image file {}, got {}; change its extension", known_extensions, path);
@@ -153,7 +155,7 @@ void save_image(const std::string& path, const Image& image, double white, int b
   OIIO::ImageSpec spec(image.nx, image.ny, image.channels, bits == 8 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
   spec.attribute("oiio:ColorSpace", "sRGB");
   if (image.pitch > 0) spec.attribute("pitch_m", fmt::format("{:.17g}", image.pitch));
-  if (!record.empty()) spec.attribute(record_name, record_json(record).dump(-1, ' ', true));
+  if (!record.empty()) spec.attribute(record_name, record_text());
   const std::vector<uint8_t> bytes(codes.begin(), codes.end());
   write_image_file(path, spec, spec.format, bits == 8 ? static_cast<const void*>(bytes.data()) : codes.data());
 }
@@ -169,7 +171,9 @@ std::string text_in_image(const std::string& path, const char* name) {
   }
 }
 
-FileRecord image_record(const std::string& path) { return record_from_text(text_in_image(path, record_name)); }
+FileRecord image_record(const std::string& path) {
+  return record_outside(path, record_from_text(text_in_image(path, record_name)));
+}
 
 Image resample_image(const Image& image, int columns, int rows) {
   const OIIO::ImageSpec from(image.nx, image.ny, image.channels, OIIO::TypeDesc::FLOAT);
