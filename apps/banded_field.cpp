@@ -22,6 +22,8 @@
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/synthesize.h"
+#include "interrupts.h"
+#include "say.h"
 
 namespace holotrace {
 namespace {
@@ -174,7 +176,7 @@ void open_files(Work& work) {
     const size_t there = file.file->finished_bands();
     if (there > 0) go_by(file.file->settings());
     if (there > 0 && !work.job.is_quiet)
-      fmt::print(stderr, "holotrace: resuming {2}: {0} of {1} bands done\n", there, file.bands.size(), path);
+      say("holotrace: resuming {2}: {0} of {1} bands done\n", there, file.bands.size(), path);
   }
   for (size_t band = 0; band < work.bands.size(); ++band) {
     if (work.files[work.places[band].file].file->is_finished(work.places[band].index))
@@ -256,6 +258,7 @@ void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observ
   work->shares = band_shares(work->job.sets, work->job.panel, work->bands);
   warn_of_missed_waves(work->job, observer);
   sort_into_files(*work);
+  say_on_interrupt("holotrace: interrupted; the finished bands are kept, and the same command goes on from there\n");
   open_files(*work);
   work->tell_progress();
   if (ranks.size() > 1)

@@ -98,8 +98,6 @@ void fit_photographs(const FitOptions& o, const GlobalFlags& global) {
   CalibrateParams params;
   o.flags.apply(params);
   check_output(o.output, {".toml"});
-  require(!is_same_file(o.output, o.plan),
-          "expected another name for the panel file than that of the plan, got {} for both", o.output);
   const CalibrationPlan plan = load_plan(o.plan);
   const std::vector<Image> photographs = load_photographs(o.photographs, plan);
   Console console(global.is_quiet);

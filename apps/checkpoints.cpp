@@ -31,6 +31,8 @@ class Interrupts {
 
 }  // namespace
 
+bool was_interrupted() { return is_interrupted != 0; }
+
 void Checkpoints::add_flag(CLI::App& command, std::string& path) {
   command
       .add_option(
@@ -51,10 +53,16 @@ Checkpoint Checkpoints::of(size_t i) const {
   const std::string path = numbered_path(path_, i);
   const auto interrupts = std::make_shared<Interrupts>();
   const auto saved = std::make_shared<Clock::time_point>(Clock::now());
-  return {.load = [path](const IterationState& job) { return load_checkpoint(path, job); },
+  return {.load =
+              [path, used = used_](const IterationState& job) {
+                auto state = load_checkpoint(path, job);
+                if (state) used->insert(path);
+                return state;
+              },
           .save =
-              [path, saved](const IterationState& state) {
+              [path, saved, used = used_](const IterationState& state) {
                 save_checkpoint(path, state);
+                used->insert(path);
                 *saved = Clock::now();
               },
           .is_due = [saved, between_saves] { return Clock::now() - *saved > between_saves; },
@@ -62,9 +70,7 @@ Checkpoint Checkpoints::of(size_t i) const {
 }
 
 void Checkpoints::remove() const {
-  if (!are_kept()) return;
-  std::filesystem::remove(path_);
-  remove_numbered(path_, 1);
+  for (const std::string& path : *used_) std::filesystem::remove(path);
 }
 
 }  // namespace holotrace

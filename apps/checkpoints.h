@@ -2,11 +2,15 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "holotrace/data/checkpoint.h"
 
 namespace holotrace {
+
+/// Whether Ctrl-C stopped a job that keeps a checkpoint.
+bool was_interrupted();
 
 /// The files of the flag --checkpoint: the state of the iterations of each hologram, or of each set of frames.
 class Checkpoints {
@@ -23,11 +27,12 @@ class Checkpoints {
   /// exists, a second Ctrl-C stops the program at once.
   Checkpoint of(size_t i) const;
 
-  /// Removes the files of a finished job.
+  /// Removes the files of a finished job: those that were saved or read.
   void remove() const;
 
  private:
   std::string path_;
+  std::shared_ptr<std::set<std::string>> used_ = std::make_shared<std::set<std::string>>();
 };
 
 }  // namespace holotrace

@@ -8,7 +8,6 @@
 
 #include "commands.h"
 #include "console.h"
-#include "distinct_outputs.h"
 #include "facts.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
@@ -162,7 +161,6 @@ void check_flags(const CompareOptions& o, bool is_field) {
   if (!o.output.empty()) check_output(o.output, {".png", ".exr"});
   if (!o.difference.empty()) check_output(o.difference, {".png"});
   if (!o.profile.empty()) check_output(o.profile, {".png", ".svg"});
-  check_distinct({{"-o", o.output}, {"--difference", o.difference}, {"--profile", o.profile}});
 }
 
 }  // namespace

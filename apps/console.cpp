@@ -10,6 +10,7 @@
 
 #include "holotrace/base/printable.h"
 #include "holotrace/base/time_left.h"
+#include "say.h"
 
 namespace holotrace {
 
@@ -27,8 +28,8 @@ struct Console::Bar {
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     const std::string bar = std::string(size_t(full), '#') + std::string(size_t(width - full), '.');
     const std::optional<double> left = time_left.estimate(seconds, fraction);
-    fmt::print(stderr, "\r\033[K{:<16} [{}] {:3.0f} %  {}{}{}", stage, bar, 100 * fraction, format_duration(seconds),
-               left ? ", " + format_duration(*left) + " left" : std::string(), status.empty() ? status : ", " + status);
+    say("\r\033[K{:<16} [{}] {:3.0f} %  {}{}{}", stage, bar, 100 * fraction, format_duration(seconds),
+        left ? ", " + format_duration(*left) + " left" : std::string(), status.empty() ? status : ", " + status);
     std::fflush(stderr);
     drawn = Clock::now();
   }
@@ -51,7 +52,7 @@ Observer Console::watch(const std::string& stage) {
   finish();
   Observer observer;
   observer.on_warning = [stage, is_terminal = is_terminal_](const std::string& sentence) {
-    fmt::print(stderr, "{}warning: {}: {}\n", is_terminal ? "\r\033[K" : "", stage, printable(sentence));
+    say("{}warning: {}: {}\n", is_terminal ? "\r\033[K" : "", stage, printable(sentence));
   };
   if (is_terminal_) {
     bar_ = std::make_shared<Bar>();
@@ -67,7 +68,7 @@ void Console::finish() {
   if (!bar_) return;
   bar_->fraction = 1;
   bar_->draw();
-  fmt::print(stderr, "\n");
+  say("\n");
   bar_.reset();
 }
 

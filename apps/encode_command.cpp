@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "checkpoints.h"
@@ -13,6 +14,7 @@
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
@@ -25,6 +27,7 @@
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/view/combine_views.h"
+#include "say.h"
 
 namespace holotrace {
 namespace {
@@ -114,7 +117,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("FIELD|PICTURE|STACK");
   add_output(
       *command, o->output,
-      "hologram: .png, 8 or 16 bit by its levels, with a sidecar .json; several frames or colours: NAME, NAME_2, …");
+      "hologram: .png, 8 or 16 bit by its levels, with its metadata; several frames or colours: NAME, NAME_2, …");
   command
       ->add_option(
           "--slm", o->slm,
@@ -181,6 +184,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     Report report;
     report.seed = params.seed;
     const size_t colours = std::max(wanted.targets.size(), wanted.fields.size());
+    for (size_t i = 1; i < colours * size_t(o->frames); ++i) note_output(numbered_path(o->output, i));
     std::vector<std::vector<Hologram>> frames(colours);
     for (size_t i = 0; i < colours; ++i) {
       const double wavelength = wanted.fields.empty() ? wavelengths[i] : wanted.fields[i].wavelength;
@@ -192,15 +196,18 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
         return std::vector{encode_targets(wanted.targets[i], wanted.fields[i], slm, params, observer, kept)};
       });
     }
-    size_t number = 0;
+    std::vector<Hologram> holograms;
     for (int frame = 0; frame < o->frames; ++frame)
       for (std::vector<Hologram>& of_colour : frames) {
         Hologram& hologram = of_colour[size_t(frame)];
         hologram.loses_by_cone = is_field;  // a picture is as bright in every colour
         if (is_field && o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
-        save_hologram(numbered_path(o->output, number++), hologram);
+        holograms.push_back(std::move(hologram));
       }
     console.finish();
+    say_warnings(write_together(o->output, hologram_record(o->output), [&](const OutputSet& set) {
+      save_holograms(set, std::filesystem::path(o->output).filename().string(), holograms);
+    }));
     if (!o->report.empty()) save_report(o->report, report);
     if (!o->plot.empty()) save_chart(o->plot, convergence_chart(report));
     checkpoints.remove();

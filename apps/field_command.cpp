@@ -171,7 +171,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
       ->required()
       ->type_name("SCENE.toml|SOURCES.ply|IMAGE");
   add_output(*command, o->output,
-             "field file: .npy (with a sidecar .json), .h5 or .exr; one per path group and light: NAME, NAME_2, …");
+             "field file: .npy (with a sidecar .npy.json), .h5 or .exr; one per path group and light: NAME, NAME_2, …");
   command->add_option("--slm", o->slm, "panel: preset name, or a file with [slm] [the scene's, or pluto]")
       ->type_name("NAME|SCENE.toml");
   o->panel.add(*command);

@@ -19,6 +19,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/choice.h"
 #include "holotrace/data/params/renamed.h"
+#include "say.h"
 
 namespace holotrace {
 
@@ -128,7 +129,7 @@ class Flags {
       const auto keep = [&given = given, name, before](const std::string& text) {
         if (given.count(name)) throw CLI::ExcludesError(dashed(before), dashed(name));
         given[name] = text;
-        fmt::print(stderr, "warning: {}\n", renamed_message(dashed(before), dashed(name)));
+        say("warning: {}\n", renamed_message(dashed(before), dashed(name)));
       };
       app.add_option_function<std::string>(dashed(before), keep)->group("");
     }

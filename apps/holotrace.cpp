@@ -2,22 +2,29 @@
 
 #include <tbb/global_control.h>
 
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <new>
 #include <stdexcept>
 
 #include "banded_field.h"
+#include "checkpoints.h"
 #include "commands.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/printable.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/estimate/machine/calibrate.h"
+#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/rates_file.h"
 #include "holotrace/io/wisdom_file.h"
 #include "holotrace/wave/shared/cost_model.h"
+#include "interrupts.h"
 #include "ranks.h"
+#include "say.h"
 
 namespace {
 
@@ -26,7 +33,7 @@ constexpr const char* out_of_memory =
     "samples";
 
 int report_error(const std::string& sentence) {
-  fmt::print(stderr, "holotrace: {}\n", holotrace::printable(sentence));
+  holotrace::say("holotrace: {}\n", holotrace::printable(sentence));
   return 1;
 }
 
@@ -42,9 +49,17 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, ch
   if (!is_unknown) return app.exit(error) == 0 ? 0 : 2;
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-  fmt::print(stderr, "{}\nRun with --help for more information.\n",
-             holotrace::printable(holotrace::unknown_name_message("command", argv[1], names)));
+  holotrace::say("{}\nRun with --help for more information.\n",
+                 holotrace::printable(holotrace::unknown_name_message("command", argv[1], names)));
   return 2;
+}
+
+// The exit code, once all that was printed has left the program: standard output may be a file on a full disk.
+int after_output(int exit_code) {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  return report_error(fmt::format("expected to write the standard output, got \"{}\"; make room where it goes",
+                                  std::strerror(errno != 0 ? errno : EIO)));
 }
 
 int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
@@ -58,7 +73,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   GlobalFlags global{.ranks = &ranks};
   app.add_option("--threads", global.threads, "number of threads; 0: all. Results do not depend on it")
       ->check(check_threads, "N", "N");
-  app.add_flag("-q,--quiet", global.is_quiet, "no progress bars");
+  app.add_flag("-q,--quiet", global.is_quiet, "no progress bars, no summary");
   app.add_flag("--allow-outside", global.allow_outside,
                "models and HDF5 files may name files outside their own folder; give it for files that you trust");
 
@@ -80,8 +95,10 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   add_calibrate_command(app, global);
   add_bench_command(app, global);
 
-  keep_fft_wisdom();
-  set_summation_rates([] { return keep_summation_rates(calibration_key(), calibrate_summation); });
+  const auto warn = [](const std::string& sentence) { say("warning: {}\n", sentence); };
+  keep_fft_wisdom(warn);
+  set_summation_rates([warn] { return keep_summation_rates(calibration_key(), calibrate_summation, warn); });
+  const CommandFiles files;
   try {
     app.parse(argc, argv);
     return 0;
@@ -92,7 +109,9 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   } catch (const std::length_error&) {  // of a vector that is longer than the addresses of this machine
     return report_error(out_of_memory);
   } catch (const std::exception& error) {
-    return report_error(error.what());
+    if (std::ferror(stdout) != 0) return 1;  // after_output says what is wrong with it
+    const int exit_code = report_error(error.what());
+    return was_interrupted() ? interrupted_exit_code : exit_code;
   }
 }
 
@@ -101,6 +120,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
 // What is not an Error is a mistake in the program: it ends it with its own message.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   using namespace holotrace;
+  end_on_interrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit on file sizes becomes an Error
   try {
     Ranks ranks(argc, argv);
@@ -108,7 +128,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
       serve_bands(ranks);
       return 0;
     }
-    const int exit_code = run_command(argc, argv, ranks);
+    const int exit_code = after_output(run_command(argc, argv, ranks));
     dismiss_ranks(ranks, exit_code);
     return exit_code;
   } catch (const Error& error) {

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "commands.h"
-#include "distinct_outputs.h"
 #include "facts.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
@@ -14,6 +13,7 @@
 #include "holotrace/estimate/alias_free.h"
 #include "holotrace/estimate/limits.h"
 #include "holotrace/estimate/vision.h"
+#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
 #include "limits_table.h"
@@ -174,8 +174,7 @@ void add_limits_command(CLI::App& app, const GlobalFlags& global) {
     const auto is_given = [&](const std::string& flag) { return command->count(flag) > 0; };
     for (const std::string* path : {&o->picture, &o->plot})
       if (!path->empty()) check_output(*path, {".png", ".svg"});
-    check_distinct(
-        {{"--picture", o->picture}, {"--picture (across y)", picture_across_y(o->picture)}, {"--plot", o->plot}});
+    if (!o->picture.empty()) note_output(picture_across_y(o->picture));
     require(!is_given("--colours") || is_given("--frames"),
             "--colours needs a frame rate; add it, for example --frames 30");
     if (is_given("--frames")) check_flag("--frames", o->frames, range::positive, Quantity::number);

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <string>
 
 #include "holotrace/base/printable.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "say.h"
 
 namespace holotrace {
 
@@ -14,7 +12,7 @@ namespace holotrace {
 /// @throws Error as load_job does
 inline Job load_scene(const std::string& path, Outside outside) {
   Job job = load_job(path, outside);
-  for (const std::string& warning : job.warnings) fmt::print(stderr, "warning: scene: {}\n", printable(warning));
+  for (const std::string& warning : job.warnings) say("warning: scene: {}\n", printable(warning));
   return job;
 }
 

@@ -12,17 +12,15 @@
 #include "console.h"
 #include "flags.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/focal_stack_file.h"
-#include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/folder_lock.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/report_file.h"
 #include "holotrace/io/scene/scene_file.h"
-#include "holotrace/run/convergence.h"
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/quality.h"
@@ -34,8 +32,10 @@
 #include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
 #include "load_scene.h"
+#include "run_summary.h"
+#include "save_run.h"
 #include "save_views.h"
-#include "try_save_chart.h"
+#include "say.h"
 
 namespace holotrace {
 namespace {
@@ -48,11 +48,14 @@ void add_scene(CLI::App& command, std::string& path) {
 
 constexpr const char* trace_group = "Tracing (overrides the scene's [trace])";
 
-// Writes numbered files, and removes further ones of an earlier run.
-template <class Item, class Save>
-void save_numbered(const std::string& path, const std::vector<Item>& items, const Save& save) {
-  for (size_t i = 0; i < items.size(); ++i) save(numbered_path(path, i), items[i]);
-  remove_numbered(path, items.size());
+// Writes pictures as NAME, NAME_2, …, in place of those of an earlier call.
+void save_pictures(const std::string& output, const std::vector<Image>& pictures) {
+  const std::string name = std::filesystem::path(output).filename().string();
+  const double white = common_white(pictures, 0);
+  say_warnings(write_together(output, image_record(output), [&](const OutputSet& set) {
+    for (size_t i = pictures.size(); i-- > 0;)
+      save_image(set.path(numbered_path(name, i)), pictures[i], white, 8, i == 0 ? set.record() : FileRecord());
+  }));
 }
 
 void print_comparison(const JobEstimate& estimate, const std::vector<StageComparison>& stages) {
@@ -120,34 +123,16 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
         "expected --checkpoint only with the method sgd and the target render or light-field; give [encode] target, "
         "or leave out --checkpoint");
     make_folder(o->folder);
+    const FolderLock lock(o->folder);
+    for (const std::string& path : run_paths(o->folder)) note_output(path);
     std::optional<JobEstimate> estimate;
     if (o->is_estimated) estimate = estimate_job(job);
     Console console(global.is_quiet);
     Boxes boxes = run(job, console.stages(), [&](size_t i) { return checkpoints.of(i); });
     console.finish();
     if (estimate) print_comparison(*estimate, compare_with_run(*estimate, boxes.report));
-    const auto in = [&](const std::string& name) { return (std::filesystem::path(o->folder) / name).string(); };
-    const double render_white = common_white(boxes.renders, 0);
-    save_numbered(in("render.png"), boxes.renders,
-                  [&](const std::string& path, const Image& image) { save_image(path, image, render_white, 8); });
-    save_numbered(in("sources.ply"), boxes.sources, save_sources);
-    save_numbered(in("field.npy"), boxes.fields, save_fields<float>);
-    save_numbered(in("hologram.png"), boxes.holograms, save_hologram);
-    save_numbered(in("view.png"), boxes.views, [&](const std::string& path, const Image& image) {
-      save_image(path, image, boxes.white, job.camera.bits);
-    });
-    remove_sweep(in("view.png"));
-    if (!boxes.sweep.images.empty())
-      save_sweep(in("view.png"), boxes.viewpoints, boxes.sweep, job.camera, console.watch("save the sweep"));
-    console.finish();
-    for (const char* name : {"stereo.png", "holo.png"}) remove_stereo(in(name));
-    if (!boxes.stereo_renders.empty()) {
-      save_stereo(in("stereo.png"), boxes.stereo_renders, common_white(boxes.stereo_renders, 0), 8);
-      save_stereo(in("holo.png"), boxes.stereo_views.images, boxes.stereo_views.white, job.camera.bits);
-    }
-    std::filesystem::remove(in("convergence.png"));
-    if (has_convergence(boxes.report)) try_save_chart(in("convergence.png"), convergence_chart(boxes.report), console);
-    save_report(in("report.json"), boxes.report);
+    const FileRecord files = save_run(o->folder, boxes, job, console);
+    if (!global.is_quiet) print_summary(boxes.report, o->folder, files);
     checkpoints.remove();
   });
 }
@@ -163,9 +148,7 @@ void save_stack(const Job& job, const std::string& output, Console& console, boo
   if (extension_of(output) == ".h5") {
     save_focal_stack(output, stack);
   } else {
-    const double white = common_white(stack.pictures, 0);
-    save_numbered(output, stack.pictures,
-                  [&](const std::string& path, const Image& image) { save_image(path, image, white, 8); });
+    save_pictures(output, stack.pictures);
   }
   const std::chrono::duration<double> all = std::chrono::steady_clock::now() - start;
   if (!is_quiet)
@@ -198,6 +181,10 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
     check_output(o->output,
                  is_stack ? std::vector<std::string>{".h5", ".exr", ".png"} : std::vector<std::string>{".png", ".exr"});
     Console console(global.is_quiet);
+    if (is_stack && extension_of(o->output) != ".h5")
+      for (size_t i = 1; i < job.render.focal_stack.size(); ++i) note_output(numbered_path(o->output, i));
+    if (job.render.eye_separation > 0)
+      for (const char* eye : {"_left", "_right"}) note_output(path_with_suffix(o->output, eye));
     if (is_stack) return save_stack(job, o->output, console, global.is_quiet);
     const auto render_with = [&](const RenderParams& params, const std::string& stage) {
       return render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), params,
@@ -206,13 +193,14 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
     if (job.render.eye_separation == 0) {
       const Image image = render_with(job.render, "render");
       console.finish();
-      save_image(o->output, image, exposure_white(image, 0), 8);
-      return;
+      return save_pictures(o->output, {image});
     }
     const auto eyes = stereo_pair(job.render);
     const std::vector<Image> pair{render_with(eyes[0], "left eye"), render_with(eyes[1], "right eye")};
     console.finish();
-    save_stereo(o->output, pair, common_white(pair, 0), 8, true);
+    say_warnings(write_together(o->output, image_record(o->output), [&](const OutputSet& set) {
+      save_stereo(set, std::filesystem::path(o->output).filename().string(), pair, common_white(pair, 0), 8, true);
+    }));
   });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -15,6 +16,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/image_file.h"
@@ -24,6 +26,7 @@
 #include "holotrace/run/viewing.h"
 #include "holotrace/view/camera.h"
 #include "save_views.h"
+#include "say.h"
 
 namespace holotrace {
 namespace {
@@ -35,28 +38,39 @@ void complete(const std::string& path, const Slm& slm, double wavelength, Hologr
   require(hologram.wavelength > 0, "{} has no metadata with its wavelength; give --wavelength", path);
 }
 
-// Refuses outputs that would overwrite a hologram, its sidecar or its modulus.
-void check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
-  for (const std::string& output : outputs) {
-    if (!std::filesystem::exists(output)) continue;
-    for (const std::string& input : inputs)
-      for (const std::string& file : {input, sidecar_path(input), path_with_suffix(input, "_modulus")})
-        require(!is_same_file(file, output), "the view {} would overwrite the hologram {}; give the view another name",
-                output, input);
+// Checks that holograms that were written together, as far as their names say so, are of one call: more frames of an
+// earlier call may lie beside them.
+void check_series(const std::vector<std::string>& inputs) {
+  namespace fs = std::filesystem;
+  struct First {
+    std::string path;
+    SeriesPart part;
+  };
+  std::map<std::string, First> series;
+  for (const std::string& path : inputs) {
+    const SeriesPart part = series_part(path);
+    const fs::path p(path);
+    std::string stem = p.stem().string();  // of the first of the series
+    const std::string ending = part.number == 1 ? "" : fmt::format("_{}", part.number);
+    if (!stem.ends_with(ending)) continue;  // it was renamed
+    stem.resize(stem.size() - ending.size());
+    const auto [found, is_new] = series.try_emplace((p.parent_path() / stem).string(), path, part);
+    const First& first = found->second;
+    require(is_new || first.part.count == part.count,
+            "expected holograms that were made together, but {} is number {} of {}, and {} number {} of {}; leave out "
+            "those of the earlier run",
+            first.path, first.part.number, first.part.count, path, part.number, part.count);
   }
 }
 
-std::vector<std::string> outputs_of(const std::string& output, const std::vector<Viewpoint>& from) {
-  std::vector<std::string> paths;
-  size_t swept = 0;
-  for (const Viewpoint& view : from)
-    if (view.kind == ViewKind::distance)
-      paths.push_back(numbered_path(output, paths.size()));
-    else
-      ++swept;
-  if (swept > 0)
-    for (const std::string& path : sweep_paths(output, swept)) paths.push_back(path);
-  return paths;
+// Notes the files beside the output: further distances, and the sweep.
+void note_outputs(const std::string& output, const std::vector<Viewpoint>& from) {
+  size_t views = 0, swept = 0;
+  for (const Viewpoint& view : from) ++(view.kind == ViewKind::distance ? views : swept);
+  for (size_t i = 1; i < views; ++i) note_output(numbered_path(output, i));
+  if (swept > 0 && extension_of(output) != ".gif")
+    for (const std::string& path : sweep_paths(output, swept))
+      if (std::filesystem::exists(path)) note_output(path);  // there may be many, and only those can be inputs
 }
 
 IlluminationPlan plan_of(const Hologram& hologram, const Viewing& v, double wavelength) {
@@ -119,9 +133,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     std::vector<Viewpoint> from = viewpoints(camera);
     if (is_animation) std::erase_if(from, [](const Viewpoint& view) { return view.kind != ViewKind::sweep; });
 
-    std::vector<std::string> outputs = outputs_of(o->output, from);
-    if (!o->report.empty()) outputs.push_back(o->report);
-    check_outputs(o->inputs, outputs);
+    note_outputs(o->output, from);
+    check_series(o->inputs);
 
     Console console(global.is_quiet);
     Report report;
@@ -148,13 +161,11 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     const ViewSeries sweep = expose_series(from, sums, ViewKind::sweep, camera);
     report_sweep(from, sweep, *repeat);
     console.finish();
-    for (size_t i = 0; i < views.images.size(); ++i)
-      save_image(numbered_path(o->output, i), views.images[i], views.white, camera.bits);
-    if (!is_animation) {
-      remove_views(o->output, views.images.size(), o->inputs);
-      if (sweep.images.empty()) remove_sweep(o->output);
-    }
-    if (!sweep.images.empty()) save_sweep(o->output, from, sweep, camera, console.watch("save the sweep"));
+    const std::string name = std::filesystem::path(o->output).filename().string();
+    say_warnings(write_together(o->output, image_record(o->output), [&](const OutputSet& set) {
+      save_views(set, name, {from, views, sweep, camera},
+                 sweep.images.empty() ? Observer() : console.watch("save the sweep"));
+    }));
     console.finish();
     if (!o->report.empty()) save_report(o->report, report);
   });

@@ -313,7 +313,7 @@ void write_field(const Workplace& work, const std::string& name, int ny, int nx,
   samples[samples.size() / 2] = middle;
   bytes.append(reinterpret_cast<const char*>(samples.data()), samples.size() * sizeof samples[0]);
   work.write(name + ".npy", bytes);
-  work.write(name + ".json", sidecar);
+  work.write(name + ".npy.json", sidecar);
 }
 
 TEST(BadInput, DistancesThatNoMethodCanSampleSayWhatWould) {
@@ -343,13 +343,13 @@ TEST(BadInput, DamagedFieldsAreRefused) {
   work.write("f.npy", whole + "x");
   expect({"f.npy", "513"});  // 8·8·8 bytes and one more
   write_field(work, "f", 8, 8, 1.0F, "{\"wavelengths_m\": [532e-9]}");
-  expect({"f.json", "pitch_m", "missing"});
+  expect({"f.npy.json", "pitch_m", "missing"});
   write_field(work, "f", 8, 8, 1.0F, "{\"pitch_m\": -8e-6, \"wavelengths_m\": [532e-9]}");
   expect({"pitch", "-8e-06"});
   write_field(work, "f", 8, 8, 1.0F, "{\"pitch_m\": 8e-6, ");
-  expect({"f.json:1", "JSON"});
-  std::filesystem::remove(work.path("f.json"));
-  expect({"f.json", "no such file"});
+  expect({"f.npy.json:1", "JSON"});
+  std::filesystem::remove(work.path("f.npy.json"));
+  expect({"f.npy.json", "no such file"});
 }
 
 TEST(BadInput, FlagsOfTheWrongKindAreNamed) {

@@ -36,9 +36,9 @@ TEST(Checkpoints, AnInterruptedJobEndsWithTheSameBytes) {
   ASSERT_EQ(work.run(job).exit_code, 0);
   job[13] = "again.png";
   job.insert(job.end(), {"--checkpoint", "state.h5"});
-  EXPECT_EQ(exit_code_when_interrupted(work, job, "state.h5"), 1);  // in the first colour
+  EXPECT_EQ(exit_code_when_interrupted(work, job, "state.h5"), 130);  // in the first colour
   EXPECT_FALSE(work.has("again.png"));
-  EXPECT_EQ(exit_code_when_interrupted(work, job, "state_2.h5"), 1);  // in the second one
+  EXPECT_EQ(exit_code_when_interrupted(work, job, "state_2.h5"), 130);  // in the second one
   EXPECT_FALSE(work.has("again.png"));
 
   std::vector<std::string> other = job;

@@ -113,7 +113,7 @@ TEST(CompareCommand, SaysWhatIsWrong) {
   EXPECT_EQ(error_of_run({"compare", "a.png", "a.png", "--difference-range", "2"}),
             "holotrace: --difference-range needs a picture of the difference; add --difference FILE.png\n");
   EXPECT_EQ(error_of_run({"compare", "a.png", "a.png", "--difference", "d.png", "--profile", "d.png"}),
-            "holotrace: expected a file each for --difference and --profile, got d.png for both\n");
+            "holotrace: expected a file for each output, got d.png for two of them; choose another name\n");
   EXPECT_NE(error_of_run({"compare", "a.png", "a.png", "--profile", "p.pdf"}).find(".svg"), std::string::npos);
 }
 

@@ -82,9 +82,7 @@ TEST(Sweep, AFocusSweepIsSharpestWhereThePointsAre) {
 TEST(Show, RemovesViewsOfAnEarlierCallAndNoHologram) {
   const Workplace work;
   make_hologram(work);
-  for (const char* name : {"view_4", "view_sweep_03"})
-    for (const char* extension : {".png", ".json"})
-      work.write(std::string(name) + extension, work.read(std::string("out/hologram") + extension));
+  for (const char* name : {"view_4.png", "view_sweep_03.png"}) work.write(name, work.read("out/hologram.png"));
   const std::vector<std::string> one{"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm"};
   std::vector<std::string> several = one, sweep = one;
   several.back() = "26 mm, 30 mm, 34 mm";
@@ -98,8 +96,7 @@ TEST(Show, RemovesViewsOfAnEarlierCallAndNoHologram) {
   ASSERT_EQ(work.run(one).exit_code, 0);
   for (const char* gone : {"view_sweep_01.png", "view_sweep_02.png", "view_sweep.gif", "view_sweep.png"})
     EXPECT_FALSE(work.has(gone)) << gone;
-  for (const char* there : {"view.png", "view_4.png", "view_4.json", "view_sweep_03.png", "view_sweep_03.json"})
-    EXPECT_TRUE(work.has(there)) << there;
+  for (const char* there : {"view.png", "view_4.png", "view_sweep_03.png"}) EXPECT_TRUE(work.has(there)) << there;
 }
 
 TEST(Show, ASweepOfFewerViewsLeavesNoneOfAnEarlierOne) {
@@ -146,8 +143,7 @@ TEST(Show, RefusesToWriteOverItsHologramsAndMoreThanFitsInMemory) {
     return outcome.err;
   };
   const std::string before = work.read("out/hologram.png");
-  EXPECT_NE(sentence({"-o", "out/../out/hologram.png"}).find("would overwrite the hologram"), std::string::npos);
-  EXPECT_NE(sentence({"-o", "view.png", "--report", "out/hologram.json"}).find("would overwrite"), std::string::npos);
+  EXPECT_NE(sentence({"-o", "out/../out/hologram.png"}).find("other than the input"), std::string::npos);
   work.write("view_2.png", before);
   EXPECT_EQ(work.run({"show", "view_2.png", "-o", "view.png", "--distance", "26 mm, 30 mm", "--wavelength", "532 nm"})
                 .exit_code,
@@ -174,7 +170,7 @@ TEST(Sweep, ASweepIsInOneExposureAndDoesNotChangeTheView) {
   };
   with("view.png");
   with("view.exr");
-  EXPECT_TRUE(work.read("view.png") == work.read("out/view.png"));
+  EXPECT_TRUE(load_image(work.path("view.png")).values == load_image(work.path("out/view.png")).values);
   // A PNG shows value/white. At any pixel both pictures have the same white, to one code of 255 near the middle.
   double white[2] = {0, 0};
   for (const int i : {0, 1}) {

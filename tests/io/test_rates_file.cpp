@@ -1,9 +1,13 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/rates_file.h"
@@ -30,17 +34,21 @@ class RatesFile : public ::testing::Test {
   }
 
   SummationRates keep(const std::string& key) {
-    return keep_summation_rates(key, [this] {
-      ++calibrations_;
-      SummationRates rates;
-      rates.spreads = 1000 + calibrations_;
-      return rates;
-    });
+    return keep_summation_rates(
+        key,
+        [this] {
+          ++calibrations_;
+          SummationRates rates;
+          rates.spreads = 1000 + calibrations_;
+          return rates;
+        },
+        [this](const std::string& sentence) { warnings_.push_back(sentence); });
   }
   std::string path() const { return cache_ + "/holotrace/summation_rates.json"; }
 
   std::string before_, cache_;
   int calibrations_ = 0;
+  std::vector<std::string> warnings_;
 };
 
 TEST_F(RatesFile, AMachineIsMeasuredOnce) {
@@ -82,6 +90,25 @@ TEST_F(RatesFile, WhereNothingCanBeKeptTheDefaultsHold) {
   std::ofstream(cache_ + "/holotrace") << "in the way";
   EXPECT_EQ(keep("this machine").spreads, SummationRates().spreads);
   EXPECT_EQ(calibrations_, 0) << "rates that differ from run to run are worse than none";
+}
+
+// A stopped program keeps the lock for ever. What is known is read without it; else the default rates hold.
+TEST_F(RatesFile, ALockThatIsNotGivenBackStopsNobody) {
+  keep("this machine");
+  const int other = open((path() + ".lock").c_str(), O_RDWR);
+  ASSERT_EQ(flock(other, LOCK_EX), 0);
+  EXPECT_EQ(keep("this machine").spreads, 1001);
+  EXPECT_TRUE(warnings_.empty());
+  EXPECT_EQ(keep("another machine").spreads, SummationRates().spreads);
+  ASSERT_EQ(warnings_.size(), 1U);
+  EXPECT_NE(warnings_[0].find("locked by another program"), std::string::npos);
+  EXPECT_EQ(calibrations_, 1);
+  close(other);
+}
+
+TEST_F(RatesFile, AFolderInTheLocksPlaceIsNoError) {
+  fs::create_directories(path() + ".lock");
+  EXPECT_EQ(keep("this machine").spreads, 1001);
 }
 
 TEST_F(RatesFile, AFolderInTheFilesPlaceIsNoError) {

@@ -25,7 +25,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// A path for a test's own file. A file left there earlier in the run is removed, with its sidecar.
+/// A path for a test's own file. A file left there earlier in the run is removed, with its sidecars.
 inline std::string temporary(const std::string& name) {
   static const TemporaryFolder run;
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
@@ -34,6 +34,7 @@ inline std::string temporary(const std::string& name) {
   const auto path = folder / name;
   std::filesystem::remove_all(path);
   std::filesystem::remove_all(std::filesystem::path(path).replace_extension(".json"));
+  std::filesystem::remove_all(path.string() + ".json");
   return path.string();
 }
 

@@ -96,12 +96,16 @@ template <class Make>
 auto with_store(const Make& make) {
   if (!store) return make(Planning::measured);
   if (const auto plan = make(Planning::known)) return plan;
-  const std::string kept = store->open();
-  import_wisdom(kept);
+  const std::optional<std::string> kept = store->open();
+  if (!kept) {
+    store.reset();
+    return make(Planning::measured);
+  }
+  import_wisdom(*kept);
   auto plan = make(Planning::known);
   const bool is_new = !plan;
   if (is_new) plan = make(Planning::measured);
-  store->close(is_new ? export_wisdom() : kept);
+  store->close(is_new ? export_wisdom() : *kept);
   return plan;
 }
 

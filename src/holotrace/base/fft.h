@@ -3,6 +3,7 @@
 #include <compare>
 #include <complex>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace holotrace {
@@ -65,9 +66,9 @@ std::string fft_library_version();
 /// A store that keeps plans between runs and shares them between programs, as FFTW's text of fast plans ("wisdom").
 /// For a plan that this program does not know yet, `open` is called for the text kept so far, and `close` with the new
 /// text, or the same text if it has the plan. Between the two calls nobody else may write the store, so that all
-/// programs that share it plan alike.
+/// programs that share it plan alike. If `open` returns nothing, the store cannot be used, and is not asked again.
 struct FftWisdomStore {
-  std::function<std::string()> open;
+  std::function<std::optional<std::string>()> open;
   std::function<void(const std::string& wisdom)> close;
 };
 

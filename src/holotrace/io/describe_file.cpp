@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "holotrace/base/error.h"
@@ -212,7 +211,7 @@ Json describe_file(const std::string& path, Outside outside) {
   if (extension == ".toml") return describe(load_job(path, outside));
   if (extension == ".ply") return describe_ply(path);
   if (is_mesh_file(path)) return describe(load_meshes(path, outside));
-  if (extension == ".png" && std::filesystem::exists(sidecar_path(path))) return describe(load_hologram(path));
+  if (is_hologram_file(path)) return describe(load_hologram(path));
   if (is_focal_stack_file(path)) return describe(load_focal_stack(path, outside));
   if (is_field_file(path)) return describe(load_fields_double(path, outside));
   return describe(load_image(path));

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -54,13 +53,19 @@ Json json_of(const SummationRates& rates) {
 
 }  // namespace
 
-SummationRates keep_summation_rates(const std::string& key, const std::function<SummationRates()>& calibrate) {
+SummationRates keep_summation_rates(const std::string& key, const std::function<SummationRates()>& calibrate,
+                                    const std::function<void(const std::string& sentence)>& warn) {
   const std::optional<std::string> folder = writable_cache_folder();
   if (!folder) return {};
   const std::string path = *folder + "/summation_rates.json";
-  LockFile file_lock(path + ".lock");
-  const std::lock_guard lock(file_lock);
   try {
+    // The file is replaced as a whole, so it may be read without the lock.
+    if (const std::optional<SummationRates> kept = rates_of(read_machines(path), key)) return *kept;
+    LockFile lock(path + ".lock");
+    if (!lock.lock()) {
+      warn(locked_message(path, "methods are chosen by the default rates"));
+      return {};
+    }
     Json machines = read_machines(path);
     if (const std::optional<SummationRates> kept = rates_of(machines, key)) return *kept;
     const SummationRates rates = calibrate();

@@ -11,11 +11,13 @@ namespace holotrace {
 /// summation_rates.json: an object with the rates of each machine that shares the folder, by `key`.
 ///
 /// If the file is damaged or has nothing under the key, `calibrate` is called and its rates are saved.
-/// Programs that start at the same time wait for the one that measures. If nothing can be saved, nothing is measured
+/// Programs that start at the same time wait some seconds for the one that measures. If nothing can be saved, nothing is measured
 /// and the default rates are returned: they are the same on every run, as the choice of a method requires.
 ///
 /// @param key        machine that the rates are valid for: processor, instruction set, version of the program
 /// @param calibrate  measures the rates
-SummationRates keep_summation_rates(const std::string& key, const std::function<SummationRates()>& calibrate);
+/// @param warn       gets a sentence if another program does not give the file's lock back
+SummationRates keep_summation_rates(const std::string& key, const std::function<SummationRates()>& calibrate,
+                                    const std::function<void(const std::string& sentence)>& warn);
 
 }  // namespace holotrace

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "holotrace/data/report.h"
+#include "holotrace/io/files/output_set.h"
 
 namespace holotrace {
 
@@ -12,7 +13,17 @@ namespace holotrace {
 nlohmann::ordered_json report_json(const Report& report);
 
 /// Writes the report to `path`, completely or not at all.
+/// @param files  the files that the reported run wrote beside it, if it is the report of a folder
 /// @throws Error  if the file cannot be written
-void save_report(const std::string& path, const Report& report);
+void save_report(const std::string& path, const Report& report, const FileRecord& files = {});
+
+/// Writes a report that says that its folder is incomplete: some of `files` may be missing.
+void save_incomplete_report(const std::string& path, const FileRecord& files);
+
+/// Whether a file is a report of this program.
+bool is_report(const std::string& path);
+
+/// The files that a report lists; none if there is no report or it lists none.
+FileRecord report_record(const std::string& path);
 
 }  // namespace holotrace

@@ -10,17 +10,33 @@
 #include "holotrace/io/files/file.h"
 
 namespace holotrace {
+namespace {
 
-void keep_fft_wisdom() {
+std::string read_wisdom(const std::string& path) {
+  std::error_code ignored;
+  try {
+    if (std::filesystem::is_regular_file(path, ignored)) return read_text(path);
+  } catch (const Error&) {
+    // A cache that cannot be read is as good as none.
+  }
+  return "";
+}
+
+}  // namespace
+
+void keep_fft_wisdom(const std::function<void(const std::string&)>& warn) {
   const std::optional<std::string> folder = writable_cache_folder();
   if (!folder) return;
   const std::string path = *folder + "/fftw_wisdom";
   const auto lock = std::make_shared<LockFile>(path + ".lock");
-  FftWisdomStore store;
   const auto kept = std::make_shared<std::string>();
-  store.open = [path, lock, kept]() -> std::string {
-    lock->lock();
-    *kept = std::filesystem::exists(path) ? read_text(path) : "";
+  FftWisdomStore store;
+  store.open = [path, lock, kept, warn]() -> std::optional<std::string> {
+    if (!lock->lock()) {
+      warn(locked_message(path, "plans of transforms are estimated"));
+      return std::nullopt;
+    }
+    *kept = read_wisdom(path);
     return *kept;
   };
   store.close = [path, lock, kept](const std::string& wisdom) {

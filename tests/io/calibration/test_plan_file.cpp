@@ -55,7 +55,6 @@ TEST(PlanFile, ANewPlanReplacesThePatternsOfAnEarlierOneAndNothingElse) {
   EXPECT_TRUE(fs::exists(folder + "/05_focus.png"));
   save_plan(folder, make_plan(2));
   EXPECT_FALSE(fs::exists(folder + "/05_focus.png"));
-  EXPECT_FALSE(fs::exists(folder + "/05_focus.json"));
   EXPECT_TRUE(fs::exists(folder + "/04_focus.png"));
   EXPECT_TRUE(fs::exists(folder + "/notes.txt"));
 }

@@ -279,6 +279,8 @@ TEST(NpyFile, SidecarsAreChecked) {
   EXPECT_EQ(error(R"({"pitch_m": 8e-6, "wavelengths_m": [532e-9], "image": "reel"})"),
             sidecar + ": unknown image \"reel\"; did you mean \"real\"?");
   std::filesystem::remove(sidecar);
+  EXPECT_EQ(error_of([&] { load_field(path); }), "no error") << "f.json, as earlier versions wrote it";
+  std::filesystem::remove(old_sidecar_path(path));
   EXPECT_EQ(error_of([&] { load_field(path); }),
             "expected the field's metadata {pitch_m, wavelengths_m, z_m, image} at " + sidecar +
                 ", but there is no such file; check the path");

@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "support/panels.h"
+#include "support/png.h"
 #include "support/temporary.h"
 
 namespace holotrace {
@@ -77,8 +80,8 @@ TEST(HologramFile, IlluminationNameAndFrameComeBackAsSaved) {
   EXPECT_EQ(loaded.name, "ES*L");
   EXPECT_EQ(loaded.cone_wavelength, 450.7e-9);
   EXPECT_EQ(loaded.frame, 12u);
-  // Older files, and those without a sidecar, have the same brightness.
-  std::filesystem::remove(sidecar_path(path));
+  // Older files, and those without metadata, have the same brightness.
+  test::drop_metadata(path);
   EXPECT_EQ(load_hologram(path).illumination, 1);
 }
 
@@ -87,7 +90,7 @@ TEST(HologramFile, GreysAreRawAndMeanTheSameForAnyLevels) {
   const auto greys = [](Modulation modulation, int levels) {
     const std::string path = temporary("h.png");
     save_hologram(path, all_levels(levels, modulation));
-    std::filesystem::remove(sidecar_path(path));
+    test::drop_metadata(path);
     return load_hologram(path);
   };
   EXPECT_EQ(greys(Modulation::phase, 2).level(0, 1), 128);
@@ -96,27 +99,67 @@ TEST(HologramFile, GreysAreRawAndMeanTheSameForAnyLevels) {
   EXPECT_EQ(greys(Modulation::phase, 1024).level(0, 1), 64);  // of 65536
 }
 
-TEST(HologramFile, WithoutASidecarTheCallerSaysTheRest) {
+TEST(HologramFile, WithoutMetadataTheCallerSaysTheRest) {
   const std::string path = temporary("h.png");
   save_hologram(path, all_levels(256, Modulation::amplitude));
-  std::filesystem::remove(sidecar_path(path));
+  test::drop_metadata(path);
   const Hologram loaded = load_hologram(path);
   EXPECT_EQ(loaded.levels, 256);
   EXPECT_EQ(loaded.modulation, Modulation::phase);
   EXPECT_EQ(loaded.grid, (Grid{256, 1, 0}));
   EXPECT_EQ(loaded.wavelength, 0);
   save_hologram(path, all_levels(1024, Modulation::phase));
-  std::filesystem::remove(sidecar_path(path));
+  test::drop_metadata(path);
   EXPECT_EQ(load_hologram(path).levels, 65536);
+}
+
+// PNG readers refuse texts of more than 8 MB.
+TEST(HologramFile, MetadataTooLongForAPngIsBesideIt) {
+  const std::string path = temporary("h.png");
+  Hologram hologram = all_levels(16, Modulation::phase);
+  hologram.slm = make_panel(16, 1);
+  hologram.slm->levels = 16;
+  hologram.slm->effects.dead_pixels.assign(700'000, {15, 0, 11});  // [15,0,11] and a comma: 10 bytes each
+  save_hologram(path, hologram);
+  EXPECT_EQ(test::png_text(path, "holotrace"), "");
+  EXPECT_TRUE(is_hologram_file(path));
+  EXPECT_EQ(load_hologram(path).slm->effects.dead_pixels.size(), 700'000U);
+}
+
+// Earlier versions wrote NAME.json; what is inside the file counts first.
+TEST(HologramFile, SidecarsOfEarlierVersionsAreRead) {
+  const std::string path = temporary("h.png");
+  save_hologram(path, all_levels(256, Modulation::phase));
+  EXPECT_FALSE(std::filesystem::exists(sidecar_path(path)) || std::filesystem::exists(old_sidecar_path(path)));
+  write_text(old_sidecar_path(path), R"({"pitch_m": 3e-6, "wavelength_m": 450e-9, "modulation": "phase"})");
+  EXPECT_EQ(load_hologram(path).grid.pitch, 8e-6);
+  test::drop_metadata(path);
+  EXPECT_TRUE(is_hologram_file(path));
+  EXPECT_EQ(load_hologram(path).grid.pitch, 3e-6);
+  std::filesystem::remove(old_sidecar_path(path));
+  EXPECT_FALSE(is_hologram_file(path));
+}
+
+// Names in any script: PNG asks for Latin-1 in its texts, JSON escapes the rest.
+TEST(HologramFile, MetadataIsAsciiInsideThePng) {
+  const std::string path = temporary("h.png");
+  Hologram hologram = all_levels(4, Modulation::phase);
+  hologram.name = "Würfel 箱";
+  save_hologram(path, hologram, {2, 3}, {{"h_modulus.png", 7}});
+  const std::string text = test::png_text(path, "holotrace");
+  EXPECT_TRUE(std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; })) << text;
+  EXPECT_EQ(load_hologram(path).name, hologram.name);
+  EXPECT_EQ(series_part(path).number, 2U);
+  EXPECT_EQ(series_part(path).count, 3U);
+  EXPECT_EQ(hologram_record(path), (FileRecord{{"h_modulus.png", 7}}));
 }
 
 TEST(HologramFile, GreysThatAreNoLevelAreRefused) {
   const std::string path = temporary("h.png");
   save_hologram(path, all_levels(256, Modulation::phase));
-  const std::string sidecar = sidecar_path(path);
-  write_text(sidecar, R"({"pitch_m": 8e-6, "wavelength_m": 532e-9, "levels": 2})");
+  test::set_png_text(path, "holotrace", R"({"pitch_m": 8e-6, "wavelength_m": 532e-9, "levels": 2})");
   EXPECT_EQ(error_of([&] { load_hologram(path); }),
-            path + ": expected the greys of 2 levels, got 1 at row 0, column 1; correct \"levels\" in " + sidecar +
+            path + ": expected the greys of 2 levels, got 1 at row 0, column 1; correct \"levels\" in " + path +
                 " or write the hologram again, without scaling or compression loss");
 }
 

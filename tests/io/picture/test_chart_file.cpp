@@ -147,8 +147,8 @@ TEST(ChartFile, PassesOnWhatGnuplotSaysWhenItFails) {
   setenv("PATH", (folder + ":" + search_path).c_str(), 1);
   const std::string error = error_of([&] { save_chart(path, sweep()); });
   setenv("PATH", search_path.c_str(), 1);
-  EXPECT_EQ(error,
-            "expected gnuplot to draw " + path + ", got \"line 7: unknown colour\"; check the room in its folder");
+  EXPECT_EQ(error, "expected gnuplot to draw " + path +
+                       ", got \"line 7: unknown colour\"; update gnuplot, or leave the picture out");
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 

@@ -86,6 +86,28 @@ TEST(ImageFile, TheSameImageGivesTheSameBytes) {
   }
 }
 
+TEST(ImageFile, PitchAndRecordComeBackFromPngAndExr) {
+  for (const char* name : {"a.png", "a.exr"}) {
+    const std::string path = temporary(name);
+    Image image(2, 3, 1);
+    image.pitch = 6.4e-6 / 3;
+    save_image(path, image, 1, 8, {{"a_2.png", 12}, {"ä.gif", 7}});
+    EXPECT_EQ(load_image(path).pitch, image.pitch) << name;
+    EXPECT_EQ(image_record(path), (FileRecord{{"a_2.png", 12}, {"ä.gif", 7}})) << name;
+    // The bytes do not depend on the name, and a record goes with its file when that is renamed.
+    const std::string other = temporary(std::string("b") + name);
+    const std::string stem = std::filesystem::path(other).stem();
+    save_image(other, image, 1, 8, {{stem + "_2.png", 12}, {"ä.gif", 7}});
+    EXPECT_TRUE(read_text(other) == read_text(path)) << name;
+    EXPECT_EQ(image_record(other), (FileRecord{{stem + "_2.png", 12}, {"ä.gif", 7}})) << name;
+    save_image(path, Image(2, 3, 1), 1, 8);
+    EXPECT_EQ(load_image(path).pitch, 0) << name;
+    EXPECT_TRUE(image_record(path).empty()) << name;
+  }
+  EXPECT_TRUE(image_record(temporary("missing.png")).empty());
+  EXPECT_TRUE(image_record(test::make_file("text.png", "no picture")).empty());
+}
+
 TEST(ImageFile, FilesThatAreNotImagesAreRefused) {
   const std::string path = make_file("i.png", "only text");
   EXPECT_EQ(

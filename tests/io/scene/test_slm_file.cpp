@@ -11,6 +11,7 @@
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "support/panels.h"
+#include "support/png.h"
 #include "support/temporary.h"
 
 namespace holotrace {
@@ -220,7 +221,7 @@ TEST(SlmFile, AHologramKeepsItsPanelsEffectsWhereverItGoes) {
   hologram.effects = {"calibration", "phase-map"};
   const std::string here = fresh_folder("here"), there = fresh_folder("there");
   save_hologram(here + "/h.png", hologram);
-  for (const char* file : {"h.png", "h.json", "h_phase_map.exr", "h_light_map.exr"})
+  for (const char* file : {"h.png", "h_phase_map.exr", "h_light_map.exr"})
     fs::rename(here + "/" + file, there + "/" + file);
   const Hologram again = load_hologram(there + "/h.png");
   EXPECT_EQ(again.effects, hologram.effects);
@@ -266,11 +267,11 @@ TEST(SlmFile, AWarningNamesAnEffectThatIsLostWithItsFile) {
   fs::remove(folder + "/h_phase_map.exr");
   EXPECT_NE(sentence_in(folder, [&] { load_hologram(path); }).find("h_phase_map.exr"), std::string::npos);
   save_hologram(path, hologram);
-  nlohmann::json json = nlohmann::json::parse(read_text(folder + "/h.json"));
+  nlohmann::json json = nlohmann::json::parse(test::png_text(path, "holotrace"));
   json["slm"]["effects"]["calibration"]["amplitude"].erase(0);
-  write_text(folder + "/h.json", json.dump());
+  test::set_png_text(path, "holotrace", json.dump());
   EXPECT_EQ(sentence_in(folder, [&] { load_hologram(path); }),
-            "h.json: expected as many calibrated amplitudes as phases, got 15 and 16; write the hologram again");
+            "h.png: expected as many calibrated amplitudes as phases, got 15 and 16; write the hologram again");
 }
 
 TEST(SlmFile, AComplexHologramIsTwoImages) {

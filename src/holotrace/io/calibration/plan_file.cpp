@@ -53,8 +53,9 @@ void remove_earlier(const std::string& folder) {
     const auto file = item.as_table() ? (*item.as_table())["file"].value<std::string>() : std::nullopt;
     if (!file || fs::path(*file).has_parent_path() || fs::path(*file).extension() != ".png") continue;
     const std::string path = (fs::path(folder) / *file).string();
+    if (!is_hologram_file(path)) continue;  // a photograph may have been put in its place
     fs::remove(path, ignored);
-    fs::remove(sidecar_path(path), ignored);
+    for (const std::string& sidecar : {sidecar_path(path), old_sidecar_path(path)}) fs::remove(sidecar, ignored);
   }
 }
 

@@ -39,7 +39,7 @@ hid_t create_dataset(hid_t file, const char* name, hid_t type, int rank, const h
 
 void write_state(const std::string& path, const IterationState& state) {
   const Silence silence;
-  const Handle file(create_hdf5(path), H5Fclose);
+  Handle file(create_hdf5(path), H5Fclose);
   {
     const hsize_t count = state.numbers.size();
     const Handle numbers(create_dataset(file, numbers_name, H5T_IEEE_F64LE, 1, &count), H5Dclose);
@@ -61,7 +61,7 @@ void write_state(const std::string& path, const IterationState& state) {
                                 }),
                       path);
   }
-  require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
+  close_written(file, path);
 }
 
 double samples_of(const Shape& shape) { return double(shape[0]) * double(shape[1]) * double(shape[2]); }
@@ -133,7 +133,7 @@ void save_checkpoint(const std::string& path, const IterationState& state) {
 
 std::optional<IterationState> load_checkpoint(const std::string& path, const IterationState& job) {
   if (!std::filesystem::exists(path)) return std::nullopt;
-  check_file_exists(path, "a checkpoint");
+  check_is_file(path, "a checkpoint");  // it is written again
   IterationState state;
   state.job = job.job;
   const auto read = [&](ToParent& out) { send_state(path, job, out); };

@@ -17,6 +17,7 @@
 #include "holotrace/io/field/field_formats.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/new_file.h"
 
 namespace holotrace {
 namespace {
@@ -85,7 +86,7 @@ size_t FieldBands::finished_bands() const { return size_t(std::count(finished_.b
 
 // The lock ends with the process, however that ends. HDF5 locks the file itself while it reads, so it reads first.
 void FieldBands::open_partial() {
-  file_ = open(partial_.c_str(), O_RDWR | O_CLOEXEC);
+  file_ = open(partial_.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
   if (file_ < 0) fail("expected to write {}, got \"{}\"; check its permissions", partial_, std::strerror(errno));
   lock();
   flock(file_, LOCK_UN);
@@ -192,10 +193,10 @@ void FieldBands::write_journal() const {
                                     {"settings", job_.settings},
                                     {"finished", ranges_of(finished_)}};
   const std::string text = json.dump() + "\n";
-  write_atomically(journal_, [&](const std::string& temporary) {
-    write_bytes(temporary, text.data(), text.size());
-    if (!sync_path(temporary, 0)) fail_to_write(errno);
-  });
+  NewFile file(journal_);
+  file.put(text.data(), text.size());
+  file.sync();
+  file.finish();
   sync_folder_of(journal_);
 }
 

@@ -8,6 +8,7 @@
 #include "holotrace/io/field/field_formats.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/picture/image_output.h"
 #include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
@@ -26,7 +27,7 @@ double read_number(const OIIO::ImageSpec& spec, const char* name, const std::str
 
 }  // namespace
 
-void write_field_exr(const std::string& path, const Field& field) {
+void save_field_exr(const std::string& path, const Field& field) {
   OIIO::ImageSpec spec(field.grid.nx, field.grid.ny, 2, OIIO::TypeDesc::FLOAT);
   spec.channelnames = {"real", "imag"};
   spec.attribute("compression", "zip");
@@ -45,11 +46,7 @@ void write_field_exr(const std::string& path, const Field& field) {
     const double values[] = {field.filter->u0, field.filter->v0, field.filter->half_u, field.filter->half_v};
     for (int i = 0; i < 4; ++i) put(filter_names[i], values[i]);
   }
-  const auto output = OIIO::ImageOutput::create(path);
-  const bool written = output && output->open(path, spec) &&
-                       output->write_image(OIIO::TypeDesc::FLOAT, field.samples.values.data()) && output->close();
-  require(written, "expected to write {}, got \"{}\"; check the room and the permissions there", path,
-          output ? output->geterror() : OIIO::geterror());
+  write_image_file(path, spec, OIIO::TypeDesc::FLOAT, field.samples.values.data());
 }
 
 bool is_field_exr(const std::string& path) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <type_traits>
 #include <utility>
 
@@ -48,11 +49,19 @@ std::vector<double> wavelengths_of(const nlohmann::json& json, size_t count, con
   return found->template get<std::vector<double>>();
 }
 
+// The metadata beside an .npy file, under its name or the one of earlier versions.
+std::string sidecar_of(const std::string& path) {
+  std::error_code ignored;
+  const std::string old = old_sidecar_path(path);
+  if (!std::filesystem::exists(sidecar_path(path), ignored) && std::filesystem::exists(old, ignored)) return old;
+  check_file_exists(sidecar_path(path), "the field's metadata {pitch_m, wavelengths_m, z_m, image}");
+  return sidecar_path(path);
+}
+
 template <class Real>
 std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
   std::vector<Array2D<std::complex<Real>>> arrays = read_npy<Real>(path);
-  const std::string sidecar = sidecar_path(path);
-  check_file_exists(sidecar, "the field's metadata {pitch_m, wavelengths_m, z_m, image}");
+  const std::string sidecar = sidecar_of(path);
   const nlohmann::json json = read_metadata(sidecar);
   BasicField<Real> field;
   field.grid = {arrays.front().nx, arrays.front().ny, metadata_number(json, sidecar, "pitch_m")};
@@ -143,19 +152,19 @@ void save_fields(const std::string& path, const std::vector<BasicField<Real>>& s
   check_stack(path, stack);
   const std::string extension = extension_of(path);
   if (extension == ".npy") {
-    write_atomically(path, [&](const std::string& temporary) {
-      std::vector<const Array2D<std::complex<Real>>*> arrays;
-      for (const auto& field : stack) arrays.push_back(&field.samples);
-      write_npy(temporary, arrays);
-      write_text(sidecar_path(path), field_metadata(stack));
-    });
+    NewFile file(path);
+    std::vector<const Array2D<std::complex<Real>>*> arrays;
+    for (const auto& field : stack) arrays.push_back(&field.samples);
+    write_npy(file, arrays);
+    write_text(sidecar_path(path), field_metadata(stack));
+    file.finish();
   } else if (extension == ".h5") {
     write_atomically(path, [&](const std::string& temporary) { write_fields_hdf5(temporary, stack); });
   } else if (extension == ".exr") {
     require(stack.size() == 1, "expected .npy or .h5 for a field of {} wavelengths, got {}; .exr holds one",
             stack.size(), path);
     if constexpr (std::is_same_v<Real, float>)
-      write_atomically(path, [&](const std::string& temporary) { write_field_exr(temporary, stack.front()); });
+      save_field_exr(path, stack.front());
     else
       fail("expected .npy or .h5 for a field in double precision, got {}; .exr holds single precision", path);
   } else {

@@ -12,7 +12,7 @@ namespace holotrace {
 /// format:
 ///
 /// - `.npy`  complex64 or complex128, shape (ny, nx) for one wavelength, (wavelengths, ny, nx) for several, as
-///           numpy.load reads it, and beside it NAME.json {pitch_m, wavelengths_m, z_m, image, centre_x_m, centre_y_m,
+///           numpy.load reads it, and beside it NAME.npy.json {pitch_m, wavelengths_m, z_m, image, centre_x_m, centre_y_m,
 ///           name, frame, filter}. The centre is left out if it is on the axis, other keys if they are empty.
 /// - `.h5`   dataset "field" {r, i} of that shape, as h5py reads it, with the same metadata as attributes
 /// - `.exr`  float channels "real" and "imag", with the same metadata as attributes; one wavelength in single

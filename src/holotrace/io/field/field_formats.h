@@ -7,8 +7,8 @@
 #include "holotrace/data/field.h"
 #include "holotrace/io/files/outside.h"
 
-// One pair of functions per file format of fields; field_file.cpp selects it by extension. Writers fill
-// the file in place, for use inside write_atomically.
+// One pair of functions per file format of fields; field_file.cpp selects it by extension. write_… and create_…
+// fill the file in place, for use inside write_atomically.
 
 namespace holotrace {
 
@@ -26,7 +26,8 @@ void create_fields_hdf5(const std::string& path, const std::vector<Field>& heade
 /// Offsets of the chunks of such a file [bytes]: those of the first field from the top down, then of the next field.
 std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows);
 
-void write_field_exr(const std::string& path, const Field& field);
+/// Writes the file under its name, completely or not at all.
+void save_field_exr(const std::string& path, const Field& field);
 Field read_field_exr(const std::string& path);
 
 /// Whether an EXR file has the channels of a field.

@@ -54,7 +54,7 @@ template <class Real>
 void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Real>>& stack) {
   const Silence silence;
   const Grid& grid = stack.front().grid;
-  const Handle file(create_hdf5(path), H5Fclose);
+  Handle file(create_hdf5(path), H5Fclose);
   {
     const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     const Handle data(create_dataset(file, stack, properties, path), H5Dclose);
@@ -69,7 +69,7 @@ void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Rea
                       path);
     }
   }
-  require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
+  close_written(file, path);
 }
 
 void create_fields_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows) {
@@ -82,7 +82,7 @@ void create_fields_hdf5(const std::string& path, const std::vector<Field>& heade
   H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY);  // every chunk gets its place from the start
   H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);
   { const Handle data(create_dataset(file, headers, properties, path), H5Dclose); }
-  require_written(file.close() >= 0, path);
+  close_written(file, path);
 }
 
 std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vector<Field>& headers, int chunk_rows) {

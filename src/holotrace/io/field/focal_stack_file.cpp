@@ -32,7 +32,7 @@ void write_stack(const std::string& path, const FocalStack& stack) {
   const Grid& grid = stack.grid;
   const int channels = stack.pictures.front().channels;
   const Shape shape{stack.pictures.size(), hsize_t(grid.ny), hsize_t(grid.nx), hsize_t(channels)};
-  const Handle file(create_hdf5(path), H5Fclose);
+  Handle file(create_hdf5(path), H5Fclose);
   {
     const Handle space(H5Screate_simple(channels == 1 ? 3 : 4, shape.data(), nullptr), H5Sclose);
     const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
@@ -51,7 +51,7 @@ void write_stack(const std::string& path, const FocalStack& stack) {
                                 }),
                       path);
   }
-  require_written(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0, path);
+  close_written(file, path);
 }
 
 /// The shape of a stack's dataset. @throws Error, naming the file, for another one

@@ -41,6 +41,11 @@ void require_written(bool holds, const std::string& path) {
   require(holds, "expected to write {}, but HDF5 could not; check the room and the permissions there", path);
 }
 
+void close_written(Handle& file, const std::string& path) {
+  const bool is_flushed = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0;
+  require_written(file.close() >= 0 && is_flushed, path);
+}
+
 hid_t create_hdf5(const std::string& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST);

@@ -47,6 +47,9 @@ class Silence {
 /// @throws Error, naming the file, unless `holds`
 void require_written(bool holds, const std::string& path);
 
+/// Writes to the disk what HDF5 still holds, and closes the file. @throws Error, naming the file, if it cannot
+void close_written(Handle& file, const std::string& path);
+
 /// An empty file in the format of HDF5 1.8 and later, which has checksums, so that damage is detected.
 hid_t create_hdf5(const std::string& path);
 

@@ -1,28 +1,21 @@
 #include "holotrace/io/field/hologram_file.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/effects_json.h"
+#include "holotrace/io/field/grey_levels.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/files/record_names.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
-
-// Grey values per level: the grey of level ℓ is round(ℓ·scale).
-double grey_scale(int levels, Modulation modulation, int bits) {
-  const double greys = bits == 8 ? 256 : 65536;
-  return modulation == Modulation::amplitude ? (greys - 1) / (levels - 1) : greys / levels;
-}
 
 void check_levels(int levels, const std::string& path) {
   require(levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}", path, levels);
@@ -82,36 +75,20 @@ Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& pa
   return slm;
 }
 
-struct Greys {
-  int nx = 0, ny = 0, bits = 8;
-  std::vector<uint16_t> values;
-};
+// Longer texts than this are not read by libpng.
+constexpr size_t longest_text = 7'000'000;
 
-Greys read_greys(const std::string& path) {
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = open_picture(path, config);
-  require(input != nullptr,
-          "{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
-  const OIIO::ImageSpec& spec = input->spec();
-  require(!is_truncated_png(path), "{}: expected a hologram of {} × {} pixels, but it is truncated or damaged", path,
-          spec.width, spec.height);
-  const bool is_8 = spec.format == OIIO::TypeDesc::UINT8, is_16 = spec.format == OIIO::TypeDesc::UINT16;
-  require(is_8 || is_16, "{}: expected a hologram in 8 or 16 bits, got {}; write it as a PNG", path,
-          spec.format.c_str());
-  const size_t count = size_t(spec.width) * size_t(spec.height), channels = size_t(spec.nchannels);
-  std::vector<uint16_t> values(count * channels);
-  require(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT16, values.data()),
-          "{}: expected a hologram of {} × {} pixels, but it is truncated or damaged", path, spec.width, spec.height);
-  Greys greys{spec.width, spec.height, is_8 ? 8 : 16, std::vector<uint16_t>(count)};
-  for (size_t i = 0; i < count; ++i) {
-    const uint16_t* pixel = values.data() + i * channels;
-    require(channels < 3 || (pixel[0] == pixel[1] && pixel[1] == pixel[2]),
-            "{}: expected a grey hologram, got a coloured pixel at row {}, column {}", path, i / size_t(spec.width),
-            i % size_t(spec.width));
-    greys.values[i] = uint16_t(is_8 ? pixel[0] / 257 : pixel[0]);  // 8-bit values were widened by 65535/255 = 257
-  }
-  return greys;
+// The metadata beside a PNG without text, under its name or the one of earlier versions; empty if there is none.
+std::string sidecar_of(const std::string& path) {
+  std::error_code ignored;
+  for (const std::string& sidecar : {sidecar_path(path), old_sidecar_path(path)})
+    if (std::filesystem::exists(sidecar, ignored)) return sidecar;
+  return "";
+}
+
+// The metadata inside a PNG; empty if there are none.
+std::string metadata_in(const std::string& path) {
+  return extension_of(path) == ".png" ? text_in_image(path, metadata_name) : "";
 }
 
 nlohmann::ordered_json to_json(const Slm& slm) {
@@ -131,45 +108,13 @@ nlohmann::ordered_json to_json(const Slm& slm) {
   return json;
 }
 
-// Writes levels as greys; calls `before_named` when all is written but the file does not have its name yet.
-void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels, Modulation modulation,
-                 const std::function<void()>& before_named = {}) {
-  const int bits = levels <= 256 ? 8 : 16;
-  const double scale = grey_scale(levels, modulation, bits);
-  std::vector<uint16_t> greys;
-  greys.reserve(levels_of_pixels.size());
-  for (uint16_t level : levels_of_pixels.values) {
-    require(level < levels, "expected levels below {} in the hologram to save as {}, got {}", levels, path, level);
-    greys.push_back(uint16_t(std::lround(level * scale)));
+void read_losses(const nlohmann::json& list, const std::string& sidecar, Hologram& hologram) {
+  hologram.loses_by_cone = hologram.loses_by_pixels = false;
+  for (const nlohmann::json& loss : list) {
+    require(list.is_array() && (loss == "cone" || loss == "pixels"),
+            "{}: expected a list of \"cone\" and \"pixels\" as \"loses_by\", got another value", sidecar);
+    (loss == "cone" ? hologram.loses_by_cone : hologram.loses_by_pixels) = true;
   }
-  const std::vector<uint8_t> bytes(greys.begin(), greys.end());
-  OIIO::ImageSpec spec(levels_of_pixels.nx, levels_of_pixels.ny, 1,
-                       bits == 8 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
-  spec.attribute("oiio:ColorSpace", "Linear");
-  write_atomically(path, [&](const std::string& temporary) {
-    const auto output = OIIO::ImageOutput::create(temporary);
-    const void* values = bits == 8 ? static_cast<const void*>(bytes.data()) : greys.data();
-    const bool written =
-        output && output->open(temporary, spec) && output->write_image(spec.format, values) && output->close();
-    require(written, "expected to write {}, got \"{}\"; check the room and the permissions there", path,
-            output ? output->geterror() : OIIO::geterror());
-    if (before_named) before_named();
-  });
-}
-
-Array2D<uint16_t> levels_of(const Greys& greys, int levels, Modulation modulation, const std::string& path,
-                            const std::string& sidecar) {
-  const double scale = grey_scale(levels, modulation, greys.bits);
-  Array2D<uint16_t> out(greys.ny, greys.nx);
-  for (size_t i = 0; i < greys.values.size(); ++i) {
-    const long level = std::lround(greys.values[i] / scale);
-    require(level < levels && std::lround(double(level) * scale) == greys.values[i],
-            "{}: expected the greys of {} levels, got {} at row {}, column {}; correct \"levels\" in {} or write the "
-            "hologram again, without scaling or compression loss",
-            path, levels, greys.values[i], i / size_t(greys.nx), i % size_t(greys.nx), sidecar);
-    out.values[i] = uint16_t(level);
-  }
-  return out;
 }
 
 std::vector<JointColour> colours_from(const nlohmann::json& json, const std::string& sidecar) {
@@ -188,12 +133,14 @@ std::vector<JointColour> colours_from(const nlohmann::json& json, const std::str
 
 }  // namespace
 
-void save_hologram(const std::string& path, const Hologram& hologram) {
+void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part,
+                   const FileRecord& record) {
   require(extension_of(path) == ".png", "expected a hologram file .png, got {}; change its extension", path);
   check_levels(hologram.levels, path);
   require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
           path, hologram.level.nx, hologram.level.ny);
-  nlohmann::ordered_json json{{"pitch_m", hologram.grid.pitch},
+  nlohmann::ordered_json json{{"kind", "hologram"},
+                              {"pitch_m", hologram.grid.pitch},
                               {"wavelength_m", hologram.wavelength},
                               {"levels", hologram.levels},
                               {"modulation", modulation_name(hologram.modulation)},
@@ -205,6 +152,11 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
   if (!hologram.name.empty()) json["name"] = hologram.name;
   if (hologram.frame > 0) json["frame"] = hologram.frame;
   if (hologram.cone_wavelength > 0) json["cone_wavelength_m"] = hologram.cone_wavelength;
+  if (!hologram.loses_by_cone || !hologram.loses_by_pixels) {
+    json["loses_by"] = nlohmann::json::array();
+    if (hologram.loses_by_cone) json["loses_by"].push_back("cone");
+    if (hologram.loses_by_pixels) json["loses_by"].push_back("pixels");
+  }
   if (!hologram.effects.empty()) json["effects"] = hologram.effects;
   if (hologram.slm) json["slm"] = to_json(*hologram.slm);
   if (hologram.slm && hologram.slm->effects.phase_map) {
@@ -224,8 +176,43 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
   }
   if (hologram.filter) json["filter"] = filter_to_json(*hologram.filter);
 
-  const auto write_sidecar = [&] { write_text(sidecar_path(path), json.dump(2) + "\n"); };
-  write_greys(path, hologram.level, hologram.levels, hologram.modulation, write_sidecar);
+  if (part.count > 1) {
+    json["part"] = part.number;
+    json["parts"] = part.count;
+  }
+  if (!record.empty()) json["files"] = record_json(record_inside(path, record));
+  const std::string text = json.dump(-1, ' ', true);  // ASCII, as PNG asks for
+  const bool is_inside = text.size() <= longest_text;
+  if (!is_inside) write_text(sidecar_path(path), text + "\n");
+  write_greys(path, hologram.level, hologram.levels, hologram.modulation, is_inside ? text : "");
+}
+
+void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms) {
+  const FileRecord before = set.record();
+  for (size_t i = holograms.size(); i-- > 0;)
+    save_hologram(set.path(numbered_path(name, i)), holograms[i], {i + 1, holograms.size()},
+                  i == 0 ? set.record_since(before) : FileRecord());
+}
+
+bool is_hologram_file(const std::string& path) {
+  std::error_code ignored;
+  if (extension_of(path) != ".png" || !std::filesystem::is_regular_file(path, ignored)) return false;
+  if (!metadata_in(path).empty()) return true;
+  const std::string sidecar = sidecar_of(path);
+  return !sidecar.empty() && nlohmann::json::parse(read_text(sidecar), nullptr, false).contains("modulation");
+}
+
+SeriesPart series_part(const std::string& path) {
+  const std::string text = metadata_in(path);
+  if (text.empty()) return {};
+  const nlohmann::json json = parse_metadata(text, path);
+  return {size_t(frame_from(metadata_number(json, path, "part", 1), path)),
+          size_t(frame_from(metadata_number(json, path, "parts", 1), path))};
+}
+
+FileRecord hologram_record(const std::string& path) {
+  const nlohmann::json json = nlohmann::json::parse(metadata_in(path), nullptr, false);
+  return json.contains("files") ? record_outside(path, record_from(json["files"])) : FileRecord();
 }
 
 Hologram load_hologram(const std::string& path) {
@@ -235,9 +222,10 @@ Hologram load_hologram(const std::string& path) {
   hologram.levels = greys.bits == 8 ? 256 : 65536;
   hologram.grid.nx = greys.nx;
   hologram.grid.ny = greys.ny;
-  const std::string sidecar = sidecar_path(path);
-  if (std::filesystem::exists(sidecar)) {
-    const nlohmann::json json = read_metadata(sidecar);
+  const bool is_inside = !greys.metadata.empty();
+  const std::string beside = is_inside ? "" : sidecar_of(path), sidecar = beside.empty() ? path : beside;
+  if (is_inside || !beside.empty()) {
+    const nlohmann::json json = is_inside ? parse_metadata(greys.metadata, path) : read_metadata(beside);
     hologram.grid.pitch = metadata_number(json, sidecar, "pitch_m");
     hologram.wavelength = metadata_number(json, sidecar, "wavelength_m");
     require(hologram.grid.pitch >= 0 && hologram.wavelength >= 0,
@@ -257,6 +245,7 @@ Hologram load_hologram(const std::string& path) {
     hologram.name = metadata_text(json, sidecar, "name", "");
     hologram.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
     hologram.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);
+    if (json.contains("loses_by")) read_losses(json["loses_by"], sidecar, hologram);
     hologram.filter = filter_from_json(json, sidecar);
     hologram.effects = metadata_texts(json, sidecar, "effects");
     if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, path, sidecar);

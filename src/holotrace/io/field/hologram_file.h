@@ -1,14 +1,22 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "holotrace/data/hologram.h"
+#include "holotrace/io/files/output_set.h"
 
 namespace holotrace {
 
-/// Writes the levels of a hologram as a PNG of linear grey values, not sRGB-coded, and beside it
-/// NAME.json {pitch_m, wavelength_m, levels, modulation, image, encoder, illumination_w_per_m2, name, frame, effects,
-/// slm, filter, modulus}. For M levels:
+/// The place of a hologram in a series that was written together: frames, colours, … of one scene.
+struct SeriesPart {
+  size_t number = 1, count = 1;  ///< which one it is, from 1, and how many there are
+};
+
+/// Writes the levels of a hologram as a PNG of linear grey values, not sRGB-coded. It holds, as the text "holotrace", a
+/// JSON object {kind, pitch_m, wavelength_m, levels, modulation, image, encoder, illumination_w_per_m2, name, frame,
+/// effects, slm, filter, modulus, part, parts, files}; if that is too long for a PNG, it is beside it, in
+/// NAME.png.json. For M levels:
 ///
 ///     phase:      grey = round(ℓ·256/M)      in 8 bits (M ≤ 256), or round(ℓ·65536/M) in 16 bits
 ///     amplitude:  grey = round(ℓ·255/(M−1))  in 8 bits (M ≤ 256), or round(ℓ·65535/(M−1)) in 16 bits
@@ -16,14 +24,28 @@ namespace holotrace {
 /// so that the 8-bit grey g always means the phase 2πg/256 or the amplitude g/255.
 /// The amplitudes of a complex hologram are in a second PNG, NAME_modulus.png. `slm` has the panel's figures and all
 /// its effects (effects_json.h), so the hologram does not need the panel's own file. A phase map is an image
-/// beside it, NAME_phase_map.exr [rad], and a light map NAME_light_map.exr, with the PNG's name. `effects` are those that the levels compensate.
-/// @throws Error for another extension, and where write_atomically throws
-void save_hologram(const std::string& path, const Hologram& hologram);
+/// beside it, NAME_phase_map.exr [rad], and a light map NAME_light_map.exr, with the PNG's name. `effects` are those that the
+/// levels compensate.
+/// @param part    its place in a series
+/// @param record  files that belong to this one, as the next call must know them; none: no record
+/// @throws Error for another extension, and where NewFile throws
+void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part = {},
+                   const FileRecord& record = {});
 
-/// Reads what save_hologram wrote. Without a sidecar: a phase hologram of 256 or 65536 levels by the
+/// Writes a series of holograms into a set as NAME, NAME_2, …; the first one records the others.
+void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms);
+
+/// Whether a file is a PNG with the metadata of a hologram.
+bool is_hologram_file(const std::string& path);
+
+/// What save_hologram was told about the series and the files; nothing if the file holds no metadata.
+SeriesPart series_part(const std::string& path);
+FileRecord hologram_record(const std::string& path);
+
+/// Reads what save_hologram wrote, and the sidecars NAME.json of earlier versions. Without metadata: a phase hologram of 256 or 65536 levels by the
 /// bits of the file, illumination 1 W/m², pitch 0 and wavelength 0; the caller sets these.
 /// @throws Error naming the file if it is not an image, has colours, or has greys that are no level; and if a
-///         phase map or amplitudes that the sidecar names are missing
+///         phase map or amplitudes that the metadata name are missing
 Hologram load_hologram(const std::string& path);
 
 }  // namespace holotrace

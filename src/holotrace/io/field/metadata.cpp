@@ -10,8 +10,10 @@
 
 namespace holotrace {
 
-nlohmann::json read_metadata(const std::string& path) {
-  nlohmann::json json = parse_json(read_text(path, most_text), path);
+nlohmann::json read_metadata(const std::string& path) { return parse_metadata(read_text(path, most_text), path); }
+
+nlohmann::json parse_metadata(const std::string& text, const std::string& path) {
+  nlohmann::json json = parse_json(text, path);
   require(json.is_object(), "{}: expected a JSON object {{…}}, got {}", path, json.type_name());
   return json;
 }

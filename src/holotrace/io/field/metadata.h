@@ -16,6 +16,9 @@ namespace holotrace {
 /// @throws Error with file, line and column for broken JSON, and if it is not an object
 nlohmann::json read_metadata(const std::string& path);
 
+/// Parses metadata that a file holds. @throws Error as read_metadata does; `name` is that of the file
+nlohmann::json parse_metadata(const std::string& text, const std::string& name);
+
 /// A number of a JSON object, or `fallback` where the key is absent and a fallback is given.
 /// @throws Error naming file and key if the value is missing, not a number, or not finite
 double metadata_number(const nlohmann::json& json, const std::string& path, const char* key,

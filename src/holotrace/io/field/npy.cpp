@@ -96,7 +96,7 @@ void copy_samples(const char* first, const Strides& strides, Array2D<std::comple
 }  // namespace
 
 template <class Real>
-void write_npy(const std::string& path, const std::vector<const Array2D<std::complex<Real>>*>& stack) {
+void write_npy(NewFile& file, const std::vector<const Array2D<std::complex<Real>>*>& stack) {
   const std::string count = stack.size() == 1 ? "" : fmt::format("{}, ", stack.size());
   std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}, {}), }}", dtype_of<Real>,
                                    count, stack.front()->ny, stack.front()->nx);
@@ -105,9 +105,9 @@ void write_npy(const std::string& path, const std::vector<const Array2D<std::com
   std::string bytes(magic);
   bytes += {'\x01', '\x00', char(header.size() & 255), char(header.size() >> 8)};
   bytes += header;
-  for (const auto* values : stack)
-    bytes.append(reinterpret_cast<const char*>(values->values.data()), values->size() * sizeof(std::complex<Real>));
-  write_bytes(path, bytes.data(), bytes.size());
+  file.put(bytes.data(), bytes.size());
+  for (const auto* values : stack) file.put(values->values.data(), values->size() * sizeof(std::complex<Real>));
+  file.check();
 }
 
 template <class Real>
@@ -141,8 +141,8 @@ std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path) {
   return stack;
 }
 
-template void write_npy(const std::string&, const std::vector<const Array2D<std::complex<float>>*>&);
-template void write_npy(const std::string&, const std::vector<const Array2D<std::complex<double>>*>&);
+template void write_npy(NewFile&, const std::vector<const Array2D<std::complex<float>>*>&);
+template void write_npy(NewFile&, const std::vector<const Array2D<std::complex<double>>*>&);
 template std::vector<Array2D<std::complex<float>>> read_npy(const std::string&);
 template std::vector<Array2D<std::complex<double>>> read_npy(const std::string&);
 

@@ -117,7 +117,7 @@ void save_sources(const std::string& path, const Sources& sources) {
     }
     for (size_t tile = 0; tile < tiles; ++tile) put(sources.tiles.values[tile * count + i]);
   }
-  write_atomically(path, [&](const std::string& temporary) { write_bytes(temporary, bytes.data(), bytes.size()); });
+  write_text(path, bytes);
 }
 
 Sources load_sources(const std::string& path, double default_wavelength) {

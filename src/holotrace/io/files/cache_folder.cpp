@@ -4,8 +4,13 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <thread>
+
+#include "holotrace/base/error.h"
 
 namespace holotrace {
 namespace {
@@ -29,13 +34,29 @@ std::optional<std::string> writable_cache_folder() {
   return folder.string();
 }
 
-LockFile::LockFile(const std::string& path) : descriptor_(open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {}
+std::string locked_message(const std::string& path, const std::string& consequence) {
+  return fmt::format("the cache {} is locked by another program, which may be stopped; it is not used: {}", path,
+                     consequence);
+}
+
+LockFile::LockFile(const std::string& path)
+    : descriptor_(open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, 0644)) {}
 
 LockFile::~LockFile() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-void LockFile::lock() { flock(descriptor_, LOCK_EX); }
+bool LockFile::lock() {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point end = Clock::now() + std::chrono::seconds(3);
+  while (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK && errno != EINTR) return true;
+    if (Clock::now() >= end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
 void LockFile::unlock() { flock(descriptor_, LOCK_UN); }
 
 }  // namespace holotrace

@@ -9,6 +9,9 @@ namespace holotrace {
 /// Empty if no folder can be written to.
 std::optional<std::string> writable_cache_folder();
 
+/// The sentence for a cache whose lock another program does not give back.
+std::string locked_message(const std::string& path, const std::string& consequence);
+
 /// A file whose lock only one program holds at a time; the system releases it if the program dies.
 class LockFile {
  public:
@@ -17,7 +20,9 @@ class LockFile {
   LockFile(const LockFile&) = delete;
   LockFile& operator=(const LockFile&) = delete;
 
-  void lock();  ///< waits until no other program holds the lock
+  /// Waits until no other program holds the lock, for 3 seconds at most: a program that is stopped keeps it for ever.
+  /// @return  false if another program still holds it; true also where the file system has no locks
+  bool lock();
   void unlock();
 
  private:

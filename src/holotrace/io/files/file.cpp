@@ -2,10 +2,8 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
@@ -17,6 +15,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
+#include "holotrace/io/files/command_files.h"
+#include "holotrace/io/files/new_file.h"
 
 namespace holotrace {
 namespace {
@@ -25,26 +25,7 @@ namespace fs = std::filesystem;
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-[[noreturn]] void fail_to_write(const std::string& path, const std::string& reason) {
-  fail("expected to write {}, got \"{}\"; choose a path in a folder with room where you may write", path, reason);
-}
-
-void check_destination(const std::string& path) {
-  std::error_code ignored;
-  require(!path.empty(), "expected a path to write to, got an empty one");
-  if (fs::is_directory(path, ignored)) fail("expected a file to write at {}, got a folder; add a file name", path);
-  const fs::path folder = fs::path(path).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, ignored))
-    fail("expected the folder {} to write {} into, but it does not exist; make it first", folder.string(), path);
-}
-
-// ".name.tmp-PID-N.ext": unlike any file a user keeps, with the extension that selects the format.
-std::string temporary_name(const fs::path& path) {
-  static std::atomic<int> counter{0};
-  const std::string name =
-      fmt::format(".{}.tmp-{}-{}{}", path.stem().string(), getpid(), counter++, path.extension().string());
-  return (path.parent_path() / name).string();
-}
+}  // namespace
 
 std::string replace_all(std::string text, const std::string& from, const std::string& to) {
   for (size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
@@ -52,9 +33,7 @@ std::string replace_all(std::string text, const std::string& from, const std::st
   return text;
 }
 
-}  // namespace
-
-void check_file_exists(const std::string& path, const char* kind) {
+void check_is_file(const std::string& path, const char* kind) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (fs::is_directory(status)) fail("expected {} at {}, got a folder; name a file in it", kind, path);
@@ -64,6 +43,11 @@ void check_file_exists(const std::string& path, const char* kind) {
          fs::is_fifo(status)     ? "a pipe"
          : fs::is_socket(status) ? "a socket"
                                  : "a device");
+}
+
+void check_file_exists(const std::string& path, const char* kind) {
+  check_is_file(path, kind);
+  note_input(path);
 }
 
 std::string read_text(const std::string& path, uint64_t most) {
@@ -92,34 +76,20 @@ std::string read_text(const std::string& path, uint64_t most) {
   return text;
 }
 
-void write_bytes(const std::string& path, const void* bytes, size_t size) {
-  File file(std::fopen(path.c_str(), "wb"), std::fclose);
-  if (!file) fail_to_write(path, std::strerror(errno));
-  const bool written = std::fwrite(bytes, 1, size, file.get()) == size && std::fflush(file.get()) == 0;
-  const int reason = errno;
-  if (std::fclose(file.release()) != 0 || !written) fail_to_write(path, std::strerror(written ? errno : reason));
-}
-
 void write_atomically(const std::string& path, const std::function<void(const std::string& temporary)>& write) {
-  check_destination(path);
-  const std::string temporary = temporary_name(path);
-  std::error_code error;
+  NewFile file(path);
   try {
-    write_bytes(temporary, "", 0);  // explains a folder without write permission better than an image library would
-    write(temporary);
-    fs::rename(temporary, path, error);
-    if (error) fail_to_write(path, error.message());
+    write(file.temporary());
   } catch (const Error& e) {
-    fs::remove(temporary, error);
-    throw Error(replace_all(e.what(), temporary, path));
-  } catch (...) {
-    fs::remove(temporary, error);
-    throw;
+    throw Error(replace_all(e.what(), file.temporary(), path));
   }
+  file.finish();
 }
 
 void write_text(const std::string& path, const std::string& text) {
-  write_atomically(path, [&](const std::string& temporary) { write_bytes(temporary, text.data(), text.size()); });
+  NewFile file(path);
+  file.put(text.data(), text.size());
+  file.finish();
 }
 
 std::string extension_of(const std::string& path) {
@@ -129,6 +99,8 @@ std::string extension_of(const std::string& path) {
   return extension;
 }
 
-std::string sidecar_path(const std::string& path) { return fs::path(path).replace_extension(".json").string(); }
+std::string sidecar_path(const std::string& path) { return path + ".json"; }
+
+std::string old_sidecar_path(const std::string& path) { return fs::path(path).replace_extension(".json").string(); }
 
 }  // namespace holotrace

@@ -6,7 +6,9 @@
 #include <filesystem>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/new_file.h"
 
 namespace holotrace {
 namespace fs = std::filesystem;
@@ -23,6 +25,8 @@ void check_output(const std::string& path, const std::vector<std::string>& exten
           folder.string());
   require(access(folder.c_str(), W_OK) == 0, "cannot write {}: the folder {} is not writable; choose another place",
           path, folder.string());
+  note_output(path);
+  remove_abandoned(folder.string());
 }
 
 void make_folder(const std::string& path) {
@@ -30,11 +34,9 @@ void make_folder(const std::string& path) {
   fs::create_directories(path, error);
   require(!error && fs::is_directory(path), "cannot create the folder {}: {}; choose another place", path,
           error ? error.message() : "a file of that name exists");
-  check_output((fs::path(path) / "file").string());
-}
-
-void remove_numbered(const std::string& path, size_t i) {
-  for (; fs::remove(numbered_path(path, i)); ++i) fs::remove(sidecar_path(numbered_path(path, i)));
+  require(access(path.c_str(), W_OK) == 0, "cannot write into the folder {}: it is not writable; choose another place",
+          path);
+  remove_abandoned(path);
 }
 
 std::string numbered_path(const std::string& path, size_t i) {

@@ -6,16 +6,15 @@
 
 namespace holotrace {
 
-/// Checks that an output path can be written, before the work is done.
+/// Checks that an output path can be written, before the work is done, and notes that the command writes it
+/// (note_output). Removes what killed programs left in its folder (remove_abandoned).
 /// @param extensions  extensions of the formats that can be written, such as ".npy"; none: any
-/// @throws Error  if its folder is missing or not writable, the path is a folder, or its extension is not one of them
+/// @throws Error  if its folder is missing or not writable, the path is a folder, or its extension is not one of them;
+///                     and as note_output does
 void check_output(const std::string& path, const std::vector<std::string>& extensions = {});
 
-/// Makes a folder and its parents. @throws Error if it cannot, or if a file has that name
+/// Makes a folder and its parents, and removes what killed programs left in it. @throws Error if it cannot, or if a file has that name
 void make_folder(const std::string& path);
-
-/// Removes the i-th and further outputs of an earlier run, with their sidecars, up to the first missing one.
-void remove_numbered(const std::string& path, size_t i);
 
 /// The path of the i-th of several outputs: view.png, view_2.png, view_3.png, …
 std::string numbered_path(const std::string& path, size_t i);

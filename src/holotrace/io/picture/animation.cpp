@@ -10,6 +10,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/picture/image_output.h"
 
 namespace holotrace {
 namespace {
@@ -72,16 +73,13 @@ void save_animation(const std::string& path, const std::vector<Image>& images, d
   const int rate[2] = {100, hundredths};
   spec.attribute("FramesPerSecond", OIIO::TypeRational, rate);
   spec.attribute("gif:LoopCount", 0);
-  write_atomically(path, [&](const std::string& temporary) {
-    const auto output = OIIO::ImageOutput::create(temporary);
-    bool is_written = output && output->open(temporary, int(frames), std::vector(frames, spec).data());
+  write_image_file(path, [&](OIIO::ImageOutput& output, const std::string& name) {
+    bool is_written = output.open(name, int(frames), std::vector(frames, spec).data());
     for (size_t i = 0; is_written && i < frames; ++i) {
-      if (i > 0) is_written = output->open(temporary, spec, OIIO::ImageOutput::AppendSubimage);
-      is_written = is_written && output->write_image(spec.format, codes[i < there ? i : frames - i].data());
+      if (i > 0) is_written = output.open(name, spec, OIIO::ImageOutput::AppendSubimage);
+      is_written = is_written && output.write_image(spec.format, codes[i < there ? i : frames - i].data());
     }
-    is_written = is_written && output->close();
-    require(is_written, "expected to write {}, got \"{}\"; check the room and the permissions there", path,
-            output ? output->geterror() : OIIO::geterror());
+    return is_written && output.close();
   });
 }
 

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +11,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 
 #include "holotrace/base/error.h"
@@ -113,27 +113,37 @@ File temporary_file(const std::string& path) {
   return file;
 }
 
-// Runs gnuplot with the script as its input, without user settings, and with the picture as its output. Its messages
-// go to `messages`. Files are used, not pipes, so that the two processes cannot block each other.
-int run_gnuplot(std::FILE* script, const std::string& picture, std::FILE* messages) {
+// Runs gnuplot with the script as its input, without user settings. Its messages go to `messages`. The script and the
+// messages are files, not pipes, so that the two processes cannot block each other.
+// @return the picture, which gnuplot writes to a pipe: into a file, it would not report that the disk is full
+std::string run_gnuplot(std::FILE* script, std::FILE* messages, const std::string& path, int& status) {
+  int ends[2];
+  require(pipe2(ends, O_CLOEXEC) == 0, "expected a pipe to draw {} with, got \"{}\"", path, std::strerror(errno));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, fileno(script), STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, picture.c_str(), O_WRONLY | O_TRUNC, 0666);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, fileno(messages), STDERR_FILENO);
   std::array<std::string, 2> words{"gnuplot", "--default-settings"};
   const std::array<char*, 3> arguments{words[0].data(), words[1].data(), nullptr};
   pid_t child = 0;
   const int error = posix_spawnp(&child, words[0].c_str(), &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  std::string picture;
+  std::array<char, 1 << 16> block;
+  for (ssize_t count; error == 0 && (count = read(ends[0], block.data(), block.size())) != 0;) {
+    if (count > 0) picture.append(block.data(), size_t(count));
+    if (count < 0 && errno != EINTR) break;
+  }
+  close(ends[0]);
   require(error == 0,
           "expected the program gnuplot to draw {} with, got \"{}\"; install it (Debian: gnuplot-nox), or leave the "
           "picture out",
-          picture, std::strerror(error));
-  int status = 0;
+          path, std::strerror(error));
   while (waitpid(child, &status, 0) < 0)
-    require(errno == EINTR, "expected gnuplot to draw {}, got \"{}\"", picture, std::strerror(errno));
-  return status;
+    require(errno == EINTR, "expected gnuplot to draw {}, got \"{}\"", path, std::strerror(errno));
+  return picture;
 }
 
 // The last line that is not blank: gnuplot repeats the faulty line before the message.
@@ -159,17 +169,17 @@ void save_chart(const std::string& path, const Chart& chart) {
           "expected a chart file .png or .svg, got {}; change its extension", path);
   check_chart(chart);
   const std::string text = gnuplot_script(chart, extension);
-  write_atomically(path, [&](const std::string& temporary) {
-    const File script = temporary_file(path), messages = temporary_file(path);
-    const bool written = std::fwrite(text.data(), 1, text.size(), script.get()) == text.size();
-    require(written && std::fflush(script.get()) == 0, "expected room for temporary files to draw {} with, got \"{}\"",
-            path, std::strerror(errno));
-    std::rewind(script.get());
-    const int status = run_gnuplot(script.get(), temporary, messages.get());
-    std::error_code unknown;
-    require(status == 0 && std::filesystem::file_size(temporary, unknown) > 0,
-            "expected gnuplot to draw {}, got \"{}\"; check the room in its folder", path, last_words(messages.get()));
-  });
+  const File script = temporary_file(path), messages = temporary_file(path);
+  const bool written = std::fwrite(text.data(), 1, text.size(), script.get()) == text.size();
+  require(written && std::fflush(script.get()) == 0, "expected room for temporary files to draw {} with, got \"{}\"",
+          path, std::strerror(errno));
+  std::rewind(script.get());
+  int status = 0;
+  const std::string picture = run_gnuplot(script.get(), messages.get(), path, status);
+  require(status == 0 && !picture.empty(),
+          "expected gnuplot to draw {}, got \"{}\"; update gnuplot, or leave the picture out", path,
+          last_words(messages.get()));
+  write_text(path, picture);
 }
 
 }  // namespace holotrace

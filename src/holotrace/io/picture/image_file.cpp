@@ -7,25 +7,41 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <string_view>
 #include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
+#include "holotrace/io/files/record_names.h"
+#include "holotrace/io/picture/image_output.h"
 #include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
 
+constexpr const char* record_name = "holotrace_files";
 constexpr const char* known_extensions = ".png or .exr";
 
 float decode(float code, int steps, ImageContent content) {
   // Codes are whole numbers of steps: in double precision the value is correct to the last bit of a float.
   const double value = std::round(double(code) * steps) / steps;
   return float(content == ImageContent::colour ? srgb_decode(value) : value);
+}
+
+// The pixel pitch [m]; 0 if there is none: a number in an EXR, a text in a PNG.
+double pitch_of(const OIIO::ImageSpec& spec) {
+  if (const auto* number = spec.find_attribute("pitch_m", OIIO::TypeDesc::DOUBLE)) return number->get<double>();
+  const std::string text(spec.get_string_attribute("pitch_m"));
+  double pitch = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), pitch);
+  const bool is_pitch = error == std::errc() && end == text.data() + text.size() && std::isfinite(pitch) && pitch > 0;
+  return is_pitch ? pitch : 0;
 }
 
 Image read_image(OIIO::ImageInput& input, const std::string& name, ImageContent content) {
@@ -50,8 +66,7 @@ Image read_image(OIIO::ImageInput& input, const std::string& name, ImageContent 
               i / size_t(image.nx), i % size_t(image.nx));
       image.values[i * size_t(image.channels) + size_t(c)] = is_float ? value : decode(value, steps, content);
     }
-  const OIIO::ParamValue* pitch = spec.find_attribute("pitch_m", OIIO::TypeDesc::DOUBLE);
-  if (pitch) image.pitch = pitch->get<double>();
+  image.pitch = pitch_of(spec);
   return image;
 }
 
@@ -65,13 +80,6 @@ OIIO::ImageSpec plain_colours() {
 [[noreturn]] void fail_not_an_image(const std::string& name, const std::string& kind = "") {
   fail("{}: expected an image, but it is not an image in a format known here{}; convert it to PNG, JPEG or EXR", name,
        kind);
-}
-
-void write_image(const std::string& path, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type, const void* values) {
-  const auto output = OIIO::ImageOutput::create(path);
-  const bool written = output && output->open(path, spec) && output->write_image(type, values) && output->close();
-  require(written, "expected to write {}, got \"{}\"; check the room and the permissions there", path,
-          output ? output->geterror() : OIIO::geterror());
 }
 
 }  // namespace
@@ -126,21 +134,20 @@ Image with_three_channels(Image image) {
   return wide;
 }
 
-void save_image(const std::string& path, const Image& image, double white, int bits) {
+void save_image(const std::string& path, const Image& image, double white, int bits, const FileRecord& record) {
   require(image.nx > 0 && image.ny > 0 && (image.channels == 1 || image.channels == 3),
           "expected an image with pixels of 1 or 3 channels to save as {}, got {} × {} of {}", path, image.nx, image.ny,
           image.channels);
   const std::string extension = extension_of(path);
+  const auto record_text = [&] { return record_json(record_inside(path, record)).dump(-1, ' ', true); };
   if (extension == ".exr") {
     OIIO::ImageSpec spec(image.nx, image.ny, image.channels, OIIO::TypeDesc::FLOAT);
     spec.attribute("compression", "zip");
     spec.attribute("DateTime", "");  // no time stamp: the same image gives the same bytes
     spec.attribute("oiio:ColorSpace", "Linear");
     if (image.pitch > 0) spec.attribute("pitch_m", OIIO::TypeDesc::DOUBLE, &image.pitch);
-    write_atomically(path, [&](const std::string& temporary) {
-      write_image(temporary, spec, OIIO::TypeDesc::FLOAT, image.values.data());
-    });
-    return;
+    if (!record.empty()) spec.attribute(record_name, record_text());
+    return write_image_file(path, spec, OIIO::TypeDesc::FLOAT, image.values.data());
   }
   require(extension == ".png", "expected an image file {}, got {}; change its extension", known_extensions, path);
   require(std::isfinite(white) && white > 0, "expected a white level above 0 for {}, got {}", path, white);
@@ -153,10 +160,25 @@ void save_image(const std::string& path, const Image& image, double white, int b
   }
   OIIO::ImageSpec spec(image.nx, image.ny, image.channels, bits == 8 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
   spec.attribute("oiio:ColorSpace", "sRGB");
+  if (image.pitch > 0) spec.attribute("pitch_m", fmt::format("{:.17g}", image.pitch));
+  if (!record.empty()) spec.attribute(record_name, record_text());
   const std::vector<uint8_t> bytes(codes.begin(), codes.end());
-  write_atomically(path, [&](const std::string& temporary) {
-    write_image(temporary, spec, spec.format, bits == 8 ? static_cast<const void*>(bytes.data()) : codes.data());
-  });
+  write_image_file(path, spec, spec.format, bits == 8 ? static_cast<const void*>(bytes.data()) : codes.data());
+}
+
+std::string text_in_image(const std::string& path, const char* name) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored) || is_truncated_png(path)) return "";
+  try {
+    const auto input = open_picture(path);
+    return input ? std::string(input->spec().get_string_attribute(name)) : "";
+  } catch (const Error&) {
+    return "";  // a damaged picture has no text
+  }
+}
+
+FileRecord image_record(const std::string& path) {
+  return record_outside(path, record_from_text(text_in_image(path, record_name)));
 }
 
 Image resample_image(const Image& image, int columns, int rows) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "holotrace/data/image.h"
+#include "holotrace/io/files/output_set.h"
 
 namespace holotrace {
 
@@ -32,8 +33,16 @@ Image with_three_channels(Image image);
 /// `.exr`: the linear values as floats; white and bits have no effect.
 /// @param white  value that is shown as white, > 0 [unit of the image]
 /// @param bits   8 or 16
-/// @throws Error for another extension, white or bits, and where write_atomically throws
-void save_image(const std::string& path, const Image& image, double white, int bits);
+/// Both hold the pixel pitch, if there is one ("pitch_m" [m], in a PNG as text), and the record.
+/// @param record  files that belong to this one, as the next call must know them; none: no record
+/// @throws Error for another extension, white or bits, and where NewFile throws
+void save_image(const std::string& path, const Image& image, double white, int bits, const FileRecord& record = {});
+
+/// The text of that name in an image file; empty if there is no such file or text, or if the file is damaged.
+std::string text_in_image(const std::string& path, const char* name);
+
+/// The record that save_image wrote into a file; empty if there is no such file, or no record in it.
+FileRecord image_record(const std::string& path);
 
 /// The picture resampled to another number of pixels, each the mean of the area that it covers (OpenImageIO's resize
 /// with a triangle filter, which does not ring below 0).

@@ -67,7 +67,7 @@ void check_size(const OIIO::ImageSpec& spec, double bytes, const std::string& na
 }  // namespace
 
 std::unique_ptr<OIIO::ImageInput> open_picture(const std::string& path, const OIIO::ImageSpec& config) {
-  check_file_exists(path, "an image");
+  check_is_file(path, "an image");
   std::array<char, longest_signature> first{};
   std::ifstream file(path, std::ios::binary);
   file.read(first.data(), first.size());

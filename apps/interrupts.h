@@ -1,0 +1,16 @@
+#pragma once
+
+namespace holotrace {
+
+/// Exit code of a program that Ctrl-C ended: 128 and the number of the signal, as shells have it.
+constexpr int interrupted_exit_code = 130;
+
+/// From here on Ctrl-C (SIGINT) ends the program with a sentence that says what is kept, and interrupted_exit_code. Files
+/// are written whole or not at all, so earlier ones stay as they were.
+void end_on_interrupt();
+
+/// What Ctrl-C says from here on.
+/// @param sentence  a literal
+void say_on_interrupt(const char* sentence);
+
+}  // namespace holotrace

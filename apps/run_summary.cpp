@@ -1,0 +1,51 @@
+#include "run_summary.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace holotrace {
+namespace {
+
+struct Figure {
+  const char* fact;
+  const char* text;  // with a place for the number
+};
+
+// What a person asks for first. The report has all facts.
+constexpr std::array figures{Figure{"waves", "{:.0f} waves"}, Figure{"psnr_db", "PSNR {:.1f} dB"},
+                             Figure{"ssim", "SSIM {:.2f}"}, Figure{"efficiency", "efficiency {:.2f}"}};
+
+std::optional<double> number_of(const StageReport& stage, const char* name) {
+  for (const auto& [fact, value] : stage.facts) {
+    if (fact != name) continue;
+    if (const auto* number = std::get_if<double>(&value)) return *number;
+    if (const auto* count = std::get_if<int64_t>(&value)) return double(*count);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void print_summary(const Report& report, const std::string& folder, const FileRecord& files) {
+  double total = 0;
+  for (const StageReport& stage : report.stages) {
+    std::vector<std::string> texts;
+    for (const Figure& figure : figures)
+      if (const auto number = number_of(stage, figure.fact))
+        texts.push_back(fmt::format(fmt::runtime(figure.text), *number));
+    fmt::print("{:<28} {:>9.2f} s  {}\n", stage.stage, stage.seconds, fmt::join(texts, ", "));
+    total += stage.seconds;
+  }
+  fmt::print("{:<28} {:>9.2f} s\n", "all stages", total);
+  std::vector<std::string> names{"report.json"};
+  for (const auto& [name, bytes] : files) names.push_back(name);
+  std::sort(names.begin(), names.end());
+  fmt::print("written to {}: {}\n", folder, fmt::join(names, ", "));
+}
+
+}  // namespace holotrace
