@@ -51,11 +51,44 @@ TEST(SceneTargets, PlanesGoThroughTheDepthOfTheScene) {
   EXPECT_THROW(target_distances_of(job), Error);
 }
 
+// A luminous square of side 0.3 mm at 20 mm looks toward a mirror at 30 mm: its image is at 40 mm.
+Job square_before_a_mirror() {
+  Job job = two_squares();
+  job.scene.materials.emplace_back(ConductorMaterial{});
+  job.scene.meshes.resize(1);
+  Mesh mirror = job.scene.meshes.front();
+  for (Vec3& position : mirror.positions) position = {(position.x + 2e-4) * 10, position.y * 10, -0.03};
+  mirror.material = 1;
+  job.scene.meshes.push_back(mirror);
+  return job;
+}
+
+TEST(SceneTargets, PlanesGoThroughImagesInMirrorsToo) {
+  Job job = square_before_a_mirror();
+  job.encode.planes = 100;
+  const std::vector<double> distances = target_distances_of(job);
+  // The surfaces, at 20 and 30 mm, are 16.7/m apart: 26 steps of 0.649/m (as above), 27 planes. All of the image is in one plane.
+  ASSERT_EQ(distances.size(), 28u);
+  EXPECT_NEAR(distances.front(), 0.02, 1e-6);
+  EXPECT_NEAR(distances[26], 0.03, 1e-6);
+  EXPECT_NEAR(distances.back(), 0.04, 1e-6);
+  job.encode.planes = 4;
+  const std::vector<double> few = target_distances_of(job);
+  ASSERT_EQ(few.size(), 4u);
+  EXPECT_NEAR(few[2], 0.03, 1e-6);
+  EXPECT_NEAR(few.back(), 0.04, 1e-6);
+  job.encode.planes = 1;  // in the middle of all, in 1/distance
+  EXPECT_NEAR(target_distances_of(job).front(), 2 / (1 / 0.02 + 1 / 0.04), 1e-6);
+  job.scene.materials[1].surface = DiffuseMaterial{};  // without a mirror there is no image
+  job.encode.planes = 100;
+  EXPECT_EQ(target_distances_of(job).size(), 27u);
+}
+
 TEST(SceneTargets, AmplitudeIsTheRootOfTheRadiance) {
   Job job = two_squares();
   job.encode.target_distances = {0.02, 0.024};
   const SceneTargets targets = trace_targets(job);
-  const TargetSet set = targets_of(targets, job, test_wavelength);
+  const TargetSet set = targets_of(targets, job, {test_wavelength});
   ASSERT_EQ(set.planes.size(), 2u);
   EXPECT_EQ(set.planes[0].z, -0.02);
   EXPECT_FALSE(set.draw_views);
@@ -74,7 +107,7 @@ TEST(SceneTargets, ViewsSendTheLightOfTheirPupil) {
   job.encode.target_distances = {0.02};
   job.camera.eye.z = 0.3;
   const SceneTargets targets = trace_targets(job);
-  const TargetSet set = targets_of(targets, job, test_wavelength);
+  const TargetSet set = targets_of(targets, job, {test_wavelength});
   ASSERT_TRUE(set.draw_views);
   const ViewTargets views = set.draw_views(1, test_wavelength);
   ASSERT_EQ(views.amplitudes.size(), views.pupils.size());
@@ -84,7 +117,7 @@ TEST(SceneTargets, ViewsSendTheLightOfTheirPupil) {
     EXPECT_EQ(pupil.diameter, 2e-3);
   }
   job.camera.pupil = 3.5e-3;
-  EXPECT_EQ(targets_of(targets, job, test_wavelength).draw_views(1, test_wavelength).pupils.front().diameter, 3.5e-3);
+  EXPECT_EQ(targets_of(targets, job, {test_wavelength}).draw_views(1, test_wavelength).pupils.front().diameter, 3.5e-3);
   // In the middle of the near square: a 2 mm pupil at 300 mm is a disc of 2 mm·20/320 = 0.125 mm on the panel, 0.0100 of
   // the 1.28 × 0.96 mm that a place on the axis sees. The pupil's Airy radius is 0.104 mm, so about 7 % of the light of a
   // square of 0.3 mm is missing in its middle, and there is as much uncertainty in that.
@@ -133,6 +166,39 @@ TEST(Quality, ChoosesWhatIsNotGiven) {
   job.encode.target = EncodeTarget::field;
   job.encode.iterations = 0;
   EXPECT_EQ(with_quality(job).encode.iterations, 0);
+}
+
+double fact_of(const Report& report, const std::string& stage, const std::string& name) {
+  for (const StageReport& entry : report.stages)
+    for (const auto& [key, value] : entry.facts)
+      if (entry.stage.starts_with(stage) && key == name) return std::get<double>(value);
+  return 0;
+}
+
+// One hologram for each frame, lit with both colours. Each colour has the brightness of the scene; the view in both is
+// near the render, which frames of random phases are not.
+TEST(SceneTargets, JointHologramsShowAllColours) {
+  Job job = two_squares();
+  job.wavelengths = {test_wavelength, 633e-9};
+  job.encode.is_joint = true;
+  job.slm.phase_range = 4 * pi;  // colours differ where phases wrap at different levels
+  job.encode.planes = 3;
+  job.encode.iterations = 60;
+  job.trace.frames = 2;
+  const Boxes boxes = run(job);
+  ASSERT_EQ(boxes.holograms.size(), 2u);
+  for (const Hologram& hologram : boxes.holograms) {
+    ASSERT_EQ(hologram.colours.size(), 2u);
+    EXPECT_EQ(hologram.colours[1].wavelength, 633e-9);
+    EXPECT_EQ(hologram.colours[0].illumination, hologram.illumination);
+    EXPECT_GT(hologram.colours[1].illumination, 0);
+  }
+  EXPECT_EQ(boxes.views.front().channels, 3);
+  job.encode.iterations = 1;
+  const double before = fact_of(run(job).report, "look", "psnr_db");
+  EXPECT_GT(fact_of(boxes.report, "look", "psnr_db"), before + 3);  // half the error, or less
+  job.encode.target = EncodeTarget::field;
+  EXPECT_THROW(check_job(job), Error);
 }
 
 TEST(SceneTargets, NeedGradientDescent) {

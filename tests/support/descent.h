@@ -17,6 +17,7 @@ struct Descent {
   Slm slm;
   EncodeParams params;
   Hologram hologram;
+  PanelDetail detail{};
 
   /// @param slopes  if given, set to the gradient
   double loss(const std::vector<Drive>& drives, std::vector<Drive>* slopes) const {
@@ -34,17 +35,23 @@ struct Descent {
       std::vector<Field> u(drives.size(), Field({nx * n, ny * n, slm.grid.pitch / n}, target.wavelength));
       std::vector<std::vector<Field>> shown;
       Array2D<float> light(ny, nx);
+      SamplePower of_sample;
+      of_sample.fill(light);
       for (size_t m = 0; m < drives.size(); ++m) {
-        panel.leave(drives[m], u[m]);
+        panel.leave(drives[m], u[m], detail);
         shown.push_back(way.to_plane(u[m]));
-        add_power(shown[m], 1 / double(drives.size()), light);
+        for (size_t i = 0; i < shown[m].size(); ++i)
+          add_power(shown[m][i], 1 / double(drives.size()), n == 1 ? of_sample[i] : light);
       }
+      if (n == 1) light = pixel_means(of_sample);
       const ModulusSums sums = fit_sums(target, light);
       const double s = sums.cross / sums.square;
       sum += s * s * leave_residual(target, 1 / s, light);
+      of_sample = spread_to_samples(light);
       for (size_t m = 0; slopes && m < drives.size(); ++m) {
-        multiply(light, shown[m]);
-        panel.add_slope(drives[m], u[m], way.to_panel(shown[m]), -2 * s * s / double(drives.size()), (*slopes)[m]);
+        for (size_t i = 0; i < shown[m].size(); ++i) multiply(n == 1 ? of_sample[i] : light, shown[m][i]);
+        panel.add_slope(drives[m], u[m], way.to_panel(shown[m]), -2 * s * s / double(drives.size()), (*slopes)[m],
+                        detail);
       }
     }
     return sum;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,6 +11,12 @@
 #include "holotrace/data/slm.h"
 
 namespace holotrace {
+
+/// One of the wavelengths of a hologram that shows several.
+struct JointColour {
+  double wavelength = 0;    ///< [m]
+  double illumination = 0;  ///< Hologram::illumination at that wavelength [W/m²]
+};
 
 /// The data shown on an SLM: one level 0 … levels−1 per pixel, shape (ny, nx), and what an optical
 /// setup must know to show it.
@@ -26,11 +33,19 @@ struct Hologram {
   /// Irradiance of the light on the panel that reproduces the brightness of the field [W/m²]. Holograms (colours,
   /// path groups, lights, frames) that are shown together are lit in proportion to it. See encode.h.
   double illumination = 1;
+  std::vector<JointColour> colours{};  ///< for a hologram of several wavelengths: all of them; otherwise empty
   std::string name{};                  ///< name of the path group or light that it shows, "" for all light
   uint32_t frame = 0;                  ///< index of the frame of a time-multiplexed hologram
   double cone_wavelength = 0;          ///< acceptance wavelength of its waves (Sources) [m]; 0: its own
   Array2D<uint16_t> modulus_level{};   ///< levels of amplitude, beside those of phase, if the modulation is complex
   std::vector<std::string> effects{};  ///< effects of the panel that the levels compensate (slm_effect_names)
 };
+
+/// The illumination of a hologram for the light of one wavelength [W/m²].
+inline double illumination_at(const Hologram& hologram, double wavelength) {
+  for (const JointColour& colour : hologram.colours)
+    if (std::abs(colour.wavelength / wavelength - 1) < 1e-9) return colour.illumination;
+  return hologram.illumination;
+}
 
 }  // namespace holotrace

@@ -8,6 +8,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/run/illumination_plan.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/stop.h"
 #include "holotrace/trace/gather.h"
@@ -81,10 +82,11 @@ void check_job(const Job& job) {
           "expected [show] wavelength with a scene of one wavelength, got {} of {}; leave it out: each hologram is lit "
           "with its own",
           format_length(job.show.wavelength), job.wavelengths.size());
-  require(!is_coloured || !job.encode.is_joint,
-          "expected [encode] joint with pictures as targets (holotrace encode), got a scene of {} wavelengths, whose "
-          "holograms are one for each; leave it out",
-          job.wavelengths.size());
+  require(
+      !is_coloured || !job.encode.is_joint || aims_at_scene(job),
+      "expected [encode] joint of a scene with method = \"sgd\" and target = \"render\" or \"light-field\", got another "
+      "method or target; give these, or leave joint out: each of the {} wavelengths then has its own hologram",
+      job.wavelengths.size());
   require(job.encode.target == EncodeTarget::field || job.encode.method == Encoding::sgd,
           "expected the encoding method sgd for the targets render and light-field, got another one; give method = "
           "\"sgd\", or leave target out");

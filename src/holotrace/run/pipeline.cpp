@@ -116,8 +116,13 @@ class Showing {
 
   void add(Hologram hologram) {
     boxes_.holograms.push_back(std::move(hologram));
-    const double power = view_hologram(boxes_.holograms.back(), viewing_, repeat, sums);
-    if (boxes_.holograms.size() == 1) power_on_panel = power;
+    const Hologram& shown = boxes_.holograms.back();
+    if (shown.colours.empty()) return view(shown, viewing_);
+    for (const JointColour& colour : shown.colours) {
+      Viewing in_colour = viewing_;
+      in_colour.show.wavelength = colour.wavelength;
+      view(shown, in_colour);
+    }
   }
 
   RepeatedStages repeat;
@@ -125,6 +130,11 @@ class Showing {
   double power_on_panel = 0;  // for the brightest hologram [W]; irradiances are relative to it
 
  private:
+  void view(const Hologram& hologram, const Viewing& viewing) {
+    const double power = view_hologram(hologram, viewing, repeat, sums);
+    if (power_on_panel == 0) power_on_panel = power;
+  }
+
   Viewing viewing_;
   Boxes& boxes_;
 };
@@ -144,14 +154,18 @@ void show_fields(const Job& job, const SceneLight& light, Boxes& b, Showing& sho
   }
 }
 
-// The frames of all wavelengths, found together from the path-traced light.
+// The frames of all wavelengths, found together from the path-traced light: sets of frames for each wavelength, or one set
+// for all of them.
 std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& targets, Report& report,
                                       const StageObserver& watch, const CheckpointOf& checkpoint_of) {
   std::vector<std::vector<Hologram>> of_colours;
-  for (const double wavelength : job.wavelengths) {
-    const std::string stage = job.wavelengths.size() == 1 ? "encode" : "encode " + format_length(wavelength);
+  std::vector<std::vector<double>> sets;
+  for (const double wavelength : job.wavelengths) sets.push_back({wavelength});
+  if (job.encode.is_joint) sets = {job.wavelengths};
+  for (const std::vector<double>& set : sets) {
+    const std::string stage = sets.size() == 1 ? "encode" : "encode " + format_length(set.front());
     of_colours.push_back(run_stage(stage, report, watch, [&](const Observer& o) {
-      return encode_frames(targets_of(targets, job, wavelength), wavelength, job.trace.frames, job.slm, job.encode, o,
+      return encode_frames(targets_of(targets, job, set), set.front(), job.trace.frames, job.slm, job.encode, o,
                            checkpoint_of ? checkpoint_of(of_colours.size()) : Checkpoint{});
     }));
   }

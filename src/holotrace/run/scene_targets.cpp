@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "holotrace/base/error.h"
@@ -93,6 +94,31 @@ ViewTargets draw_views(const SceneTargets& targets, const Job& job, int update, 
   return views;
 }
 
+// Planes through ranges of depth, evenly spaced in 1/distance in each of them: no farther apart than `spacing` [1/m], or
+// at most so many in all, with about the same spacing in all ranges.
+std::vector<double> planes_through(const std::vector<DepthRange>& ranges, double spacing, int most) {
+  std::vector<int> planes(ranges.size(), 1);
+  const auto apart = [&](size_t k) {
+    const double length = 1 / ranges[k].nearest - 1 / ranges[k].farthest;
+    if (planes[k] == 1) return length > spacing / 100 ? std::numeric_limits<double>::infinity() : 0;
+    return length / (planes[k] - 1);
+  };
+  for (int all = int(ranges.size()); all < most; ++all) {
+    size_t widest = 0;
+    for (size_t k = 1; k < ranges.size(); ++k)
+      if (apart(k) > apart(widest)) widest = k;
+    if (apart(widest) <= spacing) break;
+    ++planes[widest];
+  }
+  std::vector<double> distances;
+  for (size_t k = 0; k < ranges.size(); ++k) {
+    const double near = 1 / ranges[k].nearest, far = 1 / ranges[k].farthest;
+    for (int i = 0; i < planes[k]; ++i)
+      distances.push_back(1 / (planes[k] == 1 ? (near + far) / 2 : near + (far - near) * i / (planes[k] - 1)));
+  }
+  return distances;
+}
+
 }  // namespace
 
 TargetPlane view_target(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance,
@@ -111,20 +137,17 @@ bool aims_at_scene(const Job& job) {
 std::vector<double> target_distances_of(const Job& job) {
   if (!job.encode.target_distances.empty()) return job.encode.target_distances;
   const double wavelength = shared_wavelength(job);
-  const auto range = depth_range(job.scene, job.slm.grid, wavelength);
+  std::vector<DepthRange> ranges = depth_ranges(job.scene, job.slm.grid, wavelength);
   require(
-      range.has_value(),
+      !ranges.empty(),
       "expected something in the panel's window, {} wide, for target planes, found nothing; move the scene, or give "
       "target_distances",
       format_length(job.slm.grid.width()));
   const double side = std::max(job.slm.grid.width(), job.slm.grid.height());
-  const double near = 1 / range->nearest, far = 1 / range->farthest, spacing = 2 * wavelength / (side * side);
-  const int planes = std::clamp(int(std::ceil((near - far) / spacing)) + 1, 1,
-                                job.encode.planes > 0 ? job.encode.planes : most_target_planes);
-  std::vector<double> distances;
-  for (int k = 0; k < planes; ++k)
-    distances.push_back(1 / (planes == 1 ? (near + far) / 2 : near + (far - near) * k / (planes - 1)));
-  return distances;
+  const double spacing = 2 * wavelength / (side * side);  // one depth of focus, in 1/distance
+  const int most = job.encode.planes > 0 ? job.encode.planes : most_target_planes;
+  if (int(ranges.size()) > most) ranges = {{ranges.front().nearest, ranges.back().farthest}};
+  return planes_through(ranges, spacing, most);
 }
 
 SceneTargets trace_targets(const Job& job, const Observer& observer) {
@@ -179,9 +202,12 @@ std::vector<TargetPlane> targets_of_stack(const FocalStack& stack, const Grid& p
   return planes;
 }
 
-TargetSet targets_of(const SceneTargets& targets, const Job& job, double wavelength) {
+TargetSet targets_of(const SceneTargets& targets, const Job& job, const std::vector<double>& wavelengths) {
   const Grid& panel = job.slm.grid;
-  TargetSet set{targets_of_stack(targets.planes, panel, wavelength, job.encode.image)};
+  TargetSet set;
+  for (const double wavelength : wavelengths)
+    for (TargetPlane& plane : targets_of_stack(targets.planes, panel, wavelength, job.encode.image))
+      set.planes.push_back(std::move(plane));
   if (!targets.light_field) return set;
   for (TargetPlane& plane : set.planes) {
     const double reach = box_radius(std::abs(plane.z), shared_wavelength(job), panel.pitch);

@@ -21,8 +21,9 @@ struct SceneTargets {
   std::optional<LightField> light_field{};  ///< for views through pupils
 };
 
-/// Distances of the target planes: those of the job or, if it names none, planes through the depth of the scene, evenly
-/// spaced in 1/distance and one depth of focus 2λ(d/w)² apart, but at most `encode.planes`.
+/// Distances of the target planes: those of the job or, if it names none, planes through the depths of the scene's surfaces
+/// and of what mirrors and glass show (depth_ranges), evenly spaced in 1/distance and one depth of focus 2λ(d/w)² apart,
+/// but at most `encode.planes`.
 /// @throws Error  for a scene without anything in the panel's window
 std::vector<double> target_distances_of(const Job& job);
 
@@ -35,14 +36,14 @@ SceneTargets trace_targets(const Job& job, const Observer& observer = {});
 std::vector<TargetPlane> targets_of_stack(const FocalStack& stack, const Grid& panel, double wavelength,
                                           ImageSide image);
 
-/// The targets of the holograms of one wavelength, with the blur of the panel's aperture (limit_to_panel).
+/// The targets of the holograms of one wavelength, or of those that show several, with the blur of the panel's aperture (limit_to_panel).
 ///
 /// Each plane has weight 1, and amplitude √L for the mean radiance L of a pixel. With a light field, a plane's light is
 /// that of the part of the panel that each pixel sees, as for the views through pupils: a² = L·A/A₀, A is the area of
 /// that part, A₀ the largest. Views are drawn for every update: pupils side by side over a window as large as the
 /// panel, at the distance of the camera's eye (300 mm if it is on the panel), with the diameter of the camera's pupil (2 mm
 /// if it has none), focused on one of the planes. Their light is a² = L·open·(D²π/4)/(d + e_z)²·d²/A₀, blurred by the pupil's diffraction.
-TargetSet targets_of(const SceneTargets& targets, const Job& job, double wavelength);
+TargetSet targets_of(const SceneTargets& targets, const Job& job, const std::vector<double>& wavelengths);
 
 /// The view through one pupil, focused on the plane at a distance [m], as targets_of describes it.
 /// @throws Error  unless the targets have a light field

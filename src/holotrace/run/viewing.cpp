@@ -71,7 +71,7 @@ double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedS
   const std::vector<IlluminationState>& all = plan.states;
   const std::string doubt = doubt_of(plan, params);
   const auto add = [&](size_t i, const Image& view) {
-    sums[i].add(wavelength, hologram.name, hologram.illumination, view,
+    sums[i].add(wavelength, hologram.name, illumination_at(hologram, wavelength), view,
                 axial_reach(viewing.slm, {wavelength, hologram.image, hologram.filter, hologram.cone_wavelength},
                             viewing.from[i].distance, viewing.from[i].camera));
   };

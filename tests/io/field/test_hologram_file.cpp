@@ -30,6 +30,22 @@ Hologram all_levels(int levels, Modulation modulation) {
   return hologram;
 }
 
+TEST(HologramFile, TheColoursOfAJointHologramComeBack) {
+  const std::string path = temporary("h.png");
+  Hologram hologram = all_levels(256, Modulation::phase);
+  hologram.illumination = 3;
+  hologram.colours = {{632.8e-9, 3}, {520e-9, 5.5}};
+  save_hologram(path, hologram);
+  const Hologram loaded = load_hologram(path);
+  ASSERT_EQ(loaded.colours.size(), 2u);
+  EXPECT_EQ(loaded.colours[1].wavelength, 520e-9);
+  EXPECT_EQ(illumination_at(loaded, 520e-9), 5.5);
+  EXPECT_EQ(illumination_at(loaded, 450e-9), 3);  // none of its own
+  const std::string text = read_text(sidecar_path(path));
+  make_file("h.json", std::string(text).replace(text.find("5.5"), 3, "-1"));
+  EXPECT_NE(error_of([&] { load_hologram(path); }).find("illuminations of 0 W/m² or more"), std::string::npos);
+}
+
 TEST(HologramFile, EveryLevelComesBackAsSaved) {
   for (Modulation modulation : {Modulation::phase, Modulation::amplitude})
     for (int levels : {2, 3, 200, 255, 256, 257, 1000, 65536}) {

@@ -68,6 +68,7 @@ struct EncodeParams {
   bool resample = false;                    ///< scale a target picture of another size to that part
   bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
   int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
+  double least_gain = 0;                    ///< sgd: end early if the loss falls by less than this [dB]; 0: never
   double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: sgd_step
   int planes_per_update = 1;                ///< sgd: number of target planes in each iteration, in turn; 0: all
   int subpixels = 1;                        ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
@@ -138,6 +139,9 @@ void describe(Visitor& v, EncodeParams& p) {
       fmt::format("number of iterations; 0: {} for gerchberg-saxton, {} for sgd, {} for the field of a picture",
                   gerchberg_saxton_iterations, sgd_iterations, target_field_iterations);
   v.count("iterations", p.iterations, range::not_negative, iterations.c_str());
+  v.number("least_gain", p.least_gain, range::not_negative,
+           "sgd: fall of the loss in dB, between the means of two windows of 10 updates or more, below which the "
+           "iterations end early; 0: never");
   static const std::string step = fmt::format("sgd: step of the phase per iteration in radians; 0: {:g}", sgd_step);
   v.number("step", p.step, range::not_negative, step.c_str());
   v.count("planes_per_update", p.planes_per_update, range::not_negative,

@@ -172,6 +172,20 @@ Array2D<uint16_t> levels_of(const Greys& greys, int levels, Modulation modulatio
   return out;
 }
 
+std::vector<JointColour> colours_from(const nlohmann::json& json, const std::string& sidecar) {
+  require(json.is_array(), "{}: expected a list of \"colours\", got another kind", sidecar);
+  std::vector<JointColour> colours;
+  for (const nlohmann::json& colour : json) {
+    colours.push_back(
+        {metadata_number(colour, sidecar, "wavelength_m"), metadata_number(colour, sidecar, "illumination_w_per_m2")});
+    require(
+        colours.back().wavelength > 0 && colours.back().illumination >= 0,
+        "{}: expected \"colours\" with wavelengths above 0 m and illuminations of 0 W/m² or more, got {} m and {} W/m²",
+        sidecar, colours.back().wavelength, colours.back().illumination);
+  }
+  return colours;
+}
+
 }  // namespace
 
 void save_hologram(const std::string& path, const Hologram& hologram) {
@@ -186,6 +200,8 @@ void save_hologram(const std::string& path, const Hologram& hologram) {
                               {"image", image_side_name(hologram.image)},
                               {"encoder", hologram.encoder},
                               {"illumination_w_per_m2", hologram.illumination}};
+  for (const JointColour& colour : hologram.colours)
+    json["colours"].push_back({{"wavelength_m", colour.wavelength}, {"illumination_w_per_m2", colour.illumination}});
   if (!hologram.name.empty()) json["name"] = hologram.name;
   if (hologram.frame > 0) json["frame"] = hologram.frame;
   if (hologram.cone_wavelength > 0) json["cone_wavelength_m"] = hologram.cone_wavelength;
@@ -237,6 +253,7 @@ Hologram load_hologram(const std::string& path) {
     hologram.illumination = metadata_number(json, sidecar, "illumination_w_per_m2", hologram.illumination);
     require(hologram.illumination >= 0, "{}: expected an illumination of 0 W/m² or more, got {} W/m²", sidecar,
             hologram.illumination);
+    if (json.contains("colours")) hologram.colours = colours_from(json["colours"], sidecar);
     hologram.name = metadata_text(json, sidecar, "name", "");
     hologram.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
     hologram.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);

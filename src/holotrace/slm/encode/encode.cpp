@@ -205,15 +205,22 @@ void encode_directly(const Field& shown, const EncodeParams& params, const Phase
   }
 }
 
-// The start of iterations: the phase of the field, or a random one.
-Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params) {
+// The start of iterations: the phase of the field, or a random one. On a complex panel the modulus is that of the field,
+// as a fraction of the largest, or half with a random phase.
+Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params, Modulation modulation) {
   Array2D<std::complex<float>> pattern = shown_side(field, params.image).samples;
+  const bool is_complex = modulation == Modulation::complex;
+  const float largest = is_complex ? float(modulus_moments(field).largest) : 0;
+  const float modulus = is_complex ? 0.5F : 1;
   parallel_for(0, pattern.ny, [&](int64_t j) {
     std::complex<float>* u = pattern.row(int(j));
     if (params.start == StartPhase::random)
       for (int i = 0; i < pattern.nx; ++i)
-        u[i] = std::complex<float>(
-            cis_cycles(CounterRandom(uint64_t(params.seed), field.frame, uint64_t(j * pattern.nx + i)).uniform()));
+        u[i] =
+            modulus * std::complex<float>(cis_cycles(
+                          CounterRandom(uint64_t(params.seed), field.frame, uint64_t(j * pattern.nx + i)).uniform()));
+    else if (largest > 0)
+      for (int i = 0; i < pattern.nx; ++i) u[i] /= largest;
     else
       make_unit_modulus(u, size_t(pattern.nx));
   });
@@ -246,11 +253,15 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 
 namespace {
 
-// Writes the start of gradient descent: the pattern's phase, on a complex panel at half of the largest amplitude; or, on
+// Writes the start of gradient descent: the pattern's phase, on a complex panel also its modulus, at most 1; or, on
 // a panel of amplitudes, its real part between 0 and 1.
 void write_start(const Array2D<std::complex<float>>& pattern, const PhaseLevels& levels, Hologram& hologram) {
-  if (hologram.modulation == Modulation::complex)
-    hologram.modulus_level = Array2D<uint16_t>(pattern.ny, pattern.nx, uint16_t(hologram.levels / 2));
+  if (hologram.modulation == Modulation::complex) {
+    hologram.modulus_level = Array2D<uint16_t>(pattern.ny, pattern.nx);
+    for (size_t i = 0; i < pattern.size(); ++i)
+      hologram.modulus_level.values[i] =
+          uint16_t(std::lround((hologram.levels - 1) * std::min(1.0F, std::abs(pattern.values[i]))));
+  }
   if (hologram.modulation != Modulation::amplitude) return write_phase_levels(pattern, false, levels, hologram.level);
   for (size_t i = 0; i < pattern.size(); ++i)
     hologram.level.values[i] =
@@ -295,7 +306,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   const PhaseLevels levels(known, frames.front().levels, start.wavelength);
   const bool is_amplitude = frames.front().modulation == Modulation::amplitude;
   if (!is_amplitude) tell_phase_range(known, levels.range(), start.wavelength, observer);
-  Array2D<std::complex<float>> pattern = start_pattern(start, params);
+  Array2D<std::complex<float>> pattern = start_pattern(start, params, frames.front().modulation);
   if (params.method == Encoding::sgd) {
     write_start(pattern, levels, frames.front());
     descend({targets}, known, params, observer, frames, checkpoint);
@@ -341,7 +352,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
     const PhaseLevels levels(known, holograms.back().levels, wavelength);
     if (frame == 0 && holograms.back().modulation != Modulation::amplitude)
       tell_phase_range(known, levels.range(), wavelength, observer);
-    write_start(start_pattern(start, start_params), levels, holograms.back());
+    write_start(start_pattern(start, start_params, holograms.back().modulation), levels, holograms.back());
   }
   if (is_dark(targets.planes, wavelength, observer)) {
     for (Hologram& hologram : holograms) hologram.illumination = 0;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "holotrace/base/array.h"
+#include "holotrace/slm/panel/blur_kernels.h"
 
 namespace holotrace {
 namespace {
@@ -13,6 +15,17 @@ int wrap_index(int i, int n) {
   while (i < 0) i += n;
   while (i >= n) i -= n;
   return i;
+}
+
+// A line of n values with `reach` more on each side.
+AlignedVector<float> continued(const float* line, int n, int reach) {
+  AlignedVector<float> wide(size_t(n + 2 * reach));
+  std::copy_n(line, n, wide.data() + reach);
+  for (int i = 0; i < reach; ++i) {
+    wide[size_t(i)] = line[wrap_index(i - reach, n)];
+    wide[size_t(n + reach + i)] = line[wrap_index(n + i, n)];
+  }
+  return wide;
 }
 
 }  // namespace
@@ -39,46 +52,41 @@ PixelBlur::PixelBlur(const Slm& slm, int cells) : nx_(slm.grid.nx), ny_(slm.grid
 }
 
 void PixelBlur::to_cells(const float* pixels, int j, int cy, float* cells) const {
-  const int reach_y = along_y_.reach, reach_x = along_x_.reach;
-  AlignedVector<float> blurred(size_t(nx_), 0.0F), wide(size_t(nx_ + 2 * reach_x));
-  const float* ky = along_y_.of_cell(cy);
-  for (int d = -reach_y; d <= reach_y; ++d) {
-    const float* line = pixels + size_t(wrap_index(j + d, ny_)) * size_t(nx_);
-    const float k = ky[d + reach_y];
-    for (int i = 0; i < nx_; ++i) blurred[size_t(i)] += k * line[i];
-  }
-  for (int i = 0; i < nx_ + 2 * reach_x; ++i) wide[size_t(i)] = blurred[size_t(wrap_index(i - reach_x, nx_))];
-  for (int cx = 0; cx < s_; ++cx) {
-    const float* kx = along_x_.of_cell(cx);
-    float* to = cells + size_t(cx) * size_t(nx_);
-    std::fill(to, to + nx_, 0.0F);
-    for (int d = 0; d <= 2 * reach_x; ++d)
-      for (int i = 0; i < nx_; ++i) to[i] += kx[d] * wide[size_t(i + d)];
-  }
+  const int reach_y = along_y_.reach;
+  std::vector<const float*> lines;
+  for (int d = -reach_y; d <= reach_y; ++d) lines.push_back(pixels + size_t(wrap_index(j + d, ny_)) * size_t(nx_));
+  AlignedVector<float> blurred(static_cast<size_t>(nx_));
+  sum_lines(lines.data(), along_y_.of_cell(cy), lines.size(), blurred.size(), blurred.data());
+  const AlignedVector<float> wide = continued(blurred.data(), nx_, along_x_.reach);
+  for (int cx = 0; cx < s_; ++cx)
+    blur_line(wide.data(), along_x_.of_cell(cx), along_x_.taps(), size_t(nx_), cells + size_t(cx) * size_t(nx_));
 }
 
 void PixelBlur::from_cells(const float* cells, float* row) const {
-  const int reach = along_x_.reach;
-  AlignedVector<float> wide(size_t(nx_ + 2 * reach));
-  std::fill(row, row + nx_, 0.0F);
+  std::vector<AlignedVector<float>> parts;
+  std::vector<const float*> lines;
   for (int cx = 0; cx < s_; ++cx) {
-    const float* kx = along_x_.of_cell(cx);
-    const float* from = cells + size_t(cx) * size_t(nx_);
-    for (int i = 0; i < nx_ + 2 * reach; ++i) wide[size_t(i)] = from[wrap_index(i - reach, nx_)];
-    for (int d = 0; d <= 2 * reach; ++d)  // cell i has read pixel i + d − reach
-      for (int i = 0; i < nx_; ++i) row[i] += kx[d] * wide[size_t(i + 2 * reach - d)];
+    const AlignedVector<float> wide = continued(cells + size_t(cx) * size_t(nx_), nx_, along_x_.reach);
+    // Cell i has read pixel i + d − reach: the adjoint has the taps in reverse order.
+    const std::vector<float> reversed(std::make_reverse_iterator(along_x_.of_cell(cx) + along_x_.taps()),
+                                      std::make_reverse_iterator(along_x_.of_cell(cx)));
+    blur_line(wide.data(), reversed.data(), reversed.size(), size_t(nx_), parts.emplace_back(size_t(nx_)).data());
+    lines.push_back(parts.back().data());
   }
+  const std::vector<float> ones(lines.size(), 1.0F);
+  sum_lines(lines.data(), ones.data(), lines.size(), size_t(nx_), row);
 }
 
 void PixelBlur::from_rows(const float* rows, int j, float* to) const {
   const int reach = along_y_.reach;
-  std::fill(to, to + nx_, 0.0F);
+  std::vector<const float*> lines;
+  std::vector<float> factors;
   for (int cy = 0; cy < s_; ++cy)
     for (int d = -reach; d <= reach; ++d) {
-      const float k = along_y_.of_cell(cy)[d + reach];
-      const float* from = rows + (size_t(cy) * size_t(ny_) + size_t(wrap_index(j - d, ny_))) * size_t(nx_);
-      for (int i = 0; i < nx_; ++i) to[i] += k * from[i];
+      factors.push_back(along_y_.of_cell(cy)[d + reach]);
+      lines.push_back(rows + (size_t(cy) * size_t(ny_) + size_t(wrap_index(j - d, ny_))) * size_t(nx_));
     }
+  sum_lines(lines.data(), factors.data(), lines.size(), size_t(nx_), to);
 }
 
 int crosstalk_cells(const Slm& slm, const ShowParams& params) {

@@ -41,7 +41,8 @@ class PixelBlur {
 
     Taps() = default;
     Taps(double sigma, double lit, int cells);
-    const float* of_cell(int c) const { return values.data() + size_t(c) * size_t(2 * reach + 1); }
+    size_t taps() const { return size_t(2 * reach + 1); }
+    const float* of_cell(int c) const { return values.data() + size_t(c) * taps(); }
   };
 
   int nx_, ny_, s_;

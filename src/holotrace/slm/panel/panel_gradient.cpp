@@ -1,8 +1,8 @@
 // Gradients by the drive of a panel, from gradients by the light that leaves it.
 
-#include "holotrace/base/complex_product.h"
+#include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/base/units.h"
+#include "holotrace/slm/panel/blur_kernels.h"
 #include "holotrace/slm/panel/panel_parts.h"
 #include "holotrace/slm/panel/phasors.h"
 
@@ -25,7 +25,8 @@ void PanelModel::Parts::gather_columns(const Array2D<Complex>& gradient, Complex
     AlignedVector<Complex> cells(size_t(count) * height), samples(size_t(count) * length);
     for (size_t j = 0; j < length; ++j) {
       const Complex* from = gradient.row(int(j)) + first;
-      for (int c = 0; c < count; ++c) samples[size_t(c) * length + j] = unlit(from[c], int(j), first + c);
+      for (int c = 0; c < count; ++c)
+        samples[size_t(c) * length + j] = light.is_even() ? from[c] : unlit(from[c], int(j), first + c);
     }
     for (int c = 0; c < count; ++c) column.gather(&samples[size_t(c) * length], &cells[size_t(c) * height]);
     for (size_t r = 0; r < height; ++r)
@@ -40,17 +41,15 @@ Complex PanelModel::Parts::unlit(Complex g, int j, int i) const {
 }
 
 // ∂f/∂cycles and ∂f/∂amplitude of the cells of one row, from q = ∂f/∂v of the light v·exp(iψ) that they send:
-// Re(conj(q)·∂v), v = a·exp(iφ). Without amplitudes a is 1.
-void PanelModel::Parts::gradient_of_cells(const Complex* q, int j, const Cells& cells, float* of_cycles,
+// Re(conj(q)·∂v), v = a·exp(iφ). Without amplitudes a is 1. Changes the values of the cells.
+void PanelModel::Parts::gradient_of_cells(const Complex* q, int j, Cells& cells, float* of_cycles,
                                           float* of_amplitudes) const {
-  for (int cx = 0; cx < s; ++cx)
-    for (int i = 0; i < nx(); ++i) {
-      const size_t k = size_t(cx) * size_t(nx()) + size_t(i);
-      const Complex unit = static_errors.size() > 0 ? product(cells.values[k], static_errors(j, i)) : cells.values[k];
-      const Complex turned = product_conjugate(q[k], unit);
-      of_cycles[k] = float(2 * pi) * (of_amplitudes ? cells.amplitudes[k] : 1.0F) * turned.imag();
-      if (of_amplitudes) of_amplitudes[k] = turned.real();
-    }
+  for (int cx = 0; cx < s && static_errors.size() > 0; ++cx) {
+    Complex* line = cells.values.data() + size_t(cx) * size_t(nx());
+    multiply(line, line, static_errors.row(j), size_t(nx()));
+  }
+  turn_back(q, cells.values.data(), of_amplitudes ? cells.amplitudes.data() : nullptr, cells.values.size(), of_cycles,
+            of_amplitudes);
 }
 
 // From ∂f/∂cycles and ∂f/∂amplitude of the pixels of row j to ∂f/∂drive and ∂f/∂modulus. With a modulus μ, a pixel's

@@ -95,7 +95,7 @@ struct PanelModel::Parts {
   Slopes pull_back(const Array2D<float>& drive, const Array2D<float>* modulus, const Array2D<Complex>& gradient) const;
   void gather_columns(const Array2D<Complex>& gradient, Complex* rows) const;
   Complex unlit(Complex g, int j, int i) const;
-  void gradient_of_cells(const Complex* q, int j, const Cells& cells, float* of_cycles, float* of_amplitudes) const;
+  void gradient_of_cells(const Complex* q, int j, Cells& cells, float* of_cycles, float* of_amplitudes) const;
   void gradient_of_pattern(const DrivenPixels& pixels, int j, const float* of_cycles, const float* of_amplitudes,
                            Slopes& to) const;
 

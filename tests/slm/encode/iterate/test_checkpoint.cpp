@@ -56,6 +56,8 @@ struct DescentCase {
   Slm slm = make_panel(48, 32);
   int frames = 3;
   bool has_two_colours = false, has_views = false;
+  int updates = 10;
+  std::vector<int> stops{1, 4, 9};
   EncodeParams params{.method = Encoding::sgd, .target_distances = {0.01, 0.011, 0.012}, .iterations = 10};
 
   TargetSet targets() const {
@@ -93,25 +95,32 @@ struct DescentCase {
 
 std::vector<DescentCase> cases() {
   DescentCase plain{.name = "planes"}, many{.name = "diagonals"}, complex{.name = "complex"},
-      colours{.name = "colours"}, views{.name = "views"}, two{.name = "two planes per update"};
+      colours{.name = "colours"}, views{.name = "views"}, two{.name = "two planes per update"},
+      soft{.name = "soft levels"}, early{.name = "ends early"};
   many.frames = 4;
   complex.slm.modulation = Modulation::complex;
   colours.has_two_colours = true;
   views.has_views = true;
   two.params.planes_per_update = 2;
-  return {plain, many, complex, colours, views, two};
+  soft.slm.levels = 4;
+  early.params.target_distances = {0.01};
+  early.params.iterations = 60;
+  early.params.least_gain = 100;  // never gained: begins to end after two windows of 10, and ends after a third
+  early.updates = 30;
+  early.stops = {5, 20, 26};
+  return {plain, many, complex, colours, views, two, soft, early};
 }
 
 // Stopped after any number of updates, in the middle of a round of planes and at its end, and once more later.
 TEST(DescentCheckpoint, GoesOnToTheSameBytes) {
   for (const DescentCase& c : cases()) {
     const Result whole = c.run();
-    for (const int stop : {1, 4, 9}) {
+    for (const int stop : c.stops) {
       Kept kept;
       kept.stop_after = stop;
       EXPECT_EQ(error_of([&] { c.run(kept.checkpoint()); }),
-                "stopped after " + std::to_string(stop) +
-                    " of 10 iterations, which the checkpoint keeps; give the same command again to go on");
+                "stopped after " + std::to_string(stop) + " of " + std::to_string(c.params.iterations) +
+                    " iterations, which the checkpoint keeps; give the same command again to go on");
       ASSERT_TRUE(kept.state);
       EXPECT_EQ(kept.state->updates, stop);
       kept.stop_after = stop < 5 ? stop + 3 : -1;
@@ -120,7 +129,7 @@ TEST(DescentCheckpoint, GoesOnToTheSameBytes) {
       }
       kept.stop_after = -1;
       EXPECT_TRUE(c.run(kept.checkpoint()) == whole) << c.name << ", stopped after " << stop;
-      EXPECT_EQ(kept.state->updates, 10);
+      EXPECT_EQ(kept.state->updates, c.updates);
       EXPECT_TRUE(c.run(kept.checkpoint()) == whole) << c.name << ", from a finished job";
     }
   }
@@ -143,6 +152,7 @@ TEST(DescentCheckpoint, KnowsEverythingThatTheResultDependsOn) {
       {"frames", [](DescentCase& c) { c.frames = 2; }},
       {"iterations", [](DescentCase& c) { c.params.iterations = 11; }},
       {"step", [](DescentCase& c) { c.params.step = 0.3; }},
+      {"least gain", [](DescentCase& c) { c.params.least_gain = 0.1; }},
       {"stop", [](DescentCase& c) { c.params.stop = 0.5; }},
       {"seed", [](DescentCase& c) { c.params.seed = 2; }},
       {"subpixels", [](DescentCase& c) { c.params.subpixels = 3; }},

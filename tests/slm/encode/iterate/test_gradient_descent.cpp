@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
 #include "support/descent.h"
@@ -63,6 +64,73 @@ TEST(GradientDescent, TakesTheStepsOfAdam) {
     EXPECT_LT(apart[apart.size() / 2], 2e-4) << count;
     EXPECT_LT(apart[apart.size() * 9 / 10], 1e-3) << count;
   }
+}
+
+// The iterations end early where the mean loss of a window is not lower by least_gain than that of the window before. The
+// step falls to 0 all the same, so the last update changes the loss by little.
+TEST(GradientDescent, EndsEarlyIfLittleIsGained) {
+  const Slm slm = make_panel(64, 48);
+  EncodeParams params{
+      .method = Encoding::sgd, .target_distances = {0.006}, .iterations = 200, .start = StartPhase::random};
+  const auto told = [&](double least_gain) {
+    params.least_gain = least_gain;
+    Heard heard;
+    std::vector<double> convergence;
+    Observer observer = heard.observer();
+    observer.on_curve = [&](const std::string&, const std::vector<double>& values) { convergence = values; };
+    encode_frames({picture_targets(slm, params)}, test_wavelength, 1, slm, params, observer);
+    return convergence;  // before each iteration, and at the end
+  };
+  const std::vector<double> whole = told(0), early = told(0.5);
+  ASSERT_EQ(whole.size(), 201u);
+  ASSERT_LT(early.size(), 201u);
+  ASSERT_GE(early.size(), 31u);  // two windows of 10 to compare, and one to end
+  const size_t last = early.size() - 1, begins = last - 10;
+  EXPECT_EQ(early[begins], whole[begins]);
+  EXPECT_LT(early[last], early[begins]);
+  EXPECT_LT(std::abs(early[last] - early[last - 1]), std::abs(early[begins + 1] - early[begins]) / 3);
+  const auto gain = [&](size_t end) {  // of the window that ends there [dB]
+    const auto mean = [&](size_t to) { return std::accumulate(&whole[to - 10], &whole[to], 0.0) / 10; };
+    return 10 * std::log10(mean(end - 10) / mean(end));
+  };
+  EXPECT_LT(gain(begins), 0.5);
+  for (size_t end = 20; end < begins; ++end) EXPECT_GE(gain(end), 0.5) << end;
+}
+
+// Few levels: the light is that of soft levels at first. Loss at the end against rounding from the start, measured on
+// this panel at 4 levels: see the bound.
+TEST(GradientDescent, EndsOnWholeLevels) {
+  for (const int levels : {2, 3, 4, 16}) {
+    const Slm slm = make_panel(64, 48, levels);
+    EncodeParams params{.method = Encoding::sgd, .target_distances = {0.006}, .iterations = 40};
+    const std::vector<TargetPlane> targets = picture_targets(slm, params);
+    std::vector<Hologram> frames = encode_frames({targets}, test_wavelength, 2, slm, params);
+    for (const Hologram& frame : frames)
+      EXPECT_LT(*std::max_element(frame.level.values.begin(), frame.level.values.end()), levels);
+    Heard of_descent, of_levels;
+    frames = encode_frames({targets}, test_wavelength, 2, slm, params, of_descent.observer());
+    judge(targets, slm, params, of_levels.observer(), frames);  // the levels as they are saved
+    EXPECT_EQ(of_descent.number("psnr_db"), of_levels.number("psnr_db")) << levels;
+  }
+}
+
+// A complex panel can show any light of its band: it has twice the degrees of freedom of a phase panel, which has too few where
+// the whole window counts.
+TEST(GradientDescent, ComplexPanelsShowMore) {
+  Slm slm = make_panel(96, 64);
+  EncodeParams params{.method = Encoding::sgd, .target_distances = {0.006}};
+  params.iterations = 40;
+  const auto psnr = [&](Modulation modulation) {
+    slm.modulation = modulation;
+    Heard heard;
+    const std::vector<TargetPlane> targets = picture_targets(slm, params);
+    const Hologram hologram =
+        encode_targets(targets, field_of_target(targets[0], slm, params), slm, params, heard.observer());
+    EXPECT_EQ(hologram.modulation, modulation);
+    EXPECT_EQ(hologram.modulus_level.size(), modulation == Modulation::complex ? hologram.level.size() : 0);
+    return heard.number("psnr_db");
+  };
+  EXPECT_GT(psnr(Modulation::complex), psnr(Modulation::phase) + 3);  // half of the error, or less
 }
 
 // Each colour counts alike, and the reported efficiency is their mean.

@@ -26,41 +26,35 @@ void Colour::add(const TargetPlane& target) {
                                    .subpixels = params_.subpixels,
                                    .stop = stop_width(params_),
                                    .pupil = target.pupil})});
-  lights_.emplace_back();
+  errors_.push_back(0);
   power_ += target_power(target);
 }
 
-double Colour::error() const {
-  return std::accumulate(lights_.begin(), lights_.end(), 0.0,
-                         [](double sum, const PlaneLight& light) { return sum + light.error; });
-}
+double Colour::error() const { return std::accumulate(errors_.begin(), errors_.end(), 0.0); }
 
-double Colour::light() const {
-  return std::accumulate(lights_.begin(), lights_.end(), 0.0,
-                         [](double sum, const PlaneLight& light) { return sum + light.sums.square; });
-}
-
-void Colour::leave(const std::vector<Drive>& levels) {
+void Colour::leave(const std::vector<Drive>& levels, const PanelDetail& detail) {
+  detail_ = detail;
   Grid grid = slm_.grid;
   grid.nx *= params_.subpixels;
   grid.ny *= params_.subpixels;
   grid.pitch /= params_.subpixels;
   while (u_.size() < levels.size()) u_.emplace_back(grid, wavelength_);
-  for (size_t m = 0; m < levels.size(); ++m) panel_.leave(levels[m], u_[m]);
+  for (size_t m = 0; m < levels.size(); ++m) panel_.leave(levels[m], u_[m], detail);
 }
 
 void Colour::judge(const std::vector<Drive>& levels) {
   leave(levels);
   ModulusSums all;
-  for (size_t k = 0; k < ways_.size(); ++k) {
-    lights_[k].sums = fit_sums(*ways_[k].target, mean_light(ways_[k], SampleGroup::all, nullptr));
-    all.cross += lights_[k].sums.cross;
-    all.square += lights_[k].sums.square;
+  std::vector<ModulusSums> sums;
+  for (const TargetWay& way : ways_) {
+    sums.push_back(fit_sums(*way.target, mean_light(way, SampleGroup::all, nullptr)));
+    all.cross += sums.back().cross;
+    all.square += sums.back().square;
   }
   fit_scale(all, 0);
+  light_ = all.square;
   for (size_t k = 0; k < ways_.size(); ++k)
-    lights_[k].error =
-        target_power(*ways_[k].target) - 2 * scale_ * lights_[k].sums.cross + scale_ * scale_ * lights_[k].sums.square;
+    errors_[k] = target_power(*ways_[k].target) - 2 * scale_ * sums[k].cross + scale_ * scale_ * sums[k].square;
 }
 
 // The samples that an update uses. Many frames take the diagonals of the pixels in turn: the update then takes 0.6 of
@@ -71,9 +65,22 @@ SampleGroup Colour::group_of(uint64_t round) const {
   return round % 2 == 0 ? SampleGroup::falling : SampleGroup::rising;
 }
 
+// All four samples and those of the neighbours give the mean over a pixel better than the pixel's own samples do.
+bool Colour::has_pixel_means(SampleGroup group) const { return group == SampleGroup::all && params_.subpixels == 1; }
+
 // The mean irradiance of the frames in a target plane, and on request the samples of each frame.
 Array2D<float> Colour::mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const {
   Array2D<float> light(slm_.grid.ny, slm_.grid.nx);
+  if (has_pixel_means(group)) {
+    SamplePower power;
+    power.fill(light);
+    for (const Field& frame : u_) {
+      std::vector<Field> shown = way.propagation.to_plane(frame, group);
+      for (size_t i = 0; i < power.size(); ++i) add_power(shown[i], 1 / double(u_.size()), power[i]);
+      if (samples) samples->push_back(std::move(shown));
+    }
+    return pixel_means(power);
+  }
   for (const Field& frame : u_) {
     std::vector<Field> shown = way.propagation.to_plane(frame, group);
     add_power(shown, part_of_light(group) / double(u_.size()), light);
@@ -105,20 +112,24 @@ void Colour::add_planes(const std::vector<size_t>& planes, uint64_t round, doubl
   // Of all planes, the sums need no others.
   fit_scale(turn, std::min(0.7, 1 - double(planes.size()) / double(ways_.size())));
   for (size_t i = 0; i < planes.size(); ++i)
-    lights_[planes[i]].error =
-        add_gradient(ways_[planes[i]], group, std::move(light[i]), samples[i], factor, levels, slopes);
+    errors_[planes[i]] = add_gradient(ways_[planes[i]], group, std::move(light[i]), samples[i], factor, levels, slopes);
 }
 
 // Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor. Returns that sum.
 double Colour::add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light, Samples& samples,
                             double factor, const std::vector<Drive>& levels, std::vector<Drive>& slopes) const {
   const double error = scale_ * scale_ * leave_residual(*way.target, 1 / scale_, light);
+  SamplePower of_sample;
+  if (has_pixel_means(group)) of_sample = spread_to_samples(light);
   for (size_t m = 0; m < samples.size(); ++m) {
-    multiply(light, samples[m]);
+    if (has_pixel_means(group))
+      for (size_t i = 0; i < of_sample.size(); ++i) multiply(of_sample[i], samples[m][i]);
+    else
+      multiply(light, samples[m]);
     const Field back = way.propagation.to_panel(samples[m], group);
     samples[m].clear();
     panel_.add_slope(levels[m], u_[m], back,
-                     -2 * scale_ * scale_ * factor * part_of_light(group) / double(samples.size()), slopes[m]);
+                     -2 * scale_ * scale_ * factor * part_of_light(group) / double(samples.size()), slopes[m], detail_);
   }
   return error;
 }
@@ -157,7 +168,7 @@ double Colour::add_views(const ViewTargets& views, double factor, const std::vec
       add_picture_adjoint(picture, views.pupils[size_t(k)], views.z, views.picture, eye);
     });
     panel_.add_slope(levels[m], u_[m], pupils_->to_panel(eye),
-                     -2 * scale_ * scale_ * factor / (light * double(u_.size())), slopes[m]);
+                     -2 * scale_ * scale_ * factor / (light * double(u_.size())), slopes[m], detail_);
   }
   return error * scale_ * scale_ / light;
 }

@@ -15,12 +15,6 @@
 
 namespace holotrace {
 
-/// What is known of a plane.
-struct PlaneLight {
-  ModulusSums sums;  ///< since it was last judged
-  double error = 0;  ///< since its last turn
-};
-
 /// A target and the way to it.
 struct TargetWay {
   const TargetPlane* target;
@@ -42,10 +36,10 @@ class Colour {
   double power() const { return power_; }  ///< light of the targets
   double scale() const { return scale_; }  ///< the scale s of the light that fits the targets
   double error() const;                    ///< sum of the errors of all planes, each from its last turn
-  double light() const;                    ///< sum of the light in all planes when they were last judged
+  double light() const { return light_; }  ///< sum of the light in all planes when they were last judged
 
   /// Light of all frames on the panel.
-  void leave(const std::vector<Drive>& levels);
+  void leave(const std::vector<Drive>& levels, const PanelDetail& detail = {});
 
   /// Error and sums of all planes for some levels.
   void judge(const std::vector<Drive>& levels);
@@ -67,7 +61,7 @@ class Colour {
     work(recent_.cross);
     work(recent_.square);
     work(scale_);
-    for (PlaneLight& light : lights_) work(light.error);
+    for (double& error : errors_) work(error);
   }
 
  private:
@@ -75,6 +69,7 @@ class Colour {
 
   SampleGroup group_of(uint64_t round) const;
   Array2D<float> mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const;
+  bool has_pixel_means(SampleGroup group) const;
   void fit_scale(const ModulusSums& turn, double memory);
   double add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light, Samples& samples, double factor,
                       const std::vector<Drive>& levels, std::vector<Drive>& slopes) const;
@@ -84,11 +79,12 @@ class Colour {
   double wavelength_;
   DrivenPanel panel_;
   std::vector<TargetWay> ways_;
-  std::vector<PlaneLight> lights_;          // of each plane
+  std::vector<double> errors_;              // of each plane, from its last turn
   std::vector<Field> u_;                    // light that leaves the panel, of each frame
   std::optional<PupilPropagation> pupils_;  // made for the first views
   ModulusSums recent_;
-  double scale_ = 1, power_ = 0;
+  double scale_ = 1, power_ = 0, light_ = 0;
+  PanelDetail detail_;  // of the light that left last
 };
 
 }  // namespace holotrace

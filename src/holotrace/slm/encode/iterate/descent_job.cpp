@@ -85,6 +85,7 @@ IterationState descent_job(const TargetSet& targets, const Slm& slm, const Encod
   f.add(iterations_of(params));
   f.add(stop_width(params));
   f.add(params.step > 0 ? params.step : sgd_step);
+  f.add(params.least_gain);
   f.add(params.planes_per_update);
   f.add(params.subpixels);
   f.add(params.seed);

@@ -8,6 +8,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
+#include "holotrace/slm/panel/crosstalk.h"
 #include "holotrace/slm/panel/phasors.h"
 #include "holotrace/slm/panel/pixel_response.h"
 
@@ -49,11 +50,18 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
   ShowParams params;
   params.subpixels = subpixels;
   model_.emplace(slm, params, hologram.modulation, hologram.levels, design, state);
+  if (!(slm.effects.crosstalk > 0)) return;
+  params.fine_samples = crosstalk_cells(slm, params) * 3 / 4;
+  coarse_.emplace(slm, params, hologram.modulation, hologram.levels, design, state);
 }
 
-void DrivenPanel::leave(const Drive& drive, Field& u) const {
+const PanelModel& DrivenPanel::model_of(const PanelDetail& detail) const {
+  return coarse_ && !detail.is_fine ? *coarse_ : *model_;
+}
+
+void DrivenPanel::leave(const Drive& drive, Field& u, const PanelDetail& detail) const {
   if (model_) {
-    model_->leave(drive.level, u, modulus_of(drive));
+    model_of(detail).leave(drive.level, u, modulus_of(drive));
     return;
   }
   parallel_for(
@@ -67,27 +75,29 @@ void DrivenPanel::leave(const Drive& drive, Field& u) const {
       {}, 16);
 }
 
-void DrivenPanel::add_slope(const Drive& drive, const Field& u, const Field& g, double factor, Drive& slope) const {
+void DrivenPanel::add_slope(const Drive& drive, const Field& u, const Field& g, double factor, Drive& slope,
+                            const PanelDetail& detail) const {
   const int nx = drive.level.nx, ny = drive.level.ny;
+  const bool takes_middle = has_two_levels_ && detail.is_hard;
   if (model_) {
     Array2D<float> halfway;
-    if (has_two_levels_) {
+    if (takes_middle) {
       halfway = Array2D<float>(ny, nx);
       std::fill(halfway.values.begin(), halfway.values.end(), 0.5F);
     }
     const PanelModel::Slopes part =
-        model_->pull_back(has_two_levels_ ? halfway : drive.level, g.samples, modulus_of(drive));
+        model_of(detail).pull_back(takes_middle ? halfway : drive.level, g.samples, modulus_of(drive));
     add_times(factor, part.drive, slope.level);
     add_times(factor, part.modulus, slope.modulus);
     return;
   }
   const float radians_per_level = float(factor * 2 * pi * cycles_per_level_);
   std::vector<std::complex<float>> halfway;
-  if (has_two_levels_) halfway.assign(size_t(nx), std::complex<float>(cis_cycles(cycles_per_level_ / 2)));
+  if (takes_middle) halfway.assign(size_t(nx), std::complex<float>(cis_cycles(cycles_per_level_ / 2)));
   parallel_for(
       0, ny,
       [&](int64_t j) {
-        add_phase_gradient(g.samples.row(int(j)), has_two_levels_ ? halfway.data() : u.samples.row(int(j)),
+        add_phase_gradient(g.samples.row(int(j)), takes_middle ? halfway.data() : u.samples.row(int(j)),
                            radians_per_level, slope.level.row(int(j)), size_t(nx));
       },
       {}, 16);

@@ -29,6 +29,13 @@ void each_array(Drive& drive, const Work& work) {
   if (drive.modulus.size() > 0) work(drive.modulus);
 }
 
+/// How an update takes a panel. Early updates need not be exact.
+struct PanelDetail {
+  bool is_hard = true;  ///< whether drives are whole levels: between them, two levels have their own slopes
+  bool is_fine =
+      true;  ///< whether crosstalk is computed on as many cells as `show` takes, or on three quarters of them per axis
+};
+
 /// A panel at one wavelength, for gradient descent: levels give light, and gradients go back.
 ///
 /// A phase panel without effects is exp(2πi·c·ℓ) pixel by pixel, one sample per pixel; the pixels' aperture is then part
@@ -50,19 +57,25 @@ class DrivenPanel {
   /// dark to bright, as for the modulus of a complex modulation.
   double levels_per_radian() const { return levels_per_radian_; }
 
+  /// Whether coarse updates differ from fine ones: with crosstalk.
+  bool has_coarse() const { return coarse_.has_value(); }
+
   /// Writes the light that leaves the panel to `u`.
-  void leave(const Drive& drive, Field& u) const;
+  void leave(const Drive& drive, Field& u, const PanelDetail& detail = {}) const;
 
   /// Adds factor·∂f/∂drive to `slope`, given g = ∂f/∂Re u + i·∂f/∂Im u.
   ///
   /// Of two levels the slope is that halfway between them, where the phase moves the light from one level's toward the
   /// other's; at a level itself, it moves it across that direction and says nothing about the other level.
-  void add_slope(const Drive& drive, const Field& u, const Field& g, double factor, Drive& slope) const;
+  void add_slope(const Drive& drive, const Field& u, const Field& g, double factor, Drive& slope,
+                 const PanelDetail& detail = {}) const;
 
  private:
   double cycles_per_level_, turn_, levels_per_radian_;
   bool has_two_levels_;
-  std::optional<PanelModel> model_;
+  const PanelModel& model_of(const PanelDetail& detail) const;
+
+  std::optional<PanelModel> model_, coarse_;
 };
 
 }  // namespace holotrace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
@@ -58,7 +59,11 @@ Drive drive_of(const Hologram& hologram) {
 
 FrameDescent::FrameDescent(const TargetSet& targets, const Slm& slm, const EncodeParams& params,
                            const std::vector<Hologram>& frames)
-    : targets_(targets), params_(params), iterations_(iterations_of(params)), levels_(frames.front().levels) {
+    : targets_(targets),
+      params_(params),
+      iterations_(iterations_of(params)),
+      levels_(frames.front().levels),
+      last_update_(iterations_) {
   require_memory_for(targets.planes.size(), frames.size(), slm.grid, params,
                      frames.front().modulation == Modulation::complex ? 2 : 1);
   colours_ = colours_of(targets.planes, slm, params, frames.front());
@@ -78,6 +83,7 @@ FrameDescent::FrameDescent(const TargetSet& targets, const Slm& slm, const Encod
   }
 }
 
+// Updates until each plane of each colour has had its turn.
 int FrameDescent::updates_per_round() const {
   size_t most = 1;
   for (const Turns& turns : turns_) most = std::max(most, turns.updates_per_round());
@@ -103,7 +109,7 @@ void FrameDescent::update() {
   for (size_t c = 0; c < colours_.size(); ++c) {
     Colour& colour = *colours_[c];
     if (colour.power() == 0) continue;
-    colour.leave(rounded_);
+    colour.leave(rounded_, detail(updates()));
     const std::vector<size_t> planes = turns_[c].take();
     colour.add_planes(planes, turns_[c].round(), part(colour), rounded_, slopes_);
     if (!targets_.draw_views) continue;
@@ -113,12 +119,50 @@ void FrameDescent::update() {
   }
   step();
   losses_.push_back(loss());
+  end_if_little_is_gained();
 }
 
-// A step of Adam (Kingma and Ba, 2015), which falls to 0 over the iterations as a half cosine.
+// How far the schedule is after some updates, from 0 to 1.
+double FrameDescent::place(int updates) const {
+  if (ending_from_ < 0) return double(updates) / iterations_;
+  const double from = double(ending_from_) / iterations_;
+  return from + (1 - from) * (updates - ending_from_) / (last_update_ - ending_from_);
+}
+
+// How hard levels are after some updates. Up to 16 levels, the first part of the schedule leads from soft levels to whole
+// ones: a shorter part for two levels, which are far apart. For more levels it makes no difference.
+float FrameDescent::hardness(int updates) const {
+  if (levels_ > 16) return 1;
+  const double hard_from = levels_ == 2 ? 0.15 : 0.7;
+  return float(std::min(1.0, place(updates) / hard_from));
+}
+
+// How an update takes the panel. Most of the schedule need not know crosstalk exactly: its last part corrects what that
+// spoils. The start has whole levels.
+PanelDetail FrameDescent::detail(int updates) const {
+  constexpr double fine_from = 0.75;
+  const bool has_coarse = colours_.front()->panel().has_coarse();
+  return {.is_hard = updates == 0 || hardness(updates) == 1, .is_fine = !has_coarse || place(updates) >= fine_from};
+}
+
+// Compares the mean losses of two windows of updates, each of two rounds of all planes or more. If the second one is not
+// lower by params.least_gain, the rest of the schedule passes within one more window.
+void FrameDescent::end_if_little_is_gained() {
+  const int window = std::max(10, 2 * updates_per_round()), now = updates();
+  if (!(params_.least_gain > 0) || ending_from_ >= 0 || now < 2 * window || now + window >= iterations_) return;
+  if (hardness(now - 2 * window) < 1 || !detail(now - 2 * window).is_fine) return;  // these change the loss
+  const auto mean = [&](int end) {
+    return std::accumulate(losses_.begin() + (end - window), losses_.begin() + end, 0.0) / window;
+  };
+  if (10 * std::log10(mean(now - window) / mean(now)) >= params_.least_gain) return;
+  ending_from_ = now;
+  last_update_ = now + window;
+}
+
+// A step of Adam (Kingma and Ba, 2015), which falls to 0 over the schedule as a half cosine.
 void FrameDescent::step() {
   constexpr double beta1 = 0.9, beta2 = 0.99;
-  const double fall = (1 + std::cos(pi * updates() / iterations_)) / 2, t = updates() + 1;
+  const double fall = (1 + std::cos(pi * place(updates()))) / 2, t = updates() + 1;
   const double correction = std::sqrt(1 - std::pow(beta2, t)) / (1 - std::pow(beta1, t));
   const auto move = [&](double whole_step, float turn, Array2D<float> Drive::*values, size_t m) {
     const AdamStep adam{float(beta1), float(beta2), float(whole_step * fall * correction), 1e-20F};
@@ -131,7 +175,7 @@ void FrameDescent::step() {
           const size_t nx = size_t((frame.drive.*values).nx);
           adam_step(adam, (slopes_[m].*values).row(j), (frame.mean.*values).row(j), (frame.square.*values).row(j),
                     drive, nx);
-          settle_drive(turn, float(levels_), drive, (rounded_[m].*values).row(j), nx);
+          settle_drive(turn, float(levels_), hardness(updates() + 1), drive, (rounded_[m].*values).row(j), nx);
         },
         {}, 16);
   };
@@ -151,6 +195,8 @@ void FrameDescent::write(std::vector<Hologram>& frames) const {
 template <class Work>
 void FrameDescent::each_number(const Work& work) {
   for (double& loss : losses_) work(loss);
+  work(last_update_);
+  work(ending_from_);
   for (const auto& colour : colours_) colour->each_number(work);
   for (Turns& turns : turns_) turns.each_number(work);
 }

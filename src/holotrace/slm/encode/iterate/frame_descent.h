@@ -38,8 +38,8 @@ class FrameDescent {
 
   int updates() const { return int(losses_.size()); }
 
-  /// Updates until each plane of each colour has had its turn.
-  int updates_per_round() const;
+  /// Number of updates after which it is finished: as many as asked for, or fewer if they gain too little.
+  int last_update() const { return last_update_; }
 
   /// Evaluates all planes for the levels of now. Before the first update, planes count for the loss from the start.
   void judge();
@@ -63,8 +63,13 @@ class FrameDescent {
     Drive drive, mean, square;
   };
 
+  int updates_per_round() const;
   double part(const Colour& colour) const;
+  double place(int updates) const;
+  float hardness(int updates) const;
+  PanelDetail detail(int updates) const;
   void step();
+  void end_if_little_is_gained();
   template <class Work>
   void each_number(const Work& work);
   template <class Work>
@@ -81,6 +86,8 @@ class FrameDescent {
   std::vector<Frame> frames_;
   std::vector<Drive> rounded_, slopes_;  // of each frame
   std::vector<double> losses_;
+  int last_update_;
+  int ending_from_ = -1;  // number of updates after which it began to end early; −1: it did not
 };
 
 }  // namespace holotrace

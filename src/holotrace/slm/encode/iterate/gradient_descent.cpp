@@ -33,11 +33,17 @@ double psnr(const Colours& colours) {
   return 10 * std::log10(weight / std::max(error, 1e-30));
 }
 
+void set_illumination(const Colour& colour, bool is_joint, Hologram& frame) {
+  const double illumination = colour.scale() * colour.scale();
+  if (colour.wavelength() == frame.wavelength) frame.illumination = illumination;
+  if (is_joint) frame.colours.push_back({colour.wavelength(), illumination});
+}
+
 void tell_quality(const Colours& colours, const Observer& observer, std::vector<Hologram>& frames) {
   double light = 0;
+  for (Hologram& frame : frames) frame.colours.clear();
   for (const auto& colour : colours) {
-    for (Hologram& frame : frames)
-      if (colour->wavelength() == frame.wavelength) frame.illumination = colour->scale() * colour->scale();
+    for (Hologram& frame : frames) set_illumination(*colour, colours.size() > 1, frame);
     light += colour->light() / (double(colour->ways().size()) * double(frames.front().grid.pixels()));
   }
   observer.fact("psnr_db", Fact(psnr(colours)));
@@ -93,10 +99,12 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
   if (checkpoint) kept.emplace(descent, checkpoint, descent_job(targets, slm, params, frames));
   if (descent.updates() == 0 && iterations > 0) descent.judge();  // planes count before their first turn
   if (kept && descent.updates() == 0) kept->save();               // a file that cannot be written is refused now
-  while (descent.updates() < iterations) {
+  if (descent.updates() > 0)
+    observer.progress(double(descent.updates()) / descent.last_update());  // time left is from here
+  while (descent.updates() < descent.last_update()) {
     descent.update();
     observer.status(fmt::format("loss {:.1f} dB", decibels(descent.losses().back())));
-    observer.progress(double(descent.updates()) / iterations);
+    observer.progress(double(descent.updates()) / descent.last_update());
     if (kept) kept->after_update(iterations);
   }
   if (kept) kept->save();

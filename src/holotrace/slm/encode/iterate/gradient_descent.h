@@ -23,14 +23,22 @@ namespace holotrace {
 /// the effects that params.effects names), the stop and free space. The gradient is analytic: s is at its optimum, so it
 /// counts as a constant, and g = 2w·s(s·A − a)·v/(M·A) goes back by the adjoints of the propagations and of the panel.
 /// Rounding is treated as the identity in the gradient: the light is that of whole levels, while the gradient moves the
-/// unrounded drive (Bengio, Léonard and Courville, arXiv:1308.3432).
+/// unrounded drive (Bengio, Léonard and Courville, arXiv:1308.3432). With up to 16 levels it is annealed: the light is that
+/// of drive + h·(level − drive), and h grows evenly from 0 to 1 over the first 0.7 of the iterations, of two levels over
+/// the first 0.15.
+///
+/// With crosstalk, the first three quarters of the iterations compute the panel on three quarters of the cells per axis
+/// that `show` takes, and the rest on all of them. Figures and the loss at the end are those of all cells.
 ///
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
 /// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, each
 /// iteration also uses the views that it draws; half of their error, relative to their own light, is added to that of
 /// the iteration's planes. The loss leaves it out. With four or more frames, planes use the samples on one diagonal of the pixels in one round, and on the other in the next.
 ///
-/// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine.
+/// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine. With
+/// params.least_gain > 0 the iterations may end early. Losses of single updates are noisy, so the means of two windows are
+/// compared, each of two rounds of all planes and at least 10 updates. If the second one is not lower by that many
+/// decibels, the step falls from its size of now to 0 within one more window.
 ///
 /// @param targets  target planes of one wavelength or, for one hologram in several colours, of several
 /// @param slm      panel with the effects that are on

@@ -131,18 +131,19 @@ void adam(const AdamStep& p, const float* g, float* m, float* v, float* x, size_
   });
 }
 
-void settle(float turn, float levels, float* drive, float* rounded, size_t count) {
+void settle(float turn, float levels, float hardness, float* drive, float* rounded, size_t count) {
   each(count, [&](auto d, size_t i) {
     auto x = hn::LoadU(d, drive + i);
     const auto zero = hn::Zero(d), last = hn::Set(d, levels - 1);
+    const auto toward = [&](auto from, auto to) { return hn::MulAdd(hn::Set(d, hardness), hn::Sub(to, from), from); };
     if (turn > 0) {
       const auto whole = hn::Set(d, turn);
       x = hn::NegMulAdd(whole, hn::Floor(hn::Div(x, whole)), x);
       const auto level = hn::Round(x);
-      hn::StoreU(hn::IfThenElse(hn::Gt(level, last), zero, level), d, rounded + i);
+      hn::StoreU(hardness < 1 ? toward(x, level) : hn::IfThenElse(hn::Gt(level, last), zero, level), d, rounded + i);
     } else {
       x = hn::Min(hn::Max(x, zero), last);
-      hn::StoreU(hn::Round(x), d, rounded + i);
+      hn::StoreU(hardness < 1 ? toward(x, hn::Round(x)) : hn::Round(x), d, rounded + i);
     }
     hn::StoreU(x, d, drive + i);
   });
@@ -208,8 +209,8 @@ void adam_step(const AdamStep& step, const float* d, float* m, float* v, float* 
   HWY_DYNAMIC_DISPATCH(adam)(step, d, m, v, x, count);
 }
 
-void settle_drive(float turn, float levels, float* drive, float* rounded, size_t count) {
-  HWY_DYNAMIC_DISPATCH(settle)(turn, levels, drive, rounded, count);
+void settle_drive(float turn, float levels, float hardness, float* drive, float* rounded, size_t count) {
+  HWY_DYNAMIC_DISPATCH(settle)(turn, levels, hardness, drive, rounded, count);
 }
 
 }  // namespace holotrace

@@ -45,6 +45,7 @@ void adam_step(const AdamStep& adam, const float* d, float* m, float* v, float* 
 
 /// Moves drives into their range and rounds them to levels. With `turn` > 0, the levels of a whole turn of phase, the
 /// range is a circle: drive ← drive mod turn, and the level after the last is level 0. Otherwise it is [0, levels − 1].
-void settle_drive(float turn, float levels, float* drive, float* rounded, size_t count);
+/// With a hardness h < 1 the rounded values are soft: drive + h·(level − drive).
+void settle_drive(float turn, float levels, float hardness, float* drive, float* rounded, size_t count);
 
 }  // namespace holotrace

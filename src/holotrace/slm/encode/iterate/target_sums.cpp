@@ -41,24 +41,23 @@ int samples_across(const Field& field, const Array2D<float>& pixels) { return fi
 
 }  // namespace
 
-void add_power(const std::vector<Field>& samples, double factor, Array2D<float>& power) {
-  const int n = samples_across(samples.front(), power);
+void add_power(const Field& samples, double factor, Array2D<float>& power) {
+  const int n = samples_across(samples, power);
   parallel_for(
       0, power.ny,
       [&](int64_t row) {
         float* to = power.row(int(row));
-        for (const Field& field : samples) {
-          if (n == 1) {
-            add_power(field.samples.row(int(row)), float(factor), to, size_t(power.nx));
-            continue;
-          }
-          for (int j = 0; j < n; ++j) {
-            const std::complex<float>* v = field.samples.row(int(row) * n + j);
-            for (int i = 0; i < power.nx * n; ++i) to[i / n] += float(factor) * std::norm(v[i]);
-          }
+        if (n == 1) return add_power(samples.samples.row(int(row)), float(factor), to, size_t(power.nx));
+        for (int j = 0; j < n; ++j) {
+          const std::complex<float>* v = samples.samples.row(int(row) * n + j);
+          for (int i = 0; i < power.nx * n; ++i) to[i / n] += float(factor) * std::norm(v[i]);
         }
       },
       {}, 16);
+}
+
+void add_power(const std::vector<Field>& samples, double factor, Array2D<float>& power) {
+  for (const Field& field : samples) add_power(field, factor, power);
 }
 
 Array2D<float> power_of(const std::vector<Field>& samples, const Grid& pixels) {
@@ -67,24 +66,77 @@ Array2D<float> power_of(const std::vector<Field>& samples, const Grid& pixels) {
   return power;
 }
 
-void multiply(const Array2D<float>& factor, std::vector<Field>& samples) {
-  const int n = samples_across(samples.front(), factor);
+namespace {
+
+// Weights of a pixel's own samples and of its neighbours' along an axis: of all that are even, those with the least error.
+constexpr float of_neighbour = 2 * 0.0289F, own = 1 - of_neighbour;
+
+}  // namespace
+
+Array2D<float> pixel_means(const SamplePower& power) {
+  const int ny = power[0].ny, nx = power[0].nx;
+  // Along a row, from the left and the right samples of its pixels; and in the same way along the columns.
+  const auto along_row = [&](size_t first, int j, std::vector<float>& means) {
+    const float *left = power[first].row(j), *right = power[first + 1].row(j);
+    for (int i = 0; i < nx; ++i)
+      means[size_t(i)] = own * (left[i] + right[i]) +
+                         of_neighbour * ((i > 0 ? right[i - 1] : left[0]) + (i + 1 < nx ? left[i + 1] : right[nx - 1]));
+  };
+  Array2D<float> means(ny, nx);
+  parallel_for(
+      0, ny,
+      [&](int64_t row) {
+        const int j = int(row);
+        std::vector<float> above(static_cast<size_t>(nx)), upper(above), lower(above), below(above);
+        j > 0 ? along_row(2, j - 1, above) : along_row(0, j, above);
+        along_row(0, j, upper);
+        along_row(2, j, lower);
+        j + 1 < ny ? along_row(0, j + 1, below) : along_row(2, j, below);
+        for (size_t i = 0; i < size_t(nx); ++i)
+          means.row(j)[i] = own * (upper[i] + lower[i]) + of_neighbour * (above[i] + below[i]);
+      },
+      {}, 16);
+  return means;
+}
+
+SamplePower spread_to_samples(const Array2D<float>& pixels) {
+  const int nx = pixels.nx, ny = pixels.ny;
+  SamplePower samples;
+  for (size_t s = 0; s < samples.size(); ++s) {
+    const int across = s % 2 == 0 ? -1 : 1, down = s < 2 ? -1 : 1;  // where the neighbour is that the sample counts for
+    samples[s] = Array2D<float>(ny, nx);
+    parallel_for(
+        0, ny,
+        [&](int64_t row) {
+          const int j = int(row), next = std::clamp(j + down, 0, ny - 1);
+          const auto along = [&](const float* r, int i) {
+            return own * r[i] + of_neighbour * r[std::clamp(i + across, 0, nx - 1)];
+          };
+          for (int i = 0; i < nx; ++i)
+            samples[s](j, i) = own * along(pixels.row(j), i) + of_neighbour * along(pixels.row(next), i);
+        },
+        {}, 16);
+  }
+  return samples;
+}
+
+void multiply(const Array2D<float>& factor, Field& samples) {
+  const int n = samples_across(samples, factor);
   parallel_for(
       0, factor.ny,
       [&](int64_t row) {
         const float* by = factor.row(int(row));
-        for (Field& field : samples) {
-          if (n == 1) {
-            multiply_by_real(by, field.samples.row(int(row)), size_t(factor.nx));
-            continue;
-          }
-          for (int j = 0; j < n; ++j) {
-            std::complex<float>* v = field.samples.row(int(row) * n + j);
-            for (int i = 0; i < factor.nx * n; ++i) v[i] *= by[i / n];
-          }
+        if (n == 1) return multiply_by_real(by, samples.samples.row(int(row)), size_t(factor.nx));
+        for (int j = 0; j < n; ++j) {
+          std::complex<float>* v = samples.samples.row(int(row) * n + j);
+          for (int i = 0; i < factor.nx * n; ++i) v[i] *= by[i / n];
         }
       },
       {}, 16);
+}
+
+void multiply(const Array2D<float>& factor, std::vector<Field>& samples) {
+  for (Field& field : samples) multiply(factor, field);
 }
 
 ModulusSums fit_sums(const TargetPlane& target, const Array2D<float>& power) {
