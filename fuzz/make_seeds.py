@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the seeds of the fuzz targets, fuzz/seeds/TARGET/: small valid files of each kind, from which libFuzzer
-makes damaged ones. The seeds of hdf5 were made by the program (`field`) and by h5py (`chunks`, `stack`)."""
+makes damaged ones. The seeds of hdf5 were made by the program (`field`) and by h5py (`chunks`, `stack`), those of JPEG and WebP by Pillow."""
 import base64
 import json
 import pathlib

@@ -171,5 +171,20 @@ TEST(HostileFiles, MetadataIsLimitedInDepthAndRange) {
             sidecar + ":1: expected numbers below 1.8e308, got 1e400; write the file again");
 }
 
+// Found by fuzzing: other exceptions than Error left these readers.
+TEST(HostileFiles, ShortHeadersAreRefused) {
+  for (const char* bytes : {"RIFF", "RIFF1", "BM", "\x89PNG", "MM", "#?RGBE"}) {
+    const std::string path = make_file("p.png", bytes);
+    EXPECT_TRUE(error_of([&] { load_image(path); }).starts_with(path + ": expected an image")) << bytes;
+  }
+  const std::string npy = make_file("f.npy", std::string("\x93NUMPY\x01\x00\x09\x00'descr':  ", 20));
+  EXPECT_EQ(error_of([&] { load_fields(npy); }), npy + ": expected a type such as '<c8' in the .npy header, got none");
+  std::string shape = "{'descr': '<c8', 'fortran_order': False, 'shape': (" + std::string(60000, '9') + ", 1), }";
+  const std::string size{char(shape.size() & 255), char(shape.size() >> 8)};
+  const std::string large = make_file("f.npy", std::string("\x93NUMPY\x01\x00", 8) + size + shape);
+  EXPECT_EQ(error_of([&] { load_fields(large); }),
+            large + ": expected the shape (ny, nx) or (wavelengths, ny, nx), got (-1, 1)");
+}
+
 }  // namespace
 }  // namespace holotrace

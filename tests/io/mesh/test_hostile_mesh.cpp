@@ -191,5 +191,17 @@ TEST(HostilePly, TriangleStripsAreRead) {
             path + ": expected vertex indices below 5, got 5 in triangle strip 0");
 }
 
+// Found by fuzzing: the second number of vertices went beyond the coordinates of the first.
+TEST(HostilePly, TwoElementsOfVerticesAreRefused) {
+  std::string text = "ply\nformat ascii 1.0\n";
+  for (const char* count : {"1", "9"})
+    text += "element vertex " + std::string(count) + "\nproperty float x\nproperty float y\nproperty float z\n";
+  text += "end_header\n";
+  for (int i = 0; i < 10; ++i) text += "0 0 0\n";
+  const std::string path = make_file("m.ply", text);
+  EXPECT_EQ(error_of([&] { load_meshes(path); }),
+            path + ": expected one element \"vertex\" in the PLY file, got two; export it again");
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -79,8 +79,7 @@ TEST(HostileScene, AFileThatExtendsItselfByAnotherPathIsRefused) {
 TEST(HostileScene, AChainOfFilesIsLimited) {
   std::string first;
   for (int i = 39; i >= 0; --i)
-    first =
-    test::make_file(fmt::format("s{}.toml", i), fmt::format("extends = \"s{}.toml\"\n", i + 1));
+    first = test::make_file(fmt::format("s{}.toml", i), fmt::format("extends = \"s{}.toml\"\n", i + 1));
   const std::string error = error_of([&] { load_job(first); });
   EXPECT_NE(error.find("expected at most 16 scenes that extend each other"), std::string::npos) << error;
 }

@@ -260,6 +260,8 @@ PlyVertices read_ply(const std::string& path, bool with_faces) {
             "{}: expected {} of the element \"{}\", but the file is truncated or its header is wrong", path,
             element.count, element.name);
     const bool wanted = element.name == "vertex";
+    require(!wanted || !has_vertices, "{}: expected one element \"vertex\" in the PLY file, got two; export it again",
+            path);
     has_vertices = has_vertices || wanted;
     if (wanted) {
       vertices.count = element.count;
