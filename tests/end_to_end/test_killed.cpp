@@ -29,9 +29,10 @@ std::string large_scene() {
 void expect_whole_files(const Workplace& work) {
   if (work.has("out/report.json")) {
     const auto report = nlohmann::json::parse(work.read("out/report.json"));
-    if (report.at("complete"))
+    if (report.at("complete")) {
       for (const auto& [name, bytes] : report_record(work.path("out/report.json")))
         EXPECT_TRUE(work.has("out/" + name) && std::filesystem::file_size(work.path("out/" + name)) == bytes) << name;
+    }
   }
   for (const std::string& name : work.names()) {
     const std::string file = std::filesystem::path(name).filename().string();

@@ -44,8 +44,8 @@ TEST(HologramFile, TheColoursOfAJointHologramComeBack) {
   EXPECT_EQ(loaded.colours[1].wavelength, 520e-9);
   EXPECT_EQ(illumination_at(loaded, 520e-9), 5.5);
   EXPECT_EQ(illumination_at(loaded, 450e-9), 3);  // none of its own
-  const std::string text = read_text(sidecar_path(path));
-  make_file("h.json", std::string(text).replace(text.find("5.5"), 3, "-1"));
+  const std::string text = test::png_text(path, "holotrace");
+  test::set_png_text(path, "holotrace", std::string(text).replace(text.find("5.5"), 3, "-1"));
   EXPECT_NE(error_of([&] { load_hologram(path); }).find("illuminations of 0 W/m² or more"), std::string::npos);
 }
 
