@@ -9,6 +9,10 @@ namespace holotrace {
 
 namespace {
 
+// HDF5 closes at exit what is still open, and crashes on a file whose writing failed on a full disk. All files are closed
+// where they are used, so it need not. This counts only before the first call of the library.
+[[maybe_unused]] const herr_t nothing_at_exit = H5dont_atexit();
+
 void write_attribute(hid_t object, const char* name, const double* values, hid_t shape, const std::string& path) {
   const Handle space(shape, H5Sclose);
   const Handle attribute(H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
