@@ -200,7 +200,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     for (int frame = 0; frame < o->frames; ++frame)
       for (std::vector<Hologram>& of_colour : frames) {
         Hologram& hologram = of_colour[size_t(frame)];
-        hologram.loses_by_cone = is_field;  // a picture is as bright in every colour
+        hologram.loses_by_cone = is_field;                     // a picture is as bright in every colour
         if (is_field && o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
         holograms.push_back(std::move(hologram));
       }

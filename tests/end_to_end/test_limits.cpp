@@ -101,7 +101,9 @@ TEST(LimitsCommand, RefusesWhatItCannotAnswer) {
               std::string::npos);
   EXPECT_NE(sentence({"--angle", "15 deg", "--size", "1e30 m"}).find("1e15 pixels or less"), std::string::npos);
   for (const char* plot : {"w.png", "./w_y.png"})
-    EXPECT_NE(sentence({"--picture", "w.png", "--plot", plot}).find("expected a file for each output"), std::string::npos) << plot;
+    EXPECT_NE(sentence({"--picture", "w.png", "--plot", plot}).find("expected a file for each output"),
+              std::string::npos)
+        << plot;
   EXPECT_FALSE(work.has("w.png"));
 }
 

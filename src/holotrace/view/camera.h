@@ -63,8 +63,8 @@ void check_eye(const CameraParams& camera);
 struct HologramLight {
   double wavelength = 0;  ///< [m]
   ImageSide image = ImageSide::virtual_image;
-  std::optional<SpectralFilter> filter{};  ///< stop of the encoder
-  double cone_wavelength = 0;              ///< acceptance wavelength of its waves [m]; 0: its own
+  std::optional<SpectralFilter> filter{};             ///< stop of the encoder
+  double cone_wavelength = 0;                         ///< acceptance wavelength of its waves [m]; 0: its own
   bool loses_by_cone = true, loses_by_pixels = true;  ///< as in Hologram
 };
 

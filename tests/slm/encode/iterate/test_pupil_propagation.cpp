@@ -56,7 +56,8 @@ TEST(PupilPropagation, PictureIsThatOfPlainPropagation) {
   const double z = -0.03;
   const Field u = random_field(slm.grid, 5);
   const Grid picture = picture_grid(slm.grid, small_pupil, test_wavelength, z);
-  const auto taken = take_picture(PupilPropagation(slm, test_wavelength, small_pupil, {}).to_eye(u), small_pupil, z, picture);
+  const auto taken =
+      take_picture(PupilPropagation(slm, test_wavelength, small_pupil, {}).to_eye(u), small_pupil, z, picture);
   const Field plain = TargetPropagation(slm, test_wavelength, z, {.pupil = small_pupil}).to_plane(u).front();
   double error = 0, power = 0;
   int compared = 0;
