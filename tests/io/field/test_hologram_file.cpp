@@ -74,11 +74,14 @@ TEST(HologramFile, IlluminationNameAndFrameComeBackAsSaved) {
   hologram.name = "ES*L";
   hologram.frame = 12;
   hologram.cone_wavelength = 450.7e-9;
+  hologram.loses_by_cone = false;
   save_hologram(path, hologram);
   const Hologram loaded = load_hologram(path);
   EXPECT_EQ(loaded.illumination, hologram.illumination);
   EXPECT_EQ(loaded.name, "ES*L");
   EXPECT_EQ(loaded.cone_wavelength, 450.7e-9);
+  EXPECT_FALSE(loaded.loses_by_cone);
+  EXPECT_TRUE(loaded.loses_by_pixels);
   EXPECT_EQ(loaded.frame, 12u);
   // Older files, and those without metadata, have the same brightness.
   test::drop_metadata(path);
