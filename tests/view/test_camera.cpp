@@ -347,5 +347,21 @@ TEST(Camera, AnEyeOutsideTheEyeboxIsToldAndSeesWhatOrdersGoThere) {
   EXPECT_TRUE(heard.warnings.empty());
 }
 
+// A stop spreads the light of the first column over its neighbours, sinc(0.4) of it in amplitude at the next. If the field
+// were periodic, the last column would be a neighbour, and have 0.57 of the light. In truth its share is below
+// (1/(0.4π·63))² = 1.6e-4.
+TEST(Camera, AStopBringsNoLightInFromTheOppositeEdge) {
+  const Slm slm = make_panel(64, 48);
+  Field shown(slm.grid, test_wavelength);
+  for (int j = 0; j < 48; ++j) shown.samples(j, 0) = 1;
+  shown.filter = SpectralFilter{0, 0, 0.4 / (2 * test_pitch), 1e6};
+  CameraParams camera;
+  camera.binning = 1;
+  const Image view = look(shown, slm, 0, {}, camera);
+  ASSERT_EQ(view.nx, 64);
+  EXPECT_LT(view(24, 63), 0.002 * view(24, 0));
+  EXPECT_GT(view(24, 1), 0.3 * view(24, 0));  // sinc² = 0.57, and a mean over the pixel
+}
+
 }  // namespace
 }  // namespace holotrace
