@@ -221,8 +221,7 @@ double looking_bytes(const FieldShape& field, const Slm& slm, double distance, c
       return complex_bytes * double(sensor.pixels());
     }
   };
-  const int margin = largest_order_stop_margin(shown);
-  const double stopped = complex_bytes * (shown.nx + 2.0 * margin) * (shown.ny + 2.0 * margin);  // light behind a stop
+  const double stopped = complex_bytes * double(shown.pixels());  // light behind a stop, but for its margin
   if (camera.pupil == 0) return std::max(reading, stopped + bytes_over(shown, z, window));
   const std::optional<Grid> pupil = pupil_window(shown, wavelength, camera);
   if (!pupil) return reading;

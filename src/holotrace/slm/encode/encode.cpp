@@ -282,6 +282,9 @@ void check_iterations(const std::vector<TargetPlane>& targets, const Slm& slm, c
   require(aims_at_targets(params.method),
           "expected a method that takes targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
           name_of(params.method));
+  require(params.method != Encoding::sgd || modulation_of(params, slm) != Modulation::complex ||
+              (params.levels == 0 ? slm.levels : params.levels) > 2,
+          "expected more than 2 levels for sgd on a complex panel, got 2; use more levels, or the method binary");
   check_panel(slm, params, observer);
   tell_effects(slm, params, observer);
   check_targets(targets, slm.grid);

@@ -91,7 +91,9 @@ IterationState descent_job(const TargetSet& targets, const Slm& slm, const Encod
   f.add(params.seed);
   for (const TargetPlane& target : targets.planes) add(f, target);
   if (targets.draw_views)
-    for (const TargetPlane& target : targets.planes) add(f, targets.draw_views(1, target.wavelength));
+    for (size_t k = 0; k < targets.planes.size(); ++k)
+      if (k == 0 || targets.planes[k].wavelength != targets.planes[k - 1].wavelength)
+        add(f, targets.draw_views(0, targets.planes[k].wavelength));
   for (const Hologram& frame : frames) {
     f.add(frame.levels);
     f.add(int(frame.modulation));

@@ -23,7 +23,8 @@ constexpr double view_weight = 0.5;
 // Transfer functions and targets of the planes; drive, moments, slope, light and samples of the frames.
 void require_memory_for(size_t planes, size_t frames, const Grid& grid, const EncodeParams& params, size_t arrays) {
   const double fine = double(params.subpixels) * params.subpixels, samples = params.subpixels > 1 ? fine : 4;
-  const double of_plane = 4 + 16 * fine, of_frame = 20 * double(arrays) + 8 * fine + 8 * samples;
+  const size_t at_once = params.planes_per_update == 0 ? planes : std::min(planes, size_t(params.planes_per_update));
+  const double of_plane = 4 + 16 * fine, of_frame = 20 * double(arrays) + 8 * fine + 8 * samples * double(at_once);
   require_memory(double(grid.pixels()) * (of_plane * double(planes) + of_frame * double(frames)),
                  fmt::format("gradient descent for {} frame(s) of {} × {} pixels and {} target plane(s)", frames,
                              grid.nx, grid.ny, planes));
@@ -216,6 +217,13 @@ IterationState FrameDescent::state() {
 }
 
 void FrameDescent::restore(const IterationState& state) {
+  const auto is_finite = [](double number) { return std::isfinite(number); };
+  const bool is_sound = state.updates >= 0 && state.updates <= iterations_ &&
+                        std::all_of(state.numbers.begin(), state.numbers.end(), is_finite) &&
+                        std::all_of(state.arrays.begin(), state.arrays.end(), [&](const Array2D<float>& array) {
+                          return std::all_of(array.values.begin(), array.values.end(), is_finite);
+                        });
+  require(is_sound, "expected a state of gradient descent, but it is damaged; remove the checkpoint");
   losses_.resize(size_t(state.updates));
   size_t numbers = 0, arrays = 0;
   each_number([&](auto&) { ++numbers; });
@@ -232,6 +240,9 @@ void FrameDescent::restore(const IterationState& state) {
             values.ny, kept.nx, kept.ny);
     values = kept;
   });
+  for (const Turns& turns : turns_)
+    require(turns.are_sound(),
+            "expected a state of gradient descent, but its turns are damaged; remove the checkpoint");
 }
 
 }  // namespace holotrace

@@ -34,7 +34,7 @@ double psnr(const Colours& colours) {
 }
 
 void set_illumination(const Colour& colour, bool is_joint, Hologram& frame) {
-  const double illumination = colour.scale() * colour.scale();
+  const double illumination = colour.power() > 0 ? colour.scale() * colour.scale() : 0;
   if (colour.wavelength() == frame.wavelength) frame.illumination = illumination;
   if (is_joint) frame.colours.push_back({colour.wavelength(), illumination});
 }
@@ -67,7 +67,7 @@ class KeptDescent {
   }
 
   void after_update(int iterations) const {
-    const bool is_stopping = checkpoint_.is_stopping && checkpoint_.is_stopping();
+    const bool is_stopping = descent_.updates() < iterations && checkpoint_.is_stopping && checkpoint_.is_stopping();
     if (is_stopping || (checkpoint_.is_due && checkpoint_.is_due())) save();
     if (is_stopping)
       fail("stopped after {} of {} iterations, which the checkpoint keeps; give the same command again to go on",

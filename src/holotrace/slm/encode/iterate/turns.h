@@ -40,6 +40,15 @@ class Turns {
     return planes;
   }
 
+  /// Whether each plane has one place in the order, as after a change by each_number.
+  bool are_sound() const {
+    std::vector<size_t> sorted = order_;
+    std::sort(sorted.begin(), sorted.end());
+    for (size_t k = 0; k < sorted.size(); ++k)
+      if (sorted[k] != k) return false;
+    return next_ <= order_.size();
+  }
+
   /// Calls work(number) for each number that the next turns depend on; it may change them.
   template <class Work>
   void each_number(const Work& work) {
