@@ -40,7 +40,8 @@ struct Boxes {
   Report report;
 };
 
-/// The checkpoint of the i-th set of frames that are found together: one set for each wavelength.
+/// The checkpoint of the i-th set of frames that are found together: one set for each wavelength, or one for
+/// all of them (`joint`).
 using CheckpointOf = std::function<Checkpoint(size_t i)>;
 
 /// The whole pipeline, stage by stage. Each frame m of job.trace.frames gives the waves of every set independent phases

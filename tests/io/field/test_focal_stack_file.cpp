@@ -83,7 +83,8 @@ TEST(FocalStackFile, AFieldIsNoFocalStack) {
   const std::string path = temporary("field.h5");
   save_field(path, Field({3, 2, 8e-6}, 532e-9, 0));
   EXPECT_FALSE(is_focal_stack_file(path));
-  EXPECT_EQ(error_of([&] { load_focal_stack(path); }), path + ": expected a dataset \"focal_stack\", which is missing");
+  EXPECT_EQ(error_of([&] { load_focal_stack(path); }),
+            path + ": expected a dataset \"focal_stack\", which is missing; is this another kind of HDF5 file?");
   EXPECT_FALSE(is_focal_stack_file(make_file("text.h5", "no HDF5")));
   EXPECT_FALSE(is_focal_stack_file(temporary("missing.h5")));
 }

@@ -7,26 +7,18 @@
 
 #include "holotrace/io/mesh/mesh_file.h"
 #include "support/gltf.h"
+#include "support/mesh_area.h"
 #include "support/temporary.h"
 
 namespace holotrace {
 namespace {
 
+using test::area;
 using test::error_of;
 using test::GltfTriangle;
 using test::make_file;
 
 constexpr const char* triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-
-double area(const LoadedModel& model) {
-  double sum = 0;
-  for (const Mesh& mesh : model.meshes)
-    for (auto [a, b, c] : mesh.triangles) {
-      const Vec3 p = mesh.positions[a];
-      sum += length(cross(mesh.positions[b] - p, mesh.positions[c] - p)) / 2;
-    }
-  return sum;
-}
 
 TEST(HostileObj, PropertiesBeforeTheFirstMaterialAreNamed) {
   for (const char* line : {"map_Kd x.png", "bump x.png", "norm -bm 1 x.png", "map_d x.png", "Kd 1 1 1"}) {

@@ -6,27 +6,19 @@
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "support/data_files.h"
+#include "support/mesh_area.h"
 #include "support/temporary.h"
 
 namespace holotrace {
 namespace {
 
+using test::area;
 using test::data_file;
 using test::error_of;
 using test::make_file;
 
 const DiffuseMaterial& diffuse(const LoadedModel& model, size_t mesh = 0) {
   return std::get<DiffuseMaterial>(model.materials[size_t(model.meshes[mesh].material)].surface);
-}
-
-double area(const LoadedModel& model) {
-  double sum = 0;
-  for (const Mesh& mesh : model.meshes)
-    for (auto [a, b, c] : mesh.triangles) {
-      const Vec3 p = mesh.positions[a];
-      sum += length(cross(mesh.positions[b] - p, mesh.positions[c] - p)) / 2;
-    }
-  return sum;
 }
 
 size_t triangles(const LoadedModel& model) {

@@ -6,11 +6,13 @@
 
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/mesh/mesh_file.h"
+#include "support/mesh_area.h"
 #include "support/temporary.h"
 
 namespace holotrace {
 namespace {
 
+using test::area;
 using test::error_of;
 using test::make_file;
 
@@ -31,16 +33,6 @@ std::string collada(const std::string& node) {
 </vertices><triangles count="1" material="s"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles>
 </mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s">)" +
          node + R"(</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
-}
-
-double area(const LoadedModel& model) {
-  double sum = 0;
-  for (const Mesh& mesh : model.meshes)
-    for (auto [a, b, c] : mesh.triangles) {
-      const Vec3 p = mesh.positions[a];
-      sum += length(cross(mesh.positions[b] - p, mesh.positions[c] - p)) / 2;
-    }
-  return sum;
 }
 
 TEST(OtherFormats, StlAndOffAreRead) {

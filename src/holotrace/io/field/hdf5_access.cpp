@@ -70,7 +70,8 @@ Hdf5Dataset::Hdf5Dataset(const std::string& path, const char* name, Outside outs
   require(data_.valid() || !is_link, "{}: expected the dataset \"{}\", got a link to another file{}", path, name,
           outside == Outside::refused ? "; copy it into this one, or give --allow-outside"
                                       : " that cannot be read; check its path");
-  require(data_.valid(), "{}: expected a dataset \"{}\", which is missing", path, name);
+  require(data_.valid(), "{}: expected a dataset \"{}\", which is missing; is this another kind of HDF5 file?", path,
+          name);
   const Handle properties(H5Dget_create_plist(data_), H5Pclose);
   const bool is_elsewhere = H5Pget_external_count(properties) > 0 || H5Pget_layout(properties) == H5D_VIRTUAL;
   require(!is_elsewhere || outside == Outside::allowed,

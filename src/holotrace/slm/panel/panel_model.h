@@ -49,6 +49,11 @@ class PanelModel {
   /// The same into `field`, whose memory is reused.
   void leave(const Array2D<float>& drive, Field& field, const Array2D<float>* modulus = nullptr) const;
 
+  /// The gradient by the drive and, for a complex modulation, by the modulus; shape (ny, nx).
+  struct Slopes {
+    Array2D<float> drive, modulus;
+  };
+
   /// The gradient ∂f/∂drive of a real function f of the field u that leaves, given g = ∂f/∂Re u + i·∂f/∂Im u:
   ///
   ///     ∂f/∂ℓ = Re Σ conj(g)·∂u/∂ℓ
@@ -59,9 +64,6 @@ class PanelModel {
   /// @param gradient  g, shape (n·ny, n·nx)
   /// @param modulus   amplitudes in levels, for a complex modulation
   /// @return          ∂f/∂drive and, for a complex modulation, ∂f/∂modulus: shape (ny, nx)
-  struct Slopes {
-    Array2D<float> drive, modulus;
-  };
   Slopes pull_back(const Array2D<float>& drive, const Array2D<std::complex<float>>& gradient,
                    const Array2D<float>* modulus = nullptr) const;
 

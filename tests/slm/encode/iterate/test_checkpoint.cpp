@@ -188,6 +188,17 @@ TEST(DescentCheckpoint, SaysWhatIsWrong) {
   const DescentCase c;
   Kept kept;
   c.run(kept.checkpoint());
+  using Damage = std::function<void(IterationState&)>;
+  const IterationState sound = *kept.state;
+  for (const Damage& damage : {Damage([](IterationState& s) { s.updates = -1; }),
+                               Damage([](IterationState& s) { s.numbers.front() = std::nan(""); }),
+                               Damage([](IterationState& s) { s.numbers.back() = 1e9; }),  // of the order of planes
+                               Damage([](IterationState& s) { s.arrays.back().values[7] = INFINITY; })}) {
+    kept.state = sound;
+    damage(*kept.state);
+    EXPECT_NE(error_of([&] { c.run(kept.checkpoint()); }).find("damaged; remove the checkpoint"), std::string::npos);
+  }
+  kept.state = sound;
   kept.state->arrays.pop_back();
   EXPECT_NE(error_of([&] { c.run(kept.checkpoint()); }).find("remove the checkpoint"), std::string::npos);
   EncodeParams params{.method = Encoding::gerchberg_saxton, .target_distances = {0.01}};

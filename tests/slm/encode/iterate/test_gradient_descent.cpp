@@ -133,6 +133,26 @@ TEST(GradientDescent, ComplexPanelsShowMore) {
   EXPECT_GT(psnr(Modulation::complex), psnr(Modulation::phase) + 3);  // half of the error, or less
 }
 
+TEST(GradientDescent, RefusesTwoLevelsOfAComplexPanel) {
+  Slm slm = make_panel(16, 12, 2);
+  slm.modulation = Modulation::complex;
+  const EncodeParams params{.method = Encoding::sgd, .target_distances = {0.006}, .iterations = 1};
+  EXPECT_EQ(error_of([&] { encode_frames({picture_targets(slm, params)}, test_wavelength, 1, slm, params); }),
+            "expected more than 2 levels for sgd on a complex panel, got 2; use more levels, or the method binary");
+}
+
+// A colour without light is not lit, however bright the others are.
+TEST(GradientDescent, DarkColoursOfAJointHologramStayDark) {
+  const Slm slm = make_panel(48, 32);
+  const EncodeParams params{.method = Encoding::sgd, .target_distances = {0.006}, .iterations = 2};
+  TargetPlane green = picture_targets(slm, params).front(), red = picture_targets(slm, params, 633e-9).front();
+  std::fill(red.amplitude.values.begin(), red.amplitude.values.end(), 0.0F);
+  const Hologram joint = encode_frames({{green, red}}, test_wavelength, 1, slm, params).front();
+  ASSERT_EQ(joint.colours.size(), 2u);
+  EXPECT_GT(joint.colours[0].illumination, 0);
+  EXPECT_EQ(joint.colours[1].illumination, 0);
+}
+
 // Each colour counts alike, and the reported efficiency is their mean.
 TEST(GradientDescent, MeansOverColours) {
   Slm slm = make_panel(64, 48);

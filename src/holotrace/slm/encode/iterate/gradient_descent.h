@@ -48,8 +48,10 @@ namespace holotrace {
 /// @throws Error   for a number of iterations or a step size below 0, if the memory does not suffice, for a checkpoint of
 ///                 another job, and if it says stop
 /// Facts: `iterations`, `loss_first`, `loss_last` (f), and those of judge. Curve: `convergence`, the loss
-/// before each iteration, and that of the final levels. Cost: two propagations per frame, plane and iteration and, with
-/// effects, the panel model forward and back. Memory: 60 bytes per pixel and frame, 20 per pixel and plane.
+/// before each iteration, and that of the final levels. Cost for each frame and plane of an iteration: one
+/// transform there and one back, and as many more as samples in a pixel (four, or two of four or more frames); as much again for
+/// views; with effects, the panel model forward and back. Memory: 60 bytes per pixel and frame (80 on a complex panel) with one
+/// plane at a time, 20 per pixel and plane.
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
              std::vector<Hologram>& frames, const Checkpoint& checkpoint = {});
 
