@@ -133,6 +133,20 @@ TEST(GradientDescent, ComplexPanelsShowMore) {
   EXPECT_GT(psnr(Modulation::complex), psnr(Modulation::phase) + 3);  // half of the error, or less
 }
 
+TEST(GradientDescent, ComplexPanelsStartAtTheFieldsModulus) {
+  Slm slm = make_panel(16, 12);
+  slm.modulation = Modulation::complex;
+  EncodeParams params{.method = Encoding::sgd, .target_distances = {0.006}};
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  Field start(slm.grid, test_wavelength);
+  for (size_t i = 0; i < start.samples.size(); ++i) start.samples.values[i] = float(i % 4 + 1);
+  params.iterations = 1;
+  params.step = 1e-9;  // radians: no level changes
+  const Hologram hologram = encode_targets(targets, start, slm, params);
+  for (size_t i = 0; i < hologram.modulus_level.size(); ++i)
+    EXPECT_NEAR(hologram.modulus_level.values[i], 255 * (i % 4 + 1) / 4.0, 0.5001) << i;  // rounding
+}
+
 TEST(GradientDescent, RefusesTwoLevelsOfAComplexPanel) {
   Slm slm = make_panel(16, 12, 2);
   slm.modulation = Modulation::complex;

@@ -34,6 +34,13 @@ TEST(PupilPropagation, WayBackIsTheAdjoint) {
             1e-5 * norms);
 }
 
+TEST(PupilPropagation, WindowHoldsAPupilAtThePanelsEdge) {
+  const Slm slm = make_panel(72, 40);
+  const Grid eye = PupilPropagation(slm, test_wavelength, small_pupil, {}).dark_eye().grid;
+  EXPECT_GE(eye.width(), slm.grid.width() + small_pupil.diameter);
+  EXPECT_GE(eye.height(), slm.grid.height() + small_pupil.diameter);
+}
+
 TEST(PupilPropagation, PictureHasItsAdjoint) {
   const Slm slm = make_panel(72, 40);
   const double z = -0.03;
