@@ -48,6 +48,7 @@ void check_memory(const Job& job, size_t sets) {
   const double pixels = double(panel.pixels()), frames = job.trace.frames;
   const std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
   const ViewingNeed need = viewing_need({job.slm, job.show, job.propagate, from}, job.wavelengths, job.encode.image,
+                                        stop_of(job.encode, panel, job.wavelengths.front()),
                                         widest_part(plan_at(job, job.wavelengths.front(), from)));
   const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
   const double fields = 8 * pixels * double(sets) * kept;

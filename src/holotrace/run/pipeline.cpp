@@ -116,25 +116,15 @@ class Showing {
 
   void add(Hologram hologram) {
     boxes_.holograms.push_back(std::move(hologram));
-    const Hologram& shown = boxes_.holograms.back();
-    if (shown.colours.empty()) return view(shown, viewing_);
-    for (const JointColour& colour : shown.colours) {
-      Viewing in_colour = viewing_;
-      in_colour.show.wavelength = colour.wavelength;
-      view(shown, in_colour);
-    }
+    const double power = view_hologram(boxes_.holograms.back(), viewing_, repeat, sums);
+    if (power_on_panel == 0) power_on_panel = power;
   }
 
   RepeatedStages repeat;
   std::vector<CombinedViews> sums;
-  double power_on_panel = 0;  // for the brightest hologram [W]; irradiances are relative to it
+  double power_on_panel = 0;  // of the first hologram [W]; irradiances are relative to it
 
  private:
-  void view(const Hologram& hologram, const Viewing& viewing) {
-    const double power = view_hologram(hologram, viewing, repeat, sums);
-    if (power_on_panel == 0) power_on_panel = power;
-  }
-
   Viewing viewing_;
   Boxes& boxes_;
 };
