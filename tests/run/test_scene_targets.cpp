@@ -5,6 +5,9 @@
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/quality.h"
 #include "holotrace/run/scene_targets.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/view/camera.h"
+#include "holotrace/view/compare.h"
 #include "support/panels.h"
 
 namespace holotrace {
@@ -223,6 +226,51 @@ TEST(SceneTargets, JointHologramsShowAllColours) {
   const double before = fact_of(run(job).report, "look", "psnr_db");
   EXPECT_GT(fact_of(boxes.report, "look", "psnr_db"), before + 3);  // half the error, or less
   job.encode.target = EncodeTarget::field;
+  EXPECT_THROW(check_job(job), Error);
+}
+
+// The picture through an eye's pupil that is no target is near to the traced one in each of both colours, and nearer than
+// that of the first frames.
+TEST(SceneTargets, JointLightFieldsShowBothColoursThroughAPupil) {
+  Job job = two_squares();
+  job.wavelengths = {test_wavelength, 633e-9};
+  job.encode.is_joint = true;
+  job.encode.target = EncodeTarget::light_field;
+  job.slm.phase_range = 4 * pi;
+  job.encode.planes = 2;
+  job.trace.frames = 2;
+  job.camera.eye = {1e-4, -5e-5, 0.02};
+  job.camera.pupil = 5e-4;
+  const SceneTargets targets = trace_targets(job);
+  const auto psnr_of = [&](const std::vector<Hologram>& frames, double wavelength) {
+    Image seen;
+    for (const Hologram& frame : frames) {
+      const Image view = look(show(frame, job.slm, {.wavelength = wavelength}), job.slm, 0.02, {}, job.camera);
+      if (seen.values.empty()) seen = Image(view.ny, view.nx, 1);
+      for (size_t i = 0; i < seen.values.size(); ++i) seen.values[i] += view.values[i];
+    }
+    const TargetPlane target = view_target(targets, job, {job.camera.eye, job.camera.pupil}, 0.02, wavelength);
+    Image wanted(seen.ny, seen.nx, 1);
+    EXPECT_EQ(wanted.values.size(), target.amplitude.size());
+    for (size_t i = 0; i < wanted.values.size(); ++i) wanted.values[i] = std::pow(target.amplitude.values[i], 2);
+    return compare(wanted, seen).psnr;
+  };
+  const auto frames_after = [&](int updates) {
+    job.encode.iterations = updates;
+    return run(job).holograms;
+  };
+  const std::vector<Hologram> first = frames_after(1), last = frames_after(20);
+  for (const double wavelength : job.wavelengths) EXPECT_GT(psnr_of(last, wavelength), psnr_of(first, wavelength) + 2);
+}
+
+TEST(SceneTargets, ALightFieldNeedsAVirtualImageAndOneSamplePerPixel) {
+  Job job = two_squares();
+  job.encode.target = EncodeTarget::light_field;
+  EXPECT_NO_THROW(check_job(job));
+  job.encode.subpixels = 3;
+  EXPECT_THROW(check_job(job), Error);
+  job.encode.subpixels = 1;
+  job.encode.image = ImageSide::real_image;
   EXPECT_THROW(check_job(job), Error);
 }
 

@@ -151,8 +151,6 @@ std::vector<double> target_distances_of(const Job& job) {
 }
 
 SceneTargets trace_targets(const Job& job, const Observer& observer) {
-  require(job.encode.target != EncodeTarget::light_field || job.encode.image == ImageSide::virtual_image,
-          "expected a virtual image for the target light-field, got a real one; give image = \"virtual\"");
   const std::vector<double> distances = target_distances_of(job);
   ScenePlanes planes{distances, {}};
   planes.distances.insert(planes.distances.end(), job.camera.distances.begin(), job.camera.distances.end());
