@@ -12,7 +12,8 @@ import sys
 import numpy as np
 from PIL import Image
 
-from contact_sheets import ROOT, develop, distances, load_linear, renew_picture, shrink, stages
+from contact_sheets import ROOT, develop, distances, load_linear, renew_picture, renew_table,
+                            save_table, shrink, stages
 from hmcpt_sheets import lay_out, numbered, save_sheets
 
 FRAMES = (1, 2, 4, 8)
@@ -71,6 +72,17 @@ def frames_sheet(output):
                    [pictures[:2], pictures[2:], [("render, the panel as lens", render)]])
 
 
+def frames_table(output):
+    """What the report of each run says of its view."""
+    lines = ["| frames | PSNR (dB) | SSIM | speckle contrast | encode (s) |", "|---:|---:|---:|---:|---:|"]
+    for count in FRAMES:
+        entries = {s["stage"]: s for s in stages(output / f"photoreal_frames_{count}")}
+        view = entries["look at 300 mm"]
+        lines.append(f"| {count} | {view['psnr_db']:.1f} | {view['ssim']:.3f} | {view['speckle_contrast']:.3f} "
+                     f"| {entries['encode']['seconds']:.0f} |")
+    return "\n".join(lines) + "\n"
+
+
 def readme_picture(output):
     """Views above, renders below, focused on the white and on the black king."""
     folder, (width, height), gap = output / "chess_photoreal", (800, 450), 8
@@ -89,7 +101,10 @@ def main():
     save_sheets(output, sheets)
     picture = readme_picture(output)
     picture.save(output / "chess_photoreal.png", optimize=True)
+    table = frames_table(output)
+    save_table(output, "optimised", table)
     if "--docs" in sys.argv[2:]:
+        renew_table("optimised", table)
         for name, sheet in sheets.items():
             renew_picture(name, sheet)
         picture.save(ROOT / "docs" / "images" / "chess_photoreal.jpg", quality=88, optimize=True)
