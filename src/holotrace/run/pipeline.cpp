@@ -197,7 +197,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       o.fact("seed", job.render.seed);
       return trace_targets(job, o);
     });
-    b.renders = targets->seen.pictures;
+    b.renders = pictures_seen(*targets, job);
   } else {
     b.renders = make_renders(job, plan_renders(job), b.report, watch);
   }
@@ -223,6 +223,12 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       const Image& view = b.views[d];
       const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
       const double incident = sums[d].relative_illumination() * showing.power_on_panel;
+      if (targets && !has_reference(*targets, job.camera)) {
+        o.fact("why_no_metrics", std::string("the render is the picture through the whole panel, and the camera has a "
+                                             "pupil; the target light-field, with the pupil in front of the panel, has "
+                                             "its picture too"));
+        return;
+      }
       report_metrics(reference_of(job, targets, b, d, sums[d]), view, sums[d].mean_irradiance() * sensor / incident, o);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
