@@ -3,6 +3,7 @@
 #include <string>
 
 #include "archive.h"
+#include "holotrace/data/calibration.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/focal_stack.h"
 #include "holotrace/data/hologram.h"
@@ -64,6 +65,18 @@ void members(Archive& archive, Hologram& noun) {
          cone, by_cone, by_pixels, modulus_level, effects] = noun;
   archive(grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, name, frame,
           cone, by_cone, by_pixels, modulus_level, effects);
+}
+
+template <class Archive>
+void members(Archive& archive, TestPattern& noun) {
+  auto& [name, kind, hologram] = noun;
+  archive(name, kind, hologram);
+}
+
+template <class Archive>
+void members(Archive& archive, CalibrationPlan& noun) {
+  auto& [distance, patterns] = noun;
+  archive(distance, patterns);
 }
 
 // Of a scene.

@@ -45,7 +45,10 @@ NB_MODULE(_core, module) {
   bind_fields(module);
   bind_holograms(module);
   bind_pictures(module);
+  bind_scenes(module);
   bind_wave_verbs(module);
+  bind_encode_verbs(module);
+  bind_estimate_verbs(module);
   module.def("set_threads", [](int count) {
     thread_limit().reset();
     if (count > 0)

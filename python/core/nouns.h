@@ -19,9 +19,9 @@ void bind_pictures(nb::module_& module);
 void bind_scenes(nb::module_& module);
 void bind_params(nb::module_& module);
 void bind_wave_verbs(nb::module_& module);
-void bind_scene_verbs(nb::module_& module);
 void bind_view_verbs(nb::module_& module);
 void bind_estimate_verbs(nb::module_& module);
+void bind_encode_verbs(nb::module_& module);
 void bind_gradients(nb::module_& module);
 
 /// Adds copying and pickling to a class.

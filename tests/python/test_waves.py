@@ -95,8 +95,8 @@ def test_an_error_is_the_sentence_of_the_program(field, tmp_path, program_error)
 
 
 def test_an_unknown_parameter_names_the_nearest(field):
-    with pytest.raises(ht.Error, match='unknown parameter "metod"; did you mean "method"'):
-        ht.propagate(field, 0.1, metod="fresnel")
+    with pytest.raises(ht.Error, match='unknown parameter "periodical"; did you mean "periodic"'):
+        ht.propagate(field, 0.1, periodical="fresnel")
     with pytest.raises(ht.Error, match='unknown parameter "shading"; it is for the triangles'):
         ht.synthesize(ht.Sources([[0, 0, -1]], wavelength=5e-7), shading="flat")
 
