@@ -49,6 +49,7 @@ NB_MODULE(_core, module) {
   bind_wave_verbs(module);
   bind_encode_verbs(module);
   bind_estimate_verbs(module);
+  bind_gradients(module);
   module.def("set_threads", [](int count) {
     thread_limit().reset();
     if (count > 0)

@@ -35,6 +35,13 @@ void bind_params(nb::module_& module) {
       "length", [](nb::handle value, const char* name) { return to_length(value, name); }, nb::arg("value").none(),
       nb::arg("name"));
   module.def(
+      "position",
+      [](nb::handle value, const char* name) {
+        const Vec3 place = to_position(value, name);
+        return nb::make_tuple(place.x, place.y, place.z);
+      },
+      nb::arg("value").none(), nb::arg("name"));
+  module.def(
       "angle", [](nb::handle value, const char* name) { return to_angle(value, name); }, nb::arg("value").none(),
       nb::arg("name"));
   module.def("wavelengths", [](nb::handle value) {

@@ -124,8 +124,9 @@ std::optional<std::string> TomlTable::text_with_unit(const toml::node& node, con
 }
 
 std::optional<size_t> TomlTable::array_index(const char* key) {
+  if (!arrays_) return std::nullopt;
   const toml::node* node = find(key);
-  const auto index = arrays_ && node ? node->value_exact<int64_t>() : std::nullopt;
+  const auto index = node ? node->value_exact<int64_t>() : std::nullopt;
   if (!index || *index < 0) return std::nullopt;
   return size_t(*index);
 }
