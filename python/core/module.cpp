@@ -41,6 +41,9 @@ NB_MODULE(_core, module) {
       .def_prop_ro("facts", &Watch::facts)
       .def_prop_ro("curves", &Watch::curves)
       .def_prop_ro("warnings", &Watch::warnings);
+  // Other libraries, such as PyTorch, may hold nouns when the interpreter ends. A test turns the reports on.
+  nb::set_leak_warnings(false);
+  module.def("set_leak_warnings", &nb::set_leak_warnings);
   bind_params(module);
   bind_fields(module);
   bind_holograms(module);

@@ -122,7 +122,9 @@ def run(scene: Scene, *, progress: Progress = None, **stages: Mapping[str, Any])
     Keywords are the tables of a scene file, whose values replace the scene's: ``ht.run(scene, trace={"paths": 16},
     camera={"distances": "300 mm"})``.
     """
-    job = a(Scene, scene.replace(**stages) if stages else scene, "to run")
+    job = a(Scene, scene, "to run").copy()
+    for stage, params in stages.items():
+        job.set(stage, dict(params))
     with watching(progress) as watch:
         made = _core.run(job, watch.core)
     return Run(

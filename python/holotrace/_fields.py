@@ -80,7 +80,8 @@ class Field(Noun):
     @property
     def dtype(self) -> np.dtype[Any]:
         """complex64 or complex128"""
-        return self.samples.dtype
+        dtype: np.dtype[Any] = self.samples.dtype
+        return dtype
 
     @property
     def pitch(self) -> float:
@@ -122,29 +123,34 @@ class Field(Noun):
     def x(self) -> np.ndarray[Any, Any]:
         """x of each column [m], rising to the right."""
         columns = self.shape[1]
-        return self.centre[0] + (np.arange(columns) - (columns - 1) / 2) * self.pitch
+        places: np.ndarray[Any, Any] = self.centre[0] + (np.arange(columns) - (columns - 1) / 2) * self.pitch
+        return places
 
     @property
     def y(self) -> np.ndarray[Any, Any]:
         """y of each row [m], falling: row 0 is on top."""
         rows = self.shape[0]
-        return self.centre[1] + ((rows - 1) / 2 - np.arange(rows)) * self.pitch
+        places: np.ndarray[Any, Any] = self.centre[1] + ((rows - 1) / 2 - np.arange(rows)) * self.pitch
+        return places
 
     @property
     def amplitude(self) -> np.ndarray[Any, Any]:
         """Modulus of the samples [sqrt(W/m2)]."""
-        return np.abs(self.samples)
+        modulus: np.ndarray[Any, Any] = np.abs(self.samples)
+        return modulus
 
     @property
     def phase(self) -> np.ndarray[Any, Any]:
         """Phase of the samples [rad], in (-pi, pi]."""
-        return np.angle(self.samples)
+        radians: np.ndarray[Any, Any] = np.angle(self.samples)
+        return radians
 
     @property
     def irradiance(self) -> np.ndarray[Any, Any]:
         """``|u|**2`` [W/m2]."""
         u = self.samples
-        return u.real**2 + u.imag**2
+        irradiance: np.ndarray[Any, Any] = u.real**2 + u.imag**2
+        return irradiance
 
     def astype(self, dtype: Any) -> "Field":
         """The field in the precision complex64 or complex128."""

@@ -56,7 +56,8 @@ class Image(Noun):
 
     @property
     def shape(self) -> Tuple[int, ...]:
-        return self.pixels.shape
+        shape: Tuple[int, ...] = self.pixels.shape
+        return shape
 
     @property
     def channels(self) -> int:
@@ -117,7 +118,7 @@ class FocalStack(Noun):
         return [Image._of(core) for core in self._core.pictures]
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
-        array = np.stack([core.pixels for core in self._core.pictures])
+        array: np.ndarray[Any, Any] = np.stack([core.pixels for core in self._core.pictures])
         return array if dtype is None else array.astype(dtype, copy=False)
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Mapping, Optional, Union
+from typing import Any, Mapping, Optional, Type, Union
 
 from . import _core
 from ._fields import Field, Sources
@@ -22,11 +22,12 @@ def panel(given: Panel) -> Slm:
     return given if isinstance(given, Slm) else Slm(given)
 
 
-def a(kind: type, given: Any, what: str) -> Any:
+def a(kind: Type[Noun], given: Any, what: str) -> Any:
     """The core of a noun. A wrong kind is an error that says what was expected."""
     if isinstance(given, kind):
         return given._core
-    hint = "; make one with ht.Field(array, pitch=..., wavelength=...)" if kind is Field and not isinstance(given, Noun) else ""
+    is_array = kind is Field and not isinstance(given, Noun)
+    hint = "; make one with ht.Field(array, pitch=..., wavelength=...)" if is_array else ""
     raise _core.Error(f"expected a {kind.__name__} {what}, got {type(given).__name__}{hint}")
 
 

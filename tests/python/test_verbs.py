@@ -141,7 +141,7 @@ def test_ten_thousand_calls_leak_nothing():
 
 def test_the_module_reports_no_leak_at_exit():
     """nanobind reports objects that are alive at exit on stderr."""
-    code = "import holotrace as ht, numpy as np; f = ht.propagate(ht.Field(np.ones((8, 8)), 8e-6, 5e-7), 1e-4)"
+    code = "import holotrace as ht, numpy as np; ht._core.set_leak_warnings(True); f = ht.propagate(ht.Field(np.ones((8, 8)), 8e-6, 5e-7), 1e-4)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
 
