@@ -162,7 +162,6 @@ void add_compare_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("FILE");
   command
       ->add_option("--difference-range", o->difference_range, "difference that is shown in full colour [the largest]")
-      ->check(CLI::PositiveNumber)
       ->type_name("NUMBER");
   command->add_option("--profile", o->profile, "chart of both images along the middle row: .png or .svg")
       ->type_name("FILE");
