@@ -28,7 +28,8 @@ void save_numbered(const OutputSet& set, const std::string& name, const std::vec
 void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, Console& console) {
   save_numbered(set, run_render, boxes.renders,
                 [&](const std::string& path, const Image& image) { save_image(path, image, boxes.render_white, 8); });
-  save_numbered(set, "sources.ply", boxes.sources, save_sources);
+  save_numbered(set, "sources.ply", boxes.sources,
+                [](const std::string& path, const Sources& sources) { save_sources(path, sources); });
   save_numbered(set, "field.npy", boxes.fields, save_fields<float>);
   save_holograms(set, "hologram.png", boxes.holograms);
   save_views(set, run_view, {boxes.viewpoints, {boxes.views, boxes.white}, boxes.sweep, job.camera},

@@ -18,6 +18,7 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/folder_lock.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/files/record_names.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
@@ -225,7 +226,11 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     const auto sets = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, console.watch("trace"));
     console.finish();
-    for (size_t i = 0; i < sets.size(); ++i) save_sources(numbered_path(o->output, i), sets[i]);
+    const std::string name = std::filesystem::path(o->output).filename().string();
+    say_warnings(write_together(o->output, record_in_text(o->output), [&](const OutputSet& set) {
+      for (size_t i = sets.size(); i-- > 0;)
+        save_sources(set.path(numbered_path(name, i)), sets[i], i == 0 ? set.record() : FileRecord());
+    }));
   });
 }
 
