@@ -26,13 +26,12 @@ void save_numbered(const OutputSet& set, const std::string& name, const std::vec
 }
 
 void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, Console& console) {
-  const double render_white = common_white(boxes.renders, 0);
-  save_numbered(set, "render.png", boxes.renders,
-                [&](const std::string& path, const Image& image) { save_image(path, image, render_white, 8); });
+  save_numbered(set, run_render, boxes.renders,
+                [&](const std::string& path, const Image& image) { save_image(path, image, boxes.render_white, 8); });
   save_numbered(set, "sources.ply", boxes.sources, save_sources);
   save_numbered(set, "field.npy", boxes.fields, save_fields<float>);
   save_holograms(set, "hologram.png", boxes.holograms);
-  save_views(set, "view.png", {boxes.viewpoints, {boxes.views, boxes.white}, boxes.sweep, job.camera},
+  save_views(set, run_view, {boxes.viewpoints, {boxes.views, boxes.white}, boxes.sweep, job.camera},
              boxes.sweep.images.empty() ? Observer() : console.watch("save the sweep"));
   console.finish();
   if (!boxes.stereo_renders.empty()) {
@@ -47,7 +46,7 @@ void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, Consol
 std::vector<std::string> run_paths(const std::string& folder) {
   std::vector<std::string> paths;
   for (const char* name :
-       {"render.png", "sources.ply", "field.npy", "field.npy.json", "hologram.png", "view.png", "view_sweep.gif",
+       {run_render, "sources.ply", "field.npy", "field.npy.json", "hologram.png", run_view, "view_sweep.gif",
         "view_sweep.png", "stereo_left.png", "stereo_right.png", "stereo_anaglyph.png", "holo_left.png",
         "holo_right.png", "holo_anaglyph.png", "convergence.png", "report.json"})
     paths.push_back((std::filesystem::path(folder) / name).string());

@@ -8,6 +8,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/view_place.h"
+#include "holotrace/run/common_exposure.h"
 #include "holotrace/run/quality.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/run/repeated_stages.h"
@@ -19,6 +21,7 @@
 #include "holotrace/view/camera.h"
 #include "holotrace/view/combine_views.h"
 #include "holotrace/view/compare.h"
+#include "holotrace/view/render_at.h"
 
 namespace holotrace {
 namespace {
@@ -69,21 +72,17 @@ std::vector<double> seen_wavelengths(const Job& job, const CombinedViews& sum) {
   return lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
 }
 
-// The sensor's pixels in the plane in focus.
-Image sensor_in_plane(const Job& job, const Image& view, double distance) {
-  Image in_plane(view.ny, view.nx, 1);
+// Where a view lies in its render, whose half height is `half_tangent`.
+ViewPlace place_of(const Job& job, const CombinedViews& sum, const Image& view, double distance, size_t render,
+                   double half_tangent) {
   const double m = magnification(job.camera, distance, job.encode.image);
-  in_plane.pitch = view.pitch / m;
-  in_plane.centre_x = view.centre_x / m;
-  in_plane.centre_y = view.centre_y / m;
-  return in_plane;
+  return {int64_t(render) + 1,       half_tangent, distance, view.pitch / m, view.centre_x / m, view.centre_y / m,
+          seen_wavelengths(job, sum)};
 }
 
-Image reference_of(const Job& job, const Image& render, const CombinedViews& sum, const Image& view, double distance) {
-  const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid,
-                                             view_wavelength(job.wavelengths, job.trace.has_common_cone));
-  return project_render(seen_at(render, seen_wavelengths(job, sum)), half_tangent, sensor_in_plane(job, view, distance),
-                        distance);
+void report_place(const ViewPlace& place, const Observer& observer) {
+  visit_place([&](const char* name, const auto& value) { observer.fact(name, value); }, place);
+  observer.curve(place_wavelengths, place.wavelengths);
 }
 
 std::vector<double> wavelengths_of(const SceneLight& light) {
@@ -165,14 +164,20 @@ std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& target
   return frames;
 }
 
+// Half the height of the renders, as a tangent.
+double half_tangent_of(const Job& job, double distance) {
+  if (aims_at_scene(job)) return job.slm.grid.height() / 2 / distance;
+  return raster_tangent(job.render.field_of_view, job.slm.grid,
+                        view_wavelength(job.wavelengths, job.trace.has_common_cone));
+}
+
 // The light that a view should show: the traced light of its plane, or a render.
 Image reference_of(const Job& job, const std::optional<SceneTargets>& targets, const Boxes& b, size_t d,
-                   const CombinedViews& sum) {
-  const double distance = b.viewpoints[d].distance;
-  if (!targets) return reference_of(job, b.renders[std::min(d, b.renders.size() - 1)], sum, b.views[d], distance);
-  const Image light = reference_of(*targets, job, d, seen_wavelengths(job, sum));
-  return project_render(light, job.slm.grid.height() / 2 / distance, sensor_in_plane(job, b.views[d], distance),
-                        distance);
+                   const ViewPlace& place) {
+  const Image& view = b.views[d];
+  if (!targets) return render_at(b.renders[size_t(place.render) - 1], place, view.ny, view.nx);
+  return project_render(reference_of(*targets, job, d, place.wavelengths), place.half_tangent,
+                        sensor_at(place, view.ny, view.nx), place.distance);
 }
 
 }  // namespace
@@ -215,21 +220,31 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   else
     show_fields(job, light, b, showing);
   const std::vector<CombinedViews>& sums = showing.sums;
-  ViewSeries views = expose_series(b.viewpoints, sums, ViewKind::distance, job.camera);
-  b.views = std::move(views.images);
-  b.white = views.white;
+  b.views = images_of(b.viewpoints, sums, ViewKind::distance);
+  std::vector<ViewPlace> places;
+  std::vector<Image> references;
+  for (size_t d = 0; d < b.views.size() && !b.renders.empty(); ++d) {
+    const double distance = b.viewpoints[d].distance;
+    places.push_back(place_of(job, sums[d], b.views[d], distance, std::min(d, b.renders.size() - 1),
+                              half_tangent_of(job, distance)));
+    references.push_back(reference_of(job, targets, b, d, places[d]));
+  }
+  const CommonExposure white = common_exposure(b.views, references, b.renders, job.camera.exposure);
+  b.white = white.view_white;
+  b.render_white = white.render_white;
+  read_views(b.views, b.white, ViewKind::distance, job.camera);
   for (size_t d = 0; d < b.views.size(); ++d)
     showing.repeat.finish(b.viewpoints[d].stage, [&](const Observer& o) {
       const Image& view = b.views[d];
       const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
       const double incident = sums[d].relative_illumination() * showing.power_on_panel;
-      if (targets && !has_reference(*targets, job.camera)) {
+      report_place(places[d], o);
+      if (targets && !has_reference(*targets, job.camera))
         o.fact("why_no_metrics", std::string("the render is the picture through the whole panel, and the camera has a "
                                              "pupil; the target light-field, with the pupil in front of the panel, has "
                                              "its picture too"));
-        return;
-      }
-      report_metrics(reference_of(job, targets, b, d, sums[d]), view, sums[d].mean_irradiance() * sensor / incident, o);
+      else
+        report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
