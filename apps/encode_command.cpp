@@ -47,7 +47,7 @@ struct Wanted {
 };
 
 Wanted wanted_of_picture(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
-                         const EncodeParams& params, Console& console) {
+                         EncodeParams params, Console& console) {
   require(!wavelengths.empty(), "{} is a picture and has no wavelength; give --wavelength", path);
   require(params.target_distances.size() <= 1 || aims_at_targets(params.method),
           "expected one target distance for a method that computes one field from the picture, got {}; give "
@@ -55,7 +55,9 @@ Wanted wanted_of_picture(const std::string& path, const Slm& slm, const std::vec
           params.target_distances.size());
   Image picture = load_image(path);
   if (params.resample) {
-    const TargetSize size = target_size(slm.grid, params);
+    const TargetSize size = size_of_shape(target_size(slm.grid, params), picture.nx, picture.ny);
+    params.target_columns = size.columns;
+    params.target_rows = size.rows;
     picture = resample_image(picture, size.columns, size.rows);
   }
   Wanted wanted;

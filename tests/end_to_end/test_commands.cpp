@@ -102,6 +102,33 @@ TEST(Commands, RenderAloneMakesTheRenderOfARun) {
     }
 }
 
+TEST(Commands, RunMakesTheReferenceThatIsAskedFor) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  const auto stages_with = [&](const std::string& reference) {
+    succeed(work, {"run", "scene.toml", "-o", reference, "--reference", reference});
+    return nlohmann::json::parse(work.read(reference + "/report.json"))["stages"];
+  };
+  const auto none = stages_with("none"), quick = stages_with("quick"), full = stages_with("full");
+  EXPECT_FALSE(work.has("none/render.png"));
+  EXPECT_EQ(none.front()["stage"], "trace");
+  EXPECT_EQ(none.back()["why_no_metrics"], "the job asks for no reference");
+  EXPECT_FALSE(none.back().contains("psnr_db"));
+  EXPECT_EQ(quick.front()["stage"], "render");
+  EXPECT_EQ(quick.front()["paths_per_pixel"], 2);  // of 4: two halves of one path each
+  EXPECT_FALSE(quick.back().contains("ssim"));
+  EXPECT_NEAR(quick.back()["psnr_db"].get<double>(), full.back()["psnr_db"].get<double>(),
+              quick.back()["psnr_uncertainty_db"].get<double>() + 0.1);
+  EXPECT_TRUE(full.back().contains("ssim"));
+  for (const char* name : {"/hologram.png", "/field.npy", "/sources.ply"})
+    EXPECT_TRUE(work.read(std::string("none") + name) == work.read(std::string("full") + name)) << name;
+  // `render` has no such flag, and an estimate counts no render.
+  EXPECT_EQ(work.run({"render", "scene.toml", "-o", "r.png", "--reference", "none"}).exit_code, 2);
+  work.write("none.toml", "extends = \"scene.toml\"\n[render]\nreference = \"none\"\n");
+  const auto estimate = nlohmann::json::parse(succeed(work, {"estimate", "none.toml", "--json"}));
+  EXPECT_EQ(estimate.dump().find("\"render\""), std::string::npos) << estimate;
+}
+
 TEST(Commands, RunLooksAtSeveralDistancesInOneExposure) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.02}}, {{0.0002, 0, -0.04}}}));

@@ -25,16 +25,16 @@ Image striped(float value) {
 TEST(CommonExposure, GivesEqualLightTheSameGrey) {
   const Image render = surface(0.8f), view = surface(4), speckled = striped(4);
   for (const Image& seen : {view, speckled}) {
-    const CommonExposure white = common_exposure({seen}, {render}, {render}, 0);
+    const CommonExposure white = common_exposure({seen}, {{render}}, {render}, 0);
     EXPECT_NEAR(4 / white.view_white, 0.8 / white.render_white, 1e-6);  // floats
   }
-  EXPECT_NEAR(common_exposure({view}, {render}, {render}, 0).render_white, 1.25 * 0.8, 1e-6);  // of the render alone
+  EXPECT_NEAR(common_exposure({view}, {{render}}, {render}, 0).render_white, 1.25 * 0.8, 1e-6);  // of the render alone
   // Above 0.9 times the bright stripes, 8, lies a tenth of their light: that is the larger white.
-  EXPECT_NEAR(common_exposure({speckled}, {render}, {render}, 0).view_white, 7.2, 1e-5);
+  EXPECT_NEAR(common_exposure({speckled}, {{render}}, {render}, 0).view_white, 7.2, 1e-5);
 }
 
 TEST(CommonExposure, KeepsTheExposureThatIsGiven) {
-  const CommonExposure white = common_exposure({surface(4)}, {surface(0.8f)}, {surface(0.8f)}, 10);
+  const CommonExposure white = common_exposure({surface(4)}, {{surface(0.8f)}}, {surface(0.8f)}, 10);
   EXPECT_EQ(white.view_white, 10);
   EXPECT_NEAR(white.render_white, 2, 1e-6);
 }
@@ -42,14 +42,14 @@ TEST(CommonExposure, KeepsTheExposureThatIsGiven) {
 TEST(CommonExposure, DoesNotDarkenARenderForAViewOfStrayLight) {
   Image stray = surface(1e-3f);
   for (int i = 0; i < 64; ++i) stray(0, i) = 100;  // beside the surface
-  const CommonExposure white = common_exposure({stray}, {surface(0.8f)}, {surface(0.8f)}, 0);
+  const CommonExposure white = common_exposure({stray}, {{surface(0.8f)}}, {surface(0.8f)}, 0);
   EXPECT_NEAR(white.render_white, 2 * 1.25 * 0.8, 1e-6);
 }
 
 TEST(CommonExposure, ExposesViewsAloneWithoutAReference) {
   const CommonExposure white = common_exposure({surface(4)}, {}, {}, 0);
   EXPECT_NEAR(white.view_white, 5, 1e-6);
-  EXPECT_EQ(common_exposure({surface(4)}, {surface(0)}, {surface(0)}, 0).view_white, white.view_white);
+  EXPECT_EQ(common_exposure({surface(4)}, {{surface(0)}}, {surface(0)}, 0).view_white, white.view_white);
 }
 
 }  // namespace

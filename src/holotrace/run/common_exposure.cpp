@@ -11,15 +11,15 @@ constexpr double bright = 0.1;       // of the largest value: where there is lig
 constexpr double most_darkened = 2;  // one photographic stop
 
 // Radiance over irradiance in the bright regions of all views; 0 if it is unknown.
-double light_ratio(const std::vector<Image>& views, const std::vector<Image>& references) {
+double light_ratio(const std::vector<Image>& views, const std::vector<ViewReference>& references) {
   float peak = 0;
-  for (const Image& reference : references)
-    for (const float value : reference.values) peak = std::max(peak, value);
+  for (const ViewReference& reference : references)
+    for (const float value : reference.image.values) peak = std::max(peak, value);
   double of_references = 0, of_views = 0;
   for (size_t d = 0; d < references.size(); ++d)
-    for (size_t i = 0; i < references[d].values.size(); ++i) {
-      if (references[d].values[i] < bright * double(peak)) continue;
-      of_references += references[d].values[i];
+    for (size_t i = 0; i < references[d].image.values.size(); ++i) {
+      if (references[d].image.values[i] < bright * double(peak)) continue;
+      of_references += references[d].image.values[i];
       of_views += views[d].values[i];
     }
   return peak > 0 && of_views > 0 ? of_references / of_views : 0;
@@ -27,7 +27,7 @@ double light_ratio(const std::vector<Image>& views, const std::vector<Image>& re
 
 }  // namespace
 
-CommonExposure common_exposure(const std::vector<Image>& views, const std::vector<Image>& references,
+CommonExposure common_exposure(const std::vector<Image>& views, const std::vector<ViewReference>& references,
                                const std::vector<Image>& renders, double exposure) {
   const CommonExposure alone{common_white(views, exposure), renders.empty() ? 1 : common_white(renders, 0)};
   const double ratio = light_ratio(views, references);

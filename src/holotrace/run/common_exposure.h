@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "holotrace/data/image.h"
+#include "holotrace/run/reference_metrics.h"
 
 namespace holotrace {
 
@@ -21,7 +22,7 @@ struct CommonExposure {
 ///
 /// @param references  what the views should show, as many as views; none: the views are exposed alone
 /// @param exposure    irradiance of white in views [W/m²]; 0: by the rule above
-CommonExposure common_exposure(const std::vector<Image>& views, const std::vector<Image>& references,
+CommonExposure common_exposure(const std::vector<Image>& views, const std::vector<ViewReference>& references,
                                const std::vector<Image>& renders, double exposure);
 
 }  // namespace holotrace

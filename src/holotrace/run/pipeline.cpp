@@ -11,6 +11,7 @@
 #include "holotrace/data/view_place.h"
 #include "holotrace/run/common_exposure.h"
 #include "holotrace/run/quality.h"
+#include "holotrace/run/reference_metrics.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/run/repeated_stages.h"
 #include "holotrace/run/scene_targets.h"
@@ -20,27 +21,10 @@
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/combine_views.h"
-#include "holotrace/view/compare.h"
 #include "holotrace/view/render_at.h"
 
 namespace holotrace {
 namespace {
-
-// Reports how near the view is to the render, and the fraction of the light on the panel in its image.
-// A point's light may fall between the pixels of a render; without a reference there is nothing to compare.
-void report_metrics(const Image& reference, const Image& view, double efficiency, const Observer& observer) {
-  if (std::none_of(reference.values.begin(), reference.values.end(), [](float v) { return v > 0; })) {
-    observer.fact("why_no_metrics", std::string("the render is dark in the sensor's area"));
-    return;
-  }
-  const Metrics metrics = compare(reference, view);
-  observer.fact("psnr_db", metrics.psnr);
-  observer.fact("ssim", metrics.ssim);
-  observer.fact("speckle_contrast", metrics.speckle_contrast);
-  observer.fact("uniformity", metrics.uniformity);
-  observer.fact("bright_fraction", metrics.bright_fraction);
-  observer.fact("diffraction_efficiency", metrics.bright_fraction * efficiency);
-}
 
 // Iterations use the camera's distances unless the job names others.
 EncodeParams encoding_of(const Job& job) {
@@ -171,13 +155,39 @@ double half_tangent_of(const Job& job, double distance) {
                         view_wavelength(job.wavelengths, job.trace.has_common_cone));
 }
 
+// The renders of a run that views are compared with; with quick ones, also their first halves.
+struct References {
+  std::vector<Image> renders, first_halves;
+};
+
+References make_references(const Job& job, Report& report, const StageObserver& watch) {
+  References made;
+  for (const PlannedRender& planned : plan_renders(job)) {
+    if (job.render.reference == Reference::full) {
+      made.renders.push_back(run_stage(planned.stage, report, watch,
+                                       [&](const Observer& o) { return make_render(job, planned.params, o); }));
+      continue;
+    }
+    HalvedRender halved = run_stage(planned.stage, report, watch,
+                                    [&](const Observer& o) { return make_halved_render(job, planned.params, o); });
+    made.renders.push_back(std::move(halved.mean));
+    made.first_halves.push_back(std::move(halved.first));
+  }
+  return made;
+}
+
 // The light that a view should show: the traced light of its plane, or a render.
-Image reference_of(const Job& job, const std::optional<SceneTargets>& targets, const Boxes& b, size_t d,
-                   const ViewPlace& place) {
-  const Image& view = b.views[d];
-  if (!targets) return render_at(b.renders[size_t(place.render) - 1], place, view.ny, view.nx);
-  return project_render(reference_of(*targets, job, d, place.wavelengths), place.half_tangent,
-                        sensor_at(place, view.ny, view.nx), place.distance);
+ViewReference reference_of(const Job& job, const std::optional<SceneTargets>& targets, const References& references,
+                           size_t d, const Image& view, const ViewPlace& place) {
+  if (targets)
+    return {project_render(reference_of(*targets, job, d, place.wavelengths), place.half_tangent,
+                           sensor_at(place, view.ny, view.nx), place.distance)};
+  const size_t render = size_t(place.render) - 1;
+  ViewReference reference{render_at(references.renders[render], place, view.ny, view.nx)};
+  if (references.first_halves.empty()) return reference;
+  reference.first_half = render_at(references.first_halves[render], place, view.ny, view.nx);
+  reference.part = double(plan_renders(job)[render].params.paths) / job.render.paths;
+  return reference;
 }
 
 }  // namespace
@@ -197,6 +207,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   b.viewpoints = viewpoints(job.camera, job.render);
   std::optional<SceneTargets> targets;
   SceneLight light;
+  References made;
   if (aims_at_scene(job)) {
     targets = stage("focal stack", [&](const Observer& o) {
       o.fact("seed", job.render.seed);
@@ -204,7 +215,8 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
     });
     b.renders = pictures_seen(*targets, job);
   } else {
-    b.renders = make_renders(job, plan_renders(job), b.report, watch);
+    made = make_references(job, b.report, watch);
+    b.renders = made.renders;
   }
   b.stereo_renders = make_renders(job, plan_stereo_renders(job), b.report, watch);
   if (!targets) light = stage("trace", [&](const Observer& o) { return trace_waves(job, o); });
@@ -222,12 +234,12 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   const std::vector<CombinedViews>& sums = showing.sums;
   b.views = images_of(b.viewpoints, sums, ViewKind::distance);
   std::vector<ViewPlace> places;
-  std::vector<Image> references;
+  std::vector<ViewReference> references;
   for (size_t d = 0; d < b.views.size() && !b.renders.empty(); ++d) {
     const double distance = b.viewpoints[d].distance;
     places.push_back(place_of(job, sums[d], b.views[d], distance, std::min(d, b.renders.size() - 1),
                               half_tangent_of(job, distance)));
-    references.push_back(reference_of(job, targets, b, d, places[d]));
+    references.push_back(reference_of(job, targets, made, d, b.views[d], places[d]));
   }
   const CommonExposure white = common_exposure(b.views, references, b.renders, job.camera.exposure);
   b.white = white.view_white;
@@ -238,6 +250,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       const Image& view = b.views[d];
       const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
       const double incident = sums[d].relative_illumination() * showing.power_on_panel;
+      if (references.empty()) return o.fact("why_no_metrics", std::string("the job asks for no reference"));
       report_place(places[d], o);
       if (targets && !has_reference(*targets, job.camera))
         o.fact("why_no_metrics", std::string("the render is the picture through the whole panel, and the camera has a "
