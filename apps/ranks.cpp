@@ -1,21 +1,15 @@
 #include "ranks.h"
 
-#include <sched.h>
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <thread>
-#include <vector>
 
 #include "holotrace/base/error.h"
-
-#ifdef HOLOTRACE_HAS_MPI
-// Only the C interface: MPI has withdrawn the one of C++.
-#define OMPI_SKIP_MPICXX 1
-#define MPICH_SKIP_MPICXX 1
-#include <mpi.h>
-#endif
+#include "mpi/mpi_module.h"
 
 namespace holotrace {
 namespace {
@@ -27,90 +21,68 @@ int launched_ranks() {
   return std::getenv("PMIX_RANK") ? 1 : 0;
 }
 
-}  // namespace
+#ifdef HOLOTRACE_MPI_MODULE
 
-#ifdef HOLOTRACE_HAS_MPI
-
-namespace {
-
-cpu_set_t own_cores() {
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  sched_getaffinity(0, sizeof cores, &cores);
-  return cores;
-}
-
-// The cores of this rank, divided by the number of ranks on this machine that may use them, too.
-int fair_threads() {
-  MPI_Comm machine;
-  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-  int size = 1;
-  MPI_Comm_size(machine, &size);
-  const cpu_set_t own = own_cores();
-  std::vector<cpu_set_t> all(static_cast<size_t>(size));
-  MPI_Allgather(&own, sizeof own, MPI_BYTE, all.data(), sizeof own, MPI_BYTE, machine);
-  MPI_Comm_free(&machine);
-  int sharers = 0;
-  for (const cpu_set_t& cores : all) {
-    cpu_set_t common;
-    CPU_AND(&common, &own, &cores);
-    sharers += CPU_COUNT(&common) > 0;
+// The module lies beside the program where it was built, and in the folder of libraries where it is installed.
+const MpiModule* load_module(int ranks) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  for (const fs::path& path : {folder / "holotrace_mpi.so", folder / HOLOTRACE_MPI_MODULE}) {
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) continue;
+    // Global: MPI's own modules look for its functions among those of the program.
+    void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
+    require(library != nullptr, "expected to load {} for {} processes, got \"{}\"; is MPI installed here?",
+            path.string(), ranks, dlerror());
+    if (void* function = dlsym(library, mpi_module_function))
+      return reinterpret_cast<const MpiModule* (*)()>(function)();
   }
-  return std::max(1, CPU_COUNT(&own) / std::max(1, sharers));
-}
-
-}  // namespace
-
-Ranks::Ranks(int& argc, char**& argv) : has_launcher_(launched_ranks() > 0) {
-  if (!has_launcher_) return;
-  int level = 0;
-  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
-  MPI_Comm_size(MPI_COMM_WORLD, &size_);
-  threads_ = fair_threads();
-}
-
-void Ranks::send(int to, int tag, const void* bytes, size_t size) const {
-  require(size < size_t(1) << 31, "expected a message below 2 GiB, got {} bytes", size);
-  MPI_Send(bytes, int(size), MPI_BYTE, to, tag, MPI_COMM_WORLD);
-}
-
-std::optional<Ranks::Message> Ranks::try_receive() const {
-  int is_there = 0;
-  MPI_Status status;
-  MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &is_there, &status);
-  if (!is_there) return std::nullopt;
-  int size = 0;
-  MPI_Get_count(&status, MPI_BYTE, &size);
-  Message message{status.MPI_SOURCE, status.MPI_TAG, std::string(size_t(size), '\0')};
-  MPI_Recv(message.bytes.data(), size, MPI_BYTE, message.from, message.tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-  return message;
-}
-
-void Ranks::leave() {
-  if (has_launcher_) MPI_Finalize();
-}
-
-void Ranks::end_all(int exit_code) const {
-  if (has_launcher_) MPI_Abort(MPI_COMM_WORLD, exit_code);
-  std::_Exit(exit_code);
+  fail("expected holotrace_mpi.so beside the program for {} processes, got none; install Holotrace again", ranks);
 }
 
 #else
 
-Ranks::Ranks(int&, char**&) {
-  require(launched_ranks() <= 1,
+const MpiModule* load_module(int ranks) {
+  require(ranks <= 1,
           "expected a build with MPI to be started by a launcher of {} processes, got one without; build with "
           "-DHOLOTRACE_MPI=ON, or start it alone",
-          launched_ranks());
+          ranks);
+  return nullptr;
 }
 
-void Ranks::send(int, int, const void*, size_t) const {}
-std::optional<Ranks::Message> Ranks::try_receive() const { return std::nullopt; }
-void Ranks::leave() {}
-void Ranks::end_all(int exit_code) const { std::_Exit(exit_code); }
-
 #endif
+
+}  // namespace
+
+Ranks::Ranks(int& argc, char**& argv) {
+  const int ranks = launched_ranks();
+  if (ranks == 0) return;
+  mpi_ = load_module(ranks);
+  if (mpi_) mpi_->start(&argc, &argv, &rank_, &size_, &threads_);
+}
+
+void Ranks::send(int to, int tag, const void* bytes, size_t size) const {
+  require(size < size_t(1) << 31, "expected a message below 2 GiB, got {} bytes", size);
+  if (mpi_) mpi_->send(bytes, int(size), to, tag);
+}
+
+std::optional<Ranks::Message> Ranks::try_receive() const {
+  Message message;
+  int size = 0;
+  if (!mpi_ || !mpi_->has_message(&message.from, &message.tag, &size)) return std::nullopt;
+  message.bytes.resize(size_t(size));
+  mpi_->receive(message.bytes.data(), size, message.from, message.tag);
+  return message;
+}
+
+void Ranks::leave() {
+  if (mpi_) mpi_->finish();
+}
+
+void Ranks::end_all(int exit_code) const {
+  if (mpi_) mpi_->end_all(exit_code);
+  std::_Exit(exit_code);
+}
 
 int Ranks::threads() const { return threads_; }
 

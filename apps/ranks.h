@@ -6,8 +6,10 @@
 
 namespace holotrace {
 
+struct MpiModule;
+
 /// The processes that `mpirun -n K holotrace …` starts, ranks 0 … K−1. Without a launcher, or in a build without MPI,
-/// there is only rank 0 and nothing is set up. No other part of the program uses MPI. For use by one thread.
+/// there is only rank 0 and nothing is set up. MPI is in a module that is loaded here. For use by one thread.
 class Ranks {
  public:
   /// Connects to the other ranks if a launcher started this process. @throws Error if it did but MPI was not built in
@@ -16,7 +18,7 @@ class Ranks {
 
   int rank() const { return rank_; }
   int size() const { return size_; }
-  bool has_launcher() const { return has_launcher_; }
+  bool has_launcher() const { return mpi_ != nullptr; }
 
   /// Number of processor cores for this rank: its own cores, divided among the ranks that may use them.
   int threads() const;
@@ -46,7 +48,7 @@ class Ranks {
 
  private:
   int rank_ = 0, size_ = 1, threads_ = 0;
-  bool has_launcher_ = false;
+  const MpiModule* mpi_ = nullptr;  // none without a launcher
 };
 
 }  // namespace holotrace

@@ -80,7 +80,7 @@ IlluminationPlan plan_of(const Hologram& hologram, const Viewing& v, double wave
 // Memory for the light that leaves the panel, its propagation, and the sums of all views, for `sets` colours and names.
 void check_memory(const Hologram& hologram, const Viewing& viewing, double wavelength, size_t sets) {
   const IlluminationPlan plan = plan_of(hologram, viewing, wavelength);
-  const ViewingNeed need = viewing_need(viewing, {wavelength}, hologram.image, widest_part(plan));
+  const ViewingNeed need = viewing_need(viewing, {wavelength}, hologram.image, hologram.filter, widest_part(plan));
   const size_t count = viewing.from.size();
   const double views = viewing_bytes(need.columns * need.rows, count, double(sets), int64_t(plan.states.size()));
   require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", count,
@@ -148,12 +148,13 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
       complete(path, slm, params.wavelength, hologram);
       if (o->slm.empty()) slm.grid = hologram.grid;
       const Viewing viewing{std::move(slm), params, propagation, from};
-      const double wavelength = params.wavelength > 0 ? params.wavelength : hologram.wavelength;
-      if (kinds.emplace(wavelength, hologram.name).second) check_memory(hologram, viewing, wavelength, kinds.size());
+      const std::vector<double> wavelengths = wavelengths_shown(hologram, params);
+      for (const double wavelength : wavelengths)
+        if (kinds.emplace(wavelength, hologram.name).second) check_memory(hologram, viewing, wavelength, kinds.size());
       if (!repeat) {
-        const int64_t holograms = int64_t(o->inputs.size());
-        const int64_t states = int64_t(plan_of(hologram, viewing, wavelength).states.size());
-        repeat.emplace(holograms, states, holograms * viewing_calls(states, from), report, watch);
+        const int64_t colours = int64_t(o->inputs.size() * wavelengths.size());
+        const int64_t states = int64_t(plan_of(hologram, viewing, wavelengths.front()).states.size());
+        repeat.emplace(colours, states, colours * viewing_calls(states, from), report, watch);
       }
       view_hologram(hologram, viewing, *repeat, sums);
     }

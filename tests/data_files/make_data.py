@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the models and the picture beside this script, by the standard library alone: no code of Holotrace makes them.
+"""Writes the models and pictures beside this script: no code of Holotrace makes them. Those of pictures/ come from Pillow,
+the rest from the standard library alone.
 
     python3 tests/data_files/make_data.py
 
@@ -51,6 +52,69 @@ def png(width, height, pixel):
     chunks = b"".join(chunk(b"IDAT", data[k : k + part]) for k in range(0, len(data), part))
     header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
     return b"\x89PNG\r\n\x1a\n" + header + chunk(b"sRGB", b"\0") + chunks + chunk(b"IEND", b"")
+
+
+def exr(width, height, pixel):
+    """An uncompressed EXR of 16-bit floats, with the attributes that the format asks for."""
+
+    def attribute(name, kind, value):
+        return name + b"\0" + kind + b"\0" + struct.pack("<I", len(value)) + value
+
+    names = b"BGR"  # in alphabetical order, as the format asks
+    channels = b"".join(bytes([name]) + b"\0" + struct.pack("<IBBBBII", 1, 0, 0, 0, 0, 1, 1) for name in names) + b"\0"
+    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    header = b"\x76\x2f\x31\x01\x02\0\0\0" + attribute(b"channels", b"chlist", channels)
+    header += attribute(b"compression", b"compression", b"\0")
+    header += attribute(b"dataWindow", b"box2i", box) + attribute(b"displayWindow", b"box2i", box)
+    header += attribute(b"lineOrder", b"lineOrder", b"\0") + attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+    header += attribute(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0))
+    header += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
+    rows, table = b"", b""
+    for j in range(height):
+        data = b"".join(struct.pack("<e", pixel(i, j)["RGB".index(chr(name))]) for name in names for i in range(width))
+        table += struct.pack("<Q", len(header) + 8 * height + len(rows))
+        rows += struct.pack("<iI", j, len(data)) + data
+    return header + table + rows
+
+
+def hdr(width, height, pixel):
+    """A Radiance picture in runs: mantissas of the colours and the exponent 136, so that the values are the mantissas."""
+    data = b""
+    for j in range(height):
+        row = [pixel(i, j) for i in range(width)]
+        data += bytes([2, 2, width >> 8, width & 255])
+        for c in range(3):
+            data += bytes([width]) + bytes(colour[c] for colour in row)  # as they are
+        data += bytes([128 + width, 136])  # a run
+    return b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width) + data
+
+
+def pictures():
+    """The same 24 x 16 colours in every format that is read; grey ones have the red alone."""
+    from PIL import Image
+
+    def colour(i, j):
+        return i * 11, j * 17, (i * 7 + j * 13) % 256
+
+    folder, size = os.path.join(FOLDER, "pictures"), (24, 16)
+    os.makedirs(folder, exist_ok=True)
+    rgb = Image.new("RGB", size)
+    rgb.putdata([colour(i, j) for j in range(size[1]) for i in range(size[0])])
+    red = rgb.getchannel(0)
+    rgba = rgb.copy()
+    rgba.putalpha(rgb.getchannel(2))
+    for name, picture, options in (
+        ("rgb.jpg", rgb, {"quality": 100, "subsampling": 0}), ("progressive.jpg", rgb, {"quality": 100, "subsampling": 0, "progressive": True}),
+        ("grey.jpg", red, {"quality": 100}), ("cmyk.jpg", rgb.convert("CMYK"), {"quality": 100, "subsampling": 0}),
+        ("rgb.tif", rgb, {"compression": "tiff_lzw"}), ("rgba.tif", rgba, {}), ("grey.tif", red, {"compression": "tiff_adobe_deflate"}),
+        ("grey16.tif", Image.frombytes("I;16", size, b"".join(struct.pack("<H", 257 * v) for v in red.tobytes())), {}),
+        ("rgba.webp", rgba, {"lossless": True, "exact": True}), ("rgb.bmp", rgb, {}), ("grey.bmp", red, {}), ("rgb.tga", rgb, {}),
+        ("runs.tga", rgb, {"compression": "tga_rle"}), ("rgba.tga", rgba, {"orientation": 1}), ("grey.tga", red, {"compression": "tga_rle"}),
+        ("palette.png", red.convert("P"), {}), ("rgba.png", rgba, {}),
+    ):
+        picture.save(os.path.join(folder, name), **options)
+    save("pictures/rgb.exr", exr(*size, colour))
+    save("pictures/rgb.hdr", hdr(*size, colour))
 
 
 def rooms(size):
@@ -315,6 +379,7 @@ def main():
     pump()
     save("helix_points.ply", helix())
     save("soup.ply", soup())
+    pictures()
 
 
 main()

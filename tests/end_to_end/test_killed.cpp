@@ -132,7 +132,7 @@ TEST(Interrupted, AFieldInBandsSaysThatItsBandsAreKept) {
   work.write("points.ply", point_file(std::vector<Luminous>(2000, {{0, 0, -0.1}})));
   work.write("scene.toml", large_scene());
   // 2000 waves on 4 million pixels one by one: about a minute, in bands of some seconds.
-  const std::vector<std::string> field{"field", "scene.toml", "-o", "f.h5", "--method", "exact", "--memory", "200 MB"};
+  const std::vector<std::string> field{"field", "scene.toml", "-o", "f.h5", "--method", "exact", "--memory", "80 MB"};
   const Outcome outcome = interrupt(work, field, "f.h5.partial.json");
   EXPECT_EQ(outcome.exit_code, 130);
   EXPECT_EQ(outcome.err,

@@ -1,6 +1,5 @@
 // Series of views at several distances and positions of the eye, and their animations, by the command line.
 
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
+#include "support/gif.h"
 #include "support/program.h"
 #include "support/temporary.h"
 
@@ -21,14 +21,6 @@ void make_hologram(const Workplace& work) {
   work.write("points.ply", point_file({{{-0.0003, 0, -0.026}}, {{0.0003, 0, -0.034}}}));
   work.write("scene.toml", scene_head() + points_object() + "[camera]\ndistances = \"30 mm\"\n[render]\nrows = 32\n");
   ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
-}
-
-int frames_of(const std::string& path) {
-  const auto input = OIIO::ImageInput::open(path);
-  int frames = 0;
-  while (input && input->seek_subimage(frames, 0)) ++frames;
-  OIIO::geterror();
-  return frames;
 }
 
 nlohmann::json stage_of(const Workplace& work, const std::string& report, const std::string& name) {
@@ -75,7 +67,7 @@ TEST(Sweep, AFocusSweepIsSharpestWhereThePointsAre) {
   EXPECT_TRUE(work.has("view_sweep_01.png"));
   EXPECT_TRUE(work.has("view_sweep_09.png"));
   EXPECT_FALSE(work.has("view_sweep_10.png"));
-  EXPECT_EQ(frames_of(work.path("view_sweep.gif")), 16);  // forward and back
+  EXPECT_EQ(load_gif(work.path("view_sweep.gif")).frames.size(), 16u);  // forward and back
 }
 
 // A later call with fewer views removes those of an earlier one; holograms stay, whatever their names.
@@ -192,7 +184,7 @@ TEST(Sweep, AnAnimatedFileIsTheSweepAlone) {
       work.run({"show", "out/hologram.png", "-o", "view.gif", "--distance", "30 mm", "--pupil", "0.6 mm", "--sweep",
                 "parallax", "--sweep-from", "-0.5 mm", "--sweep-to", "0.5 mm", "--sweep-views", "3"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(frames_of(work.path("view.gif")), 4);
+  EXPECT_EQ(load_gif(work.path("view.gif")).frames.size(), 4u);
   EXPECT_FALSE(work.has("view.png"));
   EXPECT_FALSE(work.has("view_sweep_01.png"));
 }

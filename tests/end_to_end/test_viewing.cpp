@@ -220,6 +220,26 @@ TEST(Viewing, ShowSeesWhatRunSaw) {
   EXPECT_TRUE(of_show.contains("look at 30 mm"));
 }
 
+TEST(Viewing, ShowSeesAJointHologramInAllOfItsColours) {
+  Workplace work;
+  with_points(work).write("scene.toml",
+                          "wavelength = [\"632.8 nm\", \"520 nm\"]\n" +
+                              scene("[encode]\nmethod = \"sgd\"\n"
+                                    "target = \"render\"\njoint = true\niterations = 6\ntarget_distances = \"30 mm\"\n")
+                                  .substr(scene_head().find('[')));
+  const Outcome of_run = work.run({"run", "scene.toml", "-o", "out"});
+  ASSERT_EQ(of_run.exit_code, 0) << of_run.err;
+  ASSERT_FALSE(work.has("out/hologram_2.png"));
+  const Outcome outcome = work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(work.read("view.png") == work.read("out/view.png"));
+  // One colour is shown when it is asked for.
+  ASSERT_EQ(work.run({"show", "out/hologram.png", "-o", "green.png", "--distance", "30 mm", "--wavelength", "520 nm"})
+                .exit_code,
+            0);
+  EXPECT_FALSE(work.read("green.png") == work.read("out/view.png"));
+}
+
 // The orders of a hologram in one illumination state: together they have all the light that its samples represent.
 TEST(Viewing, OrdersAddUpToTheEfficiency) {
   Workplace work;

@@ -5,6 +5,9 @@
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/quality.h"
 #include "holotrace/run/scene_targets.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/view/camera.h"
+#include "holotrace/view/compare.h"
 #include "support/panels.h"
 
 namespace holotrace {
@@ -223,6 +226,74 @@ TEST(SceneTargets, JointHologramsShowAllColours) {
   const double before = fact_of(run(job).report, "look", "psnr_db");
   EXPECT_GT(fact_of(boxes.report, "look", "psnr_db"), before + 3);  // half the error, or less
   job.encode.target = EncodeTarget::field;
+  EXPECT_THROW(check_job(job), Error);
+}
+
+// A light field of the squares, for an eye with a pupil of 0.5 mm.
+Job squares_for_an_eye() {
+  Job job = two_squares();
+  job.encode.target = EncodeTarget::light_field;
+  job.encode.planes = 2;
+  job.trace.frames = 2;
+  job.camera.eye = {1e-4, -5e-5, 0.02};
+  job.camera.pupil = 5e-4;
+  return job;
+}
+
+// How near the mean of the frames is to the traced picture through the camera's pupil.
+double psnr_through_pupil(const std::vector<Hologram>& frames, const SceneTargets& targets, const Job& job,
+                          double wavelength) {
+  Image seen;
+  for (const Hologram& frame : frames) {
+    const Image view = look(show(frame, job.slm, {.wavelength = wavelength}), job.slm, 0.02, {}, job.camera);
+    if (seen.values.empty()) seen = Image(view.ny, view.nx, 1);
+    for (size_t i = 0; i < seen.values.size(); ++i) seen.values[i] += view.values[i];
+  }
+  const TargetPlane target = view_target(targets, job, {job.camera.eye, job.camera.pupil}, 0.02, wavelength);
+  Image wanted(seen.ny, seen.nx, 1);
+  EXPECT_EQ(wanted.values.size(), target.amplitude.size());
+  for (size_t i = 0; i < wanted.values.size(); ++i) wanted.values[i] = std::pow(target.amplitude.values[i], 2);
+  return compare(wanted, seen).psnr;
+}
+
+// The pupil is no target; the picture through it is nearer to the traced one than that of the first frames, in each colour.
+TEST(SceneTargets, JointLightFieldsShowBothColoursThroughAPupil) {
+  Job job = squares_for_an_eye();
+  job.wavelengths = {test_wavelength, 633e-9};
+  job.encode.is_joint = true;
+  job.slm.phase_range = 4 * pi;
+  const SceneTargets targets = trace_targets(job);
+  const auto frames_after = [&](int updates) {
+    job.encode.iterations = updates;
+    return run(job).holograms;
+  };
+  const std::vector<Hologram> first = frames_after(1), last = frames_after(20);
+  for (const double wavelength : job.wavelengths)
+    EXPECT_GT(psnr_through_pupil(last, targets, job, wavelength),
+              psnr_through_pupil(first, targets, job, wavelength) + 2);
+}
+
+TEST(SceneTargets, AViewThroughAPupilIsComparedWithThePictureThroughIt) {
+  Job job = squares_for_an_eye();
+  job.encode.iterations = 10;
+  const Boxes boxes = run(job);
+  // Both compare the same pictures, up to the rounding of floats; that of the whole panel would be darker and sharper.
+  EXPECT_NEAR(fact_of(boxes.report, "look", "psnr_db"),
+              psnr_through_pupil(boxes.holograms, trace_targets(job), job, test_wavelength), 0.01);
+  // The target render knows the picture through the whole panel alone.
+  job.encode.target = EncodeTarget::render;
+  for (const StageReport& stage : run(job).report.stages)
+    for (const auto& [name, value] : stage.facts) EXPECT_FALSE(stage.stage.starts_with("look") && name == "psnr_db");
+}
+
+TEST(SceneTargets, ALightFieldNeedsAVirtualImageAndOneSamplePerPixel) {
+  Job job = two_squares();
+  job.encode.target = EncodeTarget::light_field;
+  EXPECT_NO_THROW(check_job(job));
+  job.encode.subpixels = 3;
+  EXPECT_THROW(check_job(job), Error);
+  job.encode.subpixels = 1;
+  job.encode.image = ImageSide::real_image;
   EXPECT_THROW(check_job(job), Error);
 }
 

@@ -45,5 +45,18 @@ TEST(Sensor, MemoryOfAnExtendedSourceCountsAllThatIsThereAtOnce) {
   EXPECT_GE(bytes(), without + 8 * 200 * 200);  // 2 mm of samples of 8 µm are 250
 }
 
+TEST(Sensor, MemoryBehindAStopCountsItsMargin) {
+  // A stop of half the panel's band spreads light over 1/2h = 2 samples: 32 of these widths are 64 samples beside each
+  // edge, so 256 + 2·64 samples a side of 8 bytes, and at least as much for the propagation.
+  const Slm slm = make_panel(256, 256);
+  const double half = 1 / (4 * slm.grid.pitch);
+  const SpectralFilter stop{.half_u = half, .half_v = half};
+  const auto bytes = [&](std::optional<SpectralFilter> filter) {
+    return looking_bytes({slm.grid, test_wavelength, ImageSide::virtual_image, filter}, slm, 0.1, {}, {}, {});
+  };
+  EXPECT_GE(bytes(stop), 2.0 * 8 * 384 * 384);
+  EXPECT_GE(bytes(stop) - bytes({}), 8.0 * (384 * 384 - 256 * 256));
+}
+
 }  // namespace
 }  // namespace holotrace

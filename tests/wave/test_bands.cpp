@@ -82,7 +82,7 @@ TEST(Bands, CoverEveryRowOfEverySetOnceInMultiplesOf128) {
 
 TEST(Bands, FitTheMemoryOrSayWhatIsNeeded) {
   const std::vector<Sources> sets{make_waves(100)};
-  const Grid large{100000, 100000, 1e-6};  // 128 rows are 102 MB
+  const Grid large{100000, 100000, 1e-6};  // 128 rows are 102 MB, the program 50 MB
   using enum SynthesisMethod;
   for (const SynthesisMethod method : {automatic, tiled, planes, exact}) {
     const SynthesizeParams params = params_of(method);
@@ -91,9 +91,9 @@ TEST(Bands, FitTheMemoryOrSayWhatIsNeeded) {
         EXPECT_LE(band_memory(sets, large, params, band.rows()), memory);
     EXPECT_GT(plan_bands(sets, large, params, 4e9).front().rows(), plan_bands(sets, large, params, 8e8).front().rows());
   }
-  const std::string error = error_of([&] { plan_bands(sets, large, params_of(tiled), 2e8); });
+  const std::string error = error_of([&] { plan_bands(sets, large, params_of(tiled), 1.5e8); });
   EXPECT_EQ(error.find("expected --memory of "), 0u) << error;
-  EXPECT_NE(error.find("for 128 rows of 100000 pixels and the waves, got 191 MiB"), std::string::npos) << error;
+  EXPECT_NE(error.find("for 128 rows of 100000 pixels and the waves, got 143 MiB"), std::string::npos) << error;
 }
 
 TEST(Bands, LieWhereTheirRowsLie) {

@@ -48,6 +48,7 @@ void check_memory(const Job& job, size_t sets) {
   const double pixels = double(panel.pixels()), frames = job.trace.frames;
   const std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
   const ViewingNeed need = viewing_need({job.slm, job.show, job.propagate, from}, job.wavelengths, job.encode.image,
+                                        stop_of(job.encode, panel, job.wavelengths.front()),
                                         widest_part(plan_at(job, job.wavelengths.front(), from)));
   const double kept = job.trace.strategy == Strategy::gather ? 1 + frames : frames > 1 ? 2 : 1;
   const double fields = 8 * pixels * double(sets) * kept;
@@ -90,6 +91,15 @@ void check_job(const Job& job) {
   require(job.encode.target == EncodeTarget::field || job.encode.method == Encoding::sgd,
           "expected the encoding method sgd for the targets render and light-field, got another one; give method = "
           "\"sgd\", or leave target out");
+  if (job.encode.target == EncodeTarget::light_field) {
+    require(job.encode.image == ImageSide::virtual_image,
+            "expected a virtual image for the target light-field, got a real one; give image = \"virtual\"");
+    require(
+        job.encode.subpixels == 1,
+        "expected one sample per pixel for the target light-field, got {} per axis; leave out [encode] subpixels, or "
+        "give the target render",
+        job.encode.subpixels);
+  }
   if (job.synthesize.method == SynthesisMethod::triangles)
     check_shading(job.scene, job.trace);
   else if (job.trace.strategy == Strategy::gather)

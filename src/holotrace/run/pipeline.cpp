@@ -99,25 +99,15 @@ class Showing {
 
   void add(Hologram hologram) {
     boxes_.holograms.push_back(std::move(hologram));
-    const Hologram& shown = boxes_.holograms.back();
-    if (shown.colours.empty()) return view(shown, viewing_);
-    for (const JointColour& colour : shown.colours) {
-      Viewing in_colour = viewing_;
-      in_colour.show.wavelength = colour.wavelength;
-      view(shown, in_colour);
-    }
+    const double power = view_hologram(boxes_.holograms.back(), viewing_, repeat, sums);
+    if (power_on_panel == 0) power_on_panel = power;
   }
 
   RepeatedStages repeat;
   std::vector<CombinedViews> sums;
-  double power_on_panel = 0;  // for the brightest hologram [W]; irradiances are relative to it
+  double power_on_panel = 0;  // of the first hologram [W]; irradiances are relative to it
 
  private:
-  void view(const Hologram& hologram, const Viewing& viewing) {
-    const double power = view_hologram(hologram, viewing, repeat, sums);
-    if (power_on_panel == 0) power_on_panel = power;
-  }
-
   Viewing viewing_;
   Boxes& boxes_;
 };
@@ -223,7 +213,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       o.fact("seed", job.render.seed);
       return trace_targets(job, o);
     });
-    b.renders = targets->seen.pictures;
+    b.renders = pictures_seen(*targets, job);
   } else {
     made = make_references(job, b.report, watch);
     b.renders = made.renders;
@@ -262,7 +252,12 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       const double incident = sums[d].relative_illumination() * showing.power_on_panel;
       if (references.empty()) return o.fact("why_no_metrics", std::string("the job asks for no reference"));
       report_place(places[d], o);
-      report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
+      if (targets && !has_reference(*targets, job.camera))
+        o.fact("why_no_metrics", std::string("the render is the picture through the whole panel, and the camera has a "
+                                             "pupil; the target light-field, with the pupil in front of the panel, has "
+                                             "its picture too"));
+      else
+        report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);

@@ -51,18 +51,24 @@ double eye_distance(const Job& job) { return job.camera.eye.z > 0 ? job.camera.e
 
 double pupil_diameter(const Job& job) { return job.camera.pupil > 0 ? job.camera.pupil : 2e-3; }
 
-// The light of the view through a pupil on some samples of the plane at a distance, relative to that of the planes.
-Image light_through(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance, double wavelength,
-                    const Grid& samples) {
+// The light of the view through a pupil on some samples of the plane at a distance, relative to that of the planes, in
+// the colours of the wavelengths and with the blur of the pupil at one of them.
+Image light_through(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance,
+                    const std::vector<double>& wavelengths, double wavelength, const Grid& samples) {
   require(targets.light_field.has_value(), "expected a light field for the view through a pupil, got none");
   const PupilPicture seen = picture_through(*targets.light_field, shared_wavelength(job), samples, distance, pupil);
-  Image light = seen_at(seen.radiance, {wavelength});
+  Image light = seen_at(seen.radiance, wavelengths);
   const Grid& panel = job.slm.grid;
   const double largest = largest_part(panel, box_radius(distance, shared_wavelength(job), panel.pitch));
   const double to_pupil = distance + pupil.centre.z;
   const double solid = pi / 4 * std::pow(pupil.diameter * distance / to_pupil, 2) / largest;
-  for (size_t i = 0; i < light.values.size(); ++i) light.values[i] *= float(solid) * seen.open.values[i];
-  limit_to_pupil(light, samples.pitch, wavelength, to_pupil, pupil.diameter);
+  Image channel(light.ny, light.nx, 1);
+  for (int c = 0; c < light.channels; ++c) {
+    const auto at = [&](size_t i) -> float& { return light.values[i * size_t(light.channels) + size_t(c)]; };
+    for (size_t i = 0; i < channel.values.size(); ++i) channel.values[i] = float(solid) * seen.open.values[i] * at(i);
+    limit_to_pupil(channel, samples.pitch, wavelength, to_pupil, pupil.diameter);
+    for (size_t i = 0; i < channel.values.size(); ++i) at(i) = channel.values[i];
+  }
   return light;
 }
 
@@ -90,7 +96,8 @@ ViewTargets draw_views(const SceneTargets& targets, const Job& job, int update, 
     for (const double x : across) views.pupils.push_back({{x, y, eye_distance(job)}, diameter});
   views.picture = picture_grid(panel, views.pupils.front(), wavelength, views.z);
   for (const Pupil& pupil : views.pupils)
-    views.amplitudes.push_back(amplitude_of(light_through(targets, job, pupil, distance, wavelength, views.picture)));
+    views.amplitudes.push_back(
+        amplitude_of(light_through(targets, job, pupil, distance, {wavelength}, wavelength, views.picture)));
   return views;
 }
 
@@ -125,7 +132,7 @@ TargetPlane view_target(const SceneTargets& targets, const Job& job, const Pupil
                         double wavelength) {
   return {place_of(distance, job.encode.image),
           wavelength,
-          amplitude_of(light_through(targets, job, pupil, distance, wavelength, job.slm.grid)),
+          amplitude_of(light_through(targets, job, pupil, distance, {wavelength}, wavelength, job.slm.grid)),
           {},
           pupil};
 }
@@ -151,8 +158,6 @@ std::vector<double> target_distances_of(const Job& job) {
 }
 
 SceneTargets trace_targets(const Job& job, const Observer& observer) {
-  require(job.encode.target != EncodeTarget::light_field || job.encode.image == ImageSide::virtual_image,
-          "expected a virtual image for the target light-field, got a real one; give image = \"virtual\"");
   const std::vector<double> distances = target_distances_of(job);
   ScenePlanes planes{distances, {}};
   planes.distances.insert(planes.distances.end(), job.camera.distances.begin(), job.camera.distances.end());
@@ -223,7 +228,24 @@ TargetSet targets_of(const SceneTargets& targets, const Job& job, const std::vec
   return set;
 }
 
+bool has_reference(const SceneTargets& targets, const CameraParams& camera) {
+  return camera.pupil == 0 || (targets.light_field && camera.eye.z > 0);
+}
+
+std::vector<Image> pictures_seen(const SceneTargets& targets, const Job& job) {
+  if (job.camera.pupil == 0 || !has_reference(targets, job.camera)) return targets.seen.pictures;
+  std::vector<Image> pictures;
+  for (const double distance : targets.seen.distances)
+    pictures.push_back(picture_through(*targets.light_field, shared_wavelength(job), job.slm.grid, distance,
+                                       {job.camera.eye, job.camera.pupil})
+                           .radiance);
+  return pictures;
+}
+
 Image reference_of(const SceneTargets& targets, const Job& job, size_t plane, const std::vector<double>& wavelengths) {
+  if (job.camera.pupil > 0 && has_reference(targets, job.camera))
+    return light_through(targets, job, {job.camera.eye, job.camera.pupil}, targets.seen.distances[plane], wavelengths,
+                         shared_wavelength(job), job.slm.grid);
   return limited(targets.seen, plane, wavelengths, shared_wavelength(job), job.slm.grid);
 }
 

@@ -60,12 +60,12 @@ void add_weighted(const Image& view, double weight, Image& sum) {
   for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += float(weight) * view.values[i];
 }
 
-}  // namespace
-
-double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedStages& repeat,
-                     std::vector<CombinedViews>& sums) {
-  const auto& [slm, params, propagation, from] = viewing;
-  const double wavelength = params.wavelength > 0 ? params.wavelength : hologram.wavelength;
+// The views in light of one wavelength.
+double view_in_colour(const Hologram& hologram, double wavelength, const Viewing& viewing, RepeatedStages& repeat,
+                      std::vector<CombinedViews>& sums) {
+  const auto& [slm, shown_with, propagation, from] = viewing;
+  ShowParams params = shown_with;
+  if (!hologram.colours.empty()) params.wavelength = wavelength;
   const bool is_first = !repeat.has_run("show");
   const IlluminationPlan plan = plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter);
   const std::vector<IlluminationState>& all = plan.states;
@@ -114,12 +114,32 @@ double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedS
   return power_on_panel;
 }
 
+}  // namespace
+
+double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedStages& repeat,
+                     std::vector<CombinedViews>& sums) {
+  double power_on_panel = 0;
+  for (const double wavelength : wavelengths_shown(hologram, viewing.show)) {
+    const double power = view_in_colour(hologram, wavelength, viewing, repeat, sums);
+    if (power_on_panel == 0) power_on_panel = power;
+  }
+  return power_on_panel;
+}
+
+std::vector<double> wavelengths_shown(const Hologram& hologram, const ShowParams& show) {
+  if (show.wavelength > 0) return {show.wavelength};
+  if (hologram.colours.empty()) return {hologram.wavelength};
+  std::vector<double> wavelengths;
+  for (const JointColour& colour : hologram.colours) wavelengths.push_back(colour.wavelength);
+  return wavelengths;
+}
+
 int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from) {
   return states * int64_t(1 + stages_of(from).size());
 }
 
 ViewingNeed viewing_need(const Viewing& viewing, const std::vector<double>& wavelengths, ImageSide image,
-                         const SourcePart& source) {
+                         const std::optional<SpectralFilter>& stop, const SourcePart& source) {
   const int subpixels = viewing.show.subpixels;
   const std::vector<Viewpoint>& from = viewing.from;
   require(subpixels >= 1, "expected at least 1 sample per pixel, got {}", subpixels);
@@ -142,8 +162,8 @@ ViewingNeed viewing_need(const Viewing& viewing, const std::vector<double>& wave
   need.passing = 8 * pixels * n;
   for (const double wavelength : wavelengths)
     for (const Viewpoint& view : from)
-      need.passing = std::max(need.passing, looking_bytes({sampled, wavelength, image}, viewing.slm, view.distance,
-                                                          viewing.propagation, view.camera, source));
+      need.passing = std::max(need.passing, looking_bytes({sampled, wavelength, image, stop}, viewing.slm,
+                                                          view.distance, viewing.propagation, view.camera, source));
   return need;
 }
 

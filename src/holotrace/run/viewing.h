@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ struct Viewing {
   std::vector<Viewpoint> from;
 };
 
-/// Adds the camera's view of a hologram from each viewpoint to the sums. The views are averaged over the illumination
+/// Adds the camera's view of a hologram from each viewpoint to the sums, in each of its colours (wavelengths_shown). The
+/// views are averaged over the illumination
 /// states of the light and the panel (illumination_plan.h), whose light does not interfere,
 ///
 ///     I(x) = Σ_states weight · look(show(hologram, state), part of the source)
@@ -38,12 +40,15 @@ struct Viewing {
 /// reports the fraction of the light on the panel in each order (i, j), averaged over illumination states, as facts
 /// "order_efficiency i,j", whose sum is `efficiency`.
 /// @param sums  one per viewpoint
-/// @return      power on the panel at the first illumination state [W]
+/// @return      power on the panel at the first illumination state of the first colour [W]
 /// @throws Error  as illumination states, show, look and CombinedViews::add do
 double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedStages& repeat,
                      std::vector<CombinedViews>& sums);
 
-/// Number of stages that view_hologram runs for a hologram with so many illumination states.
+/// Wavelengths of the light in which a hologram is shown [m]: that of `show`, else all of a joint hologram, else its own.
+std::vector<double> wavelengths_shown(const Hologram& hologram, const ShowParams& show);
+
+/// Number of stages that view_hologram runs for each colour of a hologram with so many illumination states.
 int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from);
 
 /// Memory needed to show one hologram and view it from all viewpoints, for a source or for the part of it that
@@ -54,9 +59,10 @@ struct ViewingNeed {
   double passing = 0;            ///< bytes that its transform, or the propagation to a sensor, needs in addition
 };
 /// @param wavelengths  of the holograms [m]
+/// @param stop         stop of their 4f systems, if they have one
 /// @throws Error       for less than 1 sample per pixel, and as magnification and looking_bytes do
 ViewingNeed viewing_need(const Viewing& viewing, const std::vector<double>& wavelengths, ImageSide image,
-                         const SourcePart& source = {});
+                         const std::optional<SpectralFilter>& stop = {}, const SourcePart& source = {});
 
 /// Bytes of the sums and irradiances of `sets` kinds of holograms, seen by a sensor of that many pixels, and of the
 /// pictures made of them.

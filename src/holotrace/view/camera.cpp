@@ -118,6 +118,11 @@ void warn_outside_eyebox(const Field& shown, const Slm& slm, const CameraParams&
                   format_length(2 * up), format_length(z), others, format_length(right), format_length(up)));
 }
 
+// Samples beside each edge of the window for the light that a stop spreads; a periodic window needs none.
+int margin_of(const std::optional<SpectralFilter>& stop, const Grid& shown, const PropagateParams& window) {
+  return stop && !window.is_periodic ? order_stop_margin(*stop, shown) : 0;
+}
+
 // The sensor's window with explicit size and pitch, for a field whose window is not that of the light shown: in the pupil
 // it is smaller, behind a stop larger.
 PropagateParams with_its_size(PropagateParams sensor, const Grid& shown) {
@@ -187,7 +192,7 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
   const auto sensed = [&](const Field& field) { return read_sensor(field, sensor, source, z, m, observer); };
   const auto stopped = [&](double over, const PropagateParams& window) {
     if (!shown.filter) return propagate(shown, over, window, observer);
-    const int margin = window.is_periodic ? 0 : order_stop_margin(*shown.filter, shown.grid);
+    const int margin = margin_of(shown.filter, shown.grid, window);
     return propagate(apply_order_stop(shown, *shown.filter, margin, observer), over, with_its_size(window, shown.grid),
                      observer);
   };
@@ -226,12 +231,14 @@ double looking_bytes(const FieldShape& field, const Slm& slm, double distance, c
       return complex_bytes * double(sensor.pixels());
     }
   };
-  const double stopped = complex_bytes * double(shown.pixels());  // light behind a stop, but for its margin
-  if (camera.pupil == 0) return std::max(reading, stopped + bytes_over(shown, z, window));
+  const int margin = margin_of(field.filter, shown, window);
+  const Grid behind_stop{shown.nx + 2 * margin, shown.ny + 2 * margin, shown.pitch};
+  const double stopped = complex_bytes * double(behind_stop.pixels());
+  if (camera.pupil == 0) return std::max(reading, stopped + bytes_over(behind_stop, z, with_its_size(window, shown)));
   const std::optional<Grid> pupil = pupil_window(shown, wavelength, camera);
   if (!pupil) return reading;
   const double in_pupil = complex_bytes * double(pupil->pixels());
-  return std::max({stopped + bytes_over(shown, camera.eye.z, to_window(*pupil, propagation.method)),
+  return std::max({stopped + bytes_over(behind_stop, camera.eye.z, to_window(*pupil, propagation.method)),
                    in_pupil + bytes_over(*pupil, z - camera.eye.z, with_its_size(window, shown)), in_pupil + reading});
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/grid.h"
@@ -14,6 +16,7 @@ struct FieldShape {
   Grid grid;
   double wavelength = 0;  ///< [m]
   ImageSide image = ImageSide::virtual_image;
+  std::optional<SpectralFilter> filter{};  ///< stop that it will pass, as in Field
 };
 
 /// The pixels of a sensor, and the samples of the field from which each pixel is computed.

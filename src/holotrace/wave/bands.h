@@ -29,7 +29,7 @@ Grid band_of(const Grid& panel, int first_row, int end_row);
 std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params,
                              double memory);
 
-/// Most memory that a process needs for one band of `rows` rows [bytes]: 170 MB for the program with its libraries;
+/// Most memory that a process needs for one band of `rows` rows [bytes]: 50 MB for the program with its libraries;
 /// 340 bytes per wave (stored, read from a file, selected for a band, prepared for the sum) and 16 bytes per wave and
 /// panel tile; 8 bytes per sample of the band, 24 for `auto`, which may fall back to `exact`; for `exact` 512 bytes per
 /// column; for `auto` and `planes` 15 MB for each of 16 threads. With more than 16 threads, add 15 MB for each.

@@ -1,10 +1,10 @@
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/image_file.h"
+#include "support/gif.h"
 #include "support/temporary.h"
 
 namespace holotrace::test {
@@ -21,49 +21,50 @@ std::vector<Image> bars(int count, int nx, int ny) {
   return images;
 }
 
-struct Animation {
-  std::vector<std::vector<float>> frames;
-  int nx = 0, ny = 0, channels = 0, loops = -1;
-  double seconds_per_frame = 0;
-};
-
-Animation load(const std::string& path) {
-  Animation a;
-  const auto input = OIIO::ImageInput::open(path);
-  EXPECT_TRUE(input);
-  for (int n = 0; input && input->seek_subimage(n, 0); ++n) {
-    const OIIO::ImageSpec spec = input->spec();
-    if (n == 0) {
-      const auto* rate = spec.find_attribute("FramesPerSecond");
-      if (rate) a.seconds_per_frame = 1 / (double(((const int*)rate->data())[0]) / ((const int*)rate->data())[1]);
-      a.loops = spec.get_int_attribute("gif:LoopCount", -1);
-    }
-    a.nx = spec.width;
-    a.ny = spec.height;
-    a.channels = spec.nchannels;
-    a.frames.emplace_back(size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels));
-    input->read_image(n, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, a.frames.back().data());
-  }
-  OIIO::geterror();
-  return a;
-}
-
 TEST(Animation, PlaysForwardAndBackEndlessly) {
   const std::string path = temporary("bars.gif");
   save_animation(path, bars(4, 64, 24), 2, 1.2);
-  const Animation a = load(path);
-  ASSERT_EQ(a.frames.size(), 6u);  // 1 2 3 4 3 2
-  EXPECT_EQ(a.nx, 64);
-  EXPECT_EQ(a.ny, 24);
-  EXPECT_EQ(a.loops, 0);  // endless
-  EXPECT_NEAR(a.seconds_per_frame, 0.2, 1e-6);
+  const Gif gif = load_gif(path);
+  ASSERT_EQ(gif.frames.size(), 6u);  // 1 2 3 4 3 2
+  EXPECT_EQ(gif.nx, 64);
+  EXPECT_EQ(gif.ny, 24);
+  EXPECT_EQ(gif.loops, 0);        // endless
+  EXPECT_EQ(gif.hundredths, 20);  // 1.2 s by 6 frames
   const std::vector<size_t> shown{0, 1, 2, 3, 2, 1};
   for (size_t k = 0; k < shown.size(); ++k)
-    for (size_t i = 0; i < 64; ++i) {
-      const bool is_bright = i / 16 == shown[k];
-      // 0.05 of white has the sRGB code 0.248; a palette of 256 colours per picture contains both colours, to one code.
-      EXPECT_NEAR(a.frames[k][i * size_t(a.channels)], is_bright ? 1 : srgb_encode(0.05), 1.01 / 255) << k << " " << i;
+    for (size_t i = 0; i < 64 * 24; ++i) {
+      const bool is_bright = i % 64 / 16 == shown[k];
+      // 0.05 of white has the sRGB code 0.248: 63. A palette of 256 colours contains both colours.
+      const int code = is_bright ? 255 : int(std::lround(255 * srgb_encode(0.05)));
+      for (size_t c = 0; c < 3; ++c) ASSERT_EQ(gif.frames[k][3 * i + c], code) << k << " " << i;
     }
+}
+
+// 4096 colours, more than a palette has: red by column, green by row, blue of both.
+TEST(Animation, PicturesOfManyColoursAreDitheredToTheirMeans) {
+  constexpr int side = 64, block = 16;
+  Image image(side, side, 3);
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i)
+      for (int c = 0; c < 3; ++c)
+        image(j, i, c) = float(srgb_decode((c == 0 ? i : c == 1 ? j : (i + j) / 2.0) * 4 / 255));
+  const std::string path = temporary("colours.gif");
+  save_animation(path, {image, image}, 1, 1);
+  const Gif gif = load_gif(path);
+  ASSERT_EQ(gif.frames.size(), 2u);
+  double worst = 0;
+  for (int j = 0; j < side; j += block)
+    for (int i = 0; i < side; i += block)
+      for (int c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (int y = j; y < j + block; ++y)
+          for (int x = i; x < i + block; ++x)
+            sum += gif.frames[0][size_t((y * side + x) * 3 + c)] - 255 * srgb_encode(double(image(y, x, c)));
+        worst = std::max(worst, std::abs(sum) / (block * block));
+      }
+  // Error diffusion keeps the mean of a block but for what crosses its edges: the error of one pixel, up to half the
+  // distance of the palette's colours (256 of them on a surface of 256² codes: 16), on 2·16 of its 256 pixels: 1.
+  EXPECT_LT(worst, 1);
 }
 
 TEST(Animation, WidePicturesAreAveragedDown) {

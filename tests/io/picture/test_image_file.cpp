@@ -174,5 +174,97 @@ TEST(ImageFile, APictureFromAnotherProgramIsRead) {
     }
 }
 
+// The same 24 × 16 codes in files of other programs: red 11·column, green 17·row, blue (7·column + 13·row) mod 256.
+struct OtherFile {
+  const char* name;
+  int channels;
+  double tolerance;  // [codes of 255]
+};
+
+TEST(ImageFile, EveryFormatIsReadAsItsProgramWroteIt) {
+  // JPEG of quality 100 rounds its transform and its colours: some codes; four inks also their products.
+  for (const OtherFile& file : {OtherFile{"rgb.jpg", 3, 3},
+                                {"progressive.jpg", 3, 3},
+                                {"grey.jpg", 1, 2},
+                                {"cmyk.jpg", 3, 4},
+                                {"rgb.tif", 3, 0},
+                                {"rgba.tif", 3, 0},
+                                {"grey.tif", 1, 0},
+                                {"grey16.tif", 1, 0},
+                                {"rgba.webp", 3, 0},
+                                {"rgb.bmp", 3, 0},
+                                {"grey.bmp", 1, 0},
+                                {"rgb.tga", 3, 0},
+                                {"runs.tga", 3, 0},
+                                {"rgba.tga", 3, 0},
+                                {"grey.tga", 1, 0},
+                                {"rgba.png", 3, 0},
+                                {"palette.png", 3, 0},
+                                {"rgb.exr", 3, 0},
+                                {"rgb.hdr", 3, 0}}) {
+    const std::string path = test::data_file(std::string("pictures/") + file.name), extension = extension_of(path);
+    const bool is_light = extension == ".exr" || extension == ".hdr";  // their numbers are the codes
+    for (const ImageContent content : {ImageContent::data, ImageContent::colour}) {
+      const Image image = load_image(path, content);
+      ASSERT_EQ(image.nx, 24) << file.name;
+      ASSERT_EQ(image.ny, 16) << file.name;
+      ASSERT_EQ(image.channels, file.channels) << file.name;
+      const bool is_grey = file.channels == 1 || std::string(file.name) == "palette.png";
+      for (int j = 0; j < image.ny; ++j)
+        for (int i = 0; i < image.nx; ++i)
+          for (int c = 0; c < image.channels; ++c) {
+            const int code = is_grey || c == 0 ? 11 * i : c == 1 ? 17 * j : (7 * i + 13 * j) % 256;
+            const double value = double(image(j, i, c));
+            const double read = is_light ? value : 255 * (content == ImageContent::colour ? srgb_encode(value) : value);
+            ASSERT_NEAR(read, code, file.tolerance + 1e-4) << file.name << " " << i << " " << j << " " << c;
+          }
+    }
+  }
+}
+
+TEST(ImageFile, EveryFormatIsReadFromMemoryAndRefusedWhenCut) {
+  for (const char* name : {"rgb.jpg", "progressive.jpg", "rgb.tif", "rgba.webp", "rgb.bmp", "rgb.tga", "runs.tga",
+                           "rgba.png", "rgb.exr", "rgb.hdr"}) {
+    const std::string path = test::data_file(std::string("pictures/") + name), bytes = read_text(path);
+    const Image image = load_image(path);
+    EXPECT_EQ(decode_image(bytes.data(), bytes.size(), path).values, image.values) << name;
+    // Without its last tenth no file has all of its pixels.
+    const std::string error = error_of([&] { decode_image(bytes.data(), bytes.size() * 9 / 10, path); });
+    EXPECT_TRUE(
+        error == path + ": expected an image of 24 × 16 pixels, but it is truncated or damaged" ||
+        error.starts_with(path + ": expected an image, but it is not an image"))  // TIFF: its header is at the end
+        << name << ": " << error;
+    EXPECT_TRUE(error.find("not an image") == std::string::npos || std::string(name) == "rgb.tif") << name;
+  }
+}
+
+// Rows from the bottom and columns from the right, as Radiance's "+Y 2 -X 2" says.
+TEST(ImageFile, RadiancePicturesMayBeginAtAnyCorner) {
+  std::string pixels;
+  for (const char value : {2, 3, 4, 5}) pixels += std::string{value, value, value, char(136)};
+  const auto read = [&](const std::string& size) {
+    const std::string bytes = "#?RADIANCE\n\n" + size + "\n" + pixels;
+    Image image = decode_image(bytes.data(), bytes.size(), "p.hdr");
+    return std::vector<float>{image(0, 0), image(0, 1), image(1, 0), image(1, 1)};
+  };
+  EXPECT_EQ(read("-Y 2 +X 2"), (std::vector<float>{2, 3, 4, 5}));
+  EXPECT_EQ(read("+Y 2 +X 2"), (std::vector<float>{4, 5, 2, 3}));
+  EXPECT_EQ(read("-Y 2 -X 2"), (std::vector<float>{3, 2, 5, 4}));
+}
+
+TEST(ImageFile, SmallerPicturesAreMeansAndLargerOnesLinear) {
+  Image steps(1, 4, 1);
+  steps.values = {0, 0, 8, 8};
+  // Triangles of half width 2 about 0.5 and 2.5, the ends repeated: weights 1/8 3/8 3/8 1/8 of {0, 0, 0, 8}.
+  EXPECT_EQ(resample_image(steps, 2, 1).values, (std::vector<float>{1, 7}));
+  // Twice as many: at −0.25, 0.25, … of the old places.
+  EXPECT_EQ(resample_image(steps, 8, 1).values, (std::vector<float>{0, 0, 0, 2, 6, 8, 8, 8}));
+  Image colours(3, 1, 3);
+  colours.values = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+  EXPECT_EQ(resample_image(colours, 1, 3).values, colours.values);
+  const Image one = resample_image(colours, 1, 1);
+  for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(one(0, 0, c), 4.0F + float(c));  // the weights are symmetric
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -1,12 +1,11 @@
 #include "holotrace/io/field/grey_levels.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <cmath>
+#include <optional>
+#include <variant>
 
 #include "holotrace/base/error.h"
-#include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/picture/image_output.h"
+#include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
@@ -21,30 +20,24 @@ double grey_scale(int levels, Modulation modulation, int bits) {
 }  // namespace
 
 Greys read_greys(const std::string& path) {
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = open_picture(path, config);
-  require(input != nullptr,
+  const std::optional<Picture> picture = read_picture(path);
+  require(picture.has_value(),
           "{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
-  const OIIO::ImageSpec& spec = input->spec();
-  require(!is_truncated_png(path), "{}: expected a hologram of {} × {} pixels, but it is truncated or damaged", path,
-          spec.width, spec.height);
-  const bool is_8 = spec.format == OIIO::TypeDesc::UINT8, is_16 = spec.format == OIIO::TypeDesc::UINT16;
-  require(is_8 || is_16, "{}: expected a hologram in 8 or 16 bits, got {}; write it as a PNG", path,
-          spec.format.c_str());
-  const size_t count = size_t(spec.width) * size_t(spec.height), channels = size_t(spec.nchannels);
-  std::vector<uint16_t> values(count * channels);
-  require(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT16, values.data()),
-          "{}: expected a hologram of {} × {} pixels, but it is truncated or damaged", path, spec.width, spec.height);
-  Greys greys{spec.width, spec.height, is_8 ? 8 : 16, std::string(spec.get_string_attribute(metadata_name)),
-              std::vector<uint16_t>(count)};
-  for (size_t i = 0; i < count; ++i) {
-    const uint16_t* pixel = values.data() + i * channels;
-    require(channels < 3 || (pixel[0] == pixel[1] && pixel[1] == pixel[2]),
-            "{}: expected a grey hologram, got a coloured pixel at row {}, column {}", path, i / size_t(spec.width),
-            i % size_t(spec.width));
-    greys.values[i] = uint16_t(is_8 ? pixel[0] / 257 : pixel[0]);  // 8-bit values were widened by 65535/255 = 257
-  }
+  require(picture->type != SampleType::floats, "{}: expected a hologram in 8 or 16 bits, got floats; write it as a PNG",
+          path);
+  const size_t count = size_t(picture->columns) * size_t(picture->rows), channels = picture->channels.size();
+  Greys greys{picture->columns, picture->rows, picture->type == SampleType::bits_8 ? 8 : 16,
+              picture->text(metadata_name), std::vector<uint16_t>(count)};
+  const auto copy = [&](const auto& values) {
+    for (size_t i = 0; i < count; ++i) {
+      const auto* pixel = values.data() + i * channels;
+      require(channels < 3 || (pixel[0] == pixel[1] && pixel[1] == pixel[2]),
+              "{}: expected a grey hologram, got a coloured pixel at row {}, column {}", path, i / size_t(greys.nx),
+              i % size_t(greys.nx));
+      greys.values[i] = uint16_t(pixel[0]);
+    }
+  };
+  std::visit(copy, picture->samples);
   return greys;
 }
 
@@ -59,11 +52,9 @@ void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pix
     greys.push_back(uint16_t(std::lround(level * scale)));
   }
   const std::vector<uint8_t> bytes(greys.begin(), greys.end());
-  OIIO::ImageSpec spec(levels_of_pixels.nx, levels_of_pixels.ny, 1,
-                       bits == 8 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
-  spec.attribute("oiio:ColorSpace", "Linear");
-  if (!metadata.empty()) spec.attribute(metadata_name, metadata);
-  write_image_file(path, spec, spec.format, bits == 8 ? static_cast<const void*>(bytes.data()) : greys.data());
+  PngHeader header{levels_of_pixels.nx, levels_of_pixels.ny, 1, bits, false, {}};
+  if (!metadata.empty()) header.texts[metadata_name] = metadata;
+  write_png(path, header, bits == 8 ? static_cast<const void*>(bytes.data()) : greys.data());
 }
 
 Array2D<uint16_t> levels_of(const Greys& greys, int levels, Modulation modulation, const std::string& path,

@@ -1,7 +1,5 @@
 #include "holotrace/io/picture/animation.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,8 +7,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/picture/image_output.h"
 
 namespace holotrace {
 namespace {
@@ -67,20 +65,11 @@ void save_animation(const std::string& path, const std::vector<Image>& images, d
     ny = small.ny;
     codes.push_back(codes_of(small, white));
   }
-  const size_t there = images.size(), frames = 2 * there - 2;
-  OIIO::ImageSpec spec(nx, ny, 3, OIIO::TypeDesc::UINT8);
-  const int hundredths = std::max(2, int(std::lround(100 * seconds / double(frames))));
-  const int rate[2] = {100, hundredths};
-  spec.attribute("FramesPerSecond", OIIO::TypeRational, rate);
-  spec.attribute("gif:LoopCount", 0);
-  write_image_file(path, [&](OIIO::ImageOutput& output, const std::string& name) {
-    bool is_written = output.open(name, int(frames), std::vector(frames, spec).data());
-    for (size_t i = 0; is_written && i < frames; ++i) {
-      if (i > 0) is_written = output.open(name, spec, OIIO::ImageOutput::AppendSubimage);
-      is_written = is_written && output.write_image(spec.format, codes[i < there ? i : frames - i].data());
-    }
-    return is_written && output.close();
-  });
+  std::vector<size_t> frames;  // forward and back
+  for (size_t i = 0; i < images.size(); ++i) frames.push_back(i);
+  for (size_t i = images.size() - 2; i > 0; --i) frames.push_back(i);
+  const int hundredths = std::max(2, int(std::lround(100 * seconds / double(frames.size()))));
+  write_gif(path, nx, ny, codes, frames, std::min(hundredths, 65535));
 }
 
 }  // namespace holotrace

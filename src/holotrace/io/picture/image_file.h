@@ -18,9 +18,6 @@ enum class ImageContent { colour, data };
 ///         and imag), or has values that are not finite
 Image load_image(const std::string& path, ImageContent content = ImageContent::colour);
 
-/// Whether a file that begins as a PNG lacks its end; libpng would print a message on stderr.
-bool is_truncated_png(const std::string& path);
-
 /// Like load_image, from the bytes of an image file, such as a texture inside a glTF model.
 /// @param name  name of the image in error messages
 Image decode_image(const void* bytes, size_t size, const std::string& name,
@@ -44,8 +41,8 @@ std::string text_in_image(const std::string& path, const char* name);
 /// The record that save_image wrote into a file; empty if there is no such file, or no record in it.
 FileRecord image_record(const std::string& path);
 
-/// The picture resampled to another number of pixels, each the mean of the area that it covers (OpenImageIO's resize
-/// with a triangle filter, which does not ring below 0).
+/// The picture resampled to another number of pixels: each is a mean weighted by a triangle over twice the area that it
+/// covers (smaller pictures), or linear between the nearest four (larger ones). Neither rings below 0.
 Image resample_image(const Image& image, int columns, int rows);
 
 /// The sRGB code in [0, 1] of linear light in [0, 1], and the inverse (IEC 61966-2-1).

@@ -177,6 +177,11 @@ TEST(DescentCheckpoint, KnowsEverythingThatTheResultDependsOn) {
        [](DescentCase& c) { c.slm.effects.phase_map = std::make_shared<const Array2D<float>>(32, 48, 0.1F); }}};
   EXPECT_EQ(job(plain), job(plain));
   EXPECT_NE(job(plain, 1), job(plain)) << "start";
+  // The same map as another effect is another job.
+  const auto map = std::make_shared<const Array2D<float>>(32, 48, 0.1F);
+  DescentCase with_phase, with_light;
+  with_phase.slm.effects.phase_map = with_light.slm.effects.light_map = map;
+  EXPECT_NE(job(with_phase), job(with_light));
   for (const auto& [name, change] : changes) {
     DescentCase other;
     change(other);

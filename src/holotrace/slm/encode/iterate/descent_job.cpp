@@ -35,6 +35,7 @@ void add(Fingerprint& f, const TargetPlane& target) {
   f.add(target.wavelength);
   add(f, target.amplitude);
   add(f, target.weight);
+  f.add(target.pupil.has_value());
   if (target.pupil) add(f, *target.pupil);
 }
 
@@ -58,8 +59,10 @@ void add(Fingerprint& f, const SlmEffects& effects) {
     f.add(term.m);
     f.add(term.rms);
   }
-  for (const auto& map : {effects.phase_map, effects.light_map})
+  for (const auto& map : {effects.phase_map, effects.light_map}) {
+    f.add(map != nullptr);  // one map in the place of the other is another job
     if (map) add(f, *map);
+  }
   f.add(effects.dead_fraction);
   f.add(effects.dead_seed);
   for (const DeadPixel& pixel : effects.dead_pixels)

@@ -1,0 +1,172 @@
+#include <tiffio.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+
+#include "holotrace/io/picture/formats/formats.h"
+
+namespace holotrace {
+namespace {
+
+using Tiff = std::unique_ptr<TIFF, void (*)(TIFF*)>;
+
+ByteSource& source_of(thandle_t handle) { return *static_cast<ByteSource*>(handle); }
+
+tmsize_t read(thandle_t handle, void* to, tmsize_t size) {
+  return size <= 0 ? 0 : tmsize_t(source_of(handle).read(to, size_t(size)));
+}
+
+toff_t seek(thandle_t handle, toff_t offset, int from) {
+  ByteSource& source = source_of(handle);
+  source.seek(from == SEEK_SET ? offset : (from == SEEK_CUR ? source.place() : source.size()) + offset);
+  return source.place();
+}
+
+Tiff open(ByteSource& source, tmsize_t most_memory) {
+  TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
+  const auto silent = [](TIFF*, void*, const char*, const char*, va_list) { return 1; };
+  TIFFOpenOptionsSetErrorHandlerExtR(options, silent, nullptr);
+  TIFFOpenOptionsSetWarningHandlerExtR(options, silent, nullptr);
+  TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_memory);
+  TIFF* file = TIFFClientOpenExt(
+      source.name().c_str(), "rm", &source, read, [](thandle_t, void*, tmsize_t) -> tmsize_t { return 0; }, seek,
+      [](thandle_t) { return 0; }, [](thandle_t handle) { return toff_t(source_of(handle).size()); }, nullptr, nullptr,
+      options);
+  TIFFOpenOptionsFree(options);
+  return {file, [](TIFF* one) {
+            if (one) TIFFClose(one);
+          }};
+}
+
+template <class Value>
+Value tag(TIFF* file, uint32_t name, Value otherwise) {
+  Value value = otherwise;
+  return TIFFGetFieldDefaulted(file, name, &value) ? value : otherwise;
+}
+
+// How the file keeps its samples.
+struct Layout {
+  int samples = 0;        // of a pixel in the file
+  bool is_plain = false;  // they are numbers of 8, 16 or 32 bits that can be used as they are
+  bool is_white_0 = false;
+  bool is_grey = false;
+  bool is_separate = false;  // one plane after the other
+};
+
+Layout layout_of(TIFF* file, PictureHeader& header) {
+  Layout layout;
+  layout.samples = tag<uint16_t>(file, TIFFTAG_SAMPLESPERPIXEL, 1);
+  const int bits = tag<uint16_t>(file, TIFFTAG_BITSPERSAMPLE, 1);
+  const int format = tag<uint16_t>(file, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
+  const int photometric = tag<uint16_t>(file, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  layout.is_separate = tag<uint16_t>(file, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == PLANARCONFIG_SEPARATE;
+  layout.is_white_0 = photometric == PHOTOMETRIC_MINISWHITE;
+  layout.is_grey = (layout.is_white_0 || photometric == PHOTOMETRIC_MINISBLACK) && layout.samples <= 2;
+  const bool has_type = (format == SAMPLEFORMAT_UINT && (bits == 8 || bits == 16)) ||
+                        (format == SAMPLEFORMAT_IEEEFP && bits == 32 && !layout.is_white_0);
+  const bool is_colour = photometric == PHOTOMETRIC_RGB && (layout.samples == 3 || layout.samples == 4);
+  layout.is_plain = has_type && (layout.is_grey || is_colour) && !(TIFFIsTiled(file) && layout.is_separate);
+  if (layout.is_plain) {
+    header.type = bits == 8 ? SampleType::bits_8 : bits == 16 ? SampleType::bits_16 : SampleType::floats;
+    header.channels = channels_named(layout.samples);
+  } else {
+    header.channels = channels_named(layout.is_grey ? 1 : 4);
+  }
+  return layout;
+}
+
+bool read_lines(TIFF* file, const Layout& layout, const PictureHeader& header, size_t sample_size, char* to) {
+  const size_t pixel = size_t(layout.samples) * sample_size, row_size = size_t(header.columns) * pixel;
+  std::vector<char> line(std::max<size_t>(size_t(std::max<tmsize_t>(TIFFScanlineSize(file), 0)), row_size));
+  for (int plane = 0; plane < (layout.is_separate ? layout.samples : 1); ++plane)
+    for (int row = 0; row < header.rows; ++row) {
+      if (TIFFReadScanline(file, line.data(), uint32_t(row), uint16_t(plane)) != 1) return false;
+      char* target = to + size_t(row) * row_size;
+      if (!layout.is_separate)
+        std::memcpy(target, line.data(), row_size);
+      else
+        for (size_t i = 0; i < size_t(header.columns); ++i)
+          std::memcpy(target + i * pixel + size_t(plane) * sample_size, line.data() + i * sample_size, sample_size);
+    }
+  return true;
+}
+
+bool read_tiles(TIFF* file, const Layout& layout, const PictureHeader& header, size_t sample_size, char* to) {
+  const int columns = int(std::min<uint32_t>(tag<uint32_t>(file, TIFFTAG_TILEWIDTH, 0), INT32_MAX));
+  const int rows = int(std::min<uint32_t>(tag<uint32_t>(file, TIFFTAG_TILELENGTH, 0), INT32_MAX));
+  const size_t pixel = size_t(layout.samples) * sample_size;
+  if (columns < 1 || rows < 1 || size_t(TIFFTileSize(file)) < size_t(columns) * size_t(rows) * pixel) return false;
+  std::vector<char> tile(size_t(TIFFTileSize(file)));
+  for (int64_t y = 0; y < header.rows; y += rows)
+    for (int64_t x = 0; x < header.columns; x += columns) {
+      if (TIFFReadTile(file, tile.data(), uint32_t(x), uint32_t(y), 0, 0) < 0) return false;
+      const size_t width = size_t(std::min<int64_t>(columns, header.columns - x)) * pixel;
+      for (int64_t row = y; row < std::min<int64_t>(y + rows, header.rows); ++row)
+        std::memcpy(to + (size_t(row) * size_t(header.columns) + size_t(x)) * pixel,
+                    tile.data() + size_t(row - y) * size_t(columns) * pixel, width);
+    }
+  return true;
+}
+
+// Palettes, YCbCr, CMYK, fewer than 8 bits and what else libtiff makes colours of.
+bool read_converted(TIFF* file, const Layout& layout, Picture& picture) {
+  const size_t count = size_t(picture.columns) * size_t(picture.rows);
+  std::vector<uint32_t> pixels(count);
+  if (!TIFFReadRGBAImageOriented(file, uint32_t(picture.columns), uint32_t(picture.rows), pixels.data(),
+                                 ORIENTATION_TOPLEFT, 1))
+    return false;
+  auto& values = std::get<std::vector<uint8_t>>(picture.samples);
+  for (size_t i = 0; i < count; ++i)
+    if (layout.is_grey) {
+      values[i] = uint8_t(TIFFGetR(pixels[i]));
+    } else {
+      const uint32_t colours[] = {TIFFGetR(pixels[i]), TIFFGetG(pixels[i]), TIFFGetB(pixels[i]), TIFFGetA(pixels[i])};
+      std::copy_n(colours, 4, values.begin() + std::ptrdiff_t(4 * i));
+    }
+  return true;
+}
+
+void invert(Samples& samples) {
+  std::visit(
+      [](auto& values) {
+        using Value = typename std::decay_t<decltype(values)>::value_type;
+        if constexpr (std::is_integral_v<Value>)
+          for (Value& value : values) value = Value(~value);
+      },
+      samples);
+}
+
+}  // namespace
+
+std::optional<Picture> read_tiff(ByteSource& source, const HeaderCheck& wants) {
+  const auto most_memory = tmsize_t(std::min<uint64_t>(4096 * source.size() + (1 << 26), INT64_MAX));
+  const Tiff file = open(source, most_memory);
+  if (!file) return std::nullopt;
+  const auto columns = tag<uint32_t>(file.get(), TIFFTAG_IMAGEWIDTH, 0),
+             rows = tag<uint32_t>(file.get(), TIFFTAG_IMAGELENGTH, 0);
+  if (columns < 1 || rows < 1 || columns > INT32_MAX || rows > INT32_MAX) return std::nullopt;
+  Picture picture;
+  picture.columns = int(columns);
+  picture.rows = int(rows);
+  const Layout layout = layout_of(file.get(), picture);
+  std::array<char, 1024> reason{};  // as TIFFRGBAImageOK wants it
+  if (!layout.is_plain && !TIFFRGBAImageOK(file.get(), reason.data())) return std::nullopt;
+  if (!wants(picture)) return picture;
+
+  picture.samples = samples_for(picture);
+  if (!layout.is_plain) {
+    picture.is_complete = read_converted(file.get(), layout, picture);
+    return picture;
+  }
+  const auto read_all = [&](auto& values) {
+    const auto read_plain = TIFFIsTiled(file.get()) ? read_tiles : read_lines;
+    return read_plain(file.get(), layout, picture, sizeof values[0], reinterpret_cast<char*>(values.data()));
+  };
+  picture.is_complete = std::visit(read_all, picture.samples);
+  if (layout.is_white_0) invert(picture.samples);
+  return picture;
+}
+
+}  // namespace holotrace

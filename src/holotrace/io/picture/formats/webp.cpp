@@ -1,0 +1,32 @@
+#include <webp/decode.h>
+
+#include <algorithm>
+
+#include "holotrace/io/picture/formats/formats.h"
+
+namespace holotrace {
+
+std::optional<Picture> read_webp(ByteSource& source, const HeaderCheck& wants) {
+  std::vector<uint8_t> bytes(std::min<size_t>(size_t(source.size()), 1 << 12));
+  if (!source.read_all(bytes.data(), bytes.size())) return std::nullopt;
+  WebPBitstreamFeatures features;
+  if (WebPGetFeatures(bytes.data(), bytes.size(), &features) != VP8_STATUS_OK || features.has_animation)
+    return std::nullopt;
+  Picture picture;
+  picture.columns = features.width;
+  picture.rows = features.height;
+  picture.channels = channels_named(features.has_alpha ? 4 : 3);
+  if (!wants(picture)) return picture;
+
+  const size_t begin = bytes.size();
+  bytes.resize(size_t(source.size()));
+  if (!source.read_all(bytes.data() + begin, bytes.size() - begin)) return picture;
+  picture.samples = samples_for(picture);
+  auto& values = std::get<std::vector<uint8_t>>(picture.samples);
+  const int row_size = picture.columns * int(picture.channels.size());
+  const auto decode = features.has_alpha ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
+  picture.is_complete = decode(bytes.data(), bytes.size(), values.data(), values.size(), row_size) != nullptr;
+  return picture;
+}
+
+}  // namespace holotrace
