@@ -1,6 +1,7 @@
 #include "save_run.h"
 
 #include <filesystem>
+#include <optional>
 
 #include "console.h"
 #include "holotrace/io/field/field_file.h"
@@ -13,6 +14,7 @@
 #include "holotrace/run/convergence.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
+#include "interrupts.h"
 #include "save_views.h"
 #include "say.h"
 #include "try_save_chart.h"
@@ -59,17 +61,20 @@ FileRecord save_run(const std::string& folder, const Boxes& boxes, const Job& jo
   const FileRecord earlier = report_record(report);
   FileRecord files;
   std::vector<std::string> notes;
+  std::optional<DeferInterrupts> names_are_given;
   const auto write = [&](const OutputSet& set) {
     save_boxes(set, boxes, job, console);
     files = set.record();
     save_report(set.path("report.json"), boxes.report, files);
     // From here on the folder may hold files of both runs.
+    names_are_given.emplace();
     if (std::filesystem::exists(report) && !is_report(report)) notes.push_back(set_aside(report));
     FileRecord both = earlier;
     both.insert(files.begin(), files.end());
     save_incomplete_report(report, both);
   };
   const std::vector<std::string> aside = write_together(report, earlier, write);
+  names_are_given.reset();
   say_warnings(notes);
   say_warnings(aside);
   return files;
