@@ -10,8 +10,8 @@
 #include "holotrace/base/printable.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/io/files/file.h"
-#include "holotrace/io/files/record_names.h"
 #include "holotrace/io/files/ply.h"
+#include "holotrace/io/files/record_names.h"
 
 namespace holotrace {
 namespace {
