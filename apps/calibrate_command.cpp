@@ -1,5 +1,6 @@
 // holotrace calibrate: test patterns for a panel, and the panel that their photographs show.
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +18,10 @@
 #include "holotrace/io/calibration/panel_file.h"
 #include "holotrace/io/calibration/plan_file.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/files/output_set.h"
+#include "holotrace/io/files/record_names.h"
 #include "save_views.h"
+#include "say.h"
 #include "try_save_chart.h"
 
 namespace holotrace {
@@ -76,14 +80,17 @@ void fit_photographs(const FitOptions& o, const GlobalFlags& global) {
   if (!o.name.empty()) fit.slm.name = o.name;
   fit.slm.source = fmt::format("holotrace calibrate: {} photographs at {}, {} from the panel", photographs.size(),
                                format_length(fit.slm.design_wavelength), format_length(plan.distance));
-  save_panel(o.output, fit.slm);
+  const std::string name = std::filesystem::path(o.output).filename().string();
+  const std::string picture = name.substr(0, name.size() - 5) + ".png";
+  say_warnings(write_together(o.output, record_in_text(o.output), [&](const OutputSet& set) {
+    try_save_chart(set, path_with_suffix(picture, "_curve"), curve_chart(fit), console);
+    try_save_chart(set, path_with_suffix(picture, "_residuals"), residual_chart(fit), console);
+    save_panel(set.path(name), fit.slm, [&] { return set.record(); });
+  }));
   if (o.is_json)
     fmt::print("{}\n", fit_json(fit).dump(2));
   else
     print_table(fit);
-  const std::string picture = o.output.substr(0, o.output.size() - 5) + ".png";
-  try_save_chart(path_with_suffix(picture, "_curve"), curve_chart(fit), console);
-  try_save_chart(path_with_suffix(picture, "_residuals"), residual_chart(fit), console);
 }
 
 }  // namespace

@@ -36,11 +36,13 @@ bool is_picture(const std::string& path) {
 }
 
 EncodeJob job_of_picture_file(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
-                              const EncodeParams& params, Console& console) {
+                              EncodeParams params, Console& console) {
   require(!wavelengths.empty(), "{} is a picture and has no wavelength; give --wavelength", path);
   Image picture = load_image(path);
   if (params.resample) {
-    const TargetSize size = target_size(slm.grid, params);
+    const TargetSize size = size_of_shape(target_size(slm.grid, params), picture.nx, picture.ny);
+    params.target_columns = size.columns;
+    params.target_rows = size.rows;
     picture = resample_image(picture, size.columns, size.rows);
   }
   return job_of_picture(picture, slm, wavelengths, params, console.watch("field of the picture"));

@@ -52,8 +52,11 @@ std::vector<Hologram> encode_picture(const Image& picture, const Slm& slm, nb::h
   const std::vector<double> colours = to_wavelengths(wavelengths);
   return encode_with(params, slm, 1, watch, [&](const Observer& observer) {
     if (!params.resample) return job_of_picture(picture, slm, colours, params, observer);
-    const TargetSize size = target_size(slm.grid, params);
-    return job_of_picture(resample_image(picture, size.columns, size.rows), slm, colours, params, observer);
+    const TargetSize size = size_of_shape(target_size(slm.grid, params), picture.nx, picture.ny);
+    EncodeParams of_size = params;
+    of_size.target_columns = size.columns;
+    of_size.target_rows = size.rows;
+    return job_of_picture(resample_image(picture, size.columns, size.rows), slm, colours, of_size, observer);
   });
 }
 
