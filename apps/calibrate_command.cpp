@@ -12,6 +12,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/calibrate/charts.h"
+#include "holotrace/calibrate/fit_json.h"
 #include "holotrace/calibrate/fit_panel.h"
 #include "holotrace/calibrate/patterns.h"
 #include "holotrace/io/calibration/panel_file.h"
@@ -45,37 +46,6 @@ void write_patterns(const PatternOptions& o) {
   CalibrationPlan plan{distance, make_test_patterns(slm_by_name(o.slm), wavelength, distance, params)};
   save_plan(o.output, plan);
   fmt::print("{} patterns and {}\n", plan.patterns.size(), plan_path(o.output));
-}
-
-Json with_error(const Measured& measured) { return {{"value", measured.value}, {"standard_error", measured.error}}; }
-
-Json facts_of(const PanelFit& fit) {
-  Json levels = Json::array(), aberration = Json::array(), photographs = Json::array();
-  for (const MeasuredLevel& level : fit.levels)
-    levels.push_back({{"level", level.level},
-                      {"phase_rad", level.phase.value},
-                      {"standard_error", level.phase.error},
-                      {"assumed_phase_rad", level.assumed_phase},
-                      {"amplitude", level.amplitude}});
-  for (const MeasuredTerm& term : fit.aberration)
-    aberration.push_back(
-        {{"n", term.n}, {"m", term.m}, {"rms_rad", term.rms.value}, {"standard_error", term.rms.error}});
-  for (const PhotographFit& p : fit.photographs)
-    photographs.push_back({{"name", p.name}, {"correlation", p.correlation}, {"residual", p.residual}});
-  return {{"levels", levels},
-          {"crosstalk_pixels", with_error(fit.crosstalk)},
-          {"gap_light", with_error(fit.gap_light)},
-          {"gap_phase_rad", with_error(fit.gap_phase)},
-          {"fill_factor", fit.slm.fill_factor},
-          {"aberration", aberration},
-          {"least_light", fit.least_light},
-          {"most_light", fit.most_light},
-          {"camera_scale", fit.camera_scale},
-          {"camera_blur_pixels2", with_error(fit.camera_blur)},
-          {"camera_rotation_deg", fit.camera_rotation * 180 / pi},
-          {"photographs", photographs},
-          {"iterations", fit.iterations},
-          {"pixels", fit.pixels}};
 }
 
 void print_table(const PanelFit& fit) {
@@ -118,7 +88,7 @@ void fit_photographs(const FitOptions& o, const GlobalFlags& global) {
     save_panel(set.path(name), fit.slm, [&] { return set.record(); });
   }));
   if (o.is_json)
-    fmt::print("{}\n", facts_of(fit).dump(2));
+    fmt::print("{}\n", fit_json(fit).dump(2));
   else
     print_table(fit);
 }
