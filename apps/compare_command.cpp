@@ -165,8 +165,8 @@ void check_flags(const CompareOptions& o, bool is_field) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command =
+void add_compare_command(Command& app, const GlobalFlags& global) {
+  Command* command =
       app.add_subcommand("compare", "differences between two images, or between two fields (.npy, .h5, .exr)");
   auto o = std::make_shared<CompareOptions>();
   command->add_option("a", o->a, "reference; with --register the photograph")->required()->type_name("A");
@@ -183,7 +183,7 @@ void add_compare_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("FILE");
   command
       ->add_option("--difference-range", o->difference_range, "difference that is shown in full colour [the largest]")
-      ->check(CLI::PositiveNumber)
+      ->check_positive()
       ->type_name("NUMBER");
   command->add_option("--profile", o->profile, "chart of both images along the middle row: .png or .svg")
       ->type_name("FILE");

@@ -1,5 +1,7 @@
 #include "limits_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
