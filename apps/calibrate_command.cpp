@@ -1,5 +1,6 @@
 // holotrace calibrate: test patterns for a panel, and the panel that their photographs show.
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,12 +12,16 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/calibrate/charts.h"
+#include "holotrace/calibrate/fit_json.h"
 #include "holotrace/calibrate/fit_panel.h"
 #include "holotrace/calibrate/patterns.h"
 #include "holotrace/io/calibration/panel_file.h"
 #include "holotrace/io/calibration/plan_file.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/files/output_set.h"
+#include "holotrace/io/files/record_names.h"
 #include "save_views.h"
+#include "say.h"
 #include "try_save_chart.h"
 
 namespace holotrace {
@@ -41,37 +46,6 @@ void write_patterns(const PatternOptions& o) {
   CalibrationPlan plan{distance, make_test_patterns(slm_by_name(o.slm), wavelength, distance, params)};
   save_plan(o.output, plan);
   fmt::print("{} patterns and {}\n", plan.patterns.size(), plan_path(o.output));
-}
-
-Json with_error(const Measured& measured) { return {{"value", measured.value}, {"standard_error", measured.error}}; }
-
-Json facts_of(const PanelFit& fit) {
-  Json levels = Json::array(), aberration = Json::array(), photographs = Json::array();
-  for (const MeasuredLevel& level : fit.levels)
-    levels.push_back({{"level", level.level},
-                      {"phase_rad", level.phase.value},
-                      {"standard_error", level.phase.error},
-                      {"assumed_phase_rad", level.assumed_phase},
-                      {"amplitude", level.amplitude}});
-  for (const MeasuredTerm& term : fit.aberration)
-    aberration.push_back(
-        {{"n", term.n}, {"m", term.m}, {"rms_rad", term.rms.value}, {"standard_error", term.rms.error}});
-  for (const PhotographFit& p : fit.photographs)
-    photographs.push_back({{"name", p.name}, {"correlation", p.correlation}, {"residual", p.residual}});
-  return {{"levels", levels},
-          {"crosstalk_pixels", with_error(fit.crosstalk)},
-          {"gap_light", with_error(fit.gap_light)},
-          {"gap_phase_rad", with_error(fit.gap_phase)},
-          {"fill_factor", fit.slm.fill_factor},
-          {"aberration", aberration},
-          {"least_light", fit.least_light},
-          {"most_light", fit.most_light},
-          {"camera_scale", fit.camera_scale},
-          {"camera_blur_pixels2", with_error(fit.camera_blur)},
-          {"camera_rotation_deg", fit.camera_rotation * 180 / pi},
-          {"photographs", photographs},
-          {"iterations", fit.iterations},
-          {"pixels", fit.pixels}};
 }
 
 void print_table(const PanelFit& fit) {
@@ -106,14 +80,17 @@ void fit_photographs(const FitOptions& o, const GlobalFlags& global) {
   if (!o.name.empty()) fit.slm.name = o.name;
   fit.slm.source = fmt::format("holotrace calibrate: {} photographs at {}, {} from the panel", photographs.size(),
                                format_length(fit.slm.design_wavelength), format_length(plan.distance));
-  save_panel(o.output, fit.slm);
+  const std::string name = std::filesystem::path(o.output).filename().string();
+  const std::string picture = name.substr(0, name.size() - 5) + ".png";
+  say_warnings(write_together(o.output, record_in_text(o.output), [&](const OutputSet& set) {
+    try_save_chart(set, path_with_suffix(picture, "_curve"), curve_chart(fit), console);
+    try_save_chart(set, path_with_suffix(picture, "_residuals"), residual_chart(fit), console);
+    save_panel(set.path(name), fit.slm, [&] { return set.record(); });
+  }));
   if (o.is_json)
-    fmt::print("{}\n", facts_of(fit).dump(2));
+    fmt::print("{}\n", fit_json(fit).dump(2));
   else
     print_table(fit);
-  const std::string picture = o.output.substr(0, o.output.size() - 5) + ".png";
-  try_save_chart(path_with_suffix(picture, "_curve"), curve_chart(fit), console);
-  try_save_chart(path_with_suffix(picture, "_residuals"), residual_chart(fit), console);
 }
 
 }  // namespace

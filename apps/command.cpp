@@ -34,11 +34,6 @@ Option* Option::delimiter(char between) {
   return this;
 }
 
-Option* Option::check_positive() {
-  option_->check(CLI::PositiveNumber);
-  return this;
-}
-
 Option* Option::check(const std::function<std::string(const std::string&)>& problem, const std::string& type,
                       const std::string& name) {
   option_->check(problem, type, name);

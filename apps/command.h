@@ -27,7 +27,6 @@ class Option {
   Option* excludes(Option* other);
   Option* excludes(const std::string& flag);
   Option* delimiter(char between);  ///< of the values in one text
-  Option* check_positive();
   /// @param problem  what is wrong with a text; "" if nothing is
   Option* check(const std::function<std::string(const std::string&)>& problem, const std::string& type = "",
                 const std::string& name = "");

@@ -21,8 +21,8 @@
 #include "holotrace/view/difference.h"
 #include "holotrace/view/profile.h"
 #include "holotrace/view/register/align_image.h"
-#include "holotrace/view/register/channel.h"
 #include "holotrace/view/register/register.h"
+#include "image_pair.h"
 
 namespace holotrace {
 namespace {
@@ -55,70 +55,49 @@ struct CompareOptions {
   Flags flags;
 };
 
-// Two images on the same pixels, and the facts about their registration.
-struct ImagePair {
-  Image reference, image;
-  Json facts = Json::object();
-  int rows = 0, columns = 0;            // size of the reference before it was cut
-  int first_row = 0, first_column = 0;  // first compared pixel of the reference
-};
-
-// The mean of the channels, to compare a colour photograph with a monochrome simulation or the other way round.
-Image in_one_channel(const Image& image) {
-  Image grey(image.ny, image.nx, 1);
-  grey.pitch = image.pitch;
-  grey.values = mean_of_channels(image).values;
-  return grey;
-}
-
 // The value that a picture file shows as white: 1, unless the file has linear light.
 double white_of(const std::string& path, const Image& image) {
   return extension_of(path) == ".exr" ? *std::max_element(image.values.begin(), image.values.end()) : 1;
-}
-
-ImagePair whole_pair(Image reference, Image image) {
-  const int rows = reference.ny, columns = reference.nx;
-  return {std::move(reference), std::move(image), Json::object(), rows, columns};
 }
 
 ImagePair registered_pair(const CompareOptions& o, Console& console) {
   RegisterParams params;
   o.flags.apply(params);
   Image photograph = load_image(o.a), simulation = load_image(o.b);
-  if (photograph.channels != simulation.channels) {
-    photograph = in_one_channel(photograph);
-    simulation = in_one_channel(simulation);
-  }
+  Json grey = Json::object();
+  make_channels_equal(photograph, simulation, grey);
   const Registration r = register_image(photograph, simulation, params, console.watch("register"));
   console.finish();
   AlignedImage aligned = align_image(photograph, r, simulation.ny, simulation.nx);
   aligned.image.pitch = simulation.pitch;
   if (!o.output.empty()) save_image(o.output, aligned.image, white_of(o.b, simulation), 8);
   const PixelRectangle& covered = aligned.covered;
-  return {cropped(simulation, covered),
-          cropped(aligned.image, covered),
-          {{"magnification", r.scale},
-           {"rotation_deg", r.rotation * 180 / pi},
-           {"shift_x_pixels", r.shift_x},
-           {"shift_y_pixels", r.shift_y},
-           {"gain", r.gain},
-           {"offset", r.offset},
-           {"place_error_pixels", r.uncertainty},
-           {"correlation", r.correlation},
-           {"overlap", r.overlap},
-           {"residual", r.residual},
-           {"compared_columns", covered.columns},
-           {"compared_rows", covered.rows},
-           {"compared_first_column", covered.first_column},
-           {"compared_first_row", covered.first_row}},
-          simulation.ny,
-          simulation.nx,
-          covered.first_row,
-          covered.first_column};
+  ImagePair pair{cropped(simulation, covered),
+                 cropped(aligned.image, covered),
+                 {{"magnification", r.scale},
+                  {"rotation_deg", r.rotation * 180 / pi},
+                  {"shift_x_pixels", r.shift_x},
+                  {"shift_y_pixels", r.shift_y},
+                  {"gain", r.gain},
+                  {"offset", r.offset},
+                  {"place_error_pixels", r.uncertainty},
+                  {"correlation", r.correlation},
+                  {"overlap", r.overlap},
+                  {"residual", r.residual},
+                  {"compared_columns", covered.columns},
+                  {"compared_rows", covered.rows},
+                  {"compared_first_column", covered.first_column},
+                  {"compared_first_row", covered.first_row}},
+                 simulation.ny,
+                 simulation.nx,
+                 covered.first_row,
+                 covered.first_column};
+  pair.facts.update(grey);
+  return pair;
 }
 
 void compare_images(const CompareOptions& o, Console& console) {
-  ImagePair pair = o.is_registered ? registered_pair(o, console) : whole_pair(load_image(o.a), load_image(o.b));
+  ImagePair pair = o.is_registered ? registered_pair(o, console) : image_pair(o.a, o.b);
   const Metrics m = compare(pair.reference, pair.image);
   Json& facts = pair.facts;
   facts.update(Json{{"psnr_db", number(m.psnr)},
@@ -183,7 +162,6 @@ void add_compare_command(Command& app, const GlobalFlags& global) {
       ->type_name("FILE");
   command
       ->add_option("--difference-range", o->difference_range, "difference that is shown in full colour [the largest]")
-      ->check_positive()
       ->type_name("NUMBER");
   command->add_option("--profile", o->profile, "chart of both images along the middle row: .png or .svg")
       ->type_name("FILE");

@@ -1,6 +1,5 @@
 // holotrace encode: converts fields, or a target picture, to the levels of an SLM.
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -10,7 +9,6 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
-#include "holotrace/base/units.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
@@ -21,12 +19,9 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/run/convergence.h"
-#include "holotrace/run/scene_targets.h"
-#include "holotrace/run/stage.h"
-#include "holotrace/slm/encode/encode.h"
+#include "holotrace/run/encode_job.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/target.h"
-#include "holotrace/view/combine_views.h"
 #include "say.h"
 
 namespace holotrace {
@@ -40,62 +35,28 @@ bool is_picture(const std::string& path) {
   return false;
 }
 
-// Inputs of the holograms: a list of targets for each, and the field at the panel for each.
-struct Wanted {
-  std::vector<std::vector<TargetPlane>> targets;
-  std::vector<Field> fields;  // none for a focal stack
-};
-
-Wanted wanted_of_picture(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
-                         const EncodeParams& params, Console& console) {
+EncodeJob job_of_picture_file(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
+                              EncodeParams params, Console& console) {
   require(!wavelengths.empty(), "{} is a picture and has no wavelength; give --wavelength", path);
-  require(params.target_distances.size() <= 1 || aims_at_targets(params.method),
-          "expected one target distance for a method that computes one field from the picture, got {}; give "
-          "one, or use sgd or gerchberg-saxton, which take several",
-          params.target_distances.size());
   Image picture = load_image(path);
   if (params.resample) {
-    const TargetSize size = target_size(slm.grid, params);
+    const TargetSize size = size_of_shape(target_size(slm.grid, params), picture.nx, picture.ny);
+    params.target_columns = size.columns;
+    params.target_rows = size.rows;
     picture = resample_image(picture, size.columns, size.rows);
   }
-  Wanted wanted;
-  for (const double wavelength : wavelengths) {
-    wanted.targets.push_back(targets_of_picture(seen_at(picture, {wavelength}), slm.grid, wavelength, params));
-    wanted.fields.push_back(
-        field_of_target(wanted.targets.back().front(), slm, params, console.watch("field of the picture")));
-  }
-  return wanted;
+  return job_of_picture(picture, slm, wavelengths, params, console.watch("field of the picture"));
 }
 
-Wanted wanted_of_fields(const std::string& path, const std::vector<Field>& fields, const EncodeParams& params) {
-  Wanted wanted{{}, fields};
-  if (!aims_at_targets(params.method)) return wanted;
-  for (const Field& field : fields) wanted.targets.push_back(targets_of(field, params));
-  require(!wanted.targets.empty(), "expected a field in {}, got none", path);
-  return wanted;
-}
-
-Wanted wanted_of_stack(const std::string& path, Outside outside, const Slm& slm, const std::vector<double>& wavelengths,
-                       const EncodeParams& params) {
+EncodeJob job_of_stack_file(const std::string& path, Outside outside, const Slm& slm,
+                            const std::vector<double>& wavelengths, const EncodeParams& params) {
   require(!wavelengths.empty(), "{} is a focal stack and has no wavelength; give --wavelength", path);
   require(params.method == Encoding::sgd, "expected --method sgd for the focal stack {}; give it, or encode a field",
           path);
   require(params.target_distances.empty(),
           "expected --target-distances only with a field or a picture; the focal stack {} has its own; leave it out",
           path);
-  const FocalStack stack = load_focal_stack(path, outside);
-  Wanted wanted;
-  for (const double wavelength : wavelengths)
-    wanted.targets.push_back(targets_of_stack(stack, slm.grid, wavelength, params.image));
-  return wanted;
-}
-
-// Makes one hologram for all wavelengths.
-void join(Wanted& wanted) {
-  for (size_t i = 1; i < wanted.targets.size(); ++i)
-    wanted.targets[0].insert(wanted.targets[0].end(), wanted.targets[i].begin(), wanted.targets[i].end());
-  wanted.targets.resize(1);
-  if (!wanted.fields.empty()) wanted.fields.resize(1);
+  return job_of_stack(load_focal_stack(path, outside), slm, wavelengths, params);
 }
 
 }  // namespace
@@ -164,46 +125,25 @@ void add_encode_command(Command& app, const GlobalFlags& global) {
     if (!o->slm.empty()) {
       slm = slm_by_name(o->slm);
     } else if (is_field) {
-      slm.grid = fields.front().grid;
-      if (params.method == Encoding::amplitude || params.method == Encoding::off_axis)
-        slm.modulation = Modulation::amplitude;
-      if (params.method == Encoding::complex) slm.modulation = Modulation::complex;
+      slm = panel_for(fields.front().grid, params.method);
     } else {
       slm = slm_by_name("pluto");
     }
     std::vector<double> wavelengths;
     if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
     Console console(global.is_quiet);
-    Wanted wanted = is_field   ? wanted_of_fields(o->input, fields, params)
-                    : is_stack ? wanted_of_stack(o->input, global.outside(), slm, wavelengths, params)
-                               : wanted_of_picture(o->input, slm, wavelengths, params, console);
-    if (params.is_joint) {
-      require(params.method == Encoding::sgd, "expected --joint only with --method sgd; use sgd, or leave out --joint");
-      join(wanted);
-    }
+    require(!params.is_joint || params.method == Encoding::sgd,
+            "expected --joint only with --method sgd; use sgd, or leave out --joint");
+    const EncodeJob job = is_field   ? job_of_fields(std::move(fields), params)
+                          : is_stack ? job_of_stack_file(o->input, global.outside(), slm, wavelengths, params)
+                                     : job_of_picture_file(o->input, slm, wavelengths, params, console);
     Report report;
     report.seed = params.seed;
-    const size_t colours = std::max(wanted.targets.size(), wanted.fields.size());
-    for (size_t i = 1; i < colours * size_t(o->frames); ++i) note_output(numbered_path(o->output, i));
-    std::vector<std::vector<Hologram>> frames(colours);
-    for (size_t i = 0; i < colours; ++i) {
-      const double wavelength = wanted.fields.empty() ? wavelengths[i] : wanted.fields[i].wavelength;
-      const std::string stage = colours == 1 ? "encode" : "encode " + format_length(wavelength);
-      frames[i] = run_stage(stage, report, console.stages(), [&](const Observer& observer) {
-        const Checkpoint kept = checkpoints.of(i);
-        if (is_stack) return encode_frames({wanted.targets[i]}, wavelength, o->frames, slm, params, observer, kept);
-        if (!aims_at_targets(params.method)) return std::vector{encode(wanted.fields[i], slm, params, observer)};
-        return std::vector{encode_targets(wanted.targets[i], wanted.fields[i], slm, params, observer, kept)};
-      });
-    }
-    std::vector<Hologram> holograms;
-    for (int frame = 0; frame < o->frames; ++frame)
-      for (std::vector<Hologram>& of_colour : frames) {
-        Hologram& hologram = of_colour[size_t(frame)];
-        hologram.loses_by_cone = is_field;                     // a picture is as bright in every colour
-        if (is_field && o->slm.empty()) hologram.slm.reset();  // the panel was made up from the field's grid
-        holograms.push_back(std::move(hologram));
-      }
+    for (size_t i = 1; i < job.wavelengths.size() * size_t(o->frames); ++i) note_output(numbered_path(o->output, i));
+    std::vector<Hologram> holograms =
+        encode_job(job, o->frames, slm, params, report, console.stages(), [&](size_t i) { return checkpoints.of(i); });
+    if (is_field && o->slm.empty())
+      for (Hologram& hologram : holograms) hologram.slm.reset();  // the panel was made up from the field's grid
     console.finish();
     say_warnings(write_together(o->output, hologram_record(o->output), [&](const OutputSet& set) {
       save_holograms(set, std::filesystem::path(o->output).filename().string(), holograms);

@@ -12,6 +12,7 @@
 #include "flags.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/field_series.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/mesh/mesh_file.h"
@@ -23,6 +24,7 @@
 #include "holotrace/wave/triangles/sum_triangles_exact.h"
 #include "load_scene.h"
 #include "ranks.h"
+#include "say.h"
 
 namespace holotrace {
 namespace {
@@ -243,8 +245,7 @@ void add_field_command(Command& app, const GlobalFlags& global) {
     }
     const auto save = [&](const auto& fields) {
       console.finish();
-      const auto stacks = group_by_name(fields);
-      for (size_t i = 0; i < stacks.size(); ++i) save_fields(numbered_path(o->output, i), stacks[i]);
+      say_warnings(save_field_series(o->output, group_by_name(fields)));
     };
     if (o->is_double && !light.triangles.empty())
       save(exact_fields(light.triangles, frame, job.slm.grid, observer));

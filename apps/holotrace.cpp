@@ -17,7 +17,6 @@
 #include "commands.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/printable.h"
-#include "holotrace/base/suggest.h"
 #include "holotrace/estimate/machine/calibrate.h"
 #include "holotrace/io/files/command_files.h"
 #include "holotrace/io/rates_file.h"
@@ -26,6 +25,7 @@
 #include "interrupts.h"
 #include "ranks.h"
 #include "say.h"
+#include "usage_error.h"
 
 namespace {
 
@@ -44,14 +44,11 @@ std::string check_threads(const std::string& text) {
   return is_count ? "" : "expected a whole number of 0 or more, got \"" + text + "\"";
 }
 
-// Reports wrong usage. For a misspelt subcommand CLI11 only says that one is required.
+// Reports wrong usage.
 int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
-  const bool is_unknown = argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty();
-  if (!is_unknown) return app.exit(error) == 0 ? 0 : 2;
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
   holotrace::say("{}\nRun with --help for more information.\n",
-                 holotrace::printable(holotrace::unknown_name_message("command", argv[1], names)));
+                 holotrace::printable(holotrace::usage_message(app, error, argc, argv)));
   return 2;
 }
 
@@ -73,7 +70,8 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
 
   GlobalFlags global{.ranks = &ranks};
   app.add_option("--threads", global.threads, "number of threads; 0: all. Results do not depend on it")
-      ->check(check_threads, "N", "N");
+      ->check(check_threads, "")
+      ->type_name("N");
   app.add_flag("-q,--quiet", global.is_quiet, "no progress bars, no summary");
   app.add_flag("--allow-outside", global.allow_outside,
                "models and HDF5 files may name files outside their own folder; give it for files that you trust");

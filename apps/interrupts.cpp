@@ -12,7 +12,14 @@ namespace {
 std::atomic<const char*> said = "holotrace: interrupted; files of earlier calls are as they were\n";
 static_assert(std::atomic<const char*>::is_always_lock_free, "a signal handler reads it");
 
+std::atomic<bool> is_deferred = false, is_pending = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler reads it");
+
 void end(int) {
+  if (is_deferred) {
+    is_pending = true;
+    return;
+  }
   const char* sentence = said;
   if (isatty(STDERR_FILENO) && write(STDERR_FILENO, "\n", 1) < 0) _exit(interrupted_exit_code);  // after a progress bar
   if (write(STDERR_FILENO, sentence, std::strlen(sentence)) < 0) _exit(interrupted_exit_code);
@@ -27,6 +34,15 @@ void end_on_interrupt() {
   struct sigaction action {};
   action.sa_handler = end;
   sigaction(SIGINT, &action, nullptr);
+}
+
+DeferInterrupts::DeferInterrupts() { is_deferred = true; }
+
+DeferInterrupts::~DeferInterrupts() {
+  is_deferred = false;
+  if (!is_pending) return;
+  said = "holotrace: interrupted; the files of this call are written\n";
+  end(SIGINT);
 }
 
 void say_on_interrupt(const char* sentence) { said = sentence; }

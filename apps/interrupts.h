@@ -13,4 +13,13 @@ void end_on_interrupt();
 /// @param sentence  a literal
 void say_on_interrupt(const char* sentence);
 
+/// While such an object exists, an interrupt waits for its end: files are being given their names.
+class DeferInterrupts {
+ public:
+  DeferInterrupts();
+  ~DeferInterrupts();  ///< ends the program if an interrupt came
+  DeferInterrupts(const DeferInterrupts&) = delete;
+  DeferInterrupts& operator=(const DeferInterrupts&) = delete;
+};
+
 }  // namespace holotrace

@@ -18,6 +18,7 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/folder_lock.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/files/record_names.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
@@ -76,7 +77,7 @@ void add_run(Command& app, const GlobalFlags& global) {
     std::string scene, folder, wavelengths, eye_separation, checkpoint;
     std::optional<int64_t> seed;
     bool is_estimated = false;
-    Flags flags, encode_flags, trace_flags,
+    Flags flags, render_flags, encode_flags, trace_flags,
         synthesize_flags;  // separate sets, because some names (samples, rows, …) occur twice
   };
   auto o = std::make_shared<Options>();
@@ -100,11 +101,13 @@ void add_run(Command& app, const GlobalFlags& global) {
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
   o->encode_flags.add_only(*command, EncodeParams(), {"quality", "target", "planes", "iterations"},
                            "Encoding (overrides the scene's [encode])");
+  o->render_flags.add_only(*command, RenderParams(), {"reference"}, "Rendering (overrides the scene's [render])");
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
   o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
   command->callback([o, &global] {
     Job job = load_job(o->scene, global.outside());
     o->flags.apply(job.camera);
+    o->render_flags.apply(job.render);
     o->encode_flags.apply(job.encode);
     o->trace_flags.apply(job.trace);
     if (o->trace_flags.has("accelerator")) job.render.accelerator = job.trace.accelerator;
@@ -168,7 +171,7 @@ void add_render(Command& app, const GlobalFlags& global) {
       *command, o->output,
       "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph; with "
       "--focal-stack one for each plane: NAME, NAME_2, …; or all planes in one .h5");
-  o->flags.add(*command, RenderParams());
+  o->flags.add(*command, RenderParams(), {"reference"});
   command->callback([o, &global] {
     Job job = load_scene(o->scene, global.outside());
     o->flags.apply(job.render);
@@ -223,7 +226,11 @@ void add_trace(Command& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     const auto sets = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, console.watch("trace"));
     console.finish();
-    for (size_t i = 0; i < sets.size(); ++i) save_sources(numbered_path(o->output, i), sets[i]);
+    const std::string name = std::filesystem::path(o->output).filename().string();
+    say_warnings(write_together(o->output, record_in_text(o->output), [&](const OutputSet& set) {
+      for (size_t i = sets.size(); i-- > 0;)
+        save_sources(set.path(numbered_path(name, i)), sets[i], i == 0 ? set.record() : FileRecord());
+    }));
   });
 }
 

@@ -17,7 +17,7 @@ from contact_sheets import ROOT, develop, distances, load_linear, renew_picture,
 from hmcpt_sheets import lay_out, numbered, save_sheets
 
 FRAMES = (1, 2, 4, 8)
-EYES = {"-2.5": "x = −2.5 mm", "0": "x = 0", "2.5": "x = 2.5 mm"}
+EYES = {"-1.5": "x = −1.5 mm", "0": "x = 0", "1.5": "x = 1.5 mm"}
 SIZE = (480, 270)
 
 
@@ -43,7 +43,7 @@ def psnr_at(folder, distance):
 
 
 def focus_sheet(output):
-    folder = output / "chess_light_field"
+    folder = output / "photoreal_frames_8"
     planes = distances(folder)
     labels = [f"focus at {d} ({psnr_at(folder, d):.1f} dB)" for d in planes]
     numbers = range(1, len(planes) + 1)
@@ -54,8 +54,8 @@ def focus_sheet(output):
 
 def pupil_sheet(output):
     folder = output / "chess_light_field"
-    return lay_out("Pupil", "The same holograms, seen through a pupil of 2 mm, 300 mm in front of the panel, focused at "
-                   "296.7 mm.",
+    return lay_out("Pupil", "Eight holograms for target = \"light-field\", seen through a pupil of 4 mm, 100 mm in front of the "
+                   "panel, focused on White's king.",
                    beside_renders([f"eye at {name}" for name in EYES.values()],
                                   [folder / f"view_from_{eye}.png" for eye in EYES],
                                   [folder / f"render_from_{eye}.png" for eye in EYES]))
@@ -64,10 +64,10 @@ def pupil_sheet(output):
 def frames_sheet(output):
     folders = [output / f"photoreal_frames_{count}" for count in FRAMES]
     size = (720, 405)
-    views = alike([folder / "view.png" for folder in folders], size)
+    views = alike([folder / "view_2.png" for folder in folders], size, True)
     pictures = [(f"{count} frame{'s' if count > 1 else ''} ({psnr_at(folder, '300 mm'):.1f} dB)", view)
                 for count, folder, view in zip(FRAMES, folders, views)]
-    render = alike([folders[0] / "render.png"], size, True)[0]
+    render = alike([folders[0] / "render_2.png"], size, True)[0]
     return lay_out("Frames", "Holograms found together for target = \"render\", focused at 300 mm, and the render.",
                    [pictures[:2], pictures[2:], [("render, the panel as lens", render)]])
 

@@ -10,6 +10,12 @@ TEST(Suggest, AMisspeltNameFindsItsNeighbour) {
   EXPECT_EQ(nearest_name("pluot", {"gaea", "ideal", "pluto"}), "pluto");
 }
 
+// One exchange of neighbours is one mistake, so that it is found in a name of three letters.
+TEST(Suggest, ExchangedLettersAreOneMistake) {
+  EXPECT_EQ(nearest_name("rnu", {"run", "render"}), "run");
+  EXPECT_EQ(nearest_name("urx", {"run", "render"}), "");
+}
+
 TEST(Suggest, ANameFarFromAllHasNoNeighbour) { EXPECT_EQ(nearest_name("temperature", {"pitch", "rows"}), ""); }
 
 TEST(Suggest, MessagesNameTheNearestOrListAll) {

@@ -36,11 +36,16 @@ TEST(CalibrateCommand, WritesAPanelFileThatTheProgramReads) {
                         "50 mm", "--pixel", "6 um", "--bits", "16", "-o", "photos/" + name + ".png"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
+  here.write("mine_phase.csv", "of the user");
   outcome = here.run({"calibrate", "fit", "patterns/calibration.toml", "photos", "-o", "mine.toml", "--json", "--name",
                       "mine", "--aberration-order", "2", "--light-order", "1", "--amplitude-order", "0", "--samples",
                       "5000"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const nlohmann::json facts = nlohmann::json::parse(outcome.out);
+  EXPECT_NE(outcome.err.find("mine_phase.csv~"), std::string::npos) << outcome.err;
+  EXPECT_EQ(here.read("mine_phase.csv~"), "of the user");
+  EXPECT_NE(here.read("mine.toml").find("\n# holotrace_files [{\"name\":\"*_"), std::string::npos)
+      << here.read("mine.toml");
   ASSERT_EQ(facts["levels"].size(), 5u);
   // 396° of 256 levels, by 255 of them; 0.02 rad is the limit of the tests of calibrate/.
   EXPECT_NEAR(facts["levels"][4]["phase_rad"].get<double>(), 396 * 3.14159265 / 180 * 255 / 256, 0.02);

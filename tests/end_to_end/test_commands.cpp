@@ -74,14 +74,59 @@ TEST(Commands, TheReportTellsTimeCountsMethodMetricsVersionsAndSeed) {
 TEST(Commands, TheStagesOneByOneMakeTheSameFilesAsRun) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
-  succeed(work, {"run", "scene.toml", "-o", "out"});
-  succeed(work, {"render", "scene.toml", "-o", "render.png", "--background", "false"});  // it sends no waves
+  // run exposes its render like its view (CommonExposure), so the exposure is given, and the render is another test's.
+  succeed(work, {"run", "scene.toml", "-o", "out", "--exposure", "20"});
   succeed(work, {"trace", "scene.toml", "-o", "sources.ply"});
   succeed(work, {"field", "scene.toml", "-o", "field.npy"});
   succeed(work, {"encode", "field.npy", "-o", "hologram.png", "--slm", "scene.toml"});
-  succeed(work, {"show", "hologram.png", "-o", "view.png", "--distance", "30 mm"});
-  for (const char* name : {"render.png", "sources.ply", "field.npy", "field.npy.json", "hologram.png", "view.png"})
+  succeed(work, {"show", "hologram.png", "-o", "view.png", "--distance", "30 mm", "--exposure", "20"});
+  for (const char* name : {"sources.ply", "field.npy", "field.npy.json", "hologram.png", "view.png"})
     EXPECT_TRUE(work.read(name) == work.read(std::string("out/") + name)) << name;
+}
+
+// A render of a run is that of `render`, with another white: the ratio of their light is the same everywhere.
+TEST(Commands, RenderAloneMakesTheRenderOfARun) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  succeed(work, {"render", "scene.toml", "-o", "render.png", "--background", "false"});  // it sends no waves
+  const Image alone = load_image(work.path("render.png")), of_run = load_image(work.path("out/render.png"));
+  ASSERT_EQ(alone.values.size(), of_run.values.size());
+  double alone_sum = 0, run_sum = 0;
+  for (const float v : alone.values) alone_sum += v;
+  for (const float v : of_run.values) run_sum += v;
+  // Half a step of 8 bits is at most 0.5/255·2.4/1.055·(v + 0.055) of linear light v, below 0.0047 at white.
+  for (size_t i = 0; i < alone.values.size(); ++i)
+    if (alone.values[i] < 1) {
+      ASSERT_NEAR(of_run.values[i], alone.values[i] * run_sum / alone_sum, 2 * 0.0047) << i;
+    }
+}
+
+TEST(Commands, RunMakesTheReferenceThatIsAskedFor) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  const auto stages_with = [&](const std::string& reference) {
+    succeed(work, {"run", "scene.toml", "-o", reference, "--reference", reference});
+    return nlohmann::json::parse(work.read(reference + "/report.json"))["stages"];
+  };
+  const auto none = stages_with("none"), quick = stages_with("quick"), full = stages_with("full");
+  EXPECT_FALSE(work.has("none/render.png"));
+  EXPECT_EQ(none.front()["stage"], "trace");
+  EXPECT_EQ(none.back()["why_no_metrics"], "the job asks for no reference");
+  EXPECT_FALSE(none.back().contains("psnr_db"));
+  EXPECT_EQ(quick.front()["stage"], "render");
+  EXPECT_EQ(quick.front()["paths_per_pixel"], 2);  // of 4: two halves of one path each
+  EXPECT_FALSE(quick.back().contains("ssim"));
+  EXPECT_NEAR(quick.back()["psnr_db"].get<double>(), full.back()["psnr_db"].get<double>(),
+              quick.back()["psnr_uncertainty_db"].get<double>() + 0.1);
+  EXPECT_TRUE(full.back().contains("ssim"));
+  for (const char* name : {"/hologram.png", "/field.npy", "/sources.ply"})
+    EXPECT_TRUE(work.read(std::string("none") + name) == work.read(std::string("full") + name)) << name;
+  // `render` has no such flag, and an estimate counts no render.
+  EXPECT_EQ(work.run({"render", "scene.toml", "-o", "r.png", "--reference", "none"}).exit_code, 2);
+  work.write("none.toml", "extends = \"scene.toml\"\n[render]\nreference = \"none\"\n");
+  const auto estimate = nlohmann::json::parse(succeed(work, {"estimate", "none.toml", "--json"}));
+  EXPECT_EQ(estimate.dump().find("\"render\""), std::string::npos) << estimate;
 }
 
 TEST(Commands, RunLooksAtSeveralDistancesInOneExposure) {
@@ -345,14 +390,26 @@ TEST(Commands, WrongUsageExitsWith2AndSaysWhatIsWrong) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{}, "subcommand is required"},
+      {{}, "expected a command, got none; known: run, render"},
       {{"rnder", "scene.toml"}, "did you mean \"render\""},
-      {{"run", "scene.toml"}, "--output is required"},
-      {{"run", "-o", "out"}, "scene is required"},
-      {{"field", "scene.toml", "-o", "f.npy", "--tolerence", "1e-3"}, "--tolerence"},
-      {{"field", "scene.toml", "extra", "-o", "f.npy"}, "extra"},
-      {{"propagate", "f.npy", "-o", "g.npy"}, "--distance is required"},
-      {{"compare", "a.png"}, "b is required"},
+      {{"run", "scene.toml"}, "expected --output DIR, got none"},
+      {{"run", "-o", "out"}, "expected SCENE.toml|MESH (scene), got none"},
+      {{"field", "scene.toml", "-o", "f.npy", "--tolerence", "1e-3"},
+       "unknown flag \"--tolerence\"; did you mean \"--tolerance\"?"},
+      {{"field", "scene.toml", "--tolerence=1e-3"}, "did you mean \"--tolerance\"?"},  // before --output is missed
+      {{"run", "scene.toml", "--otput", "x"}, "did you mean \"--output\"?"},
+      {{"limits", "--thraeds", "2"}, "did you mean \"--threads\"?"},  // a flag of the program
+      {{"calibrate", "fti"}, "unknown command \"fti\"; did you mean \"fit\"?"},
+      {{"calibrate", "fit", "p.toml", "d", "-o", "p.toml", "--jsno"}, "did you mean \"--json\"?"},
+      {{"bench", "-z"}, "unknown flag \"-z\"; `holotrace bench --help` lists the flags"},
+      {{"run", "scene.toml", "-o", "x", "--seed", "1.5"}, "--seed: expected a whole number, got \"1.5\""},
+      {{"field", "scene.toml", "-o", "f.npy", "--double=yes!"}, "--double: expected no value, got \"yes!\""},
+      {{"run", "scene.toml", "-o", "x", "--method"}, "expected --method auto|exact|"},
+      {{"run", "scene.toml", "-o", "x", "-o", "y"}, "expected --output once, got it 2 times"},
+      {{"field", "scene.toml", "extra", "-o", "f.npy"},
+       "expected no further argument, got \"extra\"; `holotrace field --help` lists the arguments"},
+      {{"propagate", "f.npy", "-o", "g.npy"}, "expected --distance LENGTH, got none"},
+      {{"compare", "a.png"}, "expected B (b), got none"},
       {{"info", "scene.toml", "--threads", "-1"}, "whole number of 0 or more"},
       {{"show", "h.png", "-o"}, "--output"},
   };

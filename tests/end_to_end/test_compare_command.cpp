@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "end_to_end/scenes.h"
 #include "holotrace/data/image.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/view/register/align_image.h"
@@ -96,6 +98,59 @@ TEST(CompareCommand, PrintsItsFiguresWhereNoChartCanBeDrawn) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("gnuplot"), std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["ssim"].get<double>(), 1);
+}
+
+// A run's render covers the panel's cone in square pixels and in colour; its view covers the panel at one wavelength.
+TEST(CompareCommand, FindsForTheFilesOfARunWhatItsReportSays) {
+  const Workplace work;
+  work.write("scene.toml", scene_head() +
+                               "[trace]\ncolumns = 96\nrows = 96\npaths = 4\n"
+                               "[render]\nrows = 64\n"
+                               "[[light]]\ntype = \"point\"\nposition = \"1 2 -20 mm\"\nintensity = 1e-3\n"
+                               "[[object]]\ntype = \"sphere\"\nsize = \"0.8 mm\"\nposition = \"0 0 -30 mm\"\n");
+  const Outcome run =
+      work.run({"run", "scene.toml", "-o", "out", "--distance", "30 mm, 29 mm", "--exposure", "60", "--bits", "16"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto report = nlohmann::json::parse(work.read("out/report.json"));
+  for (const char* name : {"view.png", "view_2.png"}) {
+    const std::string view = std::string("out/") + name;
+    const Image seen = load_image(work.path(view));
+    ASSERT_LT(*std::max_element(seen.values.begin(), seen.values.end()), 1) << "a clipped view is another picture";
+    const Outcome outcome = work.run({"compare", "out/render.png", view, "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto facts = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(facts["placed"], "out/render.png (64 × 64 pixels) on the 256 × 192 pixels of " + view +
+                                   ", each the mean over its area, by report.json");
+    EXPECT_EQ(facts["colours"], "light of 532 nm");
+    for (const auto& stage : report["stages"])
+      if (stage["stage"] == (name == std::string("view.png") ? "look at 30 mm" : "look at 29 mm")) {
+        // 8-bit steps of the render: half a step is at most 0.2 % of the maximum, against an error of 20 %.
+        EXPECT_NEAR(facts["psnr_db"].get<double>(), stage["psnr_db"].get<double>(), 0.1);
+        EXPECT_NEAR(facts["ssim"].get<double>(), stage["ssim"].get<double>(), 0.01);
+      }
+  }
+  // A view that was replaced since then is not that of the report.
+  save_photograph(work.path("out/view.png"), 64, 64, 1, 0, 0, 0, 1);
+  const Outcome replaced = work.run({"compare", "out/render.png", "out/view.png"});
+  EXPECT_EQ(replaced.exit_code, 0) << replaced.err;
+  EXPECT_EQ(replaced.out.find("placed"), std::string::npos) << replaced.out;
+  EXPECT_NE(replaced.out.find("luminance"), std::string::npos) << replaced.out;
+}
+
+TEST(CompareCommand, BringsPicturesOfOneWindowToTheSamePixels) {
+  const Workplace work;
+  save_photograph(work.path("fine.png"), 160, 256, 4, 0, 0, 0, 1);
+  save_photograph(work.path("coarse.png"), 40, 64, 1, 0, 0, 0, 1);
+  const Outcome outcome = work.run({"compare", "fine.png", "coarse.png", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto facts = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(facts["placed"],
+            "fine.png (256 × 160 pixels) on the 64 × 40 pixels of coarse.png, each the mean over its area, as if both "
+            "showed one window");
+  // The finest structure, a period of 19 pixels, loses (π/19)²/6 = 0.5 % by the mean over a pixel: 46 dB.
+  EXPECT_GT(facts["psnr_db"].get<double>(), 40);
+  save_photograph(work.path("wide.png"), 40, 80, 1, 0, 0, 0, 1);
+  EXPECT_NE(work.run({"compare", "fine.png", "wide.png"}).err.find("differ in shape"), std::string::npos);
 }
 
 TEST(CompareCommand, SaysWhatIsWrong) {

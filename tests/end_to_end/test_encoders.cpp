@@ -67,6 +67,23 @@ TEST(EncodePicture, ReportsTheConvergence) {
   EXPECT_LT(stage.at("loss_last").get<double>(), stage.at("loss_first").get<double>());
 }
 
+// Of a square picture 96 × 96 pixels fit into the target of 160 × 96: the bytes are those of a target of that size.
+TEST(EncodePicture, ResamplingKeepsTheShapeOfThePicture) {
+  const Workplace work;
+  work.write("panel.toml", panel);
+  save_image(work.write("picture.png", ""), natural_picture(64, 64), 1, 8);
+  std::vector<std::string> resampled = encode_arguments("phase");
+  resampled.insert(resampled.end(), {"--resample", "true"});
+  ASSERT_EQ(work.run(resampled).exit_code, 0);
+  const std::string fitted = work.read("h.png");
+  std::vector<std::string> square = resampled;
+  for (std::string& argument : square)
+    if (argument == "160") argument = "96";
+  ASSERT_NE(square, resampled);
+  ASSERT_EQ(work.run(square).exit_code, 0);
+  EXPECT_TRUE(work.read("h.png") == fitted);
+}
+
 TEST(EncodePicture, SaysWhatIsWrong) {
   const Workplace work;
   work.write("panel.toml", panel);

@@ -132,6 +132,43 @@ TEST(SafeFiles, ShowKeepsPicturesOfTheSameName) {
   EXPECT_EQ(image_record(work.path("photo.png")), FileRecord());
 }
 
+// NAME_2 of a user is set aside once; NAME_2 of an earlier call is replaced, or removed where there is none any more.
+TEST(SafeFiles, TraceKeepsFilesOfTheSameName) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  work.write("s_2.ply", "mine");
+  const std::vector<std::string> two{"trace", "scene.toml", "-o", "s.ply", "--wavelength", "532 nm, 633 nm"};
+  const Outcome first = work.run(two);
+  EXPECT_EQ(first.exit_code, 0);
+  EXPECT_NE(first.err.find("kept as"), std::string::npos) << first.err;
+  EXPECT_EQ(work.read("s_2.ply~"), "mine");
+  const Outcome second = work.run(two);
+  EXPECT_EQ(second.err, "");
+  EXPECT_EQ(work.run({"trace", "scene.toml", "-o", "s.ply"}).exit_code, 0);
+  EXPECT_EQ(work.names(), (std::set<std::string>{"scene.toml", "s.ply", "s_2.ply~"}));
+}
+
+TEST(SafeFiles, FieldKeepsFilesOfTheSameName) {
+  const Workplace work;
+  std::string scene = mesh_scene();
+  scene.insert(scene.find("[trace]\n") + 8, "separate_lights = true\n");
+  work.write("scene.toml", scene + "[[light]]\ntype = \"point\"\nposition = \"-1 2 -20 mm\"\nintensity = 1e-3\n");
+  work.write("f_2.npy", "mine");
+  work.write("g_2.h5", "mine, too");
+  const Outcome first = work.run({"field", "scene.toml", "-o", "f.npy"});
+  EXPECT_EQ(first.exit_code, 0);
+  EXPECT_NE(first.err.find("kept as"), std::string::npos) << first.err;
+  EXPECT_EQ(work.read("f_2.npy~"), "mine");
+  const std::string field = work.read("f_2.npy");
+  EXPECT_EQ(work.run({"field", "scene.toml", "-o", "f.npy"}).err, "");
+  EXPECT_TRUE(work.read("f_2.npy") == field);
+  EXPECT_FALSE(work.has("f_2.npy~2~"));
+  EXPECT_EQ(work.run({"info", "f.npy"}).exit_code, 0);  // the record in its sidecar does no harm
+  EXPECT_EQ(work.run({"field", "scene.toml", "-o", "g.h5"}).exit_code, 0);
+  EXPECT_EQ(work.read("g_2.h5~"), "mine, too");
+  EXPECT_EQ(work.run({"field", "scene.toml", "-o", "g.h5"}).err, "");
+}
+
 TEST(SafeFiles, MetadataOfOneFileIsNotThatOfAnother) {
   const Workplace work;
   make_hologram(work);

@@ -142,6 +142,17 @@ TEST(Camera, ARenderIsSeenWhereTheSensorIs) {
     for (int i = 0; i < 30; ++i) ASSERT_NEAR(seen(j, i), render(j + 15 + 3, i + 15 + 5), 1e-5);  // 1e-12 of a pixel
 }
 
+// The outer half of an outer pixel has no neighbour to interpolate with, but light.
+TEST(ProjectRender, KeepsTheOuterPixels) {
+  Image render(4, 6, 1);
+  for (size_t i = 0; i < render.values.size(); ++i) render.values[i] = float(i + 1);
+  Image sensor(4, 6, 1);
+  sensor.pitch = 2 * 0.01 / 4 * 0.3;  // the same pixels at 0.3 m
+  const Image seen = project_render(render, 0.01, sensor, 0.3);
+  for (size_t i = 0; i < render.values.size(); ++i)
+    EXPECT_NEAR(seen.values[i], render.values[i], 1e-6 * render.values[i]) << i;  // floats
+}
+
 TEST(Camera, ASensorThatCannotBeIsRefused) {
   const Slm slm = make_panel(64, 64);
   const Field shown = point_field(slm, 0.02);

@@ -117,17 +117,29 @@ TEST(Expose, SaysWhatIsWrong) {
             "expected a whole number of 0 or more for \"binning\", got -1");
 }
 
-TEST(ExposureWhite, IsThePercentileOrWhatIsAskedFor) {
-  Image image(10, 200, 1);
-  for (size_t i = 0; i < image.values.size(); ++i)
-    image.values[i] = float((i * 7919 + 1) % 2000 + 1);  // 1 … 2000, mixed
-  EXPECT_EQ(exposure_white(image, 0), 1998);             // 99.9 % of 2000 values are at most 1998
-  EXPECT_EQ(exposure_white(image, 0.25), 0.25);
+TEST(ExposureWhite, ShowsWhiteSurfacesAtFourFifths) {
+  Image surface(64, 64, 1);
+  for (int j = 8; j < 40; ++j)
+    for (int i = 16; i < 56; ++i) surface(j, i) = 3;
+  EXPECT_DOUBLE_EQ(exposure_white(surface, 0), 3 * 1.25);
+  EXPECT_EQ(exposure_white(surface, 0.25), 0.25);
   EXPECT_EQ(exposure_white(Image(4, 4, 1), 0), 1);  // dark
-  Image star(100, 100, 1);
+  EXPECT_NE(error_of([&] { exposure_white(surface, -1); }), "no error");
+}
+
+TEST(ExposureWhite, ClipsATenthOfTheLightOfAPoint) {
+  Image star(800, 800, 1);  // 10,000 blocks, so that the block of the star is above the percentile
   star(3, 4) = 5;
-  EXPECT_EQ(exposure_white(star, 0), 5);  // one pixel in 10,000 is above the percentile
-  EXPECT_NE(error_of([&] { exposure_white(star, -1); }), "no error");
+  EXPECT_NEAR(exposure_white(star, 0), 0.9 * 5, 1e-5);  // 24 bisections
+}
+
+// Fully developed speckle of mean 1 has ∫ (I − W)·exp(−I) dI = exp(−W) above W: a tenth of the light lies above ln 10.
+TEST(ExposureWhite, ClipsATenthOfTheLightOfSpeckle) {
+  Image speckle(512, 512, 1);
+  for (size_t i = 0; i < speckle.values.size(); ++i)
+    speckle.values[i] =
+        float(-std::log((double(i * 104729 % speckle.values.size()) + 0.5) / double(speckle.values.size())));
+  EXPECT_NEAR(exposure_white(speckle, 0), std::log(10.0), 1e-3);  // the sum of 2.6e5 values in place of the integral
 }
 
 TEST(Speckle, ExponentialIntensityHasContrastOne) {

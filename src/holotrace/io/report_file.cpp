@@ -6,6 +6,7 @@
 
 #include "holotrace/base/fft.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/output.h"
 
 namespace holotrace {
 
@@ -55,6 +56,39 @@ void save_incomplete_report(const std::string& path, const FileRecord& files) {
   const nlohmann::ordered_json json{
       {"versions", versions()}, {"complete", false}, {"files", record_json(files)}, {"stages", Json::array()}};
   write_text(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+std::optional<RenderOfView> render_of_view(const std::string& view) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(view).parent_path();
+  const nlohmann::json report = read_report((folder / "report.json").string());
+  if (!report.is_object() || !report.contains("stages") || !report["stages"].is_array()) return std::nullopt;
+  const FileRecord files = report_record((folder / "report.json").string());
+  const auto is_recorded = [&](const std::string& path) {
+    std::error_code error;
+    const auto bytes = fs::file_size(path, error);
+    return !error && files.count({fs::path(path).filename().string(), bytes}) > 0;
+  };
+  int64_t number = 0;
+  for (const nlohmann::json& stage : report["stages"]) {
+    if (!stage.is_object() || !stage.contains("render_half_tangent")) continue;
+    if (numbered_path((folder / run_view).string(), size_t(number++)) != (folder / fs::path(view).filename()).string())
+      continue;
+    RenderOfView found;
+    try {
+      visit_place([&](const char* name, auto& value) { stage.at(name).get_to(value); }, found.place);
+      stage.at(place_wavelengths).get_to(found.place.wavelengths);
+    } catch (const nlohmann::json::exception&) {
+      return std::nullopt;
+    }
+    const ViewPlace& p = found.place;
+    if (p.render < 1 || p.wavelengths.empty() || !(p.half_tangent > 0) || !(p.distance > 0) || !(p.pixel > 0))
+      return std::nullopt;
+    found.path = numbered_path((folder / run_render).string(), size_t(p.render - 1));
+    if (!is_recorded(view) || !is_recorded(found.path)) return std::nullopt;
+    return found;
+  }
+  return std::nullopt;
 }
 
 bool is_report(const std::string& path) { return read_report(path).contains("versions"); }

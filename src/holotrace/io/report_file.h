@@ -1,9 +1,11 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "holotrace/data/report.h"
+#include "holotrace/data/view_place.h"
 #include "holotrace/io/files/output_set.h"
 
 namespace holotrace {
@@ -22,6 +24,19 @@ void save_incomplete_report(const std::string& path, const FileRecord& files);
 
 /// Whether a file is a report of this program.
 bool is_report(const std::string& path);
+
+/// Names of the first render and the first view in the folder of a run. The others are numbered (numbered_path).
+inline constexpr const char *run_render = "render.png", *run_view = "view.png";
+
+/// A render of a run, and where a view lies in it.
+struct RenderOfView {
+  std::string path;
+  ViewPlace place;
+};
+
+/// The render that shows what a view of a run should show, from the report beside the view. None if there is no such
+/// report, if it is damaged, or if it does not list these files with their sizes.
+std::optional<RenderOfView> render_of_view(const std::string& view);
 
 /// The files that a report lists; none if there is no report or it lists none.
 FileRecord report_record(const std::string& path);

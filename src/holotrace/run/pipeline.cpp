@@ -8,7 +8,10 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/view_place.h"
+#include "holotrace/run/common_exposure.h"
 #include "holotrace/run/quality.h"
+#include "holotrace/run/reference_metrics.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/run/repeated_stages.h"
 #include "holotrace/run/scene_targets.h"
@@ -18,26 +21,10 @@
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/combine_views.h"
-#include "holotrace/view/compare.h"
+#include "holotrace/view/render_at.h"
 
 namespace holotrace {
 namespace {
-
-// Reports how near the view is to the render, and the fraction of the light on the panel in its image.
-// A point's light may fall between the pixels of a render; without a reference there is nothing to compare.
-void report_metrics(const Image& reference, const Image& view, double efficiency, const Observer& observer) {
-  if (std::none_of(reference.values.begin(), reference.values.end(), [](float v) { return v > 0; })) {
-    observer.fact("why_no_metrics", std::string("the render is dark in the sensor's area"));
-    return;
-  }
-  const Metrics metrics = compare(reference, view);
-  observer.fact("psnr_db", metrics.psnr);
-  observer.fact("ssim", metrics.ssim);
-  observer.fact("speckle_contrast", metrics.speckle_contrast);
-  observer.fact("uniformity", metrics.uniformity);
-  observer.fact("bright_fraction", metrics.bright_fraction);
-  observer.fact("diffraction_efficiency", metrics.bright_fraction * efficiency);
-}
 
 // Iterations use the camera's distances unless the job names others.
 EncodeParams encoding_of(const Job& job) {
@@ -69,21 +56,17 @@ std::vector<double> seen_wavelengths(const Job& job, const CombinedViews& sum) {
   return lines.size() == 1 ? std::vector<double>{job.wavelengths.front()} : lines;
 }
 
-// The sensor's pixels in the plane in focus.
-Image sensor_in_plane(const Job& job, const Image& view, double distance) {
-  Image in_plane(view.ny, view.nx, 1);
+// Where a view lies in its render, whose half height is `half_tangent`.
+ViewPlace place_of(const Job& job, const CombinedViews& sum, const Image& view, double distance, size_t render,
+                   double half_tangent) {
   const double m = magnification(job.camera, distance, job.encode.image);
-  in_plane.pitch = view.pitch / m;
-  in_plane.centre_x = view.centre_x / m;
-  in_plane.centre_y = view.centre_y / m;
-  return in_plane;
+  return {int64_t(render) + 1,       half_tangent, distance, view.pitch / m, view.centre_x / m, view.centre_y / m,
+          seen_wavelengths(job, sum)};
 }
 
-Image reference_of(const Job& job, const Image& render, const CombinedViews& sum, const Image& view, double distance) {
-  const double half_tangent = raster_tangent(job.render.field_of_view, job.slm.grid,
-                                             view_wavelength(job.wavelengths, job.trace.has_common_cone));
-  return project_render(seen_at(render, seen_wavelengths(job, sum)), half_tangent, sensor_in_plane(job, view, distance),
-                        distance);
+void report_place(const ViewPlace& place, const Observer& observer) {
+  visit_place([&](const char* name, const auto& value) { observer.fact(name, value); }, place);
+  observer.curve(place_wavelengths, place.wavelengths);
 }
 
 std::vector<double> wavelengths_of(const SceneLight& light) {
@@ -165,14 +148,46 @@ std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& target
   return frames;
 }
 
+// Half the height of the renders, as a tangent.
+double half_tangent_of(const Job& job, double distance) {
+  if (aims_at_scene(job)) return job.slm.grid.height() / 2 / distance;
+  return raster_tangent(job.render.field_of_view, job.slm.grid,
+                        view_wavelength(job.wavelengths, job.trace.has_common_cone));
+}
+
+// The renders of a run that views are compared with; with quick ones, also their first halves.
+struct References {
+  std::vector<Image> renders, first_halves;
+};
+
+References make_references(const Job& job, Report& report, const StageObserver& watch) {
+  References made;
+  for (const PlannedRender& planned : plan_renders(job)) {
+    if (job.render.reference == Reference::full) {
+      made.renders.push_back(run_stage(planned.stage, report, watch,
+                                       [&](const Observer& o) { return make_render(job, planned.params, o); }));
+      continue;
+    }
+    HalvedRender halved = run_stage(planned.stage, report, watch,
+                                    [&](const Observer& o) { return make_halved_render(job, planned.params, o); });
+    made.renders.push_back(std::move(halved.mean));
+    made.first_halves.push_back(std::move(halved.first));
+  }
+  return made;
+}
+
 // The light that a view should show: the traced light of its plane, or a render.
-Image reference_of(const Job& job, const std::optional<SceneTargets>& targets, const Boxes& b, size_t d,
-                   const CombinedViews& sum) {
-  const double distance = b.viewpoints[d].distance;
-  if (!targets) return reference_of(job, b.renders[std::min(d, b.renders.size() - 1)], sum, b.views[d], distance);
-  const Image light = reference_of(*targets, job, d, seen_wavelengths(job, sum));
-  return project_render(light, job.slm.grid.height() / 2 / distance, sensor_in_plane(job, b.views[d], distance),
-                        distance);
+ViewReference reference_of(const Job& job, const std::optional<SceneTargets>& targets, const References& references,
+                           size_t d, const Image& view, const ViewPlace& place) {
+  if (targets)
+    return {project_render(reference_of(*targets, job, d, place.wavelengths), place.half_tangent,
+                           sensor_at(place, view.ny, view.nx), place.distance)};
+  const size_t render = size_t(place.render) - 1;
+  ViewReference reference{render_at(references.renders[render], place, view.ny, view.nx)};
+  if (references.first_halves.empty()) return reference;
+  reference.first_half = render_at(references.first_halves[render], place, view.ny, view.nx);
+  reference.part = double(plan_renders(job)[render].params.paths) / job.render.paths;
+  return reference;
 }
 
 }  // namespace
@@ -192,6 +207,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   b.viewpoints = viewpoints(job.camera, job.render);
   std::optional<SceneTargets> targets;
   SceneLight light;
+  References made;
   if (aims_at_scene(job)) {
     targets = stage("focal stack", [&](const Observer& o) {
       o.fact("seed", job.render.seed);
@@ -199,7 +215,8 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
     });
     b.renders = pictures_seen(*targets, job);
   } else {
-    b.renders = make_renders(job, plan_renders(job), b.report, watch);
+    made = make_references(job, b.report, watch);
+    b.renders = made.renders;
   }
   b.stereo_renders = make_renders(job, plan_stereo_renders(job), b.report, watch);
   if (!targets) light = stage("trace", [&](const Observer& o) { return trace_waves(job, o); });
@@ -215,21 +232,32 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   else
     show_fields(job, light, b, showing);
   const std::vector<CombinedViews>& sums = showing.sums;
-  ViewSeries views = expose_series(b.viewpoints, sums, ViewKind::distance, job.camera);
-  b.views = std::move(views.images);
-  b.white = views.white;
+  b.views = images_of(b.viewpoints, sums, ViewKind::distance);
+  std::vector<ViewPlace> places;
+  std::vector<ViewReference> references;
+  for (size_t d = 0; d < b.views.size() && !b.renders.empty(); ++d) {
+    const double distance = b.viewpoints[d].distance;
+    places.push_back(place_of(job, sums[d], b.views[d], distance, std::min(d, b.renders.size() - 1),
+                              half_tangent_of(job, distance)));
+    references.push_back(reference_of(job, targets, made, d, b.views[d], places[d]));
+  }
+  const CommonExposure white = common_exposure(b.views, references, b.renders, job.camera.exposure);
+  b.white = white.view_white;
+  b.render_white = white.render_white;
+  read_views(b.views, b.white, ViewKind::distance, job.camera);
   for (size_t d = 0; d < b.views.size(); ++d)
     showing.repeat.finish(b.viewpoints[d].stage, [&](const Observer& o) {
       const Image& view = b.views[d];
       const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
       const double incident = sums[d].relative_illumination() * showing.power_on_panel;
-      if (targets && !has_reference(*targets, job.camera)) {
+      if (references.empty()) return o.fact("why_no_metrics", std::string("the job asks for no reference"));
+      report_place(places[d], o);
+      if (targets && !has_reference(*targets, job.camera))
         o.fact("why_no_metrics", std::string("the render is the picture through the whole panel, and the camera has a "
                                              "pupil; the target light-field, with the pupil in front of the panel, has "
                                              "its picture too"));
-        return;
-      }
-      report_metrics(reference_of(job, targets, b, d, sums[d]), view, sums[d].mean_irradiance() * sensor / incident, o);
+      else
+        report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);

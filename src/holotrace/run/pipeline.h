@@ -32,6 +32,7 @@ struct Boxes {
   std::vector<Hologram> holograms;         ///< in the order shown: for each frame, each set
   std::vector<Image> views;                ///< one per camera distance: one channel, or red, green and blue
   double white = 1;                        ///< white of these views [W/m²]
+  double render_white = 1;                 ///< white of the renders, exposed like the views [W/m²/sr]
   ViewSeries sweep;                        ///< set if job.camera asks for a sweep
   /// With job.render.eye_separation: renders for the left and the right eye, and what they see of the holograms.
   std::vector<Image> stereo_renders;

@@ -26,7 +26,16 @@ std::vector<PlannedRender> plan_renders(const Job& job);
 /// job.render.eye_separation.
 std::vector<PlannedRender> plan_stereo_renders(const Job& job);
 
+/// A run has none with `reference = none`. With `quick` they have an eighth of the paths (at least 2), in two halves.
 /// @throws Error  as `render` does
 Image make_render(const Job& job, const RenderParams& params, const Observer& observer = {});
+
+/// A render of few paths, as the mean of two with independent paths.
+struct HalvedRender {
+  Image mean, first;  ///< mean of both, and the first
+};
+
+/// @param params  of an even number of paths
+HalvedRender make_halved_render(const Job& job, const RenderParams& params, const Observer& observer = {});
 
 }  // namespace holotrace

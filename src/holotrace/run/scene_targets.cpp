@@ -243,7 +243,7 @@ std::vector<Image> pictures_seen(const SceneTargets& targets, const Job& job) {
 }
 
 Image reference_of(const SceneTargets& targets, const Job& job, size_t plane, const std::vector<double>& wavelengths) {
-  if (job.camera.pupil > 0)
+  if (job.camera.pupil > 0 && has_reference(targets, job.camera))
     return light_through(targets, job, {job.camera.eye, job.camera.pupil}, targets.seen.distances[plane], wavelengths,
                          shared_wavelength(job), job.slm.grid);
   return limited(targets.seen, plane, wavelengths, shared_wavelength(job), job.slm.grid);

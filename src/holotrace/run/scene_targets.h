@@ -50,17 +50,16 @@ TargetSet targets_of(const SceneTargets& targets, const Job& job, const std::vec
 TargetPlane view_target(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance,
                         double wavelength);
 
-/// Whether reference_of knows what the camera should see: with a pupil it needs a light field, and a pupil in front of the
-/// panel.
+/// Whether reference_of is what the camera should see: with a pupil it needs a light field, and a pupil in front of the
+/// panel. Otherwise it is the picture through the whole panel.
 bool has_reference(const SceneTargets& targets, const CameraParams& camera);
 
 /// The traced pictures of the planes that the camera looks at: through its pupil, as far as it has_reference, or else through
 /// the whole panel. Radiance in red, green and blue.
 std::vector<Image> pictures_seen(const SceneTargets& targets, const Job& job);
 
-/// What the camera should see in the plane that it looks at: the traced light through its pupil, or through the whole panel
-/// if it has none, with the blur of that aperture, in the colours of the wavelengths.
-/// @throws Error  unless it has_reference
+/// What the camera should see in the plane that it looks at: the traced light through its pupil (as far as it has_reference), or
+/// through the whole panel, with the blur of that aperture, in the colours of the wavelengths.
 Image reference_of(const SceneTargets& targets, const Job& job, size_t plane, const std::vector<double>& wavelengths);
 
 }  // namespace holotrace

@@ -44,15 +44,26 @@ std::vector<const Viewpoint*> sweep_of(const std::vector<Viewpoint>& from) {
 
 }  // namespace
 
+std::vector<Image> images_of(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums,
+                             ViewKind kind) {
+  std::vector<Image> images;
+  for (size_t i = 0; i < from.size(); ++i)
+    if (from[i].kind == kind) images.push_back(sums[i].image());
+  return images;
+}
+
+void read_views(std::vector<Image>& views, double white, ViewKind kind, const CameraParams& camera) {
+  uint32_t exposure = uint32_t(kind) << 24;
+  for (Image& view : views) view = add_sensor_noise(view, white, camera, exposure++);
+}
+
 ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
                          const CameraParams& camera) {
   ViewSeries out;
-  for (size_t i = 0; i < from.size(); ++i)
-    if (from[i].kind == kind) out.images.push_back(sums[i].image());
+  out.images = images_of(from, sums, kind);
   if (out.images.empty()) return out;
   out.white = common_white(out.images, camera.exposure);
-  uint32_t exposure = uint32_t(kind) << 24;
-  for (Image& image : out.images) image = add_sensor_noise(image, out.white, camera, exposure++);
+  read_views(out.images, out.white, kind, camera);
   return out;
 }
 

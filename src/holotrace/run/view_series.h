@@ -16,6 +16,12 @@ struct ViewSeries {
   double white = 1;           ///< irradiance of white [W/m²]
 };
 
+/// The views of one kind [W/m²], before the camera's sensor reads them.
+std::vector<Image> images_of(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind);
+
+/// The same as the camera's sensor reads them (view/sensor_noise.h), with that irradiance as white [W/m²].
+void read_views(std::vector<Image>& views, double white, ViewKind kind, const CameraParams& camera);
+
 /// The views of one kind with a common exposure, as the camera's sensor reads them (view/sensor_noise.h).
 ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
                          const CameraParams& camera);

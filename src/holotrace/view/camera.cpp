@@ -147,14 +147,19 @@ Image read_sensor(const Field& field, const Sensor& sensor, const SourcePart& so
   return image;
 }
 
-// Adds the interpolated value between pixel centres to one sum per channel; 0 beyond the outer pixels.
+// Adds the value interpolated between pixel centres to one sum per channel; 0 beyond the outer pixels.
 void add_between(const Image& render, double row, double column, double* sums) {
-  const int r = int(std::floor(row)), c = int(std::floor(column));
-  if (c < 0 || r < 0 || c + 1 >= render.nx || r + 1 >= render.ny) return;
+  if (std::abs(row - (render.ny - 1) / 2.0) > render.ny / 2.0 ||
+      std::abs(column - (render.nx - 1) / 2.0) > render.nx / 2.0)
+    return;
+  row = std::clamp(row, 0.0, render.ny - 1.0);  // the outer half of a pixel has no neighbour
+  column = std::clamp(column, 0.0, render.nx - 1.0);
+  const int r = int(row), c = int(column);
+  const int below = std::min(r + 1, render.ny - 1), right = std::min(c + 1, render.nx - 1);
   const double fx = column - c, fy = row - r;
   for (int channel = 0; channel < render.channels; ++channel)
-    sums[channel] += (1 - fy) * ((1 - fx) * render(r, c, channel) + fx * render(r, c + 1, channel)) +
-                     fy * ((1 - fx) * render(r + 1, c, channel) + fx * render(r + 1, c + 1, channel));
+    sums[channel] += (1 - fy) * ((1 - fx) * render(r, c, channel) + fx * render(r, right, channel)) +
+                     fy * ((1 - fx) * render(below, c, channel) + fx * render(below, right, channel));
 }
 
 }  // namespace

@@ -22,6 +22,40 @@ std::vector<double> weights_of_integral(int n) {
   return weights;
 }
 
+// Percentile (nearest rank) of the means over blocks of 8 × 8 pixels, of all channels together.
+double percentile_of_blocks(const Image& image, double part) {
+  constexpr int side = 8;
+  std::vector<double> means;
+  for (int top = 0; top < image.ny; top += side)
+    for (int left = 0; left < image.nx; left += side)
+      for (int channel = 0; channel < image.channels; ++channel) {
+        const int rows = std::min(side, image.ny - top), columns = std::min(side, image.nx - left);
+        double sum = 0;
+        for (int j = 0; j < rows; ++j)
+          for (int i = 0; i < columns; ++i) sum += image(top + j, left + i, channel);
+        means.push_back(sum / (rows * columns));
+      }
+  const auto nearest_rank = means.begin() + std::ptrdiff_t(std::ceil(part * double(means.size()))) - 1;
+  std::nth_element(means.begin(), nearest_rank, means.end());
+  return *nearest_rank;
+}
+
+// The level above which that part of the light lies, by bisection.
+double level_of_clipped_light(const Image& image, double part) {
+  double light = 0, high = 0, low = 0;
+  for (const float value : image.values) {
+    light += std::max(0.0, double(value));
+    high = std::max(high, double(value));
+  }
+  for (int step = 0; step < 24; ++step) {  // to the precision of a float
+    const double level = (low + high) / 2;
+    double above = 0;
+    for (const float value : image.values) above += std::max(0.0, double(value) - level);
+    (above > part * light ? low : high) = level;
+  }
+  return high;
+}
+
 }  // namespace
 
 Array2D<float> irradiance_of(const Field& field) {
@@ -58,15 +92,11 @@ Image mean_over_pixels(const Array2D<float>& values, int n, int rim, bool is_int
 
 double exposure_white(const Image& image, double exposure) {
   require(std::isfinite(exposure) && exposure >= 0,
-          "expected an exposure above 0 W/m², or 0 for the 99.9th percentile, got {}", exposure);
+          "expected an exposure above 0 W/m², or 0 for the automatic one, got {}", exposure);
   if (exposure > 0) return exposure;
   require(!image.values.empty(), "expected an image with pixels, got an empty one");
-  std::vector<float> values = image.values;
-  const auto nearest_rank = values.begin() + std::ptrdiff_t(std::ceil(0.999 * double(values.size()))) - 1;
-  std::nth_element(values.begin(), nearest_rank, values.end());
-  if (*nearest_rank > 0) return *nearest_rank;
-  const float brightest = *std::max_element(values.begin(), values.end());
-  return brightest > 0 ? brightest : 1;
+  const double white = std::max(1.25 * percentile_of_blocks(image, 0.999), level_of_clipped_light(image, 0.1));
+  return white > 0 ? white : 1;
 }
 
 }  // namespace holotrace

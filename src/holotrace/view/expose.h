@@ -32,8 +32,14 @@ inline constexpr int integration_rim = 2;
 /// @return        one channel, shape (rows, columns)
 Image mean_over_pixels(const Array2D<float>& values, int n, int rim, bool is_integrated, const Observer& observer = {});
 
-/// The irradiance [W/m²] to show as white: `exposure` if it is above 0, otherwise the 99.9th percentile of the
-/// image's values (their maximum if that percentile is 0; 1 for an image without light).
+/// The irradiance [W/m²] to show as white: `exposure` if it is above 0, otherwise the larger of
+///
+///     1.25 × the 99.9th percentile of the means over blocks of 8 × 8 pixels, and
+///     the level W above which a tenth of the light lies: Σ max(v − W, 0) = 0.1·Σ v
+///
+/// The first is for surfaces: a white one is shown at 0.8 of white (sRGB 231 of 255), and blocks average speckle. The
+/// second is for what is smaller than a block, such as points and lines, and for strong speckle: fully developed, its
+/// mean is then at 1/ln 10 = 0.43 of white (sRGB 175). 1 for an image without light.
 double exposure_white(const Image& image, double exposure);
 
 }  // namespace holotrace

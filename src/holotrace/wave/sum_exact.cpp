@@ -1,5 +1,7 @@
 #include "holotrace/wave/sum_exact.h"
 
+#include <atomic>
+
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 
@@ -14,16 +16,30 @@ FieldDouble sum_exact(const Sources& sources, const Grid& grid, const Observer& 
   for (int part = 0; part < parts; ++part) {
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
     const PixelBox bounds = panel_part(sources, grid, part);
+    const Observer of_part = part_of(observer, part, parts);
+    constexpr int64_t often = 1'000'000;  // waves·pixels between reports: some tens of milliseconds
+    std::atomic<double> fraction{0};
+    Observer of_rows;
+    of_rows.on_progress = [&](double now) {
+      fraction = now;
+      of_part.progress(now);
+    };
     parallel_for(
         bounds.y0, bounds.y1,
         [&](int64_t j) {
           std::complex<double>* row = field.samples.row(int(j));
           const double y = grid.y(double(j));
-          for (const PreparedWave& wave : waves)
-            if (j >= wave.box.y0 && j < wave.box.y1)
-              for (int i = wave.box.x0; i < wave.box.x1; ++i) row[i] += wave_at(wave, grid.x(i), y, sources.wavelength);
+          int64_t done = 0;
+          for (const PreparedWave& wave : waves) {
+            if (j < wave.box.y0 || j >= wave.box.y1) continue;
+            for (int i = wave.box.x0; i < wave.box.x1; ++i) row[i] += wave_at(wave, grid.x(i), y, sources.wavelength);
+            done += wave.box.x1 - wave.box.x0;
+            if (done < often) continue;
+            done = 0;
+            of_part.progress(fraction);  // a row of many waves takes long, and a caller may want to stop
+          }
         },
-        part_of(observer, part, parts));
+        of_rows);
   }
   return field;
 }

@@ -28,7 +28,7 @@ struct CameraParams {
   double pixel = 0;                   ///< side of a sensor pixel [m]; 0: `binning` field samples
   int binning = 0;  ///< field samples per sensor pixel and axis; 0: one panel pixel, or as `pixel` needs
   PixelSampling sampling = PixelSampling::integrate;
-  double exposure = 0;    ///< irradiance shown as white [W/m²]; 0: the 99.9th percentile
+  double exposure = 0;    ///< irradiance shown as white [W/m²]; 0: automatic (exposure_white)
   int bits = 8;           ///< bits per channel of a PNG: 8 or 16
   double electrons = 0;   ///< full-well capacity, with shot noise [electrons]; 0: no shot noise
   double read_noise = 0;  ///< read noise per pixel, rms [electrons]; needs `electrons`
@@ -60,7 +60,7 @@ void describe(Visitor& v, CameraParams& p) {
       "sampling", p.sampling, {{"integrate", PixelSampling::integrate}, {"point", PixelSampling::point}},
       "what a sensor pixel reads: the irradiance over its whole area (integrate), or at its field samples only (point)");
   v.number("exposure", p.exposure, range::not_negative,
-           "irradiance shown as white in W/m2; 0: the 99.9th percentile of the brightest view");
+           "irradiance shown as white in W/m2; 0: automatic, with white surfaces at 0.8 of white");
   v.count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "bits per channel of a PNG");
   v.number("electrons", p.electrons, range::from_to(0, 1e12),
            "full-well capacity in electrons; adds shot noise; 0: no shot noise");

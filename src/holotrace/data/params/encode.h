@@ -133,7 +133,8 @@ void describe(Visitor& v, EncodeParams& p) {
           "iterations, pictures: width in pixels of the part of a target plane that the error counts; 0: the panel's");
   v.count("target_rows", p.target_rows, range::not_negative,
           "iterations, pictures: height in pixels of that part; 0: the panel's");
-  v.flag("resample", p.resample, "scale a target picture of another size to target_columns x target_rows");
+  v.flag("resample", p.resample,
+         "scale a target picture of another size into target_columns x target_rows, in its own shape");
   v.flag("joint", p.is_joint, "sgd: one hologram for all wavelengths; false: one for each");
   static const std::string iterations =
       fmt::format("number of iterations; 0: {} for gerchberg-saxton, {} for sgd, {} for the field of a picture",

@@ -15,6 +15,9 @@ namespace holotrace {
 /// Aperture of the camera: a pinhole, a round lens, or the panel's own area within its acceptance.
 enum class Lens { pinhole, round, panel };
 
+/// Renders that a run compares its views with: none, of few paths, or of all.
+enum class Reference { none, quick, full };
+
 /// The picture of a scene seen by an eye in front of the panel.
 struct RenderParams {
   int columns = 0, rows = 512;        ///< size of the picture [pixels]; columns 0: square
@@ -31,7 +34,8 @@ struct RenderParams {
   std::vector<std::string> path_expressions{};  ///< light path expressions whose light is summed; empty: all light
   bool has_background = true;                   ///< shows the environment where no surface is; holograms leave it out
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
-  int64_t seed = 1;                                 ///< seed for all random numbers
+  Reference reference = Reference::full;  ///< of `run`: whether and how well it renders what its views should show
+  int64_t seed = 1;                       ///< seed for all random numbers
 };
 
 template <class Visitor>
@@ -61,6 +65,9 @@ void describe(Visitor& v, RenderParams& p) {
   v.choice(
       "accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
       "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)");
+  v.choice(
+      "reference", p.reference, {{"none", Reference::none}, {"quick", Reference::quick}, {"full", Reference::full}},
+      "renders that run compares its views with: none (no metrics), quick (an eighth of the paths, PSNR only) or full");
   v.count("seed", p.seed, range::not_negative, "seed for all random numbers");
 }
 

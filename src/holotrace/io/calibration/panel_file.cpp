@@ -5,6 +5,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/record_names.h"
 #include "holotrace/io/picture/image_file.h"
 
 namespace holotrace {
@@ -72,7 +73,7 @@ std::vector<std::string> panel_paths(const std::string& path, const Slm& slm) {
   return paths;
 }
 
-void save_panel(const std::string& path, const Slm& slm) {
+void save_panel(const std::string& path, const Slm& slm, const std::function<FileRecord()>& files) {
   require(extension_of(path) == ".toml", "expected a panel file .toml, got {}; change its extension", path);
   check_slm(slm);
   if (!slm.effects.calibration.empty()) write_text(phase_path(path), calibration_text(slm.effects.calibration));
@@ -82,7 +83,9 @@ void save_panel(const std::string& path, const Slm& slm) {
     image.values.assign(map.values.begin(), map.values.end());
     save_image(light_path(path), image, 1, 16);
   }
-  write_text(path, panel_text(path, slm));
+  std::string text = panel_text(path, slm);
+  if (files) text += "# " + record_line(path, files()) + "\n";
+  write_text(path, text);
 }
 
 }  // namespace holotrace

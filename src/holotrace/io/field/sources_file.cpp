@@ -11,6 +11,7 @@
 #include "holotrace/data/grid.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/ply.h"
+#include "holotrace/io/files/record_names.h"
 
 namespace holotrace {
 namespace {
@@ -98,11 +99,13 @@ std::string header_of(const Sources& sources) {
 
 }  // namespace
 
-void save_sources(const std::string& path, const Sources& sources) {
+void save_sources(const std::string& path, const Sources& sources, const FileRecord& record) {
   require(extension_of(path) == ".ply", "expected a file of sources .ply, got {}; change its extension", path);
   check_sources(sources);
   check_name(path, sources);
   std::string bytes = header_of(sources);
+  if (!record.empty())
+    bytes.insert(bytes.find("element vertex"), fmt::format("comment {}\n", record_line(path, record)));
   const auto put = [&bytes](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
   const size_t count = sources.waves.size(), tiles = size_t(sources.tiles.columns) * size_t(sources.tiles.rows);
   bytes.reserve(bytes.size() + count * (40 + 4 * tiles));

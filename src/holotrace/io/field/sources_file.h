@@ -3,6 +3,7 @@
 #include <string>
 
 #include "holotrace/data/sources.h"
+#include "holotrace/io/files/output_set.h"
 
 namespace holotrace {
 
@@ -12,7 +13,8 @@ namespace holotrace {
 /// `comment frame …`; amplitudes per tile as `comment tiles COLUMNS ROWS` and `float amplitude_0 amplitude_1 …`.
 /// @throws Error where check_sources and write_atomically throw, for a name of several lines, and if the numbers of
 ///         keys or amplitudes do not match the number of waves
-void save_sources(const std::string& path, const Sources& sources);
+/// @param record  files that belong to this one, as the next call must know them (record_in_text); none: no record
+void save_sources(const std::string& path, const Sources& sources, const FileRecord& record = {});
 
 /// Reads waves from a PLY file, ascii or binary, with the properties x, y, z, amplitude and phase of
 /// any type. Other properties are allowed.

@@ -15,4 +15,10 @@ FileRecord record_inside(const std::string& path, const FileRecord& record);
 /// The inverse.
 FileRecord record_outside(const std::string& path, const FileRecord& record);
 
+/// A record as one line of text, for files that can hold a comment: "holotrace_files [{…}]". No end of line.
+std::string record_line(const std::string& path, const FileRecord& record);
+
+/// The record in the first such line of the file at `path`, among its first and last 64 KiB; empty if there is none.
+FileRecord record_in_text(const std::string& path);
+
 }  // namespace holotrace

@@ -18,6 +18,7 @@
 #include "holotrace/io/scene/scene_lights.h"
 #include "holotrace/io/scene/scene_materials.h"
 #include "holotrace/io/scene/scene_objects.h"
+#include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/io/scene/toml_file.h"
 
@@ -169,6 +170,16 @@ Slm load_slm(const std::string& name) {
   if (is_panel && !root.has("name")) slm.name = std::filesystem::path(name).stem().string();
   if (is_panel || !own_effects.empty()) slm.preset = name;
   return slm;
+}
+
+Job job_of_tables(const toml::table& tables, const SceneArrays& arrays, Outside outside) {
+  TomlTable root(tables, std::make_shared<const SceneArrays>(arrays), "the scene");
+  return read_job(root, "", outside);
+}
+
+Slm slm_of_table(const toml::table& table) {
+  std::vector<std::string> own_effects;
+  return read_slm(TomlTable(table, std::make_shared<const SceneArrays>(), "the panel"), "", own_effects);
 }
 
 Job load_job(const std::string& path, Outside outside) {

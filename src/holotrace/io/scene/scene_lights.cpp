@@ -4,7 +4,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_images.h"
 
 namespace holotrace {
 namespace {
@@ -108,8 +108,11 @@ Light read_type(TomlTable& table, const std::string& type) {
                                    {"point", "spot", "directional", "rectangle", "laser-point", "laser-beam"}));
 }
 
-Image load_environment_map(const std::string& path) {
-  Image map = with_three_channels(load_image(path));
+Image read_environment_map(TomlTable& table) {
+  Image map = with_three_channels(read_image(table, "map"));
+  std::string path = "the array";
+  if (!table.array_index("map")) table.text("map", path);
+  path = table.beside("map", path);
   require(map.nx == 2 * map.ny,
           "{}: expected an environment map, equirectangular and so twice as wide as high, got {} × {} pixels", path,
           map.nx, map.ny);
@@ -135,14 +138,11 @@ Light read_light(TomlTable table) {
 
 Environment read_environment(TomlTable table) {
   Environment environment;
-  std::string map;
   table.require_key("map");
-  table.text("map", map);
   table.colour("scale", environment.scale, unbounded);
   table.angle("turn", environment.turn, range::any);
   table.refuse_unknown_keys();
-  table.locate("map",
-               [&] { environment.map = std::make_shared<Image>(load_environment_map(table.beside("map", map))); });
+  table.locate("map", [&] { environment.map = std::make_shared<Image>(read_environment_map(table)); });
   return environment;
 }
 

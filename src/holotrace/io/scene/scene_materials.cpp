@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "holotrace/base/error.h"
-#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/scene_index.h"
 
 namespace holotrace {
@@ -13,11 +13,10 @@ namespace {
 using Texture = std::shared_ptr<const Image>;
 
 Texture read_texture(TomlTable& table, const char* key, ImageContent content = ImageContent::colour) {
-  std::string name;
-  table.text(key, name);
-  if (name.empty()) return nullptr;
-  Image image;
-  table.locate(key, [&] { image = load_image(table.beside(key, name), content); });
+  if (!table.has(key)) return nullptr;
+  Image image = read_image(table, key, content);
+  std::string name = "the array";
+  if (!table.array_index(key)) table.text(key, name);
   const std::string where = table.where(key) + table.beside(key, name);
   const auto dark = std::find_if(image.values.begin(), image.values.end(), [](float value) { return value < 0; });
   require(dark == image.values.end(), "{}: expected a texture of values of 0 or more, got {}", where,

@@ -6,7 +6,8 @@
 #include "holotrace/data/shapes.h"
 #include "holotrace/data/spectrum.h"
 #include "holotrace/io/mesh/point_file.h"
-#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_arrays.h"
+#include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/scene_objects.h"
 
 namespace holotrace {
@@ -29,6 +30,12 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
     mesh.material = -1;
     return Geometry{{std::move(mesh)}, {}};
   };
+  if (const auto index = object.array_index("arrays")) {
+    const SceneArrays& arrays = *object.arrays();
+    if (type == "mesh" && *index < arrays.meshes.size()) return from_mesh(arrays.meshes[*index]);
+    if (type == "points" && *index < arrays.points.size()) return {{}, arrays.points[*index]};
+    fail("{}expected arrays only in objects of the type mesh or points, got {}", object.where("arrays"), type);
+  }
   if (type == "mesh") return read_mesh_file(object);
   if (type == "shape") return read_shape(object);
   if (type == "points") {
@@ -61,9 +68,8 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
     object.count("rows", rows, range::from_to(2, most_points));
     const double width = read_required_length(object, "width"), height = read_required_length(object, "height");
     if (type == "textured_quad" || object.has("texture")) {
-      const std::string file = read_file_name(object, "texture");
-      Image texture;
-      object.locate("texture", [&] { texture = load_image(file); });
+      object.require_key("texture");
+      const Image texture = read_image(object, "texture");
       if (job_.wavelengths.size() > 1 && texture.channels > 1)
         job_.warnings.push_back(
             fmt::format("{}points have one amplitude at all wavelengths, the texture is taken at {}",

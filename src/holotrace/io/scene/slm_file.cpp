@@ -1,5 +1,6 @@
 #include "holotrace/io/scene/slm_file.h"
 
+#include <dlfcn.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -211,6 +212,9 @@ std::vector<std::string> panel_folders() {
   else if (!home.empty())
     wanted.push_back(fs::path(home) / ".config" / "holotrace" / "panels");
   std::error_code ignored;
+  Dl_info library{};  // the program, or a shared library such as the module of the Python package
+  if (dladdr(reinterpret_cast<const void*>(&slm_preset_names), &library) != 0 && library.dli_fname)
+    wanted.push_back(fs::path(library.dli_fname).parent_path() / "panels");
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
   if (!program.empty()) wanted.push_back(program.parent_path().parent_path() / "share" / "holotrace" / "panels");
   wanted.emplace_back(HOLOTRACE_PANELS_INSTALLED);

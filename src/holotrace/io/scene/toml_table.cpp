@@ -33,11 +33,14 @@ const std::string& TomlTable::file(const toml::source_region& source) const {
 
 bool TomlTable::is_placed(const Error& error) const {
   const std::string_view sentence = error.what();
+  if (arrays_)
+    return sentence.starts_with("[") || sentence.starts_with("the scene: ") || sentence.starts_with("the panel: ");
   return std::any_of(files_.begin(), files_.end(),
                      [&](const std::string& name) { return sentence.starts_with(name + ":"); });
 }
 
 std::string TomlTable::place(const toml::source_region& source) const {
+  if (arrays_) return name_ + ": ";
   // Tables that the file does not define explicitly have no position of their own.
   return fmt::format("{}:{}:{}: ", file(source), std::max(source.begin.line, 1u), std::max(source.begin.column, 1u));
 }
@@ -114,8 +117,28 @@ void TomlTable::text(const char* key, std::string& value) {
   value = *text;
 }
 
+// The text of a length or an angle. Numbers of tables in memory have the SI unit.
+std::optional<std::string> TomlTable::text_with_unit(const toml::node& node, const char* unit) const {
+  const auto number = arrays_ ? to_number(node) : std::nullopt;
+  return number ? fmt::format("{} {}", *number, unit) : node.value_exact<std::string>();
+}
+
+std::optional<size_t> TomlTable::array_index(const char* key) {
+  if (!arrays_) return std::nullopt;
+  const toml::node* node = find(key);
+  const auto index = node ? node->value_exact<int64_t>() : std::nullopt;
+  if (!index || *index < 0) return std::nullopt;
+  return size_t(*index);
+}
+
+TomlTable TomlTable::inner(const toml::table& table, std::string name) const {
+  TomlTable made(table, files_, std::move(name));
+  made.arrays_ = arrays_;
+  return made;
+}
+
 std::string TomlTable::length_text(const char* key, const toml::node& node) const {
-  const auto text = node.value_exact<std::string>();
+  const auto text = text_with_unit(node, "m");
   if (!text) fail_kind(key, "a length with its unit, such as \"300 mm\",", node);
   return *text;
 }
@@ -178,7 +201,7 @@ void TomlTable::texts(const char* key, std::vector<std::string>& value, const ch
 void TomlTable::angle(const char* key, double& value, const Range& range, const char*) {
   const toml::node* node = find(key);
   if (!node) return;
-  const auto text = node->value_exact<std::string>();
+  const auto text = text_with_unit(*node, "rad");
   if (!text) fail_kind(key, "an angle with its unit, such as \"15 deg\",", *node);
   locate(key, [&] { value = parse_angle(*text); });
   check(key, *node, value, range, Quantity::angle);
@@ -188,7 +211,7 @@ std::optional<TomlTable> TomlTable::table(const char* key) {
   const toml::node* node = find(key);
   if (!node) return std::nullopt;
   if (!node->is_table()) fail_kind(key, "a table", *node);
-  return TomlTable(*node->as_table(), files_, fmt::format("[{}]", key));
+  return inner(*node->as_table(), fmt::format("[{}]", key));
 }
 
 std::vector<TomlTable> TomlTable::tables(const char* key) {
@@ -199,7 +222,7 @@ std::vector<TomlTable> TomlTable::tables(const char* key) {
   if (!items) fail_kind(key, "tables headed [[…]]", *node);
   for (const toml::node& item : *items) {
     if (!item.is_table()) fail_kind(key, "tables headed [[…]]", item);
-    found.emplace_back(*item.as_table(), files_, fmt::format("[[{}]]", key));
+    found.push_back(inner(*item.as_table(), fmt::format("[[{}]]", key)));
   }
   return found;
 }
@@ -212,7 +235,7 @@ std::vector<TomlTable> TomlTable::named_tables(const char* key, std::vector<std:
     const std::string full = fmt::format("{}.{}", key, name.str());
     if (!node.is_table()) outer->fail_kind(full.c_str(), "a table", node);
     names.emplace_back(name.str());
-    found.emplace_back(*node.as_table(), files_, "[" + full + "]");
+    found.push_back(inner(*node.as_table(), "[" + full + "]"));
   }
   return found;
 }

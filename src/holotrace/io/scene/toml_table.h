@@ -18,6 +18,8 @@
 
 namespace holotrace {
 
+struct SceneArrays;
+
 /// The number of a TOML value, whole or not; nothing for values of another kind.
 std::optional<double> to_number(const toml::node& node);
 
@@ -27,6 +29,9 @@ std::optional<double> to_number(const toml::node& node);
 /// parameter set.
 ///
 /// Each value is checked against the range that its reader is given. Every Error starts with file:line:column.
+///
+/// Tables may also be made in memory. Then numbers are lengths in metres and angles in radians beside texts with a unit,
+/// indices of `arrays` stand for files, and an Error starts with the name of its table.
 class TomlTable {
  public:
   /// @param files  paths of the files that the tables were read from, the main file first
@@ -34,9 +39,17 @@ class TomlTable {
   TomlTable(const toml::table& table, std::vector<std::string> files, std::string name)
       : table_(&table), files_(std::move(files)), name_(std::move(name)) {}
 
+  /// @param arrays  of tables made in memory
+  TomlTable(const toml::table& table, std::shared_ptr<const SceneArrays> arrays, std::string name)
+      : table_(&table), files_{""}, name_(std::move(name)), arrays_(std::move(arrays)) {}
+
   const std::string& name() const { return name_; }
   const toml::table& toml() const { return *table_; }
   bool has(const char* key) const { return table_->contains(key); }
+
+  /// The index into `arrays` that a key of a table in memory holds; nothing if it holds something else.
+  std::optional<size_t> array_index(const char* key);
+  const SceneArrays* arrays() const { return arrays_.get(); }
 
   /// "file:line:column: " of a key's value, or of the table if the key is "" or absent.
   std::string where(const char* key) const;
@@ -115,15 +128,18 @@ class TomlTable {
 
  private:
   const std::string& file(const toml::source_region& source) const;
-  bool is_placed(const Error& error) const;  // whether it starts with a position in one of the files
+  bool is_placed(const Error& error) const;  // whether it starts with a position in one of the files, or a table
+  TomlTable inner(const toml::table& table, std::string name) const;
   void check(const char* key, const toml::node& node, double value, const Range& range, Quantity quantity) const;
   std::string length_text(const char* key, const toml::node& node) const;
+  std::optional<std::string> text_with_unit(const toml::node& node, const char* unit) const;
   std::vector<double> read_lengths(const char* key, const toml::node& node) const;
   Vec3 read_vector(const char* key, const toml::node& node) const;
 
   const toml::table* table_;
   std::vector<std::string> files_;
   std::string name_;
+  std::shared_ptr<const SceneArrays> arrays_;  // nullptr for tables from files
   std::set<std::string> known_;
 };
 

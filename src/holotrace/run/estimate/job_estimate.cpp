@@ -171,7 +171,7 @@ JobEstimate estimate_job(const Job& given) {
     };
     std::vector<Probe> probes(4);
     probes[0] = {[&](double part) { return trace.run(part); }, trace_part};
-    const RenderParams& one = renders.front().params;
+    const RenderParams one = renders.empty() ? job.render : renders.front().params;  // none: counted 0 times
     probes[1] = {
         [&](double part) { return times(double(renders.size()), probe_render(job, one, trace.prepare_seconds, part)); },
         std::min(1.0, 1024 / render_pixels(one))};

@@ -90,6 +90,11 @@ std::vector<TargetPlane> targets_of(const Field& field, const EncodeParams& para
   return targets;
 }
 
+TargetSize size_of_shape(const TargetSize& size, int columns, int rows) {
+  const double scale = std::min(double(size.columns) / columns, double(size.rows) / rows);
+  return {std::max(1, int(std::lround(scale * columns))), std::max(1, int(std::lround(scale * rows)))};
+}
+
 std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& panel, double wavelength,
                                             const EncodeParams& params) {
   check_distances(params.target_distances);

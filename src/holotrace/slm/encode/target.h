@@ -53,6 +53,9 @@ struct TargetSize {
 /// @throws Error  for a size below 0 or larger than the panel
 TargetSize target_size(const Grid& panel, const EncodeParams& params);
 
+/// The largest size within `size` that has the shape of a picture of columns × rows pixels, to half a pixel.
+TargetSize size_of_shape(const TargetSize& size, int columns, int rows);
+
 /// @throws Error  unless there are targets, all of the panel's size, finite, and with weights in [0, 1]
 void check_targets(const std::vector<TargetPlane>& targets, const Grid& panel);
 

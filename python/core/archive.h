@@ -1,0 +1,158 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "holotrace/base/array.h"
+#include "holotrace/base/error.h"
+
+// Nouns as bytes, for pickle and copy. Writer and Reader are called with the members of a type; `members` of
+// archive_nouns.h lists them for each type. Structured bindings there make a list that lacks a member fail to compile.
+
+namespace holotrace::python {
+
+template <class T>
+concept Plain = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
+
+class Writer {
+ public:
+  std::string bytes;
+
+  template <class... Values>
+  void operator()(const Values&... values) {
+    (write(values), ...);
+  }
+
+ private:
+  template <class T>
+  void raw(const T* data, size_t count) {
+    write(uint64_t(count));
+    bytes.append(reinterpret_cast<const char*>(data), count * sizeof(T));
+  }
+  template <Plain T>
+  void write(const T& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  void write(const std::string& text) { raw(text.data(), text.size()); }
+  template <class T, class A>
+  void write(const std::vector<T, A>& values) {
+    if constexpr (Plain<T>) {
+      raw(values.data(), values.size());
+    } else {
+      write(uint64_t(values.size()));
+      for (const T& value : values) write(value);
+    }
+  }
+  template <class T>
+  void write(const Array2D<T>& array) {
+    write(array.ny), write(array.nx), write(array.values);
+  }
+  template <class T>
+  requires(!Plain<std::optional<T>>) void write(const std::optional<T>& value) {
+    write(value.has_value());
+    if (value) write(*value);
+  }
+  template <class T>
+  void write(const std::shared_ptr<const T>& value) {
+    write(bool(value));
+    if (value) write(*value);
+  }
+  template <class... T>
+  requires(!Plain<std::variant<T...>>) void write(const std::variant<T...>& value) {
+    write(uint64_t(value.index()));
+    std::visit([this](const auto& held) { write(held); }, value);
+  }
+  template <class T>
+  requires(!Plain<T>) void write(const T& noun) { members(*this, const_cast<T&>(noun)); }
+};
+
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+
+  template <class... Values>
+  void operator()(Values&... values) {
+    (read(values), ...);
+  }
+  bool is_at_end() const { return at_ == bytes_.size(); }
+
+ private:
+  static void refuse() { fail("expected the bytes of a pickled object of this version of holotrace, got others"); }
+  const char* take(uint64_t size) {
+    if (size > bytes_.size() - at_) refuse();
+    at_ += size;
+    return bytes_.data() + at_ - size;
+  }
+  template <class Container>
+  void raw(Container& values) {
+    using T = typename Container::value_type;
+    uint64_t count = 0;
+    read(count);
+    if (count > bytes_.size() / sizeof(T)) refuse();
+    const char* from = take(count * sizeof(T));
+    values.resize(count);
+    if (count > 0) std::memcpy(static_cast<void*>(values.data()), from, count * sizeof(T));
+  }
+  template <Plain T>
+  void read(T& value) {
+    std::memcpy(static_cast<void*>(&value), take(sizeof value), sizeof value);
+  }
+  void read(std::string& text) { raw(text); }
+  template <class T, class A>
+  void read(std::vector<T, A>& values) {
+    if constexpr (Plain<T>) {
+      raw(values);
+    } else {
+      uint64_t count = 0;
+      read(count);
+      if (count > bytes_.size()) refuse();
+      values.resize(count);
+      for (T& value : values) read(value);
+    }
+  }
+  template <class T>
+  void read(Array2D<T>& array) {
+    read(array.ny), read(array.nx), read(array.values);
+    if (array.ny < 0 || array.nx < 0 || array.values.size() != size_t(array.ny) * size_t(array.nx)) refuse();
+  }
+  template <class T>
+  requires(!Plain<std::optional<T>>) void read(std::optional<T>& value) {
+    bool is_there = false;
+    read(is_there);
+    value.reset();
+    if (is_there) read(value.emplace());
+  }
+  template <class T>
+  void read(std::shared_ptr<const T>& value) {
+    bool is_there = false;
+    read(is_there);
+    value.reset();
+    if (!is_there) return;
+    auto held = std::make_shared<T>();
+    read(*held);
+    value = std::move(held);
+  }
+  template <class... T>
+  requires(!Plain<std::variant<T...>>) void read(std::variant<T...>& value) {
+    uint64_t index = 0;
+    read(index);
+    if (index >= sizeof...(T)) refuse();
+    uint64_t i = 0;
+    ((i++ == index ? read(value.template emplace<T>()) : void()), ...);
+  }
+  template <class T>
+  requires(!Plain<T>) void read(T& noun) { members(*this, noun); }
+
+  std::string_view bytes_;
+  size_t at_ = 0;
+};
+
+}  // namespace holotrace::python

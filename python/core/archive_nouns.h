@@ -1,0 +1,202 @@
+#pragma once
+
+#include <string>
+
+#include "archive.h"
+#include "holotrace/data/calibration.h"
+#include "holotrace/data/field.h"
+#include "holotrace/data/focal_stack.h"
+#include "holotrace/data/hologram.h"
+#include "holotrace/data/image.h"
+#include "holotrace/data/job.h"
+#include "holotrace/data/sources.h"
+
+// The members of each noun, for Writer and Reader. Types without pointers need no list.
+
+namespace holotrace::python {
+
+template <class Archive, class Real>
+void members(Archive& archive, BasicField<Real>& noun) {
+  auto& [grid, wavelength, z, samples, image, filter, name, frame, cone] = noun;
+  archive(grid, wavelength, z, samples, image, filter, name, frame, cone);
+}
+
+template <class Archive>
+void members(Archive& archive, Image& noun) {
+  auto& [nx, ny, channels, pitch, centre_x, centre_y, values] = noun;
+  archive(nx, ny, channels, pitch, centre_x, centre_y, values);
+}
+
+template <class Archive>
+void members(Archive& archive, TileAmplitudes& noun) {
+  auto& [columns, rows, values] = noun;
+  archive(columns, rows, values);
+}
+
+template <class Archive>
+void members(Archive& archive, Sources& noun) {
+  auto& [wavelength, waves, tiles, name, keys, seed, frame, cone] = noun;
+  archive(wavelength, waves, tiles, name, keys, seed, frame, cone);
+}
+
+template <class Archive>
+void members(Archive& archive, FocalStack& noun) {
+  auto& [grid, distances, pictures] = noun;
+  archive(grid, distances, pictures);
+}
+
+template <class Archive>
+void members(Archive& archive, SlmEffects& noun) {
+  auto& [calibration, crosstalk, gap_amplitude, gap_phase, flicker, aberration, phase_map, light_map, dead_fraction,
+         dead_seed, dead_pixels] = noun;
+  archive(calibration, crosstalk, gap_amplitude, gap_phase, flicker, aberration, phase_map, light_map, dead_fraction,
+          dead_seed, dead_pixels);
+}
+
+template <class Archive>
+void members(Archive& archive, Slm& noun) {
+  auto& [name, grid, modulation, levels, fill, fill_x, fill_y, design, range, effects, preset, source] = noun;
+  archive(name, grid, modulation, levels, fill, fill_x, fill_y, design, range, effects, preset, source);
+}
+
+template <class Archive>
+void members(Archive& archive, Hologram& noun) {
+  auto& [grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, name, frame,
+         cone, by_cone, by_pixels, modulus_level, effects] = noun;
+  archive(grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, name, frame,
+          cone, by_cone, by_pixels, modulus_level, effects);
+}
+
+template <class Archive>
+void members(Archive& archive, TestPattern& noun) {
+  auto& [name, kind, hologram] = noun;
+  archive(name, kind, hologram);
+}
+
+template <class Archive>
+void members(Archive& archive, CalibrationPlan& noun) {
+  auto& [distance, patterns] = noun;
+  archive(distance, patterns);
+}
+
+// Of a scene.
+
+template <class Archive>
+void members(Archive& archive, RefractiveIndex& part) {
+  archive(part.samples);
+}
+template <class Archive>
+void members(Archive& archive, DiffuseMaterial& part) {
+  auto& [reflectance, texture, transmittance] = part;
+  archive(reflectance, texture, transmittance);
+}
+template <class Archive>
+void members(Archive& archive, ConductorMaterial& part) {
+  auto& [index, roughness] = part;
+  archive(index, roughness);
+}
+template <class Archive>
+void members(Archive& archive, DielectricMaterial& part) {
+  auto& [index, roughness, is_thin] = part;
+  archive(index, roughness, is_thin);
+}
+template <class Archive>
+void members(Archive& archive, MetallicRoughnessMaterial& part) {
+  auto& [base_color, base_texture, metallic, roughness, metallic_texture] = part;
+  archive(base_color, base_texture, metallic, roughness, metallic_texture);
+}
+template <class Archive>
+void members(Archive& archive, Material& part) {
+  auto& [surface, emission, emission_texture, normal_map, normal_scale, two_sided] = part;
+  archive(surface, emission, emission_texture, normal_map, normal_scale, two_sided);
+}
+template <class Archive>
+void members(Archive& archive, Mesh& part) {
+  auto& [name, positions, normals, texture_coordinates, colours, triangles, material] = part;
+  archive(name, positions, normals, texture_coordinates, colours, triangles, material);
+}
+template <class Archive>
+void members(Archive& archive, Environment& part) {
+  auto& [map, scale, turn] = part;
+  archive(map, scale, turn);
+}
+template <class Archive>
+void members(Archive& archive, Scene& part) {
+  auto& [materials, meshes, lights, points, background, environment] = part;
+  archive(materials, meshes, lights, points, background, environment);
+}
+
+/// A visitor of `describe` that passes on each parameter.
+template <class Archive>
+struct ParamMembers {
+  Archive& archive;
+
+  template <class Value, class... Rest>
+  void count(const char*, Value& value, const Rest&...) {
+    archive(value);
+  }
+  template <class... Rest>
+  void number(const char*, double& value, const Rest&...) {
+    archive(value);
+  }
+  template <class... Rest>
+  void length(const char*, double& value, const Rest&...) {
+    archive(value);
+  }
+  template <class... Rest>
+  void angle(const char*, double& value, const Rest&...) {
+    archive(value);
+  }
+  template <class... Rest>
+  void lengths(const char*, std::vector<double>& value, const Rest&...) {
+    archive(value);
+  }
+  template <class... Rest>
+  void position(const char*, Vec3& value, const Rest&...) {
+    archive(value);
+  }
+  void flag(const char*, bool& value, const char*) { archive(value); }
+  void texts(const char*, std::vector<std::string>& value, const char*) { archive(value); }
+  template <class Enum>
+  void choice(const char*, Enum& value, std::initializer_list<std::type_identity_t<Choice<Enum>>>, const char*) {
+    archive(value);
+  }
+};
+
+template <class Archive>
+void members(Archive& archive, Job& noun) {
+  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, warnings] = noun;
+  archive(scene, wavelengths, slm, warnings);
+  ParamMembers<Archive> params{archive};
+  describe(params, trace);
+  describe(params, render);
+  describe(params, synthesize);
+  describe(params, encode);
+  describe(params, show);
+  describe(params, propagate);
+  describe(params, camera);
+}
+
+/// The noun as bytes, headed by the version that they are for.
+template <class Noun>
+std::string to_bytes(const Noun& noun) {
+  Writer writer;
+  writer(std::string(HOLOTRACE_VERSION), noun);
+  return writer.bytes;
+}
+
+/// @throws Error  for bytes of another version, and for damaged ones
+template <class Noun>
+Noun from_bytes(std::string_view bytes) {
+  Reader reader(bytes);
+  std::string version;
+  reader(version);
+  require(version == HOLOTRACE_VERSION, "expected an object pickled by holotrace {}, got one of {}; make it again",
+          HOLOTRACE_VERSION, version);
+  Noun noun;
+  reader(noun);
+  require(reader.is_at_end(), "expected the end of a pickled object, got more bytes");
+  return noun;
+}
+
+}  // namespace holotrace::python

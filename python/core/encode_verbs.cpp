@@ -1,0 +1,110 @@
+// The verbs encode and run.
+
+#include <nanobind/stl/vector.h>
+
+#include <nlohmann/json.hpp>
+
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/report_file.h"
+#include "holotrace/run/encode_job.h"
+#include "holotrace/run/pipeline.h"
+#include "holotrace/slm/encode/target.h"
+#include "nouns.h"
+#include "params.h"
+#include "watch.h"
+
+namespace holotrace::python {
+namespace {
+
+EncodeParams encode_params(const nb::dict& given) {
+  EncodeParams params;
+  set_params(given, params);
+  return params;
+}
+
+// The stages report to the watch; its facts are those of the last one.
+template <class MakeJob>
+std::vector<Hologram> encode_with(const EncodeParams& params, const Slm& slm, int frames, Watch& watch,
+                                  const MakeJob& make_job) {
+  return watch.run("encode", [&](const Observer& observer) {
+    Report report;
+    const EncodeJob job = make_job(observer);
+    return encode_job(job, frames, slm, params, report,
+                      [&](const std::string& stage) { return watch.observer(stage); });
+  });
+}
+
+std::vector<Hologram> encode_fields(const std::vector<Field>& fields, const Slm* panel, const nb::dict& given,
+                                    Watch& watch) {
+  const EncodeParams params = encode_params(given);
+  require(!fields.empty(), "expected one field or more to encode, got none");
+  const Slm slm = panel ? *panel : panel_for(fields.front().grid, params.method);
+  std::vector<Hologram> holograms =
+      encode_with(params, slm, 1, watch, [&](const Observer&) { return job_of_fields(fields, params); });
+  if (!panel)
+    for (Hologram& hologram : holograms) hologram.slm.reset();  // the panel was made up from the field's grid
+  return holograms;
+}
+
+std::vector<Hologram> encode_picture(const Image& picture, const Slm& slm, nb::handle wavelengths,
+                                     const nb::dict& given, Watch& watch) {
+  const EncodeParams params = encode_params(given);
+  const std::vector<double> colours = to_wavelengths(wavelengths);
+  return encode_with(params, slm, 1, watch, [&](const Observer& observer) {
+    if (!params.resample) return job_of_picture(picture, slm, colours, params, observer);
+    const TargetSize size = size_of_shape(target_size(slm.grid, params), picture.nx, picture.ny);
+    EncodeParams of_size = params;
+    of_size.target_columns = size.columns;
+    of_size.target_rows = size.rows;
+    return job_of_picture(resample_image(picture, size.columns, size.rows), slm, colours, of_size, observer);
+  });
+}
+
+std::vector<Hologram> encode_stack(const FocalStack& stack, const Slm& slm, nb::handle wavelengths, int frames,
+                                   const nb::dict& given, Watch& watch) {
+  const EncodeParams params = encode_params(given);
+  const std::vector<double> colours = to_wavelengths(wavelengths);
+  check_named(frames, range::at_least(1), Quantity::count, "frames");
+  return encode_with(params, slm, frames, watch,
+                     [&](const Observer&) { return job_of_stack(stack, slm, colours, params); });
+}
+
+template <class Noun>
+nb::list moved(std::vector<Noun>& nouns) {
+  nb::list list;
+  for (Noun& noun : nouns) list.append(nb::cast(std::move(noun)));
+  return list;
+}
+
+nb::dict run_job(const Job& job, Watch& watch) {
+  Boxes boxes = watch.run("run", [&](const Observer&) {
+    return run(job, [&](const std::string& stage) { return watch.observer(stage); });
+  });
+  nb::dict results;
+  nb::list fields;
+  for (std::vector<Field>& group : boxes.fields) fields.append(moved(group));
+  results["renders"] = moved(boxes.renders);
+  results["sources"] = moved(boxes.sources);
+  results["fields"] = fields;
+  results["holograms"] = moved(boxes.holograms);
+  results["views"] = moved(boxes.views);
+  results["white"] = boxes.white;
+  results["sweep"] = moved(boxes.sweep.images);
+  results["stereo_renders"] = moved(boxes.stereo_renders);
+  results["stereo_views"] = moved(boxes.stereo_views.images);
+  const std::string report = report_json(boxes.report).dump();
+  results["report"] = report;
+  return results;
+}
+
+}  // namespace
+
+void bind_encode_verbs(nb::module_& module) {
+  module.def("encode_fields", &encode_fields, nb::arg("fields"), nb::arg("slm").none(), nb::arg("params"),
+             nb::arg("watch"));
+  module.def("encode_picture", &encode_picture);
+  module.def("encode_stack", &encode_stack);
+  module.def("run", &run_job);
+}
+
+}  // namespace holotrace::python

@@ -1,0 +1,141 @@
+// Panels and holograms.
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/vector.h>
+
+#include "arrays.h"
+#include "holotrace/base/suggest.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "holotrace/io/scene/slm_file.h"
+#include "nouns.h"
+#include "values.h"
+
+namespace holotrace::python {
+
+ImageSide image_side_of(const std::string& name) {
+  if (name == "virtual") return ImageSide::virtual_image;
+  if (name == "real") return ImageSide::real_image;
+  throw Error(unknown_name_message("image", name, {"virtual", "real"}));
+}
+
+std::string name_of(ImageSide side) { return side == ImageSide::real_image ? "real" : "virtual"; }
+
+Modulation modulation_of(const std::string& name) {
+  if (name == "phase") return Modulation::phase;
+  if (name == "amplitude") return Modulation::amplitude;
+  if (name == "complex") return Modulation::complex;
+  throw Error(unknown_name_message("modulation", name, {"phase", "amplitude", "complex"}));
+}
+
+std::string name_of(Modulation modulation) {
+  return modulation == Modulation::phase ? "phase" : modulation == Modulation::amplitude ? "amplitude" : "complex";
+}
+
+namespace {
+
+void bind_panel(nb::module_& module) {
+  nb::class_<Slm> slm(module, "Slm");
+  bind_bytes<Slm>(slm);
+  slm.def_static("load", [](const std::string& name) { return load_slm(name); });
+  slm.def_static("preset_names", &slm_preset_names);
+  slm.def_static("plain", [](int columns, int rows, double pitch, const std::string& modulation, int levels) {
+    Slm panel;
+    panel.grid = {columns, rows, pitch};
+    panel.modulation = modulation_of(modulation);
+    panel.levels = levels;
+    check_slm(panel);
+    return panel;
+  });
+  slm.def_ro("name", &Slm::name);
+  slm.def_prop_ro("columns", [](const Slm& s) { return s.grid.nx; });
+  slm.def_prop_ro("rows", [](const Slm& s) { return s.grid.ny; });
+  slm.def_prop_ro("pitch", [](const Slm& s) { return s.grid.pitch; });
+  slm.def_prop_ro("modulation", [](const Slm& s) { return name_of(s.modulation); });
+  slm.def_ro("levels", &Slm::levels);
+  slm.def_ro("fill_factor", &Slm::fill_factor);
+  slm.def_ro("design_wavelength", &Slm::design_wavelength);
+  slm.def_ro("phase_range", &Slm::phase_range);
+  slm.def_ro("source", &Slm::source);
+  slm.def_prop_ro("effects", [](const Slm& s) { return effects_of(s); });
+  slm.def("with_effects", [](const Slm& s, const std::vector<std::string>& names) { return with_effects(s, names); });
+  slm.def(
+      "with_grid",
+      [](Slm s, int columns, int rows, nb::handle pitch) {
+        s.grid.nx = columns > 0 ? columns : s.grid.nx;
+        s.grid.ny = rows > 0 ? rows : s.grid.ny;
+        if (!pitch.is_none()) s.grid.pitch = to_length(pitch, "pitch");
+        check_slm(s);
+        return s;
+      },
+      nb::arg("columns"), nb::arg("rows"), nb::arg("pitch").none());
+}
+
+Hologram make_hologram(const In2<uint16_t>& level, nb::handle pitch, nb::handle wavelength, int levels,
+                       const std::string& modulation) {
+  Hologram hologram;
+  hologram.level = to_array(level, "the levels of a hologram");
+  hologram.grid = {hologram.level.nx, hologram.level.ny, to_length(pitch, "pitch")};
+  check_named(hologram.grid.pitch, range::positive, Quantity::length, "pitch");
+  hologram.wavelength = to_wavelength(wavelength);
+  check_named(levels, range::from_to(2, 65536), Quantity::count, "levels");
+  const auto& values = hologram.level.values;
+  const auto most = std::max_element(values.begin(), values.end());
+  require(*most < levels, "expected levels below {}, got {} at row {}, column {}; give the number of levels", levels,
+          *most, (most - values.begin()) / hologram.level.nx, (most - values.begin()) % hologram.level.nx);
+  hologram.levels = levels;
+  hologram.modulation = modulation_of(modulation);
+  require(hologram.modulation != Modulation::complex,
+          "expected the modulation phase or amplitude for an array of levels, got complex");
+  return hologram;
+}
+
+}  // namespace
+
+void bind_holograms(nb::module_& module) {
+  bind_panel(module);
+  nb::class_<Hologram> hologram(module, "Hologram");
+  bind_bytes<Hologram>(hologram);
+  hologram.def_static("make", &make_hologram, nb::arg("level"), nb::arg("pitch").none(), nb::arg("wavelength").none(),
+                      nb::arg("levels"), nb::arg("modulation"));
+  hologram.def_prop_ro("level", [](nb::handle self) { return view(self, nb::cast<Hologram&>(self).level); });
+  hologram.def_prop_ro("modulus_level", [](nb::handle self) -> nb::object {
+    const Hologram& h = nb::cast<Hologram&>(self);
+    return h.modulus_level.size() > 0 ? view(self, h.modulus_level) : nb::none();
+  });
+  hologram.def_ro("levels", &Hologram::levels);
+  hologram.def_prop_ro("modulation", [](const Hologram& h) { return name_of(h.modulation); });
+  hologram.def_prop_rw(
+      "pitch", [](const Hologram& h) { return h.grid.pitch; },
+      [](Hologram& h, nb::handle pitch) { h.grid.pitch = to_length(pitch, "pitch"); });
+  hologram.def_prop_rw(
+      "wavelength", [](const Hologram& h) { return h.wavelength; },
+      [](Hologram& h, nb::handle wavelength) { h.wavelength = to_wavelength(wavelength); });
+  hologram.def_prop_ro("wavelengths", [](const Hologram& h) {
+    std::vector<double> wavelengths;
+    for (const JointColour& colour : h.colours) wavelengths.push_back(colour.wavelength);
+    if (wavelengths.empty()) wavelengths.push_back(h.wavelength);
+    return wavelengths;
+  });
+  hologram.def_prop_rw(
+      "image", [](const Hologram& h) { return name_of(h.image); },
+      [](Hologram& h, const std::string& name) { h.image = image_side_of(name); });
+  hologram.def_ro("encoder", &Hologram::encoder);
+  hologram.def_rw("illumination", &Hologram::illumination);
+  hologram.def_rw("name", &Hologram::name);
+  hologram.def_ro("frame", &Hologram::frame);
+  hologram.def_ro("effects", &Hologram::effects);
+  hologram.def_prop_rw(
+      "slm", [](const Hologram& h) { return h.slm; }, [](Hologram& h, const std::optional<Slm>& slm) { h.slm = slm; },
+      nb::arg("slm").none());
+  hologram.def("save", [](const Hologram& h, const std::string& path) {
+    const nb::gil_scoped_release release;
+    save_hologram(path, h);
+  });
+  module.def("load_hologram", [](const std::string& path) {
+    const nb::gil_scoped_release release;
+    return load_hologram(path);
+  });
+}
+
+}  // namespace holotrace::python

@@ -1,0 +1,120 @@
+// Scenes, and the verbs that trace them: render, focal_stack, trace, fields, run.
+
+#include <nanobind/stl/vector.h>
+
+#include "holotrace/data/acceptance.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "holotrace/io/scene/scene_tables.h"
+#include "holotrace/run/scene_light.h"
+#include "holotrace/trace/focal_stack.h"
+#include "holotrace/trace/render.h"
+#include "holotrace/trace/trace.h"
+#include "nouns.h"
+#include "params.h"
+#include "tables.h"
+#include "watch.h"
+
+namespace holotrace::python {
+namespace {
+
+Outside outside_of(bool allow) { return allow ? Outside::allowed : Outside::refused; }
+
+// The parameters of a stage of a job, by the name of its table in a scene file.
+template <class Use>
+void with_stage(Job& job, const std::string& stage, const Use& use) {
+  if (stage == "trace") return use(job.trace);
+  if (stage == "render") return use(job.render);
+  if (stage == "synthesize") return use(job.synthesize);
+  if (stage == "encode") return use(job.encode);
+  if (stage == "show") return use(job.show);
+  if (stage == "propagate") return use(job.propagate);
+  if (stage == "camera") return use(job.camera);
+  throw Error(
+      unknown_name_message("stage", stage, {"trace", "render", "synthesize", "encode", "show", "propagate", "camera"}));
+}
+
+double wavelength_of(const Job& job) { return view_wavelength(job.wavelengths, job.trace.has_common_cone); }
+
+Image render_scene(const Job& job, const nb::dict& given, Watch& watch) {
+  RenderParams params = job.render;
+  set_params(given, params);
+  return watch.run("render", [&](const Observer& observer) {
+    return render(job.scene, job.slm.grid, wavelength_of(job), params, observer);
+  });
+}
+
+FocalStack trace_stack(const Job& job, const std::vector<double>& distances, const nb::dict& given, Watch& watch) {
+  RenderParams params = job.render;
+  set_params(given, params);
+  return watch.run("focal stack", [&](const Observer& observer) {
+    return trace_focal_stack(job.scene, job.slm.grid, wavelength_of(job), distances, params, observer);
+  });
+}
+
+std::vector<Sources> trace_sources(const Job& job, const nb::dict& given, Watch& watch) {
+  TraceParams params = job.trace;
+  set_params(given, params);
+  return watch.run("trace", [&](const Observer& observer) {
+    return trace(job.scene, job.slm.grid, job.wavelengths, params, observer);
+  });
+}
+
+// As `holotrace field`: the waves are traced and summed.
+std::vector<Field> fields_of_scene(const Job& given_job, const nb::dict& given, uint32_t frame, Watch& watch) {
+  Job job = given_job;
+  set_params(given, job.synthesize);
+  return watch.run("trace", [&](const Observer& observer) {
+    const SceneLight light = trace_light(job, observer);
+    return fields_of_frame(light, frame, job.slm.grid, job.synthesize, watch.observer("synthesize"));
+  });
+}
+
+}  // namespace
+
+void bind_scenes(nb::module_& module) {
+  nb::class_<Job> job(module, "Job");
+  bind_bytes<Job>(job);
+  job.def_static("load", [](const std::string& path, bool allow_outside) {
+    const nb::gil_scoped_release release;
+    return load_job(path, outside_of(allow_outside));
+  });
+  job.def_static("make", [](const nb::dict& dict, bool allow_outside) {
+    SceneArrays arrays;
+    const toml::table tables = to_table(dict, arrays);
+    return job_of_tables(tables, arrays, outside_of(allow_outside));
+  });
+  job.def("set", [](Job& j, const std::string& stage, const nb::dict& given) {
+    with_stage(j, stage, [&](auto& params) { set_params(given, params); });
+  });
+  job.def("get", [](Job& j, const std::string& stage) {
+    nb::list list;
+    with_stage(j, stage, [&](auto& params) { list = list_params(params); });
+    return list;
+  });
+  job.def_prop_rw(
+      "wavelengths", [](const Job& j) { return j.wavelengths; },
+      [](Job& j, nb::handle wavelengths) { j.wavelengths = to_wavelengths(wavelengths); });
+  job.def_rw("slm", &Job::slm);
+  job.def_ro("warnings", &Job::warnings);
+  job.def_prop_ro("counts", [](const Job& j) {
+    size_t triangles = 0;
+    for (const Mesh& mesh : j.scene.meshes) triangles += mesh.triangles.size();
+    return nb::make_tuple(j.scene.meshes.size(), triangles, j.scene.points.size(), j.scene.lights.size());
+  });
+
+  module.def("slm_of_table", [](const nb::dict& dict) {
+    SceneArrays none;
+    return slm_of_table(to_table(dict, none));
+  });
+  module.def("render", &render_scene);
+  module.def(
+      "focal_stack",
+      [](const Job& job, nb::handle distances, const nb::dict& given, Watch& watch) {
+        return trace_stack(job, to_lengths(distances, "distances"), given, watch);
+      },
+      nb::arg("scene"), nb::arg("distances").none(), nb::arg("params"), nb::arg("watch"));
+  module.def("trace", &trace_sources);
+  module.def("fields", &fields_of_scene);
+}
+
+}  // namespace holotrace::python

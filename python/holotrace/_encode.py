@@ -1,0 +1,141 @@
+"""The verbs encode and run."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
+
+from . import _core
+from ._fields import Field, Sources
+from ._holograms import Hologram
+from ._images import FocalStack, Image
+from ._noun import Noun
+from ._parameters import takes
+from ._progress import Progress, watching
+from ._scenes import Scene
+from ._units import Lengths
+from ._waves import Panel, a, panel
+
+#: What a hologram is made from: the field on the panel, a target picture, or a focal stack.
+Target = Union[Field, Image, FocalStack]
+
+
+def _encode(
+    target: Union[Target, Sequence[Field]],
+    slm: Optional[Panel],
+    wavelength: Optional[Lengths],
+    frames: int,
+    progress: Progress,
+    params: Mapping[str, Any],
+) -> List[Hologram]:
+    with watching(progress, level=5) as watch:
+        if isinstance(target, (Image, FocalStack)):
+            kind = "picture" if isinstance(target, Image) else "focal stack"
+            if wavelength is None:
+                raise _core.Error(f"a {kind} has no wavelength; give its wavelength")
+            device = panel(slm if slm is not None else "pluto")._core
+            if isinstance(target, FocalStack):
+                cores = _core.encode_stack(target._core, device, wavelength, frames, dict(params), watch.core)
+            else:
+                cores = _core.encode_picture(target._core, device, wavelength, dict(params), watch.core)
+        else:
+            if wavelength is not None:
+                raise _core.Error("expected a wavelength only with a picture or a focal stack; a field has its own")
+            given = [target] if isinstance(target, Noun) or not isinstance(target, Sequence) else target
+            single = [a(Field, one, "to encode").as_single() for one in given]
+            cores = _core.encode_fields(single, None if slm is None else panel(slm)._core, dict(params), watch.core)
+        if frames != 1 and not isinstance(target, FocalStack):
+            raise _core.Error("expected frames only with a focal stack; leave it out")
+    return [Hologram._of(core, watch.facts) for core in cores]
+
+
+@takes("encode", without=("target", "quality", "planes"))
+def encode(
+    target: Target,
+    slm: Optional[Panel] = None,
+    *,
+    wavelength: Optional[Lengths] = None,
+    progress: Progress = None,
+    **params: Any,
+) -> Hologram:
+    """The hologram, levels of an SLM, of a field, a target picture or a focal stack.
+
+    ``slm`` is the panel; None: 256 levels on the field's grid, or ``"pluto"`` for pictures and stacks. ``wavelength`` is
+    that of a picture or a stack, which have none. Pictures are shown at ``target_distances``.
+    """
+    holograms = _encode(target, slm, wavelength, 1, progress, params)
+    if len(holograms) != 1:
+        raise _core.Error(f"expected one wavelength for one hologram, got {len(holograms)}; use encode_all")
+    return holograms[0]
+
+
+@takes("encode", without=("target", "quality", "planes"))
+def encode_all(
+    target: Union[Target, Sequence[Field]],
+    slm: Optional[Panel] = None,
+    *,
+    wavelength: Optional[Lengths] = None,
+    frames: int = 1,
+    progress: Progress = None,
+    **params: Any,
+) -> List[Hologram]:
+    """The holograms of several wavelengths or, of a focal stack, of several frames that are found together.
+
+    The order is that in which they are shown: for each frame, each wavelength.
+    """
+    return _encode(target, slm, wavelength, frames, progress, params)
+
+
+@dataclass
+class Run:
+    """All that the pipeline has made of a scene."""
+
+    #: Path-traced references.
+    renders: List[Image]
+    #: Waves of the first frame, one set for each wavelength, path group and light.
+    sources: List[Sources]
+    #: Fields on the panel in the first frame, [path group or light][wavelength].
+    fields: List[List[Field]]
+    #: Holograms in the order in which they are shown.
+    holograms: List[Hologram]
+    #: What the camera sees, one picture for each of its distances.
+    views: List[Image]
+    #: Irradiance that is shown as white in all views [W/m2].
+    white: float
+    #: The views of a sweep.
+    sweep: List[Image]
+    #: Renders for the left and the right eye, and what they see of the holograms.
+    stereo_renders: List[Image]
+    stereo_views: List[Image]
+    #: Seconds, facts, warnings and metrics of each stage, as in report.json.
+    report: Dict[str, Any]
+
+    def _repr_html_(self) -> str:
+        pictures: Sequence[Noun] = [*self.renders[:1], *self.holograms[:1], *self.views]
+        return "".join(getattr(one, "_repr_html_")() for one in pictures)
+
+
+def run(scene: Scene, *, progress: Progress = None, **stages: Mapping[str, Any]) -> Run:
+    """The whole pipeline, from a scene to the camera's view of its holograms.
+
+    Keywords are the tables of a scene file, whose values replace the scene's: ``ht.run(scene, trace={"paths": 16},
+    camera={"distances": "300 mm"})``.
+    """
+    job = a(Scene, scene, "to run").copy()
+    for stage, params in stages.items():
+        job.set(stage, dict(params))
+    with watching(progress) as watch:
+        made = _core.run(job, watch.core)
+    return Run(
+        renders=[Image._of(core) for core in made["renders"]],
+        sources=[Sources._of(core) for core in made["sources"]],
+        fields=[[Field._of(core) for core in group] for group in made["fields"]],
+        holograms=[Hologram._of(core) for core in made["holograms"]],
+        views=[Image._of(core) for core in made["views"]],
+        white=made["white"],
+        sweep=[Image._of(core) for core in made["sweep"]],
+        stereo_renders=[Image._of(core) for core in made["stereo_renders"]],
+        stereo_views=[Image._of(core) for core in made["stereo_views"]],
+        report=json.loads(made["report"]),
+    )

@@ -1,0 +1,276 @@
+"""Slm and Hologram."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _core, _picture
+from ._arrays import real_numbers, rows_and_columns, whole_levels
+from ._fields import Path
+from ._noun import Noun
+from ._units import Length, format_length
+
+
+class Slm(Noun):
+    """A spatial light modulator.
+
+    Parameters
+    ----------
+    name : text
+        A preset (``Slm.names()``), such as ``"pluto"``, or a file with the keys of a scene's ``[slm]``. None: a panel
+        without effects of the given columns, rows and pitch.
+    columns, rows, pitch
+        Size and pixel pitch; with a name they replace those of the preset.
+    modulation : "phase", "amplitude" or "complex"
+        Only without a name.
+    levels : whole number
+        Only without a name.
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self,
+        name: Optional[Path] = None,
+        *,
+        columns: int = 0,
+        rows: int = 0,
+        pitch: Optional[Length] = None,
+        modulation: Optional[str] = None,
+        levels: Optional[int] = None,
+    ) -> None:
+        if name is None:
+            if columns <= 0 or rows <= 0 or pitch is None:
+                raise _core.Error("expected the name of a panel, or its columns, rows and pitch")
+            core = _core.Slm.plain(columns, rows, _core.length(pitch, "pitch"), modulation or "phase", levels or 256)
+        else:
+            if modulation is not None or levels is not None:
+                raise _core.Error("expected modulation and levels only without the name of a panel; leave them out")
+            core = _core.Slm.load(os.fspath(name))
+            if columns or rows or pitch is not None:
+                core = core.with_grid(columns, rows, pitch)
+        self._core = core
+        self.facts = {}
+
+    @staticmethod
+    def names() -> List[str]:
+        """The names of all presets."""
+        return list(_core.Slm.preset_names())
+
+    @property
+    def name(self) -> str:
+        return str(self._core.name)
+
+    @property
+    def columns(self) -> int:
+        return int(self._core.columns)
+
+    @property
+    def rows(self) -> int:
+        return int(self._core.rows)
+
+    @property
+    def shape(self) -> Tuple[int, int]:
+        """(rows, columns)"""
+        return self.rows, self.columns
+
+    @property
+    def pitch(self) -> float:
+        """Pixel pitch [m]."""
+        return float(self._core.pitch)
+
+    @property
+    def modulation(self) -> str:
+        """ "phase", "amplitude" or "complex" """
+        return str(self._core.modulation)
+
+    @property
+    def levels(self) -> int:
+        return int(self._core.levels)
+
+    @property
+    def fill_factor(self) -> float:
+        """Lit part of a pixel's area."""
+        return float(self._core.fill_factor)
+
+    @property
+    def effects(self) -> List[str]:
+        """Names of the differences from an ideal panel that are known."""
+        return list(self._core.effects)
+
+    def with_effects(self, names: Union[str, Sequence[str]]) -> "Slm":
+        """The panel with only the named effects; "all": all of them."""
+        return Slm._of(self._core.with_effects([names] if isinstance(names, str) else list(names)))
+
+    def __repr__(self) -> str:
+        return (
+            f"Slm({self.name!r}, {self.columns} x {self.rows}, pitch={format_length(self.pitch)}, "
+            f"{self.levels} levels of {self.modulation})"
+        )
+
+
+class Hologram(Noun):
+    """The data shown on an SLM: a level per pixel.
+
+    Parameters
+    ----------
+    level : array of the shape (ny, nx)
+        Whole numbers, 0 to levels - 1, row 0 on top.
+    pitch, wavelength : length
+        Pixel pitch, and the wavelength that it was computed for.
+    levels : whole number
+        A phase level shows ``2 pi level / levels``, an amplitude level ``level / (levels - 1)``.
+    modulation : "phase" or "amplitude"
+    image : "virtual" or "real"
+    slm : Slm
+        The panel that it was made for, if it is known.
+
+    ``np.asarray(hologram)`` is the memory of the levels, not a copy.
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self,
+        level: Any,
+        pitch: Length,
+        wavelength: Length,
+        *,
+        levels: int = 256,
+        modulation: str = "phase",
+        image: str = "virtual",
+        slm: Optional[Slm] = None,
+    ) -> None:
+        self._core = _core.Hologram.make(whole_levels(level), pitch, wavelength, levels, modulation)
+        self._core.image = image
+        self._core.slm = None if slm is None else slm._core
+        self.facts = {}
+
+    @classmethod
+    def from_phase(
+        cls,
+        phase: Any,
+        pitch: Length,
+        wavelength: Length,
+        *,
+        levels: int = 256,
+        image: str = "virtual",
+        slm: Optional[Slm] = None,
+    ) -> "Hologram":
+        """A hologram of the nearest levels to phases in radians, such as a pattern of slmsuite or odak."""
+        radians = rows_and_columns(real_numbers(phase, "phases", np.float64), "phases")
+        if not np.isfinite(radians).all():
+            raise _core.Error("expected finite phases, got NaN or infinity")
+        level = np.rint(radians * (levels / (2 * np.pi))).astype(np.int64) % levels
+        return cls(level, pitch, wavelength, levels=levels, image=image, slm=slm)
+
+    @property
+    def level(self) -> np.ndarray[Any, Any]:
+        """The levels, shape (ny, nx): a view of the hologram's memory."""
+        array: np.ndarray[Any, Any] = self._core.level
+        return array
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
+        array = self.level if dtype is None else self.level.astype(dtype, copy=False)
+        return array.copy() if copy else array
+
+    @property
+    def modulus_level(self) -> Optional[np.ndarray[Any, Any]]:
+        """Levels of amplitude beside those of phase, on a complex panel."""
+        array: Optional[np.ndarray[Any, Any]] = self._core.modulus_level
+        return array
+
+    @property
+    def phase(self) -> np.ndarray[Any, Any]:
+        """Phase of each pixel at the design wavelength [rad]."""
+        if self.modulation == "amplitude":
+            raise _core.Error("expected a hologram of phases, got one of amplitudes; use level")
+        return self.level * (2 * np.pi / self.levels)
+
+    @property
+    def shape(self) -> Tuple[int, int]:
+        """(ny, nx)"""
+        rows, columns = self.level.shape
+        return rows, columns
+
+    @property
+    def levels(self) -> int:
+        """Number of levels."""
+        return int(self._core.levels)
+
+    @property
+    def modulation(self) -> str:
+        """ "phase", "amplitude" or "complex" """
+        return str(self._core.modulation)
+
+    @property
+    def pitch(self) -> float:
+        """[m]"""
+        return float(self._core.pitch)
+
+    @property
+    def wavelength(self) -> float:
+        """[m]"""
+        return float(self._core.wavelength)
+
+    @property
+    def wavelengths(self) -> List[float]:
+        """All wavelengths that it shows [m]."""
+        return list(self._core.wavelengths)
+
+    @property
+    def image(self) -> str:
+        """ "virtual" or "real" """
+        return str(self._core.image)
+
+    @property
+    def encoder(self) -> str:
+        """Method that it was made by."""
+        return str(self._core.encoder)
+
+    @property
+    def illumination(self) -> float:
+        """Irradiance on the panel that reproduces the brightness of the field [W/m2]."""
+        return float(self._core.illumination)
+
+    @property
+    def frame(self) -> int:
+        return int(self._core.frame)
+
+    @property
+    def slm(self) -> Optional[Slm]:
+        """The panel that it was made for, if it is known."""
+        core = self._core.slm
+        return None if core is None else Slm._of(core)
+
+    def save(self, path: Path) -> None:
+        """Write a .png of grey levels with its metadata."""
+        self._core.save(os.fspath(path))
+
+    def __repr__(self) -> str:
+        rows, columns = self.shape
+        made = f", {self.encoder}" if self.encoder else ""
+        return (
+            f"Hologram({columns} x {rows}, {self.levels} levels of {self.modulation}{made}, "
+            f"pitch={format_length(self.pitch)}, wavelength={format_length(self.wavelength)})"
+        )
+
+    def _repr_html_(self) -> str:
+        step = -(-max(self.shape) // 384)
+        grey = (self.level[::step, ::step].astype(np.float64) * (255 / (self.levels - 1))).astype(np.uint8)
+        return _picture.page(repr(self), [("levels", grey)])
+
+
+def load_hologram(path: Path, *, pitch: Optional[Length] = None, wavelength: Optional[Length] = None) -> Hologram:
+    """The hologram of a .png. Pitch and wavelength are for a picture without metadata."""
+    core = _core.load_hologram(os.fspath(path))
+    if core.pitch == 0:
+        if pitch is None or wavelength is None:
+            raise _core.Error(f"{path} has no metadata of a hologram; give its pitch and wavelength")
+        core.pitch = pitch
+    if core.wavelength == 0 and wavelength is not None:
+        core.wavelength = wavelength
+    return Hologram._of(core)

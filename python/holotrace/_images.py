@@ -1,0 +1,156 @@
+"""Image and FocalStack."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _core, _picture
+from ._arrays import real_numbers
+from ._fields import Path
+from ._noun import Noun
+from ._units import Length, Lengths, format_length
+
+
+class Image(Noun):
+    """A picture of linear light, row 0 on top: [W/m2] on a sensor, [W/m2/sr] from ``render``.
+
+    Parameters
+    ----------
+    pixels : array of the shape (rows, columns) or (rows, columns, 3)
+        Linear light, not sRGB codes. 8- and 16-bit pictures are read from files, by ``load_image``.
+    pitch : length
+        Side of a pixel; 0 if it is unknown.
+
+    ``np.asarray(image)`` is the memory of the image, not a copy.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, pixels: Any, pitch: Length = 0.0) -> None:
+        given = np.asarray(pixels)
+        if given.dtype.kind != "f":
+            raise _core.Error(
+                f"expected floating-point linear light for an image, got {given.dtype}; load_image reads and decodes"
+                " picture files"
+            )
+        if given.ndim not in (2, 3):
+            raise _core.Error(
+                f"expected an image of the shape (rows, columns) or (rows, columns, 3), got {given.shape}"
+            )
+        array = real_numbers(given, "an image")
+        self._core = _core.Image.make(array[:, :, None] if array.ndim == 2 else array, pitch)
+        self.facts = {}
+
+    @property
+    def pixels(self) -> np.ndarray[Any, Any]:
+        """Linear light, shape (rows, columns) or (rows, columns, 3): a view of the image's memory."""
+        array: np.ndarray[Any, Any] = self._core.pixels
+        return array
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
+        array = self.pixels if dtype is None else self.pixels.astype(dtype, copy=False)
+        return array.copy() if copy else array
+
+    @property
+    def shape(self) -> Tuple[int, ...]:
+        shape: Tuple[int, ...] = self.pixels.shape
+        return shape
+
+    @property
+    def channels(self) -> int:
+        """1, or 3 for red, green and blue."""
+        return int(self._core.channels)
+
+    @property
+    def pitch(self) -> float:
+        """Side of a pixel [m]; 0 if it is unknown."""
+        return float(self._core.pitch)
+
+    @property
+    def white(self) -> float:
+        """The value that is shown as white: the 99.9th percentile."""
+        return float(_core.common_white([self._core], 0.0))
+
+    def save(self, path: Path, *, white: float = 0.0, bits: int = 8) -> None:
+        """Write .png (sRGB; ``white`` is the value shown as white, 0: the 99.9th percentile) or .exr (linear)."""
+        self._core.save(os.fspath(path), white, bits)
+
+    def __repr__(self) -> str:
+        rows, columns = self.shape[:2]
+        colours = ", colour" if self.channels == 3 else ""
+        pitch = f", pitch={format_length(self.pitch)}" if self.pitch > 0 else ""
+        return f"Image({columns} x {rows}{colours}{pitch})"
+
+    def _repr_html_(self) -> str:
+        return _picture.page(repr(self), [("", _picture.grey(_picture.reduced(self.pixels), self.white))])
+
+
+def load_image(path: Path) -> Image:
+    """The picture of a file as linear light: sRGB codes are decoded, EXR values are as they are."""
+    return Image._of(_core.load_image(os.fspath(path)))
+
+
+class FocalStack(Noun):
+    """Pictures of one scene in several planes behind the panel, each with that plane in focus.
+
+    Parameters
+    ----------
+    pictures : sequence of Image, or array of the shape (planes, rows, columns[, 3])
+        Linear radiance [W/m2/sr].
+    distances : lengths
+        Distances of the planes from the panel, one for each picture.
+    pitch : length
+        Pixel pitch, which is the panel's.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, pictures: Union[Sequence[Image], Any], distances: Lengths, pitch: Length) -> None:
+        images = [one if isinstance(one, Image) else Image(one) for one in pictures]
+        self._core = _core.FocalStack.make([image._core for image in images], distances, pitch)
+        self.facts = {}
+
+    @property
+    def pictures(self) -> List[Image]:
+        return [Image._of(core) for core in self._core.pictures]
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
+        array: np.ndarray[Any, Any] = np.stack([core.pixels for core in self._core.pictures])
+        return array if dtype is None else array.astype(dtype, copy=False)
+
+    @property
+    def distances(self) -> List[float]:
+        """[m]"""
+        return list(self._core.distances)
+
+    @property
+    def pitch(self) -> float:
+        """[m]"""
+        return float(self._core.pitch)
+
+    def save(self, path: Path) -> None:
+        """Write .h5."""
+        self._core.save(os.fspath(path))
+
+    def __repr__(self) -> str:
+        rows, columns = self._core.pictures[0].pixels.shape[:2]
+        planes = ", ".join(format_length(one) for one in self.distances)
+        return f"FocalStack({columns} x {rows}, planes at {planes})"
+
+    def _repr_html_(self) -> str:
+        white = float(_core.common_white(self._core.pictures, 0.0))
+        return _picture.page(
+            repr(self),
+            [
+                (format_length(distance), _picture.grey(_picture.reduced(core.pixels), white))
+                for distance, core in zip(self.distances, self._core.pictures)
+            ],
+        )
+
+
+def load_focal_stack(path: Path, *, allow_outside: bool = False) -> FocalStack:
+    """The focal stack of an .h5 file."""
+    return FocalStack._of(_core.load_focal_stack(os.fspath(path), allow_outside))

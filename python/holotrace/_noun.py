@@ -1,0 +1,37 @@
+"""What all nouns have in common."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, Mapping, Optional, Type, TypeVar, Union
+
+Fact = Union[int, float, str]
+Self = TypeVar("Self", bound="Noun")
+
+
+class Noun:
+    """An object of the library, with the facts that the verb which made it has stated."""
+
+    __slots__ = ("_core", "facts", "__weakref__")
+    _core: Any
+    #: Counts, figures and choices of the verb that made it, as in the program's reports.
+    facts: Dict[str, Fact]
+
+    @classmethod
+    def _of(cls: Type[Self], core: Any, facts: Optional[Mapping[str, Fact]] = None) -> Self:
+        noun = cls.__new__(cls)
+        noun._core = core
+        noun.facts = dict(facts or {})
+        return noun
+
+    def copy(self: Self) -> Self:
+        """A copy with memory of its own."""
+        return self._of(self._core.copy(), self.facts)
+
+    def __copy__(self: Self) -> Self:
+        return self.copy()
+
+    def __deepcopy__(self: Self, memo: Any) -> Self:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        return (self._of, (self._core, self.facts))

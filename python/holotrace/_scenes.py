@@ -1,0 +1,194 @@
+"""Scene, and the verbs that trace it: render, focal_stack, trace, fields."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Dict, List, Mapping, Optional
+
+import numpy as np
+
+from . import _core
+from ._arrays import real_numbers
+from ._fields import Field, Path, Sources
+from ._holograms import Slm
+from ._images import FocalStack, Image
+from ._noun import Noun
+from ._parameters import refuse, takes
+from ._progress import Progress, watching
+from ._units import Lengths, format_length
+from ._waves import Panel, a, panel
+
+STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camera")
+
+
+def _mesh(entry: Mapping[str, Any]) -> Dict[str, Any]:
+    """An object of the type mesh whose arrays are given: they go into a dict of their own."""
+    if "faces" not in entry:
+        raise _core.Error('expected "faces" beside the "vertices" of a mesh, which are missing')
+    faces = np.asarray(entry["faces"])
+    if faces.dtype.kind not in "iu":
+        raise _core.Error(f"expected whole numbers in faces, got {faces.dtype}")
+    arrays: Dict[str, Any] = {"faces": _rows(faces, "faces", np.int64)}
+    for key in ("vertices", "normals", "uv", "colours"):
+        if entry.get(key) is not None:
+            arrays[key] = _rows(real_numbers(entry[key], key, np.float64), key, np.float64)
+    rest = {key: value for key, value in entry.items() if key not in (*arrays, "normals", "uv", "colours")}
+    return {**rest, "type": "mesh", "arrays": arrays}
+
+
+def _points(entry: Mapping[str, Any]) -> Dict[str, Any]:
+    places = _rows(real_numbers(entry["points"], "points", np.float64), "points", np.float64)
+    arrays: Dict[str, Any] = {"positions": places}
+    for key, default in (("amplitudes", 1.0), ("phases", 0.0)):
+        given = real_numbers(entry.get(key, default), key).ravel()
+        arrays[key] = np.full(len(places), given[0], np.float32) if given.size == 1 else given
+    rest = {key: value for key, value in entry.items() if key not in ("points", "amplitudes", "phases")}
+    return {**rest, "type": "points", "arrays": arrays}
+
+
+def _rows(array: np.ndarray[Any, Any], what: str, dtype: Any) -> np.ndarray[Any, Any]:
+    if array.ndim != 2:
+        raise _core.Error(f"expected {what} in rows, got an array of the shape {array.shape}")
+    return np.ascontiguousarray(array, dtype)
+
+
+def _plain(value: Any) -> Any:
+    """A value as the core reads it: nouns become their cores, pictures become images."""
+    if isinstance(value, Mapping):
+        if "vertices" in value:
+            value = _mesh(value)
+        elif "points" in value and np.ndim(value["points"]) == 2 and "type" in value and "unit" not in value:
+            value = _points(value)
+        return {key: one if key == "arrays" else _plain(one) for key, one in value.items()}
+    if isinstance(value, Noun):
+        return value._core
+    if isinstance(value, np.ndarray):
+        return Image(value)._core if value.ndim >= 2 else value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    return value
+
+
+class Scene(Noun):
+    """The content of a scene file: geometry, lights, panel, wavelengths, and the parameters of each stage.
+
+    ``load_scene`` reads one from a file. Here it is made from a dict, or from keywords, with the keys of a scene file
+    (docs/reference/scene_format.md)::
+
+        scene = ht.Scene(
+            wavelength="532 nm",
+            slm={"preset": "pluto", "columns": 960, "rows": 540},
+            materials={"wood": {"texture": picture}},
+            object=[
+                {"type": "mesh", "vertices": v, "faces": f, "uv": uv, "material": "wood", "position": (0, 0, -0.2)},
+                {"type": "points", "points": places, "amplitudes": brightness},
+            ],
+            light=[{"type": "point", "position": "50 50 0 mm", "intensity": 0.1}],
+        )
+
+    Lengths and angles are numbers in SI units, or texts with a unit. An array, or an Image, stands where a file names a
+    picture. Objects may have arrays: ``vertices`` (n, 3) and ``faces`` (m, 3), with ``normals``, ``uv`` and ``colours``
+    for each vertex; or ``points`` (n, 3), with ``amplitudes`` and ``phases``.
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self, tables: Optional[Mapping[str, Any]] = None, *, allow_outside: bool = False, **more: Any
+    ) -> None:
+        given = {**(tables or {}), **more}
+        slm = given.get("slm")
+        if isinstance(slm, (Slm, str)):
+            given["slm"] = None
+        self._core = _core.Job.make(_plain(given), allow_outside)
+        if isinstance(slm, (Slm, str)):
+            self._core.slm = panel(slm)._core
+        self.facts = {}
+
+    @property
+    def wavelengths(self) -> List[float]:
+        """[m]"""
+        return list(self._core.wavelengths)
+
+    @property
+    def slm(self) -> Slm:
+        """The panel."""
+        return Slm._of(self._core.slm)
+
+    @property
+    def warnings(self) -> List[str]:
+        """What the files have and is not shown."""
+        return list(self._core.warnings)
+
+    def parameters(self, stage: str) -> Dict[str, Any]:
+        """The parameters of a stage: "trace", "render", "synthesize", "encode", "show", "propagate" or "camera"."""
+        return {one["name"]: one["value"] for one in self._core.get(stage)}
+
+    def replace(
+        self, *, wavelength: Optional[Lengths] = None, slm: Optional[Panel] = None, **stages: Mapping[str, Any]
+    ) -> "Scene":
+        """A scene of the same geometry with other values: ``scene.replace(trace={"paths": 16}, slm="gaea")``."""
+        other = self.copy()
+        if wavelength is not None:
+            other._core.wavelengths = wavelength
+        if slm is not None:
+            other._core.slm = panel(slm)._core
+        for stage, params in stages.items():
+            other._core.set(stage, dict(params))
+        return other
+
+    def __repr__(self) -> str:
+        meshes, triangles, points, lights = self._core.counts
+        colours = ", ".join(format_length(one) for one in self.wavelengths)
+        return (
+            f"Scene({meshes} meshes of {triangles} triangles, {points} points, {lights} lights, "
+            f"{self.slm.name!r}, {colours})"
+        )
+
+
+def load_scene(path: Path, *, allow_outside: bool = False) -> Scene:
+    """The scene of a file: .toml, or a model such as .glb or .obj with a panel, light and camera around it.
+
+    ``allow_outside``: models may name files outside their own folder.
+    """
+    return Scene._of(_core.Job.load(os.fspath(path), allow_outside))
+
+
+@takes("render", without=("focal_stack", "eye_separation"), of_scene=True)
+def render(scene: Scene, *, progress: Progress = None, **params: Any) -> Image:
+    """The path-traced picture of a scene, seen from the panel [W/m2/sr]."""
+    refuse(params, ("focal_stack",), "use ht.focal_stack")
+    refuse(params, ("eye_separation",), "render twice, with the eye to the left and to the right")
+    with watching(progress) as watch:
+        core = _core.render(a(Scene, scene, "to render"), params, watch.core)
+    return Image._of(core, watch.facts)
+
+
+@takes("render", without=("columns", "rows", "field_of_view", "eye", "lens", "pupil", "focus", "focal_stack",
+                          "eye_separation"), of_scene=True)
+def focal_stack(scene: Scene, distances: Lengths, *, progress: Progress = None, **params: Any) -> FocalStack:
+    """Path-traced pictures in planes at these distances behind the panel, each in focus, from one tracing."""
+    with watching(progress) as watch:
+        core = _core.focal_stack(a(Scene, scene, "to render"), distances, params, watch.core)
+    return FocalStack._of(core, watch.facts)
+
+
+@takes("trace", of_scene=True)
+def trace(scene: Scene, *, progress: Progress = None, **params: Any) -> List[Sources]:
+    """The waves that leave a scene, with path-traced light: one set for each wavelength, path group and light."""
+    with watching(progress) as watch:
+        cores = _core.trace(a(Scene, scene, "to trace"), params, watch.core)
+    return [Sources._of(core, watch.facts) for core in cores]
+
+
+@takes("synthesize", of_scene=True)
+def fields(scene: Scene, *, frame: int = 0, progress: Progress = None, **params: Any) -> List[Field]:
+    """The fields of a scene on its panel, traced and summed: one for each wavelength, path group and light.
+
+    ``frame`` is the number of the frame whose random phases are used.
+    """
+    with watching(progress) as watch:
+        cores = _core.fields(a(Scene, scene, "to trace"), params, frame, watch.core)
+    return [Field._of(core, watch.facts) for core in cores]

@@ -1,0 +1,22 @@
+"""Lengths and angles: numbers in SI units, or texts with a unit."""
+
+from __future__ import annotations
+
+from typing import Sequence, Union
+
+#: A length in metres, or a text with its unit: 8e-6, "8 um", "300 mm".
+Length = Union[float, str]
+#: One length or several: 0.3, "290, 310 mm", [0.29, "310 mm"].
+Lengths = Union[float, str, Sequence[Union[float, str]]]
+#: An angle in radians, or a text with its unit: 0.1, "15 deg".
+Angle = Union[float, str]
+
+
+def format_length(metres: float) -> str:
+    """A length in the unit that suits it: "8 um", "300 mm"."""
+    if metres == 0:
+        return "0 m"
+    for factor, unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "um")):
+        if abs(metres) >= 0.9999 * factor:
+            return f"{metres / factor:.6g} {unit}"
+    return f"{metres / 1e-9:.6g} nm"

@@ -1,0 +1,97 @@
+"""Verbs of waves: propagate, synthesize, encode, show, expose."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping, Optional, Type, Union
+
+from . import _core
+from ._fields import Field, Sources
+from ._holograms import Hologram, Slm
+from ._images import Image
+from ._noun import Noun
+from ._parameters import refuse, takes
+from ._progress import Progress, watching
+from ._units import Length
+
+#: A panel: an Slm, or the name of a preset or a file.
+Panel = Union[Slm, str]
+
+
+def panel(given: Panel) -> Slm:
+    """The panel itself."""
+    return given if isinstance(given, Slm) else Slm(given)
+
+
+def a(kind: Type[Noun], given: Any, what: str) -> Any:
+    """The core of a noun. A wrong kind is an error that says what was expected."""
+    if isinstance(given, kind):
+        return given._core
+    is_array = kind is Field and not isinstance(given, Noun)
+    hint = "; make one with ht.Field(array, pitch=..., wavelength=...)" if is_array else ""
+    raise _core.Error(f"expected a {kind.__name__} {what}, got {type(given).__name__}{hint}")
+
+
+@takes("propagate")
+def propagate(field: Field, distance: Length, *, progress: Progress = None, **params: Any) -> Field:
+    """The field after free space over ``distance`` along z, of either sign.
+
+    complex64 and complex128 fields are computed in their own precision.
+    """
+    with watching(progress) as watch:
+        core = _core.propagate(a(Field, field, "to propagate"), distance, params, watch.core)
+    return Field._of(core, watch.facts)
+
+
+@takes("synthesize", without=("shading", "triangle_phase"))
+def synthesize(sources: Sources, slm: Panel = "pluto", *, progress: Progress = None, **params: Any) -> Field:
+    """The field on the panel of spherical waves."""
+    refuse(params, ("shading", "triangle_phase"), "it is for the triangles of a scene; use ht.fields")
+    with watching(progress) as watch:
+        core = _core.synthesize(a(Sources, sources, "to sum"), panel(slm)._core, params, watch.core)
+    return Field._of(core, watch.facts)
+
+
+def _panel_of(hologram: Hologram, slm: Optional[Panel]) -> Slm:
+    if slm is not None:
+        return panel(slm)
+    known = hologram.slm
+    rows, columns = hologram.shape
+    if known is not None:
+        return known
+    return Slm(columns=columns, rows=rows, pitch=hologram.pitch, levels=hologram.levels, modulation=hologram.modulation)
+
+
+@takes("show")
+def show(hologram: Hologram, slm: Optional[Panel] = None, *, progress: Progress = None, **params: Any) -> Field:
+    """The field that leaves a panel that shows a hologram.
+
+    ``slm`` is the panel; None: the one that the hologram was made for, or an ideal one of its size.
+    """
+    core = a(Hologram, hologram, "to show")
+    with watching(progress) as watch:
+        field = _core.show(core, _panel_of(hologram, slm)._core, params, watch.core)
+    return Field._of(field, watch.facts)
+
+
+@takes("camera", without=("distances", "exposure", "bits", "electrons", "read_noise", "noise_seed", "sweep",
+                          "sweep_views", "sweep_from", "sweep_to", "sweep_seconds"))
+def expose(
+    field: Field,
+    distance: Length,
+    slm: Optional[Panel] = None,
+    *,
+    propagate: Optional[Mapping[str, Any]] = None,
+    progress: Progress = None,
+    **params: Any,
+) -> Image:
+    """What a camera or an eye sees of a field that leaves a panel, focused at ``distance`` from it [W/m2].
+
+    ``slm`` is the panel whose pixels the sensor has by default; None: one with the field's samples as pixels.
+    ``propagate`` has parameters for the propagation to the sensor.
+    """
+    core = a(Field, field, "to look at").as_single()
+    rows, columns = field.shape
+    seen = panel(slm) if slm is not None else Slm(columns=columns, rows=rows, pitch=field.pitch)
+    with watching(progress) as watch:
+        image = _core.expose(core, seen._core, distance, params, dict(propagate or {}), watch.core)
+    return Image._of(image, watch.facts)

@@ -1,0 +1,99 @@
+#include "holotrace/run/encode_job.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/run/scene_targets.h"
+#include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/slm/encode/target.h"
+#include "holotrace/view/combine_views.h"
+
+namespace holotrace {
+namespace {
+
+// One entry for all wavelengths, if the parameters ask for it.
+EncodeJob joined(EncodeJob job, const EncodeParams& params) {
+  if (!params.is_joint) return job;
+  require(params.method == Encoding::sgd,
+          "expected joint holograms (one for all wavelengths) only with the method sgd; use sgd, or leave out joint");
+  for (size_t i = 1; i < job.targets.size(); ++i)
+    job.targets[0].insert(job.targets[0].end(), job.targets[i].begin(), job.targets[i].end());
+  job.targets.resize(1);
+  job.wavelengths.resize(1);
+  if (!job.fields.empty()) job.fields.resize(1);
+  return job;
+}
+
+}  // namespace
+
+EncodeJob job_of_fields(std::vector<Field> fields, const EncodeParams& params) {
+  require(!fields.empty(), "expected one field or more to encode, got none");
+  EncodeJob job{.wavelengths = {}, .targets = {}, .fields = std::move(fields), .is_of_fields = true};
+  for (const Field& field : job.fields) {
+    job.wavelengths.push_back(field.wavelength);
+    if (aims_at_targets(params.method)) job.targets.push_back(targets_of(field, params));
+  }
+  return joined(std::move(job), params);
+}
+
+EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector<double>& wavelengths,
+                         const EncodeParams& params, const Observer& observer) {
+  require(params.target_distances.size() <= 1 || aims_at_targets(params.method),
+          "expected one target distance for a method that computes one field from the picture, got {}; give "
+          "one, or use sgd or gerchberg-saxton, which take several",
+          params.target_distances.size());
+  EncodeJob job{.wavelengths = wavelengths, .targets = {}, .fields = {}};
+  for (const double wavelength : wavelengths) {
+    job.targets.push_back(targets_of_picture(seen_at(picture, {wavelength}), slm.grid, wavelength, params));
+    job.fields.push_back(field_of_target(job.targets.back().front(), slm, params, observer));
+  }
+  return joined(std::move(job), params);
+}
+
+EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vector<double>& wavelengths,
+                       const EncodeParams& params) {
+  require(params.method == Encoding::sgd, "expected the method sgd for a focal stack; use it, or encode a field");
+  require(params.target_distances.empty(),
+          "expected target_distances only with a field or a picture; a focal stack has its own; leave it out");
+  EncodeJob job{.wavelengths = wavelengths, .targets = {}, .fields = {}};
+  for (const double wavelength : wavelengths)
+    job.targets.push_back(targets_of_stack(stack, slm.grid, wavelength, params.image));
+  return joined(std::move(job), params);
+}
+
+Slm panel_for(const Grid& grid, Encoding method) {
+  Slm slm;
+  slm.grid = grid;
+  if (method == Encoding::amplitude || method == Encoding::off_axis) slm.modulation = Modulation::amplitude;
+  if (method == Encoding::complex) slm.modulation = Modulation::complex;
+  return slm;
+}
+
+std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params,
+                                 Report& report, const StageObserver& watch,
+                                 const std::function<Checkpoint(size_t i)>& checkpoint_of) {
+  const size_t entries = job.wavelengths.size();
+  std::vector<std::vector<Hologram>> of_entries(entries);
+  for (size_t i = 0; i < entries; ++i) {
+    const std::string stage = entries == 1 ? "encode" : "encode " + format_length(job.wavelengths[i]);
+    of_entries[i] = run_stage(stage, report, watch, [&](const Observer& observer) {
+      const Checkpoint kept = checkpoint_of ? checkpoint_of(i) : Checkpoint{};
+      if (job.fields.empty())
+        return encode_frames({job.targets[i]}, job.wavelengths[i], frames, slm, params, observer, kept);
+      if (!aims_at_targets(params.method)) return std::vector{encode(job.fields[i], slm, params, observer)};
+      return std::vector{encode_targets(job.targets[i], job.fields[i], slm, params, observer, kept)};
+    });
+  }
+  std::vector<Hologram> holograms;
+  for (size_t frame = 0; frame < of_entries.front().size(); ++frame)
+    for (std::vector<Hologram>& of_entry : of_entries) {
+      of_entry[frame].loses_by_cone = job.is_of_fields;  // a picture is as bright in every colour
+      holograms.push_back(std::move(of_entry[frame]));
+    }
+  return holograms;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "holotrace/base/observer.h"
+#include "holotrace/data/checkpoint.h"
+#include "holotrace/data/field.h"
+#include "holotrace/data/focal_stack.h"
+#include "holotrace/data/hologram.h"
+#include "holotrace/data/image.h"
+#include "holotrace/data/params/encode.h"
+#include "holotrace/data/report.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/data/target.h"
+#include "holotrace/run/stage.h"
+
+namespace holotrace {
+
+/// What holograms are made from, whatever it was: fields, a target picture or a focal stack. There is one entry for each
+/// wavelength, or with params.is_joint one for all wavelengths.
+struct EncodeJob {
+  std::vector<double> wavelengths;                ///< wavelength of each entry, the first of a joint one [m]
+  std::vector<std::vector<TargetPlane>> targets;  ///< targets of each entry; none for methods that do not iterate
+  std::vector<Field> fields;                      ///< field at the panel of each entry; none for a focal stack
+  bool is_of_fields = false;                      ///< fields of waves, which lose light by the panel's cone
+};
+
+/// Fields at the panel, one for each wavelength. Iterations aim at what they show (slm/encode/target.h).
+/// @throws Error  for no field, for params.is_joint without the method sgd, and as targets_of does
+EncodeJob job_of_fields(std::vector<Field> fields, const EncodeParams& params);
+
+/// A target picture of linear light, in the planes at params.target_distances.
+/// @throws Error  for several distances with a method that computes one field, as job_of_fields, and as
+///                targets_of_picture does
+EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector<double>& wavelengths,
+                         const EncodeParams& params, const Observer& observer = {});
+
+/// A focal stack, by the method sgd.
+/// @throws Error  for another method, for target distances beside its own, and as targets_of_stack does
+EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vector<double>& wavelengths,
+                       const EncodeParams& params);
+
+/// A panel without effects that holds a field by a method, for callers that name none: 256 levels of phase, amplitude or
+/// both on the field's grid.
+Slm panel_for(const Grid& grid, Encoding method);
+
+/// The holograms of a job: for each frame, one for each entry. Stages: "encode", or "encode 532 nm" for each of several.
+/// @param frames         focal stacks: number of holograms of each entry, found together
+/// @param checkpoint_of  checkpoint of the i-th entry
+/// @throws Error         as encode, encode_targets and encode_frames do
+std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params,
+                                 Report& report, const StageObserver& watch = {},
+                                 const std::function<Checkpoint(size_t i)>& checkpoint_of = {});
+
+}  // namespace holotrace

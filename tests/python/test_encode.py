@@ -1,0 +1,117 @@
+"""encode, compare and calibrate, as the program's files."""
+
+import json
+
+import numpy as np
+import pytest
+
+import holotrace as ht
+from test_waves import equal
+
+
+@pytest.fixture
+def waves(points):
+    return ht.synthesize(points, ht.Slm(columns=64, rows=48, pitch=8e-6))
+
+
+@pytest.mark.parametrize(
+    "method, more",
+    [("phase", {}), ("amplitude", {}), ("off-axis", {}), ("double-phase", {}), ("error-diffusion", {}), ("binary", {}),
+     ("gerchberg-saxton", {"target_distances": 0.1, "iterations": 3}),
+     ("sgd", {"target_distances": "90, 100 mm", "iterations": 3, "seed": 4})],
+)
+def test_encode_is_the_program_bit_by_bit(waves, method, more, tmp_path, program):
+    waves.save(tmp_path / "f.npy")
+    flags = []
+    for name, value in more.items():
+        flags += ["--" + name.replace("_", "-"), f"{value} m" if isinstance(value, float) else value]
+    program("encode", "f.npy", "--method", method, *flags, "-o", "h.png")
+    hologram = ht.encode(waves, method=method, **more)
+    hologram.save(tmp_path / "own.png")
+    assert (tmp_path / "own.png").read_bytes() == (tmp_path / "h.png").read_bytes()
+    assert equal(hologram.level, ht.load_hologram(tmp_path / "h.png").level)
+
+
+def test_encode_of_a_picture_is_the_program_bit_by_bit(tmp_path, program):
+    picture = ht.Image(np.random.default_rng(3).uniform(size=(20, 30)).astype(np.float32))
+    picture.save(tmp_path / "p.exr")
+    (tmp_path / "panel.toml").write_text('columns = 64\nrows = 48\npitch = "8 um"\n')
+    program("encode", "p.exr", "--slm", "panel.toml", "--wavelength", "532 nm", "--method", "sgd", "--iterations", 3,
+            "--target-distances", "50 mm", "--target-columns", 40, "--target-rows", 32, "--resample", "true",
+            "-o", "h.png")
+    hologram = ht.encode(picture, tmp_path / "panel.toml", wavelength="532 nm", method="sgd", iterations=3,
+                         target_distances=0.05, target_columns=40, target_rows=32, resample=True)
+    assert equal(hologram.level, ht.load_hologram(tmp_path / "h.png").level)
+    assert hologram.facts["psnr_db"] > 0 and len(hologram.facts["convergence"]) == 4
+
+
+def test_frames_of_a_focal_stack_are_the_program(tmp_path, program):
+    rng = np.random.default_rng(3)
+    stack = ht.FocalStack(rng.uniform(size=(2, 48, 64)).astype(np.float32), [0.05, 0.06], "8 um")
+    stack.save(tmp_path / "s.h5")
+    (tmp_path / "panel.toml").write_text('columns = 64\nrows = 48\npitch = "8 um"\n')
+    program("encode", "s.h5", "--slm", "panel.toml", "--wavelength", "532 nm", "--method", "sgd", "--iterations", 2,
+            "--frames", 2, "-o", "h.png")
+    frames = ht.encode_all(stack, tmp_path / "panel.toml", wavelength="532 nm", method="sgd", iterations=2, frames=2)
+    assert [equal(one.level, ht.load_hologram(tmp_path / name).level)
+            for one, name in zip(frames, ("h.png", "h_2.png"))] == [True, True]
+
+
+def test_encode_says_what_is_missing(waves):
+    with pytest.raises(ht.Error, match="a picture has no wavelength; give its wavelength"):
+        ht.encode(ht.Image(np.ones((4, 4))))
+    with pytest.raises(ht.Error, match="expected frames only with a focal stack"):
+        ht.encode_all(waves, frames=2)
+    with pytest.raises(ht.Error, match="use encode_all"):
+        ht.encode(ht.Image(np.ones((8, 8), np.float32)), ht.Slm(columns=8, rows=8, pitch=8e-6),
+                  wavelength=["638 nm", "450 nm"], target_distances=0.01, iterations=1)
+    with pytest.raises(ht.Error, match="expected a Field to encode, got float"):
+        ht.encode([1.0])
+
+
+@pytest.mark.parametrize(
+    "level, levels, message",
+    [([[0.5]], 256, "whole numbers"), ([[-1]], 256, "from 0 to 65535, got -1"), ([[70000]], 256, "got 70000"),
+     ([[3, 256]], 256, "below 256, got 256 at row 0, column 1"), ([1, 2], 256, "shape"), ([[0]], 1, '"levels"')],
+)
+def test_bad_levels_are_refused(level, levels, message):
+    with pytest.raises(ht.Error, match=message):
+        ht.Hologram(level, "8 um", "532 nm", levels=levels)
+
+
+def test_phases_become_the_nearest_levels():
+    hologram = ht.Hologram.from_phase([[0, np.pi, -np.pi / 2, 2 * np.pi - 1e-9]], "8 um", "532 nm", levels=8)
+    assert hologram.level.tolist() == [[0, 4, 6, 0]]
+    assert hologram.phase.tolist() == [[0, np.pi, 1.5 * np.pi, 0]]
+
+
+def test_compare_has_the_figures_of_the_program(tmp_path, program):
+    rng = np.random.default_rng(3)
+    a, b = (ht.Image(rng.uniform(0.1, 1, (30, 40)).astype(np.float32)) for _ in range(2))
+    a.save(tmp_path / "a.exr"), b.save(tmp_path / "b.exr")
+    written = json.loads(program("compare", "a.exr", "b.exr", "--json"))
+    own = ht.compare(a, b)
+    for name, value in own.items():
+        assert value == written[name + "_db" if name.startswith("psnr") else name]
+
+
+def test_compare_of_fields_is_the_norm_of_their_difference(waves):
+    other = ht.Field(2j * waves.samples, waves.pitch, waves.wavelength)
+    figures = ht.compare(waves, other)
+    assert figures["relative_error"] == pytest.approx(abs(2j - 1), rel=1e-6)
+    assert figures["scale"] == pytest.approx(1 / 2j, rel=1e-6) and figures["scaled_error"] < 1e-6
+
+
+def test_calibration_patterns_are_the_program_bit_by_bit(tmp_path, program):
+    (tmp_path / "panel.toml").write_text('columns = 400\nrows = 300\npitch = "8 um"\n')
+    program("calibrate", "patterns", "--slm", "panel.toml", "--distance", "50 mm", "--level-patterns", 1, "-o", "plan")
+    plan = ht.calibration_patterns(tmp_path / "panel.toml", distance="50 mm", level_patterns=1)
+    written = ht.load_calibration_plan(tmp_path / "plan" / "calibration.toml")
+    assert plan.names == written.names
+    assert all(equal(a.level, b.level) for a, b in zip(plan.holograms, written.holograms))
+
+
+def test_calibrate_refuses_photographs_that_are_missing():
+    plan = ht.calibration_patterns(ht.Slm(columns=400, rows=300, pitch=8e-6), distance="50 mm", level_patterns=1)
+    with pytest.raises(ht.Error, match="photograph"):
+        ht.calibrate(plan, [])

@@ -1,0 +1,243 @@
+"""Scenes from files, dicts and arrays, and the verbs on them, bit by bit as the program's files."""
+
+import copy
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import holotrace as ht
+
+SMALL = """
+wavelength = "532 nm"
+[slm]
+columns = 64
+rows = 48
+[materials.red]
+reflectance = [0.8, 0.2, 0.1]
+[[object]]
+type = "quad"
+width = "6 mm"
+height = "5 mm"
+material = "red"
+position = "0 0 -100 mm"
+[[object]]
+type = "wireframe_cube"
+size = "2 mm"
+points_per_edge = 3
+position = "0 0 -90 mm"
+[[light]]
+type = "point"
+position = "0 0 -50 mm"
+intensity = 0.01
+[trace]
+columns = 12
+rows = 10
+paths = 2
+[render]
+rows = 20
+paths = 2
+[camera]
+distances = "100 mm"
+"""
+
+
+@pytest.fixture
+def path(tmp_path):
+    (tmp_path / "scene.toml").write_text(SMALL)
+    return tmp_path / "scene.toml"
+
+
+@pytest.fixture
+def scene(path):
+    return ht.load_scene(path)
+
+
+def same(a, b):
+    a, b = np.asarray(a), np.asarray(b)
+    return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+
+
+def test_render_is_the_program_bit_by_bit(scene, tmp_path, program):
+    program("render", "scene.toml", "-o", "r.exr", "--paths", 3)
+    assert same(ht.render(scene, paths=3), ht.load_image(tmp_path / "r.exr"))
+
+
+def test_focal_stack_is_the_program_bit_by_bit(scene, tmp_path, program):
+    program("render", "scene.toml", "--focal-stack", "90, 100 mm", "-o", "s.h5")
+    stack = ht.focal_stack(scene, "90, 100 mm")
+    written = ht.load_focal_stack(tmp_path / "s.h5")
+    assert same(stack, written) and stack.distances == written.distances == [0.09, 0.1]
+
+
+def test_trace_is_the_program_bit_by_bit(scene, tmp_path, program):
+    program("trace", "scene.toml", "-o", "s.ply", "--phase", "surface")
+    (sources,) = ht.trace(scene, phase="surface")
+    written = ht.load_sources(tmp_path / "s.ply")
+    for name in ("positions", "amplitudes", "phases"):
+        assert same(getattr(sources, name), getattr(written, name))
+
+
+def test_fields_are_the_program_bit_by_bit(scene, tmp_path, program):
+    program("field", "scene.toml", "-o", "f.npy", "--frame", 2, "--method", "exact")
+    (field,) = ht.fields(scene, frame=2, method="exact")
+    assert same(field, np.load(tmp_path / "f.npy"))
+
+
+def test_run_is_the_program_bit_by_bit(scene, tmp_path, program):
+    program("run", "scene.toml", "-o", "out", "--paths", 3, "--phase", "surface")
+    result = ht.run(scene, trace={"paths": 3, "phase": "surface"})
+    assert same(result.fields[0][0], np.load(tmp_path / "out" / "field.npy"))
+    assert same(result.holograms[0], ht.load_hologram(tmp_path / "out" / "hologram.png"))
+    result.views[0].save(tmp_path / "view.png", white=result.white)
+    assert same(ht.load_image(tmp_path / "view.png"), ht.load_image(tmp_path / "out" / "view.png"))
+    written = json.loads((tmp_path / "out" / "report.json").read_text())
+    for report in (result.report, written):
+        for stage in report["stages"]:
+            del stage["seconds"]
+    assert result.report["stages"] == written["stages"]
+
+
+def test_estimate_has_the_figures_of_the_program(scene, program):
+    figures = ht.estimate(scene)
+    assert set(figures) == set(json.loads(program("estimate", "scene.toml", "--json")))
+    assert figures["waves"] > 0
+
+
+def test_limits_are_the_program(scene, program):
+    written = json.loads(program("limits", "--slm", "gaea", "--wavelength", "532 nm", "--distance", "0.2 m", "--json"))
+    assert ht.limits("gaea", wavelength=532e-9, distance=0.2) == written
+    assert ht.limits(wavelength=532e-9, scene=scene)["scene"]["points"] == 4 + 20  # corners, and points on edges
+
+
+def test_a_dict_is_the_scene_of_its_file(scene):
+    tables = {
+        "wavelength": 532e-9,
+        "slm": {"columns": 64, "rows": np.int64(48)},
+        "materials": {"red": {"reflectance": (0.8, 0.2, 0.1)}},
+        "object": [
+            {"type": "quad", "width": 6e-3, "height": "5 mm", "material": "red", "position": np.array([0, 0, -0.1])},
+            {"type": "wireframe_cube", "size": 2e-3, "points_per_edge": 3, "position": "0 0 -90 mm"},
+        ],
+        "light": [{"type": "point", "position": [0, 0, -0.05], "intensity": 0.01}],
+        "trace": {"columns": 12, "rows": 10, "paths": 2},
+        "render": {"rows": 20, "paths": 2},
+        "camera": {"distances": [0.1]},
+    }
+    made = ht.Scene(tables)
+    assert same(ht.render(made), ht.render(scene))
+    assert made.parameters("trace") == scene.parameters("trace")
+    assert same(ht.render(ht.Scene(**tables)), ht.render(scene))
+
+
+def quad(width, height):
+    x, y = width / 2, height / 2
+    vertices = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
+    return {"type": "mesh", "vertices": vertices, "faces": [[0, 1, 2], [0, 2, 3]],
+            "uv": [[0, 0], [1, 0], [1, 1], [0, 1]]}
+
+
+def lit(**more):
+    return ht.Scene(
+        wavelength="532 nm", slm={"columns": 64, "rows": 48}, render={"rows": 20, "paths": 4},
+        light=[{"type": "point", "position": "0 0 -50 mm", "intensity": 0.01}], **more)
+
+
+def test_a_mesh_of_arrays_is_the_mesh_itself():
+    """Four corners and two triangles are the program's own rectangle, so the pictures are the same to rounding."""
+    place = {"position": (0, 0, -0.1), "rotation": "y 20 deg"}
+    arrays = ht.render(lit(object=[{**quad(6e-3, 5e-3), **place}]))
+    own = ht.render(lit(object=[{"type": "quad", "width": "6 mm", "height": "5 mm", **place}]))
+    assert np.allclose(arrays, own, rtol=1e-5, atol=0) and np.asarray(own).any()
+
+
+def test_a_texture_is_an_array(tmp_path):
+    """The left half is black, the right half red: so is the picture; EXR files have the same values."""
+    texture = np.zeros((8, 8, 3), np.float32)
+    texture[:, 4:, 0] = 0.5
+    ht.Image(texture).save(tmp_path / "t.exr")
+    entry = {**quad(6e-3, 5e-3), "position": "0 0 -100 mm", "material": "m"}
+    pictures = [
+        np.asarray(ht.render(lit(object=[entry], materials={"m": {"texture": given}})))
+        for given in (texture, ht.Image(texture), tmp_path / "t.exr")
+    ]
+    assert same(pictures[0], pictures[1]) and same(pictures[0], pictures[2])
+    red = pictures[0][:, :, 0]
+    assert red[10, 15] > 0 and red[10, 3] == 0 and not pictures[0][:, :, 1].any()
+
+
+def test_points_of_arrays_are_waves():
+    places = np.array([[1e-3, 0, -0.1], [0, 1e-3, -0.2]])
+    scene = ht.Scene(wavelength="532 nm", object=[{"type": "points", "points": places, "amplitudes": [1.0, 2.0]}])
+    (sources,) = ht.trace(scene)
+    assert np.allclose(sources.positions, places)
+    assert sources.amplitudes[1] > 0 and len(sources) == 2
+
+
+@pytest.mark.parametrize(
+    "entry, message",
+    [
+        ({"faces": [[0, 1, 4]]}, "expected indices of 4 vertices in faces, got 4"),
+        ({"faces": [[0, 1]]}, r"expected faces of the shape \(n, 3\)"),
+        ({"faces": [[0.0, 1, 2]]}, "expected whole numbers in faces"),
+        ({"vertices": np.full((4, 3), np.nan)}, "expected finite numbers in vertices"),
+        ({"normals": np.ones((3, 3))}, "expected one of normals for each of 4 vertices, got 3"),
+        ({"material": "gold"}, r'\[\[object\]\]: unknown material "gold"'),
+        ({"colour": 1}, r'\[\[object\]\]: unknown key "colour"'),
+        ({"position": (0, 0, 0.1)}, r"\[\[object\]\]: expected the object behind the panel"),
+    ],
+)
+def test_bad_arrays_of_a_scene_are_refused(entry, message):
+    with pytest.raises(ht.Error, match=message):
+        lit(object=[{**quad(6e-3, 5e-3), "position": (0, 0, -0.1), **entry}])
+
+
+def test_errors_of_a_dict_name_its_table():
+    with pytest.raises(ht.Error, match=r'^\[slm\]: unknown key "row"; did you mean "rows"'):
+        ht.Scene(wavelength="532 nm", slm={"row": 3})
+    with pytest.raises(ht.Error, match="^the scene: expected the key \"wavelength\""):
+        ht.Scene(object=[])
+    with pytest.raises(ht.Error, match=r"^\[trace\]: .*\"paths\""):
+        ht.Scene(wavelength="532 nm", object=[{"type": "quad", "width": 1e-3, "height": 1e-3, "position": (0, 0, -1)}],
+                 trace={"paths": -1})
+
+
+def test_an_error_of_a_file_is_the_sentence_of_the_program(path, program_error):
+    path.write_text(SMALL.replace('"quad"', '"quat"'))
+    sentence = program_error("render", path, "-o", "r.exr")
+    with pytest.raises(ht.Error) as raised:
+        ht.load_scene(path)
+    assert str(raised.value) == sentence
+
+
+def test_scenes_survive_pickle_and_copy(scene):
+    expected = ht.render(scene)
+    for other in (pickle.loads(pickle.dumps(scene)), copy.copy(scene), copy.deepcopy(scene)):
+        assert same(ht.render(other), expected)
+        assert repr(other) == repr(scene)
+
+
+def test_every_noun_survives_pickle(scene):
+    result = ht.run(scene)
+    stack = ht.focal_stack(scene, [0.1])
+    plan = ht.calibration_patterns(ht.Slm("pluto", columns=400, rows=300), level_patterns=1)
+    for noun in (result.holograms[0], result.views[0], stack, ht.Slm("pluto"), plan):
+        other = pickle.loads(pickle.dumps(noun))
+        assert repr(other) == repr(noun) and type(other) is type(noun)
+        assert other._core.__getstate__()[:64] == noun._core.__getstate__()[:64]
+    assert pickle.loads(pickle.dumps(result)).report == result.report
+
+
+def test_replace_leaves_the_scene_as_it_is(scene):
+    other = scene.replace(trace={"paths": 7}, wavelength=("638 nm", 450e-9), slm="gaea")
+    assert other.parameters("trace")["paths"] == 7 and other.wavelengths == [638e-9, 450e-9]
+    assert scene.parameters("trace")["paths"] == 2 and scene.slm.name != other.slm.name
+    with pytest.raises(ht.Error, match='unknown stage "tracing"; did you mean "trace"'):
+        scene.replace(tracing={})
+
+
+def test_reprs_state_what_they_are(scene):
+    assert repr(scene) == "Scene(1 meshes of 2 triangles, 20 points, 1 lights, 'custom', 532 nm)"
+    assert "data:image/png" in ht.render(scene)._repr_html_()
+    assert "data:image/png" in ht.run(scene)._repr_html_()

@@ -1,0 +1,117 @@
+"""propagate, synthesize, show and expose: the program's files bit by bit, and sums by NumPy."""
+
+import numpy as np
+import pytest
+
+import holotrace as ht
+from conftest import random_samples
+
+
+def equal(a, b):
+    return a.dtype == b.dtype and a.tobytes() == b.tobytes()
+
+
+@pytest.mark.parametrize("double", [False, True])
+def test_propagate_is_the_program_bit_by_bit(field, tmp_path, program, double):
+    flags = ["--double"] if double else []
+    given = field.astype(np.complex128 if double else np.complex64)
+    given.save(tmp_path / "f.npy")
+    program("propagate", "f.npy", "--distance", "20 mm", "--method", "fresnel", "--columns", 40, "--centre-x", "8 um",
+            *flags, "-o", "g.npy")
+    moved = ht.propagate(given, "20 mm", method="fresnel", columns=40, centre_x=8e-6)
+    assert equal(moved.samples, np.load(tmp_path / "g.npy"))
+    assert moved.z == ht.load_field(tmp_path / "g.npy").z == 0.02
+
+
+def test_propagation_is_the_rayleigh_sommerfeld_sum(field):
+    """Against the integral itself, summed by NumPy: the double-precision goal of the project is 1e-9."""
+    d, p, k = 0.01, field.pitch, 2 * np.pi / field.wavelength
+    moved = ht.propagate(field.astype(np.complex128), d, method="rayleigh-sommerfeld")
+    x, y = np.meshgrid(field.x, field.y)
+    for row, column in ((0, 0), (16, 24), (32, 47)):
+        r = np.sqrt((x[row, column] - x) ** 2 + (y[row, column] - y) ** 2 + d**2)
+        kernel = d / (2 * np.pi * r**2) * (1 / r - 1j * k) * np.exp(1j * k * r)
+        expected = (kernel * np.asarray(field, np.complex128)).sum() * p**2
+        assert abs(moved.samples[row, column] - expected) <= 1e-9 * np.abs(moved.samples).max()
+
+
+def test_there_and_back_is_the_field_itself(field):
+    """A periodic field keeps all its light: the inverse is exact to rounding of float, some 1e-7 per transform."""
+    back = ht.propagate(ht.propagate(field, 0.01, periodic=True), -0.01, periodic=True)
+    assert np.linalg.norm(back.samples - field.samples) <= 2e-6 * np.linalg.norm(field.samples)
+
+
+def test_synthesize_is_the_program_bit_by_bit(points, tmp_path, program):
+    points.save(tmp_path / "s.ply")
+    program("field", "s.ply", "--slm", "pluto", "--columns", 64, "--rows", 48, "--method", "exact", "-o", "f.npy")
+    panel = ht.Slm("pluto", columns=64, rows=48)
+    assert equal(ht.synthesize(points, panel, method="exact").samples, np.load(tmp_path / "f.npy"))
+
+
+def test_synthesis_is_the_sum_of_spherical_waves(points):
+    """U = sum of a d/r exp(ikr + i phase) inside each wave's box; float rounding of the result is 6e-8 of a term."""
+    panel = ht.Slm(columns=40, rows=30, pitch=8e-6)
+    u = ht.synthesize(points, panel, method="exact")
+    x, y = np.meshgrid(u.x, u.y)
+    expected = np.zeros(u.shape, complex)
+    k = 2 * np.pi / points.wavelength
+    for (a, b, c), amplitude, phase in zip(points.positions, points.amplitudes, points.phases):
+        r = np.sqrt((x - a) ** 2 + (y - b) ** 2 + c**2)
+        radius = -c * np.tan(np.arcsin(points.wavelength / (2 * u.pitch)))
+        inside = (abs(x - a) <= radius) & (abs(y - b) <= radius)
+        expected += inside * amplitude * (-c / r) * np.exp(1j * (k * r + phase))
+    assert np.abs(u.samples - expected).max() <= 20 * 1.2e-7  # 20 waves of at most 1
+
+
+def test_show_and_expose_are_the_program_bit_by_bit(points, tmp_path, program):
+    hologram = ht.Hologram.from_phase(
+        ht.synthesize(points, ht.Slm(columns=64, rows=48, pitch=8e-6)).phase, 8e-6, 532e-9)
+    hologram.save(tmp_path / "h.png")
+    program("show", "h.png", "--distance", "100 mm", "--pupil", "4 mm", "--eye", "0, 0, 200 mm", "-o", "v.exr")
+    leaving = ht.show(hologram, ht.Slm("pluto", columns=64, rows=48))
+    picture = ht.expose(leaving, "100 mm", pupil="4 mm", eye=("0 m", 0, 0.2))
+    assert equal(picture.pixels, ht.load_image(tmp_path / "v.exr").pixels)
+
+
+def test_show_of_a_bare_level_is_its_phase():
+    """One level everywhere: order 0 is sqrt(E) exp(2 pi i level/M), less the roll-off of the pixels at its edges."""
+    hologram = ht.Hologram(np.full((32, 32), 64), "8 um", "633 nm")
+    u = ht.show(hologram, irradiance=4).samples[16, 16]
+    assert u == pytest.approx(2j, abs=1e-2)  # the panel's edges ring by about 1/(pi 16 pixels) squared
+
+
+def test_an_error_is_the_sentence_of_the_program(field, tmp_path, program_error):
+    field.save(tmp_path / "f.npy")
+    for distance, flag, given in (
+        ("1 m", "--pitch", {"pitch": "-1 mm"}),
+        ("1 km", "--method", {"method": "fresnell"}),
+    ):
+        value = next(iter(given.values()))
+        sentence = program_error("propagate", "f.npy", "--distance", "1 m", flag, value, "-o", "g.npy")
+        with pytest.raises(ht.Error) as raised:
+            ht.propagate(field, "1 m", **given)
+        said = sentence.removeprefix(f"{flag}: ")
+        assert str(raised.value).replace(f' for "{flag[2:]}"', "") == said
+
+
+def test_an_unknown_parameter_names_the_nearest(field):
+    with pytest.raises(ht.Error, match='unknown parameter "periodical"; did you mean "periodic"'):
+        ht.propagate(field, 0.1, periodical="fresnel")
+    with pytest.raises(ht.Error, match='unknown parameter "shading"; it is for the triangles'):
+        ht.synthesize(ht.Sources([[0, 0, -1]], wavelength=5e-7), shading="flat")
+
+
+def test_a_wrong_noun_is_named():
+    with pytest.raises(ht.Error, match=r"expected a Field to propagate, got ndarray; make one with ht.Field\("):
+        ht.propagate(random_samples((4, 4)), 0.1)
+
+
+def test_facts_are_those_of_the_report(points):
+    u = ht.synthesize(points, ht.Slm(columns=64, rows=48, pitch=8e-6))
+    assert u.facts["waves"] == 20 and u.facts["method"] in ("exact", "tiled", "planes")
+
+
+def test_doubts_are_warnings(points):
+    far = ht.Sources([[1, 0, -0.1]], wavelength=532e-9)  # its box misses the panel
+    with pytest.warns(ht.ResultWarning, match="light no pixel"):
+        ht.synthesize(far, ht.Slm(columns=8, rows=8, pitch=8e-6))

@@ -1,0 +1,84 @@
+// What a report says of a view with a quick reference.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <variant>
+
+#include "holotrace/run/reference_metrics.h"
+#include "holotrace/view/compare.h"
+
+namespace holotrace::test {
+namespace {
+
+// A ramp from 0.2 to 1 with noise of zero mean and that standard deviation. (A sum of 12 uniform numbers less 6 is normal
+// to the fourth moment but for 0.1.)
+Image noisy_ramp(double sigma, uint32_t seed) {
+  Image image(128, 128, 1);
+  uint32_t state = seed * 2654435761U + 1;
+  for (int j = 0; j < image.ny; ++j)
+    for (int i = 0; i < image.nx; ++i) {
+      double sum = -6;
+      for (int k = 0; k < 12; ++k) {
+        state = state * 1664525U + 1013904223U;
+        sum += (state >> 8) / 16777216.0;
+      }
+      image(j, i) = float(0.2 + 0.8 * i / 127 + sigma * sum);
+    }
+  return image;
+}
+
+std::map<std::string, double> facts_of(const ViewReference& reference, const Image& view) {
+  std::map<std::string, double> facts;
+  Observer observer;
+  observer.on_fact = [&](const std::string& name, const Fact& value) {
+    facts[name] = std::holds_alternative<double>(value) ? std::get<double>(value) : 0;
+  };
+  report_metrics(reference, view, 0.5, observer);
+  return facts;
+}
+
+Image mean_of(const Image& a, const Image& b) {
+  Image mean = a;
+  for (size_t i = 0; i < a.values.size(); ++i) mean.values[i] = (a.values[i] + b.values[i]) / 2;
+  return mean;
+}
+
+// The view is off by 0.05 rms. Noise of 0.04 per half is 0.028 in the mean, which alone would cost 1.2 dB.
+TEST(QuickReference, PsnrIsThatOfAFullReferenceWithinItsUncertainty) {
+  const Image view = noisy_ramp(0.05, 1);
+  const double full = compare(noisy_ramp(0.04 / std::sqrt(8.0), 2), view).psnr;  // 8 times the paths of a half
+  const Image first = noisy_ramp(0.04, 3), mean = mean_of(first, noisy_ramp(0.04, 4));
+  const auto facts = facts_of({mean, first, 0.25}, view);
+  EXPECT_NEAR(facts.at("psnr_db"), full, facts.at("psnr_uncertainty_db"));
+  EXPECT_LT(facts.at("psnr_uncertainty_db"), 1);
+  EXPECT_EQ(facts.count("ssim"), 0U);
+  EXPECT_EQ(facts.count("speckle_contrast"), 0U);
+  EXPECT_EQ(facts.count("left_out"), 1U);
+  EXPECT_EQ(facts.at("diffraction_efficiency"), 0.5 * facts.at("bright_fraction"));
+}
+
+// With the maximum of the reference kept fixed by one bright pixel, only the error is left: 0.1 dB is 1.2 % of it.
+TEST(QuickReference, TakesTheNoiseOutOfTheError) {
+  Image view = noisy_ramp(0.05, 1), truth = noisy_ramp(0, 0), first = noisy_ramp(0.04, 3), second = noisy_ramp(0.04, 4);
+  for (Image* image : {&view, &truth, &first, &second}) (*image)(64, 64) = 2;
+  const auto facts = facts_of({mean_of(first, second), first, 0}, view);  // a full reference without noise
+  EXPECT_NEAR(facts.at("psnr_db"), compare(truth, view).psnr, 0.1);
+}
+
+TEST(QuickReference, WithoutNoiseIsTheFullOne) {
+  const Image view = noisy_ramp(0.05, 1), truth = noisy_ramp(0, 0);
+  const auto quick = facts_of({truth, truth, 0.125}, view), full = facts_of({truth}, view);
+  EXPECT_EQ(quick.at("psnr_db"), full.at("psnr_db"));
+  EXPECT_EQ(quick.at("psnr_uncertainty_db"), 0);
+  EXPECT_EQ(full.at("ssim"), compare(truth, view).ssim);
+}
+
+TEST(QuickReference, SaysWhyThereIsNothingToCompare) {
+  EXPECT_EQ(facts_of({Image(8, 8, 1)}, noisy_ramp(0.1, 1)).count("why_no_metrics"), 1U);
+}
+
+}  // namespace
+}  // namespace holotrace::test
