@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -36,6 +37,7 @@ fs::path make_folder(const char* name) {
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   const int in = open("/dev/null", O_RDONLY);
+  signal(SIGINT, SIG_DFL);  // the tests' own shell may ignore it, and a child would too
   if (chdir(folder.c_str()) == 0 && setenv("XDG_CACHE_HOME", cache.c_str(), 1) == 0 && dup2(in, STDIN_FILENO) >= 0 &&
       dup2(out, STDOUT_FILENO) >= 0 && dup2(err, STDERR_FILENO) >= 0)
     execvp(argv.front(), argv.data());
