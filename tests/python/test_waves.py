@@ -23,6 +23,11 @@ def test_propagate_is_the_program_bit_by_bit(field, tmp_path, program, double):
     assert moved.z == ht.load_field(tmp_path / "g.npy").z == 0.02
 
 
+def test_propagate_keeps_the_name_of_the_light():
+    named = ht.Field(np.ones((4, 4)), 8e-6, 532e-9, name="lamp")
+    assert ht.propagate(named, 1e-4).name == "lamp"
+
+
 def test_propagation_is_the_rayleigh_sommerfeld_sum(field):
     """Against the integral itself, summed by NumPy: the double-precision goal of the project is 1e-9."""
     d, p, k = 0.01, field.pitch, 2 * np.pi / field.wavelength
