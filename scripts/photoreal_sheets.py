@@ -12,8 +12,8 @@ import sys
 import numpy as np
 from PIL import Image
 
-from contact_sheets import ROOT, develop, distances, load_linear, renew_picture, renew_table,
-                            save_table, shrink, stages
+from contact_sheets import (ROOT, develop, distances, load_linear, renew_picture, renew_table, save_table, shrink,
+                            stages)
 from hmcpt_sheets import lay_out, numbered, save_sheets
 
 FRAMES = (1, 2, 4, 8)
@@ -35,7 +35,7 @@ def alike(paths, size, is_grey=False):
 def beside_renders(labels, views, renders, size=SIZE):
     """Two rows: the views, and below them the renders, of the light in red."""
     return [list(zip([f"hologram, {label}" for label in labels], alike(views, size, True))),
-            list(zip([f"render, {label}" for label in labels], alike(renders, size, True)))]
+            list(zip([f"render, {label.partition(' (')[0]}" for label in labels], alike(renders, size, True)))]
 
 
 def psnr_at(folder, distance):

@@ -18,7 +18,8 @@ Image make_image(const In3<float>& values, nb::handle pitch) {
   require(values.size() > 0, "expected rows and columns in an image, got an array of the shape ({}, {}, {})",
           values.shape(0), values.shape(1), channels);
   Image image(int(values.shape(0)), int(values.shape(1)), int(channels));
-  copy_checked(values.data(), values.size(), values.shape(1) * channels, "an image", image.values.data());
+  std::copy(values.data(), values.data() + values.size(), image.values.begin());
+  check_finite(values.data(), values.size(), values.shape(1) * channels, "an image");
   image.pitch = to_length(pitch, "pitch");
   check_named(image.pitch, range::not_negative, Quantity::length, "pitch");
   return image;
