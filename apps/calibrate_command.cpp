@@ -44,7 +44,7 @@ void write_patterns(const PatternOptions& o) {
   const double wavelength = parse_length_flag("--wavelength", o.wavelength, range::positive);
   const double distance = parse_length_flag("--distance", o.distance, range::positive);
   CalibrationPlan plan{distance, make_test_patterns(slm_by_name(o.slm), wavelength, distance, params)};
-  save_plan(o.output, plan);
+  say_warnings(save_plan(o.output, plan));
   fmt::print("{} patterns and {}\n", plan.patterns.size(), plan_path(o.output));
 }
 

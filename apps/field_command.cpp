@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "banded_field.h"
@@ -243,9 +244,9 @@ void add_field_command(Command& app, const GlobalFlags& global) {
       console.finish();
       return;
     }
-    const auto save = [&](const auto& fields) {
+    const auto save = [&](auto fields) {
       console.finish();
-      say_warnings(save_field_series(o->output, group_by_name(fields)));
+      say_warnings(save_field_series(o->output, group_by_name(std::move(fields))));
     };
     if (o->is_double && !light.triangles.empty())
       save(exact_fields(light.triangles, frame, job.slm.grid, observer));

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstring>
+#include <exception>
 
 namespace holotrace {
 namespace {
@@ -40,9 +41,7 @@ DeferInterrupts::DeferInterrupts() { is_deferred = true; }
 
 DeferInterrupts::~DeferInterrupts() {
   is_deferred = false;
-  if (!is_pending) return;
-  said = "holotrace: interrupted; the files of this call are written\n";
-  end(SIGINT);
+  if (is_pending && std::uncaught_exceptions() == 0) end(SIGINT);
 }
 
 void say_on_interrupt(const char* sentence) { said = sentence; }

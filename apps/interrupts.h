@@ -17,7 +17,7 @@ void say_on_interrupt(const char* sentence);
 class DeferInterrupts {
  public:
   DeferInterrupts();
-  ~DeferInterrupts();  ///< ends the program if an interrupt came
+  ~DeferInterrupts();  ///< ends the program if an interrupt came; not where an error ends it, with its own sentence
   DeferInterrupts(const DeferInterrupts&) = delete;
   DeferInterrupts& operator=(const DeferInterrupts&) = delete;
 };

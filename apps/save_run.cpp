@@ -74,6 +74,7 @@ FileRecord save_run(const std::string& folder, const Boxes& boxes, const Job& jo
     save_incomplete_report(report, both);
   };
   const std::vector<std::string> aside = write_together(report, earlier, write);
+  say_on_interrupt("holotrace: interrupted; the files of this call are written\n");
   names_are_given.reset();
   say_warnings(notes);
   say_warnings(aside);

@@ -194,9 +194,10 @@ void add_render(Command& app, const GlobalFlags& global) {
                     console.watch(stage));
     };
     if (job.render.eye_separation == 0) {
-      const Image image = render_with(job.render, "render");
+      std::vector<Image> pictures;  // not a list in braces, which would be copied
+      pictures.push_back(render_with(job.render, "render"));
       console.finish();
-      return save_pictures(o->output, {image});
+      return save_pictures(o->output, pictures);
     }
     const auto eyes = stereo_pair(job.render);
     const std::vector<Image> pair{render_with(eyes[0], "left eye"), render_with(eyes[1], "right eye")};

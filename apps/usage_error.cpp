@@ -38,16 +38,25 @@ std::vector<std::string> flags_of(const CLI::App* command) {
   return names;
 }
 
-// The first argument that nothing takes; "" if there is none. CLI11 keeps such an argument, or names it in its message.
+bool is_flag(const std::string& argument) { return argument.size() > 1 && argument.front() == '-'; }
+
+// The first argument that nothing takes; "" if there is none. CLI11 keeps such arguments, or names them in its message. A
+// flag goes first: the word after it may be its value, and may also stand elsewhere as the value of a known flag.
 std::string first_unknown(const CLI::App& app, const CLI::ParseError& error, int argc, const char* const* argv) {
   std::vector<std::string> unknown = app.remaining(true);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
-    std::istringstream words(error.what());
+    const std::string text = error.what();
+    std::istringstream words(text.substr(std::min(text.find(": "), text.size() - 1) + 1));
     for (std::string word; words >> word;) unknown.push_back(word);
   }
-  for (int i = 1; i < argc; ++i)
-    if (std::find(unknown.begin(), unknown.end(), argv[i]) != unknown.end()) return argv[i];
-  return "";
+  const auto is_unknown = [&](const std::string& argument) {
+    return std::find(unknown.begin(), unknown.end(), argument) != unknown.end();
+  };
+  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  auto found = std::find_if(arguments.begin(), arguments.end(),
+                            [&](const std::string& argument) { return is_flag(argument) && is_unknown(argument); });
+  if (found == arguments.end()) found = std::find_if(arguments.begin(), arguments.end(), is_unknown);
+  return found == arguments.end() ? "" : *found;
 }
 
 std::vector<std::string> subcommands_of(const CLI::App* command) {
@@ -58,7 +67,10 @@ std::vector<std::string> subcommands_of(const CLI::App* command) {
 
 std::string unknown_flag(const CLI::App* command, const std::string& argument) {
   const std::string flag = argument.substr(0, argument.find('='));
-  const std::string nearest = flag.starts_with("--") ? nearest_name(flag, flags_of(command)) : "";
+  const std::vector<std::string> known = flags_of(command);
+  if (std::find(known.begin(), known.end(), flag) != known.end())
+    return fmt::format("expected {} after the command, got it before; write `{} … {}`", flag, name_of(command), flag);
+  const std::string nearest = flag.starts_with("--") ? nearest_name(flag, known) : "";
   if (nearest.empty()) return fmt::format("unknown flag \"{}\"; `{} --help` lists the flags", flag, name_of(command));
   return fmt::format("unknown flag \"{}\"; did you mean \"{}\"?", flag, nearest);
 }
@@ -98,7 +110,7 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int
   const CLI::App* command = command_of(app);
   const std::string text = error.what();
   if (const std::string unknown = first_unknown(app, error, argc, argv); !unknown.empty()) {
-    if (unknown.size() > 1 && unknown.front() == '-') return unknown_flag(command, unknown);
+    if (is_flag(unknown)) return unknown_flag(command, unknown);
     if (const auto names = subcommands_of(command); !names.empty())
       return unknown_name_message("command", unknown, names);
     return fmt::format("expected no further argument, got \"{}\"; `{} --help` lists the arguments", unknown,

@@ -176,7 +176,8 @@ void add_bench_command(Command& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   command->add_flag("--json", o->is_json, "as JSON");
-  command->add_flag("--quick", o->is_quick, "only the small jobs, each once or twice: under a minute");
+  command->add_flag("--quick", o->is_quick,
+                    "only the small jobs, with fewer runs of each: about a minute on two cores");
   command->add_flag("--full", o->is_full, "also the jobs that take longer than 15 s, which are otherwise left out")
       ->excludes("--quick");
   command->add_option("--only", o->only, fmt::format("only these groups of stages: {}", fmt::join(group_names(), ", ")))

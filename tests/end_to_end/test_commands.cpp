@@ -401,6 +401,11 @@ TEST(Commands, WrongUsageExitsWith2AndSaysWhatIsWrong) {
       {{"limits", "--thraeds", "2"}, "did you mean \"--threads\"?"},  // a flag of the program
       {{"calibrate", "fti"}, "unknown command \"fti\"; did you mean \"fit\"?"},
       {{"calibrate", "fit", "p.toml", "d", "-o", "p.toml", "--jsno"}, "did you mean \"--json\"?"},
+      {{"run", "scene.toml", "--frames", "1", "--binning", "1"}, "unknown flag \"--binning\""},  // 1 is its value
+      {{"run", "scene.toml", "--frames", "1", "1"}, "expected no further argument, got \"1\""},
+      {{"compare", "not", "expected", "c"}, "expected no further argument, got \"c\""},  // words of CLI11's message
+      {{"--frames", "1", "run", "scene.toml", "-o", "x"},
+       "expected --frames after the command, got it before; write `holotrace run … --frames`"},
       {{"bench", "-z"}, "unknown flag \"-z\"; `holotrace bench --help` lists the flags"},
       {{"run", "scene.toml", "-o", "x", "--seed", "1.5"}, "--seed: expected a whole number, got \"1.5\""},
       {{"field", "scene.toml", "-o", "f.npy", "--double=yes!"}, "--double: expected no value, got \"yes!\""},

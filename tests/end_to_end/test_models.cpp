@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "end_to_end/scenes.h"
 #include "holotrace/io/picture/image_file.h"
+#include "support/gltf.h"
 #include "support/program.h"
 
 namespace holotrace::test {
@@ -34,6 +36,67 @@ TEST(Models, FilesBesideAModelAreFoundFromAnywhere) {
   work.write("models/m.obj", "mtllib m.mtl\nusemtl black\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
   ASSERT_EQ(work.run({"render", "models/m.obj", "-o", "m.exr", "--rows", "16", "--columns", "16"}).exit_code, 0);
   EXPECT_EQ(load_image(work.path("m.exr"))(8, 8), 0);
+}
+
+// Every command that reads a model, by a small scene of it.
+std::vector<std::vector<std::string>> commands_with_model(const Workplace& work, const std::string& model) {
+  work.write("scene.toml", mesh_scene() + "[[object]]\ntype = \"mesh\"\nfile = \"" + model +
+                               "\"\nscale = 1e-3\nposition = \"0 0 -30 mm\"\n");
+  return {{"info", model},
+          {"info", "scene.toml"},
+          {"run", "scene.toml", "-o", "out"},
+          {"render", "scene.toml", "-o", "x.png"},
+          {"trace", "scene.toml", "-o", "x.ply"},
+          {"field", "scene.toml", "-o", "x.npy"},
+          {"estimate", "scene.toml"}};
+}
+
+TEST(Models, EveryCommandWarnsOfWhatAModelLacks) {
+  const Workplace work;
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  work.write("m.mtl", "newmtl a\nKd 1 1 1\nmap_Kd none.png\n");
+  work.write("m.obj", "mtllib m.mtl\nusemtl a\n" + square + "vt 0 0\nf 1/1 2/1 3/1 4/1\nl 1 2\n");
+  for (const auto& command : commands_with_model(work, "m.obj")) {
+    const Outcome outcome = work.run(command);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string said = outcome.err + outcome.out;
+    EXPECT_NE(said.find("the texture none.png is missing"), std::string::npos) << command[0] << ": " << said;
+    EXPECT_NE(said.find("1 points and lines are ignored"), std::string::npos) << command[0] << ": " << said;
+  }
+  // A PLY file of a mesh is described as one, also if it is loose triangles.
+  work.write("m.ply",
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+             "property float nx\nproperty float ny\nproperty float nz\nelement face 1\n"
+             "property list uchar int vertex_indices\nend_header\n0 0 0 0 0 0\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n");
+  for (const auto& command : commands_with_model(work, "m.ply")) {
+    const Outcome outcome = work.run(command);
+    EXPECT_NE((outcome.err + outcome.out).find("normals of length 0; it is shaded flat"), std::string::npos)
+        << command[0] << ": " << outcome.err << outcome.out;
+  }
+}
+
+TEST(Models, EveryCommandRefusesIndicesBeyondTheVertices) {
+  const Workplace work;
+  GltfTriangle gltf;
+  gltf.primitives = R"([{"attributes": {"POSITION": 0}, "indices": 4}])";
+  std::string text = gltf.text();
+  const std::string positions = R"("bufferView": 0, "componentType": 5126, "count": 3)";
+  text.replace(text.find(positions), positions.size(), R"("bufferView": 0, "componentType": 5126, "count": 2)");
+  work.write("m.gltf", text);
+  work.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n");
+  work.write("m.ply",
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n");
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"m.gltf", "m.gltf: expected vertex indices below 2 in mesh \"triangle\", got 2; export it again"},
+      {"m.obj", "m.obj:5: expected vertex indices from 1 to 3 or as far back, got 4; export the mesh again"},
+      {"m.ply", "m.ply: expected vertex indices below 3, got 3 in face 0"}};
+  for (const auto& [model, sentence] : cases)
+    for (const auto& command : commands_with_model(work, model)) {
+      const Outcome outcome = work.run(command);
+      EXPECT_EQ(outcome.exit_code, 1) << command[0] << " " << model;
+      EXPECT_NE(outcome.err.find(sentence), std::string::npos) << command[0] << ": " << outcome.err;
+    }
 }
 
 }  // namespace

@@ -46,6 +46,19 @@ TEST(CommonExposure, DoesNotDarkenARenderForAViewOfStrayLight) {
   EXPECT_NEAR(white.render_white, 2 * 1.25 * 0.8, 1e-6);
 }
 
+// The ratio is that of all places above a tenth of the render's peak, also of dim ones (0.3 of it), and not of the
+// background (0.05 of it), where the view has stray light.
+TEST(CommonExposure, ComparesTheLightOfDimPlacesToo) {
+  Image render(64, 64, 1), view(64, 64, 1);
+  for (int j = 0; j < 64; ++j)
+    for (int i = 0; i < 64; ++i) {
+      render(j, i) = i < 16 ? 0.8f : i < 32 ? 0.24f : 0.04f;
+      view(j, i) = i < 16 ? 4.0f : i < 32 ? 0.5f : 7.0f;
+    }
+  const CommonExposure white = common_exposure({view}, {{render}}, {render}, 10);
+  EXPECT_NEAR(white.render_white, 10 * (0.8 + 0.24) / (4 + 0.5), 1e-5);  // floats
+}
+
 TEST(CommonExposure, ExposesViewsAloneWithoutAReference) {
   const CommonExposure white = common_exposure({surface(4)}, {}, {}, 0);
   EXPECT_NEAR(white.view_white, 5, 1e-6);

@@ -76,6 +76,18 @@ TEST(QuickReference, WithoutNoiseIsTheFullOne) {
   EXPECT_EQ(full.at("ssim"), compare(truth, view).ssim);
 }
 
+// The half differs by 0.1 where the reference is bright, 1, and by 0.3 where it is dim, 0.3. Only the bright ones count:
+// three times their noise over the peak. With all paths in the half there is nothing to take out of the error.
+TEST(QuickReference, UncertaintyIsThreeTimesTheNoiseOfBrightPixels) {
+  Image reference(16, 16, 1), half(16, 16, 1), view(16, 16, 1);
+  for (size_t i = 0; i < reference.values.size(); ++i) {
+    reference.values[i] = i % 2 == 0 ? 1.0f : 0.3f;
+    half.values[i] = i % 2 == 0 ? 1.1f : 0.6f;
+    view.values[i] = 0.5f;
+  }
+  EXPECT_NEAR(facts_of({reference, half, 1}, view).at("psnr_uncertainty_db"), 20 * std::log10(1.3), 1e-5);  // floats
+}
+
 TEST(QuickReference, SaysWhyThereIsNothingToCompare) {
   EXPECT_EQ(facts_of({Image(8, 8, 1)}, noisy_ramp(0.1, 1)).count("why_no_metrics"), 1U);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "holotrace/base/error.h"
 #include "holotrace/trace/shade_triangles.h"
 #include "trace/scenes.h"
 
@@ -43,6 +44,27 @@ TEST(ShadeTriangles, LargeFacesAreCut) {
     area += length(cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0])) / 2;
   }
   EXPECT_GT(area / double(triangles.triangles.size()), most * most / 16);
+}
+
+// A sliver of 1 μm that reaches from 30 mm to 1 km behind the panel: its long sides are 1/64 of the view's height, 2·T of
+// the depth, after 700 cuts per factor of two of depth. Cutting the longer of two long sides in turn makes about the
+// square of that: half a million pieces for each of 15 factors of two, and there are 4 slivers.
+TEST(ShadeTriangles, SliversThatComeToTooManyPiecesAreRefused) {
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  Mesh mesh;
+  mesh.name = "needles";
+  mesh.positions = {{0, 0, -0.03}, {1e-6, 1e-6, -0.03}, {0, 0, -1000}};
+  mesh.triangles = {{0, 1, 2}, {0, 1, 2}, {0, 1, 2}, {0, 1, 2}};
+  scene.meshes = {mesh, make_wall(-0.06, 0.002, 0.002, 0)};
+  try {
+    shade(scene);
+    FAIL() << "expected an Error";
+  } catch (const Error& error) {
+    const std::string sentence = error.what();
+    EXPECT_NE(sentence.find("16777216 pieces or fewer"), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("of \"needles\", 30 mm to 1000 m behind the panel"), std::string::npos) << sentence;
+  }
 }
 
 Scene sphere_before_wall() {

@@ -127,6 +127,14 @@ TEST(ExposureWhite, ShowsWhiteSurfacesAtFourFifths) {
   EXPECT_NE(error_of([&] { exposure_white(surface, -1); }), "no error");
 }
 
+// 50 of 10,000 blocks are a surface of 5 before a wall of 1: more than a thousandth of the picture, so it sets the white.
+TEST(ExposureWhite, IsThatOfASmallBrightSurface) {
+  Image picture(800, 800, 1);
+  for (int j = 0; j < 800; ++j)
+    for (int i = 0; i < 800; ++i) picture(j, i) = j < 8 && i < 400 ? 5 : 1;
+  EXPECT_DOUBLE_EQ(exposure_white(picture, 0), 5 * 1.25);
+}
+
 TEST(ExposureWhite, ClipsATenthOfTheLightOfAPoint) {
   Image star(800, 800, 1);  // 10,000 blocks, so that the block of the star is above the percentile
   star(3, 4) = 5;

@@ -48,7 +48,8 @@ Json describe(const Job& job) {
           {"triangles", triangles},
           {"materials", job.scene.materials.size()},
           {"lights", job.scene.lights.size()},
-          {"frames", job.trace.frames}};
+          {"frames", job.trace.frames},
+          {"warnings", job.warnings}};
 }
 
 Json describe(const Sources& sources) {
@@ -146,9 +147,11 @@ Json describe(const LoadedModel& model) {
 }
 
 Json describe_ply(const std::string& path) {
-  const PlyVertices vertices = read_ply(path);
+  const PlyVertices vertices = read_ply(path, true);
   if (vertices.find("amplitude") && vertices.find("phase") && !vertices.comments.empty())
     return describe(load_sources(path));
+  if (!vertices.face_sizes.empty() || !vertices.strips.empty() || vertices.find("face_idx"))
+    return describe(load_meshes(path));
   return {{"kind", "PLY vertices"}, {"vertices", vertices.count}, {"properties", vertices.names}};
 }
 

@@ -125,7 +125,8 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
                 .panel_y = panel.height() / 2,
                 .reach = box_radius(params.focus, wavelength, panel.pitch)};
   const PathScene path_scene = make_path_scene(scene, params);
-  require_memory(3.0 * sizeof(float) * columns * rows, fmt::format("a picture of {} × {} pixels", columns, rows));
+  require_memory(3.0 * (sizeof(float) + 1) * columns * rows,  // a byte each when it is saved
+                 fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);
   std::vector<PathCounts> counts(size_t(rows), PathCounts{});
   constexpr int often = 16;  // pixels between reports: a row of many paths takes long, and a caller may want to stop

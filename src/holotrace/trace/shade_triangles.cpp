@@ -25,6 +25,7 @@ namespace {
 constexpr double view_part = 1.0 / 64;  // largest side of a triangle, over the view's height
 constexpr double inset = 0.01;          // sampling point, over the way from a corner to the centroid
 constexpr int64_t block_size = 64;      // triangles per task
+constexpr size_t most_pieces = size_t(1) << 24;
 
 using Corners = std::array<Vec3, 3>;
 
@@ -40,22 +41,23 @@ class Cutter {
   Cutter(const Grid& panel, double tangent)
       : panel_(panel), tangent_(tangent), most_((std::isfinite(tangent) ? 2 * tangent : 2) * view_part) {}
 
-  void cut(const Corners& c, uint32_t mesh, uint32_t triangle, std::vector<Piece>& pieces) const {
-    if (is_outside(c)) return;
+  // @return  false if there would be more than most_pieces
+  bool cut(const Corners& c, uint32_t mesh, uint32_t triangle, std::vector<Piece>& pieces) const {
+    if (is_outside(c)) return true;
     size_t longest = 0;
     double size = 0;
     for (size_t side = 0; side < 3; ++side)
       if (const double l = length(c[side] - c[(side + 1) % 3]); l > size) longest = side, size = l;
     const double depth = -(c[0].z + c[1].z + c[2].z) / 3;
     if (size <= most_ * depth) {
+      if (pieces.size() == most_pieces) return false;
       pieces.push_back({c, mesh, triangle});
-      return;
+      return true;
     }
     const size_t i = longest, j = (longest + 1) % 3;
     Corners first = c, second = c;
     first[j] = second[i] = (c[i] + c[j]) / 2;
-    cut(first, mesh, triangle, pieces);
-    cut(second, mesh, triangle, pieces);
+    return cut(first, mesh, triangle, pieces) && cut(second, mesh, triangle, pieces);
   }
 
  private:
@@ -76,18 +78,38 @@ class Cutter {
   double tangent_, most_;
 };
 
+// The triangle of a mesh that came to most pieces.
+struct MostCut {
+  size_t pieces = 0, triangle = 0;
+  std::string mesh;
+  Corners corners{};
+};
+
+[[noreturn]] void refuse_many_pieces(const MostCut& t) {
+  const auto [front, back] = std::minmax({-t.corners[0].z, -t.corners[1].z, -t.corners[2].z});
+  fail(
+      "expected a scene that the method triangles cuts into {} pieces or fewer, got more; triangle {} of \"{}\", {} to "
+      "{} behind the panel, comes to {} or more; shorten it, or use another method",
+      most_pieces, t.triangle, t.mesh, format_length(front), format_length(back), t.pieces);
+}
+
 // The pieces of all triangles that have an area and lie behind the panel, without those that the panel cannot see.
 std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tangent, int64_t& of_meshes) {
   const Cutter cutter(panel, tangent);
   std::vector<Piece> pieces;
   uint32_t id = 0;
+  MostCut most_cut;
   const auto add = [&](const Mesh& mesh) {
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
       Corners c;
       for (size_t j = 0; j < 3; ++j) c[j] = mesh.positions[mesh.triangles[t][j]];
       const bool has_area = length(cross(c[1] - c[0], c[2] - c[0])) > 0;
       const bool is_behind = c[0].z < 0 && c[1].z < 0 && c[2].z < 0;
-      if (has_area && is_behind) cutter.cut(c, id, uint32_t(t), pieces);
+      if (!has_area || !is_behind) continue;
+      const size_t before = pieces.size();
+      const bool is_whole = cutter.cut(c, id, uint32_t(t), pieces);
+      if (const size_t count = pieces.size() - before; count > most_cut.pieces) most_cut = {count, t, mesh.name, c};
+      if (!is_whole) refuse_many_pieces(most_cut);
     }
     ++id;
   };

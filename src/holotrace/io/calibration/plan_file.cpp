@@ -10,6 +10,7 @@
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/files/output_set.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/toml_file.h"
 #include "holotrace/io/scene/toml_table.h"
@@ -43,38 +44,41 @@ std::string photograph_path(const std::string& folder, const std::string& name) 
 }
 
 // Patterns that an earlier plan in the folder lists, with their sidecars.
-void remove_earlier(const std::string& folder) {
+FileRecord earlier_patterns(const std::string& folder) {
   std::error_code ignored;
-  if (!fs::exists(plan_path(folder), ignored)) return;
+  FileRecord found;
+  if (!fs::exists(plan_path(folder), ignored)) return found;
   const toml::table table = parse(plan_path(folder));
   const toml::array* patterns = table["pattern"].as_array();
-  if (!patterns) return;
+  if (!patterns) return found;
   for (const toml::node& item : *patterns) {
     const auto file = item.as_table() ? (*item.as_table())["file"].value<std::string>() : std::nullopt;
     if (!file || fs::path(*file).has_parent_path() || fs::path(*file).extension() != ".png") continue;
     const std::string path = (fs::path(folder) / *file).string();
     if (!is_hologram_file(path)) continue;  // a photograph may have been put in its place
-    fs::remove(path, ignored);
-    for (const std::string& sidecar : {sidecar_path(path), old_sidecar_path(path)}) fs::remove(sidecar, ignored);
+    for (const fs::path one : {path, sidecar_path(path), old_sidecar_path(path)})
+      if (fs::is_regular_file(one, ignored)) found.emplace(one.filename().string(), fs::file_size(one, ignored));
   }
+  return found;
 }
 
 }  // namespace
 
 std::string plan_path(const std::string& folder) { return (fs::path(folder) / "calibration.toml").string(); }
 
-void save_plan(const std::string& folder, const CalibrationPlan& plan) {
+std::vector<std::string> save_plan(const std::string& folder, const CalibrationPlan& plan) {
   make_folder(folder);
-  remove_earlier(folder);
   std::string text =
       "# Test patterns of a calibration. Show each on the panel and photograph it as NAME.png, .tif, .jpg or .exr\n"
       "# with a sensor without a lens at this distance from the panel; camera and exposure stay as they are.\n";
   text += fmt::format("distance = \"{:.12g} mm\"\n", plan.distance * 1e3);
-  for (const TestPattern& pattern : plan.patterns) {
-    save_hologram((fs::path(folder) / (pattern.name + ".png")).string(), pattern.hologram);
+  for (const TestPattern& pattern : plan.patterns)
     text += fmt::format("\n[[pattern]]\nfile = \"{}.png\"\nkind = \"{}\"\n", pattern.name, name_of(pattern.kind));
-  }
-  write_text(plan_path(folder), text);
+  const std::string path = plan_path(folder);
+  return write_together(path, earlier_patterns(folder), [&](const OutputSet& set) {
+    for (const TestPattern& pattern : plan.patterns) save_hologram(set.path(pattern.name + ".png"), pattern.hologram);
+    write_text(set.path(fs::path(path).filename().string()), text);
+  });
 }
 
 CalibrationPlan load_plan(const std::string& path) {

@@ -16,9 +16,10 @@ namespace holotrace {
 ///     file = "01_spots.png"
 ///     kind = "spots"          # or "levels", "focus"
 ///
-/// The folder is made if it is missing; patterns of an earlier plan in it are removed.
+/// The folder is made if it is missing. Once all files are written, they replace the patterns of an earlier plan in it.
+/// @return        notes about other files of these names, which are set aside (write_together)
 /// @throws Error  as save_hologram and write_text do
-void save_plan(const std::string& folder, const CalibrationPlan& plan);
+std::vector<std::string> save_plan(const std::string& folder, const CalibrationPlan& plan);
 
 /// The file that save_plan writes in a folder.
 std::string plan_path(const std::string& folder);

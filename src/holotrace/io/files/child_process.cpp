@@ -63,8 +63,8 @@ struct Pipe {
   explicit Pipe(std::array<int, 2> ends) : read(ends[0]), write(ends[1]) {}
   static std::array<int, 2> make() {
     std::array<int, 2> ends{-1, -1};
-    require(pipe2(ends.data(), O_CLOEXEC) == 0, "expected a pipe to a child process, got \"{}\"; close other programs",
-            std::strerror(errno));
+    const bool is_made = pipe2(ends.data(), O_CLOEXEC) == 0;
+    require(is_made, "expected a pipe to a child process, got \"{}\"; close other programs", std::strerror(errno));
     fcntl(ends[1], F_SETPIPE_SZ, 1 << 20);  // faster; if it is refused, the pipe stays as it is
     return ends;
   }

@@ -80,8 +80,8 @@ void fail_to_write(const std::string& path, const std::string& reason) {
 
 std::string temporary_name(const std::string& extension) {
   uint64_t random = 0;
-  require(getentropy(&random, sizeof random) == 0, "expected random numbers from the system, got \"{}\"",
-          std::strerror(errno));
+  const bool is_drawn = getentropy(&random, sizeof random) == 0;
+  require(is_drawn, "expected random numbers from the system, got \"{}\"", std::strerror(errno));
   return fmt::format("{}{:016x}{}", temporary_prefix, random, extension);
 }
 

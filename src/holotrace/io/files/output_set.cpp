@@ -32,13 +32,13 @@ OutputSet::OutputSet(const std::string& folder) : folder_(folder.empty() ? "." :
   // Another program may remove the new folder as abandoned before it is locked: then another is made.
   for (int tries = 0; tries < 100; ++tries) {
     staging_ = (fs::path(folder_) / temporary_name("")).string();
-    if (mkdir(staging_.c_str(), 0777) != 0) fail_to_write(staging_, std::strerror(errno));
+    if (mkdir(staging_.c_str(), 0777) != 0) fail_to_write(folder_, std::strerror(errno));
     lock_ = open(staging_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     const bool is_taken = lock_ < 0 || (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK);
     if (!is_taken && fs::exists(staging_)) return;
     if (lock_ >= 0) close(lock_);
   }
-  fail_to_write(staging_, "other programs remove it");
+  fail_to_write(folder_, "other programs remove what is written");
 }
 
 OutputSet::~OutputSet() {

@@ -118,7 +118,8 @@ File temporary_file(const std::string& path) {
 // @return the picture, which gnuplot writes to a pipe: into a file, it would not report that the disk is full
 std::string run_gnuplot(std::FILE* script, std::FILE* messages, const std::string& path, int& status) {
   int ends[2];
-  require(pipe2(ends, O_CLOEXEC) == 0, "expected a pipe to draw {} with, got \"{}\"", path, std::strerror(errno));
+  const bool is_made = pipe2(ends, O_CLOEXEC) == 0;
+  require(is_made, "expected a pipe to draw {} with, got \"{}\"", path, std::strerror(errno));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, fileno(script), STDIN_FILENO);
@@ -170,9 +171,9 @@ void save_chart(const std::string& path, const Chart& chart) {
   check_chart(chart);
   const std::string text = gnuplot_script(chart, extension);
   const File script = temporary_file(path), messages = temporary_file(path);
-  const bool written = std::fwrite(text.data(), 1, text.size(), script.get()) == text.size();
-  require(written && std::fflush(script.get()) == 0, "expected room for temporary files to draw {} with, got \"{}\"",
-          path, std::strerror(errno));
+  const bool is_written =
+      std::fwrite(text.data(), 1, text.size(), script.get()) == text.size() && std::fflush(script.get()) == 0;
+  require(is_written, "expected room for temporary files to draw {} with, got \"{}\"", path, std::strerror(errno));
   std::rewind(script.get());
   int status = 0;
   const std::string picture = run_gnuplot(script.get(), messages.get(), path, status);

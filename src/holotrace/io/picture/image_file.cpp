@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -87,6 +88,18 @@ Image image_from(const Picture& picture, const std::string& name, ImageContent c
        kind);
 }
 
+// The values as codes of sRGB, from 0 to the largest number of the type, which stands for white.
+template <class Code>
+std::vector<Code> codes_of(const Image& image, double white) {
+  constexpr double top = std::numeric_limits<Code>::max();
+  std::vector<Code> codes(image.values.size());
+  for (size_t i = 0; i < codes.size(); ++i) {
+    const double linear = image.values[i] / white;
+    codes[i] = Code(std::lround(top * srgb_encode(linear > 0 ? std::min(linear, 1.0) : 0.0)));
+  }
+  return codes;
+}
+
 }  // namespace
 
 double srgb_encode(double linear) {
@@ -136,17 +149,13 @@ void save_image(const std::string& path, const Image& image, double white, int b
   require(extension == ".png", "expected an image file {}, got {}; change its extension", known_extensions, path);
   require(std::isfinite(white) && white > 0, "expected a white level above 0 for {}, got {}", path, white);
   require(bits == 8 || bits == 16, "expected 8 or 16 bits for {}, got {}", path, bits);
-  const double top = bits == 8 ? 255 : 65535;
-  std::vector<uint16_t> codes(image.values.size());
-  for (size_t i = 0; i < codes.size(); ++i) {
-    const double linear = image.values[i] / white;
-    codes[i] = uint16_t(std::lround(top * srgb_encode(linear > 0 ? std::min(linear, 1.0) : 0.0)));
-  }
   PngHeader header{image.nx, image.ny, image.channels, bits, true, {}};
   if (image.pitch > 0) header.texts[pitch_name] = fmt::format("{:.17g}", image.pitch);
   if (!record.empty()) header.texts[record_name] = record_text();
-  const std::vector<uint8_t> bytes(codes.begin(), codes.end());
-  write_png(path, header, bits == 8 ? static_cast<const void*>(bytes.data()) : codes.data());
+  if (bits == 8)
+    write_png(path, header, codes_of<uint8_t>(image, white).data());
+  else
+    write_png(path, header, codes_of<uint16_t>(image, white).data());
 }
 
 std::string text_in_image(const std::string& path, const char* name) {
