@@ -12,7 +12,8 @@ example scene has few rays (SMALLER). A ```toml block whose first line is "# NAM
            missing file shows before that
   not-run  no command of this program, as an installation; nothing is run
 
-A block of commands that are not marked must end with exit code 0. Python blocks run where NumPy is there.
+A block of commands that are not marked must end with exit code 0. Python blocks run where NumPy is there, but for those
+of the pages about the Python package: tests/python/test_examples.py runs them, page by page.
 """
 
 import os
@@ -60,6 +61,7 @@ SHORTER = [
     (r"--columns 32768 --rows 32768", "--columns 1024 --rows 1024"),
     (r"--target-columns 1600 --target-rows 880", "--target-columns 200 --target-rows 110 --resample true --iterations 3"),
 ]
+PACKAGE_PAGES = ("README.md", "docs/python.md")  # their Python blocks are for the package
 LONG_SECONDS = 1  # of processor time, so that a busy machine ends no command before its flags are read
 BLOCK_SECONDS = 300  # a block takes a few seconds; this ends one that hangs
 
@@ -151,7 +153,7 @@ def run_block(block, folder, environment, numpy):
         elif name:
             (folder / name.group(1)).write_text(block.text)
         return None
-    if language == "python" and numpy:
+    if language == "python" and numpy and str(block.page.relative_to(ROOT)) not in PACKAGE_PAGES:
         return run(["timeout", str(BLOCK_SECONDS), numpy, "-c", block.text], folder, environment)
     if language != "sh" or "not-run" in marks:
         return None
