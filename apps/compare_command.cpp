@@ -144,8 +144,8 @@ void check_flags(const CompareOptions& o, bool is_field) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command =
+void add_compare_command(Command& app, const GlobalFlags& global) {
+  Command* command =
       app.add_subcommand("compare", "differences between two images, or between two fields (.npy, .h5, .exr)");
   auto o = std::make_shared<CompareOptions>();
   command->add_option("a", o->a, "reference; with --register the photograph")->required()->type_name("A");

@@ -29,7 +29,7 @@ bool is_picture(const std::string& path) {
 
 }  // namespace
 
-void DepthImageFlags::add(CLI::App& command) {
+void DepthImageFlags::add(Command& command) {
   command
       .add_option("--depth", depth_,
                   "depth of each pixel of the picture: grey of 8 or 16 bits, brighter is nearer; or EXR in metres")

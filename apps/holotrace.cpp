@@ -2,6 +2,7 @@
 
 #include <tbb/global_control.h>
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -81,17 +82,18 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
     if (threads > 0)
       limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, size_t(threads));
   });
-  add_scene_commands(app, global);
-  add_field_command(app, global);
-  add_encode_command(app, global);
-  add_show_command(app, global);
-  add_propagate_command(app, global);
-  add_compare_command(app, global);
-  add_limits_command(app, global);
-  add_info_command(app, global);
-  add_estimate_command(app, global);
-  add_calibrate_command(app, global);
-  add_bench_command(app, global);
+  Command program(app);
+  add_scene_commands(program, global);
+  add_field_command(program, global);
+  add_encode_command(program, global);
+  add_show_command(program, global);
+  add_propagate_command(program, global);
+  add_compare_command(program, global);
+  add_limits_command(program, global);
+  add_info_command(program, global);
+  add_estimate_command(program, global);
+  add_calibrate_command(program, global);
+  add_bench_command(program, global);
 
   const auto warn = [](const std::string& sentence) { say("warning: {}\n", sentence); };
   keep_fft_wisdom(warn);

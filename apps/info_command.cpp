@@ -10,8 +10,8 @@
 
 namespace holotrace {
 
-void add_info_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("info", "contents of any file that holotrace reads, or data of a panel");
+void add_info_command(Command& app, const GlobalFlags& global) {
+  Command* command = app.add_subcommand("info", "contents of any file that holotrace reads, or data of a panel");
   struct Options {
     std::string path, slm;
     bool is_json = false;
@@ -27,7 +27,7 @@ void add_info_command(CLI::App& app, const GlobalFlags& global) {
   slm->excludes(file);
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o, &global] {
-    if (o->path.empty() && o->slm.empty()) throw CLI::RequiredError("a file or --slm");
+    if (o->path.empty() && o->slm.empty()) fail_as_missing("a file or --slm");
     print_facts(o->slm.empty() ? describe_file(o->path, global.outside()) : describe_slm(slm_by_name(o->slm)),
                 o->is_json);
   });

@@ -41,7 +41,7 @@
 namespace holotrace {
 namespace {
 
-void add_scene(CLI::App& command, std::string& path) {
+void add_scene(Command& command, std::string& path) {
   command.add_option("scene", path, "scene file (TOML, see docs/reference/scene_format.md), or a mesh by itself")
       ->required()
       ->type_name("SCENE.toml|MESH");
@@ -71,8 +71,8 @@ void print_comparison(const JobEstimate& estimate, const std::vector<StageCompar
   fmt::print("The estimate itself took {:.1f} s.\n", estimate.probe_seconds);
 }
 
-void add_run(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
+void add_run(Command& app, const GlobalFlags& global) {
+  Command* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
     std::string scene, folder, wavelengths, eye_separation, checkpoint;
     std::optional<int64_t> seed;
@@ -159,8 +159,8 @@ void save_stack(const Job& job, const std::string& output, Console& console, boo
                stack.pictures.size(), stack.grid.nx, stack.grid.ny, traced.count(), (all - traced).count());
 }
 
-void add_render(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("render", "path-traced image of a scene, seen from the panel");
+void add_render(Command& app, const GlobalFlags& global) {
+  Command* command = app.add_subcommand("render", "path-traced image of a scene, seen from the panel");
   struct Options {
     std::string scene, output;
     Flags flags;
@@ -208,8 +208,8 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   });
 }
 
-void add_trace(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("trace", "sources from a scene: spherical waves that carry path-traced light");
+void add_trace(Command& app, const GlobalFlags& global) {
+  Command* command = app.add_subcommand("trace", "sources from a scene: spherical waves that carry path-traced light");
   struct Options {
     std::string scene, output, wavelengths;
     Flags flags;
@@ -237,7 +237,7 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
 
 }  // namespace
 
-void add_scene_commands(CLI::App& app, const GlobalFlags& global) {
+void add_scene_commands(Command& app, const GlobalFlags& global) {
   add_run(app, global);
   add_render(app, global);
   add_trace(app, global);

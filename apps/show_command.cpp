@@ -89,8 +89,8 @@ void check_memory(const Hologram& hologram, const Viewing& viewing, double wavel
 
 }  // namespace
 
-void add_show_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("show", "camera image of holograms on a virtual SLM");
+void add_show_command(Command& app, const GlobalFlags& global) {
+  Command* command = app.add_subcommand("show", "camera image of holograms on a virtual SLM");
   struct Options {
     std::vector<std::string> inputs;
     std::string output, slm, report;

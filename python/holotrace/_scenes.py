@@ -100,10 +100,10 @@ class Scene(Noun):
     ) -> None:
         given = {**(tables or {}), **more}
         slm = given.get("slm")
-        if isinstance(slm, (Slm, str)):
+        if isinstance(slm, (Slm, str, os.PathLike)):
             given["slm"] = None
         self._core = _core.Job.make(_plain(given), allow_outside)
-        if isinstance(slm, (Slm, str)):
+        if isinstance(slm, (Slm, str, os.PathLike)):
             self._core.slm = panel(slm)._core
         self.facts = {}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Mapping, Optional, Type, Union
 
 from . import _core
-from ._fields import Field, Sources
+from ._fields import Field, Path, Sources
 from ._holograms import Hologram, Slm
 from ._images import Image
 from ._noun import Noun
@@ -14,7 +14,7 @@ from ._progress import Progress, watching
 from ._units import Length
 
 #: A panel: an Slm, or the name of a preset or a file.
-Panel = Union[Slm, str]
+Panel = Union[Slm, Path]
 
 
 def panel(given: Panel) -> Slm:

@@ -14,7 +14,7 @@ import sys
 from pages import ROOT, pages, text_without_blocks
 
 SOURCES = [entry for folder in ("src", "apps", "bench", "tests") for entry in os.walk(ROOT / folder)]
-FOLDERS = ("src/", "apps/", "tests/", "docs/", "examples/", "scripts/", "panels/", "bench/", "cmake/")
+FOLDERS = ("python/", "src/", "apps/", "tests/", "docs/", "examples/", "scripts/", "panels/", "bench/", "cmake/")
 
 
 def anchor(heading):

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
+
 #include "flags.h"
 #include "holotrace/data/depth_image.h"
 #include "holotrace/data/job.h"
@@ -22,7 +24,8 @@ void expect_bounds() {
   for (const test::Try& t : tries) {
     CLI::App app;
     Flags flags;
-    flags.add(app, Params());
+    Command command(app);
+    flags.add(command, Params());
     const std::string argument = dashed(t.key) + "=" + t.text;
     std::vector<std::string> arguments{argument};
     app.parse(arguments);

@@ -32,6 +32,15 @@ def test_encode_is_the_program_bit_by_bit(waves, method, more, tmp_path, program
     assert equal(hologram.level, ht.load_hologram(tmp_path / "h.png").level)
 
 
+def test_encode_uses_the_panel_that_it_is_given(waves, tmp_path, program):
+    (tmp_path / "panel.toml").write_text('columns = 64\nrows = 48\npitch = "8 um"\nlevels = 16\n')
+    waves.save(tmp_path / "f.npy")
+    program("encode", "f.npy", "--slm", "panel.toml", "-o", "h.png")
+    hologram = ht.encode(waves, tmp_path / "panel.toml")
+    assert hologram.levels == 16 and hologram.slm.levels == 16 and ht.encode(waves).slm is None
+    assert equal(hologram.level, ht.load_hologram(tmp_path / "h.png").level)
+
+
 def test_encode_of_a_picture_is_the_program_bit_by_bit(tmp_path, program):
     picture = ht.Image(np.random.default_rng(3).uniform(size=(20, 30)).astype(np.float32))
     picture.save(tmp_path / "p.exr")

@@ -60,12 +60,23 @@ def test_an_exception_in_the_callback_stops_the_verb():
         ht.synthesize(WAVES, ht.Slm(columns=400, rows=400, pitch=8e-6), method="exact", progress=stop)
 
 
-def test_ctrl_c_stops_a_long_verb():
-    """The sum would take minutes. No timing is asserted: a verb that is not stopped runs into the timeout."""
-    waves = ht.Sources(np.column_stack([np.zeros((200_000, 2)), np.linspace(-0.2, -0.1, 200_000)]), wavelength=532e-9)
+def long_sum():
+    waves = np.column_stack([np.zeros((200_000, 2)), np.linspace(-0.2, -0.1, 200_000)])
+    return ht.synthesize(ht.Sources(waves, wavelength=532e-9), "pluto", method="exact")
+
+
+def long_render():
+    square = {"type": "quad", "width": "5 mm", "height": "5 mm", "position": (0, 0, -0.1)}
+    light = {"type": "point", "position": (0, 0, -0.05), "intensity": 0.01}
+    return ht.render(ht.Scene(wavelength="532 nm", object=[square], light=[light]), rows=4000, paths=100_000)
+
+
+@pytest.mark.parametrize("verb", [long_sum, long_render])
+def test_ctrl_c_stops_a_long_verb(verb):
+    """They would take minutes or more. No timing is asserted: a verb that is not stopped runs into the timeout."""
     threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
-        ht.synthesize(waves, "pluto", method="exact")
+        verb()
 
 
 def test_other_threads_run_while_a_verb_works():

@@ -38,6 +38,7 @@ fs::path make_folder(const char* name) {
   argv.push_back(nullptr);
   signal(SIGINT, SIG_DFL);
   const int in = open("/dev/null", O_RDONLY);
+  signal(SIGINT, SIG_DFL);  // the tests' own shell may ignore it, and a child would too
   if (chdir(folder.c_str()) == 0 && setenv("XDG_CACHE_HOME", cache.c_str(), 1) == 0 && dup2(in, STDIN_FILENO) >= 0 &&
       dup2(out, STDOUT_FILENO) >= 0 && dup2(err, STDERR_FILENO) >= 0)
     execvp(argv.front(), argv.data());

@@ -1,6 +1,7 @@
 #include "holotrace/trace/render.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -128,13 +129,20 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
                  fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);
   std::vector<PathCounts> counts(size_t(rows), PathCounts{});
+  constexpr int often = 16;  // pixels between reports: a row of many paths takes long, and a caller may want to stop
+  std::atomic<int64_t> done{0};
   const auto render_row = [&](int64_t row) {
     std::vector<Vec3> sums(size_t(path_scene.sums()));
-    for (int column = 0; column < columns; ++column)
-      add(image, int(row), column,
-          render_pixel(path_scene, eye, {int(row), column}, params, sums, counts[size_t(row)]));
+    for (int first = 0; first < columns; first += often) {
+      const int end = std::min(columns, first + often);
+      for (int column = first; column < end; ++column)
+        add(image, int(row), column,
+            render_pixel(path_scene, eye, {int(row), column}, params, sums, counts[size_t(row)]));
+      const int64_t pixels = done += end - first;
+      observer.progress(double(pixels) / (double(rows) * columns));
+    }
   };
-  parallel_for(0, rows, render_row, observer);
+  parallel_for(0, rows, render_row);
   draw_points(path_scene.accelerator, eye, panel, wavelength, image);
 
   PathCounts total;

@@ -86,17 +86,25 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
   std::vector<TracedWaves> points(t.sets.size());
   add_points(t, points, totals.points);
   std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
+  std::atomic<int64_t> done{0};
   const auto trace_block = [&](int64_t b) {
     Block& block = blocks[size_t(b)];
     block.sets.resize(t.sets.size());
     const int64_t end = std::min(count, (b + 1) * block_size);
-    for (int64_t i = b * block_size; i < end; ++i) trace_sample(t, i, block);
+    constexpr int64_t often =
+        16;  // rays between reports: a block of many paths takes long, and a caller may want to stop
+    for (int64_t first = b * block_size; first < end; first += often) {
+      const int64_t last = std::min(end, first + often);
+      for (int64_t i = first; i < last; ++i) trace_sample(t, i, block);
+      const int64_t rays = done += last - first;
+      observer.progress(double(rays) / double(count));
+    }
     int64_t waves = 0;
     for (const TracedWaves& set : block.sets) waves += int64_t(set.waves.size());
     waves += found.fetch_add(waves);
     require_memory(2 * bytes * double(waves), "the waves that rays find behind mirrors and glass");
   };
-  parallel_for(0, int64_t(blocks.size()), trace_block, observer);
+  parallel_for(0, int64_t(blocks.size()), trace_block);
 
   totals.rays += count;
   for (const Block& block : blocks) {

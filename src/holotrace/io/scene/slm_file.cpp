@@ -216,7 +216,11 @@ std::vector<std::string> panel_folders() {
   if (dladdr(reinterpret_cast<const void*>(&slm_preset_names), &library) != 0 && library.dli_fname)
     wanted.push_back(fs::path(library.dli_fname).parent_path() / "panels");
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-  if (!program.empty()) wanted.push_back(program.parent_path().parent_path() / "share" / "holotrace" / "panels");
+  if (!program.empty()) {
+    const fs::path above = program.parent_path().parent_path();
+    wanted.push_back(above / "share" / "holotrace" / "panels");
+    wanted.push_back(above / "holotrace" / "panels");  // a program beside the Python package
+  }
   wanted.emplace_back(HOLOTRACE_PANELS_INSTALLED);
   wanted.emplace_back(HOLOTRACE_PANELS_SOURCE);
   std::vector<std::string> folders;

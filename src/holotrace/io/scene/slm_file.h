@@ -10,8 +10,8 @@ namespace holotrace {
 
 /// The folders that are searched for panels, in this order: $HOLOTRACE_PANELS; holotrace/panels in the user's folder
 /// of settings ($XDG_CONFIG_HOME or ~/.config); panels beside the program or the shared library that holds this code, as
-/// in the Python package; share/holotrace/panels beside the program's own folder and where it
-/// was installed; and the source tree that it was built from. Missing folders are left out.
+/// in the Python package; share/holotrace/panels and holotrace/panels beside the program's own folder; where it was
+/// installed; and the source tree that it was built from. Missing folders are left out.
 std::vector<std::string> panel_folders();
 
 /// The names that slm_preset knows, in alphabetical order: one for each file NAME.toml in those folders.

@@ -41,7 +41,11 @@ class Convolution {
       }));
   }
 
-  void run(int part, std::vector<ColumnBlocks<Real>>& blocks) {
+  /// @param observer  of the whole work: large fields take seconds, and a caller may want to stop
+  void run(int part, std::vector<ColumnBlocks<Real>>& blocks, const Observer& observer) {
+    const int loops = int(fields_.size() + 1 + out_.size());
+    int loop = part * loops;
+    const auto next = [&] { return part_of(observer, loop++, p_.x.parts * loops); };
     const AxisPart<Real> x(p_.x, part, 1.0 / (double(p_.x.padded) * p_.y.padded));
     const int count = ColumnBlocks<Real>::blocks_of(x.columns);
     ramps_x_.clear();
@@ -51,11 +55,12 @@ class Convolution {
     std::vector<double> of_rows(size_t(p_.y.inputs)), of_blocks(static_cast<size_t>(count));
     for (size_t i = 0; i < fields_.size(); ++i)
       parallel_for(
-          0, p_.y.inputs, [&](int64_t j) { of_rows[size_t(j)] = forward_row(x, i, int(j), blocks[i]); }, {}, 8);
-    parallel_for(0, count, [&](int64_t b) { of_blocks[size_t(b)] = filter_columns(x, int(b), blocks); });
+          0, p_.y.inputs, [&](int64_t j) { of_rows[size_t(j)] = forward_row(x, i, int(j), blocks[i]); }, next(), 8);
+    parallel_for(
+        0, count, [&](int64_t b) { of_blocks[size_t(b)] = filter_columns(x, int(b), blocks); }, next());
     for (size_t o = 0; o < out_.size(); ++o)
       parallel_for(
-          0, p_.y.outputs, [&](int64_t row) { backward_row(x, o, int(row), blocks[o]); }, {}, 8);
+          0, p_.y.outputs, [&](int64_t row) { backward_row(x, o, int(row), blocks[o]); }, next(), 8);
     for (const double e : of_rows) dropped_ += e * p_.y.padded;  // by Parseval's theorem along y
     for (const double e : of_blocks) dropped_ += e;
   }

@@ -40,10 +40,7 @@ std::optional<double> run_links(const std::vector<const BasicField<Real>*>& fiel
   const int most = (p.x.frequencies() + p.x.parts - 1) / p.x.parts;
   std::vector<ColumnBlocks<Real>> blocks;
   for (size_t i = 0; i < links.size(); ++i) blocks.emplace_back(most, std::max(p.y.inputs, p.y.outputs));
-  for (int part = 0; part < p.x.parts; ++part) {
-    convolution.run(part, blocks);
-    observer.progress((part + 1.0) / p.x.parts);
-  }
+  for (int part = 0; part < p.x.parts; ++part) convolution.run(part, blocks, observer);
   return convolution.is_band_limited() ? std::optional(convolution.dropped_part()) : std::nullopt;
 }
 

@@ -1,40 +1,13 @@
-#include <png.h>
-
-#include <csetjmp>
-
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/new_file.h"
 #include "holotrace/io/picture/formats/formats.h"
+#include "holotrace/io/picture/formats/png_session.h"
 
 namespace holotrace {
 namespace {
 
-class Writer {
- public:
-  explicit Writer(NewFile& file)
-      : png(png_create_write_struct(
-            PNG_LIBPNG_VER_STRING, nullptr, [](png_structp p, png_const_charp) { png_longjmp(p, 1); },
-            [](png_structp, png_const_charp) {})),
-        info(png ? png_create_info_struct(png) : nullptr) {
-    if (info)
-      png_set_write_fn(
-          png, &file,
-          [](png_structp p, png_bytep bytes, size_t size) {
-            if (!static_cast<NewFile*>(png_get_io_ptr(p))->put(bytes, size)) png_error(p, "");
-          },
-          [](png_structp) {});
-  }
-  ~Writer() { png_destroy_write_struct(&png, &info); }
-  Writer(const Writer&) = delete;
-
-  png_structp png;
-  png_infop info;
-};
-
-// Owns nothing: libpng jumps out of it at an error.
-[[gnu::noinline]] bool write(const Writer& writer, const PngHeader& header, std::vector<png_text>& texts,
-                             std::vector<png_bytep>& rows) {
-  if (setjmp(png_jmpbuf(writer.png))) return false;
+void write(const PngSession& writer, const PngHeader& header, std::vector<png_text>& texts,
+           std::vector<png_bytep>& rows) {
   png_set_IHDR(writer.png, writer.info, png_uint_32(header.columns), png_uint_32(header.rows), header.bits,
                header.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
@@ -47,16 +20,19 @@ class Writer {
   if (header.bits == 16) png_set_swap(writer.png);
   png_write_image(writer.png, rows.data());
   png_write_end(writer.png, nullptr);
-  return true;
 }
 
 }  // namespace
 
 void write_png(const std::string& path, const PngHeader& header, const void* samples) {
   NewFile file(path);
-  const Writer writer(file);
+  const PngSession writer(PngSession::writing);
   require(writer.info != nullptr, "expected to write {}, but libpng of version " PNG_LIBPNG_VER_STRING " is missing",
           path);
+  const auto put = [](png_structp png, png_bytep bytes, size_t size) {
+    if (!static_cast<NewFile*>(png_get_io_ptr(png))->put(bytes, size)) png_error(png, "");
+  };
+  png_set_write_fn(writer.png, &file, put, [](png_structp) {});
   std::vector<png_text> texts;
   for (const auto& [name, text] : header.texts) {
     png_text one{};
@@ -71,7 +47,7 @@ void write_png(const std::string& path, const PngHeader& header, const void* sam
   std::vector<png_bytep> rows;
   for (int row = 0; row < header.rows; ++row)
     rows.push_back(const_cast<png_bytep>(first + size_t(row) * row_bytes));  // only read
-  const bool is_written = write(writer, header, texts, rows);
+  const bool is_written = writer.succeeds([&] { write(writer, header, texts, rows); });
   file.check();
   require(is_written, "expected to write {} as a PNG of {} × {} pixels, but it cannot hold them; use fewer pixels",
           path, header.columns, header.rows);
