@@ -13,7 +13,7 @@ namespace {
 
 volatile std::sig_atomic_t is_interrupted = 0;
 
-// Ctrl-C sets is_interrupted, once; then, and after this object, the system's own action is back.
+// Ctrl-C sets is_interrupted, once; a second one ends the program at once. After this object the action of before is back.
 class Interrupts {
  public:
   Interrupts() {

@@ -6,7 +6,8 @@ namespace holotrace {
 constexpr int interrupted_exit_code = 130;
 
 /// From here on Ctrl-C (SIGINT) ends the program with a sentence that says what is kept, and interrupted_exit_code. Files
-/// are written whole or not at all, so earlier ones stay as they were.
+/// are written whole or not at all, so earlier ones stay as they were. In the 10 ms before main, while the system loads
+/// the libraries, Ctrl-C ends the program by the signal itself, without a sentence: nothing has been done then.
 void end_on_interrupt();
 
 /// What Ctrl-C says from here on.

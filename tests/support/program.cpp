@@ -28,7 +28,7 @@ fs::path make_folder(const char* name) {
 }
 
 // For the child process: starts the program in `folder`, after the words of a launcher, with these descriptors
-// for its output. Ctrl-C acts as in a terminal, also where a shell's "&" started the tests. Never returns.
+// for its output. Never returns.
 [[noreturn]] void become_program(const std::vector<std::string>& launcher, const std::vector<std::string>& arguments,
                                  const fs::path& folder, const fs::path& cache, int out, int err) {
   std::vector<char*> argv;
@@ -36,7 +36,6 @@ fs::path make_folder(const char* name) {
   argv.push_back(const_cast<char*>(HOLOTRACE_PROGRAM));
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  signal(SIGINT, SIG_DFL);
   const int in = open("/dev/null", O_RDONLY);
   signal(SIGINT, SIG_DFL);  // the tests' own shell may ignore it, and a child would too
   if (chdir(folder.c_str()) == 0 && setenv("XDG_CACHE_HOME", cache.c_str(), 1) == 0 && dup2(in, STDIN_FILENO) >= 0 &&

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
 #include "holotrace/io/files/file.h"
 
 namespace holotrace {
@@ -128,6 +129,8 @@ std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path) {
   require(double(present) == expected,
           "{}: expected {} bytes of samples for shape {}, got {}; the file is truncated or damaged, write it again",
           path, expected, format_shape(header.shape), present);
+  const double samples = double(shape[0]) * double(count);
+  require_memory(double(bytes.size()) + samples * sizeof(std::complex<Real>), path);
   const Strides strides = strides_of(shape, header.fortran_order);
   std::vector<Array2D<std::complex<Real>>> stack;
   for (size_t n = 0; n < size_t(shape[0]); ++n) {
