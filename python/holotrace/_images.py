@@ -71,11 +71,11 @@ class Image(Noun):
 
     @property
     def white(self) -> float:
-        """The value that is shown as white: the 99.9th percentile."""
+        """The value that is shown as white, by the rule of views (docs/explanation/viewing.md)."""
         return float(_core.common_white([self._core], 0.0))
 
     def save(self, path: Path, *, white: float = 0.0, bits: int = 8) -> None:
-        """Write .png (sRGB; ``white`` is the value shown as white, 0: the 99.9th percentile) or .exr (linear)."""
+        """Write .png (sRGB; ``white`` is the value shown as white, 0: by the rule of views) or .exr (linear)."""
         self._core.save(os.fspath(path), white, bits)
 
     def __repr__(self) -> str:

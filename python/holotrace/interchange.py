@@ -1,7 +1,8 @@
 """Fields, holograms and pictures as others keep them: xarray, MATLAB files, HoloTorch and slmsuite.
 
-Arrays of odak and torchoptics need no conversion: ``ht.Field(tensor, pitch=..., wavelength=...)`` takes any array of the shape
-(ny, nx), and ``np.asarray(field)`` gives one. docs/python.md says what differs in axes, units and signs.
+``ht.Field(tensor, pitch=..., wavelength=...)`` takes any array of the shape (ny, nx) whose row 0 is the top row, and
+``np.asarray(field)`` gives one: turn tensors of torchoptics over (``tensor.flip(-2)``), and transpose those of odak where their
+axes are (nx, ny). docs/python.md says what differs in axes, units and signs.
 """
 
 from __future__ import annotations

@@ -18,6 +18,11 @@ TEST(Suggest, ExchangedLettersAreOneMistake) {
 
 TEST(Suggest, ANameFarFromAllHasNoNeighbour) { EXPECT_EQ(nearest_name("temperature", {"pitch", "rows"}), ""); }
 
+TEST(Suggest, ATextOfAFileCostsNoMemory) {
+  const std::string text(100'000'000, 'x');  // a table of distances would need gigabytes
+  EXPECT_EQ(nearest_name(text, {"pitch", "rows"}), "");
+}
+
 TEST(Suggest, MessagesNameTheNearestOrListAll) {
   EXPECT_EQ(unknown_name_message("key", "ptich", {"pitch", "rows"}), "unknown key \"ptich\"; did you mean \"pitch\"?");
   EXPECT_EQ(unknown_name_message("key", "temperature", {"pitch", "rows"}),

@@ -26,9 +26,12 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
+  constexpr size_t longest = 64;  // of a name; texts of files may be as long as the file
   std::string best;
+  if (name.size() > longest) return best;
   size_t best_distance = std::max<size_t>(name.size() / 2, 1) + 1;
   for (const std::string& candidate : known) {
+    if (candidate.size() > longest) continue;
     const size_t distance = edit_distance(name, candidate);
     if (distance < best_distance) {
       best_distance = distance;

@@ -53,9 +53,12 @@ Image make_render(const Job& job, const RenderParams& params, const Observer& ob
 HalvedRender make_halved_render(const Job& job, const RenderParams& params, const Observer& observer) {
   RenderParams half = params;
   half.paths = params.paths / 2;
-  HalvedRender halved{{}, make_render(job, half, observer)};
+  const Observer before = part_of(observer, 0, 2), after = part_of(observer, 1, 2);
+  HalvedRender halved{{}, make_render(job, half, before)};
   half.seed += 1;
-  halved.mean = make_render(job, half);
+  Observer progress;  // the facts are those of the first half
+  progress.on_progress = after.on_progress;
+  halved.mean = make_render(job, half, progress);
   for (size_t i = 0; i < halved.mean.values.size(); ++i)
     halved.mean.values[i] = (halved.mean.values[i] + halved.first.values[i]) / 2;
   observer.fact("paths_per_pixel", params.paths);

@@ -222,6 +222,13 @@ TEST(ImageFile, EveryFormatIsReadAsItsProgramWroteIt) {
   }
 }
 
+TEST(ImageFile, AJpegThatEndsEarlyIsRefused) {
+  const std::string path = test::data_file("pictures/rgb.jpg"), bytes = read_text(path);
+  const std::string cut = bytes.substr(0, bytes.size() * 3 / 4) + "\xFF\xD9";  // its marker of the end
+  EXPECT_EQ(error_of([&] { decode_image(cut.data(), cut.size(), path); }),
+            path + ": expected an image of 24 × 16 pixels, but it is truncated or damaged");
+}
+
 TEST(ImageFile, EveryFormatIsReadFromMemoryAndRefusedWhenCut) {
   for (const char* name : {"rgb.jpg", "progressive.jpg", "rgb.tif", "rgba.webp", "rgb.bmp", "rgb.tga", "runs.tga",
                            "rgba.png", "rgb.exr", "rgb.hdr"}) {

@@ -41,6 +41,7 @@ FileRecord record_in_text(const std::string& path) {
   constexpr std::streamoff most = 1 << 16;
   file.seekg(0, std::ios::end);
   const std::streamoff size = file.tellg();
+  if (!file || size < 0) return {};  // it cannot be read
   for (const std::streamoff begin : {std::streamoff(0), std::max<std::streamoff>(0, size - most)}) {
     std::string text(size_t(std::min(most, size)), ' ');
     file.seekg(begin);

@@ -38,9 +38,9 @@ class Stream : public Imf::IStream {
   ByteSource& source_;
 };
 
-// The order of channels in a pixel: those without a layer first, and in each layer R, G, B, A and then the rest.
+// The order of channels in a pixel: those without a layer first, and in each layer R, G, B, Y, A and then the rest.
 std::tuple<std::string, int, std::string> rank(const std::string& name) {
-  constexpr std::array<const char*, 4> first{"R", "G", "B", "A"};
+  constexpr std::array<const char*, 5> first{"R", "G", "B", "Y", "A"};
   const size_t dot = name.rfind('.');
   const std::string layer = dot == std::string::npos ? "" : name.substr(0, dot);
   const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);

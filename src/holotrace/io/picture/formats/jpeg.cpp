@@ -53,7 +53,9 @@ class Reader {
   explicit Reader(ByteSource& bytes) {
     info.err = jpeg_std_error(&errors);
     errors.error_exit = jump;
-    errors.emit_message = [](j_common_ptr, int) {};
+    errors.emit_message = [](j_common_ptr common, int level) {
+      if (level < 0 && common->err->msg_code == JWRN_HIT_MARKER) jump(common);  // rows are missing
+    };
     errors.output_message = [](j_common_ptr) {};
     source.bytes = &bytes;
     source.init_source = [](j_decompress_ptr) {};

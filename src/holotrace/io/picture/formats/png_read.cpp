@@ -25,6 +25,8 @@ std::optional<Picture> read_png(ByteSource& source, const HeaderCheck& wants) {
   Picture picture;
   int channels = 0;
   const bool has_header = reader.succeeds([&] {
+    png_set_chunk_cache_max(reader.png, 64);  // texts: a small file may claim gigabytes of them
+    png_set_chunk_malloc_max(reader.png, 4 << 20);
     png_read_info(reader.png, reader.info);
     png_set_expand(reader.png);  // palettes, fewer than 8 bits, and a transparent colour
     png_set_interlace_handling(reader.png);

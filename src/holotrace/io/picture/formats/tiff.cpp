@@ -93,11 +93,15 @@ bool read_lines(TIFF* file, const Layout& layout, const PictureHeader& header, s
   return true;
 }
 
+constexpr size_t most_tile_memory = size_t(1) << 28;  // 8192 × 8192 pixels of 4 bytes
+
 bool read_tiles(TIFF* file, const Layout& layout, const PictureHeader& header, size_t sample_size, char* to) {
   const int columns = int(std::min<uint32_t>(tag<uint32_t>(file, TIFFTAG_TILEWIDTH, 0), INT32_MAX));
   const int rows = int(std::min<uint32_t>(tag<uint32_t>(file, TIFFTAG_TILELENGTH, 0), INT32_MAX));
   const size_t pixel = size_t(layout.samples) * sample_size;
   if (columns < 1 || rows < 1 || size_t(TIFFTileSize(file)) < size_t(columns) * size_t(rows) * pixel) return false;
+  // A tile may be larger than the picture, but not without bound: its size is a claim of the file.
+  if (size_t(TIFFTileSize(file)) > most_tile_memory) return false;
   std::vector<char> tile(size_t(TIFFTileSize(file)));
   for (int64_t y = 0; y < header.rows; y += rows)
     for (int64_t x = 0; x < header.columns; x += columns) {
@@ -141,7 +145,7 @@ void invert(Samples& samples) {
 }  // namespace
 
 std::optional<Picture> read_tiff(ByteSource& source, const HeaderCheck& wants) {
-  const auto most_memory = tmsize_t(std::min<uint64_t>(4096 * source.size() + (1 << 26), INT64_MAX));
+  const auto most_memory = tmsize_t(std::min<uint64_t>(4096 * source.size() + (1 << 26), uint64_t(1) << 33));
   const Tiff file = open(source, most_memory);
   if (!file) return std::nullopt;
   const auto columns = tag<uint32_t>(file.get(), TIFFTAG_IMAGEWIDTH, 0),

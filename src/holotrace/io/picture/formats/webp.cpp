@@ -6,6 +6,8 @@
 
 namespace holotrace {
 
+constexpr uint64_t most_webp = uint64_t(1) << 32;  // bytes that a RIFF header can tell
+
 std::optional<Picture> read_webp(ByteSource& source, const HeaderCheck& wants) {
   std::vector<uint8_t> bytes(std::min<size_t>(size_t(source.size()), 1 << 12));
   if (!source.read_all(bytes.data(), bytes.size())) return std::nullopt;
@@ -19,6 +21,7 @@ std::optional<Picture> read_webp(ByteSource& source, const HeaderCheck& wants) {
   if (!wants(picture)) return picture;
 
   const size_t begin = bytes.size();
+  if (source.size() > most_webp) return picture;
   bytes.resize(size_t(source.size()));
   if (!source.read_all(bytes.data() + begin, bytes.size() - begin)) return picture;
   picture.samples = samples_for(picture);
