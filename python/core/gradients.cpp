@@ -89,7 +89,8 @@ void bind_propagation(nb::module_& module, const char* name) {
 /// A panel under coherent light: levels to the light that leaves it, and gradients back.
 class Panel {
  public:
-  Panel(const Slm& slm, nb::handle wavelength, const nb::dict& given) : grid_(slm.grid), levels_(slm.levels) {
+  Panel(const Slm& slm, nb::handle wavelength, const nb::dict& given)
+      : grid_(slm.grid), levels_(slm.levels), is_phase_(slm.modulation == Modulation::phase) {
     ShowParams params;
     set_params(given, params);
     require(slm.modulation != Modulation::complex, "expected a panel of phase or amplitude for gradients, got complex");
@@ -126,14 +127,16 @@ class Panel {
  private:
   Array2D<float> checked(const In2<float>& drive) const {
     Array2D<float> levels = to_array(drive, "the levels of a panel");
+    const int most = is_phase_ ? levels_ : levels_ - 1;  // phases come round; an amplitude above the last is no panel's
     for (const float level : levels.values)
-      require(level >= 0 && level <= float(levels_), "expected levels from 0 to {}, got {}; take them modulo {}",
-              levels_, level, levels_);
+      require(level >= 0 && level <= float(most), "expected levels from 0 to {}, got {}; {}", most, level,
+              is_phase_ ? fmt::format("take them modulo {}", levels_) : "limit them to that range");
     return levels;
   }
 
   Grid grid_;
   int levels_;
+  bool is_phase_;
   std::optional<PanelModel> model_;
 };
 

@@ -95,7 +95,7 @@ def test_rounding_passes_gradients():
     assert rounded.tolist() == [1, 3] and level.grad.tolist() == [1, 1]
 
 
-@pytest.mark.parametrize("eye", [{}, {"pupil": "100 um", "eye": (0.0, 0.0, 0.02)}], ids=["sensor", "eye"])
+@pytest.mark.parametrize("eye", [{}, {"pupil": "100 um", "eye": (20e-6, -30e-6, 0.02)}], ids=["sensor", "eye"])
 def test_camera_is_expose(eye):
     """The same light through the same windows, but for those of the pupil: float sums of some 1e3 terms."""
     u = samples((24, 32), torch.complex64)

@@ -53,6 +53,10 @@ bool write_frame(GifFileType* gif, int columns, int rows, IndexedPicture& pictur
 
 void write_gif(const std::string& path, int columns, int rows, const std::vector<std::vector<uint8_t>>& pictures,
                const std::vector<size_t>& frames, int hundredths) {
+  constexpr int most = 65535;
+  require(columns <= most && rows <= most,
+          "{}: expected at most {} × {} pixels in a GIF, got {} × {}; use a larger pixel", path, most, most, columns,
+          rows);
   std::vector<IndexedPicture> indexed;
   for (const auto& colours : pictures) indexed.push_back(with_palette(colours, columns, rows));
   NewFile file(path);
