@@ -7,7 +7,9 @@
 #include <string>
 #include <variant>
 
+#include "holotrace/data/shapes.h"
 #include "holotrace/run/reference_metrics.h"
+#include "holotrace/run/renders.h"
 #include "holotrace/view/compare.h"
 
 namespace holotrace::test {
@@ -90,6 +92,30 @@ TEST(QuickReference, UncertaintyIsThreeTimesTheNoiseOfBrightPixels) {
 
 TEST(QuickReference, SaysWhyThereIsNothingToCompare) {
   EXPECT_EQ(facts_of({Image(8, 8, 1)}, noisy_ramp(0.1, 1)).count("why_no_metrics"), 1U);
+}
+
+TEST(HalvedRender, TheHalvesAreIndependentAndTheMeanIsTheirMean) {
+  // A lamp that covers a part of each pixel at its edges: a pixel of 4 paths is one of 0, ¼ … 1 there, by chance.
+  Job job;
+  job.wavelengths = {532e-9};
+  job.slm = {.name = "test", .grid = {64, 64, 8e-6}};
+  Material lamp;
+  lamp.emission = {1, 1, 1};
+  job.scene.materials = {lamp};
+  Mesh quad = make_quad(1e-3, 1e-3);
+  for (Vec3& p : quad.positions) p += Vec3{1e-4, 0, -0.1};
+  job.scene.meshes = {quad};
+  job.render.rows = 24;
+  job.render.paths = 8;
+  const HalvedRender halves = make_halved_render(job, job.render);
+  ASSERT_EQ(halves.first.values.size(), halves.mean.values.size());
+  size_t different = 0;
+  for (size_t i = 0; i < halves.mean.values.size(); ++i) {
+    const float second = 2 * halves.mean.values[i] - halves.first.values[i];
+    EXPECT_NEAR(second * 4, std::round(second * 4), 1e-4) << i;  // a mean of 4 paths of 0 or 1
+    different += std::abs(second - halves.first.values[i]) > 0.1F;
+  }
+  EXPECT_GT(different, 5U);
 }
 
 }  // namespace
