@@ -59,10 +59,8 @@ void add(Fingerprint& f, const SlmEffects& effects) {
     f.add(term.m);
     f.add(term.rms);
   }
-  for (const auto& map : {effects.phase_map, effects.light_map}) {
-    f.add(map != nullptr);  // one map in the place of the other is another job
+  for (const auto& map : {effects.phase_map, effects.light_map})  // the names of the effects tell which map it is
     if (map) add(f, *map);
-  }
   f.add(effects.dead_fraction);
   f.add(effects.dead_seed);
   for (const DeadPixel& pixel : effects.dead_pixels)
