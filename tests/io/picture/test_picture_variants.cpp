@@ -123,7 +123,8 @@ std::string bmp(int columns, int rows, int bits, int compression, const std::str
   const uint32_t begin = uint32_t(14 + 40 + behind.size());
   return "BM" + number(uint32_t(begin + pixels.size()), 4) + number(0, 4) + number(begin, 4) + number(40, 4) +
          number(uint32_t(columns), 4) + number(uint32_t(rows), 4) + number(1, 2) + number(uint32_t(bits), 2) +
-         number(uint32_t(compression), 4) + number(uint32_t(pixels.size()), 4) + number(0, 16) + behind + pixels;
+         number(uint32_t(compression), 4) + number(uint32_t(pixels.size()), 4) + std::string(16, '\0') + behind +
+         pixels;
 }
 
 TEST(PictureVariants, ABmpInRuns) {
