@@ -20,7 +20,7 @@ PathScene make_path_scene(const Scene& scene, const RenderParams& params) {
 Vec3 radiance_along(const PathScene& scene, const Ray& ray, bool has_background, LowDiscrepancy& numbers,
                     std::span<Vec3> sums, PathCounts& counts) {
   ++counts.rays;
-  const auto hit = scene.accelerator.closest_hit(ray);
+  const auto hit = scene.accelerator.closest_hit(ray, Aim::random);
   if (!hit) {
     if (!has_background) return {};
     const int seen_path_groups = std::popcount(scene.automaton.accepted(scene.automaton.start()));

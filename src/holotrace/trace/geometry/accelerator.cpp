@@ -21,6 +21,16 @@ using Device = std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)>;
 using EmbreeScene = std::unique_ptr<RTCSceneTy, decltype(&rtcReleaseScene)>;
 using Geometry = std::unique_ptr<RTCGeometryTy, decltype(&rtcReleaseGeometry)>;
 
+// The tree for random rays takes 1.5 us per triangle to build. Pictures of usual size do not make up for that of larger
+// scenes.
+constexpr size_t most_split = 300'000;
+
+size_t count_triangles(const Scene& scene) {
+  size_t count = 0;
+  for (const Mesh& mesh : scene.meshes) count += mesh.triangles.size();
+  return count;
+}
+
 void require_no_error(RTCDevice device, const char* what) {
   const RTCError error = rtcGetDeviceError(device);
   require(error == RTC_ERROR_NONE, "Embree could not {}: error {}{}", what, int(error),
@@ -32,14 +42,37 @@ void require_no_error(RTCDevice device, const char* what) {
 struct Accelerator::Implementation {
   const Scene& scene;
   Device device{nullptr, rtcReleaseDevice};
-  EmbreeScene embree{nullptr, rtcReleaseScene};
-  std::optional<UniformGrid> grid;  // used instead of Embree
-  std::vector<LightSurface> lamps;  // numbered after the meshes
+  EmbreeScene watertight{nullptr, rtcReleaseScene};
+  EmbreeScene split{nullptr, rtcReleaseScene};  // for random rays; empty in a large scene
+  std::optional<UniformGrid> grid;              // used instead of Embree
+  std::vector<LightSurface> lamps;              // numbered after the meshes
   ScenePrecision precision{};
   double per_unit = 1, radius = 0;  // of the sphere, in units
 
   const Mesh& mesh_of(uint32_t id) const {
     return id < scene.meshes.size() ? scene.meshes[id] : lamps[id - scene.meshes.size()].mesh;
+  }
+
+  RTCScene tree_for(Aim aim) const { return aim == Aim::random && split ? split.get() : watertight.get(); }
+
+  /// Builds Embree's trees over all surfaces.
+  void build() {
+    device.reset(rtcNewDevice(nullptr));
+    if (!device) require_no_error(nullptr, "start");
+    watertight.reset(rtcNewScene(device.get()));
+    require_no_error(device.get(), "make a scene");
+    rtcSetSceneFlags(watertight.get(), RTC_SCENE_FLAG_ROBUST);
+    if (count_triangles(scene) <= most_split) {
+      split.reset(rtcNewScene(device.get()));
+      require_no_error(device.get(), "make a scene");
+      rtcSetSceneBuildQuality(split.get(), RTC_BUILD_QUALITY_HIGH);
+    }
+    unsigned id = 0;
+    for (const Mesh& mesh : scene.meshes) add(mesh, id++);
+    for (const Mesh& lamp : lifted_light_surfaces(scene)) add(lamp, id++);
+    for (const RTCScene tree : {watertight.get(), split.get()})
+      if (tree) rtcCommitScene(tree);
+    require_no_error(device.get(), "build its tree over the triangles");
   }
 
   void add(const Mesh& mesh, unsigned id) {
@@ -61,7 +94,8 @@ struct Accelerator::Implementation {
       for (uint32_t index : {i, has_area ? j : i, has_area ? k : i}) *indices++ = index;
     }
     rtcCommitGeometry(geometry.get());
-    rtcAttachGeometryByID(embree.get(), geometry.get(), id);
+    for (const RTCScene tree : {watertight.get(), split.get()})
+      if (tree) rtcAttachGeometryByID(tree, geometry.get(), id);
   }
 
   /// The part of a ray inside the sphere in Embree's coordinates, and the length before it, in units.
@@ -137,8 +171,8 @@ struct Accelerator::Implementation {
 
 namespace {
 
-void write_down(const RTCRay& ray, bool is_shadow, std::vector<LoggedRay>& log) {
-  log.push_back({{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tfar, is_shadow});
+void write_down(const RTCRay& ray, bool is_shadow, Aim aim, std::vector<LoggedRay>& log) {
+  log.push_back({{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tfar, is_shadow, aim});
 }
 
 }  // namespace
@@ -157,16 +191,7 @@ Accelerator::Accelerator(const Scene& scene, Acceleration kind)
     self.grid.emplace(scene);
     return;
   }
-  self.device.reset(rtcNewDevice(nullptr));
-  if (!self.device) require_no_error(nullptr, "start");
-  self.embree.reset(rtcNewScene(self.device.get()));
-  require_no_error(self.device.get(), "make a scene");
-  rtcSetSceneFlags(self.embree.get(), RTC_SCENE_FLAG_ROBUST);
-  unsigned id = 0;
-  for (const Mesh& mesh : scene.meshes) self.add(mesh, id++);
-  for (const Mesh& lamp : lifted_light_surfaces(scene)) self.add(lamp, id++);
-  rtcCommitScene(self.embree.get());
-  require_no_error(self.device.get(), "build its tree over the triangles");
+  self.build();
 }
 
 Accelerator::~Accelerator() = default;
@@ -174,13 +199,13 @@ Accelerator::Accelerator(Accelerator&&) noexcept = default;
 
 const Scene& Accelerator::scene() const { return implementation_->scene; }
 
-std::optional<Hit> Accelerator::closest_hit(const Ray& ray) const {
+std::optional<Hit> Accelerator::closest_hit(const Ray& ray, Aim aim) const {
   std::optional<Hit> hit(std::in_place);
-  if (!closest_hit(ray, *hit)) hit.reset();
+  if (!closest_hit(ray, *hit, aim)) hit.reset();
   return hit;
 }
 
-bool Accelerator::closest_hit(const Ray& ray, Hit& hit) const {
+bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim) const {
   const Implementation& self = *implementation_;
   if (self.grid) {
     GridHit found;
@@ -190,13 +215,13 @@ bool Accelerator::closest_hit(const Ray& ray, Hit& hit) const {
   }
   RTCRayHit query;
   double skipped;
-  if (!self.embree || !self.enter(ray, std::numeric_limits<double>::infinity(), query.ray, skipped)) return false;
-  if (log_) write_down(query.ray, false, *log_);
+  if (!self.watertight || !self.enter(ray, std::numeric_limits<double>::infinity(), query.ray, skipped)) return false;
+  if (log_) write_down(query.ray, false, aim, *log_);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcIntersect1(self.embree.get(), &context, &query);
+  rtcIntersect1(self.tree_for(aim), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   const double distance = (skipped + double(query.ray.tfar)) * self.precision.unit;
   self.describe(ray, {distance, query.hit.geomID, query.hit.primID, double(query.hit.u), double(query.hit.v)}, hit);
@@ -215,27 +240,28 @@ double Accelerator::rounding_at_end(const Ray& ray, double distance) const {
       {precision_.clearance(ray.origin + ray.direction * distance), 2e-6 * from_start, 2e-6 * precision_.unit});
 }
 
-bool Accelerator::is_occluded(const Ray& ray, double distance) const {
+bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
   const Implementation& self = *implementation_;
   const double end = distance - rounding_at_end(ray, distance);
   if (!(end > 0)) return false;
   if (self.grid) return self.grid->is_occluded(ray, end);
   RTCRay query;
   double skipped;
-  if (!self.embree || !self.enter(ray, end, query, skipped)) return false;
-  if (log_) write_down(query, true, *log_);
+  if (!self.watertight || !self.enter(ray, end, query, skipped)) return false;
+  if (log_) write_down(query, true, aim, *log_);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcOccluded1(self.embree.get(), &context, &query);
+  rtcOccluded1(self.tree_for(aim), &context, &query);
   return query.tfar < 0;
 }
 
 int64_t Accelerator::replay(const LoggedRay* rays, int64_t count) const {
   int64_t found = 0;
-  if (!implementation_->embree) return 0;
+  if (!implementation_->watertight) return 0;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   for (const LoggedRay* ray = rays; ray != rays + count; ++ray) {
+    const RTCScene tree = implementation_->tree_for(ray->aim);
     RTCRayHit query{};
     query.ray.org_x = ray->origin[0], query.ray.org_y = ray->origin[1], query.ray.org_z = ray->origin[2];
     query.ray.dir_x = ray->direction[0], query.ray.dir_y = ray->direction[1], query.ray.dir_z = ray->direction[2];
@@ -243,10 +269,10 @@ int64_t Accelerator::replay(const LoggedRay* rays, int64_t count) const {
     query.ray.mask = ~0U;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     if (ray->is_shadow) {
-      rtcOccluded1(implementation_->embree.get(), &context, &query.ray);
+      rtcOccluded1(tree, &context, &query.ray);
       found += query.ray.tfar < 0;
     } else {
-      rtcIntersect1(implementation_->embree.get(), &context, &query);
+      rtcIntersect1(tree, &context, &query);
       found += query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     }
   }

@@ -171,7 +171,7 @@ class PathWalk {
     if (is_black(diffuse) && is_black(glossy)) return;
     ++counts_.shadow_rays;
     uint32_t diffuse_path_groups = diffuse_path_groups_, glossy_path_groups = glossy_path_groups_;
-    if (is_occluded(way, light ? scene_.accelerator.lift_of(group) : 0)) {
+    if (is_occluded(way, light ? scene_.accelerator.lift_of(group) : 0, is_shared ? Aim::random : Aim::exact)) {
       const auto panes = passes_panes ? panes_on(way) : std::nullopt;
       if (!panes) return;
       diffuse *= panes->share, glossy *= panes->share;
@@ -185,10 +185,11 @@ class PathWalk {
   }
 
   /// @param lift  distance by which the light's surface is moved toward rays [m]
-  bool is_occluded(const LightSample& way, double lift) const {
+  bool is_occluded(const LightSample& way, double lift, Aim aim) const {
     const Vec3 from = scene_.accelerator.leave(point_, way.direction);
     // The ray starts off the surface, up to a clearance nearer to the light.
-    if (way.cosine == 0) return scene_.accelerator.is_occluded({from, way.direction}, way.distance - point_.clearance);
+    if (way.cosine == 0)
+      return scene_.accelerator.is_occluded({from, way.direction}, way.distance - point_.clearance, aim);
     // The emitting surface itself is in the way: the ray ends before its plane, at grazing angles
     // sooner.
     const ScenePrecision& precision = scene_.accelerator.precision();
@@ -197,7 +198,7 @@ class PathWalk {
     // No corner of the emitting surface is farther from the centre than this.
     const double of_light = 2e-6 * (length(end - precision.centre) + way.size);
     return scene_.accelerator.is_occluded({from, rest * (1 / distance)},
-                                          distance - (lift + of_light) / std::max(way.cosine, 0.01));
+                                          distance - (lift + of_light) / std::max(way.cosine, 0.01), aim);
   }
 
   /// The panes between the point and a light, if there is nothing else and the path may be that long.
@@ -255,7 +256,7 @@ class PathWalk {
     ++counts_.rays;
     pdf_ = next.lobe == Lobe::specular ? 0 : next.pdf;
     const Vec3 here = point_.position;
-    const bool has_hit = scene_.accelerator.closest_hit(ray, hit_);
+    const bool has_hit = scene_.accelerator.closest_hit(ray, hit_, pdf_ > 0 ? Aim::random : Aim::exact);
     distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
     // A lamp in the plane of a wall counts as in front of it, as in the sampling of lights.
     if (emitters_.shine_beyond_surfaces())
