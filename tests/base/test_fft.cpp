@@ -85,6 +85,20 @@ TEST(Fft, TransformsRowsAndColumns) {
 }
 
 TEST(Fft, HasGoodLengthsOfSmallFactors) {
+  for (int n = 1; n < 9000; ++n) {
+    const int length = fft_good_length(n);
+    int rest = length;
+    for (int factor : {2, 3, 5})
+      while (rest % factor == 0) rest /= factor;
+    ASSERT_EQ(rest, 1) << n;
+    ASSERT_GE(length, n);
+    ASSERT_LE(length, n + n / 4 + 1) << "memory for " << n;
+    if (n > 64) {
+      ASSERT_EQ(length % 4, 0) << "four samples are a register: " << n;
+    }
+  }
+  EXPECT_EQ(fft_good_length(4006), 4096) << "not 4050, which takes 1.8 times as long";
+  EXPECT_EQ(fft_good_length(2174), 2304) << "not 2187, which takes three times as long";
   EXPECT_EQ(fft_good_length(3839), 3840);
   EXPECT_EQ(fft_good_length(2160), 2160);
   EXPECT_EQ(fft_good_length(7), 8);

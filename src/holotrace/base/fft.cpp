@@ -3,12 +3,17 @@
 #include <fftw3.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <tuple>
 #include <type_traits>
+#include <vector>
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/error.h"
@@ -146,13 +151,43 @@ const void* shared_batch(int length, const FftLayout& layout, FftDirection direc
 
 }  // namespace
 
+namespace {
+
+// The number of factors 2 of a length that has only factors 2, 3 and 5; no result for others.
+std::optional<int> factors_of_two(int length) {
+  const int twos = std::countr_zero(unsigned(length));
+  int rest = length >> twos;
+  for (int factor : {3, 5})
+    while (rest % factor == 0) rest /= factor;
+  return rest == 1 ? std::optional(twos) : std::nullopt;
+}
+
+// Time of a transform and of what is done with its samples, in about nanoseconds. Measured for lengths from 900 to 4700 in
+// single precision: FFTW is 2 to 4 times as fast per operation with four or more factors 2 as with one or none.
+double transform_cost(int length, int twos) {
+  constexpr std::array per_operation{0.26, 0.18, 0.109, 0.106, 0.098, 0.088, 0.087, 0.085, 0.08, 0.08, 0.07, 0.06};
+  constexpr double per_sample = 1;  // memory: a product, a copy
+  return length * (per_sample + per_operation[std::min(size_t(twos), per_operation.size() - 1)] * std::log2(length));
+}
+
+}  // namespace
+
 int fft_good_length(int n) {
-  for (int length = std::max(n, 1);; ++length) {
-    int rest = length;
-    for (int factor : {2, 3, 5})
-      while (rest % factor == 0) rest /= factor;
-    if (rest == 1) return length;
+  struct Candidate {
+    int length;
+    double cost;
+  };
+  std::vector<Candidate> candidates;
+  double least = std::numeric_limits<double>::infinity();
+  const int first = std::max(n, 1);
+  for (int length = first; candidates.empty() || length <= first + first / 4; ++length) {
+    const std::optional<int> twos = factors_of_two(length);
+    if (!twos) continue;
+    candidates.push_back({length, transform_cost(length, *twos)});
+    least = std::min(least, candidates.back().cost);
   }
+  constexpr double worth = 1.1;  // longer lengths need more memory, so a smaller gain does not count
+  return std::ranges::find_if(candidates, [&](const Candidate& c) { return c.cost <= worth * least; })->length;
 }
 
 template <class Real>

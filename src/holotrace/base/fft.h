@@ -11,7 +11,8 @@ namespace holotrace {
 /// Sign of the exponent: forward exp(−i2πkn/N), backward exp(+i2πkn/N). Neither direction scales.
 enum class FftDirection { forward, backward };
 
-/// The smallest length ≥ n whose only factors are 2, 3 and 5.
+/// A length ≥ n whose only factors are 2, 3 and 5, and whose transforms are fast: the smallest that costs at most 1.1 times
+/// as much as the cheapest one up to 1.25·n. Lengths with few factors 2 are slow.
 int fft_good_length(int n);
 
 /// A transform of `length` contiguous samples. A plan is made once per length and direction, kept for the life of
