@@ -1,6 +1,7 @@
 #include "holotrace/slm/encode/encode.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "holotrace/base/cycles.h"
@@ -57,12 +58,18 @@ void check_samples(const Field& field) {
   require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
           "expected {} × {} samples, as the field's grid says, got {} × {}", field.grid.nx, field.grid.ny,
           field.samples.nx, field.samples.ny);
-  for (int j = 0; j < field.grid.ny; ++j)
-    for (int i = 0; i < field.grid.nx; ++i) {
-      const std::complex<float> u = field.samples(j, i);
-      require(std::isfinite(u.real()) && std::isfinite(u.imag()),
-              "expected finite samples in the field, got {}{:+}i at row {}, column {}", u.real(), u.imag(), j, i);
-    }
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    const std::complex<float>* u = field.samples.row(int(j));
+    // A number that is not finite has all bits of its exponent set. This loop is done in vector lanes.
+    constexpr uint32_t exponent = 0x7f800000;
+    const float* parts = reinterpret_cast<const float*>(u);
+    bool is_finite = true;
+    for (int i = 0; i < 2 * field.grid.nx; ++i) is_finite &= (std::bit_cast<uint32_t>(parts[i]) & exponent) != exponent;
+    if (is_finite) return;
+    for (int i = 0; i < field.grid.nx; ++i)
+      require(std::isfinite(u[i].real()) && std::isfinite(u[i].imag()),
+              "expected finite samples in the field, got {}{:+}i at row {}, column {}", u[i].real(), u[i].imag(), j, i);
+  });
 }
 
 // The modulation of a hologram's pixels.
@@ -154,12 +161,14 @@ void check_field(const Field& field, const Slm& slm, const Observer& observer) {
     observer.warn("the field is dark everywhere, so the hologram is empty; is a source inside the panel's view?");
 }
 
-// The field that the panel is to show: the field itself, or its conjugate for the real image.
-Field shown_side(const Field& field, ImageSide image) {
-  Field shown = field;
-  if (image == ImageSide::real_image)
-    for (std::complex<float>& u : shown.samples.values) u = std::conj(u);
-  return shown;
+// The field that shows the real image.
+Field conjugate(const Field& field) {
+  Field conjugates = field;
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    std::complex<float>* u = conjugates.samples.row(int(j));
+    for (int i = 0; i < field.grid.nx; ++i) u[i] = std::conj(u[i]);
+  });
+  return conjugates;
 }
 
 Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
@@ -211,7 +220,8 @@ void encode_directly(const Field& shown, const EncodeParams& params, const Phase
 // The start of iterations: the phase of the field, or a random one. On a complex panel the modulus is that of the field,
 // as a fraction of the largest, or half with a random phase.
 Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params, Modulation modulation) {
-  Array2D<std::complex<float>> pattern = shown_side(field, params.image).samples;
+  Array2D<std::complex<float>> pattern =
+      params.image == ImageSide::real_image ? conjugate(field).samples : field.samples;
   const bool is_complex = modulation == Modulation::complex;
   const float largest = is_complex ? float(modulus_moments(field).largest) : 0;
   const float modulus = is_complex ? 0.5F : 1;
@@ -252,7 +262,10 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
   const Slm known = with_effects(slm, params.effects);
   const PhaseLevels levels(known, hologram.levels, field.wavelength);
   if (hologram.modulation != Modulation::amplitude) tell_phase_range(known, levels.range(), field.wavelength, observer);
-  encode_directly(shown_side(field, params.image), params, levels, observer, hologram);
+  if (params.image == ImageSide::real_image)
+    encode_directly(conjugate(field), params, levels, observer, hologram);
+  else
+    encode_directly(field, params, levels, observer, hologram);
   observer.fact("illumination", Fact(hologram.illumination));
   observer.progress(1);
   return hologram;

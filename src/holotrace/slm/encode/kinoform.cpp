@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "holotrace/base/threads.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
@@ -28,12 +29,14 @@ void tell_amplitudes(const Field& field, const ModulusMoments& moments, const Ob
 }  // namespace
 
 ModulusMoments modulus_moments(const Field& field) {
+  std::vector<ModulusMoments> rows(size_t(field.grid.ny));  // added in order: the same on any number of threads
+  parallel_for(0, field.grid.ny,
+               [&](int64_t j) { rows[size_t(j)] = modulus_moments(field.samples.row(int(j)), size_t(field.grid.nx)); });
   ModulusMoments moments;
-  for (const auto& u : field.samples.values) {
-    const double modulus = std::abs(std::complex<double>(u));
-    moments.largest = std::max(moments.largest, modulus);
-    moments.sum += modulus;
-    moments.square += modulus * modulus;
+  for (const ModulusMoments& row : rows) {
+    moments.largest = std::max(moments.largest, row.largest);
+    moments.sum += row.sum;
+    moments.square += row.square;
   }
   return moments;
 }

@@ -4,16 +4,14 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/slm/encode/phase_levels.h"
+#include "holotrace/slm/encode/sample_kernels.h"
 
 // The encoders that treat each pixel by itself. Each writes `level` and `illumination` of a hologram whose grid,
 // levels, wavelength and modulation are set. `field` is what the panel is to show: U, or its conjugate.
 
 namespace holotrace {
 
-/// Largest |U|, sum of |U| and sum of |U|² over the panel. The brightness follows from them.
-struct ModulusMoments {
-  double largest = 0, sum = 0, square = 0;
-};
+/// The moments of |U| over the panel.
 ModulusMoments modulus_moments(const Field& field);
 
 /// Kinoform: the level nearest to arg(U); |U| is dropped. The panel shows exp(i·arg U). Its part along U is

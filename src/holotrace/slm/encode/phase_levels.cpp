@@ -9,6 +9,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/encode/sample_kernels.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
 
 namespace holotrace {
@@ -27,6 +28,28 @@ PhaseLevels::PhaseLevels(const Slm& known, int levels, double wavelength) : leve
 int PhaseLevels::level_of(double real, double imaginary) const {
   if (!table_) return phase_level(real, imaginary, levels_, range_);
   return table_->level_of(real == 0 && imaginary == 0 ? 0 : std::atan2(imaginary, real) / (2 * pi));
+}
+
+void PhaseLevels::levels_of(const std::complex<float>* u, float sign, size_t count, uint16_t* to) const {
+  const auto exact = [&](size_t i) { return uint16_t(level_of(u[i].real(), sign * u[i].imag())); };
+  if (table_) {
+    for (size_t i = 0; i < count; ++i) to[i] = exact(i);
+    return;
+  }
+  // A phase in single precision decides, unless it lies so near to the middle between two levels that its error might count.
+  // Levels that do not span one turn exactly have a gap or an overlap at its end, which level_of knows.
+  constexpr float error = 2e-7F;  // [turns], twice that of phases_of
+  const float per_turn = float(levels_ / range_), doubt = 0.5F - error * per_turn;
+  const float last = range_ == 1 ? float(levels_) + 1 : std::min(float(levels_) - 1, per_turn - 1);
+  std::vector<float> place(count);
+  phases_of(u, sign, count, place.data());
+  for (size_t i = 0; i < count; ++i) {
+    const float x = place[i] * per_turn, nearest = std::floor(x + 0.5F);
+    if (std::abs(x - nearest) > doubt || x > last)
+      to[i] = exact(i);
+    else
+      to[i] = nearest >= float(levels_) ? uint16_t(0) : uint16_t(nearest);
+  }
 }
 
 namespace {
@@ -58,11 +81,8 @@ void tell_phase_range(const Slm& slm, double range, double wavelength, const Obs
 void write_phase_levels(const Array2D<std::complex<float>>& samples, bool is_conjugate, const PhaseLevels& levels,
                         Array2D<uint16_t>& to) {
   const float sign = is_conjugate ? -1.0F : 1.0F;
-  parallel_for(0, samples.ny, [&](int64_t j) {
-    const std::complex<float>* u = samples.row(int(j));
-    uint16_t* level = to.row(int(j));
-    for (int i = 0; i < samples.nx; ++i) level[i] = uint16_t(levels.level_of(u[i].real(), sign * u[i].imag()));
-  });
+  parallel_for(0, samples.ny,
+               [&](int64_t j) { levels.levels_of(samples.row(int(j)), sign, size_t(samples.nx), to.row(int(j))); });
 }
 
 }  // namespace holotrace

@@ -24,6 +24,9 @@ class PhaseLevels {
   /// The level whose phase is nearest to that of (real, imaginary).
   int level_of(double real, double imaginary) const;
 
+  /// The same for each of `count` samples, or for their conjugates with sign = −1. Equal to level_of.
+  void levels_of(const std::complex<float>* u, float sign, size_t count, uint16_t* to) const;
+
   /// exp(iφ) for each level.
   const std::vector<std::complex<double>>& phasors() const { return phasors_; }
 

@@ -31,7 +31,8 @@ HOLOTRACE_HOST_DEVICE inline Transmittance amplitude_transmittance(int level, in
 /// the levels of the first turn; level 0 for 0. Levels beyond 2π (stretch > 1) are not
 /// used. If the levels do not reach 2π, phases in the gap get the nearer end.
 HOLOTRACE_HOST_DEVICE inline int phase_level(double real, double imaginary, int levels, double stretch = 1) {
-  double cycles = std::atan2(imaginary, real) / (2 * std::numbers::pi);
+  const bool is_dark = real == 0 && imaginary == 0;  // atan2(0, −0) is π
+  double cycles = is_dark ? 0 : std::atan2(imaginary, real) / (2 * std::numbers::pi);
   if (cycles < 0) cycles += 1;
   const double nearest = std::fmin(std::floor(cycles * levels / stretch + 0.5), levels - 1.0);
   const double off = std::fabs(cycles - stretch * nearest / levels);
