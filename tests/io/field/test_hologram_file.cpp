@@ -166,6 +166,19 @@ TEST(HologramFile, GreysThatAreNoLevelAreRefused) {
                 " or write the hologram again, without scaling or compression loss");
 }
 
+TEST(HologramFile, LevelsThatNoPanelHasAreRefused) {
+  const std::string path = temporary("h.png");
+  save_hologram(path, all_levels(256, Modulation::phase));
+  for (const std::string wrong : {"2.33333e37", "-5", "2.5", "1", "65537"}) {
+    test::set_png_text(
+        path, "holotrace",
+        R"({"pitch_m": 8e-6, "wavelength_m": 532e-9, "slm": {"design_wavelength_m": 0, "fill_factor": 1, )"
+        R"("levels": )" +
+            wrong + "}}");
+    EXPECT_EQ(error_of([&] { load_hologram(path); }).find(path + ": expected 2 to 65536 levels, got "), 0) << wrong;
+  }
+}
+
 TEST(HologramFile, WhatIsNoHologramIsRefused) {
   const std::string text = make_file("h.png", "only text");
   EXPECT_EQ(error_of([&] { load_hologram(text); }),

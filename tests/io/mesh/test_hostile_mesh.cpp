@@ -113,6 +113,26 @@ TEST(HostileGltf, IndicesOutOfRangeAreNamed) {
             two + ": expected 2 items of TEXCOORD_0, one per vertex, got 3; export it again");
 }
 
+TEST(HostileGltf, IndicesAndCountsAreWholeNumbers) {
+  const auto with = [](const std::string& primitives) {
+    GltfTriangle gltf;
+    gltf.primitives = primitives;
+    return make_file("m.gltf", gltf.text());
+  };
+  for (const std::string wrong : {"2.66667e97", "-1", "1.5", "-1e300", "18446744073709551616"}) {
+    const std::string path = with(R"([{"attributes": {"POSITION": 0}, "indices": )" + wrong + "}]");
+    EXPECT_NE(error_of([&] { load_meshes(path); }), "no error") << wrong;
+  }
+  const std::string huge = with(R"([{"attributes": {"POSITION": 0}, "indices": 2.66667e97}])");
+  EXPECT_EQ(error_of([&] { load_meshes(huge); }),
+            huge + ": expected a whole number of 0 or more as an index or a count, got 2.66667e+97; export it again");
+  const std::string text = with(R"([{"attributes": {"POSITION": "0"}}])");
+  EXPECT_EQ(error_of([&] { load_meshes(text); }),
+            text + ": expected a whole number of 0 or more as an index or a count, got a string; export it again");
+  const LoadedModel model = load_meshes(with(R"([{"attributes": {"POSITION": 0.0}, "indices": 4.0, "mode": 4.0}])"));
+  EXPECT_EQ(model.meshes.size(), 1u) << "whole numbers may have a decimal point";
+}
+
 TEST(HostileGltf, AccessorsOutsideTheirDataAreRefused) {
   const auto error_with = [](const std::string& from, const std::string& to) {
     std::string text = GltfTriangle().text();

@@ -17,8 +17,15 @@
 namespace holotrace {
 namespace {
 
-void check_levels(int levels, const std::string& path) {
-  require(levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}", path, levels);
+void check_levels(double levels, const std::string& path) {
+  require(levels == std::floor(levels) && levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}",
+          path, levels);
+}
+
+int read_levels(const nlohmann::json& json, const std::string& sidecar, std::optional<double> fallback = std::nullopt) {
+  const double levels = metadata_number(json, sidecar, "levels", fallback);
+  check_levels(levels, sidecar);
+  return int(levels);
 }
 
 // Path of a file beside a hologram: "out/h.png" → "out/h_modulus.png", the amplitudes of a complex one, and
@@ -54,7 +61,7 @@ Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& pa
   slm.name = metadata_text(json, sidecar, "name", "");
   slm.grid = grid;
   slm.modulation = modulation_from(metadata_text(json, sidecar, "modulation", "phase"), sidecar);
-  slm.levels = int(metadata_number(json, sidecar, "levels"));
+  slm.levels = read_levels(json, sidecar);
   slm.fill_factor = metadata_number(json, sidecar, "fill_factor");
   slm.fill_x = metadata_number(json, sidecar, "fill_x", 0.0);
   slm.fill_y = metadata_number(json, sidecar, "fill_y", 0.0);
@@ -231,10 +238,7 @@ Hologram load_hologram(const std::string& path) {
     require(hologram.grid.pitch >= 0 && hologram.wavelength >= 0,
             "{}: expected a pitch and a wavelength of 0 m or more, got {} m and {} m", sidecar, hologram.grid.pitch,
             hologram.wavelength);
-    const double levels = metadata_number(json, sidecar, "levels", double(hologram.levels));
-    require(levels == std::floor(levels) && levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}",
-            sidecar, levels);
-    hologram.levels = int(levels);
+    hologram.levels = read_levels(json, sidecar, hologram.levels);
     hologram.modulation = modulation_from(metadata_text(json, sidecar, "modulation", "phase"), sidecar);
     hologram.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
     hologram.encoder = metadata_text(json, sidecar, "encoder", "");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -76,9 +77,9 @@ void check_nodes(const GltfFile& gltf) {
   const Json nodes = gltf.document.value("nodes", Json::array());
   std::vector<int> parents(nodes.size(), 0), places(nodes.size(), 0);
   for (const Json& node : nodes)
-    for (const Json& child : node.value("children", Json::array())) ++parents.at(child.get<size_t>());
+    for (const Json& child : node.value("children", Json::array())) ++parents.at(gltf_count(gltf, child));
   for (const Json& scene : gltf.document.value("scenes", Json::array()))
-    for (const Json& root : scene.value("nodes", Json::array())) places.at(root.get<size_t>()) = 1;
+    for (const Json& root : scene.value("nodes", Json::array())) places.at(gltf_count(gltf, root)) = 1;
   for (size_t i = 0; i < nodes.size(); ++i)
     require(parents[i] + places[i] <= 1, "{}: expected each node in one place, got node {} in several; export it again",
             gltf.path, i);
@@ -175,13 +176,34 @@ GltfFile read_gltf(const std::string& path, Outside outside) {
   return gltf;
 }
 
+size_t gltf_count(const GltfFile& gltf, const Json& value) {
+  if (value.is_number_unsigned()) return value.get<size_t>();
+  constexpr double most = 0x1p53;  // doubles hold every whole number up to this one
+  const double number = value.is_number() ? value.get<double>() : -1;
+  require(number >= 0 && number <= most && number == std::floor(number),
+          "{}: expected a whole number of 0 or more as an index or a count, got {}; export it again", gltf.path,
+          value.is_number() ? fmt::format("{:g}", number) : std::string("a ") + value.type_name());
+  return size_t(number);
+}
+
+size_t gltf_count(const GltfFile& gltf, const Json& parent, const char* key, size_t fallback) {
+  const auto found = parent.find(key);
+  return found == parent.end() ? fallback : gltf_count(gltf, *found);
+}
+
+std::vector<size_t> gltf_counts(const GltfFile& gltf, const Json& list) {
+  std::vector<size_t> counts;
+  for (const Json& value : list) counts.push_back(gltf_count(gltf, value));
+  return counts;
+}
+
 std::string_view gltf_view(const GltfFile& gltf, size_t index) {
   const Json& view = gltf.document.at("bufferViews").at(index);
-  const auto number = view.at("buffer").get<size_t>();
+  const auto number = gltf_count(gltf, view.at("buffer"));
   require(number < gltf.buffers.size(), "{}: expected buffers below {}, got {} in buffer view {}; export it again",
           gltf.path, gltf.buffers.size(), number, index);
   const std::string& whole = gltf.buffers[number];
-  const auto begin = view.value("byteOffset", size_t(0)), size = view.at("byteLength").get<size_t>();
+  const auto begin = gltf_count(gltf, view, "byteOffset", 0), size = gltf_count(gltf, view.at("byteLength"));
   require(begin <= whole.size() && size <= whole.size() - begin,
           "{}: expected {} bytes from byte {} on in buffer {}, but its data end after {}; export it again", gltf.path,
           size, begin, number, whole.size());
@@ -198,7 +220,7 @@ std::string gltf_image(const GltfFile& gltf, int image, std::string& label) {
   const Json& source = gltf.document.at("images").at(size_t(image));
   label = fmt::format("{} (image {} \"{}\")", gltf.path, image, source.value("name", ""));
   if (source.contains("uri")) return read_uri(gltf, source.at("uri").get<std::string>(), label);
-  return std::string(gltf_view(gltf, source.at("bufferView").get<size_t>()));
+  return std::string(gltf_view(gltf, gltf_count(gltf, source.at("bufferView"))));
 }
 
 }  // namespace holotrace

@@ -29,6 +29,16 @@ std::string_view gltf_view(const GltfFile& gltf, size_t index);
 /// @throws Error naming the file if the data are damaged
 std::string gltf_image(const GltfFile& gltf, int image, std::string& label);
 
+/// An index or a count of a glTF document. @throws Error naming the file unless it is a whole number of 0 or more, which may
+/// be written as 3.0
+size_t gltf_count(const GltfFile& gltf, const nlohmann::json& value);
+
+/// The same of a member, or `fallback` if there is none.
+size_t gltf_count(const GltfFile& gltf, const nlohmann::json& parent, const char* key, size_t fallback);
+
+/// A list of such numbers.
+std::vector<size_t> gltf_counts(const GltfFile& gltf, const nlohmann::json& list);
+
 /// What a JSON error says, without the library's own number of it.
 std::string reason(const nlohmann::json::exception& error);
 

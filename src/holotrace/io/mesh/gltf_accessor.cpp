@@ -89,12 +89,12 @@ struct Items {
 
 // `count` items of `numbers` numbers each, from the "bufferView" and "byteOffset" of `source`.
 Items items_of(const GltfFile& gltf, const Json& source, int component, size_t count, size_t numbers) {
-  const auto index = source.at("bufferView").get<size_t>();
+  const auto index = gltf_count(gltf, source.at("bufferView"));
   Items items{gltf_view(gltf, index), 0, size_of(component, gltf), component};
   const size_t packed = items.size * numbers;
-  items.stride = gltf.document.at("bufferViews").at(index).value("byteStride", packed);
+  items.stride = gltf_count(gltf, gltf.document.at("bufferViews").at(index), "byteStride", packed);
   if (items.stride == 0) items.stride = packed;
-  const auto offset = source.value("byteOffset", size_t(0));
+  const auto offset = gltf_count(gltf, source, "byteOffset", 0);
   const size_t present = items.bytes.size();
   const bool is_inside = offset <= present && items.stride >= packed && packed <= present - offset &&
                          count - 1 <= (present - offset - packed) / items.stride;
@@ -112,8 +112,8 @@ constexpr size_t most_without_data = 1 << 24;  // items of a sparse accessor tha
 
 std::vector<double> gltf_numbers(const GltfFile& gltf, size_t accessor, size_t components) {
   const Json& source = gltf.document.at("accessors").at(accessor);
-  const int component = source.at("componentType").get<int>();
-  const size_t count = source.at("count").get<size_t>();
+  const int component = int(gltf_count(gltf, source.at("componentType")));
+  const size_t count = gltf_count(gltf, source.at("count"));
   const size_t present = components_of(source.at("type").get<std::string>(), gltf);
   const bool is_normalized = source.value("normalized", false), is_sparse = source.contains("sparse");
   require(present >= components, "{}: expected {} numbers per item of the accessor {}, got {}; export it again",
@@ -132,9 +132,9 @@ std::vector<double> gltf_numbers(const GltfFile& gltf, size_t accessor, size_t c
   }
   if (!is_sparse) return values;
   const Json& sparse = source.at("sparse");
-  const size_t changed = sparse.at("count").get<size_t>();
+  const size_t changed = gltf_count(gltf, sparse.at("count"));
   const Json& places = sparse.at("indices");
-  const int place_component = places.at("componentType").get<int>();
+  const int place_component = int(gltf_count(gltf, places.at("componentType")));
   const Items indices = items_of(gltf, places, place_component, changed, 1);
   const Items news = items_of(gltf, sparse.at("values"), component, changed, present);
   for (size_t i = 0; i < changed; ++i) {

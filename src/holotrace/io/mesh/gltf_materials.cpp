@@ -88,22 +88,24 @@ class Materials {
 
   // Index of a texture's image; -1 if its format is not supported.
   int image_of(const Json& texture) {
-    if (texture.contains("source")) return texture["source"].get<int>();
-    return member(member(texture, "extensions"), "EXT_texture_webp").value("source", -1);
+    const Json& webp = member(member(texture, "extensions"), "EXT_texture_webp");
+    for (const Json* from : {&texture, &webp})
+      if (from->contains("source")) return int(std::min<size_t>(gltf_count(gltf_, from->at("source")), 1 << 30));
+    return -1;
   }
 
   Texture texture(const Json& parent, const char* key, ImageContent content) {
     if (!parent.contains(key)) return nullptr;
     const Json& info = parent[key];
-    const Json& source = gltf_.document.at("textures").at(info.at("index").get<size_t>());
+    const Json& source = gltf_.document.at("textures").at(gltf_count(gltf_, info.at("index")));
     const Texture image = load(image_of(source), content);
     if (!image) return nullptr;
     place(info);
     if (source.contains("sampler")) {
-      const Json& sampler = gltf_.document.at("samplers").at(source["sampler"].get<size_t>());
-      constexpr int repeat = 10497;
-      result_.repeats =
-          result_.repeats && sampler.value("wrapS", repeat) == repeat && sampler.value("wrapT", repeat) == repeat;
+      const Json& sampler = gltf_.document.at("samplers").at(gltf_count(gltf_, source["sampler"]));
+      constexpr size_t repeat = 10497;
+      for (const char* axis : {"wrapS", "wrapT"})
+        result_.repeats = result_.repeats && gltf_count(gltf_, sampler, axis, repeat) == repeat;
     }
     result_.has_textures = true;
     return image;
@@ -113,7 +115,8 @@ class Materials {
   void place(const Json& info) {
     const Json& transform = member(member(info, "extensions"), "KHR_texture_transform");
     TextureCoordinates t;
-    t.set = transform.value("texCoord", info.value("texCoord", 0));
+    t.set = int(
+        std::min<size_t>(gltf_count(gltf_, transform, "texCoord", gltf_count(gltf_, info, "texCoord", 0)), 1 << 30));
     t.rotation = transform.value("rotation", 0.0);
     if (transform.contains("offset")) {
       t.offset_u = transform["offset"].at(0).get<double>();

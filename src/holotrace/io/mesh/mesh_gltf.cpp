@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 // Values of "mode" in the standard; lower ones are points and lines.
-constexpr int triangle_list = 4, triangle_strip = 5, triangle_fan = 6;
+constexpr size_t triangle_list = 4, triangle_strip = 5, triangle_fan = 6;
 
 const Json& list(const Json& parent, const char* key) {
   static const Json none = Json::array();
@@ -66,8 +66,8 @@ class GltfReader {
       const Place place = open.back();
       open.pop_back();
       const Json& node = nodes.at(place.node);
-      if (node.contains("mesh")) read_mesh(node.at("mesh").get<size_t>(), place.frame);
-      add(list(node, "children").get<std::vector<size_t>>(), place.frame);
+      if (node.contains("mesh")) read_mesh(gltf_count(gltf_, node.at("mesh")), place.frame);
+      add(gltf_counts(gltf_, list(node, "children")), place.frame);
     }
     return reader_.finish(std::move(materials_));
   } catch (const Json::exception& e) {
@@ -80,12 +80,12 @@ class GltfReader {
     const Json& document = gltf_.document;
     const Json& scenes = list(document, "scenes");
     if (!scenes.empty()) {
-      const Json& scene = scenes.at(document.value("scene", size_t(0)));
-      return list(scene, "nodes").get<std::vector<size_t>>();
+      const Json& scene = scenes.at(gltf_count(gltf_, document, "scene", 0));
+      return gltf_counts(gltf_, list(scene, "nodes"));
     }
     std::vector<bool> is_child(list(document, "nodes").size());
     for (const Json& node : list(document, "nodes"))
-      for (const Json& child : list(node, "children")) is_child.at(child.get<size_t>()) = true;
+      for (const Json& child : list(node, "children")) is_child.at(gltf_count(gltf_, child)) = true;
     std::vector<size_t> found;
     for (size_t i = 0; i < is_child.size(); ++i)
       if (!is_child[i]) found.push_back(i);
@@ -100,18 +100,19 @@ class GltfReader {
   void read_primitive(const Json& primitive, const std::string& name, const Frame& frame) {
     const Json& attributes = primitive.at("attributes");
     if (!attributes.contains("POSITION")) return;
-    const auto count = accessor(attributes, "POSITION").at("count").get<size_t>();
+    const auto count = gltf_count(gltf_, accessor(attributes, "POSITION").at("count"));
     const bool has_indices = primitive.contains("indices");
-    const auto corners = has_indices ? accessor(primitive, "indices").at("count").get<size_t>() : count;
-    const int mode = primitive.value("mode", triangle_list);
+    const auto corners = has_indices ? gltf_count(gltf_, accessor(primitive, "indices").at("count")) : count;
+    const size_t mode = gltf_count(gltf_, primitive, "mode", triangle_list);
     if (mode < triangle_list || mode > triangle_fan) return reader_.leave_out(corners);
     Mesh mesh;
     mesh.name = name;
-    const size_t material = std::min(primitive.value("material", materials_.size() - 1), materials_.size() - 1);
+    const size_t material =
+        std::min(gltf_count(gltf_, primitive, "material", materials_.size() - 1), materials_.size() - 1);
     mesh.material = int(material);
     mesh.positions = vectors(attributes, "POSITION", count);
     std::vector<uint32_t> indices;
-    if (has_indices) indices = gltf_indices(gltf_, primitive.at("indices").get<size_t>());
+    if (has_indices) indices = gltf_indices(gltf_, gltf_count(gltf_, primitive.at("indices")));
     reader_.reserve(count, corners);
     if (attributes.contains("NORMAL")) mesh.normals = vectors(attributes, "NORMAL", count);
     read_coordinates(attributes, materials_[material].coordinates.set, count, mesh);
@@ -132,11 +133,11 @@ class GltfReader {
   }
 
   const Json& accessor(const Json& parent, const char* key) const {
-    return list(gltf_.document, "accessors").at(parent.at(key).get<size_t>());
+    return list(gltf_.document, "accessors").at(gltf_count(gltf_, parent.at(key)));
   }
 
   std::vector<double> values(const Json& attributes, const char* key, size_t count, size_t components) const {
-    std::vector<double> read = gltf_numbers(gltf_, attributes.at(key).get<size_t>(), components);
+    std::vector<double> read = gltf_numbers(gltf_, gltf_count(gltf_, attributes.at(key)), components);
     require(read.size() == count * components, "{}: expected {} items of {}, one per vertex, got {}; export it again",
             reader_.path(), count, key, read.size() / components);
     return read;
@@ -156,7 +157,7 @@ class GltfReader {
     for (size_t i = 0; i < count; ++i) mesh.texture_coordinates.push_back({read[2 * i], 1 - read[2 * i + 1]});
   }
 
-  void add_triangles(const std::vector<uint32_t>& corners, int mode, Mesh& mesh) {
+  void add_triangles(const std::vector<uint32_t>& corners, size_t mode, Mesh& mesh) {
     const size_t n = corners.size();
     if (mode == triangle_list) {
       for (size_t i = 0; i + 2 < n; i += 3) mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
