@@ -10,7 +10,7 @@ namespace holotrace {
 namespace {
 
 // The chirps of a slab's nodes, interpolated to a wave's curvature; square is u² + v², or v² in a strip.
-std::complex<double> interpolate(const Slab& slab, const PlanesTables& t, double kappa, double square) {
+std::complex<double> interpolate(const Slab& slab, const PlanesModel& t, double kappa, double square) {
   const double tau = (kappa - slab.centre) / slab.half;
   std::complex<double> sum = 0;
   for (size_t q = 0; q < t.nodes.size(); ++q) {
@@ -34,7 +34,7 @@ struct PixelOfWave {
 };
 
 // The wave at a pixel as a plan computes it, over the exact wave there.
-std::complex<double> in_tile(const PixelOfWave& pixel, const Slab& slab, const PlanesTables& t) {
+std::complex<double> in_tile(const PixelOfWave& pixel, const Slab& slab, const PlanesModel& t) {
   const auto [x, y, depth, u, v] = pixel;
   const double half = t.plan.tile * t.pitch / 2, linear = linear_of_cubic * half * half;
   const double rho2 = x * x + y * y, r0 = std::sqrt(rho2 + depth * depth);
@@ -52,7 +52,7 @@ std::complex<double> in_tile(const PixelOfWave& pixel, const Slab& slab, const P
 }
 
 // The same in a strip across x: u from the strip's middle, v from the tile's reference pixel.
-std::complex<double> in_strip(const PixelOfWave& pixel, const Slab& slab, const PlanesTables& t) {
+std::complex<double> in_strip(const PixelOfWave& pixel, const Slab& slab, const PlanesModel& t) {
   const auto [x, y, depth, u, v] = pixel;
   const double half = t.plan.tile * t.pitch / 2, linear = linear_of_cube * half * half;
   const double rest = y * y + depth * depth, r0 = std::sqrt(x * x + rest), across = std::sqrt((x + u) * (x + u) + rest);
@@ -70,7 +70,7 @@ int in_own_strip(int line) { return line % strip_width - strip_width / 2; }
 
 SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthRange& depths, const Grid& grid,
                              const PixelBox& bounds, double wavelength, const PlanesPlan& plan) {
-  const PlanesTables tables(plan, wavelength, grid.pitch);
+  const PlanesModel model(plan, wavelength, grid.pitch);
   const Slabs slabs{depths, plan.slabs};
   SplitEnergies energies;
   for (const auto& [w, column, row, density] : pixels) {
@@ -81,19 +81,19 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
     const bool all_x = w.box.x0 <= tile.x0 && w.box.x1 >= tile.x1, all_y = w.box.y0 <= tile.y0 && w.box.y1 >= tile.y1;
     const double dx = grid.x(column) - w.x, dy = w.y - grid.y(row);  // y axis points down
     const double u = (i - plan.tile / 2) * grid.pitch, v = (j - plan.tile / 2) * grid.pitch;
-    const auto tile_error = [&] { return std::norm(in_tile({dx - u, dy - v, w.depth, u, v}, slab, tables) - 1.0); };
+    const auto tile_error = [&] { return std::norm(in_tile({dx - u, dy - v, w.depth, u, v}, slab, model) - 1.0); };
     double error = 0;  // error of the direct sum
     if (all_x && all_y) {
       error = tile_error();
     } else if (plan.has_strips && (all_x || all_y)) {
       const double across_u = in_own_strip(i) * grid.pitch, across_v = in_own_strip(j) * grid.pitch;
-      error = std::norm((all_y ? in_strip({dx - across_u, dy - v, w.depth, across_u, v}, slab, tables)
-                               : in_strip({dy - across_v, dx - u, w.depth, across_v, u}, slab, tables)) -
+      error = std::norm((all_y ? in_strip({dx - across_u, dy - v, w.depth, across_u, v}, slab, model)
+                               : in_strip({dy - across_v, dx - u, w.depth, across_v, u}, slab, model)) -
                         1.0);
       const int size = all_y ? tile.x1 - tile.x0 : tile.y1 - tile.y0;
       const int lit = all_y ? std::min(w.box.x1, tile.x1) - std::max(w.box.x0, tile.x0)
                             : std::min(w.box.y1, tile.y1) - std::max(w.box.y0, tile.y0);
-      const bool reaches = std::abs(all_y ? dx - u : dy - v) <= tables.tangent * w.depth;
+      const bool reaches = std::abs(all_y ? dx - u : dy - v) <= model.tangent * w.depth;
       // A wave that lights more than half of a tile is spread over all of it; strips subtract it from the rest,
       // where the errors of both remain.
       if (reaches && 2 * lit > size) error = tile_error() + (tile_error() + error) * double(size - lit) / lit;

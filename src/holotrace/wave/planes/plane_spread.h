@@ -24,19 +24,25 @@ struct PlanesPlan {
 /// Number of lines in a strip, used at edges of boxes that cut a tile.
 inline constexpr int strip_width = 16;
 
-/// Constants shared by all tiles of a plan.
-struct PlanesTables {
+/// A plan, and the curvatures between which it interpolates. Its error follows from them (plane_error.h).
+struct PlanesModel {
   PlanesPlan plan;
-  GriddingKernel kernel;
   double wavelength, pitch, tangent;  ///< tangent: of the panel's acceptance, with a margin for rounding
-  int transform;                      ///< length of the FFTs: twice the tile
-  int cells;                          ///< cells of a grid along one axis: the transform's and a margin on either side
-  std::vector<float> inverse_phi;     ///< 1/φ̂ for each of the tile's pixels along an axis
+  std::vector<double> nodes;          ///< Chebyshev points in (−1, 1)
+  std::vector<float> denominators;    ///< Π (τ_q − τ_m), m ≠ q
+
+  PlanesModel(const PlanesPlan& plan, double wavelength, double pitch);
+};
+
+/// The same with the constants of its kernel, shared by all tiles. They take milliseconds to compute.
+struct PlanesTables : PlanesModel {
+  GriddingKernel kernel;
+  int transform;                   ///< length of the FFTs: twice the tile
+  int cells;                       ///< cells of a grid along one axis: the transform's and a margin on either side
+  std::vector<float> inverse_phi;  ///< 1/φ̂ for each of the tile's pixels along an axis
   /// ∫xⁿφ·exp(2πiξx)dx/φ̂ for each, n = 1, 2 [cyclesⁿ/mⁿ]: moments of the distance from a wave to the cells that it is
   /// spread over.
   std::vector<float> first, second;
-  std::vector<double> nodes;        ///< Chebyshev points in (−1, 1)
-  std::vector<float> denominators;  ///< Π (τ_q − τ_m), m ≠ q
 
   PlanesTables(const PlanesPlan& plan, double wavelength, double pitch);
   static constexpr int margin = 8;          ///< cells on either side

@@ -175,12 +175,20 @@ void sum_direct(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& w, A
 
 }  // namespace
 
+PlanesModel::PlanesModel(const PlanesPlan& plan, double wavelength, double pitch)
+    : plan(plan), wavelength(wavelength), pitch(pitch), tangent(1.005 * acceptance_tangent(wavelength, pitch)) {
+  for (int q = 0; q < plan.nodes; ++q) nodes.push_back(std::cos(pi * (q + 0.5) / plan.nodes));
+  for (int q = 0; q < plan.nodes; ++q) {
+    double denominator = 1;
+    for (int m = 0; m < plan.nodes; ++m)
+      if (m != q) denominator *= nodes[size_t(q)] - nodes[size_t(m)];
+    denominators.push_back(float(denominator));
+  }
+}
+
 PlanesTables::PlanesTables(const PlanesPlan& plan, double wavelength, double pitch)
-    : plan(plan),
+    : PlanesModel(plan, wavelength, pitch),
       kernel(plan.width),
-      wavelength(wavelength),
-      pitch(pitch),
-      tangent(1.005 * acceptance_tangent(wavelength, pitch)),
       transform(2 * plan.tile),
       cells(transform + 2 * margin) {
   const double cell = 1 / (transform * pitch);
@@ -189,13 +197,6 @@ PlanesTables::PlanesTables(const PlanesPlan& plan, double wavelength, double pit
     inverse_phi.push_back(float(1 / phi));
     first.push_back(float(kernel.moment(1, xi) / phi * cell));
     second.push_back(float(kernel.moment(2, xi) / phi * cell * cell));
-  }
-  for (int q = 0; q < plan.nodes; ++q) nodes.push_back(std::cos(pi * (q + 0.5) / plan.nodes));
-  for (int q = 0; q < plan.nodes; ++q) {
-    double denominator = 1;
-    for (int m = 0; m < plan.nodes; ++m)
-      if (m != q) denominator *= nodes[size_t(q)] - nodes[size_t(m)];
-    denominators.push_back(float(denominator));
   }
 }
 
