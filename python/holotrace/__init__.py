@@ -22,13 +22,15 @@ from ._figures import (
     load_calibration_plan,
 )
 from ._holograms import Hologram, Slm, load_hologram
-from ._images import FocalStack, Image, load_focal_stack, load_image
+from ._images import DepthImage, FocalStack, Image, load_depth_image, load_focal_stack, load_image
 from ._progress import ResultWarning
-from ._scenes import Scene, fields, focal_stack, load_scene, render, trace
-from ._waves import expose, propagate, show, synthesize
+from ._scenes import Scene, fields, focal_stack, load_scene, render, render_pair, trace
+from ._views import Views, anaglyph, view
+from ._waves import depth_image_fields, expose, propagate, show, synthesize
 
 __all__ = [
     "CalibrationPlan",
+    "DepthImage",
     "Error",
     "Field",
     "FocalStack",
@@ -39,10 +41,13 @@ __all__ = [
     "Scene",
     "Slm",
     "Sources",
+    "Views",
     "__version__",
+    "anaglyph",
     "calibrate",
     "calibration_patterns",
     "compare",
+    "depth_image_fields",
     "encode",
     "encode_all",
     "estimate",
@@ -51,6 +56,7 @@ __all__ = [
     "focal_stack",
     "limits",
     "load_calibration_plan",
+    "load_depth_image",
     "load_field",
     "load_fields",
     "load_focal_stack",
@@ -60,10 +66,12 @@ __all__ = [
     "load_sources",
     "propagate",
     "render",
+    "render_pair",
     "run",
     "save_fields",
     "set_threads",
     "show",
     "synthesize",
     "trace",
+    "view",
 ]

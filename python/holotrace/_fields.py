@@ -115,6 +115,11 @@ class Field(Noun):
         return str(self._core.name)
 
     @property
+    def cone_wavelength(self) -> float:
+        """Wavelength whose cone the light keeps to [m]; 0: its own."""
+        return float(self._core.cone_wavelength)
+
+    @property
     def power(self) -> float:
         """Optical power [W]."""
         return float(self._core.power)

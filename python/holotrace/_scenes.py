@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ._images import FocalStack, Image
 from ._noun import Noun
 from ._parameters import refuse, takes
 from ._progress import Progress, watching
-from ._units import Lengths, format_length
+from ._units import Length, Lengths, format_length
 from ._waves import Panel, a, panel
 
 STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camera")
@@ -160,10 +160,22 @@ def load_scene(path: Path, *, allow_outside: bool = False) -> Scene:
 def render(scene: Scene, *, progress: Progress = None, **params: Any) -> Image:
     """The path-traced picture of a scene, seen from the panel [W/m2/sr]."""
     refuse(params, ("focal_stack",), "use ht.focal_stack")
-    refuse(params, ("eye_separation",), "render twice, with the eye to the left and to the right")
+    refuse(params, ("eye_separation",), "use ht.render_pair")
     with watching(progress) as watch:
         core = _core.render(a(Scene, scene, "to render"), params, watch.core)
     return Image._of(core, watch.facts)
+
+
+@takes("render", without=("focal_stack", "eye_separation"), of_scene=True)
+def render_pair(
+    scene: Scene, eye_separation: Length, *, progress: Progress = None, **params: Any
+) -> Tuple[Image, Image]:
+    """Pictures for the left and the right eye, this far apart about ``eye``. ``ht.anaglyph`` makes one of both."""
+    refuse(params, ("focal_stack",), "use ht.focal_stack")
+    with watching(progress) as watch:
+        given = {**params, "eye_separation": eye_separation}
+        left, right = _core.render_pair(a(Scene, scene, "to render"), given, watch.core)
+    return Image._of(left, watch.facts), Image._of(right, watch.facts)
 
 
 @takes("render", without=("columns", "rows", "field_of_view", "eye", "lens", "pupil", "focus", "focal_stack",
