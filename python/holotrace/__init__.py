@@ -20,6 +20,7 @@ from ._figures import (
     estimate,
     limits,
     load_calibration_plan,
+    register,
 )
 from ._holograms import Hologram, Slm, load_hologram
 from ._images import DepthImage, FocalStack, Image, load_depth_image, load_focal_stack, load_image
@@ -65,6 +66,7 @@ __all__ = [
     "load_scene",
     "load_sources",
     "propagate",
+    "register",
     "render",
     "render_pair",
     "run",

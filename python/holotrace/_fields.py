@@ -19,7 +19,8 @@ class Field(Noun):
     """Monochromatic scalar light on a grid of samples.
 
     A sample is a complex amplitude in sqrt(W/m2); power is the sum of ``|u|**2 * pitch**2``. The array has the shape
-    (ny, nx), row 0 on top (largest y). Light that leaves a point is ``exp(+ikr)``.
+    (ny, nx), row 0 on top (largest y). Light that leaves a point is ``exp(+ikr)``. ``np.asarray(field)`` is the memory
+    of the field itself, not a copy.
 
     Parameters
     ----------
@@ -35,8 +36,6 @@ class Field(Noun):
         x and y of the grid's centre.
     image : "virtual" or "real"
         Image that the field shows: behind the panel, or in front of it.
-
-    ``np.asarray(field)`` is the memory of the field itself, not a copy.
     """
 
     __slots__ = ()
@@ -63,7 +62,7 @@ class Field(Noun):
 
     @property
     def samples(self) -> np.ndarray[Any, Any]:
-        """The samples, shape (ny, nx): a view of the field's memory."""
+        """Samples of the shape (ny, nx), a view of the field's memory."""
         array: np.ndarray[Any, Any] = self._core.samples
         return array
 
@@ -116,7 +115,7 @@ class Field(Noun):
 
     @property
     def cone_wavelength(self) -> float:
-        """Wavelength whose cone the light keeps to [m]; 0: its own."""
+        """Wavelength whose cone the light keeps to [m]; 0 for its own."""
         return float(self._core.cone_wavelength)
 
     @property
@@ -133,7 +132,7 @@ class Field(Noun):
 
     @property
     def y(self) -> np.ndarray[Any, Any]:
-        """y of each row [m], falling: row 0 is on top."""
+        """y of each row [m], falling, because row 0 is on top."""
         rows = self.shape[0]
         places: np.ndarray[Any, Any] = self.centre[1] + ((rows - 1) / 2 - np.arange(rows)) * self.pitch
         return places
@@ -252,19 +251,19 @@ class Sources(Noun):
 
     @property
     def positions(self) -> np.ndarray[Any, Any]:
-        """Places [m], shape (n, 3): a view."""
+        """Places of the shape (n, 3) [m], a view."""
         array: np.ndarray[Any, Any] = self._core.positions
         return array
 
     @property
     def amplitudes(self) -> np.ndarray[Any, Any]:
-        """Amplitudes [sqrt(W/m2)]: a view."""
+        """Amplitudes [sqrt(W/m2)], a view."""
         array: np.ndarray[Any, Any] = self._core.amplitudes
         return array
 
     @property
     def phases(self) -> np.ndarray[Any, Any]:
-        """Phases [rad]: a view."""
+        """Phases [rad], a view."""
         array: np.ndarray[Any, Any] = self._core.phases
         return array
 

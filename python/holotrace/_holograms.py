@@ -113,7 +113,9 @@ class Slm(Noun):
 
 
 class Hologram(Noun):
-    """The data shown on an SLM: a level per pixel.
+    """The data shown on an SLM, a level per pixel.
+
+    ``np.asarray(hologram)`` is the memory of the levels, not a copy.
 
     Parameters
     ----------
@@ -127,8 +129,6 @@ class Hologram(Noun):
     image : "virtual" or "real"
     slm : Slm
         The panel that it was made for, if it is known.
-
-    ``np.asarray(hologram)`` is the memory of the levels, not a copy.
     """
 
     __slots__ = ()
@@ -169,7 +169,7 @@ class Hologram(Noun):
 
     @property
     def level(self) -> np.ndarray[Any, Any]:
-        """The levels, shape (ny, nx): a view of the hologram's memory."""
+        """Levels of the shape (ny, nx), a view of the hologram's memory."""
         array: np.ndarray[Any, Any] = self._core.level
         return array
 

@@ -17,14 +17,14 @@ from ._units import Length, Lengths, format_length
 class Image(Noun):
     """A picture of linear light, row 0 on top: [W/m2] on a sensor, [W/m2/sr] from ``render``.
 
+    ``np.asarray(image)`` is the memory of the image, not a copy.
+
     Parameters
     ----------
     pixels : array of the shape (rows, columns) or (rows, columns, 3)
         Linear light, not sRGB codes. 8- and 16-bit pictures are read from files, by ``load_image``.
     pitch : length
         Side of a pixel; 0 if it is unknown.
-
-    ``np.asarray(image)`` is the memory of the image, not a copy.
     """
 
     __slots__ = ()
@@ -46,7 +46,7 @@ class Image(Noun):
 
     @property
     def pixels(self) -> np.ndarray[Any, Any]:
-        """Linear light, shape (rows, columns) or (rows, columns, 3): a view of the image's memory."""
+        """Linear light of the shape (rows, columns) or (rows, columns, 3), a view of the image's memory."""
         array: np.ndarray[Any, Any] = self._core.pixels
         return array
 
@@ -122,7 +122,7 @@ class DepthImage(Noun):
 
     @property
     def depth(self) -> np.ndarray[Any, Any]:
-        """Depths [m], shape (rows, columns): a view of the memory."""
+        """Depths of the shape (rows, columns) [m], a view of the memory."""
         array: np.ndarray[Any, Any] = self._core.depth
         return array
 

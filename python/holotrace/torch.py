@@ -1,4 +1,4 @@
-"""Light through free space, panel and camera in PyTorch, with the library's analytic adjoints.
+"""Light through free space, panel and camera in PyTorch, with the library's analytic adjoints::
 
     import torch, holotrace.torch as htt
 
