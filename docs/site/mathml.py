@@ -1,22 +1,16 @@
 """Formulas as MathML, which browsers show by themselves: no script, no fonts, no network."""
 
-from docutils.utils.math.latex2mathml import parse_latex_math
 from docutils import nodes
-
-
-def mathml(node, inline):
-    tree = parse_latex_math(node.astext(), inline=inline)
-    text = "".join(tree.xml())
-    return text if inline else f'<div class="formula" role="math">{text}</div>'
+from docutils.utils.math.latex2mathml import tex2mathml
 
 
 def visit_inline(self, node):
-    self.body.append(mathml(node, True))
+    self.body.append(tex2mathml(node.astext(), inline=True))
     raise nodes.SkipNode
 
 
 def visit_block(self, node):
-    self.body.append(mathml(node, False))
+    self.body.append('<div class="formula">' + tex2mathml(node.astext(), inline=False) + "</div>\n")
     raise nodes.SkipNode
 
 
