@@ -38,7 +38,9 @@ class _Bar:
             self.close()
             self._stage = stage
             try:
-                from tqdm.auto import tqdm
+                with warnings.catch_warnings():  # in notebooks without ipywidgets the bar is of text
+                    warnings.simplefilter("ignore")
+                    from tqdm.auto import tqdm
             except ImportError:
                 return
             self._bar = tqdm(total=100, desc=stage, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}")
