@@ -9,7 +9,7 @@ Lengths are metres, or texts with a unit. Arrays have the shape (ny, nx), row 0 
 program reports, in the same words.
 """
 
-from ._core import Error, __version__, set_threads
+from ._core import Error, __version__
 from ._encode import Run, encode, encode_all, run
 from ._fields import Field, Sources, load_field, load_fields, load_sources, save_fields
 from ._figures import (
@@ -24,7 +24,7 @@ from ._figures import (
 )
 from ._holograms import Hologram, Slm, load_hologram
 from ._images import DepthImage, FocalStack, Image, load_depth_image, load_focal_stack, load_image
-from ._progress import ResultWarning
+from ._progress import ResultWarning, set_threads
 from ._scenes import Scene, fields, focal_stack, load_scene, render, render_pair, trace
 from ._views import Views, anaglyph, view
 from ._waves import depth_image_fields, expose, propagate, show, synthesize

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 
 from . import _core
+from ._checked import count, table
 from ._fields import Field, Path, Sources
 from ._holograms import Hologram
 from ._images import FocalStack, Image
@@ -32,7 +33,7 @@ def _encode(
     progress: Progress,
     params: Mapping[str, Any],
 ) -> List[Hologram]:
-    if frames != 1 and not isinstance(target, FocalStack):
+    if count(frames, "frames", least=1) != 1 and not isinstance(target, FocalStack):
         raise _core.Error("expected frames only with a focal stack; leave it out")
     with watching(progress, level=5) as watch:
         if isinstance(target, (Image, FocalStack)):
@@ -145,7 +146,7 @@ def run(scene: Scene, *, progress: Progress = None, **stages: Mapping[str, Any])
     """
     job = a(Scene, scene, "to run").copy()
     for stage, params in stages.items():
-        job.set(stage, dict(params))
+        job.set(stage, table(params, stage))
     with watching(progress) as watch:
         made = _core.run(job, watch.core)
     return Run(

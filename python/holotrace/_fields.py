@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _core, _picture
 from ._arrays import complex_samples, real_numbers
+from ._checked import count, items, text
 from ._noun import Noun
 from ._units import Length, Lengths, format_length
 
@@ -56,8 +57,8 @@ class Field(Noun):
         self._core = kind.make(array, pitch, wavelength)
         self._core.z = z
         self._core.centre = centre
-        self._core.image = image
-        self._core.name = name
+        self._core.image = text(image, "image")
+        self._core.name = text(name, "name")
         self.facts = {}
 
     @property
@@ -206,7 +207,11 @@ def load_field(path: Path, *, double: bool = False, allow_outside: bool = False)
 
 def save_fields(path: Path, fields: Sequence[Field]) -> None:
     """Write fields that differ only in their wavelength into one file."""
-    cores = [field._core for field in fields]
+    given = items(fields, "fields to save")
+    for field in given:
+        if not isinstance(field, Field):
+            raise _core.Error(f"expected a Field to save, got {type(field).__name__}")
+    cores = [field._core for field in given]
     if any(type(core) is not type(cores[0]) for core in cores):
         cores = [core.as_double() for core in cores]
     _core.save_fields(os.fspath(path), cores)
@@ -243,7 +248,7 @@ class Sources(Noun):
             if array.ndim != 1:
                 raise _core.Error(f"expected one row of {what}, got an array of the shape {array.shape}")
         self._core = _core.Sources.make(places, each[0], each[1], wavelength)
-        self._core.name = name
+        self._core.name = text(name, "name")
         self.facts = {}
 
     def __len__(self) -> int:
@@ -280,7 +285,7 @@ class Sources(Noun):
     def with_frame(self, frame: int) -> "Sources":
         """The same waves with the random phases of another frame of a time-multiplexed hologram."""
         other = self.copy()
-        other._core.set_frame(frame)
+        other._core.set_frame(count(frame, "frame", most=2**32 - 1))
         return other
 
     def save(self, path: Path) -> None:

@@ -8,7 +8,8 @@ from typing import Any, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _core, _picture
-from ._arrays import real_numbers, rows_and_columns
+from ._arrays import array_of, real_numbers, rows_and_columns
+from ._checked import count, items, number
 from ._fields import Path
 from ._noun import Noun
 from ._units import Length, Lengths, format_length
@@ -30,7 +31,7 @@ class Image(Noun):
     __slots__ = ()
 
     def __init__(self, pixels: Any, pitch: Length = 0.0) -> None:
-        given = np.asarray(pixels)
+        given = array_of(pixels, "an image")
         if given.dtype.kind != "f":
             raise _core.Error(
                 f"expected floating-point linear light for an image, got {given.dtype}; load_image reads and decodes"
@@ -76,7 +77,7 @@ class Image(Noun):
 
     def save(self, path: Path, *, white: float = 0.0, bits: int = 8) -> None:
         """Write .png (sRGB; ``white`` is the value shown as white, 0: by the rule of views) or .exr (linear)."""
-        self._core.save(os.fspath(path), white, bits)
+        self._core.save(os.fspath(path), number(white, "white"), count(bits, "bits"))
 
     def __repr__(self) -> str:
         rows, columns = self.shape[:2]
@@ -168,7 +169,7 @@ class FocalStack(Noun):
     __slots__ = ()
 
     def __init__(self, pictures: Union[Sequence[Image], Any], distances: Lengths, pitch: Length) -> None:
-        images = [one if isinstance(one, Image) else Image(one) for one in pictures]
+        images = [one if isinstance(one, Image) else Image(one) for one in items(pictures, "the pictures of a focal stack")]
         self._core = _core.FocalStack.make([image._core for image in images], distances, pitch)
         self.facts = {}
 

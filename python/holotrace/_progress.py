@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any, Callable, Dict, Iterator, Optional, Union
 
 from . import _core
+from ._checked import count
 
 #: None: a bar in terminals and notebooks, by tqdm if it is installed. False: none. Or a function of the stage's name and
 #: the fraction that is done; it is called about 20 times a second.
@@ -66,6 +67,11 @@ class Watched:
     def facts(self) -> Dict[str, Any]:
         facts: Dict[str, Any] = {**self.core.facts, **self.core.curves}
         return facts
+
+
+def set_threads(number: int) -> None:
+    """The number of threads that verbs use; 0: all. Results do not depend on it."""
+    _core.set_threads(count(number, "threads"))
 
 
 @contextmanager

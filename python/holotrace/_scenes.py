@@ -8,7 +8,8 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 
 from . import _core
-from ._arrays import real_numbers
+from ._arrays import array_of, real_numbers
+from ._checked import count, table
 from ._fields import Field, Path, Sources
 from ._holograms import Slm
 from ._images import FocalStack, Image
@@ -23,6 +24,8 @@ STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camer
 
 def _mesh(entry: Mapping[str, Any]) -> Dict[str, Any]:
     """An object of the type mesh whose arrays are given: they go into a dict of their own."""
+    if entry["vertices"] is None:
+        raise _core.Error('expected an array for "vertices", got None')
     if "faces" not in entry:
         raise _core.Error('expected "faces" beside the "vertices" of a mesh, which are missing')
     faces = np.asarray(entry["faces"])
@@ -57,7 +60,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         if "vertices" in value:
             value = _mesh(value)
-        elif "points" in value and np.ndim(value["points"]) == 2 and "type" in value and "unit" not in value:
+        elif "type" in value and "points" in value and "unit" not in value and array_of(value["points"], "points").ndim == 2:
             value = _points(value)
         return {key: one if key == "arrays" else _plain(one) for key, one in value.items()}
     if isinstance(value, Noun):
@@ -98,7 +101,7 @@ class Scene(Noun):
     def __init__(
         self, tables: Optional[Mapping[str, Any]] = None, *, allow_outside: bool = False, **more: Any
     ) -> None:
-        given = {**(tables or {}), **more}
+        given = {**table(tables, "Scene"), **more}
         slm = given.get("slm")
         if isinstance(slm, (Slm, str, os.PathLike)):
             given["slm"] = None
@@ -136,7 +139,7 @@ class Scene(Noun):
         if slm is not None:
             other._core.slm = panel(slm)._core
         for stage, params in stages.items():
-            other._core.set(stage, dict(params))
+            other._core.set(stage, table(params, stage))
         return other
 
     def __repr__(self) -> str:
@@ -202,5 +205,5 @@ def fields(scene: Scene, *, frame: int = 0, progress: Progress = None, **params:
     ``frame`` is the number of the frame whose random phases are used.
     """
     with watching(progress) as watch:
-        cores = _core.fields(a(Scene, scene, "to trace"), params, frame, watch.core)
+        cores = _core.fields(a(Scene, scene, "to trace"), params, count(frame, "frame", most=2**32 - 1), watch.core)
     return [Field._of(core, watch.facts) for core in cores]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 
 from . import _core
+from ._checked import items, table
 from ._fields import Path
 from ._holograms import Hologram
 from ._images import Image
@@ -75,10 +76,10 @@ def view(
     made for, or an ideal one of its size. ``show`` and ``propagate`` have parameters of these verbs. An
     ``eye_separation`` adds a stereo pair, with the eyes to the left and to the right of ``eye``.
     """
-    given = [holograms] if isinstance(holograms, Hologram) else list(holograms)
+    given = [holograms] if isinstance(holograms, Hologram) else items(holograms, "a hologram or several to view")
     cores = [a(Hologram, one, "to view") for one in given]
     panels = [panel_of(one, slm)._core for one in given]
-    stages = {"show": dict(show or {}), "propagate": dict(propagate or {}), "camera": params}
+    stages = {"show": table(show, "show"), "propagate": table(propagate, "propagate"), "camera": params}
     with watching(progress) as watch:
         made = _core.view(cores, panels, stages, eye_separation, watch.core)
     return Views(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, List, Mapping, Optional, Type, Union
 
 from . import _core
+from ._checked import count, table
 from ._fields import Field, Path, Sources
 from ._holograms import Hologram, Slm
 from ._images import DepthImage, Image
@@ -68,9 +69,9 @@ def depth_image_fields(
     frame whose random phases are used.
     """
     core = a(DepthImage, image, "to make a field of")
-    stages = {"depth_image": params, "synthesize": dict(synthesize or {})}
+    stages = {"depth_image": params, "synthesize": table(synthesize, "synthesize")}
     with watching(progress) as watch:
-        cores = _core.depth_image_fields(core, panel(slm)._core, wavelength, stages, frame, watch.core)
+        cores = _core.depth_image_fields(core, panel(slm)._core, wavelength, stages, count(frame, "frame", most=2**32 - 1), watch.core)
     return [Field._of(one, watch.facts) for one in cores]
 
 
@@ -117,5 +118,5 @@ def expose(
     rows, columns = field.shape
     seen = panel(slm) if slm is not None else Slm(columns=columns, rows=rows, pitch=field.pitch)
     with watching(progress) as watch:
-        image = _core.expose(core, seen._core, distance, params, dict(propagate or {}), watch.core)
+        image = _core.expose(core, seen._core, distance, params, table(propagate, "propagate"), watch.core)
     return Image._of(image, watch.facts)
