@@ -20,9 +20,8 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/output_set.h"
 #include "holotrace/io/files/record_names.h"
-#include "save_views.h"
+#include "holotrace/io/picture/chart_file.h"
 #include "say.h"
-#include "try_save_chart.h"
 
 namespace holotrace {
 namespace {
@@ -82,9 +81,11 @@ void fit_photographs(const FitOptions& o, const GlobalFlags& global) {
                                format_length(fit.slm.design_wavelength), format_length(plan.distance));
   const std::string name = std::filesystem::path(o.output).filename().string();
   const std::string picture = name.substr(0, name.size() - 5) + ".png";
+  Observer charts;
+  charts.on_warning = [&](const std::string& sentence) { console.watch("chart").warn(sentence); };
   say_warnings(write_together(o.output, record_in_text(o.output), [&](const OutputSet& set) {
-    try_save_chart(set, path_with_suffix(picture, "_curve"), curve_chart(fit), console);
-    try_save_chart(set, path_with_suffix(picture, "_residuals"), residual_chart(fit), console);
+    try_save_chart(set, path_with_suffix(picture, "_curve"), curve_chart(fit), charts);
+    try_save_chart(set, path_with_suffix(picture, "_residuals"), residual_chart(fit), charts);
     save_panel(set.path(name), fit.slm, [&] { return set.record(); });
   }));
   if (o.is_json)

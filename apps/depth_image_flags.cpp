@@ -1,19 +1,14 @@
 #include "depth_image_flags.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
+#include <utility>
 
-#include "holotrace/base/units.h"
-#include "holotrace/data/acceptance.h"
 #include "holotrace/io/picture/depth_image_file.h"
-#include "holotrace/wave/layers/depth_layers.h"
-#include "holotrace/wave/synthesize.h"
+#include "holotrace/run/depth_image_fields.h"
 
 namespace holotrace {
 namespace {
-
-using namespace literals;
 
 constexpr const char* group =
     "A picture with depths (RGB-D), for example: field picture.png --depth depth.png --near \"195 mm\" "
@@ -62,20 +57,8 @@ std::vector<Field> DepthImageFlags::fields(const std::string& picture, const Gri
   flags_.apply(params);
   SynthesizeParams synthesize;
   synthesis.apply(synthesize);
-  require(synthesize.method == SynthesisMethod::automatic || synthesize.method == SynthesisMethod::layers,
-          "--method: expected layers for a picture with depths, got {}; leave it out", method_name(synthesize.method));
-  const DepthImage image = load_depth_image(picture, depth_, params.near, params.far);
-  if (wavelengths.empty()) wavelengths = {532_nm};
-  const double cone = view_wavelength(wavelengths, params.has_common_cone);
-  // One field of view for all colours: separate ones would show the picture at different sizes.
-  if (params.projection == Projection::perspective && params.field_of_view == 0 && wavelengths.size() > 1)
-    params.field_of_view = std::asin(acceptance_sine(cone, panel.pitch));
-  const bool has_cone = params.has_common_cone && wavelengths.size() > 1;
-  std::vector<Field> fields;
-  for (size_t i = 0; i < wavelengths.size(); ++i)
-    fields.push_back(sum_depth_image(image, panel, {wavelengths[i], has_cone ? cone : 0}, params, synthesize, frame,
-                                     part_of(observer, int(i), int(wavelengths.size()))));
-  return fields;
+  DepthImage image = load_depth_image(picture, depth_, params.near, params.far);
+  return depth_image_fields({std::move(image), panel, std::move(wavelengths), params, synthesize, frame}, observer);
 }
 
 }  // namespace holotrace

@@ -20,7 +20,7 @@ class DepthImageFlags {
   bool check(const std::vector<std::string>& inputs, bool is_double) const;
 
   /// The picture's field on the panel at each wavelength [m]; at 532 nm if none is given.
-  /// @throws Error  as load_depth_image and sum_depth_image do, and for a method other than layers
+  /// @throws Error  as load_depth_image and depth_image_fields do
   std::vector<Field> fields(const std::string& picture, const Grid& panel, std::vector<double> wavelengths,
                             uint32_t frame, const Flags& synthesis, const Observer& observer) const;
 

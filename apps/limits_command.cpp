@@ -18,7 +18,6 @@
 #include "holotrace/io/picture/chart_file.h"
 #include "limits_table.h"
 #include "load_scene.h"
-#include "save_views.h"
 
 namespace holotrace {
 namespace {

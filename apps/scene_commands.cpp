@@ -21,6 +21,8 @@
 #include "holotrace/io/files/record_names.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/run/save_run.h"
+#include "holotrace/io/run/save_views.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
@@ -32,10 +34,9 @@
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
+#include "interrupts.h"
 #include "load_scene.h"
 #include "run_summary.h"
-#include "save_run.h"
-#include "save_views.h"
 #include "say.h"
 
 namespace holotrace {
@@ -69,6 +70,15 @@ void print_comparison(const JobEstimate& estimate, const std::vector<StageCompar
   else
     fmt::print("The other stages could not be probed: {}\n", estimate.why_no_simulation);
   fmt::print("The estimate itself took {:.1f} s.\n", estimate.probe_seconds);
+}
+
+// While the result exists, an interrupt waits: the files of a run get their names, and are all there afterwards.
+std::shared_ptr<void> defer_interrupts() {
+  const auto end = [](DeferInterrupts* deferred) {
+    say_on_interrupt("holotrace: interrupted; the files of this call are written\n");
+    delete deferred;
+  };
+  return std::shared_ptr<DeferInterrupts>(new DeferInterrupts, end);
 }
 
 void add_run(Command& app, const GlobalFlags& global) {
@@ -134,8 +144,10 @@ void add_run(Command& app, const GlobalFlags& global) {
     Boxes boxes = run(job, console.stages(), [&](size_t i) { return checkpoints.of(i); });
     console.finish();
     if (estimate) print_comparison(*estimate, compare_with_run(*estimate, boxes.report));
-    const FileRecord files = save_run(o->folder, boxes, job, console);
-    if (!global.is_quiet) print_summary(boxes.report, o->folder, files);
+    const SavedRun saved = save_run(o->folder, boxes, job, console.stages(), defer_interrupts);
+    console.finish();
+    say_warnings(saved.notes);
+    if (!global.is_quiet) print_summary(boxes.report, o->folder, saved.files);
     checkpoints.remove();
   });
 }

@@ -1,12 +1,8 @@
 // holotrace show: computes the image of holograms on a virtual SLM and in a camera.
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -14,18 +10,14 @@
 #include "console.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
-#include "holotrace/run/illumination_plan.h"
-#include "holotrace/run/view_series.h"
-#include "holotrace/run/viewing.h"
-#include "holotrace/view/camera.h"
-#include "save_views.h"
+#include "holotrace/io/run/save_views.h"
+#include "holotrace/run/view_holograms.h"
 #include "say.h"
 
 namespace holotrace {
@@ -71,20 +63,6 @@ void note_outputs(const std::string& output, const std::vector<Viewpoint>& from)
   if (swept > 0 && extension_of(output) != ".gif")
     for (const std::string& path : sweep_paths(output, swept))
       if (std::filesystem::exists(path)) note_output(path);  // there may be many, and only those can be inputs
-}
-
-IlluminationPlan plan_of(const Hologram& hologram, const Viewing& v, double wavelength) {
-  return plan_illumination(v.slm, v.show, wavelength, hologram.image, v.from, hologram.filter);
-}
-
-// Memory for the light that leaves the panel, its propagation, and the sums of all views, for `sets` colours and names.
-void check_memory(const Hologram& hologram, const Viewing& viewing, double wavelength, size_t sets) {
-  const IlluminationPlan plan = plan_of(hologram, viewing, wavelength);
-  const ViewingNeed need = viewing_need(viewing, {wavelength}, hologram.image, hologram.filter, widest_part(plan));
-  const size_t count = viewing.from.size();
-  const double views = viewing_bytes(need.columns * need.rows, count, double(sets), int64_t(plan.states.size()));
-  require_memory(need.shown + need.passing + views, fmt::format("{} view(s) of {} × {} pixels", count,
-                                                                std::llround(need.columns), std::llround(need.rows)));
 }
 
 }  // namespace
@@ -138,34 +116,21 @@ void add_show_command(Command& app, const GlobalFlags& global) {
 
     Console console(global.is_quiet);
     Report report;
-    const StageObserver watch = console.stages();
-    std::vector<CombinedViews> sums(from.size());
-    std::optional<RepeatedStages> repeat;
-    std::set<std::pair<double, std::string>> kinds;  // views that are summed separately
-    for (const std::string& path : o->inputs) {
-      Hologram hologram = load_hologram(path);
-      Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
-      complete(path, slm, params.wavelength, hologram);
-      if (o->slm.empty()) slm.grid = hologram.grid;
-      const Viewing viewing{std::move(slm), params, propagation, from};
-      const std::vector<double> wavelengths = wavelengths_shown(hologram, params);
-      for (const double wavelength : wavelengths)
-        if (kinds.emplace(wavelength, hologram.name).second) check_memory(hologram, viewing, wavelength, kinds.size());
-      if (!repeat) {
-        const int64_t colours = int64_t(o->inputs.size() * wavelengths.size());
-        const int64_t states = int64_t(plan_of(hologram, viewing, wavelengths.front()).states.size());
-        repeat.emplace(colours, states, colours * viewing_calls(states, from), report, watch);
-      }
-      view_hologram(hologram, viewing, *repeat, sums);
-    }
-    const ViewSeries views = expose_series(from, sums, ViewKind::distance, camera);
-    const ViewSeries sweep = expose_series(from, sums, ViewKind::sweep, camera);
-    report_sweep(from, sweep, *repeat);
+    const HologramSeries holograms{
+        o->inputs.size(), [&](size_t i) {
+          const std::string& path = o->inputs[i];
+          Hologram hologram = load_hologram(path);
+          Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
+          complete(path, slm, params.wavelength, hologram);
+          if (o->slm.empty()) slm.grid = hologram.grid;
+          return PanelHologram{std::move(hologram), std::move(slm)};
+        }};
+    const SeriesViews seen = view_holograms(holograms, {params, propagation, camera, from}, report, console.stages());
     console.finish();
     const std::string name = std::filesystem::path(o->output).filename().string();
     say_warnings(write_together(o->output, image_record(o->output), [&](const OutputSet& set) {
-      save_views(set, name, {from, views, sweep, camera},
-                 sweep.images.empty() ? Observer() : console.watch("save the sweep"));
+      save_views(set, name, {from, seen.views, seen.sweep, camera},
+                 seen.sweep.images.empty() ? Observer() : console.watch("save the sweep"));
     }));
     console.finish();
     if (!o->report.empty()) save_report(o->report, report);

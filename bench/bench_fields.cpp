@@ -2,6 +2,7 @@
 
 #include "holotrace/estimate/machine/ceilings.h"
 #include "holotrace/io/scene/slm_file.h"
+#include "holotrace/io/wisdom_file.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/wave/propagate/propagate.h"
@@ -21,6 +22,14 @@ void propagation(benchmark::State& state) {
 }
 BENCHMARK(propagation<float>)->ArgName("panel")->DenseRange(0, 1)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(propagation<double>)->ArgName("panel")->DenseRange(0, 1)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+// The verb with its transfer function, as bench/python_figures.py calls it from Python.
+void propagation_verb(benchmark::State& state) {
+  const auto field = timed_field(slm_preset("pluto").grid);
+  keep_fft_wisdom([](const std::string&) {});
+  for (auto _ : state) benchmark::DoNotOptimize(propagate(field, 0.3_m));
+}
+BENCHMARK(propagation_verb)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void transfer_function(benchmark::State& state) {
   const Grid panel = panel_of(state.range(0));

@@ -69,6 +69,6 @@ def stub_of_module(name):
     )
 
 
-for name in ("_waves", "_scenes", "_encode", "_figures"):
+for name in ("_waves", "_scenes", "_encode", "_figures", "_views"):
     path = folder / "holotrace" / f"{name}.pyi"
     path.write_text(stub_of_module(name), encoding="utf-8")

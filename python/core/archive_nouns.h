@@ -4,12 +4,14 @@
 
 #include "archive.h"
 #include "holotrace/data/calibration.h"
+#include "holotrace/data/depth_image.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/focal_stack.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/job.h"
 #include "holotrace/data/sources.h"
+#include "records.h"
 
 // The members of each noun, for Writer and Reader. Types without pointers need no list.
 
@@ -43,6 +45,12 @@ template <class Archive>
 void members(Archive& archive, FocalStack& noun) {
   auto& [grid, distances, pictures] = noun;
   archive(grid, distances, pictures);
+}
+
+template <class Archive>
+void members(Archive& archive, DepthImage& noun) {
+  auto& [picture, depth] = noun;
+  archive(picture, depth);
 }
 
 template <class Archive>
@@ -175,6 +183,36 @@ void members(Archive& archive, Job& noun) {
   describe(params, show);
   describe(params, propagate);
   describe(params, camera);
+}
+
+// Of results.
+
+template <class Archive, class A, class B>
+void members(Archive& archive, std::pair<A, B>& part) {
+  auto& [first, second] = part;
+  archive(first, second);
+}
+template <class Archive>
+void members(Archive& archive, StageReport& part) {
+  auto& [stage, seconds, facts, warnings, curves] = part;
+  archive(stage, seconds, facts, warnings, curves);
+}
+template <class Archive>
+void members(Archive& archive, Report& part) {
+  auto& [seed, stages] = part;
+  archive(seed, stages);
+}
+template <class Archive>
+void members(Archive& archive, RunRecord& part) {
+  auto& [job, report] = part;
+  archive(job, report);
+}
+template <class Archive>
+void members(Archive& archive, ViewRecord& part) {
+  auto& [camera, eye_separation, report] = part;
+  ParamMembers<Archive> params{archive};
+  describe(params, camera);
+  archive(eye_separation, report);
 }
 
 /// The noun as bytes, headed by the version that they are for.

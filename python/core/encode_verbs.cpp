@@ -1,13 +1,9 @@
-// The verbs encode and run.
+// The verb encode.
 
 #include <nanobind/stl/vector.h>
 
-#include <nlohmann/json.hpp>
-
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/report_file.h"
 #include "holotrace/run/encode_job.h"
-#include "holotrace/run/pipeline.h"
 #include "holotrace/slm/encode/target.h"
 #include "nouns.h"
 #include "params.h"
@@ -69,34 +65,6 @@ std::vector<Hologram> encode_stack(const FocalStack& stack, const Slm& slm, nb::
                      [&](const Observer&) { return job_of_stack(stack, slm, colours, params); });
 }
 
-template <class Noun>
-nb::list moved(std::vector<Noun>& nouns) {
-  nb::list list;
-  for (Noun& noun : nouns) list.append(nb::cast(std::move(noun)));
-  return list;
-}
-
-nb::dict run_job(const Job& job, Watch& watch) {
-  Boxes boxes = watch.run("run", [&](const Observer&) {
-    return run(job, [&](const std::string& stage) { return watch.observer(stage); });
-  });
-  nb::dict results;
-  nb::list fields;
-  for (std::vector<Field>& group : boxes.fields) fields.append(moved(group));
-  results["renders"] = moved(boxes.renders);
-  results["sources"] = moved(boxes.sources);
-  results["fields"] = fields;
-  results["holograms"] = moved(boxes.holograms);
-  results["views"] = moved(boxes.views);
-  results["white"] = boxes.white;
-  results["sweep"] = moved(boxes.sweep.images);
-  results["stereo_renders"] = moved(boxes.stereo_renders);
-  results["stereo_views"] = moved(boxes.stereo_views.images);
-  const std::string report = report_json(boxes.report).dump();
-  results["report"] = report;
-  return results;
-}
-
 }  // namespace
 
 void bind_encode_verbs(nb::module_& module) {
@@ -104,7 +72,6 @@ void bind_encode_verbs(nb::module_& module) {
              nb::arg("watch"));
   module.def("encode_picture", &encode_picture);
   module.def("encode_stack", &encode_stack);
-  module.def("run", &run_job);
 }
 
 }  // namespace holotrace::python

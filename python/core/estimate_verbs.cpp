@@ -12,6 +12,9 @@
 #include "holotrace/io/calibration/plan_file.h"
 #include "holotrace/run/estimate/cost_answer.h"
 #include "holotrace/view/compare.h"
+#include "holotrace/view/register/align_image.h"
+#include "holotrace/view/register/register.h"
+#include "holotrace/view/render_at.h"
 #include "nouns.h"
 #include "params.h"
 #include "watch.h"
@@ -52,6 +55,40 @@ nb::dict compare_fields(const FieldDouble& reference, const FieldDouble& field) 
   metrics["scale"] = m.scale;
   metrics["correlation"] = m.correlation;
   return metrics;
+}
+
+// The photograph on the simulation's pixels; the figures are those of `holotrace compare --register`.
+nb::tuple register_photograph(Image photograph, Image simulation, const nb::dict& given, Watch& watch) {
+  RegisterParams params;
+  set_params(given, params);
+  Registration pose;
+  AlignedImage aligned = watch.run("register", [&](const Observer& observer) {
+    if (photograph.channels != simulation.channels) {
+      photograph = luminance_of(photograph);
+      simulation = luminance_of(simulation);
+    }
+    pose = register_image(photograph, simulation, params, observer);
+    AlignedImage image = align_image(photograph, pose, simulation.ny, simulation.nx);
+    image.image.pitch = simulation.pitch;
+    return image;
+  });
+  const PixelRectangle& covered = aligned.covered;
+  nb::dict figures = compare_images(cropped(simulation, covered), cropped(aligned.image, covered));
+  figures["magnification"] = pose.scale;
+  figures["rotation"] = pose.rotation;
+  figures["shift_x_pixels"] = pose.shift_x;
+  figures["shift_y_pixels"] = pose.shift_y;
+  figures["gain"] = pose.gain;
+  figures["offset"] = pose.offset;
+  figures["place_error_pixels"] = pose.uncertainty;
+  figures["correlation"] = pose.correlation;
+  figures["overlap"] = pose.overlap;
+  figures["residual"] = pose.residual;
+  figures["compared_columns"] = covered.columns;
+  figures["compared_rows"] = covered.rows;
+  figures["compared_first_column"] = covered.first_column;
+  figures["compared_first_row"] = covered.first_row;
+  return nb::make_tuple(nb::cast(std::move(aligned.image)), figures);
 }
 
 std::string limits_of(const Slm& slm, nb::handle wavelengths, nb::handle distance, const Job* scene) {
@@ -118,6 +155,7 @@ void bind_estimate_verbs(nb::module_& module) {
   });
   module.def("compare_images", &compare_images);
   module.def("compare_fields", &compare_fields);
+  module.def("register_image", &register_photograph);
   module.def("limits", &limits_of, nb::arg("slm"), nb::arg("wavelengths").none(), nb::arg("distance").none(),
              nb::arg("scene").none());
   module.def("estimate", &estimate_cost_of);

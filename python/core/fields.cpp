@@ -42,6 +42,7 @@ void bind_field(nb::module_& module, const char* name) {
       },
       nb::arg("centre").none());
   one.def_ro("wavelength", &F::wavelength);
+  one.def_ro("cone_wavelength", &F::cone_wavelength);
   one.def_prop_rw(
       "z", [](const F& f) { return f.z; }, [](F& f, nb::handle z) { f.z = to_length(z, "z"); }, nb::arg("z").none());
   one.def_prop_rw(

@@ -50,7 +50,9 @@ NB_MODULE(_core, module) {
   bind_pictures(module);
   bind_scenes(module);
   bind_wave_verbs(module);
+  bind_view_verbs(module);
   bind_encode_verbs(module);
+  bind_run_verbs(module);
   bind_estimate_verbs(module);
   bind_gradients(module);
   module.def("set_threads", [](int count) {

@@ -22,6 +22,7 @@ void bind_wave_verbs(nb::module_& module);
 void bind_view_verbs(nb::module_& module);
 void bind_estimate_verbs(nb::module_& module);
 void bind_encode_verbs(nb::module_& module);
+void bind_run_verbs(nb::module_& module);
 void bind_gradients(nb::module_& module);
 
 /// Adds copying and pickling to a class.

@@ -9,6 +9,7 @@
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
+#include "holotrace/view/stereo.h"
 #include "nouns.h"
 #include "params.h"
 #include "tables.h"
@@ -41,6 +42,19 @@ Image render_scene(const Job& job, const nb::dict& given, Watch& watch) {
   return watch.run("render", [&](const Observer& observer) {
     return render(job.scene, job.slm.grid, wavelength_of(job), params, observer);
   });
+}
+
+// Left and right.
+std::vector<Image> render_pair(const Job& job, const nb::dict& given, Watch& watch) {
+  RenderParams params = job.render;
+  set_params(given, params);
+  const auto eyes = stereo_pair(params);
+  std::vector<Image> pair;
+  for (size_t i = 0; i < eyes.size(); ++i)
+    pair.push_back(watch.run(i == 0 ? "left eye" : "right eye", [&](const Observer& observer) {
+      return render(job.scene, job.slm.grid, wavelength_of(job), eyes[i], observer);
+    }));
+  return pair;
 }
 
 FocalStack trace_stack(const Job& job, const std::vector<double>& distances, const nb::dict& given, Watch& watch) {
@@ -107,6 +121,7 @@ void bind_scenes(nb::module_& module) {
     return slm_of_table(to_table(dict, none));
   });
   module.def("render", &render_scene);
+  module.def("render_pair", &render_pair);
   module.def(
       "focal_stack",
       [](const Job& job, nb::handle distances, const nb::dict& given, Watch& watch) {

@@ -44,6 +44,15 @@ void bind_params(nb::module_& module) {
   module.def(
       "angle", [](nb::handle value, const char* name) { return to_angle(value, name); }, nb::arg("value").none(),
       nb::arg("name"));
+  module.def(
+      "count", [](nb::handle value, const char* name) { return to_count(value, name); }, nb::arg("value").none(),
+      nb::arg("name"));
+  module.def(
+      "number", [](nb::handle value, const char* name) { return to_number(value, name); }, nb::arg("value").none(),
+      nb::arg("name"));
+  module.def(
+      "text", [](nb::handle value, const char* name) { return to_text(value, name); }, nb::arg("value").none(),
+      nb::arg("name"));
   module.def("wavelengths", [](nb::handle value) {
     return nb::tuple([&] {
       nb::list list;

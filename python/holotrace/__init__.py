@@ -9,7 +9,7 @@ Lengths are metres, or texts with a unit. Arrays have the shape (ny, nx), row 0 
 program reports, in the same words.
 """
 
-from ._core import Error, __version__, set_threads
+from ._core import Error, __version__
 from ._encode import Run, encode, encode_all, run
 from ._fields import Field, Sources, load_field, load_fields, load_sources, save_fields
 from ._figures import (
@@ -20,15 +20,18 @@ from ._figures import (
     estimate,
     limits,
     load_calibration_plan,
+    register,
 )
 from ._holograms import Hologram, Slm, load_hologram
-from ._images import FocalStack, Image, load_focal_stack, load_image
-from ._progress import ResultWarning
-from ._scenes import Scene, fields, focal_stack, load_scene, render, trace
-from ._waves import expose, propagate, show, synthesize
+from ._images import DepthImage, FocalStack, Image, load_depth_image, load_focal_stack, load_image
+from ._progress import ResultWarning, set_threads
+from ._scenes import Scene, fields, focal_stack, load_scene, render, render_pair, trace
+from ._views import Views, anaglyph, view
+from ._waves import depth_image_fields, expose, propagate, show, synthesize
 
 __all__ = [
     "CalibrationPlan",
+    "DepthImage",
     "Error",
     "Field",
     "FocalStack",
@@ -39,10 +42,13 @@ __all__ = [
     "Scene",
     "Slm",
     "Sources",
+    "Views",
     "__version__",
+    "anaglyph",
     "calibrate",
     "calibration_patterns",
     "compare",
+    "depth_image_fields",
     "encode",
     "encode_all",
     "estimate",
@@ -51,6 +57,7 @@ __all__ = [
     "focal_stack",
     "limits",
     "load_calibration_plan",
+    "load_depth_image",
     "load_field",
     "load_fields",
     "load_focal_stack",
@@ -59,11 +66,14 @@ __all__ = [
     "load_scene",
     "load_sources",
     "propagate",
+    "register",
     "render",
+    "render_pair",
     "run",
     "save_fields",
     "set_threads",
     "show",
     "synthesize",
     "trace",
+    "view",
 ]

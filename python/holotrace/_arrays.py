@@ -9,9 +9,17 @@ import numpy as np
 from . import _core
 
 
+def array_of(values: Any, what: str) -> np.ndarray[Any, Any]:
+    """The values as an array, whatever they are."""
+    try:
+        return np.asarray(values)
+    except ValueError as error:  # such as rows of different lengths
+        raise _core.Error(f"expected an array for {what}: {error}") from None
+
+
 def rows_and_columns(values: Any, what: str) -> np.ndarray[Any, Any]:
     """The values as an array of two dimensions."""
-    array = np.asarray(values)
+    array = array_of(values, what)
     if array.ndim != 2:
         raise _core.Error(f"expected {what} of the shape (rows, columns), got an array of the shape {array.shape}")
     return array
@@ -37,7 +45,7 @@ def complex_samples(values: Any) -> np.ndarray[Any, Any]:
 
 def real_numbers(values: Any, what: str, dtype: Any = np.float32) -> np.ndarray[Any, Any]:
     """Real numbers of one precision."""
-    array = np.asarray(values)
+    array = array_of(values, what)
     if array.dtype.kind not in "fiu":
         raise _core.Error(f"expected real numbers for {what}, got {array.dtype}")
     return contiguous(array, dtype)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+import os
+from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 
 from . import _core
-from ._fields import Field, Sources
+from ._checked import count, table
+from ._fields import Field, Path, Sources
 from ._holograms import Hologram
 from ._images import FocalStack, Image
 from ._noun import Noun
@@ -20,6 +22,8 @@ from ._waves import Panel, a, panel
 #: What a hologram is made from: the field on the panel, a target picture, or a focal stack.
 Target = Union[Field, Image, FocalStack]
 
+_WHITES = ("white", "render_white", "sweep_white", "stereo_white")
+
 
 def _encode(
     target: Union[Target, Sequence[Field]],
@@ -29,6 +33,8 @@ def _encode(
     progress: Progress,
     params: Mapping[str, Any],
 ) -> List[Hologram]:
+    if count(frames, "frames", least=1) != 1 and not isinstance(target, FocalStack):
+        raise _core.Error("expected frames only with a focal stack; leave it out")
     with watching(progress, level=5) as watch:
         if isinstance(target, (Image, FocalStack)):
             kind = "picture" if isinstance(target, Image) else "focal stack"
@@ -45,8 +51,6 @@ def _encode(
             given = [target] if isinstance(target, Noun) or not isinstance(target, Sequence) else target
             single = [a(Field, one, "to encode").as_single() for one in given]
             cores = _core.encode_fields(single, None if slm is None else panel(slm)._core, dict(params), watch.core)
-        if frames != 1 and not isinstance(target, FocalStack):
-            raise _core.Error("expected frames only with a focal stack; leave it out")
     return [Hologram._of(core, watch.facts) for core in cores]
 
 
@@ -91,8 +95,9 @@ def encode_all(
 class Run:
     """All that the pipeline has made of a scene."""
 
-    #: Path-traced references.
+    #: Path-traced references, and the radiance that is shown as white in them [W/m2/sr].
     renders: List[Image]
+    render_white: float
     #: Waves of the first frame, one set for each wavelength, path group and light.
     sources: List[Sources]
     #: Fields on the panel in the first frame, [path group or light][wavelength].
@@ -103,17 +108,34 @@ class Run:
     views: List[Image]
     #: Irradiance that is shown as white in all views [W/m2].
     white: float
-    #: The views of a sweep.
+    #: The views of a sweep, and their white [W/m2].
     sweep: List[Image]
+    sweep_white: float
     #: Renders for the left and the right eye, and what they see of the holograms.
     stereo_renders: List[Image]
     stereo_views: List[Image]
+    stereo_white: float
     #: Seconds, facts, warnings and metrics of each stage, as in report.json.
     report: Dict[str, Any]
+    _record: Any = field(repr=False)
+
+    def save(self, folder: Path) -> None:
+        """Write the files of ``holotrace run`` into a folder: render.png, hologram.png, view.png, report.json, ..."""
+        made: Dict[str, Any] = {name: getattr(self, name) for name in _WHITES}
+        for name in ("renders", "sources", "holograms", "views", "sweep", "stereo_renders", "stereo_views"):
+            made[name] = [one._core for one in getattr(self, name)]
+        made["fields"] = [[one._core for one in group] for group in self.fields]
+        with watching(False) as watch:
+            _core.save_run(os.fspath(folder), made, self._record, watch.core)
 
     def _repr_html_(self) -> str:
-        pictures: Sequence[Noun] = [*self.renders[:1], *self.holograms[:1], *self.views]
-        return "".join(getattr(one, "_repr_html_")() for one in pictures)
+        return "".join(
+            [
+                *(one.page(self.render_white) for one in self.renders[:1]),
+                *(one._repr_html_() for one in self.holograms[:1]),
+                *(one.page(self.white) for one in self.views),
+            ]
+        )
 
 
 def run(scene: Scene, *, progress: Progress = None, **stages: Mapping[str, Any]) -> Run:
@@ -124,18 +146,19 @@ def run(scene: Scene, *, progress: Progress = None, **stages: Mapping[str, Any])
     """
     job = a(Scene, scene, "to run").copy()
     for stage, params in stages.items():
-        job.set(stage, dict(params))
+        job.set(stage, table(params, stage))
     with watching(progress) as watch:
         made = _core.run(job, watch.core)
     return Run(
+        **{name: made[name] for name in _WHITES},
         renders=[Image._of(core) for core in made["renders"]],
         sources=[Sources._of(core) for core in made["sources"]],
         fields=[[Field._of(core) for core in group] for group in made["fields"]],
         holograms=[Hologram._of(core) for core in made["holograms"]],
         views=[Image._of(core) for core in made["views"]],
-        white=made["white"],
         sweep=[Image._of(core) for core in made["sweep"]],
         stereo_renders=[Image._of(core) for core in made["stereo_renders"]],
         stereo_views=[Image._of(core) for core in made["stereo_views"]],
         report=json.loads(made["report"]),
+        _record=made["record"],
     )

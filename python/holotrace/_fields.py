@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _core, _picture
 from ._arrays import complex_samples, real_numbers
+from ._checked import count, items, text
 from ._noun import Noun
 from ._units import Length, Lengths, format_length
 
@@ -19,7 +20,8 @@ class Field(Noun):
     """Monochromatic scalar light on a grid of samples.
 
     A sample is a complex amplitude in sqrt(W/m2); power is the sum of ``|u|**2 * pitch**2``. The array has the shape
-    (ny, nx), row 0 on top (largest y). Light that leaves a point is ``exp(+ikr)``.
+    (ny, nx), row 0 on top (largest y). Light that leaves a point is ``exp(+ikr)``. ``np.asarray(field)`` is the memory
+    of the field itself, not a copy.
 
     Parameters
     ----------
@@ -35,8 +37,6 @@ class Field(Noun):
         x and y of the grid's centre.
     image : "virtual" or "real"
         Image that the field shows: behind the panel, or in front of it.
-
-    ``np.asarray(field)`` is the memory of the field itself, not a copy.
     """
 
     __slots__ = ()
@@ -57,13 +57,13 @@ class Field(Noun):
         self._core = kind.make(array, pitch, wavelength)
         self._core.z = z
         self._core.centre = centre
-        self._core.image = image
-        self._core.name = name
+        self._core.image = text(image, "image")
+        self._core.name = text(name, "name")
         self.facts = {}
 
     @property
     def samples(self) -> np.ndarray[Any, Any]:
-        """The samples, shape (ny, nx): a view of the field's memory."""
+        """Samples of the shape (ny, nx), a view of the field's memory."""
         array: np.ndarray[Any, Any] = self._core.samples
         return array
 
@@ -115,6 +115,11 @@ class Field(Noun):
         return str(self._core.name)
 
     @property
+    def cone_wavelength(self) -> float:
+        """Wavelength whose cone the light keeps to [m]; 0 for its own."""
+        return float(self._core.cone_wavelength)
+
+    @property
     def power(self) -> float:
         """Optical power [W]."""
         return float(self._core.power)
@@ -128,7 +133,7 @@ class Field(Noun):
 
     @property
     def y(self) -> np.ndarray[Any, Any]:
-        """y of each row [m], falling: row 0 is on top."""
+        """y of each row [m], falling, because row 0 is on top."""
         rows = self.shape[0]
         places: np.ndarray[Any, Any] = self.centre[1] + ((rows - 1) / 2 - np.arange(rows)) * self.pitch
         return places
@@ -202,7 +207,11 @@ def load_field(path: Path, *, double: bool = False, allow_outside: bool = False)
 
 def save_fields(path: Path, fields: Sequence[Field]) -> None:
     """Write fields that differ only in their wavelength into one file."""
-    cores = [field._core for field in fields]
+    given = items(fields, "fields to save")
+    for field in given:
+        if not isinstance(field, Field):
+            raise _core.Error(f"expected a Field to save, got {type(field).__name__}")
+    cores = [field._core for field in given]
     if any(type(core) is not type(cores[0]) for core in cores):
         cores = [core.as_double() for core in cores]
     _core.save_fields(os.fspath(path), cores)
@@ -239,7 +248,7 @@ class Sources(Noun):
             if array.ndim != 1:
                 raise _core.Error(f"expected one row of {what}, got an array of the shape {array.shape}")
         self._core = _core.Sources.make(places, each[0], each[1], wavelength)
-        self._core.name = name
+        self._core.name = text(name, "name")
         self.facts = {}
 
     def __len__(self) -> int:
@@ -247,19 +256,19 @@ class Sources(Noun):
 
     @property
     def positions(self) -> np.ndarray[Any, Any]:
-        """Places [m], shape (n, 3): a view."""
+        """Places of the shape (n, 3) [m], a view."""
         array: np.ndarray[Any, Any] = self._core.positions
         return array
 
     @property
     def amplitudes(self) -> np.ndarray[Any, Any]:
-        """Amplitudes [sqrt(W/m2)]: a view."""
+        """Amplitudes [sqrt(W/m2)], a view."""
         array: np.ndarray[Any, Any] = self._core.amplitudes
         return array
 
     @property
     def phases(self) -> np.ndarray[Any, Any]:
-        """Phases [rad]: a view."""
+        """Phases [rad], a view."""
         array: np.ndarray[Any, Any] = self._core.phases
         return array
 
@@ -276,7 +285,7 @@ class Sources(Noun):
     def with_frame(self, frame: int) -> "Sources":
         """The same waves with the random phases of another frame of a time-multiplexed hologram."""
         other = self.copy()
-        other._core.set_frame(frame)
+        other._core.set_frame(count(frame, "frame", most=2**32 - 1))
         return other
 
     def save(self, path: Path) -> None:

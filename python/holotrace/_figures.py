@@ -34,6 +34,23 @@ def compare(reference: Union[Image, Field], other: Union[Image, Field]) -> Dict[
     )
 
 
+@takes("register")
+def register(
+    photograph: Image, simulation: Image, *, progress: Progress = None, **params: Any
+) -> Tuple[Image, Dict[str, Any]]:
+    """A photograph laid onto the pixels of its simulation, and how the two differ.
+
+    The figures are those of ``compare`` over the pixels that the photograph covers, and the pose: ``magnification``,
+    ``rotation`` [rad], ``shift_x_pixels``, ``shift_y_pixels``, ``gain``, ``offset``, ``place_error_pixels``,
+    ``correlation``, ``overlap``, ``residual`` and ``compared_columns``, ``compared_rows``, ``compared_first_column``,
+    ``compared_first_row``.
+    """
+    cores = a(Image, photograph, "to register"), a(Image, simulation, "to register it to")
+    with watching(progress) as watch:
+        core, figures = _core.register_image(*cores, params, watch.core)
+    return Image._of(core, watch.facts), dict(figures)
+
+
 def limits(
     slm: Panel = "pluto",
     *,

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _core, _picture
 from ._arrays import real_numbers, rows_and_columns, whole_levels
+from ._checked import count, text
 from ._fields import Path
 from ._noun import Noun
 from ._units import Length, format_length
@@ -43,15 +44,22 @@ class Slm(Noun):
         levels: Optional[int] = None,
     ) -> None:
         if name is None:
-            if columns <= 0 or rows <= 0 or pitch is None:
+            if pitch is None or count(columns, "columns") == 0 or count(rows, "rows") == 0:
                 raise _core.Error("expected the name of a panel, or its columns, rows and pitch")
-            core = _core.Slm.plain(columns, rows, _core.length(pitch, "pitch"), modulation or "phase", levels or 256)
+            core = _core.Slm.plain(
+                count(columns, "columns"),
+                count(rows, "rows"),
+                _core.length(pitch, "pitch"),
+                "phase" if modulation is None else text(modulation, "modulation"),
+                256 if levels is None else count(levels, "levels"),
+            )
         else:
             if modulation is not None or levels is not None:
                 raise _core.Error("expected modulation and levels only without the name of a panel; leave them out")
             core = _core.Slm.load(os.fspath(name))
-            if columns or rows or pitch is not None:
-                core = core.with_grid(columns, rows, pitch)
+            size = count(columns, "columns"), count(rows, "rows")
+            if any(size) or pitch is not None:
+                core = core.with_grid(*size, pitch)
         self._core = core
         self.facts = {}
 
@@ -113,7 +121,9 @@ class Slm(Noun):
 
 
 class Hologram(Noun):
-    """The data shown on an SLM: a level per pixel.
+    """The data shown on an SLM, a level per pixel.
+
+    ``np.asarray(hologram)`` is the memory of the levels, not a copy.
 
     Parameters
     ----------
@@ -127,8 +137,6 @@ class Hologram(Noun):
     image : "virtual" or "real"
     slm : Slm
         The panel that it was made for, if it is known.
-
-    ``np.asarray(hologram)`` is the memory of the levels, not a copy.
     """
 
     __slots__ = ()
@@ -144,8 +152,11 @@ class Hologram(Noun):
         image: str = "virtual",
         slm: Optional[Slm] = None,
     ) -> None:
-        self._core = _core.Hologram.make(whole_levels(level), pitch, wavelength, levels, modulation)
-        self._core.image = image
+        if slm is not None and not isinstance(slm, Slm):
+            raise _core.Error(f"expected an Slm for the hologram's panel, got {type(slm).__name__}; make one with ht.Slm(...)")
+        steps = count(levels, "levels")
+        self._core = _core.Hologram.make(whole_levels(level), pitch, wavelength, steps, text(modulation, "modulation"))
+        self._core.image = text(image, "image")
         self._core.slm = None if slm is None else slm._core
         self.facts = {}
 
@@ -164,12 +175,13 @@ class Hologram(Noun):
         radians = rows_and_columns(real_numbers(phase, "phases", np.float64), "phases")
         if not np.isfinite(radians).all():
             raise _core.Error("expected finite phases, got NaN or infinity")
-        level = np.rint(radians * (levels / (2 * np.pi))).astype(np.int64) % levels
+        steps = count(levels, "levels", least=2, most=65536)
+        level = (np.rint(radians * (steps / (2 * np.pi))) % steps).astype(np.int64)
         return cls(level, pitch, wavelength, levels=levels, image=image, slm=slm)
 
     @property
     def level(self) -> np.ndarray[Any, Any]:
-        """The levels, shape (ny, nx): a view of the hologram's memory."""
+        """Levels of the shape (ny, nx), a view of the hologram's memory."""
         array: np.ndarray[Any, Any] = self._core.level
         return array
 

@@ -1,4 +1,4 @@
-"""Image and FocalStack."""
+"""Image, DepthImage and FocalStack."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Any, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _core, _picture
-from ._arrays import real_numbers
+from ._arrays import array_of, real_numbers, rows_and_columns
+from ._checked import count, items, number
 from ._fields import Path
 from ._noun import Noun
 from ._units import Length, Lengths, format_length
@@ -17,20 +18,20 @@ from ._units import Length, Lengths, format_length
 class Image(Noun):
     """A picture of linear light, row 0 on top: [W/m2] on a sensor, [W/m2/sr] from ``render``.
 
+    ``np.asarray(image)`` is the memory of the image, not a copy.
+
     Parameters
     ----------
     pixels : array of the shape (rows, columns) or (rows, columns, 3)
         Linear light, not sRGB codes. 8- and 16-bit pictures are read from files, by ``load_image``.
     pitch : length
         Side of a pixel; 0 if it is unknown.
-
-    ``np.asarray(image)`` is the memory of the image, not a copy.
     """
 
     __slots__ = ()
 
     def __init__(self, pixels: Any, pitch: Length = 0.0) -> None:
-        given = np.asarray(pixels)
+        given = array_of(pixels, "an image")
         if given.dtype.kind != "f":
             raise _core.Error(
                 f"expected floating-point linear light for an image, got {given.dtype}; load_image reads and decodes"
@@ -46,7 +47,7 @@ class Image(Noun):
 
     @property
     def pixels(self) -> np.ndarray[Any, Any]:
-        """Linear light, shape (rows, columns) or (rows, columns, 3): a view of the image's memory."""
+        """Linear light of the shape (rows, columns) or (rows, columns, 3), a view of the image's memory."""
         array: np.ndarray[Any, Any] = self._core.pixels
         return array
 
@@ -76,7 +77,7 @@ class Image(Noun):
 
     def save(self, path: Path, *, white: float = 0.0, bits: int = 8) -> None:
         """Write .png (sRGB; ``white`` is the value shown as white, 0: by the rule of views) or .exr (linear)."""
-        self._core.save(os.fspath(path), white, bits)
+        self._core.save(os.fspath(path), number(white, "white"), count(bits, "bits"))
 
     def __repr__(self) -> str:
         rows, columns = self.shape[:2]
@@ -84,13 +85,72 @@ class Image(Noun):
         pitch = f", pitch={format_length(self.pitch)}" if self.pitch > 0 else ""
         return f"Image({columns} x {rows}{colours}{pitch})"
 
+    def page(self, white: float) -> str:
+        """The picture as HTML for a notebook."""
+        return _picture.page(repr(self), [("", _picture.grey(_picture.reduced(self.pixels), white))])
+
     def _repr_html_(self) -> str:
-        return _picture.page(repr(self), [("", _picture.grey(_picture.reduced(self.pixels), self.white))])
+        return self.page(self.white)
 
 
 def load_image(path: Path) -> Image:
     """The picture of a file as linear light: sRGB codes are decoded, EXR values are as they are."""
     return Image._of(_core.load_image(os.fspath(path)))
+
+
+class DepthImage(Noun):
+    """A picture and the depth of each of its pixels (RGB-D).
+
+    Parameters
+    ----------
+    picture : Image, or array of the shape (rows, columns) or (rows, columns, 3)
+        Linear light; 1 is white.
+    depth : array of the shape (rows, columns)
+        Depths behind the panel [m]; 0: nothing there.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, picture: Union[Image, Any], depth: Any) -> None:
+        image = picture if isinstance(picture, Image) else Image(picture)
+        metres = rows_and_columns(real_numbers(depth, "depths"), "depths")
+        self._core = _core.DepthImage.make(image._core, metres)
+        self.facts = {}
+
+    @property
+    def picture(self) -> Image:
+        return Image._of(self._core.picture)
+
+    @property
+    def depth(self) -> np.ndarray[Any, Any]:
+        """Depths of the shape (rows, columns) [m], a view of the memory."""
+        array: np.ndarray[Any, Any] = self._core.depth
+        return array
+
+    def __repr__(self) -> str:
+        rows, columns = self.depth.shape
+        there = self.depth[self.depth > 0]
+        depths = f"{format_length(float(there.min()))} to {format_length(float(there.max()))}" if there.size else "none"
+        return f"DepthImage({columns} x {rows}, depths {depths})"
+
+    def _repr_html_(self) -> str:
+        picture, depth = self.picture, _picture.reduced(self.depth)
+        nearness = 1 - depth / max(float(depth.max()), 1e-30)
+        return _picture.page(
+            repr(self),
+            [
+                ("picture", _picture.grey(_picture.reduced(picture.pixels), 1.0)),
+                ("depth", (255 * nearness).astype(np.uint8)),
+            ],
+        )
+
+
+def load_depth_image(picture: Path, depth: Path, *, near: Length = 0.0, far: Length = 0.0) -> DepthImage:
+    """A picture with depths from two files.
+
+    A depth file of 8 or 16 bits is grey: ``near`` is the depth of white, ``far`` that of black. An EXR has metres.
+    """
+    return DepthImage._of(_core.DepthImage.load(os.fspath(picture), os.fspath(depth), near, far))
 
 
 class FocalStack(Noun):
@@ -109,7 +169,7 @@ class FocalStack(Noun):
     __slots__ = ()
 
     def __init__(self, pictures: Union[Sequence[Image], Any], distances: Lengths, pitch: Length) -> None:
-        images = [one if isinstance(one, Image) else Image(one) for one in pictures]
+        images = [one if isinstance(one, Image) else Image(one) for one in items(pictures, "the pictures of a focal stack")]
         self._core = _core.FocalStack.make([image._core for image in images], distances, pitch)
         self.facts = {}
 

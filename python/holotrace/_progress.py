@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any, Callable, Dict, Iterator, Optional, Union
 
 from . import _core
+from ._checked import count
 
 #: None: a bar in terminals and notebooks, by tqdm if it is installed. False: none. Or a function of the stage's name and
 #: the fraction that is done; it is called about 20 times a second.
@@ -38,7 +39,9 @@ class _Bar:
             self.close()
             self._stage = stage
             try:
-                from tqdm.auto import tqdm
+                with warnings.catch_warnings():  # in notebooks without ipywidgets the bar is of text
+                    warnings.simplefilter("ignore")
+                    from tqdm.auto import tqdm
             except ImportError:
                 return
             self._bar = tqdm(total=100, desc=stage, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}")
@@ -64,6 +67,11 @@ class Watched:
     def facts(self) -> Dict[str, Any]:
         facts: Dict[str, Any] = {**self.core.facts, **self.core.curves}
         return facts
+
+
+def set_threads(number: int) -> None:
+    """The number of threads that verbs use; 0: all. Results do not depend on it."""
+    _core.set_threads(count(number, "threads"))
 
 
 @contextmanager

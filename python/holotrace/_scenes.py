@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
 from . import _core
-from ._arrays import real_numbers
+from ._arrays import array_of, real_numbers
+from ._checked import count, table
 from ._fields import Field, Path, Sources
 from ._holograms import Slm
 from ._images import FocalStack, Image
 from ._noun import Noun
 from ._parameters import refuse, takes
 from ._progress import Progress, watching
-from ._units import Lengths, format_length
+from ._units import Length, Lengths, format_length
 from ._waves import Panel, a, panel
 
 STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camera")
@@ -23,6 +24,8 @@ STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camer
 
 def _mesh(entry: Mapping[str, Any]) -> Dict[str, Any]:
     """An object of the type mesh whose arrays are given: they go into a dict of their own."""
+    if entry["vertices"] is None:
+        raise _core.Error('expected an array for "vertices", got None')
     if "faces" not in entry:
         raise _core.Error('expected "faces" beside the "vertices" of a mesh, which are missing')
     faces = np.asarray(entry["faces"])
@@ -57,7 +60,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         if "vertices" in value:
             value = _mesh(value)
-        elif "points" in value and np.ndim(value["points"]) == 2 and "type" in value and "unit" not in value:
+        elif "type" in value and "points" in value and "unit" not in value and array_of(value["points"], "points").ndim == 2:
             value = _points(value)
         return {key: one if key == "arrays" else _plain(one) for key, one in value.items()}
     if isinstance(value, Noun):
@@ -98,7 +101,7 @@ class Scene(Noun):
     def __init__(
         self, tables: Optional[Mapping[str, Any]] = None, *, allow_outside: bool = False, **more: Any
     ) -> None:
-        given = {**(tables or {}), **more}
+        given = {**table(tables, "Scene"), **more}
         slm = given.get("slm")
         if isinstance(slm, (Slm, str, os.PathLike)):
             given["slm"] = None
@@ -136,7 +139,7 @@ class Scene(Noun):
         if slm is not None:
             other._core.slm = panel(slm)._core
         for stage, params in stages.items():
-            other._core.set(stage, dict(params))
+            other._core.set(stage, table(params, stage))
         return other
 
     def __repr__(self) -> str:
@@ -160,10 +163,22 @@ def load_scene(path: Path, *, allow_outside: bool = False) -> Scene:
 def render(scene: Scene, *, progress: Progress = None, **params: Any) -> Image:
     """The path-traced picture of a scene, seen from the panel [W/m2/sr]."""
     refuse(params, ("focal_stack",), "use ht.focal_stack")
-    refuse(params, ("eye_separation",), "render twice, with the eye to the left and to the right")
+    refuse(params, ("eye_separation",), "use ht.render_pair")
     with watching(progress) as watch:
         core = _core.render(a(Scene, scene, "to render"), params, watch.core)
     return Image._of(core, watch.facts)
+
+
+@takes("render", without=("focal_stack", "eye_separation"), of_scene=True)
+def render_pair(
+    scene: Scene, eye_separation: Length, *, progress: Progress = None, **params: Any
+) -> Tuple[Image, Image]:
+    """Pictures for the left and the right eye, this far apart about ``eye``. ``ht.anaglyph`` makes one of both."""
+    refuse(params, ("focal_stack",), "use ht.focal_stack")
+    with watching(progress) as watch:
+        given = {**params, "eye_separation": eye_separation}
+        left, right = _core.render_pair(a(Scene, scene, "to render"), given, watch.core)
+    return Image._of(left, watch.facts), Image._of(right, watch.facts)
 
 
 @takes("render", without=("columns", "rows", "field_of_view", "eye", "lens", "pupil", "focus", "focal_stack",
@@ -190,5 +205,5 @@ def fields(scene: Scene, *, frame: int = 0, progress: Progress = None, **params:
     ``frame`` is the number of the frame whose random phases are used.
     """
     with watching(progress) as watch:
-        cores = _core.fields(a(Scene, scene, "to trace"), params, frame, watch.core)
+        cores = _core.fields(a(Scene, scene, "to trace"), params, count(frame, "frame", most=2**32 - 1), watch.core)
     return [Field._of(core, watch.facts) for core in cores]

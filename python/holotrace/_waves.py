@@ -1,17 +1,18 @@
-"""Verbs of waves: propagate, synthesize, encode, show, expose."""
+"""Verbs of waves: propagate, synthesize, depth_image_fields, show, expose."""
 
 from __future__ import annotations
 
-from typing import Any, Mapping, Optional, Type, Union
+from typing import Any, List, Mapping, Optional, Type, Union
 
 from . import _core
+from ._checked import count, table
 from ._fields import Field, Path, Sources
 from ._holograms import Hologram, Slm
-from ._images import Image
+from ._images import DepthImage, Image
 from ._noun import Noun
 from ._parameters import refuse, takes
 from ._progress import Progress, watching
-from ._units import Length
+from ._units import Length, Lengths
 
 #: A panel: an Slm, or the name of a preset or a file.
 Panel = Union[Slm, Path]
@@ -51,7 +52,31 @@ def synthesize(sources: Sources, slm: Panel = "pluto", *, progress: Progress = N
     return Field._of(core, watch.facts)
 
 
-def _panel_of(hologram: Hologram, slm: Optional[Panel]) -> Slm:
+@takes("depth_image", without=("near", "far"))
+def depth_image_fields(
+    image: DepthImage,
+    slm: Panel = "pluto",
+    *,
+    wavelength: Lengths = "532 nm",
+    synthesize: Optional[Mapping[str, Any]] = None,
+    frame: int = 0,
+    progress: Progress = None,
+    **params: Any,
+) -> List[Field]:
+    """The fields on the panel of a picture with depths (RGB-D), one for each wavelength.
+
+    ``synthesize`` has parameters for the sum of its slices, such as ``{"slices": 8}``. ``frame`` is the number of the
+    frame whose random phases are used.
+    """
+    core = a(DepthImage, image, "to make a field of")
+    stages = {"depth_image": params, "synthesize": table(synthesize, "synthesize")}
+    with watching(progress) as watch:
+        cores = _core.depth_image_fields(core, panel(slm)._core, wavelength, stages, count(frame, "frame", most=2**32 - 1), watch.core)
+    return [Field._of(one, watch.facts) for one in cores]
+
+
+def panel_of(hologram: Hologram, slm: Optional[Panel]) -> Slm:
+    """The panel that shows a hologram."""
     if slm is not None:
         return panel(slm)
     known = hologram.slm
@@ -69,7 +94,7 @@ def show(hologram: Hologram, slm: Optional[Panel] = None, *, progress: Progress 
     """
     core = a(Hologram, hologram, "to show")
     with watching(progress) as watch:
-        field = _core.show(core, _panel_of(hologram, slm)._core, params, watch.core)
+        field = _core.show(core, panel_of(hologram, slm)._core, params, watch.core)
     return Field._of(field, watch.facts)
 
 
@@ -93,5 +118,5 @@ def expose(
     rows, columns = field.shape
     seen = panel(slm) if slm is not None else Slm(columns=columns, rows=rows, pitch=field.pitch)
     with watching(progress) as watch:
-        image = _core.expose(core, seen._core, distance, params, dict(propagate or {}), watch.core)
+        image = _core.expose(core, seen._core, distance, params, table(propagate, "propagate"), watch.core)
     return Image._of(image, watch.facts)

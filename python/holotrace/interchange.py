@@ -2,7 +2,7 @@
 
 ``ht.Field(tensor, pitch=..., wavelength=...)`` takes any array of the shape (ny, nx) whose row 0 is the top row, and
 ``np.asarray(field)`` gives one: turn tensors of torchoptics over (``tensor.flip(-2)``), and transpose those of odak where their
-axes are (nx, ny). docs/python.md says what differs in axes, units and signs.
+axes are (nx, ny). docs/how_to/come_from_other_packages.md says what differs in axes, units and signs.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Light through free space, panel and camera in PyTorch, with the library's analytic adjoints.
+"""Light through free space, panel and camera in PyTorch, with the library's analytic adjoints::
 
     import torch, holotrace.torch as htt
 
@@ -19,6 +19,7 @@ import numpy as np
 import torch
 
 from . import _core
+from ._differentiable import camera_path
 from ._holograms import Slm
 from ._units import Length, Lengths
 from ._waves import Panel, panel
@@ -176,31 +177,10 @@ class Camera:
         eye: Lengths = (0.0, 0.0, 0.0),
         binning: int = 1,
     ) -> None:
-        metres = _core.length(distance, "distance")
-        z = -metres if image == "virtual" else metres
-        if image not in ("virtual", "real"):
-            raise _core.Error(f'expected the image "virtual" or "real", got "{image}"')
+        steps, mask = camera_path(shape, pitch, distance, image, pupil, eye)
+        self._steps = [Propagation(pitch=pitch, wavelength=wavelength, **step) for step in steps]
+        self._mask: Optional[torch.Tensor] = None if mask is None else torch.from_numpy(mask)
         self._binning = binning
-        self._mask: Optional[torch.Tensor] = None
-        self._steps = [Propagation(shape, pitch, wavelength, z)]
-        diameter, step = _core.length(pupil, "pupil"), _core.length(pitch, "pitch")
-        if diameter > 0:
-            x, y, eye_z = _core.position(eye, "eye")
-            # A window about the pupil, whose samples lie on the panel's own lattice.
-            samples = int(np.ceil(diameter / step)) + 2
-            columns, rows = samples + (samples + shape[1]) % 2, samples + (samples + shape[0]) % 2
-            centre = (round(x / step) * step, round(y / step) * step)
-            to_eye = Propagation(
-                shape, pitch, wavelength, eye_z, columns=columns, rows=rows, centre_x=centre[0], centre_y=centre[1]
-            )
-            back = Propagation(
-                (rows, columns), pitch, wavelength, z - eye_z, columns=shape[1], rows=shape[0],
-                centre_x=-centre[0], centre_y=-centre[1],
-            )
-            across = (np.arange(columns) - (columns - 1) / 2) * step + centre[0] - x
-            down = ((rows - 1) / 2 - np.arange(rows)) * step + centre[1] - y
-            self._mask = torch.from_numpy(np.hypot(across, down[:, None]) <= diameter / 2)
-            self._steps = [to_eye, back]
 
     def __call__(self, u: torch.Tensor) -> torch.Tensor:
         field = self._steps[0](u)

@@ -61,7 +61,6 @@ SHORTER = [
     (r"--columns 32768 --rows 32768", "--columns 1024 --rows 1024"),
     (r"--target-columns 1600 --target-rows 880", "--target-columns 200 --target-rows 110 --resample true --iterations 3"),
 ]
-PACKAGE_PAGES = ("README.md", "docs/python.md")  # their Python blocks are for the package
 LONG_SECONDS = 1  # of processor time, so that a busy machine ends no command before its flags are read
 BLOCK_SECONDS = 300  # a block takes a few seconds; this ends one that hangs
 
@@ -90,6 +89,11 @@ def make_folder(folder):
 def write_smaller(path, scene):
     frames = 4 if re.search(r"^frames = ", scene.read_text(), re.M) else 1
     path.write_text(SMALLER.format(scene=scene, frames=frames))
+
+
+def is_of_package(page):
+    """Whether the Python blocks of a page are for the package holotrace."""
+    return any(block.words[:1] == ["python"] and "import holotrace" in block.text for block in blocks_of(page))
 
 
 def make_panels(folder):
@@ -153,7 +157,7 @@ def run_block(block, folder, environment, numpy):
         elif name:
             (folder / name.group(1)).write_text(block.text)
         return None
-    if language == "python" and numpy and str(block.page.relative_to(ROOT)) not in PACKAGE_PAGES:
+    if language == "python" and numpy and not is_of_package(block.page):
         return run(["timeout", str(BLOCK_SECONDS), numpy, "-c", block.text], folder, environment)
     if language != "sh" or "not-run" in marks:
         return None

@@ -148,7 +148,7 @@ TEST(DepthImage, MistakesAreToldInASentence) {
             "holotrace: depth.png: expected 0 m < near < far, the depths of its white and black, got near 0 m and far "
             "0 m; give --near and --far\n");
   EXPECT_EQ(error(field_command({"--method", "tiled"})),
-            "holotrace: --method: expected layers for a picture with depths, got tiled; leave it out\n");
+            "holotrace: expected the method layers for a picture with depths, got tiled; leave it out\n");
   EXPECT_EQ(
       error(field_command({"--double"})),
       "holotrace: expected --double with a scene or sources, which it sums wave by wave; got a picture with depths\n");

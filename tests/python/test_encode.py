@@ -32,6 +32,25 @@ def test_encode_is_the_program_bit_by_bit(waves, method, more, tmp_path, program
     assert equal(hologram.level, ht.load_hologram(tmp_path / "h.png").level)
 
 
+def test_register_is_the_program(tmp_path, program):
+    """A picture moved by 3 and 2 pixels; the figures of both are the same to the last digit."""
+    blobs = np.zeros((96, 128))
+    for y, x, level in np.random.default_rng(5).uniform((8, 8, 0.2), (88, 120, 1), (40, 3)):
+        rows, columns = np.mgrid[0:96, 0:128]
+        blobs += level * np.exp(-((rows - y) ** 2 + (columns - x) ** 2) / 8)
+    simulation = ht.Image(blobs.astype(np.float32))
+    photograph = ht.Image(np.roll(blobs, (2, 3), (0, 1)).astype(np.float32)[:, :, None].repeat(3, 2))
+    simulation.save(tmp_path / "s.exr")
+    photograph.save(tmp_path / "p.exr")
+    stated = json.loads(program("compare", "--register", "p.exr", "s.exr", "-o", "aligned.exr", "--json"))
+    aligned, figures = ht.register(photograph, simulation)
+    assert equal(aligned.pixels, ht.load_image(tmp_path / "aligned.exr").pixels)
+    assert figures["shift_x_pixels"] == pytest.approx(3, abs=0.1)  # the accuracy that docs/how_to states
+    assert figures["shift_y_pixels"] == pytest.approx(-2, abs=0.1)  # y up
+    for name in ("magnification", "shift_x_pixels", "gain", "overlap", "compared_columns", "ssim", "rms_error"):
+        assert figures[name] == stated[name], name
+
+
 def test_encode_uses_the_panel_that_it_is_given(waves, tmp_path, program):
     (tmp_path / "panel.toml").write_text('columns = 64\nrows = 48\npitch = "8 um"\nlevels = 16\n')
     waves.save(tmp_path / "f.npy")

@@ -218,15 +218,24 @@ def test_scenes_survive_pickle_and_copy(scene):
         assert repr(other) == repr(scene)
 
 
-def test_every_noun_survives_pickle(scene):
+def test_every_noun_survives_pickle_and_copy(scene):
+    """All that pickle keeps of a noun is the same in the copy, and the copy has memory of its own."""
     result = ht.run(scene)
     stack = ht.focal_stack(scene, [0.1])
     plan = ht.calibration_patterns(ht.Slm("pluto", columns=400, rows=300), level_patterns=1)
-    for noun in (result.holograms[0], result.views[0], stack, ht.Slm("pluto"), plan):
-        other = pickle.loads(pickle.dumps(noun))
-        assert repr(other) == repr(noun) and type(other) is type(noun)
-        assert other._core.__getstate__()[:64] == noun._core.__getstate__()[:64]
-    assert pickle.loads(pickle.dumps(result)).report == result.report
+    depths = ht.DepthImage(np.ones((3, 4), np.float32), np.ones((3, 4)))
+    nouns = [scene, result.sources[0], result.fields[0][0], result.holograms[0], result.views[0], stack, ht.Slm("pluto"), plan,
+             depths]
+    kinds = {kind for kind in vars(ht).values() if isinstance(kind, type) and hasattr(kind, "copy")}
+    assert {type(noun) for noun in nouns} == kinds
+    for noun in nouns:
+        for other in (pickle.loads(pickle.dumps(noun)), copy.copy(noun), copy.deepcopy(noun)):
+            assert repr(other) == repr(noun) and type(other) is type(noun) and other.facts == noun.facts
+            assert other._core.__getstate__() == noun._core.__getstate__() and other._core is not noun._core
+    views = ht.view(result.holograms, distances="100 mm")
+    for made in (result, views):
+        for other in (pickle.loads(pickle.dumps(made)), copy.copy(made), copy.deepcopy(made)):
+            assert other.report == made.report and repr(other) == repr(made)
 
 
 def test_replace_leaves_the_scene_as_it_is(scene):

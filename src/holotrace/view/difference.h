@@ -10,8 +10,8 @@ struct DifferenceImage {
   double range = 0;  ///< difference at full colour [unit of the reference]
 };
 
-/// The mean over channels of scale·image − reference as a colour map. It is grey (sRGB #808080) where they agree, goes
-/// to vermilion (#D55E00) where the image is brighter and to blue (#0072B2) where it is darker, in even steps of
+/// The mean over channels of scale·image − reference as a colour map. It is grey (sRGB `#808080`) where they agree, goes
+/// to vermilion (`#D55E00`) where the image is brighter and to blue (`#0072B2`) where it is darker, in even steps of
 /// linear light. Colour-blind readers can tell these two apart (Okabe and Ito, 2008).
 /// @param range   difference at full colour [unit of the reference]; 0: the largest difference
 /// @throws Error  unless sizes and channels agree and the range is at least 0

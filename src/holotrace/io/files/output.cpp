@@ -45,4 +45,9 @@ std::string numbered_path(const std::string& path, size_t i) {
   return (p.parent_path() / fmt::format("{}_{}{}", p.stem().string(), i + 1, p.extension().string())).string();
 }
 
+std::string path_with_suffix(const std::string& path, const std::string& suffix) {
+  const fs::path p(path);
+  return (p.parent_path() / (p.stem().string() + suffix + p.extension().string())).string();
+}
+
 }  // namespace holotrace

@@ -19,4 +19,7 @@ void make_folder(const std::string& path);
 /// The path of the i-th of several outputs: view.png, view_2.png, view_3.png, …
 std::string numbered_path(const std::string& path, size_t i);
 
+/// The path with a suffix after its name: ("out/view.png", "_left") → "out/view_left.png".
+std::string path_with_suffix(const std::string& path, const std::string& suffix);
+
 }  // namespace holotrace

@@ -183,4 +183,12 @@ void save_chart(const std::string& path, const Chart& chart) {
   write_text(path, picture);
 }
 
+void try_save_chart(const OutputSet& set, const std::string& name, const Chart& chart, const Observer& observer) {
+  try {
+    save_chart(set.path(name), chart);
+  } catch (const Error& error) {
+    observer.warn(set.final_text(error.what()));
+  }
+}
+
 }  // namespace holotrace

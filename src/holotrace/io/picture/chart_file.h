@@ -2,7 +2,9 @@
 
 #include <string>
 
+#include "holotrace/base/observer.h"
 #include "holotrace/data/chart.h"
+#include "holotrace/io/files/output_set.h"
 
 namespace holotrace {
 
@@ -12,5 +14,9 @@ namespace holotrace {
 /// @throws Error for another extension, where check_chart and write_atomically throw, if gnuplot is not installed,
 ///         and, with gnuplot's message, if it fails
 void save_chart(const std::string& path, const Chart& chart);
+
+/// Draws a chart of a set of files that accompanies other results. If it cannot be drawn, for instance because gnuplot is
+/// not installed, the observer is warned.
+void try_save_chart(const OutputSet& set, const std::string& name, const Chart& chart, const Observer& observer);
 
 }  // namespace holotrace

@@ -31,8 +31,8 @@ struct PartInTile {
   double gap, gap_change;   ///< [rad]: phase of last less first corner at the centre; change to the tile's edges
 };
 
-/// @param x, y       centre of the tile [m]
-/// @param half_x, y  half the sides of the tile [m]
+/// @param x, y            centre of the tile [m]
+/// @param half_x, half_y  half the sides of the tile [m]
 PartInTile part_in_tile(const TrianglePart& part, double x, double y, double half_x, double half_y, double wavelength);
 
 /// How the moments are found at all nodes of a tile: by quotients if the gap stays above 0.8 rad, else by a series.

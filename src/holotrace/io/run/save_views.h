@@ -18,7 +18,7 @@ struct SeenViews {
 
 /// Writes the views of all distances as view.png, view_2.png, …, and the sweep: view_sweep_01.png, …; view_sweep.gif,
 /// the animation of all its pictures; and view_sweep.png, its chart (viewing.h). The first view records the other files.
-/// For a view named NAME.gif, only the animation is written.
+/// For a view named NAME.gif, only the animation is written. @throws Error for such a name without a sweep
 /// @param name      file name of the view: .png, .exr or .gif
 /// @param observer  is warned if the chart cannot be drawn, for instance because gnuplot is not installed
 void save_views(const OutputSet& set, const std::string& name, const SeenViews& seen, const Observer& observer);
@@ -31,8 +31,5 @@ std::vector<std::string> sweep_paths(const std::string& view, size_t pictures);
 /// @param bits  bits per channel of a PNG
 void save_stereo(const OutputSet& set, const std::string& name, const std::vector<Image>& pair, double white, int bits,
                  bool is_anaglyph_plain = false);
-
-/// The path with a suffix after its name: ("out/view.png", "_left") → "out/view_left.png".
-std::string path_with_suffix(const std::string& path, const std::string& suffix);
 
 }  // namespace holotrace

@@ -1,23 +1,19 @@
-#include "save_run.h"
+#include "holotrace/io/run/save_run.h"
 
 #include <filesystem>
-#include <optional>
 
-#include "console.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/output_set.h"
+#include "holotrace/io/picture/chart_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
+#include "holotrace/io/run/save_views.h"
 #include "holotrace/run/convergence.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
-#include "interrupts.h"
-#include "save_views.h"
-#include "say.h"
-#include "try_save_chart.h"
 
 namespace holotrace {
 namespace {
@@ -27,7 +23,7 @@ void save_numbered(const OutputSet& set, const std::string& name, const std::vec
   for (size_t i = 0; i < items.size(); ++i) save(set.path(numbered_path(name, i)), items[i]);
 }
 
-void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, Console& console) {
+void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, const StageObserver& watch) {
   save_numbered(set, run_render, boxes.renders,
                 [&](const std::string& path, const Image& image) { save_image(path, image, boxes.render_white, 8); });
   save_numbered(set, "sources.ply", boxes.sources,
@@ -35,13 +31,14 @@ void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, Consol
   save_numbered(set, "field.npy", boxes.fields, save_fields<float>);
   save_holograms(set, "hologram.png", boxes.holograms);
   save_views(set, run_view, {boxes.viewpoints, {boxes.views, boxes.white}, boxes.sweep, job.camera},
-             boxes.sweep.images.empty() ? Observer() : console.watch("save the sweep"));
-  console.finish();
+             boxes.sweep.images.empty() || !watch ? Observer() : watch("save the sweep"));
   if (!boxes.stereo_renders.empty()) {
     save_stereo(set, "stereo.png", boxes.stereo_renders, common_white(boxes.stereo_renders, 0), 8);
     save_stereo(set, "holo.png", boxes.stereo_views.images, boxes.stereo_views.white, job.camera.bits);
   }
-  if (has_convergence(boxes.report)) try_save_chart(set, "convergence.png", convergence_chart(boxes.report), console);
+  Observer chart;
+  if (watch) chart.on_warning = [&](const std::string& sentence) { watch("chart").warn(sentence); };
+  if (has_convergence(boxes.report)) try_save_chart(set, "convergence.png", convergence_chart(boxes.report), chart);
 }
 
 }  // namespace
@@ -56,29 +53,26 @@ std::vector<std::string> run_paths(const std::string& folder) {
   return paths;
 }
 
-FileRecord save_run(const std::string& folder, const Boxes& boxes, const Job& job, Console& console) {
+SavedRun save_run(const std::string& folder, const Boxes& boxes, const Job& job, const StageObserver& watch,
+                  const std::function<std::shared_ptr<void>()>& before_naming) {
   const std::string report = (std::filesystem::path(folder) / "report.json").string();
   const FileRecord earlier = report_record(report);
-  FileRecord files;
-  std::vector<std::string> notes;
-  std::optional<DeferInterrupts> names_are_given;
+  SavedRun saved;
+  std::shared_ptr<void> naming;
   const auto write = [&](const OutputSet& set) {
-    save_boxes(set, boxes, job, console);
-    files = set.record();
-    save_report(set.path("report.json"), boxes.report, files);
+    save_boxes(set, boxes, job, watch);
+    saved.files = set.record();
+    save_report(set.path("report.json"), boxes.report, saved.files);
     // From here on the folder may hold files of both runs.
-    names_are_given.emplace();
-    if (std::filesystem::exists(report) && !is_report(report)) notes.push_back(set_aside(report));
+    if (before_naming) naming = before_naming();
+    if (std::filesystem::exists(report) && !is_report(report)) saved.notes.push_back(set_aside(report));
     FileRecord both = earlier;
-    both.insert(files.begin(), files.end());
+    both.insert(saved.files.begin(), saved.files.end());
     save_incomplete_report(report, both);
   };
   const std::vector<std::string> aside = write_together(report, earlier, write);
-  say_on_interrupt("holotrace: interrupted; the files of this call are written\n");
-  names_are_given.reset();
-  say_warnings(notes);
-  say_warnings(aside);
-  return files;
+  saved.notes.insert(saved.notes.end(), aside.begin(), aside.end());
+  return saved;
 }
 
 }  // namespace holotrace

@@ -1,4 +1,4 @@
-#include "save_views.h"
+#include "holotrace/io/run/save_views.h"
 
 #include <filesystem>
 
@@ -38,19 +38,10 @@ void save_sweep(const OutputSet& set, const std::string& name, const SeenViews& 
     save_image(picture_path(view, size_t(i)), sweep.images[size_t(i)], sweep.white, seen.camera.bits);
   };
   parallel_for(0, int64_t(sweep.images.size()), save, observer);
-  try {
-    save_chart(beside(view, ".png"), sweep_chart(seen.from, sweep));
-  } catch (const Error& error) {
-    observer.warn(set.final_text(error.what()));
-  }
+  try_save_chart(set, fs::path(beside(view, ".png")).filename().string(), sweep_chart(seen.from, sweep), observer);
 }
 
 }  // namespace
-
-std::string path_with_suffix(const std::string& path, const std::string& suffix) {
-  const fs::path p(path);
-  return (p.parent_path() / (p.stem().string() + suffix + p.extension().string())).string();
-}
 
 std::vector<std::string> sweep_paths(const std::string& view, size_t pictures) {
   std::vector<std::string> paths{animation_path(view)};
@@ -61,8 +52,12 @@ std::vector<std::string> sweep_paths(const std::string& view, size_t pictures) {
 }
 
 void save_views(const OutputSet& set, const std::string& name, const SeenViews& seen, const Observer& observer) {
+  const bool is_animation = extension_of(name) == ".gif";
+  require(!is_animation || !seen.sweep.images.empty(),
+          "expected a sweep for the animated file {}, got none; view with a sweep, or name a .png", name);
   const FileRecord before = set.record();
   save_sweep(set, name, seen, observer);
+  if (is_animation) return;
   for (size_t i = seen.views.images.size(); i-- > 0;)
     save_image(set.path(numbered_path(name, i)), seen.views.images[i], seen.views.white, seen.camera.bits,
                i == 0 ? set.record_since(before) : FileRecord());
