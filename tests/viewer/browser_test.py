@@ -285,6 +285,34 @@ class Page(unittest.TestCase):
         self.change(lambda: self.set_number("distance-number", 42))
         self.assert_view_is_that_of_show()
 
+    def test_watches_a_running_job(self):
+        folder = os.path.join(self.folder, "optimised")
+        os.makedirs(folder)
+        scene = os.path.join(self.folder, "optimised.toml")
+        with open(scene, "w") as file:
+            file.write('extends = "scene.toml"\n[encode]\nmethod = "sgd"\ntarget = "render"\niterations = 100000\n')
+        server = Server(folder)
+        self.addCleanup(server.stop)
+        self.browser.get(server.url)
+        wait_until(lambda: "no hologram.png" in self.get("problem").text)
+        job = subprocess.Popen([PROGRAM, "-q", "run", scene, "-o", folder, "--checkpoint",
+                                os.path.join(self.folder, "state.h5")], stderr=subprocess.DEVNULL)
+        points = lambda: int(self.get("convergence").get_attribute("data-points") or 0)
+        wait_until(lambda: points() > 10, what="the first part of the curve")
+        first = points()
+        wait_until(lambda: points() != first, what="more of the curve")
+        self.assertIn("loss", self.get("progress-text").text)
+        self.assertIn("dB", self.get("convergence").get_attribute("aria-label"))
+        job.kill()
+        job.wait()
+        wait_until(lambda: self.get("progress-text").text == "", what="the end of the job")
+        # The job goes on with fewer iterations, and its result appears by itself.
+        subprocess.run([PROGRAM, "-q", "run", scene, "-o", folder, "--iterations", "20"], check=True)
+        self.settle()
+        self.assertEqual(self.get("problem").text, "")
+        self.assertEqual(points(), 21)  # 20 iterations, and the error at the end
+        self.assertEqual([name for name in os.listdir(folder) if name.startswith(".")], [])
+
     def test_says_that_the_server_is_gone(self):
         self.server.stop()
         self.set_number("distance-number", 50)

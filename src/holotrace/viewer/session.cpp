@@ -14,6 +14,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/progress_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/view_series.h"
@@ -76,6 +77,13 @@ void check_size(const ViewedItem& item, const ViewState& state, double wavelengt
           "expected a sensor of at most {:.0f} million pixels here, got {:.0f} × {:.0f}; use holotrace show",
           most_sensor_pixels / 1e6, need.columns, need.rows);
   require_memory(need.shown + need.passing, "this view");
+}
+
+// Where the job writes that makes these files.
+std::string folder_of(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) ? path : fs::path(path).parent_path().string();
 }
 
 Observer warnings_to(std::vector<std::string>& warnings) {
@@ -315,14 +323,14 @@ std::string Session::command_line(const Query& query) {
   for (const size_t i : chosen(state)) {
     const ViewedItem& item = contents_.items[i];
     if (item.field || item.file.empty()) return "";
-    line += " " + shell_word(item.file);
+    line.append(" ").append(shell_word(item.file));
   }
-  if (!params_.slm.empty()) line += " --slm " + shell_word(params_.slm);
+  if (!params_.slm.empty()) line.append(" --slm ").append(shell_word(params_.slm));
   Query full = query;
   full.erase("draft");
   full.try_emplace("distance", fmt::format("{} m", state.camera.distances.front()));
   if (defaults_.camera.binning != 0) full.try_emplace("binning", fmt::format("{}", defaults_.camera.binning));
-  for (const std::string& argument : show_arguments(full)) line += " " + shell_word(argument);
+  for (const std::string& argument : show_arguments(full)) line.append(" ").append(shell_word(argument));
   return line + " -o view.png";
 }
 
@@ -394,6 +402,11 @@ std::string Session::describe() {
   for (const RenderOfView& render : contents_.renders) renders.push_back(render.place.distance);
   json["renders_m"] = renders;
   json["has_report"] = !contents_.report.empty();
+  json["progress"] = nullptr;
+  if (const auto text = running_progress(folder_of(paths_.front()))) {
+    const Json progress = Json::parse(*text, nullptr, false);  // it may be half written
+    if (progress.is_object()) json["progress"] = progress;
+  }
   return text_of(json);
 }
 

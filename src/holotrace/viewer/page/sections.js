@@ -1,6 +1,7 @@
 // The controls beside the view, the hologram, the report and the quality.
 
 import * as api from './api.js';
+import { showConvergence } from './progress.js';
 import { change, colourOf, onChange, query, session, state } from './state.js';
 
 const $ = id => document.getElementById(id);
@@ -151,6 +152,7 @@ export async function showReport() {
     table.append(row);
   }
   $('report').replaceChildren(table);
+  showConvergence(report.stages);
 }
 
 /** Shows the command line of the view, and sets the addresses of the downloads. */
