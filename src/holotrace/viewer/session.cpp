@@ -190,8 +190,8 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
     }
   }
   std::vector<Image> images{sum.image()};
-  taken.white = common_white(images, state.camera.exposure);
-  if (given.is_draft && state.camera.exposure == 0 && last_) taken.white = last_->view.white;  // no flicker
+  const bool keeps_white = given.is_draft && state.camera.exposure == 0 && last_;  // it does not flicker, and is faster
+  taken.white = keeps_white ? last_->view.white : common_white(images, state.camera.exposure);
   read_views(images, taken.white, ViewKind::distance, state.camera);
   taken.image = std::move(images.front());
   if (!given.is_draft) last_ = Kept{key, taken};
