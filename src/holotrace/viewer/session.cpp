@@ -24,6 +24,7 @@
 #include "holotrace/view/compare.h"
 #include "holotrace/view/render_at.h"
 #include "holotrace/viewer/fingerprint.h"
+#include "holotrace/wave/propagate/propagator_cache.h"
 
 namespace holotrace {
 namespace {
@@ -86,6 +87,18 @@ std::string folder_of(const std::string& path) {
   return fs::is_directory(path, ignored) ? path : fs::path(path).parent_path().string();
 }
 
+// Transfer functions of one distance for all wavelengths, which the frames of a view share: at half the panel's pitch
+// and padded, about 4.6 fields each. Those of earlier distances are not needed again.
+double bytes_of_transfer(const std::vector<ViewedItem>& items) {
+  std::set<double> wavelengths;
+  double pixels = 0;
+  for (const ViewedItem& item : items) {
+    for (const double wavelength : wavelengths_of(item, ShowParams())) wavelengths.insert(wavelength);
+    pixels = std::max(pixels, double(item.slm.grid.pixels()));
+  }
+  return 5 * pixels * sizeof(std::complex<float>) * double(wavelengths.size());
+}
+
 Observer warnings_to(std::vector<std::string>& warnings) {
   Observer observer;
   observer.on_warning = [&warnings](const std::string& sentence) {
@@ -111,6 +124,7 @@ void Session::load() {
   contents_ = load_contents(paths_, params_);
   ++readings_;
   defaults_ = ViewState();
+  limit_propagator_cache(bytes_of_transfer(contents_.items));
   if (!contents_.renders.empty()) {
     const ViewPlace& place = contents_.renders.front().place;
     defaults_.camera.distances = {place.distance};
@@ -357,10 +371,14 @@ std::string Session::memory_text() {
     held += pixels * (item.field ? sizeof(std::complex<float>) : sizeof(uint16_t));
     fields += 2 * pixels * sizeof(std::complex<float>);
   }
-  const Grid& panel = contents_.items.front().slm.grid;
-  return fmt::format("{} {} of {} × {} pixels; up to {} of memory for them and their light", contents_.items.size(),
-                     contents_.items.front().field ? "field(s)" : "hologram(s)", panel.nx, panel.ny,
-                     format_bytes(held + std::min(fields, light_.most_bytes())));
+  const ViewedItem& item = contents_.items.front();
+  const Grid& panel = item.slm.grid;
+  const ViewingNeed need = viewing_need({item.slm, ShowParams(), {}, viewpoints(defaults_.camera)},
+                                        wavelengths_of(item, ShowParams()), item.hologram.image, item.hologram.filter);
+  return fmt::format(
+      "{} {} of {} × {} pixels: up to {} of memory for them and their light, and {} while a picture is computed",
+      contents_.items.size(), item.field ? "field(s)" : "hologram(s)", panel.nx, panel.ny,
+      format_bytes(held + std::min(fields, light_.most_bytes())), format_bytes(need.passing));
 }
 
 std::string Session::describe() {
