@@ -10,6 +10,7 @@
 
 #include "holotrace/base/printable.h"
 #include "holotrace/base/time_left.h"
+#include "holotrace/io/files/progress_file.h"
 #include "say.h"
 
 namespace holotrace {
@@ -46,6 +47,14 @@ struct Console::Bar {
   }
 };
 
+struct Console::KeptProgress {
+  explicit KeptProgress(const std::string& folder) : file(folder) {}
+  std::mutex mutex;
+  ProgressFile file;
+};
+
+void Console::keep_progress_in(const std::string& folder) { kept_ = std::make_shared<KeptProgress>(folder); }
+
 Console::Console(bool is_quiet) : is_terminal_(!is_quiet && isatty(STDERR_FILENO)) {}
 
 Observer Console::watch(const std::string& stage) {
@@ -58,9 +67,24 @@ Observer Console::watch(const std::string& stage) {
     bar_ = std::make_shared<Bar>();
     bar_->stage = stage;
     bar_->draw();
-    observer.on_progress = [bar = bar_](double fraction) { bar->update(fraction); };
-    observer.on_status = [bar = bar_](const std::string& text) { bar->tell(text); };
   }
+  if (kept_) {
+    const std::lock_guard lock(kept_->mutex);
+    kept_->file.begin_stage(stage);
+  }
+  if (!is_terminal_ && !kept_) return observer;
+  observer.on_progress = [bar = bar_, kept = kept_](double fraction) {
+    if (bar) bar->update(fraction);
+    if (!kept) return;
+    const std::lock_guard lock(kept->mutex);
+    kept->file.update(fraction);
+  };
+  observer.on_status = [bar = bar_, kept = kept_](const std::string& text) {
+    if (bar) bar->tell(text);
+    if (!kept) return;
+    const std::lock_guard lock(kept->mutex);
+    kept->file.tell(text);
+  };
   return observer;
 }
 

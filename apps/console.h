@@ -14,6 +14,9 @@ class Console {
  public:
   explicit Console(bool is_quiet);
 
+  /// From here on, what happens is also in a file in that folder, for `holotrace view` (io/files/progress_file.h).
+  void keep_progress_in(const std::string& folder);
+
   /// The observer of a stage; its bar ends when the next stage starts or on finish().
   Observer watch(const std::string& stage);
 
@@ -26,8 +29,10 @@ class Console {
 
  private:
   struct Bar;
+  struct KeptProgress;
   bool is_terminal_;
   std::shared_ptr<Bar> bar_;
+  std::shared_ptr<KeptProgress> kept_;
 };
 
 }  // namespace holotrace

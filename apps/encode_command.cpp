@@ -132,6 +132,7 @@ void add_encode_command(Command& app, const GlobalFlags& global) {
     std::vector<double> wavelengths;
     if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
     Console console(global.is_quiet);
+    console.keep_progress_in(std::filesystem::path(o->output).parent_path().string());
     require(!params.is_joint || params.method == Encoding::sgd,
             "expected --joint only with --method sgd; use sgd, or leave out --joint");
     const EncodeJob job = is_field   ? job_of_fields(std::move(fields), params)

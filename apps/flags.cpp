@@ -11,24 +11,6 @@
 namespace holotrace {
 namespace {
 
-double length_within(const std::string& text, const Range& range) {
-  const double metres = parse_length(text);
-  check_range(metres, range, Quantity::length);
-  return metres;
-}
-
-std::vector<double> lengths_within(const std::string& text, const Range& range) {
-  std::vector<double> lengths = parse_lengths(text);
-  for (const double metres : lengths) check_range(metres, range, Quantity::length);
-  return lengths;
-}
-
-double angle_within(const std::string& text, const Range& range) {
-  const double radians = parse_angle(text);
-  check_range(radians, range, Quantity::angle);
-  return radians;
-}
-
 // The help text states bounds, except a lower bound of 0 alone, which most parameters have.
 std::string with_bounds(const char* help, const Range& range, Quantity quantity) {
   const bool is_plain = range.low == 0 && !range.is_low_open && !std::isfinite(range.high);
@@ -118,68 +100,6 @@ void Flags::Adder::position(const char* name, Vec3& v, const Range&, const char*
 
 void Flags::Adder::texts(const char* name, std::vector<std::string>& v, const char* help) {
   add(name, help, fmt::format("{}", fmt::join(v, ", ")), "TEXTS");
-}
-
-void Flags::Setter::set(const char* name, const std::function<void(const std::string& text)>& parse) const {
-  const auto found = given.find(name);
-  if (found != given.end()) read_flag(dashed(name), [&] { parse(found->second); });
-}
-
-void Flags::Setter::fail_count(const std::string& text) { fail("expected a whole number, got \"{}\"", text); }
-
-size_t Flags::Setter::chosen(const char* name, const std::string& text, const std::vector<std::string>& known) {
-  const auto found = std::find(known.begin(), known.end(), text);
-  if (found == known.end()) throw Error(unknown_name_message(name, text, known));
-  return size_t(found - known.begin());
-}
-
-void Flags::Setter::number(const char* name, double& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) {
-    double value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    require(error == std::errc() && end == text.data() + text.size(), "expected a number, got \"{}\"", text);
-    check_range(value, range, Quantity::number);
-    v = value;
-  });
-}
-
-void Flags::Setter::flag(const char* name, bool& v, const char*) {
-  set(name, [&](const std::string& text) {
-    require(text == "true" || text == "false", "expected true or false, got \"{}\"", text);
-    v = text == "true";
-  });
-}
-
-void Flags::Setter::length(const char* name, double& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) { v = length_within(text, range); });
-}
-
-void Flags::Setter::angle(const char* name, double& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) { v = angle_within(text, range); });
-}
-
-void Flags::Setter::lengths(const char* name, std::vector<double>& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) { v = lengths_within(text, range); });
-}
-
-void Flags::Setter::position(const char* name, Vec3& v, const Range& range_of_z, const char*) {
-  set(name, [&](const std::string& text) {
-    const std::vector<double> lengths = parse_lengths(text);
-    require(lengths.size() == 3, "expected three lengths x, y and z, got {}", lengths.size());
-    check_range(lengths[2], range_of_z, Quantity::length, " for z");
-    v = {lengths[0], lengths[1], lengths[2]};
-  });
-}
-
-void Flags::Setter::texts(const char* name, std::vector<std::string>& v, const char*) {
-  set(name, [&](const std::string& text) {  // separated by commas
-    v.clear();
-    for (size_t at = 0; at <= text.size();) {
-      const size_t end = std::min(text.find(',', at), text.size());
-      v.push_back(text.substr(at, end - at));
-      at = end + 1;
-    }
-  });
 }
 
 }  // namespace holotrace

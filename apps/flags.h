@@ -14,21 +14,12 @@
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/text_setter.h"
 
 namespace holotrace {
 
 /// The flag of a field: "field_of_view" becomes --field-of-view. Only "distances" becomes the singular --distance.
 std::string dashed(std::string name);
-
-/// Returns what `read` returns; puts the name of the flag in front of an Error that it throws.
-template <class Read>
-auto read_flag(const std::string& flag, const Read& read) {
-  try {
-    return read();
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", flag, error.what()));
-  }
-}
 
 /// Checks a number of a flag that is not in a parameter struct. @throws Error, naming the flag, outside the range
 void check_flag(const char* flag, double value, const Range& range, Quantity quantity);
@@ -65,7 +56,7 @@ class Flags {
   /// Sets the fields whose flags were given. @throws Error for a text that is not a valid value.
   template <class Params>
   void apply(Params& params) const {
-    Setter setter{texts_};
+    TextSetter setter(texts_, dashed);
     describe(setter, params);
   }
 
@@ -105,41 +96,6 @@ class Flags {
         if (c.value == v) shown = c.name;
       }
       add_choice(name, known, shown, help);
-    }
-  };
-
-  struct Setter {
-    const Texts& given;
-
-    // Calls `parse` with the text of that field, if there is one. Errors name the flag.
-    void set(const char* name, const std::function<void(const std::string& text)>& parse) const;
-    static void fail_count(const std::string& text);
-    static size_t chosen(const char* name, const std::string& text, const std::vector<std::string>& known);
-
-    template <class Integer>
-    void count(const char* name, Integer& v, const Range& range, const char*) {
-      set(name, [&](const std::string& text) {
-        Integer value{};
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc() || end != text.data() + text.size()) fail_count(text);
-        check_range(double(value), range, Quantity::count);
-        v = value;
-      });
-    }
-    void number(const char* name, double& v, const Range& range, const char*);
-    void flag(const char* name, bool& v, const char*);
-    void length(const char* name, double& v, const Range& range, const char*);
-    void angle(const char* name, double& v, const Range& range, const char*);
-    void lengths(const char* name, std::vector<double>& v, const Range& range, const char*);
-    void position(const char* name, Vec3& v, const Range& range_of_z, const char*);
-    void texts(const char* name, std::vector<std::string>& v, const char*);
-    template <class Enum>
-    void choice(const char* name, Enum& v, std::initializer_list<Choice<Enum>> choices, const char*) {
-      set(name, [&](const std::string& text) {
-        std::vector<std::string> known;
-        for (const auto& c : choices) known.emplace_back(c.name);
-        v = (choices.begin() + chosen(name, text, known))->value;
-      });
     }
   };
 

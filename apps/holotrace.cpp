@@ -87,6 +87,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   add_field_command(program, global);
   add_encode_command(program, global);
   add_show_command(program, global);
+  add_view_command(program, global);
   add_propagate_command(program, global);
   add_compare_command(program, global);
   add_limits_command(program, global);

@@ -141,6 +141,7 @@ void add_run(Command& app, const GlobalFlags& global) {
     std::optional<JobEstimate> estimate;
     if (o->is_estimated) estimate = estimate_job(job);
     Console console(global.is_quiet);
+    console.keep_progress_in(o->folder);
     Boxes boxes = run(job, console.stages(), [&](size_t i) { return checkpoints.of(i); });
     console.finish();
     if (estimate) print_comparison(*estimate, compare_with_run(*estimate, boxes.report));

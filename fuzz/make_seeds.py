@@ -195,6 +195,10 @@ def main():
     seed("assimp", "3ds", b"\x08" + chunk3ds(0x4D4D, chunk3ds(0x3D3D, chunk3ds(0x4000, b"a\0" + mesh))))
     for i, text in enumerate(("E(D|G)L", "E.*L", "ES*(D|G)L", "ED+L?", "532 nm", "0 0 -300 mm", "1.5 deg", "2 GiB")):
         seed("path_expression", str(i), text)
+    head = " HTTP/1.1\r\nHost: 127.0.0.1:8080\r\nSec-Fetch-Site: same-origin\r\n\r\n"
+    seed("request", "page", "GET /secret/" + head)
+    seed("request", "view", "GET /secret/view?distance=300+mm&pupil=4%20mm&eye=0+0+250+mm&effects=gaps,flicker&items=0,2" + head)
+    seed("request", "query", "subpixels=3&sampling=point&exposure=0.5&focal-length=17+mm&draft=1")
     seed("report", "object", '{"a": [1, 2.5e3, true, null, "\\u00e4"], "b": {"c": {}}}')
 
 

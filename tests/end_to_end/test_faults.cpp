@@ -43,8 +43,10 @@ class Faults : public ::testing::Test {
       for (int at = 1; at <= 1024; at *= 2) {
         const FaultyRun run = run_with(work, {call, "error=ENOSPC", at}, arguments);
         const std::string what = arguments[0] + " " + arguments.back() + ", " + run.call + "\n" + run.outcome.err;
-        // The FFT plans of the cache may be lost, and what goes to the standard output once the files are written.
+        // The FFT plans of the cache may be lost, the progress, and what goes to the standard output once the files are
+        // written.
         const bool is_output = !run.call.empty() && run.call.find("/holotrace-cache-") == std::string::npos &&
+                               run.call.find(".progress") == std::string::npos &&
                                run.call.find("(1<") == std::string::npos;
         if (!is_output) before = files_in(work);  // a run's report has its times
         if (run.call.empty()) break;

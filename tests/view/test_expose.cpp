@@ -150,6 +150,24 @@ TEST(ExposureWhite, ClipsATenthOfTheLightOfSpeckle) {
   EXPECT_NEAR(exposure_white(speckle, 0), std::log(10.0), 1e-3);  // the sum of 2.6e5 values in place of the integral
 }
 
+// Against the sum over all values at every level: the light above the result is a tenth, to the 24 bisections.
+TEST(ExposureWhite, ClipsATenthOfAnyLight) {
+  for (const double power : {1.0, 3.0, 9.0}) {  // ever more of the light in ever fewer pixels
+    Image image(64, 80, 1);
+    for (size_t i = 0; i < image.values.size(); ++i)
+      image.values[i] =
+          float(std::pow(double(i * 104729 % image.values.size()) / double(image.values.size()), power)) - 1e-3F;
+    for (int i = 0; i < 40; ++i) image.values[size_t(i) * 7] = 30;
+    const double white = exposure_white(image, 0);
+    double light = 0, above = 0;
+    for (const float v : image.values) {
+      light += std::max(0.0, double(v));
+      above += std::max(0.0, double(v) - white);
+    }
+    EXPECT_NEAR(above / light, 0.1, 1e-5) << power;
+  }
+}
+
 TEST(Speckle, ExponentialIntensityHasContrastOne) {
   // Sum of M frames of circular Gaussian fields: contrast 1/√M; its standard error over n pixels is
   // √((1 + 1/M)/2n)/√M (delta method on the Gamma distribution). 4 standard errors, fixed seed.

@@ -52,14 +52,6 @@ struct OrderShares {
   }
 };
 
-void add_weighted(const Image& view, double weight, Image& sum) {
-  if (sum.values.empty()) {
-    sum = view;
-    std::fill(sum.values.begin(), sum.values.end(), 0.0F);
-  }
-  for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += float(weight) * view.values[i];
-}
-
 // The views in light of one wavelength.
 double view_in_colour(const Hologram& hologram, double wavelength, const Viewing& viewing, RepeatedStages& repeat,
                       std::vector<CombinedViews>& sums) {
@@ -70,13 +62,7 @@ double view_in_colour(const Hologram& hologram, double wavelength, const Viewing
   const IlluminationPlan plan = plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter);
   const std::vector<IlluminationState>& all = plan.states;
   const std::string doubt = doubt_of(plan, params);
-  const auto add = [&](size_t i, const Image& view) {
-    sums[i].add(wavelength, hologram.name, illumination_at(hologram, wavelength), view,
-                axial_reach(viewing.slm,
-                            {wavelength, hologram.image, hologram.filter, hologram.cone_wavelength,
-                             hologram.loses_by_cone, hologram.loses_by_pixels},
-                            viewing.from[i].distance, viewing.from[i].camera));
-  };
+  const auto add = [&](size_t i, const Image& view) { add_view(hologram, wavelength, slm, from[i], view, sums[i]); };
   std::vector<Image> mixed(all.size() > 1 ? from.size() : 0);
   OrderShares shares;
   double power_on_panel = 0;
@@ -124,6 +110,23 @@ double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedS
     if (power_on_panel == 0) power_on_panel = power;
   }
   return power_on_panel;
+}
+
+void add_weighted(const Image& view, double weight, Image& sum) {
+  if (sum.values.empty()) {
+    sum = view;
+    std::fill(sum.values.begin(), sum.values.end(), 0.0F);
+  }
+  for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += float(weight) * view.values[i];
+}
+
+void add_view(const Hologram& hologram, double wavelength, const Slm& slm, const Viewpoint& from, const Image& view,
+              CombinedViews& sum) {
+  const double reach = axial_reach(slm,
+                                   {wavelength, hologram.image, hologram.filter, hologram.cone_wavelength,
+                                    hologram.loses_by_cone, hologram.loses_by_pixels},
+                                   from.distance, from.camera);
+  sum.add(wavelength, hologram.name, illumination_at(hologram, wavelength), view, reach);
 }
 
 std::vector<double> wavelengths_shown(const Hologram& hologram, const ShowParams& show) {

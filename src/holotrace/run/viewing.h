@@ -48,6 +48,13 @@ double view_hologram(const Hologram& hologram, const Viewing& viewing, RepeatedS
 /// Wavelengths of the light in which a hologram is shown [m]: that of `show`, else all of a joint hologram, else its own.
 std::vector<double> wavelengths_shown(const Hologram& hologram, const ShowParams& show);
 
+/// Adds a camera's view of a hologram in light of one wavelength, averaged over the illumination states, to a sum.
+void add_view(const Hologram& hologram, double wavelength, const Slm& slm, const Viewpoint& from, const Image& view,
+              CombinedViews& sum);
+
+/// sum += weight · view; an empty sum counts as 0.
+void add_weighted(const Image& view, double weight, Image& sum);
+
 /// Number of stages that view_hologram runs for each colour of a hologram with so many illumination states.
 int64_t viewing_calls(int64_t states, const std::vector<Viewpoint>& from);
 

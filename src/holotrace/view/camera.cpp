@@ -180,32 +180,83 @@ double magnification(const CameraParams& camera, double distance, ImageSide imag
   return f / (s - f);
 }
 
-Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
-           const CameraParams& with_lens, const Observer& observer, const SourcePart& source) {
+namespace {
+
+// The sensor in front of that light, in the plane in focus (of the object, with a lens).
+struct Focus {
+  double z, magnification;
+  CameraParams camera;
+  Sensor sensor;
+};
+
+Focus focus_of(const FieldShape& shown, const Slm& slm, double distance, const PropagateParams& propagation,
+               const CameraParams& with_lens, const Observer& observer, const SourcePart& source) {
   require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {}",
           format_length(distance));
   check_eye(with_lens);
   const double m = magnification(with_lens, distance, shown.image), z = plane_of(distance, shown.image);
   const CameraParams camera = in_object_plane(with_lens, m);
-  const Sensor sensor = sensor_of({shown.grid, shown.wavelength, shown.image}, slm, z, propagation, camera,
-                                  std::abs(z) * source.reach(), observer);
-  const auto sensed = [&](const Field& field) { return read_sensor(field, sensor, source, z, m, observer); };
-  const auto stopped = [&](double over, const PropagateParams& window) {
-    if (!shown.filter) return propagate(shown, over, window, observer);
-    const int margin = margin_of(shown.filter, shown.grid, window);
-    return propagate(apply_order_stop(shown, *shown.filter, margin, observer), over, with_its_size(window, shown.grid),
-                     observer);
-  };
-  if (camera.pupil == 0) return sensed(stopped(z, sensor.window));
+  return {z, m, camera, sensor_of(shown, slm, z, propagation, camera, std::abs(z) * source.reach(), observer)};
+}
 
+// Whether light of the panel that passes the pupil arrives in the plane in focus.
+bool is_lit(const FieldShape& shown, const Focus& focus) {
+  if (focus.camera.pupil == 0) return true;
+  const std::optional<Grid> window = pupil_window(shown.grid, shown.wavelength, focus.camera);
+  const Grid plane = propagation_output(shown.grid, focus.sensor.window);
+  return window && reaches(*window, plane, shown.wavelength, focus.z - focus.camera.eye.z);
+}
+
+Image read_focused(const Field* light, const FieldShape& shown, const Focus& focus, const SourcePart& source,
+                   const Observer& observer) {
+  const auto& [z, m, camera, sensor] = focus;
+  const PropagateParams window = with_its_size(sensor.window, shown.grid);
+  const Field field = light ? propagate(*light, camera.pupil > 0 ? z - camera.eye.z : z, window, observer)
+                            : Field(propagation_output(shown.grid, sensor.window), shown.wavelength);
+  return read_sensor(field, sensor, source, z, m, observer);
+}
+
+}  // namespace
+
+FieldShape shape_of(const Field& field) { return {field.grid, field.wavelength, field.image, field.filter}; }
+
+std::optional<Field> light_in_pupil(const Field& shown, const Slm& slm, const PropagateParams& propagation,
+                                    const CameraParams& camera, const Observer& observer) {
+  check_eye(camera);
+  if (camera.pupil == 0) {
+    if (!shown.filter) return std::nullopt;
+    return apply_order_stop(shown, *shown.filter, margin_of(shown.filter, shown.grid, propagation), observer);
+  }
   warn_outside_eyebox(shown, slm, camera, observer);
   const std::optional<Grid> window = pupil_window(shown.grid, shown.wavelength, camera);
-  const Grid plane = propagation_output(shown.grid, sensor.window);
-  if (!window || !reaches(*window, plane, shown.wavelength, z - camera.eye.z))
-    return sensed(Field(plane, shown.wavelength));  // dark
-  Field in_pupil = stopped(camera.eye.z, to_window(*window, propagation.method));
+  if (!window) return Field();
+  const PropagateParams to_pupil = to_window(*window, propagation.method);
+  Field in_pupil =
+      shown.filter
+          ? propagate(apply_order_stop(shown, *shown.filter, margin_of(shown.filter, shown.grid, to_pupil), observer),
+                      camera.eye.z, with_its_size(to_pupil, shown.grid), observer)
+          : propagate(shown, camera.eye.z, to_pupil, observer);
   cut_by_pupil(in_pupil, camera);
-  return sensed(propagate(in_pupil, z - camera.eye.z, with_its_size(sensor.window, shown.grid), observer));
+  return in_pupil;
+}
+
+Image focus_light(const Field& light, const FieldShape& shown, const Slm& slm, double distance,
+                  const PropagateParams& propagation, const CameraParams& camera, const SourcePart& source) {
+  const Focus focus = focus_of(shown, slm, distance, propagation, camera, {}, source);
+  const bool has_light = light.samples.size() > 0 && is_lit(shown, focus);
+  return read_focused(has_light ? &light : nullptr, shown, focus, source, {});
+}
+
+Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
+           const CameraParams& camera, const Observer& observer, const SourcePart& source) {
+  const FieldShape shape = shape_of(shown);
+  const Focus focus = focus_of(shape, slm, distance, propagation, camera, observer, source);
+  if (!is_lit(shape, focus)) {
+    warn_outside_eyebox(shown, slm, focus.camera, observer);
+    return read_focused(nullptr, shape, focus, source, observer);
+  }
+  const std::optional<Field> in_pupil = light_in_pupil(shown, slm, propagation, camera, observer);
+  return read_focused(in_pupil ? &*in_pupil : &shown, shape, focus, source, observer);
 }
 
 double looking_bytes(const FieldShape& field, const Slm& slm, double distance, const PropagateParams& propagation,

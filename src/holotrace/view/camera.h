@@ -48,6 +48,22 @@ namespace holotrace {
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
            const CameraParams& camera, const Observer& observer = {}, const SourcePart& source = {});
 
+/// The properties of a field that a sensor depends on.
+FieldShape shape_of(const Field& field);
+
+/// The first step of look, which does not depend on the distance: the light that passes the encoder's stop and the
+/// camera's pupil, in the pupil's plane. A program that changes only the focus keeps it.
+/// @return        nothing if all light passes unchanged; a field without samples if none arrives
+/// @throws Error  as look does
+std::optional<Field> light_in_pupil(const Field& shown, const Slm& slm, const PropagateParams& propagation,
+                                    const CameraParams& camera, const Observer& observer = {});
+
+/// The second step: look(shown, …) from that light.
+/// @param light   from light_in_pupil with the same camera, or the shown field itself
+/// @param shown   of the shown field
+Image focus_light(const Field& light, const FieldShape& shown, const Slm& slm, double distance,
+                  const PropagateParams& propagation, const CameraParams& camera, const SourcePart& source = {});
+
 /// Magnification m of the image of the plane at `distance` on the sensor; 1 without a lens.
 /// @throws Error  for a lens without a pupil, or nearer than its focal length to the plane
 double magnification(const CameraParams& camera, double distance, ImageSide image);

@@ -40,18 +40,31 @@ double percentile_of_blocks(const Image& image, double part) {
   return *nearest_rank;
 }
 
-// The level above which that part of the light lies, by bisection.
+// The level above which that part of the light lies, by bisection. Values that are on one side of all levels to come are
+// counted together.
 double level_of_clipped_light(const Image& image, double part) {
   double light = 0, high = 0, low = 0;
+  std::vector<float> between;
   for (const float value : image.values) {
-    light += std::max(0.0, double(value));
+    if (!(value > 0)) continue;
+    light += double(value);
     high = std::max(high, double(value));
+    between.push_back(value);
   }
+  double sum = 0, count = 0;               // of values above `high`
   for (int step = 0; step < 24; ++step) {  // to the precision of a float
     const double level = (low + high) / 2;
-    double above = 0;
-    for (const float value : image.values) above += std::max(0.0, double(value) - level);
-    (above > part * light ? low : high) = level;
+    double above = sum - count * level;
+    for (const float value : between) above += std::max(0.0, double(value) - level);
+    const bool is_low = above > part * light;
+    (is_low ? low : high) = level;
+    if (!is_low)
+      for (const float value : between)
+        if (double(value) > level) {
+          sum += double(value);
+          ++count;
+        }
+    std::erase_if(between, [&](float value) { return (double(value) > level) != is_low; });
   }
   return high;
 }
@@ -74,15 +87,17 @@ Image mean_over_pixels(const Array2D<float>& values, int n, int rim, bool is_int
   require(n >= 1 && rim >= beyond, "expected pixels of 1 sample or more and a rim of {}, got {} and {}", beyond, n,
           rim);
   Image image((values.ny - 2 * rim) / n, (values.nx - 2 * rim) / n, 1);
+  // First down each column of samples, then across the pixels.
+  const size_t across = image.nx > 0 ? size_t(image.nx - 1) * size_t(n) + weights.size() : 0;
   const auto read_row = [&](int64_t row) {
+    std::vector<double> line(across);
+    for (size_t j = 0; j < weights.size(); ++j) {
+      const float* from = values.row(rim - beyond + int(row) * n + int(j)) + rim - beyond;
+      for (size_t i = 0; i < across; ++i) line[i] += weights[j] * double(from[i]);
+    }
     for (int column = 0; column < image.nx; ++column) {
       double sum = 0;
-      for (size_t j = 0; j < weights.size(); ++j) {
-        const float* from = values.row(rim - beyond + int(row) * n + int(j)) + rim - beyond + column * n;
-        double line = 0;
-        for (size_t i = 0; i < weights.size(); ++i) line += weights[i] * double(from[i]);
-        sum += weights[j] * line;
-      }
+      for (size_t i = 0; i < weights.size(); ++i) sum += weights[i] * line[size_t(column) * size_t(n) + i];
       image(int(row), column) = float(std::max(0.0, sum / (double(n) * n)));
     }
   };

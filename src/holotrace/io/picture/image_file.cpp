@@ -1,6 +1,7 @@
 #include "holotrace/io/picture/image_file.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -88,17 +89,44 @@ Image image_from(const Picture& picture, const std::string& name, ImageContent c
        kind);
 }
 
-// The values as codes of sRGB, from 0 to the largest number of the type, which stands for white.
+// The code of sRGB for linear light, from 0 to the largest number of the type, which stands for white.
 template <class Code>
-std::vector<Code> codes_of(const Image& image, double white) {
+Code code_of(double linear) {
   constexpr double top = std::numeric_limits<Code>::max();
-  std::vector<Code> codes(image.values.size());
-  for (size_t i = 0; i < codes.size(); ++i) {
-    const double linear = image.values[i] / white;
-    codes[i] = Code(std::lround(top * srgb_encode(linear > 0 ? std::min(linear, 1.0) : 0.0)));
-  }
+  return Code(std::lround(top * srgb_encode(linear > 0 ? std::min(linear, 1.0) : 0.0)));
+}
+
+std::vector<uint16_t> wide_codes(const Image& image, double white) {
+  std::vector<uint16_t> codes(image.values.size());
+  for (size_t i = 0; i < codes.size(); ++i) codes[i] = code_of<uint16_t>(image.values[i] / white);
   return codes;
 }
+
+// code_of<uint8_t> without a power for each pixel: the code at the begin of one of many even steps of light, and the
+// least light of each code, which decides within a step.
+struct ByteCodes {
+  static constexpr int steps = 4096;
+  std::array<uint8_t, steps + 1> at_step{};
+  std::array<double, 257> least{};
+
+  ByteCodes() {
+    for (int step = 0; step <= steps; ++step) at_step[size_t(step)] = code_of<uint8_t>(double(step) / steps);
+    for (int code = 1; code < 256; ++code) {
+      double below = 0, at = 1;  // bisection to neighbouring numbers
+      for (double middle = 0.5; middle != below && middle != at; middle = (below + at) / 2)
+        (code_of<uint8_t>(middle) < code ? below : at) = middle;
+      least[size_t(code)] = at;
+    }
+    least[256] = std::numeric_limits<double>::infinity();
+  }
+
+  uint8_t operator()(double linear) const {
+    const double clipped = linear > 0 ? std::min(linear, 1.0) : 0.0;
+    size_t code = at_step[size_t(clipped * steps)];
+    while (clipped >= least[code + 1]) ++code;
+    return uint8_t(code);
+  }
+};
 
 }  // namespace
 
@@ -153,9 +181,19 @@ void save_image(const std::string& path, const Image& image, double white, int b
   if (image.pitch > 0) header.texts[pitch_name] = fmt::format("{:.17g}", image.pitch);
   if (!record.empty()) header.texts[record_name] = record_text();
   if (bits == 8)
-    write_png(path, header, codes_of<uint8_t>(image, white).data());
+    write_png(path, header, srgb_codes(image, white).data());
   else
-    write_png(path, header, codes_of<uint16_t>(image, white).data());
+    write_png(path, header, wide_codes(image, white).data());
+}
+
+std::vector<uint8_t> srgb_codes(const Image& image, double white) {
+  static const ByteCodes code;
+  std::vector<uint8_t> codes(image.values.size());
+  const auto row = size_t(image.nx) * size_t(image.channels);
+  parallel_for(0, image.ny, [&](int64_t j) {
+    for (size_t i = size_t(j) * row; i < size_t(j + 1) * row; ++i) codes[i] = code(image.values[i] / white);
+  });
+  return codes;
 }
 
 std::string text_in_image(const std::string& path, const char* name) {

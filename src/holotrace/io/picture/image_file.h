@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "holotrace/data/image.h"
 #include "holotrace/io/files/output_set.h"
@@ -34,6 +36,9 @@ Image with_three_channels(Image image);
 /// @param record  files that belong to this one, as the next call must know them; none: no record
 /// @throws Error for another extension, white or bits, and where NewFile throws
 void save_image(const std::string& path, const Image& image, double white, int bits, const FileRecord& record = {});
+
+/// The values of a PNG of 8 bits: value/white clipped to [0, 1], sRGB-coded, in the order of the image.
+std::vector<uint8_t> srgb_codes(const Image& image, double white);
 
 /// The text of that name in an image file; empty if there is no such file or text, or if the file is damaged.
 std::string text_in_image(const std::string& path, const char* name);

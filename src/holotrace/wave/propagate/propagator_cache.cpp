@@ -1,6 +1,8 @@
 #include "holotrace/wave/propagate/propagator_cache.h"
 
 #include <algorithm>
+#include <atomic>
+#include <limits>
 #include <list>
 #include <mutex>
 #include <string>
@@ -52,6 +54,8 @@ Entry<Real> make_entry(const Question& question) {
   return entry;
 }
 
+std::atomic<double> given_limit = std::numeric_limits<double>::infinity();
+
 template <class Real>
 void keep(Entry<Real> entry) {
   Cache<Real>& kept = cache<Real>();
@@ -76,7 +80,9 @@ void tell(const Entry<Real>& entry, const Observer& observer) {
 
 }  // namespace
 
-double propagator_cache_bytes() { return std::min(512.0 * 1024 * 1024, physical_memory() / 16); }
+double propagator_cache_bytes() { return std::min({512.0 * 1024 * 1024, physical_memory() / 16, given_limit.load()}); }
+
+void limit_propagator_cache(double bytes) { given_limit = bytes; }
 
 template <class Real>
 std::shared_ptr<const Propagator<Real>> cached_propagator(const Grid& grid, double wavelength, double distance,

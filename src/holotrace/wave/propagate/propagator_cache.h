@@ -15,7 +15,11 @@ template <class Real>
 std::shared_ptr<const Propagator<Real>> cached_propagator(const Grid& grid, double wavelength, double distance,
                                                           const PropagateParams& params, const Observer& observer = {});
 
-/// Limit of the transfer functions kept for each precision [bytes]: 512 MiB, or a sixteenth of the memory.
+/// Limit of the transfer functions kept for each precision [bytes]: 512 MiB, or a sixteenth of the memory, unless
+/// limit_propagator_cache was called.
 double propagator_cache_bytes();
+
+/// Lowers that limit, for programs that use each distance once.
+void limit_propagator_cache(double bytes);
 
 }  // namespace holotrace

@@ -10,6 +10,7 @@
 #include "holotrace/base/wrapped.h"
 #include "holotrace/wave/propagate/kernel_transform.h"
 #include "holotrace/wave/propagate/propagation_kernel.h"
+#include "holotrace/wave/propagate/transfer_row.h"
 
 namespace holotrace {
 namespace {
@@ -105,24 +106,55 @@ KernelSamples kernel_samples(const PropagationAxis& axis) {
   return samples;
 }
 
+namespace {
+
+// The transfer function at one u and many v, times a factor.
+struct Column {
+  double u, wavelength, z, start;
+  const std::vector<double>&v, &v2;  // v and v² [1/m]
+
+  void fill(const Complex& factor, std::vector<std::complex<double>>& to) const {
+    for (size_t j = 0; j < v.size(); ++j) to[j] = factor * angular_spectrum_transfer(u, v[j], wavelength, z, start);
+  }
+  void fill(const Complex& factor, std::vector<std::complex<float>>& to) const {
+    const double k = 1 / wavelength;
+    if (u * u + v2.back() > k * k) {  // evanescent waves decay
+      for (size_t j = 0; j < v.size(); ++j)
+        to[j] = std::complex<float>(factor * angular_spectrum_transfer(u, v[j], wavelength, z, start));
+      return;
+    }
+    transfer_row({u * u, k, z, start}, v2.data(), v2.size(), to.data());
+    if (factor != 1.0)
+      for (std::complex<float>& h : to) h *= std::complex<float>(factor);
+  }
+};
+
+}  // namespace
+
 template <class Real>
 void fill_angular_spectrum(Propagator<Real>& p) {
   const double z = p.distance, du = 1 / p.x.period(), dv = 1 / p.y.period();
   const double start = cycle_fraction(z, p.wavelength);
   const std::vector<Complex> beside = beside_transfer(p.y);
+  const bool is_plain = std::all_of(beside.begin(), beside.end(), [](const Complex& factor) { return factor == 1.0; });
   // The function is even in v: each |v| is computed once.
   const int least = p.y.first <= 0 && p.y.last >= 0 ? 0 : std::min(std::abs(p.y.first), std::abs(p.y.last));
   const int most = std::max(std::abs(p.y.first), std::abs(p.y.last));
+  std::vector<double> v, v2;
+  for (int j = least; j <= most; ++j) v.push_back(j * dv);
+  for (const double of_v : v) v2.push_back(of_v * of_v);
+  std::vector<int> places;
+  for (int k = p.y.first; k <= p.y.last; ++k) places.push_back(place(p, k));
   make_table(p);
   parallel_for(0, p.x.slots(), [&](int64_t slot) {
     const int i = frequency_of_slot(p, int(slot));
-    const Complex turn = passing(p.x, i) * part_of_pitch(p.x, i);
-    std::vector<Complex> column;
-    for (int j = least; j <= most; ++j)
-      column.push_back(turn * angular_spectrum_transfer(i * du, j * dv, p.wavelength, z, start));
+    std::vector<std::complex<Real>> column(v.size());
+    Column{i * du, p.wavelength, z, start, v, v2}.fill(passing(p.x, i) * part_of_pitch(p.x, i), column);
     std::complex<Real>* row = p.transfer.row(int(slot));
-    for (int k = p.y.first; k <= p.y.last; ++k)
-      row[place(p, k)] = std::complex<Real>(beside[size_t(k - p.y.first)] * column[size_t(std::abs(k) - least)]);
+    for (size_t n = 0; n < places.size(); ++n) {
+      const std::complex<Real>& h = column[size_t(std::abs(p.y.first + int(n)) - least)];
+      row[places[n]] = is_plain ? h : std::complex<Real>(beside[n] * Complex(h));
+    }
   });
 }
 

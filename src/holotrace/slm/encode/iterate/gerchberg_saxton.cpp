@@ -84,6 +84,7 @@ Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, A
         step = std::move(back);
     }
     convergence.push_back(error / (scale * scale * wanted_power));
+    observer.status(fmt::format("error {:.1f} dB", 10 * std::log10(std::max(convergence.back(), 1e-30))));
     if (iteration == iterations) break;
     parallel_for(
         0, slm.grid.ny,

@@ -1,0 +1,122 @@
+// holotrace view: holograms in a browser, live.
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+
+#include "commands.h"
+#include "flags.h"
+#include "holotrace/base/error.h"
+#include "holotrace/viewer/answers.h"
+#include "holotrace/viewer/listener.h"
+#include "say.h"
+
+namespace holotrace {
+namespace {
+
+volatile std::sig_atomic_t is_stopped = 0;
+
+// Ctrl-C ends the server, which is how it is meant to end; a second one ends the program at once.
+void stop_on_interrupt() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { is_stopped = 1; };
+  action.sa_flags = int(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+// Opens a page in the browser of the desktop, if there is a desktop.
+void open_browser(const std::string& url) {
+  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return;
+  std::string program = "xdg-open", page = url;
+  char* arguments[] = {program.data(), page.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
+  pid_t child = 0;
+  if (posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ) != 0)
+    say("holotrace: no program xdg-open; open the address by hand\n");
+  posix_spawn_file_actions_destroy(&actions);
+}
+
+// Seconds from a time with its unit: "30 min", "10 s", "2 h".
+double parse_idle(const std::string& text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const std::string unit = text.substr(text.find_first_not_of(' ', size_t(end - text.data())) == std::string::npos
+                                           ? text.size()
+                                           : text.find_first_not_of(' ', size_t(end - text.data())));
+  const double seconds = unit == "s" ? number : unit == "min" ? 60 * number : unit == "h" ? 3600 * number : 0;
+  require(error == std::errc() && seconds >= 1 && seconds <= 1e7,
+          "--idle: expected a time of 1 s or more with its unit (s, min or h), got \"{}\"", text);
+  return seconds;
+}
+
+void check_port(int port) { check_flag("--port", port, range::from_to(0, 65535), Quantity::count); }
+
+}  // namespace
+
+void add_view_command(Command& app, const GlobalFlags& global) {
+  Command* command = app.add_subcommand("view", "page in the browser that shows holograms live: focus, eye, effects");
+  struct Options {
+    std::vector<std::string> paths;
+    std::string slm, address = "127.0.0.1", idle = "30 min";
+    int port = 0;
+    bool has_no_browser = false;
+  };
+  auto o = std::make_shared<Options>();
+  command
+      ->add_option("paths", o->paths,
+                   "folder that holotrace run writes or has written; or holograms .png; or a field (.npy, .h5, .exr), "
+                   "sources (.ply) or a scene (.toml)")
+      ->required()
+      ->type_name("PATH");
+  command->add_option("--slm", o->slm, "panel: preset name, or a file with [slm] [the hologram's, or pluto]")
+      ->type_name("NAME|SCENE.toml");
+  command->add_option("--port", o->port, "port of the server; 0: one that is free [0]")->type_name("N");
+  command->add_flag("--no-browser", o->has_no_browser, "only print the address of the page, open no browser");
+  command
+      ->add_option("--address", o->address,
+                   "address in digits on which the server listens; one that other machines reach lets everybody who "
+                   "knows the printed URL see these files [127.0.0.1]")
+      ->type_name("ADDRESS");
+  command->add_option("--idle", o->idle, "time without use after which the server ends [30 min]")->type_name("TIME");
+  command->callback([o, &global] {
+    check_port(o->port);
+    const double idle_seconds = parse_idle(o->idle);
+    Session session(o->paths, {o->slm, global.outside()});
+    std::unique_ptr<Answers> answers;
+    ListenerParams params;
+    params.address = o->address;
+    params.port = o->port;
+    std::atomic<bool> is_ready = false;
+    Listener listener(params, [&](const HttpRequest& request) {
+      return is_ready ? (*answers)(request) : HttpAnswer{503, "text/plain; charset=utf-8", "not yet ready\n"};
+    });
+    const Access access{make_token(), o->address, listener.port()};
+    answers = std::make_unique<Answers>(session, access);
+    is_ready = true;
+    if (!is_loopback(o->address))
+      say("warning: the server listens on {}: everybody on that network who knows the URL sees these files, and the URL "
+          "travels without encryption; prefer an SSH tunnel (ssh -L) to the default address\n",
+          o->address);
+    stop_on_interrupt();
+    const std::string host = o->address.find(':') == std::string::npos ? o->address : "[" + o->address + "]";
+    const std::string url = fmt::format("http://{}:{}/{}/", host, listener.port(), access.token);
+    fmt::print("{}\n", url);
+    std::fflush(stdout);
+    if (!global.is_quiet) say("holotrace: {}; Ctrl-C ends the server\n", session.memory_text());
+    if (!o->has_no_browser) open_browser(url);
+    listener.run([&] { return is_stopped != 0 || answers->idle_seconds() > idle_seconds; });
+  });
+}
+
+}  // namespace holotrace

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "holotrace/viewer/access.h"
+#include "holotrace/viewer/http.h"
+#include "holotrace/viewer/session.h"
+
+namespace holotrace {
+
+/// What the server answers. Paths after "/TOKEN/":
+///
+/// - ""            the page; and its files by their names
+/// - session       Session::describe, after reading files again that have changed
+/// - view          the picture of a state (requests.h): the length of a JSON text as 4 bytes (the lowest first), the text
+///                 {columns, rows, channels, white, pitch_m, warnings, seconds}, and the values, 1 or 3 bytes for a pixel
+/// - reference     the render that belongs to it, in the same form
+/// - panel?item=&as=level|amplitude|phase   a hologram, in the same form
+/// - metrics, values?column=&row=&columns=&rows=, command, report   JSON
+/// - points        places of the scene as floats
+/// - view.png, view.exr   the file that `holotrace show` writes
+///
+/// With `page` (a name) and `number` a view that the same page has asked for before is dropped (204). An error is
+/// 400 with {"error": sentence}.
+class Answers {
+ public:
+  Answers(Session& session, Access access) : session_(session), access_(std::move(access)) {}
+
+  HttpAnswer operator()(const HttpRequest& request);
+
+  /// Seconds since somebody last looked; the page's own questions for news do not count.
+  double idle_seconds() const;
+
+ private:
+  HttpAnswer route(const std::string& path, const std::string& query_text);
+  HttpAnswer view(Query query);
+  HttpAnswer panel(Query query);
+  HttpAnswer values(Query query);
+  bool is_outdated(const std::string& page, int64_t number);
+
+  Session& session_;
+  const Access access_;
+  std::mutex mutex_;
+  std::map<std::string, int64_t> newest_;  // number of each page
+  std::atomic<std::chrono::steady_clock::rep> last_use_ = std::chrono::steady_clock::now().time_since_epoch().count();
+};
+
+}  // namespace holotrace

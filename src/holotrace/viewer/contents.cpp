@@ -1,0 +1,206 @@
+#include "holotrace/viewer/contents.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "holotrace/io/scene/slm_file.h"
+#include "holotrace/run/quality.h"
+#include "holotrace/run/scene_light.h"
+#include "holotrace/wave/synthesize.h"
+
+namespace holotrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+// NAME, NAME_2, … as far as they exist.
+std::vector<std::string> series(const fs::path& first) {
+  std::vector<std::string> paths;
+  std::error_code ignored;
+  for (std::string path = first.string(); fs::is_regular_file(path, ignored);
+       path = numbered_path(first.string(), paths.size()))
+    paths.push_back(path);
+  return paths;
+}
+
+bool is_one_of(const std::string& text, std::initializer_list<const char*> known) {
+  return std::find(known.begin(), known.end(), text) != known.end();
+}
+
+// Notes the sentence of an Error that `work` throws.
+template <class Work>
+void attempt(std::vector<std::string>& problems, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    problems.emplace_back(error.what());
+  }
+}
+
+ViewedItem item_of_hologram(const std::string& path, const ContentsParams& params) {
+  ViewedItem item{path, load_hologram(path), {}, {}};
+  Hologram& hologram = item.hologram;
+  item.slm = !params.slm.empty() ? load_slm(params.slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
+  if (hologram.grid.pitch == 0) hologram.grid.pitch = item.slm.grid.pitch;
+  require(hologram.wavelength > 0,
+          "{} has no metadata with its wavelength; it can be seen by holotrace show with "
+          "--wavelength",
+          path);
+  if (params.slm.empty()) item.slm.grid = hologram.grid;
+  return item;
+}
+
+ViewedItem item_of_field(const std::string& path, Field field, const ContentsParams& params) {
+  ViewedItem item{path, {}, {}, {}};
+  Hologram& hologram = item.hologram;
+  hologram.grid = field.grid;
+  hologram.wavelength = field.wavelength;
+  hologram.image = field.image;
+  hologram.filter = field.filter;
+  hologram.encoder = "field";
+  hologram.name = field.name;
+  hologram.frame = field.frame;
+  hologram.cone_wavelength = field.cone_wavelength;
+  hologram.loses_by_pixels = false;
+  if (params.slm.empty())
+    item.slm.name = "field";
+  else
+    item.slm = load_slm(params.slm);
+  item.slm.grid = field.grid;
+  item.field = std::move(field);
+  return item;
+}
+
+void add_holograms(const std::vector<std::string>& paths, const ContentsParams& params, Contents& contents) {
+  std::vector<std::optional<ViewedItem>> items(paths.size());
+  std::vector<std::vector<std::string>> problems(paths.size());
+  parallel_for(0, int64_t(paths.size()), [&](int64_t i) {
+    attempt(problems[size_t(i)], [&] { items[size_t(i)] = item_of_hologram(paths[size_t(i)], params); });
+  });
+  for (size_t i = 0; i < paths.size(); ++i) {
+    if (items[i]) contents.items.push_back(std::move(*items[i]));
+    contents.problems.insert(contents.problems.end(), problems[i].begin(), problems[i].end());
+  }
+}
+
+void add_fields(const std::string& path, const ContentsParams& params, Contents& contents) {
+  attempt(contents.problems, [&] {
+    for (Field& field : load_fields(path, params.outside))
+      contents.items.push_back(item_of_field(path, std::move(field), params));
+  });
+}
+
+void add_points(const std::vector<Sources>& sets, Contents& contents) {
+  size_t all = 0;
+  for (const Sources& set : sets) all += set.waves.size();
+  const size_t step = std::max<size_t>(1, (all + most_space_points - 1) / most_space_points);
+  size_t next = 0;
+  float brightest = 0;
+  for (const Sources& set : sets)
+    for (const Source& wave : set.waves)
+      if (next++ % step == 0) {
+        contents.points.push_back({wave.origin, wave.amplitude});
+        brightest = std::max(brightest, wave.amplitude);
+      }
+  for (SpacePoint& point : contents.points) point.brightness = brightest > 0 ? point.brightness / brightest : 1;
+}
+
+std::vector<Sources> load_series_of_sources(const std::vector<std::string>& paths, std::vector<std::string>& problems) {
+  std::vector<Sources> sets;
+  for (const std::string& path : paths) attempt(problems, [&] { sets.push_back(load_sources(path)); });
+  return sets;
+}
+
+void add_folder(const fs::path& folder, const ContentsParams& params, Contents& contents) {
+  const std::vector<std::string> holograms = series(folder / "hologram.png");
+  add_holograms(holograms, params, contents);
+  if (holograms.empty() && fs::exists(folder / "field.npy"))
+    add_fields((folder / "field.npy").string(), params, contents);
+  if (holograms.empty() && contents.items.empty() && contents.problems.empty())
+    contents.problems.push_back(
+        "this folder has no hologram.png and no field.npy yet; the page shows them as soon as "
+        "holotrace run has written them");
+  add_points(load_series_of_sources(series(folder / "sources.ply"), contents.problems), contents);
+  for (const std::string& view : series(folder / run_view))
+    if (const auto render = render_of_view(view)) contents.renders.push_back(*render);
+  if (fs::is_regular_file(folder / "report.json"))
+    attempt(contents.problems, [&] { contents.report = read_text((folder / "report.json").string(), most_text); });
+}
+
+void add_scene(const std::string& path, const ContentsParams& params, Contents& contents) {
+  attempt(contents.problems, [&] {
+    const Job job = with_quality(load_job(path, params.outside));
+    const SceneLight light = trace_light(job);
+    for (Field& field : fields_of_frame(light, 0, job.slm.grid, job.synthesize))
+      contents.items.push_back(item_of_field("", std::move(field), params));
+    add_points(light.sources, contents);
+  });
+}
+
+void add_sources(const std::string& path, const ContentsParams& params, Contents& contents) {
+  attempt(contents.problems, [&] {
+    const std::vector<Sources> sets{load_sources(path)};
+    const Slm slm = load_slm(params.slm.empty() ? "pluto" : params.slm);
+    contents.items.push_back(item_of_field(path, synthesize(sets.front(), slm.grid, {}), params));
+    add_points(sets, contents);
+  });
+}
+
+std::vector<fs::path> watched(const std::vector<std::string>& paths) {
+  std::vector<fs::path> files;
+  for (const std::string& path : paths)
+    if (fs::is_directory(path))
+      for (const char* name : {"report.json", "hologram.png", "field.npy"}) files.push_back(fs::path(path) / name);
+    else
+      files.emplace_back(path);
+  return files;
+}
+
+}  // namespace
+
+Contents load_contents(const std::vector<std::string>& paths, const ContentsParams& params) {
+  require(!paths.empty(), "expected a folder, holograms, a field, sources or a scene to view, got none");
+  Contents contents;
+  const std::string& path = paths.front();
+  std::error_code ignored;
+  if (paths.size() == 1 && fs::is_directory(path, ignored)) {
+    contents.kind = "folder";
+    add_folder(path, params, contents);
+    return contents;
+  }
+  if (paths.size() > 1 || extension_of(path) == ".png") {
+    contents.kind = "holograms";
+    add_holograms(paths, params, contents);
+  } else if (is_one_of(extension_of(path), {".toml", ".obj", ".gltf", ".glb"})) {
+    contents.kind = "scene";
+    add_scene(path, params, contents);
+  } else if (extension_of(path) == ".ply") {
+    contents.kind = "sources";
+    add_sources(path, params, contents);
+  } else {
+    contents.kind = "field";
+    add_fields(path, params, contents);
+  }
+  return contents;
+}
+
+std::string stamp_of(const std::vector<std::string>& paths) {
+  std::string stamp;
+  for (const fs::path& file : watched(paths)) {
+    std::error_code error;
+    const auto time = fs::last_write_time(file, error);
+    stamp += error ? "-;" : fmt::format("{};", time.time_since_epoch().count());
+  }
+  return stamp;
+}
+
+}  // namespace holotrace

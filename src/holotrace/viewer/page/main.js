@@ -1,0 +1,124 @@
+// The page: asks the server for its session, and for pictures whenever something changes.
+
+import * as api from './api.js';
+import { buildControls, showCommand, showPanel, showQuality, showReport, writeControls } from './sections.js';
+import { setPoints, show, showRender } from './stage.js';
+import { drawSpace, startSpace } from './space.js';
+import { showProgress } from './progress.js';
+import { onChange, query, session, state } from './state.js';
+
+const $ = id => document.getElementById(id);
+const page = Math.random().toString(36).slice(2, 12);
+const patience = 220;  // milliseconds without a change before the view is taken in full resolution
+
+let number = 0, isBusy = false, isWanted = false, stillTimer = 0, isLost = false;
+
+function say(problem) {
+  $('problem').textContent = problem;
+  $('problem').hidden = problem === '';
+}
+
+function fail(error) {
+  if (!(error instanceof api.Refused)) throw error;
+  isLost = error.message.startsWith('The server does not answer');
+  say(error.message);
+}
+
+// One request at a time: what changes meanwhile is asked for once the answer is here.
+async function ask(isDraft) {
+  if (session.items.length === 0) return;
+  if (isBusy) { isWanted = isWanted === 'still' || !isDraft ? 'still' : 'draft'; return; }
+  isBusy = true;
+  const asked = query(), start = performance.now();
+  try {
+    const more = { page, number: String(++number) };
+    if (isDraft) more.draft = '1';
+    const picture = await api.picture(`view?${query(more)}`);
+    if (picture) {
+      show(picture, isDraft ? '' : asked);
+      const all = performance.now() - start;
+      document.body.dataset.milliseconds = all.toFixed(0);
+      $('status').textContent = `${picture.columns} × ${picture.rows}${isDraft ? ', draft' : ''}, ${all.toFixed(0)} ms`;
+      say(session.problems.concat(picture.warnings).join('\n'));
+    }
+    if (picture && !isDraft && asked === query()) await complete(asked);
+  } catch (error) {
+    fail(error);
+  } finally {
+    isBusy = false;
+  }
+  const next = isWanted;
+  isWanted = false;
+  if (next) ask(next === 'draft');
+}
+
+// What belongs to a still view.
+async function complete(asked) {
+  await showCommand();
+  if (session.renders_m.length > 0) showRender(await api.picture(`reference?${asked}`).catch(() => null));
+  if (isWanted || asked !== query()) return;
+  showQuality(await api.json(`metrics?${asked}`));
+  document.body.dataset.complete = asked;
+}
+
+onChange(() => {
+  ask(true);
+  clearTimeout(stillTimer);
+  stillTimer = setTimeout(() => ask(false), patience);
+  drawSpace();
+});
+
+function setRange() {
+  const range = $('distance'), depths = session.depths_m.map(m => m * 1e3), at = session.defaults.distance_m * 1e3;
+  const [low, high] = depths[1] > 0 ? depths : [at * 0.85, at * 1.15];
+  const margin = Math.max((high - low) * 0.25, at * 0.02);
+  range.min = String(Math.max(0, Math.min(low, at) - margin));
+  range.max = String(Math.max(high, at) + margin);
+  range.step = 'any';
+}
+
+async function load() {
+  const before = session.readings;
+  Object.assign(session, await api.json('session'));
+  if (isLost) { isLost = false; say(''); }
+  if (session.readings !== before) {
+    const name = session.paths.length === 1 ? session.paths[0] : `${session.paths.length} holograms`;
+    $('title').textContent = name;
+    document.title = `${name} – Holotrace`;
+    say(session.problems.join('\n'));
+    if (before === 0 || state.distance === 0) state.distance = Number((session.defaults.distance_m * 1e3).toFixed(4));
+    state.shown = null;
+    setRange();
+    buildControls();
+    writeControls();
+    if (session.items.length > 0) {
+      await ask(false);
+      setPoints(new Float32Array(await api.bytes('points')));
+      startSpace(new Float32Array(await api.bytes('points')));
+      await showPanel();
+    }
+    if (session.has_report) await showReport();
+  }
+  showProgress(session.progress);
+}
+
+// New files and the progress of a running job.
+async function watch() {
+  try {
+    if (!document.hidden) await load();
+  } catch (error) {
+    fail(error);
+  }
+  setTimeout(watch, 2000);
+}
+
+const themes = matchMedia('(prefers-color-scheme: dark)');
+function setTheme(name) {
+  document.documentElement.dataset.theme = name;
+  drawSpace();
+}
+$('theme').addEventListener('click', () => setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark'));
+themes.addEventListener('change', () => setTheme(themes.matches ? 'dark' : 'light'));
+setTheme(themes.matches ? 'dark' : 'light');
+document.body.dataset.page = page;
+watch();

@@ -1,0 +1,47 @@
+// What the page shows: one object of plain values, in millimetres, and the query that the server understands.
+
+export const state = {
+  distance: 300, pupil: 0, eye: [0, 0, 0], focal: 0, exposure: 0,
+  hasOrders: false, effects: new Set(), shown: null,  // null: all holograms
+};
+export const session = { items: [], problems: [], readings: 0 };
+
+const number = value => String(Number(Number(value).toPrecision(10)));
+const length = millimetres => `${number(millimetres)} mm`;
+
+/** The query of the present state. */
+export function query(more = {}) {
+  const parts = new URLSearchParams();
+  parts.set('distance', length(state.distance));
+  if (state.pupil > 0) {
+    parts.set('pupil', length(state.pupil));
+    parts.set('eye', state.eye.map(number).join(' ') + ' mm');
+    if (state.focal > 0) parts.set('focal-length', length(state.focal));
+  }
+  if (state.exposure > 0) parts.set('exposure', number(state.exposure));
+  if (state.hasOrders) parts.set('subpixels', '3');
+  if (state.effects.size > 0) parts.set('effects', [...state.effects].join(','));
+  if (state.shown && state.shown.length < session.items.length) parts.set('items', state.shown.join(','));
+  for (const [key, value] of Object.entries(more)) parts.set(key, value);
+  return parts.toString();
+}
+
+const listeners = [];
+/** Calls `work(what)` after every change of the state. */
+export function onChange(work) { listeners.push(work); }
+
+/** Changes values of the state and tells all listeners. */
+export function change(values) {
+  Object.assign(state, values);
+  for (const work of listeners) work(values);
+}
+
+export function clamp(value, low, high) { return Math.min(Math.max(value, low), high); }
+
+/** The colour in which light of a wavelength [m] is drawn. */
+export function colourOf(wavelength) {
+  const nm = wavelength * 1e9;
+  const bump = (centre, width) => Math.exp(-(((nm - centre) / width) ** 2));
+  const part = x => Math.round(255 * clamp(x, 0, 1));
+  return `rgb(${part(bump(630, 60) + 0.35 * bump(430, 25))},${part(bump(535, 50))},${part(bump(455, 38))})`;
+}

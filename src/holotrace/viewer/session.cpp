@@ -1,0 +1,431 @@
+#include "holotrace/viewer/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/memory.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/progress_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/run/illumination_plan.h"
+#include "holotrace/run/view_series.h"
+#include "holotrace/run/viewing.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/view/camera.h"
+#include "holotrace/view/compare.h"
+#include "holotrace/view/render_at.h"
+#include "holotrace/viewer/fingerprint.h"
+#include "holotrace/wave/propagate/propagator_cache.h"
+
+namespace holotrace {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON without a text that is not UTF-8, which would stop it.
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+std::string key_of(const ViewState& state) {
+  std::string key = values_text(state.show) + values_text(state.camera) + values_text(state.propagation);
+  for (const size_t item : state.shown) key += fmt::format("{},", item);
+  return key;
+}
+
+// The settings with which a draft is quick: no integral over the pixels, which needs several samples in each.
+ViewState coarser(ViewState state) {
+  state.camera.sampling = PixelSampling::point;
+  state.camera.electrons = state.camera.read_noise = 0;
+  return state;
+}
+
+// The first frame of each wavelength and name.
+std::vector<size_t> first_frames(const std::vector<size_t>& chosen, const std::vector<ViewedItem>& items) {
+  std::set<std::pair<double, std::string>> kinds;
+  std::vector<size_t> first;
+  for (const size_t i : chosen)
+    if (kinds.emplace(items[i].hologram.wavelength, items[i].hologram.name).second) first.push_back(i);
+  return first;
+}
+
+std::vector<double> wavelengths_of(const ViewedItem& item, const ShowParams& show) {
+  return item.field ? std::vector<double>{item.field->wavelength} : wavelengths_shown(item.hologram, show);
+}
+
+// Plans without a panel's effects for a field: the light is as it is.
+std::vector<IlluminationState> states_of(const ViewedItem& item, const ShowParams& show, double wavelength,
+                                         const Viewpoint& from, std::vector<std::string>& warnings) {
+  if (item.field) return {IlluminationState{.wavelength = wavelength}};
+  const IlluminationPlan plan =
+      plan_illumination(item.slm, show, wavelength, item.hologram.image, {from}, item.hologram.filter);
+  if (const std::string doubt = doubt_of(plan, show); !doubt.empty()) warnings.push_back(doubt);
+  return plan.states;
+}
+
+void check_size(const ViewedItem& item, const ViewState& state, double wavelength, const Viewpoint& from) {
+  Viewing viewing{item.slm, state.show, state.propagation, {from}};
+  if (item.field) viewing.show = ShowParams();
+  const ViewingNeed need = viewing_need(viewing, {wavelength}, item.hologram.image, item.hologram.filter);
+  require(need.columns * need.rows <= most_sensor_pixels,
+          "expected a sensor of at most {:.0f} million pixels here, got {:.0f} × {:.0f}; use holotrace show",
+          most_sensor_pixels / 1e6, need.columns, need.rows);
+  require_memory(need.shown + need.passing, "this view");
+}
+
+// Where the job writes that makes these files.
+std::string folder_of(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) ? path : fs::path(path).parent_path().string();
+}
+
+// Transfer functions of one distance for all wavelengths, which the frames of a view share: at half the panel's pitch
+// and padded, about 4.6 fields each. Those of earlier distances are not needed again.
+double bytes_of_transfer(const std::vector<ViewedItem>& items) {
+  std::set<double> wavelengths;
+  double pixels = 0;
+  for (const ViewedItem& item : items) {
+    for (const double wavelength : wavelengths_of(item, ShowParams())) wavelengths.insert(wavelength);
+    pixels = std::max(pixels, double(item.slm.grid.pixels()));
+  }
+  return 5 * pixels * sizeof(std::complex<float>) * double(wavelengths.size());
+}
+
+Observer warnings_to(std::vector<std::string>& warnings) {
+  Observer observer;
+  observer.on_warning = [&warnings](const std::string& sentence) {
+    if (std::find(warnings.begin(), warnings.end(), sentence) == warnings.end()) warnings.push_back(sentence);
+  };
+  return observer;
+}
+
+}  // namespace
+
+Session::Session(std::vector<std::string> paths, ContentsParams params, double light_bytes)
+    : paths_(std::move(paths)),
+      params_(std::move(params)),
+      light_(light_bytes > 0 ? light_bytes : physical_memory() / 4) {
+  load();
+}
+
+void Session::load() {
+  stamp_ = stamp_of(paths_);
+  light_.clear();
+  last_.reset();
+  contents_ = Contents();  // its memory is free before the next one is read
+  contents_ = load_contents(paths_, params_);
+  ++readings_;
+  defaults_ = ViewState();
+  limit_propagator_cache(bytes_of_transfer(contents_.items));
+  if (!contents_.renders.empty()) {
+    const ViewPlace& place = contents_.renders.front().place;
+    defaults_.camera.distances = {place.distance};
+    if (!contents_.items.empty())
+      defaults_.camera.binning = std::max(1, int(std::lround(place.pixel / contents_.items.front().slm.grid.pitch)));
+  } else if (!contents_.points.empty()) {
+    std::vector<double> depths;
+    for (const SpacePoint& point : contents_.points) depths.push_back(-point.place.z);
+    std::nth_element(depths.begin(), depths.begin() + std::ptrdiff_t(depths.size() / 2), depths.end());
+    defaults_.camera.distances = {std::round(depths[depths.size() / 2] * 1e4) / 1e4};
+  }
+}
+
+int Session::refresh() {
+  const std::lock_guard lock(mutex_);
+  if (stamp_of(paths_) != stamp_) load();
+  return readings_;
+}
+
+ViewState Session::state_of(const Query& query) {
+  const std::lock_guard lock(mutex_);
+  return view_state(query, defaults_, contents_.items.size());
+}
+
+std::vector<size_t> Session::chosen(const ViewState& state) const {
+  require(!contents_.items.empty(), "{}",
+          contents_.problems.empty() ? "there is no hologram to show" : contents_.problems.front());
+  std::vector<size_t> items = state.shown;
+  if (items.empty())
+    for (size_t i = 0; i < contents_.items.size(); ++i) items.push_back(i);
+  require(items.back() < contents_.items.size(), "expected holograms below {}, got {}", contents_.items.size(),
+          items.back());
+  return state.is_draft ? first_frames(items, contents_.items) : items;
+}
+
+std::optional<TakenView> Session::take(const ViewState& given, const std::function<bool()>& is_outdated) {
+  const ViewState state = given.is_draft ? coarser(given) : given;
+  const std::string key = key_of(state);
+  if (!given.is_draft && last_ && last_->key == key) return last_->view;
+  const Viewpoint from = viewpoints(state.camera).front();
+  const std::string of_pupil =
+      fmt::format("{:a};{:a};{:a};{:a}", from.camera.pupil, from.camera.eye.x, from.camera.eye.y, from.camera.eye.z);
+  TakenView taken;
+  CombinedViews sum;
+  const Observer observer = warnings_to(taken.warnings);
+  for (const size_t i : chosen(given)) {
+    const ViewedItem& item = contents_.items[i];
+    for (const double wavelength : wavelengths_of(item, state.show)) {
+      ShowParams show = state.show;
+      if (!item.hologram.colours.empty()) show.wavelength = wavelength;
+      check_size(item, state, wavelength, from);
+      const auto states = states_of(item, show, wavelength, from, taken.warnings);
+      Image mean;
+      for (const IlluminationState& at : states) {
+        if (is_outdated && is_outdated()) return std::nullopt;
+        const std::string source = fmt::format("{};{:a};{:a};{:a};{:a};{}", i, at.wavelength, at.tilt_x, at.tilt_y,
+                                               at.flicker, values_text(show));
+        std::shared_ptr<const Field> computed;
+        if (!item.field)
+          computed = light_.get("shown " + source,
+                                [&] { return show_state(item.hologram, item.slm, show, at, observer).field; });
+        const Field& shown = item.field ? *item.field : *computed;
+        const bool is_changed = from.camera.pupil > 0 || shown.filter;
+        std::shared_ptr<const Field> passed;
+        if (is_changed)
+          passed = light_.get("pupil " + of_pupil + source, [&] {
+            return *light_in_pupil(shown, item.slm, state.propagation, from.camera, observer);
+          });
+        const Image view = focus_light(passed ? *passed : shown, shape_of(shown), item.slm, from.distance,
+                                       state.propagation, from.camera, at.source);
+        if (states.size() == 1)
+          mean = view;
+        else
+          add_weighted(view, at.weight, mean);
+      }
+      add_view(item.hologram, wavelength, item.slm, from, mean, sum);
+    }
+  }
+  std::vector<Image> images{sum.image()};
+  const bool keeps_white = given.is_draft && state.camera.exposure == 0 && last_;  // it does not flicker, and is faster
+  taken.white = keeps_white ? last_->view.white : common_white(images, state.camera.exposure);
+  read_views(images, taken.white, ViewKind::distance, state.camera);
+  taken.image = std::move(images.front());
+  if (!given.is_draft) last_ = Kept{key, taken};
+  return taken;
+}
+
+std::optional<TakenView> Session::view(const ViewState& state, const std::function<bool()>& is_outdated) {
+  const std::lock_guard lock(mutex_);
+  return take(state, is_outdated);
+}
+
+std::optional<TakenView> Session::projected_render(const ViewState& state) {
+  if (contents_.renders.empty()) return std::nullopt;
+  const TakenView view = *take(state, {});
+  const double distance = state.camera.distances.front();
+  const auto away = [&](const RenderOfView& r) { return std::abs(r.place.distance - distance); };
+  const auto nearest = std::min_element(contents_.renders.begin(), contents_.renders.end(),
+                                        [&](const auto& a, const auto& b) { return away(a) < away(b); });
+  ViewPlace place = nearest->place;
+  const double m = magnification(state.camera, distance, contents_.items.front().hologram.image);
+  place.distance = distance;
+  place.pixel = view.image.pitch / m;
+  place.centre_x = view.image.centre_x / m;
+  place.centre_y = view.image.centre_y / m;
+  if (view.image.channels == 1) place.wavelengths.resize(1);
+  TakenView render{render_at(load_image(nearest->path), place, view.image.ny, view.image.nx)};
+  if (std::any_of(render.image.values.begin(), render.image.values.end(), [](float v) { return v > 0; })) {
+    const double scale = compare(render.image, view.image).scale;
+    render.white = scale > 0 ? scale * view.white : common_white({render.image}, 0);
+  }
+  return render;
+}
+
+std::optional<TakenView> Session::reference(const ViewState& state) {
+  const std::lock_guard lock(mutex_);
+  return projected_render(state);
+}
+
+std::string Session::metrics(const ViewState& state) {
+  const std::lock_guard lock(mutex_);
+  const TakenView view = *take(state, {});
+  Json json{{"contrast", speckle_contrast(view.image)}};
+  const std::optional<TakenView> render = projected_render(state);
+  if (render && render->white > 0 &&
+      std::any_of(render->image.values.begin(), render->image.values.end(), [](float v) { return v > 0; })) {
+    const Metrics m = compare(render->image, view.image);
+    const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+    json["psnr_db"] = number(m.psnr);
+    json["ssim"] = number(m.ssim);
+    json["speckle_contrast"] = number(m.speckle_contrast);
+  }
+  return text_of(json);
+}
+
+std::string Session::values(const ViewState& state, int column, int row, int columns, int rows) {
+  const std::lock_guard lock(mutex_);
+  const TakenView view = *take(state, {});
+  const Image& image = view.image;
+  constexpr int most = 64;
+  require(column >= 0 && row >= 0 && columns >= 1 && rows >= 1 && columns <= most && rows <= most &&
+              column <= image.nx - columns && row <= image.ny - rows,
+          "expected a window of at most {} × {} pixels inside the view of {} × {}, got {} × {} at {}, {}", most, most,
+          image.nx, image.ny, columns, rows, column, row);
+  Json lines = Json::array();
+  for (int j = row; j < row + rows; ++j) {
+    Json line = Json::array();
+    for (int i = column; i < column + columns; ++i)
+      for (int c = 0; c < image.channels; ++c) line.push_back(image(j, i, c));
+    lines.push_back(line);
+  }
+  return text_of({{"channels", image.channels}, {"white", view.white}, {"rows", lines}});
+}
+
+BytePicture Session::panel(size_t number, PanelQuantity quantity, const ViewState& state) {
+  const std::lock_guard lock(mutex_);
+  require(number < contents_.items.size(), "expected a hologram below {}, got {}", contents_.items.size(), number);
+  const ViewedItem& item = contents_.items[number];
+  if (quantity == PanelQuantity::level && !item.field) {
+    const Hologram& h = item.hologram;
+    BytePicture picture{h.grid.nx, h.grid.ny, 1, {}};
+    for (const uint16_t level : h.level.values) picture.values.push_back(uint8_t(level * 255.0 / (h.levels - 1) + 0.5));
+    return picture;
+  }
+  const double wavelength = wavelengths_of(item, state.show).front();
+  ShowParams show = state.show;
+  if (!item.hologram.colours.empty()) show.wavelength = wavelength;
+  const Field shown = item.field ? *item.field : holotrace::show(item.hologram, item.slm, show);
+  BytePicture picture{shown.grid.nx, shown.grid.ny, 1, {}};
+  double square = 0;
+  for (const auto& u : shown.samples.values) square += std::norm(std::complex<double>(u));
+  const double white = 2 * std::sqrt(square / double(shown.samples.size()));  // twice the rms amplitude
+  for (const auto& u : shown.samples.values) {
+    const double cycles = std::arg(u) / (2 * std::numbers::pi);
+    const double value = quantity == PanelQuantity::phase ? cycles - std::floor(cycles)
+                         : white > 0                      ? std::min(1.0, double(std::abs(u)) / white)
+                                                          : 0;
+    picture.values.push_back(uint8_t(std::min(255.0, value * 256)));
+  }
+  return picture;
+}
+
+std::string Session::file(const ViewState& state, const std::string& extension) {
+  const std::lock_guard lock(mutex_);
+  ViewState still = state;
+  still.is_draft = false;
+  const TakenView view = *take(still, {});
+  namespace fs = std::filesystem;
+  std::string name = (fs::temp_directory_path() / "holotrace_view_XXXXXX").string();
+  require(mkdtemp(name.data()) != nullptr, "expected a folder for temporary files, but {} cannot be written",
+          fs::temp_directory_path().string());
+  const std::string path = name + "/view" + extension;
+  std::string bytes;
+  try {
+    save_image(path, view.image, view.white, state.camera.bits);
+    std::ifstream in(path, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  } catch (...) {
+    fs::remove_all(name);
+    throw;
+  }
+  fs::remove_all(name);
+  return bytes;
+}
+
+std::string Session::command_line(const Query& query) {
+  const std::lock_guard lock(mutex_);
+  const ViewState state = view_state(query, defaults_, contents_.items.size());
+  std::string line = "holotrace show";
+  for (const size_t i : chosen(state)) {
+    const ViewedItem& item = contents_.items[i];
+    if (item.field || item.file.empty()) return "";
+    line.append(" ").append(shell_word(item.file));
+  }
+  if (!params_.slm.empty()) line.append(" --slm ").append(shell_word(params_.slm));
+  Query full = query;
+  full.erase("draft");
+  full.try_emplace("distance", fmt::format("{} m", state.camera.distances.front()));
+  if (defaults_.camera.binning != 0) full.try_emplace("binning", fmt::format("{}", defaults_.camera.binning));
+  for (const std::string& argument : show_arguments(full)) line.append(" ").append(shell_word(argument));
+  return line + " -o view.png";
+}
+
+std::vector<float> Session::points() {
+  const std::lock_guard lock(mutex_);
+  std::vector<float> numbers;
+  for (const SpacePoint& point : contents_.points)
+    for (const double v : {point.place.x, point.place.y, point.place.z, double(point.brightness)})
+      numbers.push_back(float(v));
+  return numbers;
+}
+
+std::string Session::report() {
+  const std::lock_guard lock(mutex_);
+  return contents_.report.empty() ? "{}" : contents_.report;
+}
+
+std::string Session::memory_text() {
+  const std::lock_guard lock(mutex_);
+  if (contents_.items.empty()) return contents_.problems.empty() ? "nothing to show" : contents_.problems.front();
+  double held = 0, fields = 0;
+  for (const ViewedItem& item : contents_.items) {
+    const double pixels = double(item.slm.grid.pixels());
+    held += pixels * (item.field ? sizeof(std::complex<float>) : sizeof(uint16_t));
+    fields += 2 * pixels * sizeof(std::complex<float>);
+  }
+  const ViewedItem& item = contents_.items.front();
+  const Grid& panel = item.slm.grid;
+  const ViewingNeed need = viewing_need({item.slm, ShowParams(), {}, viewpoints(defaults_.camera)},
+                                        wavelengths_of(item, ShowParams()), item.hologram.image, item.hologram.filter);
+  return fmt::format(
+      "{} {} of {} × {} pixels: up to {} of memory for them and their light, and {} while a picture is computed",
+      contents_.items.size(), item.field ? "field(s)" : "hologram(s)", panel.nx, panel.ny,
+      format_bytes(held + std::min(fields, light_.most_bytes())), format_bytes(need.passing));
+}
+
+std::string Session::describe() {
+  const std::lock_guard lock(mutex_);
+  Json json{{"kind", contents_.kind}, {"paths", paths_}, {"readings", readings_}, {"problems", contents_.problems}};
+  Json items = Json::array();
+  for (const ViewedItem& item : contents_.items) {
+    const Hologram& h = item.hologram;
+    Json one{{"file", std::filesystem::path(item.file).filename().string()},
+             {"is_field", item.field.has_value()},
+             {"wavelengths_m", wavelengths_of(item, ShowParams())},
+             {"name", h.name},
+             {"frame", h.frame},
+             {"encoder", h.encoder},
+             {"image", h.image == ImageSide::real_image ? "real" : "virtual"},
+             {"effects", item.field ? std::vector<std::string>() : effects_of(item.slm)}};
+    items.push_back(one);
+  }
+  json["items"] = items;
+  if (!contents_.items.empty()) {
+    const ViewedItem& item = contents_.items.front();
+    const Grid& panel = item.slm.grid;
+    const double wavelength = wavelengths_of(item, ShowParams()).front();
+    json["panel"] = {{"name", item.slm.name},
+                     {"columns", panel.nx},
+                     {"rows", panel.ny},
+                     {"pitch_m", panel.pitch},
+                     {"wavelength_m", wavelength},
+                     {"acceptance_tangent", std::min(10.0, acceptance_tangent(wavelength, panel.pitch))}};
+  }
+  json["defaults"] = {{"distance_m", defaults_.camera.distances.front()}, {"binning", defaults_.camera.binning}};
+  double nearest = 0, farthest = 0;
+  for (const SpacePoint& point : contents_.points) {
+    nearest = nearest == 0 ? -point.place.z : std::min(nearest, -point.place.z);
+    farthest = std::max(farthest, -point.place.z);
+  }
+  json["depths_m"] = {nearest, farthest};
+  Json renders = Json::array();
+  for (const RenderOfView& render : contents_.renders) renders.push_back(render.place.distance);
+  json["renders_m"] = renders;
+  json["has_report"] = !contents_.report.empty();
+  json["progress"] = nullptr;
+  if (const auto text = running_progress(folder_of(paths_.front()))) {
+    const Json progress = Json::parse(*text, nullptr, false);  // it may be half written
+    if (progress.is_object()) json["progress"] = progress;
+  }
+  return text_of(json);
+}
+
+}  // namespace holotrace

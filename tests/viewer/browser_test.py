@@ -1,0 +1,391 @@
+#!/usr/bin/env python3
+"""The page of `holotrace view` in a real browser: headless Chromium, driven by Selenium.
+
+Usage: browser_test.py PROGRAM [unittest arguments]. Without Chromium, its driver, Selenium or Pillow: exit code 77.
+HOLOTRACE_SCREENSHOTS=FOLDER writes pictures of the page.
+"""
+
+import base64
+import io
+import json
+import os
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+try:
+    from PIL import Image
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+except ImportError as error:
+    print(f"skipped: {error}; scripts/setup installs what is missing")
+    sys.exit(77)
+
+DRIVER = shutil.which("chromedriver")
+if not DRIVER or not (shutil.which("chromium") or shutil.which("google-chrome")):
+    print("skipped: no chromium with chromedriver; scripts/setup installs them")
+    sys.exit(77)
+
+PROGRAM = os.path.abspath(sys.argv.pop(1))
+
+# A near and a far square, left and right, lit from the front.
+SCENE = """
+wavelength = "532 nm"
+[slm]
+columns = 320
+rows = 180
+pitch = "8 um"
+[trace]
+columns = 96
+rows = 54
+field_of_view = "1.1 deg"
+paths = 4
+[render]
+columns = 160
+rows = 90
+paths = 8
+[camera]
+distances = "40 mm"
+[[light]]
+type = "rectangle"
+corner = "-5 -5 5 mm"
+edge_u = "0 10 0 mm"
+edge_v = "10 0 0 mm"
+radiance = 5
+[[object]]
+type = "quad"
+width = "0.7 mm"
+height = "0.9 mm"
+position = "-0.5 0 -40 mm"
+[[object]]
+type = "quad"
+width = "0.7 mm"
+height = "0.9 mm"
+position = "0.5 0 -60 mm"
+"""
+
+
+def wait_until(work, seconds=20, what="the page"):
+    end = time.time() + seconds
+    while time.time() < end:
+        try:
+            if work():
+                return
+        except Exception:  # the page is loading
+            pass
+        time.sleep(0.03)
+    raise AssertionError(f"waited {seconds} s for {what}")
+
+
+class Server:
+    def __init__(self, *arguments):
+        self.process = subprocess.Popen([PROGRAM, "view", "--no-browser", *arguments], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True)
+        self.url = self.process.stdout.readline().strip()
+
+    def stop(self):
+        self.process.send_signal(signal.SIGINT)
+        try:
+            self.process.communicate(timeout=20)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise
+        return self.process.returncode
+
+
+def new_browser(columns, rows, is_phone=False):
+    options = webdriver.ChromeOptions()
+    for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+                     "--ignore-gpu-blocklist", "--hide-scrollbars", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    browser = webdriver.Chrome(options=options, service=Service(DRIVER))
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                            {"width": columns, "height": rows, "deviceScaleFactor": 1, "mobile": is_phone})
+    return browser
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="holotrace_browser_")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        scene = os.path.join(cls.folder, "scene.toml")
+        with open(scene, "w") as file:
+            file.write(SCENE)
+        cls.out = os.path.join(cls.folder, "out")
+        subprocess.run([PROGRAM, "-q", "run", scene, "-o", cls.out], check=True)
+        cls.browser = new_browser(1280, 720)
+        cls.addClassCleanup(cls.browser.quit)
+
+    def setUp(self):
+        self.server = Server(self.out)
+        self.addCleanup(self.stop)
+        self.open()
+
+    def stop(self):
+        if self.server.process.returncode is None:
+            self.assertEqual(self.server.stop(), 0)
+
+    def open(self):
+        self.browser.get(self.server.url)
+        self.settle()
+
+    def script(self, text, *arguments):
+        return self.browser.execute_script(text, *arguments)
+
+    def get(self, identity):
+        return self.browser.find_element(By.ID, identity)
+
+    def settle(self):
+        """Waits for the still view of the present state, with its command line, render and quality."""
+        wait_until(lambda: self.script("""
+            const page = document.body.dataset, still = document.getElementById('picture').dataset.still;
+            return still && page.complete === still;"""), what="a complete still view")
+
+    def change(self, work):
+        """Does something that changes the state, and waits for the view of the new one."""
+        before = self.script("return document.body.dataset.complete")
+        work()
+        wait_until(lambda: self.script("return document.body.dataset.complete") != before, what="a new view")
+        self.settle()
+
+    def canvas(self):
+        data = self.script("""
+            const canvas = document.getElementById('picture');
+            return canvas.toDataURL('image/png');""")
+        return Image.open(io.BytesIO(base64.b64decode(data.split(",")[1]))).convert("RGB")
+
+    def assert_view_is_that_of_show(self):
+        """The bytes of the canvas are those of the command line that the page offers."""
+        command = shlex.split(self.get("command").text)
+        self.assertEqual(command[:2], ["holotrace", "show"])
+        path = os.path.join(self.folder, "view.png")
+        subprocess.run([PROGRAM, "-q"] + command[1:-1] + [path], check=True)
+        expected = Image.open(path).convert("RGB")
+        shown = self.canvas()
+        self.assertEqual(shown.size, expected.size)
+        self.assertEqual(shown.tobytes(), expected.tobytes())
+
+    def distance(self):
+        return float(self.get("distance-number").get_attribute("value"))
+
+    def set_number(self, identity, value):
+        field = self.get(identity)
+        self.script("""
+            arguments[0].value = arguments[1];
+            arguments[0].dispatchEvent(new Event('input', {bubbles: true}));""", field, str(value))
+
+    def test_shows_the_bytes_of_show(self):
+        self.assertEqual(self.distance(), 40)
+        self.assert_view_is_that_of_show()
+
+    def test_focuses_by_wheel_number_and_keys(self):
+        frame = self.get("frame")
+        self.change(lambda: ActionChains(self.browser).scroll_from_origin(
+            webdriver.common.actions.wheel_input.ScrollOrigin.from_element(frame), 0, -100).perform())
+        wheeled = self.distance()
+        self.assertGreater(wheeled, 40)
+        self.assert_view_is_that_of_show()
+        self.change(lambda: self.set_number("distance-number", 55.5))
+        self.assertEqual(self.distance(), 55.5)
+        self.assert_view_is_that_of_show()
+        self.change(lambda: frame.send_keys(Keys.ARROW_DOWN))
+        self.assertLess(self.distance(), 55.5)
+
+    def test_focuses_at_what_is_clicked(self):
+        frame = self.get("frame")
+        width = frame.size["width"]
+        for side, depth in ((0.195, 60), (-0.195, 40)):  # 0.5 mm of the panel's 2.56 mm beside the middle
+            self.change(lambda: ActionChains(self.browser).move_to_element_with_offset(
+                frame, int(side * width), 0).click().perform())
+            self.assertAlmostEqual(self.distance(), depth, delta=0.01)
+        self.assert_view_is_that_of_show()
+
+    def test_moves_the_eye(self):
+        self.change(lambda: self.set_number("pupil", 1))
+        self.change(lambda: self.set_number("eye-z", 50))
+        dark = self.canvas()
+        self.change(lambda: ActionChains(self.browser).drag_and_drop_by_offset(self.get("frame"), 40, 0).perform())
+        self.assertGreater(float(self.get("eye-x").get_attribute("value")), 0.5)
+        self.assertNotEqual(self.canvas().tobytes(), dark.tobytes())
+        self.assert_view_is_that_of_show()
+        # The eye in the picture in space.
+        space = self.get("space")
+        self.script("arguments[0].scrollIntoView()", space)
+        before = float(self.get("eye-x").get_attribute("value"))
+        x, y = (float(space.get_attribute(name)) for name in ("data-eye-x", "data-eye-y"))
+        self.change(lambda: ActionChains(self.browser).move_to_element_with_offset(
+            space, int(x - space.size["width"] / 2), int(y - space.size["height"] / 2)).click_and_hold()
+            .move_by_offset(-15, 0).release().perform())
+        self.assertLess(float(self.get("eye-x").get_attribute("value")), before)
+
+    def test_switches_orders(self):
+        orders = self.get("orders")
+        self.change(orders.click)
+        self.assertIn("--subpixels 3", self.get("command").text)
+        self.assert_view_is_that_of_show()
+
+    def test_compares_with_the_render(self):
+        quality = self.get("quality").text
+        for name in ("PSNR", "SSIM", "Speckle contrast"):
+            self.assertIn(name, quality)
+        self.script("""
+            const split = document.getElementById('split');
+            split.value = 50;
+            split.dispatchEvent(new Event('input'));""")
+        self.assertTrue(self.get("divider").is_displayed())
+        self.assertIn("50%", self.get("render").value_of_css_property("clip-path"))
+
+    def test_shows_numbers_in_pixels(self):
+        for _ in range(14):
+            self.get("zoom-in").click()
+        wait_until(lambda: self.script("""
+            const canvas = document.getElementById('numbers');
+            const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+            return data.some(value => value > 0);"""), what="numbers in the pixels")
+
+    def test_shows_the_hologram(self):
+        for quantity in ("amplitude", "phase", "level"):
+            self.script("""
+                const choice = document.getElementById('panel-as');
+                choice.value = arguments[0];
+                choice.dispatchEvent(new Event('change'));""", quantity)
+            wait_until(lambda: quantity in self.get("panel").get_attribute("aria-label"))
+        levels = Image.open(os.path.join(self.out, "hologram.png")).convert("L")
+        wait_until(lambda: self.panel_bytes() == levels.tobytes(), what="the levels")
+
+    def panel_bytes(self):
+        data = self.script("return document.getElementById('panel').toDataURL('image/png')")
+        return Image.open(io.BytesIO(base64.b64decode(data.split(",")[1]))).convert("L").tobytes()
+
+    def test_draws_space(self):
+        self.assertTrue(self.script("""
+            const canvas = document.getElementById('space'), copy = document.createElement('canvas');
+            return canvas.getContext('webgl2') !== null && canvas.dataset.eyeX !== undefined;"""))
+
+    def test_survives_reload_and_two_tabs(self):
+        self.change(lambda: self.set_number("distance-number", 50))
+        self.browser.refresh()
+        self.settle()
+        first = self.browser.current_window_handle
+        self.browser.switch_to.new_window("tab")
+        self.open()
+        self.change(lambda: self.set_number("distance-number", 45))
+        self.browser.close()
+        self.browser.switch_to.window(first)
+        self.change(lambda: self.set_number("distance-number", 42))
+        self.assert_view_is_that_of_show()
+
+    def test_watches_a_running_job(self):
+        folder = os.path.join(self.folder, "optimised")
+        os.makedirs(folder)
+        scene = os.path.join(self.folder, "optimised.toml")
+        with open(scene, "w") as file:
+            file.write('extends = "scene.toml"\n[encode]\nmethod = "sgd"\ntarget = "render"\niterations = 100000\n')
+        server = Server(folder)
+        self.addCleanup(server.stop)
+        self.browser.get(server.url)
+        wait_until(lambda: "no hologram.png" in self.get("problem").text)
+        job = subprocess.Popen([PROGRAM, "-q", "run", scene, "-o", folder, "--checkpoint",
+                                os.path.join(self.folder, "state.h5")], stderr=subprocess.DEVNULL)
+        points = lambda: int(self.get("convergence").get_attribute("data-points") or 0)
+        wait_until(lambda: points() > 10, what="the first part of the curve")
+        first = points()
+        wait_until(lambda: points() != first, what="more of the curve")
+        self.assertIn("loss", self.get("progress-text").text)
+        self.assertIn("dB", self.get("convergence").get_attribute("aria-label"))
+        job.kill()
+        job.wait()
+        wait_until(lambda: self.get("progress-text").text == "", what="the end of the job")
+        # The job goes on with fewer iterations, and its result appears by itself.
+        subprocess.run([PROGRAM, "-q", "run", scene, "-o", folder, "--iterations", "20"], check=True)
+        self.settle()
+        self.assertEqual(self.get("problem").text, "")
+        self.assertEqual(points(), 21)  # 20 iterations, and the error at the end
+        self.assertEqual([name for name in os.listdir(folder) if name.startswith(".")], [])
+
+    def test_says_that_the_server_is_gone(self):
+        self.server.stop()
+        self.set_number("distance-number", 50)
+        wait_until(lambda: "does not answer" in self.get("problem").text)
+
+    def test_loads_nothing_from_elsewhere(self):
+        origin = self.script("return location.origin")
+        for name in self.script("return performance.getEntriesByType('resource').map(entry => entry.name)"):
+            self.assertTrue(name.startswith(origin) or name.startswith("data:"), name)
+        self.browser.get_log("browser")  # of earlier tests
+        self.open()
+        self.assertEqual([entry["message"] for entry in self.browser.get_log("browser")], [])
+
+    def test_is_accessible(self):
+        for theme in ("light", "dark"):
+            self.script("document.documentElement.dataset.theme = arguments[0]", theme)
+            self.script("document.querySelectorAll('details').forEach(box => { box.open = true; })")
+            self.assertEqual(self.script(FAULTS), [], theme)
+        nodes = self.browser.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+        needing = {"button", "slider", "spinbutton", "checkbox", "combobox", "link", "image", "application"}
+        for node in nodes:
+            if not node.get("ignored") and node.get("role", {}).get("value") in needing:
+                self.assertTrue(node.get("name", {}).get("value"), json.dumps(node)[:300])
+
+    def test_fits_a_phone(self):
+        phone = new_browser(390, 844, True)
+        self.addCleanup(phone.quit)
+        phone.get(self.server.url)
+        wait_until(lambda: phone.execute_script("return document.body.dataset.complete"))
+        self.assertLessEqual(phone.execute_script("return document.documentElement.scrollWidth"), 390)
+        self.keep_screenshot(phone, "viewer_phone")
+
+    def test_fits_a_desktop(self):
+        self.assertLessEqual(self.script("return document.documentElement.scrollHeight"), 720)
+        self.keep_screenshot(self.browser, "viewer_desktop")
+
+    def keep_screenshot(self, browser, name):
+        folder = os.environ.get("HOLOTRACE_SCREENSHOTS")
+        if folder:
+            browser.save_screenshot(os.path.join(folder, name + ".png"))
+
+
+# Faults that WCAG 2.2 AA names and a program can find: controls and pictures without a name, text whose contrast is
+# below 4.5, targets smaller than 24 pixels, names that are used twice, headings that skip a level.
+FAULTS = """
+const faults = [];
+const isShown = e => e.getClientRects().length > 0 && getComputedStyle(e).visibility !== 'hidden';
+for (const e of document.querySelectorAll('input, select, button, a[href]')) {
+  const name = (e.labels && [...e.labels].map(l => l.textContent).join('')) || e.getAttribute('aria-label') || e.textContent;
+  if (!name.trim()) faults.push('no name: ' + e.outerHTML.slice(0, 80));
+  const box = (e.labels && e.labels[0] && e.type === 'checkbox' ? e.labels[0] : e).getBoundingClientRect();
+  if (isShown(e) && !e.classList.contains('skip') && (box.width < 24 || box.height < 24))
+    faults.push(`small: ${e.id || e.outerHTML.slice(0, 60)} ${box.width} x ${box.height}`);
+}
+const ids = [...document.querySelectorAll('[id]')].map(e => e.id);
+for (const id of ids) if (ids.indexOf(id) !== ids.lastIndexOf(id)) faults.push('twice: ' + id);
+let level = 0;
+for (const e of document.querySelectorAll('h1, h2, h3, h4')) {
+  if (Number(e.tagName[1]) > level + 1) faults.push('heading skips: ' + e.textContent);
+  level = Number(e.tagName[1]);
+}
+const numbers = colour => (colour.match(/[\\d.]+/g) || []).map(Number);
+const light = ([r, g, b]) => [r, g, b].map(v => v / 255).map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+  .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+const ground = e => { for (; e; e = e.parentElement) { const c = numbers(getComputedStyle(e).backgroundColor); if (c.length === 3 || c[3] > 0.5) return c; } return [255, 255, 255]; };
+for (const e of document.querySelectorAll('body *')) {
+  if (!isShown(e) || ![...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim())) continue;
+  if (['SCRIPT', 'STYLE', 'OPTION'].includes(e.tagName)) continue;
+  const [a, b] = [light(numbers(getComputedStyle(e).color)), light(ground(e))].sort((x, y) => y - x);
+  if ((a + 0.05) / (b + 0.05) < 4.5) faults.push(`contrast ${((a + 0.05) / (b + 0.05)).toFixed(2)}: ${e.id || e.textContent.slice(0, 30)}`);
+}
+return faults;
+"""
+
+if __name__ == "__main__":
+    unittest.main(argv=["browser_test.py", *sys.argv[1:]], verbosity=2)

@@ -1,0 +1,319 @@
+// What people see in the viewer: the pictures of `holotrace show`, and what belongs to them.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "holotrace/base/random.h"
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/run/view_series.h"
+#include "holotrace/run/viewing.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/view/camera.h"
+#include "holotrace/viewer/answers.h"
+#include "holotrace/viewer/session.h"
+#include "support/temporary.h"
+
+namespace holotrace::test {
+namespace {
+
+using Json = nlohmann::json;
+
+Slm small_panel() {
+  Slm slm;
+  slm.grid = {64, 48, 8e-6};
+  slm.fill_factor = 0.9;
+  slm.effects.gap_amplitude = 0.3;
+  return slm;
+}
+
+// A hologram of random levels: light everywhere, so that any difference shows.
+Hologram random_hologram(double wavelength, uint32_t seed, double illumination = 1) {
+  Hologram h;
+  h.slm = small_panel();
+  h.grid = h.slm->grid;
+  h.wavelength = wavelength;
+  h.encoder = "phase";
+  h.illumination = illumination;
+  h.frame = seed;
+  h.level = Array2D<uint16_t>(h.grid.ny, h.grid.nx);
+  uint32_t state = 12345 + seed;
+  for (uint16_t& level : h.level.values) level = uint16_t((state = state * 1664525 + 1013904223) >> 24);
+  return h;
+}
+
+// Writes holograms hologram.png, hologram_2.png, … into a folder of the test.
+std::string folder_of(const std::vector<Hologram>& holograms) {
+  const std::string folder = temporary("out");
+  std::filesystem::create_directories(folder);
+  for (size_t i = 0; i < holograms.size(); ++i)
+    save_hologram(folder + (i == 0 ? "/hologram.png" : "/hologram_" + std::to_string(i + 1) + ".png"), holograms[i]);
+  return folder;
+}
+
+struct Expected {
+  Image image;
+  double white;
+};
+
+// The picture of holograms as `holotrace show` makes it.
+Expected as_show_makes_it(const std::vector<Hologram>& holograms, const ViewState& state) {
+  const auto from = viewpoints(state.camera);
+  Report report;
+  const StageObserver watch;
+  RepeatedStages repeat(1, 1, 1, report, watch);
+  std::vector<CombinedViews> sums(1);
+  for (const Hologram& hologram : holograms)
+    view_hologram(hologram, {*hologram.slm, state.show, {}, from}, repeat, sums);
+  ViewSeries series = expose_series(from, sums, ViewKind::distance, state.camera);
+  return {series.images.front(), series.white};
+}
+
+const std::vector<std::pair<const char*, Query>> settings{
+    {"all light", {}},
+    {"a focus", {{"distance", "20 mm"}}},
+    {"an eye", {{"distance", "15 mm"}, {"pupil", "0.4 mm"}, {"eye", "0.02 -0.03 12 mm"}}},
+    {"an eye on the panel", {{"pupil", "0.3 mm"}, {"eye", "0.05 0 0 mm"}}},
+    {"a lens", {{"pupil", "0.4 mm"}, {"eye", "0 0 100 mm"}, {"focal-length", "17 mm"}}},
+    {"orders and effects", {{"subpixels", "3"}, {"effects", "gaps"}}},
+    {"partly coherent light", {{"bandwidth", "5 nm"}, {"source-angle", "0.2 mrad"}, {"illumination-states", "5"}}},
+    {"a noisy sensor", {{"electrons", "1000"}, {"read-noise", "3"}, {"exposure", "2"}}},
+    {"other pixels", {{"width", "0.3 mm"}, {"pixel", "12 um"}, {"centre-x", "0.05 mm"}}}};
+
+TEST(Session, ShowsThePicturesOfShowBitForBit) {
+  std::vector<Hologram> holograms{random_hologram(532e-9, 0), random_hologram(532e-9, 1),
+                                  random_hologram(638e-9, 0, 2)};
+  Session session({folder_of(holograms)});
+  for (const auto& [name, query] : settings) {
+    const ViewState state = session.state_of(query);
+    const Expected expected = as_show_makes_it(holograms, state);
+    for (int again = 0; again < 2; ++again) {  // from the files, and from the light that is kept
+      session.view(session.state_of({{"distance", "33 mm"}}));
+      const TakenView view = *session.view(state);
+      EXPECT_EQ(view.image.values, expected.image.values) << name;
+      EXPECT_EQ(view.white, expected.white) << name;
+    }
+  }
+}
+
+TEST(Session, ShowsThemWithAStopToo) {
+  Hologram hologram = random_hologram(532e-9, 0);
+  hologram.filter = SpectralFilter{1e4, 0, 2e4, 3e4};
+  Session session({folder_of({hologram})});
+  for (const Query& query : {Query{}, Query{{"pupil", "0.4 mm"}, {"eye", "0 0 12 mm"}, {"distance", "15 mm"}}}) {
+    const ViewState state = session.state_of(query);
+    EXPECT_EQ(session.view(state)->image.values, as_show_makes_it({hologram}, state).image.values);
+  }
+}
+
+TEST(Session, ShowsSomeOfTheHolograms) {
+  std::vector<Hologram> holograms{random_hologram(532e-9, 0), random_hologram(532e-9, 1), random_hologram(638e-9, 0)};
+  Session session({folder_of(holograms)});
+  const ViewState state = session.state_of({{"items", "1"}});
+  EXPECT_EQ(session.view(state)->image.values, as_show_makes_it({holograms[1]}, state).image.values);
+}
+
+TEST(Session, KeepsNoMoreLightThanAllowed) {
+  LightCache cache(2.5 * 64 * 48 * 8);  // two and a half fields of 64 × 48 complex floats
+  const auto make = [] { return Field({64, 48, 8e-6}, 5e-7); };
+  cache.get("a", make);
+  cache.get("b", make);
+  cache.get("a", [&]() -> Field { throw Error("it is kept"); });
+  cache.get("c", make);
+  EXPECT_EQ(cache.bytes(), 2.0 * 64 * 48 * 8);
+  EXPECT_NO_THROW(cache.get("a", [&]() -> Field { throw Error("it was used last"); }));
+  EXPECT_THROW(cache.get("b", [&]() -> Field { throw Error("it is gone"); }), Error);
+  LightCache none(1);
+  EXPECT_EQ(none.get("a", make)->grid.nx, 64);  // larger than all: computed each time
+  EXPECT_EQ(none.bytes(), 0);
+}
+
+TEST(Session, GivesUpWhatIsOutdated) {
+  Session session({folder_of({random_hologram(532e-9, 0)})});
+  EXPECT_FALSE(session.view(session.state_of({}), [] { return true; }));
+  EXPECT_TRUE(session.view(session.state_of({}), [] { return false; }));
+}
+
+TEST(Session, ADraftShowsOneFrameWithTheWhiteOfTheStill) {
+  std::vector<Hologram> holograms{random_hologram(532e-9, 0), random_hologram(532e-9, 1)};
+  Session session({folder_of(holograms)});
+  const double white = session.view(session.state_of({}))->white;
+  const TakenView draft = *session.view(session.state_of({{"draft", "1"}}));
+  EXPECT_EQ(draft.white, white);
+  ViewState state = session.state_of({});
+  state.camera.sampling = PixelSampling::point;
+  EXPECT_EQ(draft.image.values, as_show_makes_it({holograms[0]}, state).image.values);
+}
+
+TEST(Session, WritesTheFilesOfShow) {
+  const std::vector<Hologram> holograms{random_hologram(532e-9, 0)};
+  Session session({folder_of(holograms)});
+  const ViewState state = session.state_of({{"distance", "20 mm"}});
+  const Expected expected = as_show_makes_it(holograms, state);
+  for (const std::string ending : {".png", ".exr"}) {
+    const std::string path = temporary("view" + ending);
+    save_image(path, expected.image, expected.white, 8);
+    std::ifstream in(path, std::ios::binary);
+    EXPECT_EQ(session.file(state, ending), std::string(std::istreambuf_iterator<char>(in), {})) << ending;
+  }
+}
+
+TEST(Session, ShowsAFieldAsItIs) {
+  const Hologram hologram = random_hologram(532e-9, 0);
+  const Field field = show(hologram, *hologram.slm, ShowParams());
+  const std::string path = temporary("field.npy");
+  save_field(path, field);
+  Session session({path});
+  const ViewState state = session.state_of({{"distance", "20 mm"}});
+  Slm plain;
+  plain.grid = field.grid;
+  EXPECT_EQ(session.view(state)->image.values, look(field, plain, 0.02, {}, state.camera).values);
+  EXPECT_EQ(session.command_line({}), "");  // holotrace show takes no field
+}
+
+TEST(Session, SumsSources) {
+  Sources sources{.wavelength = 532e-9};
+  sources.waves = {{{0, 0, -0.3}, 1, 0}, {{0.001, 0, -0.2}, 0.5, 0}};
+  const std::string path = temporary("sources.ply");
+  save_sources(path, sources);
+  Session session({path});
+  const Json json = Json::parse(session.describe());
+  EXPECT_EQ(json["items"].size(), 1u);
+  EXPECT_EQ(json["panel"]["columns"], 1920);  // pluto
+  EXPECT_DOUBLE_EQ(json["depths_m"][0], 0.2);
+  EXPECT_DOUBLE_EQ(json["depths_m"][1], 0.3);
+  EXPECT_EQ(session.points(), (std::vector<float>{0, 0, -0.3F, 1, 0.001F, 0, -0.2F, 0.5F}));
+}
+
+TEST(Session, TellsValuesOfPixels) {
+  Session session({folder_of({random_hologram(532e-9, 0)})});
+  const ViewState state = session.state_of({});
+  const Image image = session.view(state)->image;
+  const Json json = Json::parse(session.values(state, 3, 5, 2, 1));
+  EXPECT_EQ(json["rows"][0][0].get<float>(), image(5, 3));
+  EXPECT_EQ(json["rows"][0][1].get<float>(), image(5, 4));
+  const std::string expected =
+      "expected a window of at most 64 × 64 pixels inside the view of 64 × 48, got 1 × 1 at 64, 0";
+  EXPECT_EQ(error_of([&] { session.values(state, 64, 0, 1, 1); }), expected);
+  EXPECT_NO_THROW(session.values(state, 0, 0, 64, 48));
+  for (const auto [x, y, w, h] : {std::array{-1, 0, 1, 1}, {0, 48, 1, 1}, {0, 0, 65, 1}, {60, 0, 5, 1}, {0, 0, 0, 1}})
+    EXPECT_THROW(session.values(state, x, y, w, h), Error) << x << ' ' << y << ' ' << w << ' ' << h;
+}
+
+TEST(Session, ShowsLevelsAmplitudesAndPhases) {
+  const Hologram hologram = random_hologram(532e-9, 0);
+  Session session({folder_of({hologram})});
+  const BytePicture levels = session.panel(0, PanelQuantity::level, session.state_of({}));
+  ASSERT_EQ(levels.values.size(), 64u * 48);
+  for (size_t i = 0; i < levels.values.size(); ++i) ASSERT_EQ(levels.values[i], hologram.level.values[i]);  // of 256
+  const Field shown = show(hologram, *hologram.slm, ShowParams());
+  const BytePicture phases = session.panel(0, PanelQuantity::phase, session.state_of({}));
+  const double cycles = std::arg(shown.samples(7, 9)) / (2 * 3.14159265358979) + 1;
+  EXPECT_EQ(phases.values[7 * 64 + 9], int((cycles - std::floor(cycles)) * 256));
+  EXPECT_EQ(error_of([&] { session.panel(1, PanelQuantity::level, session.state_of({})); }),
+            "expected a hologram below 1, got 1");
+}
+
+TEST(Session, BoundsTheSensor) {
+  Session session({folder_of({random_hologram(532e-9, 0)})});
+  EXPECT_EQ(error_of([&] {
+              session.view(session.state_of({{"width", "10 mm"}, {"height", "10 mm"}, {"pixel", "1 um"}}));
+            }),
+            "expected a sensor of at most 32 million pixels here, got 10000 × 10000; use holotrace show");
+}
+
+TEST(Session, SaysWhatItCannotRead) {
+  const std::string folder = folder_of({random_hologram(532e-9, 0), random_hologram(532e-9, 1)});
+  std::filesystem::resize_file(folder + "/hologram_2.png", 300);  // its end is missing
+  Session session({folder});
+  Json json = Json::parse(session.describe());
+  EXPECT_EQ(json["items"].size(), 1u);
+  ASSERT_EQ(json["problems"].size(), 1u);
+  EXPECT_NE(json["problems"][0].get<std::string>().find("hologram_2.png"), std::string::npos);
+  EXPECT_TRUE(session.view(session.state_of({})));
+  Session empty({temporary("nothing.png")});
+  EXPECT_NE(error_of([&] { empty.view(empty.state_of({})); }).find("nothing.png"), std::string::npos);
+}
+
+TEST(Session, ReadsAFolderAgainOnceARunHasWrittenIt) {
+  const std::string folder = temporary("out");
+  std::filesystem::create_directories(folder);
+  Session session({folder});
+  EXPECT_EQ(Json::parse(session.describe())["problems"].size(), 1u);
+  EXPECT_EQ(session.refresh(), 1);
+  save_hologram(folder + "/hologram.png", random_hologram(532e-9, 0));
+  EXPECT_EQ(session.refresh(), 2);
+  EXPECT_TRUE(session.view(session.state_of({})));
+  EXPECT_EQ(session.refresh(), 2);
+}
+
+TEST(Session, PrintsTheCommandOfAView) {
+  const std::string folder = folder_of({random_hologram(532e-9, 0), random_hologram(532e-9, 1)});
+  Session session({folder});
+  EXPECT_EQ(
+      session.command_line({{"distance", "20 mm"}, {"items", "1"}, {"draft", "1"}, {"effects", "gaps"}}),
+      "holotrace show " + shell_word(folder + "/hologram_2.png") + " --distance '20 mm' --effects gaps -o view.png");
+}
+
+class AnswersOf : public ::testing::Test {
+ protected:
+  HttpAnswer ask(const std::string& path, const std::string& query = "", const std::string& method = "GET") {
+    return answers({method, "/secret/" + path, query, {{"host", "127.0.0.1:80"}}});
+  }
+  Session session{{folder_of({random_hologram(532e-9, 0)})}};
+  Answers answers{session, {"secret", "127.0.0.1", 80}};
+};
+
+TEST_F(AnswersOf, ThePage) {
+  EXPECT_EQ(ask("").type, "text/html; charset=utf-8");
+  EXPECT_EQ(ask("main.js").type, "text/javascript; charset=utf-8");
+  EXPECT_EQ(ask("style.css").status, 200);
+  EXPECT_EQ(ask("").body.find("http://"), std::string::npos);  // nothing from elsewhere
+}
+
+TEST_F(AnswersOf, NoOtherFiles) {
+  for (const char* path :
+       {"../hologram.png", "..%2fhologram.png", "%2e%2e/hologram.png", "./main.js", "/main.js", "main.js/", "..",
+        "hologram.png", "/etc/passwd", "main.js%00", "....//hologram.png", "..\\hologram.png"})
+    EXPECT_EQ(ask(path).status, 404) << path;
+  EXPECT_EQ(ask("session", "", "POST").status, 405);
+  EXPECT_EQ(answers({"GET", "/other/", "", {{"host", "127.0.0.1:80"}}}).status, 403);
+}
+
+TEST_F(AnswersOf, APictureWithItsFacts) {
+  const HttpAnswer answer = ask("view", "distance=20+mm");
+  ASSERT_EQ(answer.status, 200);
+  const auto byte = [&](size_t i) { return size_t(static_cast<unsigned char>(answer.body[i])); };
+  const size_t length = byte(0) + 256 * byte(1) + 65536 * byte(2);
+  const Json facts = Json::parse(answer.body.substr(4, length));
+  EXPECT_EQ(facts["columns"], 64);
+  EXPECT_EQ(facts["rows"], 48);
+  const TakenView view = *session.view(session.state_of({{"distance", "20 mm"}}));
+  const std::vector<uint8_t> codes = srgb_codes(view.image, view.white);
+  EXPECT_EQ(answer.body.substr(4 + length), std::string(codes.begin(), codes.end()));
+}
+
+TEST_F(AnswersOf, ErrorsAsSentences) {
+  const HttpAnswer answer = ask("view", "pupil=4");
+  EXPECT_EQ(answer.status, 400);
+  EXPECT_EQ(Json::parse(answer.body)["error"],
+            "pupil: expected a length with its unit, such as \"300 mm\", got \"4\" without a unit");
+  EXPECT_EQ(ask("view", "a=%").status, 400);
+  EXPECT_EQ(ask("panel", "item=0&as=other").status, 400);
+  EXPECT_EQ(ask("panel", "item=99999999999999999999&as=level").status, 400);
+  EXPECT_EQ(ask("values", "column=0&row=0&columns=1").status, 400);
+  EXPECT_EQ(ask("reference").status, 404);
+}
+
+TEST_F(AnswersOf, OnlyTheNewestRequestOfAPage) {
+  EXPECT_EQ(ask("view", "page=a&number=2").status, 200);
+  EXPECT_EQ(ask("view", "page=a&number=1").status, 204);
+  EXPECT_EQ(ask("view", "page=b&number=1").status, 200);
+}
+
+}  // namespace
+}  // namespace holotrace::test
