@@ -88,6 +88,10 @@ Observer Console::watch(const std::string& stage) {
   return observer;
 }
 
+void Console::clear() {
+  if (bar_) say("\r\033[K");
+}
+
 void Console::finish() {
   if (!bar_) return;
   bar_->fraction = 1;

@@ -20,6 +20,9 @@ class Console {
   /// The observer of a stage; its bar ends when the next stage starts or on finish().
   Observer watch(const std::string& stage);
 
+  /// Clears the line of the bar, for a line of output there; the bar is drawn again at the stage's next step.
+  void clear();
+
   /// Ends the last stage's bar.
   void finish();
 

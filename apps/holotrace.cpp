@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <memory>
@@ -16,6 +17,7 @@
 #include "checkpoints.h"
 #include "commands.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/instruction_set.h"
 #include "holotrace/base/printable.h"
 #include "holotrace/estimate/machine/calibrate.h"
 #include "holotrace/io/files/command_files.h"
@@ -96,6 +98,10 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   add_calibrate_command(program, global);
   add_bench_command(program, global);
 
+  app.footer(
+      "Environment:\n  HOLOTRACE_INSTRUCTIONS=NAME  instruction set of the kernels, instead of the best one of this "
+      "processor: AVX3 (AVX-512), AVX2 or SSE4, as `holotrace bench` names them");
+
   const auto warn = [](const std::string& sentence) { say("warning: {}\n", sentence); };
   keep_fft_wisdom(warn);
   set_summation_rates([warn] { return keep_summation_rates(calibration_key(), calibrate_summation, warn); });
@@ -124,6 +130,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   end_on_interrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit on file sizes becomes an Error
   try {
+    if (const char* instructions = std::getenv("HOLOTRACE_INSTRUCTIONS")) force_instruction_set(instructions);
     Ranks ranks(argc, argv);
     if (ranks.rank() > 0) {
       serve_bands(ranks);

@@ -140,26 +140,30 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
             {"ceilings", json_of(ceilings)},
             {"stages", Json::array()}};
   std::vector<BenchRow> rows;
+  const auto show = [&](const auto& print) {
+    if (is_json) return;
+    console.clear();
+    print();
+    std::fflush(stdout);
+  };
+  show([&] { print_ceilings(ceilings); });
   for (const BenchGroup& group : groups) {
     if (!only.empty() && std::find(only.begin(), only.end(), group.name) == only.end()) continue;
     const Observer observer = console.watch(group.name);
     const std::vector<BenchStep> steps = group.steps(options);
     for (size_t i = 0; i < steps.size(); ++i) {
       rows.push_back(run_step(steps[i]));
+      show([&] {
+        if (rows.size() == 1) print_head();
+        print_row(rows.back());
+      });
       json["stages"].push_back(json_of(group.name, rows.back()));
       observer.progress(double(i + 1) / double(steps.size()));
     }
   }
   console.finish();
   if (!plot.empty()) save_chart(plot, accelerators_chart(rows));
-  if (is_json) {
-    fmt::print("{}\n", json.dump(2));
-    return;
-  }
-  print_ceilings(ceilings);
-  if (rows.empty()) return;
-  print_head();
-  for (const BenchRow& row : rows) print_row(row);
+  if (is_json) fmt::print("{}\n", json.dump(2));
 }
 
 }  // namespace

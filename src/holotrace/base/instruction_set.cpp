@@ -2,6 +2,9 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 
@@ -19,12 +22,28 @@ std::vector<int64_t> targets_here() {
   return targets;
 }
 
+int64_t forced = 0;  // by force_instruction_set; 0: none
+
 void pick_among(int64_t targets) {
   hwy::SetSupportedTargetsForTest(targets);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
+int64_t target_named(const std::string& name) {
+  for (const int64_t target : targets_here())
+    if (hwy::TargetName(target) == name) return target;
+  throw Error(unknown_name_message("instruction set", name, instruction_sets()));
+}
+
 }  // namespace
+
+void force_instruction_set(const std::string& name) {
+  pick_among(forced = 0);
+  if (name.empty()) return;
+  std::string capitals = name;
+  std::transform(name.begin(), name.end(), capitals.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+  pick_among(forced = target_named(capitals == "AVX512" || capitals == "AVX-512" ? "AVX3" : capitals));
+}
 
 std::vector<std::string> instruction_sets() {
   std::vector<std::string> names;
@@ -32,15 +51,8 @@ std::vector<std::string> instruction_sets() {
   return names;
 }
 
-OnInstructionSet::OnInstructionSet(const std::string& name) {
-  for (const int64_t target : targets_here())
-    if (hwy::TargetName(target) == name) {
-      pick_among(target);
-      return;
-    }
-  throw Error(unknown_name_message("instruction set", name, instruction_sets()));
-}
+OnInstructionSet::OnInstructionSet(const std::string& name) { pick_among(target_named(name)); }
 
-OnInstructionSet::~OnInstructionSet() { pick_among(0); }
+OnInstructionSet::~OnInstructionSet() { pick_among(forced); }
 
 }  // namespace holotrace

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cmath>
 
 #include "holotrace/base/cpu.h"
@@ -46,7 +47,23 @@ TEST(InstructionSet, IsTheOneAskedForWhileItIsHeld) {
   EXPECT_EQ(tile_sum_instruction_set(), usual);
 }
 
-TEST(InstructionSet, UnknownNamesAreRefused) { EXPECT_THROW(OnInstructionSet("AVX4096"), Error); }
+TEST(InstructionSet, UnknownNamesAreRefused) {
+  EXPECT_THROW(OnInstructionSet("AVX4096"), Error);
+  EXPECT_THROW(force_instruction_set("AVX4096"), Error);
+}
+
+TEST(InstructionSet, AForcedOneIsTheOnlyOneUntilAllAreAllowed) {
+  const std::vector<std::string> all = instruction_sets();
+  std::string small = all.back();
+  for (char& c : small) c = char(std::tolower(c));
+  force_instruction_set(small);
+  EXPECT_EQ(instruction_sets(), std::vector<std::string>{all.back()});
+  { const OnInstructionSet alone(all.back()); }
+  EXPECT_EQ(tile_sum_instruction_set(), all.back()) << "also after a held one";
+  force_instruction_set("");
+  EXPECT_EQ(instruction_sets(), all);
+  EXPECT_EQ(tile_sum_instruction_set(), all.front());
+}
 
 }  // namespace
 }  // namespace holotrace

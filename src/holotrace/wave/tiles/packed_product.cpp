@@ -2,6 +2,7 @@
 
 #include "holotrace/base/cpu.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/instruction_set.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <immintrin.h>
@@ -12,9 +13,11 @@ namespace holotrace {
 
 PackedUnit packed_unit() {
 #ifdef HOLOTRACE_HAS_PACKED_PRODUCTS
-  static const PackedUnit unit = enable_amx_bf16()   ? PackedUnit::amx
-                                 : has_avx512_bf16() ? PackedUnit::avx512_bf16
-                                                     : PackedUnit::none;
+  static const PackedUnit unit = [] {
+    // Both units belong to processors with AVX-512, which may be set aside (force_instruction_set).
+    if (!instruction_sets().front().starts_with("AVX3")) return PackedUnit::none;
+    return enable_amx_bf16() ? PackedUnit::amx : has_avx512_bf16() ? PackedUnit::avx512_bf16 : PackedUnit::none;
+  }();
   return unit;
 #else
   return PackedUnit::none;
