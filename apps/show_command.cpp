@@ -1,5 +1,6 @@
 // holotrace show: computes the image of holograms on a virtual SLM and in a camera.
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -57,8 +58,12 @@ void check_series(const std::vector<std::string>& inputs) {
 
 // Notes the files beside the output: further distances, and the sweep.
 void note_outputs(const std::string& output, const std::vector<Viewpoint>& from) {
-  size_t views = 0, swept = 0;
-  for (const Viewpoint& view : from) ++(view.kind == ViewKind::distance ? views : swept);
+  const auto count = [&](ViewKind kind) {
+    return size_t(std::count_if(from.begin(), from.end(), [&](const Viewpoint& view) { return view.kind == kind; }));
+  };
+  const size_t views = count(ViewKind::distance), swept = count(ViewKind::sweep);
+  if (count(ViewKind::eye) > 0)
+    for (const char* eye : {"_left", "_right", "_anaglyph"}) note_output(path_with_suffix(output, eye));
   for (size_t i = 1; i < views; ++i) note_output(numbered_path(output, i));
   if (swept > 0 && extension_of(output) != ".gif")
     for (const std::string& path : sweep_paths(output, swept))
@@ -71,7 +76,7 @@ void add_show_command(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("show", "camera image of holograms on a virtual SLM");
   struct Options {
     std::vector<std::string> inputs;
-    std::string output, slm, report;
+    std::string output, slm, report, eye_separation;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
@@ -91,6 +96,12 @@ void add_show_command(Command& app, const GlobalFlags& global) {
       ->type_name("NAME|SCENE.toml");
   command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
       ->type_name("FILE.json");
+  command
+      ->add_option(
+          "--eye-separation", o->eye_separation,
+          "distance between two eyes along x, about --eye: adds NAME_left, NAME_right and NAME_anaglyph at the "
+          "first distance; needs a pupil [0 m: none]")
+      ->type_name("LENGTH");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
   o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y"});
@@ -108,7 +119,11 @@ void add_show_command(Command& app, const GlobalFlags& global) {
     require(!is_animation || camera.sweep != Sweep::none,
             "expected a sweep for the animated file {}, got none; give --sweep focus or parallax, or name a .png",
             o->output);
-    std::vector<Viewpoint> from = viewpoints(camera);
+    RenderParams eyes;
+    eyes.eye = camera.eye;
+    if (!o->eye_separation.empty())
+      eyes.eye_separation = parse_length_flag("--eye-separation", o->eye_separation, range::not_negative);
+    std::vector<Viewpoint> from = viewpoints(camera, eyes);
     if (is_animation) std::erase_if(from, [](const Viewpoint& view) { return view.kind != ViewKind::sweep; });
 
     note_outputs(o->output, from);
@@ -129,7 +144,7 @@ void add_show_command(Command& app, const GlobalFlags& global) {
     console.finish();
     const std::string name = std::filesystem::path(o->output).filename().string();
     say_warnings(write_together(o->output, image_record(o->output), [&](const OutputSet& set) {
-      save_views(set, name, {from, seen.views, seen.sweep, camera},
+      save_views(set, name, {from, seen.views, seen.sweep, seen.stereo, camera},
                  seen.sweep.images.empty() ? Observer() : console.watch("save the sweep"));
     }));
     console.finish();

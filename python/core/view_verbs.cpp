@@ -50,16 +50,13 @@ nb::dict view(const std::vector<const Hologram*>& holograms, const std::vector<c
   return results;
 }
 
-void save(const std::string& path, const ViewSeries& views, const ViewSeries& sweep, const ViewSeries& stereo,
-          const ViewRecord& record, Watch& watch) {
+void save(const std::string& path, const SeriesViews& views, const ViewRecord& record, Watch& watch) {
   watch.run("save", [&](const Observer& observer) {
     check_output(path, {".png", ".exr", ".gif"});
     const std::string name = std::filesystem::path(path).filename().string();
     const std::vector<Viewpoint> from = viewpoints_of(record);
     const std::vector<std::string> notes = write_together(path, image_record(path), [&](const OutputSet& set) {
-      save_views(set, name, {from, views, sweep, record.camera}, observer);
-      if (!stereo.images.empty() && extension_of(path) != ".gif")
-        save_stereo(set, name, stereo.images, stereo.white, record.camera.bits);
+      save_views(set, name, {from, views.views, views.sweep, views.stereo, record.camera}, observer);
     });
     for (const std::string& note : notes) observer.warn(note);
     return true;
@@ -74,8 +71,10 @@ void bind_view_verbs(nb::module_& module) {
   module.def("view", &view, nb::arg("holograms"), nb::arg("panels"), nb::arg("stages"),
              nb::arg("eye_separation").none(), nb::arg("watch"));
   module.def("save_views", [](const std::string& path, const nb::dict& made, const ViewRecord& record, Watch& watch) {
-    save(path, series_of(made, "views", "white"), series_of(made, "sweep", "sweep_white"),
-         series_of(made, "stereo", "stereo_white"), record, watch);
+    save(path,
+         {series_of(made, "views", "white"), series_of(made, "sweep", "sweep_white"),
+          series_of(made, "stereo", "stereo_white")},
+         record, watch);
   });
   module.def("anaglyph", &anaglyph);
 }

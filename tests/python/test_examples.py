@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+import holotrace
+
 SOURCE = Path(__file__).parents[2]
 sys.path.insert(0, str(SOURCE / "tests" / "docs"))
 from pages import blocks_of, pages  # noqa: E402
@@ -52,6 +54,11 @@ def test_the_examples_of_a_page_run(page, tmp_path):
     make_folder(tmp_path)
     done = subprocess.run([sys.executable, "-c", code_of(page)], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_the_reference_names_all_of_the_package():
+    page = (SOURCE / "docs" / "reference" / "python.md").read_text()
+    assert [name for name in holotrace.__all__ if name != "__version__" and not re.search(rf":: {name}\b", page)] == []
 
 
 def test_mypy_passes(tmp_path):

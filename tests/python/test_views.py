@@ -75,6 +75,17 @@ def test_a_stereo_pair_is_two_eyes():
         assert equal(picture.pixels, ht.view(hologram, eye=(x, 0, 0.2), **camera).image.pixels)
 
 
+def test_a_saved_stereo_pair_is_the_program_bit_by_bit(tmp_path, program, folders):
+    """Saved twice: the second time in place of the files that are there, of which none is set aside."""
+    hologram_at(532e-9).save(tmp_path / "h.png")
+    program("show", "h.png", "--distance", "100 mm", "--pupil", "2 mm", "--eye", "1 mm, 0, 200 mm", "--eye-separation", "6 mm",
+            "-o", "program/v.png")
+    views = ht.view(ht.load_hologram(tmp_path / "h.png"), distances="100 mm", pupil="2 mm", eye=(1e-3, 0, 0.2), eye_separation=6e-3)
+    for _ in range(2):
+        views.save(folders[1] / "v.png")
+        assert same_files(*folders) == {"v.png", "v_left.png", "v_right.png", "v_anaglyph.png"}
+
+
 def test_view_without_a_hologram_or_with_another_noun_is_refused(field):
     with pytest.raises(ht.Error, match="expected one hologram or more to view, got none"):
         ht.view([])

@@ -30,7 +30,8 @@ void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, const 
                 [](const std::string& path, const Sources& sources) { save_sources(path, sources); });
   save_numbered(set, "field.npy", boxes.fields, save_fields<float>);
   save_holograms(set, "hologram.png", boxes.holograms);
-  save_views(set, run_view, {boxes.viewpoints, {boxes.views, boxes.white}, boxes.sweep, job.camera},
+  const ViewSeries none;  // the stereo pair has another name
+  save_views(set, run_view, {boxes.viewpoints, {boxes.views, boxes.white}, boxes.sweep, none, job.camera},
              boxes.sweep.images.empty() || !watch ? Observer() : watch("save the sweep"));
   if (!boxes.stereo_renders.empty()) {
     save_stereo(set, "stereo.png", boxes.stereo_renders, common_white(boxes.stereo_renders, 0), 8);

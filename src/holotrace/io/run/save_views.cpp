@@ -58,6 +58,7 @@ void save_views(const OutputSet& set, const std::string& name, const SeenViews& 
   const FileRecord before = set.record();
   save_sweep(set, name, seen, observer);
   if (is_animation) return;
+  if (!seen.stereo.images.empty()) save_stereo(set, name, seen.stereo.images, seen.stereo.white, seen.camera.bits);
   for (size_t i = seen.views.images.size(); i-- > 0;)
     save_image(set.path(numbered_path(name, i)), seen.views.images[i], seen.views.white, seen.camera.bits,
                i == 0 ? set.record_since(before) : FileRecord());

@@ -8,16 +8,18 @@
 
 namespace holotrace {
 
-/// Pictures from several viewpoints, and how the camera took them.
+/// Pictures of a series of holograms, and how the camera took them.
 struct SeenViews {
-  const std::vector<Viewpoint>& from;  ///< viewpoints of both series
+  const std::vector<Viewpoint>& from;  ///< viewpoints of all pictures
   const ViewSeries& views;             ///< at the distances of the camera
   const ViewSeries& sweep;             ///< may be empty
+  const ViewSeries& stereo;            ///< may be empty
   const CameraParams& camera;
 };
 
 /// Writes the views of all distances as view.png, view_2.png, …, and the sweep: view_sweep_01.png, …; view_sweep.gif,
-/// the animation of all its pictures; and view_sweep.png, its chart (viewing.h). The first view records the other files.
+/// the animation of all its pictures; and view_sweep.png, its chart (viewing.h); and the stereo pair (save_stereo). The first
+/// view records the other files.
 /// For a view named NAME.gif, only the animation is written. @throws Error for such a name without a sweep
 /// @param name      file name of the view: .png, .exr or .gif
 /// @param observer  is warned if the chart cannot be drawn, for instance because gnuplot is not installed

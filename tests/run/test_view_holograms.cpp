@@ -1,0 +1,119 @@
+// What a camera sees of a series of holograms, against the verbs one by one.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/run/view_holograms.h"
+#include "holotrace/slm/panel/show.h"
+#include "holotrace/view/camera.h"
+
+namespace holotrace::test {
+namespace {
+
+using namespace literals;
+
+constexpr double green = 532_nm, red = 638_nm;
+
+// Levels of a grating that differs with `step`.
+PanelHologram hologram_of(double wavelength, int step) {
+  PanelHologram one;
+  one.slm.grid = one.hologram.grid = {24, 16, 8_um};
+  one.hologram.wavelength = wavelength;
+  one.hologram.level = Array2D<uint16_t>(16, 24);
+  for (size_t i = 0; i < one.hologram.level.size(); ++i)
+    one.hologram.level.values[i] = uint16_t(i * size_t(step) % 256);
+  return one;
+}
+
+HologramSeries series_of(const std::vector<PanelHologram>& holograms, std::vector<size_t>* asked = nullptr) {
+  return {holograms.size(), [&holograms, asked](size_t i) {
+            if (asked) asked->push_back(i);
+            return holograms[i];
+          }};
+}
+
+ViewingParams params_at(std::vector<double> distances) {
+  ViewingParams params;
+  params.camera.distances = std::move(distances);
+  params.from = viewpoints(params.camera);
+  return params;
+}
+
+// The irradiance of one hologram by the verbs themselves.
+Image seen(const PanelHologram& one, const ViewingParams& params, double distance) {
+  return look(show(one.hologram, one.slm, params.show), one.slm, distance, params.propagation, params.camera);
+}
+
+SeriesViews view(const std::vector<PanelHologram>& holograms, const ViewingParams& params) {
+  Report report;
+  return view_holograms(series_of(holograms), params, report);
+}
+
+TEST(ViewHolograms, OneHologramIsWhatTheVerbsShow) {
+  const std::vector<PanelHologram> one{hologram_of(green, 7)};
+  const ViewingParams params = params_at({10_mm, 20_mm});
+  const SeriesViews views = view(one, params);
+  ASSERT_EQ(views.views.images.size(), 2U);
+  EXPECT_EQ(views.views.images[0].values, seen(one[0], params, 10_mm).values);
+  EXPECT_EQ(views.views.images[1].values, seen(one[0], params, 20_mm).values);
+  EXPECT_TRUE(views.sweep.images.empty());
+  EXPECT_TRUE(views.stereo.images.empty());
+}
+
+TEST(ViewHolograms, FramesAreAveraged) {
+  const std::vector<PanelHologram> frames{hologram_of(green, 7), hologram_of(green, 50)};
+  const ViewingParams params = params_at({10_mm});
+  const Image a = seen(frames[0], params, 10_mm), b = seen(frames[1], params, 10_mm);
+  const SeriesViews views = view(frames, params);
+  for (size_t i = 0; i < a.values.size(); ++i)  // of two floats: rounded once
+    EXPECT_FLOAT_EQ(views.views.images[0].values[i], (a.values[i] + b.values[i]) / 2);
+}
+
+TEST(ViewHolograms, TwoWavelengthsMakeAColourPicture) {
+  const ViewingParams params = params_at({10_mm});
+  EXPECT_EQ(view({hologram_of(green, 7), hologram_of(red, 7)}, params).views.images[0].channels, 3);
+}
+
+TEST(ViewHolograms, EachHologramIsAskedForOnceInOrder) {
+  const std::vector<PanelHologram> holograms{hologram_of(green, 1), hologram_of(red, 2), hologram_of(green, 3)};
+  std::vector<size_t> asked;
+  Report report;
+  view_holograms(series_of(holograms, &asked), params_at({10_mm}), report);
+  EXPECT_EQ(asked, (std::vector<size_t>{0, 1, 2}));
+  EXPECT_EQ(std::count_if(report.stages.begin(), report.stages.end(), [](const auto& s) { return s.stage == "show"; }),
+            1);
+}
+
+TEST(ViewHolograms, EyesAndSweepsHaveAnExposureOfTheirOwn) {
+  ViewingParams params;
+  params.camera.distances = {10_mm};
+  params.camera.pupil = 0.1_mm;
+  params.camera.eye = {0, 0, 20_mm};
+  params.camera.sweep = Sweep::focus;
+  params.camera.sweep_from = 5_mm;
+  params.camera.sweep_to = 15_mm;
+  params.camera.sweep_views = 3;
+  RenderParams eyes;
+  eyes.eye = params.camera.eye;
+  eyes.eye_separation = 0.1_mm;
+  params.from = viewpoints(params.camera, eyes);
+  const SeriesViews views = view({hologram_of(green, 7)}, params);
+  EXPECT_EQ(views.sweep.images.size(), 3U);
+  EXPECT_EQ(views.stereo.images.size(), 2U);
+  EXPECT_EQ(views.sweep.white, common_white(view({hologram_of(green, 7)}, params).sweep.images, 0));
+  CameraParams left = params.camera;
+  left.eye.x = -0.05_mm;
+  const PanelHologram one = hologram_of(green, 7);
+  EXPECT_EQ(views.stereo.images[0].values, look(show(one.hologram, one.slm, {}), one.slm, 10_mm, {}, left).values);
+}
+
+TEST(ViewHolograms, NoHologramIsAnError) {
+  Report report;
+  EXPECT_THROW(view_holograms({}, params_at({10_mm}), report), Error);
+}
+
+}  // namespace
+}  // namespace holotrace::test
