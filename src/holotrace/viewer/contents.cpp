@@ -15,6 +15,7 @@
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/run/quality.h"
 #include "holotrace/run/scene_light.h"
+#include "holotrace/run/viewing.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -166,6 +167,10 @@ std::vector<fs::path> watched(const std::vector<std::string>& paths) {
 }
 
 }  // namespace
+
+std::vector<double> wavelengths_of(const ViewedItem& item, const ShowParams& show) {
+  return item.field ? std::vector<double>{item.field->wavelength} : wavelengths_shown(item.hologram, show);
+}
 
 Contents load_contents(const std::vector<std::string>& paths, const ContentsParams& params) {
   require(!paths.empty(), "expected a folder, holograms, a field, sources or a scene to view, got none");
