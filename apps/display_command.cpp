@@ -2,9 +2,11 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -47,6 +49,17 @@ std::vector<unsigned char> greys_of(const std::string& path) {
   return greys;
 }
 
+// Holograms of one series in the order in which they were written: a shell puts hologram_10.png before hologram_2.png.
+void sort_series(std::vector<std::string>& paths) {
+  std::map<size_t, std::string> by_number;
+  for (const std::string& path : paths) {
+    const SeriesPart part = series_part(path);
+    if (part.count == paths.size()) by_number[part.number] = path;
+  }
+  if (by_number.size() != paths.size()) return;
+  std::transform(by_number.begin(), by_number.end(), paths.begin(), [](const auto& entry) { return entry.second; });
+}
+
 }  // namespace
 
 void add_display_command(Command& app, const GlobalFlags& global) {
@@ -58,9 +71,10 @@ void add_display_command(Command& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   command
-      ->add_option("holograms", o->paths,
-                   "hologram files .png of one panel, shown in this order again and again; colours in sequence, as run "
-                   "writes them")
+      ->add_option(
+          "holograms", o->paths,
+          "hologram files .png of one panel, shown in this order again and again; a whole series in the order in "
+          "which it was written, colours in sequence")
       ->required()
       ->type_name("HOLOGRAM.png");
   command->add_option("--monitor", o->monitor, "monitor to which the panel is connected, from 1 [1]")->type_name("N");
@@ -73,6 +87,7 @@ void add_display_command(Command& app, const GlobalFlags& global) {
     check_flag("--monitor", o->monitor, range::at_least(1), Quantity::count);
     check_flag("--rate", o->rate, range::not_negative, Quantity::number);
     check_flag("--seconds", o->seconds, range::not_negative, Quantity::number);
+    sort_series(o->paths);
     const Grid grid = load_hologram(o->paths.front()).grid;
     std::vector<std::vector<unsigned char>> pictures;
     std::vector<const unsigned char*> greys;

@@ -11,6 +11,7 @@
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/files/progress_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/run/quality.h"
@@ -177,6 +178,9 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
   Contents contents;
   const std::string& path = paths.front();
   std::error_code ignored;
+  for (const std::string& one : paths)
+    require(fs::exists(one, ignored) || running_progress(fs::path(one).parent_path().string()),
+            "expected a folder, holograms, a field, sources or a scene to view, but {} does not exist", one);
   if (paths.size() == 1 && fs::is_directory(path, ignored)) {
     contents.kind = "folder";
     add_folder(path, params, contents);
