@@ -33,6 +33,7 @@ void add_info_command(Command& app, const GlobalFlags& global);
 void add_estimate_command(Command& app, const GlobalFlags& global);
 void add_calibrate_command(Command& app, const GlobalFlags& global);
 void add_bench_command(Command& app, const GlobalFlags& global);
+void add_display_command(Command& app, const GlobalFlags& global);
 void add_view_command(Command& app, const GlobalFlags& global);
 
 /// Adds `-o`, required.

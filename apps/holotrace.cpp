@@ -90,6 +90,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   add_encode_command(program, global);
   add_show_command(program, global);
   add_view_command(program, global);
+  add_display_command(program, global);
   add_propagate_command(program, global);
   add_compare_command(program, global);
   add_limits_command(program, global);

@@ -235,8 +235,10 @@ TEST(Session, SaysWhatItCannotRead) {
   ASSERT_EQ(json["problems"].size(), 1u);
   EXPECT_NE(json["problems"][0].get<std::string>().find("hologram_2.png"), std::string::npos);
   EXPECT_TRUE(session.view(session.state_of({})));
-  Session empty({temporary("nothing.png")});
+  Session empty({make_file("nothing.png", "text")});
   EXPECT_NE(error_of([&] { empty.view(empty.state_of({})); }).find("nothing.png"), std::string::npos);
+  EXPECT_EQ(error_of([] { Session missing({"/nonexistent"}); }),
+            "expected a folder, holograms, a field, sources or a scene to view, but /nonexistent does not exist");
 }
 
 TEST(Session, ReadsAFolderAgainOnceARunHasWrittenIt) {

@@ -51,14 +51,7 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
 /// The properties of a field that a sensor depends on.
 FieldShape shape_of(const Field& field);
 
-/// The first step of look, which does not depend on the distance: the light that passes the encoder's stop and the
-/// camera's pupil, in the pupil's plane. A program that changes only the focus keeps it.
-/// @return        nothing if all light passes unchanged; a field without samples if none arrives
-/// @throws Error  as look does
-std::optional<Field> light_in_pupil(const Field& shown, const Slm& slm, const PropagateParams& propagation,
-                                    const CameraParams& camera, const Observer& observer = {});
-
-/// The second step: look(shown, …) from that light.
+/// The second step of look: what a camera sees of the light that its pupil passes (pupil_light.h).
 /// @param light   from light_in_pupil with the same camera, or the shown field itself
 /// @param shown   of the shown field
 Image focus_light(const Field& light, const FieldShape& shown, const Slm& slm, double distance,

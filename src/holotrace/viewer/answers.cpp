@@ -5,11 +5,11 @@
 #include <chrono>
 #include <cstring>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/viewer/json_text.h"
 #include "holotrace/viewer/page_files.h"
 
 namespace holotrace {
@@ -20,9 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char *json_type = "application/json", *bytes_type = "application/octet-stream";
 
-HttpAnswer json_answer(const Json& json, int status = 200) {
-  return {status, json_type, json.dump(-1, ' ', false, Json::error_handler_t::replace)};
-}
+HttpAnswer json_answer(const Json& json, int status = 200) { return {status, json_type, text_of(json)}; }
 
 HttpAnswer error_answer(const std::string& sentence) { return json_answer({{"error", sentence}}, 400); }
 
@@ -30,7 +28,7 @@ HttpAnswer picture_answer(const BytePicture& picture, Json facts) {
   facts["columns"] = picture.nx;
   facts["rows"] = picture.ny;
   facts["channels"] = picture.channels;
-  const std::string text = facts.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = text_of(facts);
   HttpAnswer answer{200, bytes_type, {}};
   answer.body.reserve(4 + text.size() + picture.values.size());
   for (int byte = 0; byte < 4; ++byte) answer.body += char(text.size() >> (8 * byte) & 255);

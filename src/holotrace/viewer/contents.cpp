@@ -11,10 +11,12 @@
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/files/progress_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/run/quality.h"
 #include "holotrace/run/scene_light.h"
+#include "holotrace/run/viewing.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -167,11 +169,18 @@ std::vector<fs::path> watched(const std::vector<std::string>& paths) {
 
 }  // namespace
 
+std::vector<double> wavelengths_of(const ViewedItem& item, const ShowParams& show) {
+  return item.field ? std::vector<double>{item.field->wavelength} : wavelengths_shown(item.hologram, show);
+}
+
 Contents load_contents(const std::vector<std::string>& paths, const ContentsParams& params) {
   require(!paths.empty(), "expected a folder, holograms, a field, sources or a scene to view, got none");
   Contents contents;
   const std::string& path = paths.front();
   std::error_code ignored;
+  for (const std::string& one : paths)
+    require(fs::exists(one, ignored) || running_progress(fs::path(one).parent_path().string()),
+            "expected a folder, holograms, a field, sources or a scene to view, but {} does not exist", one);
   if (paths.size() == 1 && fs::is_directory(path, ignored)) {
     contents.kind = "folder";
     add_folder(path, params, contents);

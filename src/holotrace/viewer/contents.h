@@ -7,6 +7,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
+#include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/io/files/outside.h"
 #include "holotrace/io/report_file.h"
@@ -20,6 +21,9 @@ struct ViewedItem {
   Slm slm;
   std::optional<Field> field{};  ///< the light that leaves the panel; then `hologram` has no levels
 };
+
+/// Wavelengths of the light in which an item is shown [m].
+std::vector<double> wavelengths_of(const ViewedItem& item, const ShowParams& show = {});
 
 /// A point of the scene, for pictures in space.
 struct SpacePoint {

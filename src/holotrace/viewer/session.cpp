@@ -5,16 +5,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
-#include "holotrace/base/units.h"
-#include "holotrace/data/acceptance.h"
 #include "holotrace/io/files/file.h"
-#include "holotrace/io/files/progress_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/view_series.h"
@@ -22,17 +18,16 @@
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
+#include "holotrace/view/pupil_light.h"
 #include "holotrace/view/render_at.h"
 #include "holotrace/viewer/fingerprint.h"
+#include "holotrace/viewer/json_text.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
 
 namespace holotrace {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// JSON without a text that is not UTF-8, which would stop it.
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 std::string key_of(const ViewState& state) {
   std::string key = values_text(state.show) + values_text(state.camera) + values_text(state.propagation);
@@ -56,10 +51,6 @@ std::vector<size_t> first_frames(const std::vector<size_t>& chosen, const std::v
   return first;
 }
 
-std::vector<double> wavelengths_of(const ViewedItem& item, const ShowParams& show) {
-  return item.field ? std::vector<double>{item.field->wavelength} : wavelengths_shown(item.hologram, show);
-}
-
 // Plans without a panel's effects for a field: the light is as it is.
 std::vector<IlluminationState> states_of(const ViewedItem& item, const ShowParams& show, double wavelength,
                                          const Viewpoint& from, std::vector<std::string>& warnings) {
@@ -80,20 +71,13 @@ void check_size(const ViewedItem& item, const ViewState& state, double wavelengt
   require_memory(need.shown + need.passing, "this view");
 }
 
-// Where the job writes that makes these files.
-std::string folder_of(const std::string& path) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  return fs::is_directory(path, ignored) ? path : fs::path(path).parent_path().string();
-}
-
 // Transfer functions of one distance for all wavelengths, which the frames of a view share: at half the panel's pitch
 // and padded, about 4.6 fields each. Those of earlier distances are not needed again.
 double bytes_of_transfer(const std::vector<ViewedItem>& items) {
   std::set<double> wavelengths;
   double pixels = 0;
   for (const ViewedItem& item : items) {
-    for (const double wavelength : wavelengths_of(item, ShowParams())) wavelengths.insert(wavelength);
+    for (const double wavelength : wavelengths_of(item)) wavelengths.insert(wavelength);
     pixels = std::max(pixels, double(item.slm.grid.pixels()));
   }
   return 5 * pixels * sizeof(std::complex<float>) * double(wavelengths.size());
@@ -328,104 +312,6 @@ std::string Session::file(const ViewState& state, const std::string& extension) 
   }
   fs::remove_all(name);
   return bytes;
-}
-
-std::string Session::command_line(const Query& query) {
-  const std::lock_guard lock(mutex_);
-  const ViewState state = view_state(query, defaults_, contents_.items.size());
-  std::string line = "holotrace show";
-  for (const size_t i : chosen(state)) {
-    const ViewedItem& item = contents_.items[i];
-    if (item.field || item.file.empty()) return "";
-    line.append(" ").append(shell_word(item.file));
-  }
-  if (!params_.slm.empty()) line.append(" --slm ").append(shell_word(params_.slm));
-  Query full = query;
-  full.erase("draft");
-  full.try_emplace("distance", fmt::format("{} m", state.camera.distances.front()));
-  if (defaults_.camera.binning != 0) full.try_emplace("binning", fmt::format("{}", defaults_.camera.binning));
-  for (const std::string& argument : show_arguments(full)) line.append(" ").append(shell_word(argument));
-  return line + " -o view.png";
-}
-
-std::vector<float> Session::points() {
-  const std::lock_guard lock(mutex_);
-  std::vector<float> numbers;
-  for (const SpacePoint& point : contents_.points)
-    for (const double v : {point.place.x, point.place.y, point.place.z, double(point.brightness)})
-      numbers.push_back(float(v));
-  return numbers;
-}
-
-std::string Session::report() {
-  const std::lock_guard lock(mutex_);
-  return contents_.report.empty() ? "{}" : contents_.report;
-}
-
-std::string Session::memory_text() {
-  const std::lock_guard lock(mutex_);
-  if (contents_.items.empty()) return contents_.problems.empty() ? "nothing to show" : contents_.problems.front();
-  double held = 0, fields = 0;
-  for (const ViewedItem& item : contents_.items) {
-    const double pixels = double(item.slm.grid.pixels());
-    held += pixels * (item.field ? sizeof(std::complex<float>) : sizeof(uint16_t));
-    fields += 2 * pixels * sizeof(std::complex<float>);
-  }
-  const ViewedItem& item = contents_.items.front();
-  const Grid& panel = item.slm.grid;
-  const ViewingNeed need = viewing_need({item.slm, ShowParams(), {}, viewpoints(defaults_.camera)},
-                                        wavelengths_of(item, ShowParams()), item.hologram.image, item.hologram.filter);
-  return fmt::format(
-      "{} {} of {} × {} pixels: up to {} of memory for them and their light, and {} while a picture is computed",
-      contents_.items.size(), item.field ? "field(s)" : "hologram(s)", panel.nx, panel.ny,
-      format_bytes(held + std::min(fields, light_.most_bytes())), format_bytes(need.passing));
-}
-
-std::string Session::describe() {
-  const std::lock_guard lock(mutex_);
-  Json json{{"kind", contents_.kind}, {"paths", paths_}, {"readings", readings_}, {"problems", contents_.problems}};
-  Json items = Json::array();
-  for (const ViewedItem& item : contents_.items) {
-    const Hologram& h = item.hologram;
-    Json one{{"file", std::filesystem::path(item.file).filename().string()},
-             {"is_field", item.field.has_value()},
-             {"wavelengths_m", wavelengths_of(item, ShowParams())},
-             {"name", h.name},
-             {"frame", h.frame},
-             {"encoder", h.encoder},
-             {"image", h.image == ImageSide::real_image ? "real" : "virtual"},
-             {"effects", item.field ? std::vector<std::string>() : effects_of(item.slm)}};
-    items.push_back(one);
-  }
-  json["items"] = items;
-  if (!contents_.items.empty()) {
-    const ViewedItem& item = contents_.items.front();
-    const Grid& panel = item.slm.grid;
-    const double wavelength = wavelengths_of(item, ShowParams()).front();
-    json["panel"] = {{"name", item.slm.name},
-                     {"columns", panel.nx},
-                     {"rows", panel.ny},
-                     {"pitch_m", panel.pitch},
-                     {"wavelength_m", wavelength},
-                     {"acceptance_tangent", std::min(10.0, acceptance_tangent(wavelength, panel.pitch))}};
-  }
-  json["defaults"] = {{"distance_m", defaults_.camera.distances.front()}, {"binning", defaults_.camera.binning}};
-  double nearest = 0, farthest = 0;
-  for (const SpacePoint& point : contents_.points) {
-    nearest = nearest == 0 ? -point.place.z : std::min(nearest, -point.place.z);
-    farthest = std::max(farthest, -point.place.z);
-  }
-  json["depths_m"] = {nearest, farthest};
-  Json renders = Json::array();
-  for (const RenderOfView& render : contents_.renders) renders.push_back(render.place.distance);
-  json["renders_m"] = renders;
-  json["has_report"] = !contents_.report.empty();
-  json["progress"] = nullptr;
-  if (const auto text = running_progress(folder_of(paths_.front()))) {
-    const Json progress = Json::parse(*text, nullptr, false);  // it may be half written
-    if (progress.is_object()) json["progress"] = progress;
-  }
-  return text_of(json);
 }
 
 }  // namespace holotrace

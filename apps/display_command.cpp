@@ -1,0 +1,125 @@
+// holotrace display: holograms on the monitor output to which a panel is connected.
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "commands.h"
+#include "display/display_module.h"
+#include "flags.h"
+#include "holotrace/base/error.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/picture/image_file.h"
+
+namespace holotrace {
+namespace {
+
+volatile std::sig_atomic_t is_stopped = 0;
+
+// The module lies beside the program where it was built, and in the folder of libraries where it is installed.
+DisplayFunction load_display() {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  for (const fs::path& path : {folder / "holotrace_display.so", folder / HOLOTRACE_DISPLAY_MODULE}) {
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) continue;
+    void* library = dlopen(path.c_str(), RTLD_NOW);
+    require(library != nullptr, "expected to load {}, got \"{}\"; is SDL 2 installed here?", path.string(), dlerror());
+    if (void* function = dlsym(library, display_function)) return reinterpret_cast<DisplayFunction>(function);
+  }
+  fail("expected holotrace_display.so beside the program, got none; install SDL 2 (libsdl2-dev) and build again");
+}
+
+// The greys of a hologram as its file has them.
+std::vector<unsigned char> greys_of(const std::string& path) {
+  const Hologram hologram = load_hologram(path);
+  require(hologram.levels <= 256 && hologram.modulation != Modulation::complex,
+          "{}: expected a hologram of phase or amplitude with at most 256 levels, which a monitor output carries, got "
+          "{} levels{}",
+          path, hologram.levels, hologram.modulation == Modulation::complex ? " of phase and of amplitude" : "");
+  const Image image = load_image(path, ImageContent::data);
+  std::vector<unsigned char> greys;
+  for (const float value : image.values) greys.push_back(static_cast<unsigned char>(std::lround(255 * double(value))));
+  return greys;
+}
+
+// Holograms of one series in the order in which they were written: a shell puts hologram_10.png before hologram_2.png.
+void sort_series(std::vector<std::string>& paths) {
+  std::map<size_t, std::string> by_number;
+  for (const std::string& path : paths) {
+    const SeriesPart part = series_part(path);
+    if (part.count == paths.size()) by_number[part.number] = path;
+  }
+  if (by_number.size() != paths.size()) return;
+  std::transform(by_number.begin(), by_number.end(), paths.begin(), [](const auto& entry) { return entry.second; });
+}
+
+}  // namespace
+
+void add_display_command(Command& app, const GlobalFlags& global) {
+  Command* command = app.add_subcommand("display", "holograms full-screen on a monitor output, pixel for pixel");
+  struct Options {
+    std::vector<std::string> paths;
+    int monitor = 1;
+    double rate = 0, seconds = 0;
+  };
+  auto o = std::make_shared<Options>();
+  command
+      ->add_option(
+          "holograms", o->paths,
+          "hologram files .png of one panel, shown in this order again and again; a whole series in the order in "
+          "which it was written, colours in sequence")
+      ->required()
+      ->type_name("HOLOGRAM.png");
+  command->add_option("--monitor", o->monitor, "monitor to which the panel is connected, from 1 [1]")->type_name("N");
+  command
+      ->add_option("--rate", o->rate,
+                   "holograms per second; the monitor's refresh rate must be a multiple of it; 0: one per refresh [0]")
+      ->type_name("HZ");
+  command->add_option("--seconds", o->seconds, "duration; 0: until a click, q, Esc or Ctrl-C [0]")->type_name("S");
+  command->callback([o, &global] {
+    check_flag("--monitor", o->monitor, range::at_least(1), Quantity::count);
+    check_flag("--rate", o->rate, range::not_negative, Quantity::number);
+    check_flag("--seconds", o->seconds, range::not_negative, Quantity::number);
+    sort_series(o->paths);
+    const Grid grid = load_hologram(o->paths.front()).grid;
+    std::vector<std::vector<unsigned char>> pictures;
+    std::vector<const unsigned char*> greys;
+    for (const std::string& path : o->paths) {
+      pictures.push_back(greys_of(path));
+      const Grid other = load_hologram(path).grid;
+      require(other.nx == grid.nx && other.ny == grid.ny,
+              "expected holograms of one panel, but {} has {} × {} pixels and {} has {} × {}", o->paths.front(),
+              grid.nx, grid.ny, path, other.nx, other.ny);
+    }
+    for (const auto& picture : pictures) greys.push_back(picture.data());
+    DisplayJob job;
+    job.columns = grid.nx;
+    job.rows = grid.ny;
+    job.pictures = int(greys.size());
+    job.greys = greys.data();
+    job.monitor = o->monitor - 1;
+    job.rate = o->rate;
+    job.seconds = o->seconds;
+    job.is_over = [] { return is_stopped != 0; };
+    const DisplayFunction display = load_display();
+    struct sigaction action {};
+    action.sa_handler = [](int) { is_stopped = 1; };
+    action.sa_flags = int(SA_RESETHAND);
+    sigaction(SIGINT, &action, nullptr);
+    DisplayOutcome outcome;
+    display(&job, &outcome);
+    require(outcome.problem[0] == '\0', "{}", outcome.problem);
+    if (!global.is_quiet)
+      fmt::print("{} holograms shown at {:.2f} per second, {} refreshes missed\n", outcome.shown, outcome.rate,
+                 outcome.missed);
+  });
+}
+
+}  // namespace holotrace

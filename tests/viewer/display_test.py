@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+"""`holotrace display` on a virtual monitor (Xvfb), whose memory is read back: python3 display_test.py PROGRAM.
+
+Without Xvfb or the program's display module: exit code 77.
+"""
+
+import os
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import zlib
+
+PROGRAM = os.path.abspath(sys.argv.pop(1))
+if not shutil.which("Xvfb") or not os.path.exists(os.path.join(os.path.dirname(PROGRAM), "holotrace_display.so")):
+    print("skipped: no Xvfb, or a build without SDL 2; scripts/setup installs both")
+    sys.exit(77)
+
+COLUMNS, ROWS = 320, 180
+
+
+def png(path, greys, columns=COLUMNS, rows=ROWS):
+    """A grey PNG of 8 bits with the metadata of a hologram, without any code of the program."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    lines = b"".join(b"\0" + greys[j * columns:(j + 1) * columns] for j in range(rows))
+    text = b"holotrace\0" + b'{"kind": "hologram", "pitch_m": 8e-06, "wavelength_m": 5.32e-07, "levels": 256, ' \
+                            b'"modulation": "phase", "image": "virtual", "encoder": "phase"}'
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0)) +
+                   chunk(b"tEXt", text) + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
+
+
+class Display(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="holotrace_display_")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        ready, told = os.pipe()
+        cls.monitor = subprocess.Popen(["Xvfb", "-displayfd", str(told), "-screen", "0", f"{COLUMNS}x{ROWS}x24",
+                                        "-fbdir", cls.folder, "-nolisten", "tcp"], pass_fds=[told],
+                                       stderr=subprocess.DEVNULL)
+        os.close(told)
+        cls.addClassCleanup(cls.monitor.wait)
+        cls.addClassCleanup(cls.monitor.terminate)
+        with os.fdopen(ready) as file:
+            number = file.readline().strip()
+        cls.environment = {**os.environ, "DISPLAY": f":{number}", "SDL_VIDEODRIVER": "x11"}
+        # All greys, in patterns that any scaling, smoothing, turn or gamma changes.
+        cls.greys = [bytes((i * step + i // COLUMNS * 7) % 256 for i in range(COLUMNS * ROWS)) for step in (1, 3, 85)]
+        cls.paths = [os.path.join(cls.folder, f"hologram_{i}.png") for i in range(3)]
+        for path, greys in zip(cls.paths, cls.greys):
+            png(path, greys)
+
+    def screen(self):
+        """The greys on the monitor, from Xvfb's frame buffer (an XWD file); None where a pixel is not grey."""
+        with open(os.path.join(self.folder, "Xvfb_screen0"), "rb") as file:
+            data = file.read()
+        header = struct.unpack(">25I", data[:100])
+        begin = header[0] + 12 * header[19]  # after the header and the colours
+        stride = header[12]
+        pixels = b"".join(data[begin + j * stride:begin + j * stride + 4 * COLUMNS] for j in range(ROWS))
+        blue, green, red = pixels[0::4], pixels[1::4], pixels[2::4]
+        return blue if blue == green == red else None
+
+    def run_display(self, *arguments):
+        return subprocess.run([PROGRAM, "display", *arguments], env=self.environment, capture_output=True, text=True,
+                              timeout=30)
+
+    def test_shows_the_bytes_of_the_file(self):
+        for path, greys in zip(self.paths, self.greys):
+            job = subprocess.Popen([PROGRAM, "display", path], env=self.environment, stdout=subprocess.PIPE, text=True)
+            end = time.time() + 15
+            while self.screen() != greys and time.time() < end:
+                time.sleep(0.05)
+            self.assertEqual(self.screen(), greys)
+            job.send_signal(signal.SIGINT)
+            self.assertIn("shown at", job.communicate(timeout=20)[0])
+            self.assertEqual(job.returncode, 0)
+
+    def test_shows_holograms_in_turn(self):
+        job = subprocess.Popen([PROGRAM, "display", *self.paths, "--rate", "2"], env=self.environment,
+                               stdout=subprocess.PIPE, text=True)
+        seen = []
+        end = time.time() + 20
+        while len(seen) < 7 and time.time() < end:
+            screen = self.screen()
+            if screen in self.greys and (not seen or seen[-1] != self.greys.index(screen)):
+                seen.append(self.greys.index(screen))
+            time.sleep(0.01)
+        job.send_signal(signal.SIGINT)
+        job.communicate(timeout=20)
+        self.assertEqual(len(seen), 7)
+        for before, after in zip(seen, seen[1:]):
+            self.assertEqual(after, (before + 1) % 3, seen)
+
+    def test_counts_what_it_shows(self):
+        run = self.run_display(*self.paths, "--seconds", "1")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        words = run.stdout.split()
+        self.assertEqual(words[1:4], ["holograms", "shown", "at"])
+        rate = float(words[4])
+        self.assertLessEqual(int(words[0]), rate + 2)  # never faster than the monitor: the first and the last one more
+        self.assertGreater(int(words[0]), 1)
+
+    def test_refuses_what_does_not_fit(self):
+        small = os.path.join(self.folder, "small.png")
+        png(small, self.greys[0][:64 * 48], 64, 48)
+        for arguments, expected in (
+                ([small], f"expected a mode of monitor 1 with the panel's 64 x 48 pixels, got only {COLUMNS} x {ROWS}"),
+                ([self.paths[0], small], "expected holograms of one panel"),
+                ([self.paths[0], "--monitor", "9"], "expected a monitor from 1 to 1, got 9"),
+                ([self.paths[0], "--rate", "1000"], "and a multiple of 1000 Hz")):
+            run = self.run_display(*arguments, "--seconds", "1")
+            self.assertEqual(run.returncode, 1, run.stdout)
+            self.assertIn(expected, run.stderr)
+
+    def test_needs_a_desktop(self):
+        environment = {k: v for k, v in self.environment.items() if k != "DISPLAY"}
+        run = subprocess.run([PROGRAM, "display", self.paths[0]], env=environment, capture_output=True, text=True,
+                             timeout=30)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("expected a desktop with a monitor", run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["display_test.py", *sys.argv[1:]], verbosity=2)
