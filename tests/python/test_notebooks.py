@@ -18,9 +18,9 @@ def test_there_are_notebooks_and_their_outputs_are_stripped():
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs_and_shows_pictures(path, tmp_path):
-    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed; scripts/setup installs it")
-    nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed; scripts/setup installs it")
-    pytest.importorskip("ipykernel", reason="ipykernel is not installed; scripts/setup installs it")
+    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed; scripts/setup --tests installs it")
+    nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed; scripts/setup --tests installs it")
+    pytest.importorskip("ipykernel", reason="ipykernel is not installed; scripts/setup --tests installs it")
     if "import torch" in path.read_text() and importlib.util.find_spec("torch") is None:
         pytest.skip("torch is not installed; pip install torch")
     notebook = nbformat.read(path, as_version=4)

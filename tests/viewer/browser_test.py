@@ -26,12 +26,12 @@ try:
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
 except ImportError as error:
-    print(f"skipped: {error}; scripts/setup installs what is missing")
+    print(f"skipped: {error}; scripts/setup --tests installs what is missing")
     sys.exit(77)
 
 DRIVER = shutil.which("chromedriver")
 if not DRIVER or not (shutil.which("chromium") or shutil.which("google-chrome")):
-    print("skipped: no chromium with chromedriver; scripts/setup installs them")
+    print("skipped: no chromium with chromedriver; scripts/setup --tests installs them")
     sys.exit(77)
 
 PROGRAM = os.path.abspath(sys.argv.pop(1))

@@ -17,7 +17,7 @@ import zlib
 
 PROGRAM = os.path.abspath(sys.argv.pop(1))
 if not shutil.which("Xvfb") or not os.path.exists(os.path.join(os.path.dirname(PROGRAM), "holotrace_display.so")):
-    print("skipped: no Xvfb, or a build without SDL 2; scripts/setup installs both")
+    print("skipped: no Xvfb, or a build without SDL 2; scripts/setup --tests installs both")
     sys.exit(77)
 
 COLUMNS, ROWS = 320, 180
