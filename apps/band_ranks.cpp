@@ -37,6 +37,7 @@ void serve_job(const Ranks& ranks, const Ranks::Message& job) {
   SynthesizeParams params;
   params.method = head.method;
   params.tolerance = head.tolerance;
+  params.device = head.device;
   ranks.send(0, tag_ready);
   for (Ranks::Message message = ranks.receive(); message.tag == tag_band; message = ranks.receive()) {
     BandOrder order;

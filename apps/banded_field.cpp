@@ -189,8 +189,8 @@ void open_files(Work& work) {
 void send_job(const Work& work, const Ranks& ranks) {
   const BandedField& job = work.job;
   std::string head;
-  pack(head, JobHead{job.panel, job.params.method, job.params.tolerance, job.threads, int32_t(job.sets.size()),
-                     summation_rates()});
+  pack(head, JobHead{job.panel, job.params.method, job.params.tolerance, job.params.device, job.threads,
+                     int32_t(job.sets.size()), summation_rates()});
   for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_job, head);
   for (const Sources& set : job.sets) {
     const std::string bytes = pack_set(set);

@@ -120,6 +120,10 @@ void Flags::Adder::texts(const char* name, std::vector<std::string>& v, const ch
   add(name, help, fmt::format("{}", fmt::join(v, ", ")), "TEXTS");
 }
 
+void Flags::Adder::device(const char* name, DeviceChoice& v, const char* help) {
+  add(name, help, device_text(v), "cpu|opencl|opencl:N|auto");
+}
+
 void Flags::Setter::set(const char* name, const std::function<void(const std::string& text)>& parse) const {
   const auto found = given.find(name);
   if (found != given.end()) read_flag(dashed(name), [&] { parse(found->second); });
@@ -169,6 +173,10 @@ void Flags::Setter::position(const char* name, Vec3& v, const Range& range_of_z,
     check_range(lengths[2], range_of_z, Quantity::length, " for z");
     v = {lengths[0], lengths[1], lengths[2]};
   });
+}
+
+void Flags::Setter::device(const char* name, DeviceChoice& v, const char*) {
+  set(name, [&](const std::string& text) { v = parse_device(text); });
 }
 
 void Flags::Setter::texts(const char* name, std::vector<std::string>& v, const char*) {

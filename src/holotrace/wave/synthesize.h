@@ -18,13 +18,17 @@ namespace holotrace {
 /// - `auto`: `tiled` or `planes`, whichever the cost model predicts to be faster within the tolerance; `exact` if
 ///   neither meets it. Never `layers`, which cannot limit waves to their boxes.
 ///
+/// On an OpenCL device (SynthesizeParams::device), `auto` and `tiled` sum tile by tile (tiles/device_tiles.h), within the
+/// same tolerance; the other methods are for the processor. The bytes differ from the processor's and between devices. The
+/// device `auto` is the first graphics card; if there is none, or it fails (a warning), the processor sums.
+///
 /// Every method sums waves with an amplitude in each tile of the panel (TileAmplitudes) tile by tile. The cost is then
 /// that of the waves·pixels that they light.
 ///
 /// @param sources  spherical waves at z < 0 [m]
 /// @param grid     panel pixels: nx, ny, pitch [m]
 /// @return         complex amplitude, shape (ny, nx) [√(W/m²)]
-/// @throws Error   for no sources, a source not behind the panel, or a tolerance outside (0, 1)
+/// @throws Error   for a device that is not there, or fails; for no sources, a source not behind the panel, or a tolerance outside (0, 1)
 ///
 /// Facts: `waves`, `waves_pixels`, `method`, for `auto` also `why`; then those of the method. Warning: waves whose box
 /// misses the panel.

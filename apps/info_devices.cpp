@@ -1,0 +1,52 @@
+#include "info_devices.h"
+
+#include "facts.h"
+#include "holotrace/base/cpu.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/printable.h"
+#include "holotrace/base/thread_count.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/params/device.h"
+#include "holotrace/opencl/device_info.h"
+#include "say.h"
+
+namespace holotrace {
+namespace {
+
+Json facts_of(const DeviceInfo& info) {
+  return {{"device", device_text({DeviceKind::opencl, info.number})},
+          {"name", info.name},
+          {"type", type_name(info.type)},
+          {"compute_units", info.compute_units},
+          {"memory_bytes", int64_t(info.memory)},
+          {"driver", info.driver},
+          {"platform", info.platform}};
+}
+
+std::string line_of(const DeviceInfo& info) {
+  return fmt::format("{:<12} {}: {} of {} units, {}; driver {} ({})", device_text({DeviceKind::opencl, info.number}),
+                     info.name, type_name(info.type), info.compute_units, format_bytes(info.memory), info.driver,
+                     info.platform);
+}
+
+}  // namespace
+
+void print_devices(bool is_json) {
+  std::vector<DeviceInfo> devices;
+  std::string why_none = "no driver for OpenCL is installed";
+  try {
+    devices = list_devices();
+  } catch (const Error& error) {
+    why_none = error.what();
+  }
+  if (is_json) {
+    Json json = {{"devices", Json::array({{{"device", "cpu"}, {"name", cpu_name()}, {"threads", thread_count()}}})}};
+    for (const DeviceInfo& info : devices) json["devices"].push_back(facts_of(info));
+    return print_facts(json, true);
+  }
+  fmt::print("{:<12} {}, {} threads\n", "cpu", printable(cpu_name()), thread_count());
+  for (const DeviceInfo& info : devices) fmt::print("{}\n", printable(line_of(info)));
+  if (devices.empty()) say("no OpenCL devices: {}\n", printable(why_none));
+}
+
+}  // namespace holotrace
