@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <deque>
@@ -251,6 +252,10 @@ void share_bands(const std::shared_ptr<Work>& work, Ranks& ranks) {
 
 void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observer) {
   check_sets(field);
+  const auto largest = std::max_element(field.sets.begin(), field.sets.end(), [](const Sources& a, const Sources& b) {
+    return a.waves.size() < b.waves.size();
+  });
+  field.params.device = chosen_device(*largest, field.panel, field.params);  // one for all bands and ranks
   const auto work = std::make_shared<Work>();
   work->bands = plan_bands(field.sets, field.panel, field.params, field.memory);
   work->job = std::move(field);

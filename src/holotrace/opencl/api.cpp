@@ -11,11 +11,10 @@ namespace {
 
 OpenClApi load() {
   void* library = dlopen("libOpenCL.so.1", RTLD_NOW | RTLD_LOCAL);
-  require(
-      library != nullptr,
-      "expected the loader of OpenCL, libOpenCL.so.1, got \"{}\"; install it (ocl-icd-libopencl1) and the "
-      "driver of your card, or use the device cpu",
-      dlerror());
+  require(library != nullptr,
+          "expected the loader of OpenCL, libOpenCL.so.1, got \"{}\"; install it (ocl-icd-libopencl1) and the "
+          "driver of your card, or use the device cpu",
+          dlerror());
   OpenClApi api;
   const auto find = [&](auto& function, const char* name) {
     function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));

@@ -3,6 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
@@ -10,6 +11,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/planes/plane_plan.h"
 #include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/tiles/device_rates.h"
 #include "holotrace/wave/tiles/device_tiles.h"
 #include "holotrace/wave/tiles/packed_product.h"
 #include "holotrace/wave/tiles/tile_sum.h"
@@ -83,8 +85,20 @@ PartPlan make_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, 
   return from_memory * seconds(planes) + seconds_to_plan < by_tiles ? planes : tiles;
 }
 
-// Predicted seconds with all threads.
-double seconds_of(const PartPlan& plan) {
+// What one sum on a device takes besides its work: the start of kernels, and waiting for them.
+constexpr double seconds_of_start = 1e-3;
+
+double seconds_on_device(const PartPlan& plan, const PixelBox& bounds, Device& device) {
+  const DeviceRates rates = device_rates(device);
+  double pixels = 0;
+  for (const PreparedWave& wave : plan.near) pixels += double(wave.box.pixels());
+  return pixels * multiply_adds_per_wave_pixel(plan.tiles.plan.shape) / rates.multiply_adds +
+         transferred_bytes(plan.near.size(), bounds) / rates.bytes + seconds_of_start;
+}
+
+// Predicted seconds, with all threads; infinite for a device that was not measured.
+double seconds_of(const PartPlan& plan, const PixelBox& bounds, Device* device) {
+  if (device) return seconds_on_device(plan, bounds, *device);
   return (plan.far.empty() ? 1 : from_memory) * predict_seconds(work_of(plan), summation_rates(), thread_count());
 }
 
@@ -176,7 +190,7 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const Sum
     part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan, way.device),
             part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
-    if (!way.device) part.predicted_seconds += seconds_of(plan);
+    part.predicted_seconds += seconds_of(plan, bounds, way.device);
     run_plan(plan, bounds, way.device, field, observer);
     // A part of a few pixels may be dark by chance. It has little weight in the whole, to which the tolerance applies.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
@@ -218,7 +232,7 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   if (worst.reachable == 0) return field;
   observer.fact("method", worst.method);
   observer.fact("how", worst.how);
-  if (!way.device) observer.fact("predicted_seconds", predicted);
+  if (std::isfinite(predicted)) observer.fact("predicted_seconds", predicted);
   observer.fact("expected_error", worst.reachable / 1.25);
   return field;
 }
@@ -233,17 +247,17 @@ Field sum_within(const Sources& sources, const Grid& grid, double tolerance, con
   return std::move(*field);
 }
 
-SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach) {
+SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way) {
   check_grid(grid);
   check_sources(sources);
   SumForecast forecast;
   for (int part = 0; part < panel_parts(sources); ++part) {
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
     if (waves.empty()) continue;
-    const PartPlan plan =
-        make_plan(waves, {grid, panel_part(sources, grid, part), sources.wavelength, tolerance}, approach);
+    const PixelBox bounds = panel_part(sources, grid, part);
+    const PartPlan plan = make_plan(waves, {grid, bounds, sources.wavelength, tolerance}, way);
     if (!plan.meets_tolerance()) return {};
-    forecast.seconds += seconds_of(plan);
+    forecast.seconds += seconds_of(plan, bounds, way.device);
     forecast.method = plan.far.empty() ? "tiled" : "planes";
   }
   return forecast;

@@ -1,10 +1,13 @@
 #include "holotrace/wave/synthesize.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/thread_count.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/opencl/device.h"
 #include "holotrace/wave/layers/sum_layers.h"
@@ -50,12 +53,51 @@ void report_boxes(const Sources& sources, const Grid& grid, const Observer& obse
         format_angle(std::asin(acceptance_sine(sources.acceptance_wavelength(), grid.pitch)))));
 }
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
 bool runs_on_devices(SynthesisMethod method) {
   return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled;
 }
 
+// Opening a device takes about as long [s]: a shorter sum is left to the processor.
+constexpr double seconds_to_open = 0.3;
+
+std::vector<DeviceInfo> devices_here() {
+  try {
+    return list_devices();
+  } catch (const Error&) {
+    return {};  // no OpenCL here
+  }
+}
+
+// The device that is expected to sum the waves faster than the processor and the other devices; none: the processor is.
+Device* fastest_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+  if (!runs_on_devices(params.method)) return nullptr;
+  const Approach approach = params.method == SynthesisMethod::tiled ? Approach::tiled : Approach::cheapest;
+  const auto seconds = [&](Device* device) {
+    const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device});
+    return forecast.method.empty() ? infinite : forecast.seconds;
+  };
+  // On all cores, whatever --threads says: the choice, and so the bytes, must not depend on it.
+  double least = seconds(nullptr) * thread_count() / std::max(1U, std::thread::hardware_concurrency());
+  Device* fastest = nullptr;
+  if (least < seconds_to_open) return fastest;
+  for (const DeviceInfo& info : devices_here()) {
+    try {
+      Device& device = open_device(info.number);
+      const double here = seconds(&device);
+      if (here >= least) continue;
+      least = here;
+      fastest = &device;
+    } catch (const Error&) {
+      // A device that does not work is not chosen.
+    }
+  }
+  return fastest;
+}
+
 // The device that sums the waves; none: the processor does.
-Device* device_for(const SynthesizeParams& params) {
+Device* device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   if (params.device.kind == DeviceKind::cpu) return nullptr;
   if (params.device.kind == DeviceKind::opencl) {
     require(runs_on_devices(params.method),
@@ -63,14 +105,7 @@ Device* device_for(const SynthesizeParams& params) {
             method_name(params.method));
     return &open_device(params.device.number);
   }
-  if (!runs_on_devices(params.method)) return nullptr;
-  try {
-    const std::vector<DeviceInfo>& all = list_devices();
-    const auto card = std::find_if(all.begin(), all.end(), [](auto& info) { return info.type == DeviceType::gpu; });
-    return card == all.end() ? nullptr : &open_device(card->number);
-  } catch (const Error&) {
-    return nullptr;  // no OpenCL here, or a card that cannot be opened
-  }
+  return fastest_device(sources, grid, params);
 }
 
 // By the method that the parameters name, which is one that sums waves.
@@ -129,6 +164,12 @@ std::string method_name(SynthesisMethod method) {
   return "auto";
 }
 
+DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+  if (params.device.kind != DeviceKind::automatic) return params.device;
+  const Device* device = fastest_device(sources, grid, params);
+  return device ? DeviceChoice{DeviceKind::opencl, device->info().number} : DeviceChoice{};
+}
+
 int64_t waves_pixels(const Sources& sources, const Grid& grid) {
   int64_t sum = 0;
   for_each_wave(sources, grid, [&](int64_t pixels) { sum += pixels; });
@@ -140,7 +181,7 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   check_sources(sources);
   require(!sources.waves.empty(), "expected at least one source, got none; is the scene lit and in view?");
   check_ranges(params);
-  Device* const device = device_for(params);
+  Device* const device = device_for(sources, grid, params);
   report_boxes(sources, grid, observer);
   if (!device || params.device.kind == DeviceKind::opencl) return sum_waves(sources, grid, params, device, observer);
   try {

@@ -20,7 +20,8 @@ namespace holotrace {
 ///
 /// On an OpenCL device (SynthesizeParams::device), `auto` and `tiled` sum tile by tile (tiles/device_tiles.h), within the
 /// same tolerance; the other methods are for the processor. The bytes differ from the processor's and between devices. The
-/// device `auto` is the first graphics card; if there is none, or it fails (a warning), the processor sums.
+/// device `auto` is the one that is expected to be fastest by measured rates (tiles/device_rates.h), transfers counted, or
+/// the processor if that is. If the device fails, the processor takes over, with a warning.
 ///
 /// Every method sums waves with an amplitude in each tile of the panel (TileAmplitudes) tile by tile. The cost is then
 /// that of the waves·pixels that they light.
@@ -37,6 +38,9 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
 
 /// The name of a method in flags and scene files.
 std::string method_name(SynthesisMethod method);
+
+/// The device that `auto` stands for with these sources; another choice stays as it is.
+DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params);
 
 /// The work of a summation: pixels in the boxes of the sources, added up over all sources [waves·pixels].
 int64_t waves_pixels(const Sources& sources, const Grid& grid);

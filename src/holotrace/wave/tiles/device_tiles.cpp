@@ -100,6 +100,10 @@ Kernel tile_kernel(TileShape shape, const char* function) {
                       block_rows(shape), batch_of(shape))};
 }
 
+double transferred_bytes(size_t waves, const PixelBox& bounds) {
+  return double(sizeof(DeviceWave)) * double(waves) + double(sizeof(std::complex<float>)) * double(bounds.pixels());
+}
+
 double multiply_adds_per_wave_pixel(TileShape shape) {
   // Counted in tile_factor_kernel.h and tile_sum.cl, a division or a root as 4.
   const double factor = 38, wave = 190 + 2.0 * group_size(shape), pixels = double(shape.columns) * shape.rows;

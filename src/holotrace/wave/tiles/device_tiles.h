@@ -30,6 +30,9 @@ TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel
 void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel, TileShape shape,
                          const PixelBox& bounds, Array2D<std::complex<float>>& samples, const Observer& observer);
 
+/// Bytes that a sum sends to a device and fetches from it, if its memory holds all waves.
+double transferred_bytes(size_t waves, const PixelBox& bounds);
+
 /// Multiply-adds, or operations of the same cost, per wave and pixel: 3 of the products, and a share of the factors'
 /// and of each wave's work.
 double multiply_adds_per_wave_pixel(TileShape shape);
