@@ -166,9 +166,9 @@ void Device::run(const Kernel& kernel, const WorkSize& size, std::initializer_li
             kernel.name, status_name(status));
     ++index;
   }
-  const size_t group[2] = {size.group_x, size.group_y};
-  const size_t all[2] = {size.groups_x * size.group_x, size.groups_y * size.group_y};
-  const cl_int status = api.clEnqueueNDRangeKernel(s.queue, compiled, 2, nullptr, all, group, 0, nullptr, nullptr);
+  const size_t group[3] = {size.group_x, size.group_y, 1};
+  const size_t all[3] = {size.groups_x * size.group_x, size.groups_y * size.group_y, size.groups_z};
+  const cl_int status = api.clEnqueueNDRangeKernel(s.queue, compiled, 3, nullptr, all, group, 0, nullptr, nullptr);
   if (status != CL_SUCCESS) fail_as_lost(info_, kernel.name, status);
   ++s.use.kernels;
 }

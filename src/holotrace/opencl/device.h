@@ -45,6 +45,7 @@ struct Kernel {
 struct WorkSize {
   size_t groups_x = 1, groups_y = 1;
   size_t group_x = 1, group_y = 1;
+  size_t groups_z = 1;  ///< of one item along z
 };
 
 /// An argument of a kernel: a buffer, or a plain value, which must have the same layout on the device. For use within

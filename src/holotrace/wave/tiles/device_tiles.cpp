@@ -32,15 +32,17 @@ int batch_of(TileShape shape) {
   return std::clamp(24 * 1024 / (3 * int(sizeof(float)) * (shape.columns + shape.rows)) / 8 * 8, 8, 32);
 }
 
-// Waves of a launch, whose sums the kernel keeps in registers: always as many, so that the bytes do not depend on memory.
-constexpr size_t launch = 4096;
-// Samples of a launch at most. It then takes a millisecond on a fast card and a tenth of a second on a slow one, whose
-// screen must not freeze.
+// Waves whose sums the kernel keeps in registers, at most.
+constexpr size_t most_share = 4096;
+// Samples of a launch at most. It then takes milliseconds on a fast card and tenths of a second on a slow one, whose screen
+// must not freeze.
 constexpr double most_samples = 4e6;
+// Groups for each unit of a device that keep it busy: several at once, and few idle at the end.
+constexpr size_t groups_per_unit = 8;
 
 // As tile_sum.cl declares it.
 struct TileJob {
-  int32_t first, end, columns, rows, top, is_first;
+  int32_t first, end, share, columns, rows, top, is_first;
   float pitch;
 };
 
@@ -62,33 +64,55 @@ std::vector<DeviceWave> device_waves(const std::vector<PreparedWave>& waves, siz
   return some;
 }
 
-// Fetches a band of samples to the rows of the field from `top` on.
+// Fetches a band of samples to the rows of the field.
 void fetch(Device& device, const DeviceBuffer& sums, const PixelBox& band, Array2D<std::complex<float>>& samples) {
-  const size_t columns = size_t(band.x1 - band.x0);
-  if (columns == size_t(samples.nx)) return device.read(sums, samples.row(band.y0), sums.bytes());
-  std::vector<std::complex<float>> rows(columns * size_t(band.y1 - band.y0));
-  device.read(sums, rows.data(), sums.bytes());
+  const size_t columns = size_t(band.x1 - band.x0), count = size_t(band.pixels());
+  constexpr size_t bytes = sizeof(std::complex<float>);
+  if (columns == size_t(samples.nx)) return device.read(sums, samples.row(band.y0), count * bytes);
+  std::vector<std::complex<float>> rows(count);
+  device.read(sums, rows.data(), count * bytes);
   for (int j = band.y0; j < band.y1; ++j)
     std::copy_n(rows.data() + size_t(j - band.y0) * columns, columns, samples.row(j) + band.x0);
 }
 
-// Rows of a band, and waves that are on the device at once.
+// How a sum is shared out. Which waves are added up in which order depends on the waves, the bounds and the device, and not
+// on its memory: so the bytes do not either.
 struct DevicePlan {
-  int rows = 0;
-  size_t waves = 0;
+  size_t slices = 1, share = 0;  // slices of the waves of a launch, each of `share` waves
+  int rows = 0;                  // of a band
+  size_t waves = 0;              // that are on the device at once, a multiple of those of a launch
+
+  size_t launch() const { return slices * share; }
 };
 
-DevicePlan plan_memory(const Device& device, size_t waves, const PixelBox& bounds, TileShape shape) {
+DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds, TileShape shape) {
+  DevicePlan plan;
+  const size_t tiles =
+      tiles_along(bounds.x1 - bounds.x0, shape.columns) * tiles_along(bounds.y1 - bounds.y0, shape.rows);
+  const size_t wanted = size_t(device.info().compute_units) * groups_per_unit;
+  constexpr size_t least_share = 512;  // a multiple of every group
+  plan.slices = std::clamp<size_t>((wanted + tiles - 1) / tiles, 1, std::max<size_t>(waves / least_share, 1));
+  const size_t even = (waves + plan.slices - 1) / plan.slices;
+  plan.share = std::min((even + least_share - 1) / least_share * least_share, most_share);
+
   constexpr double spare = 1e5;  // for the places of tiles
   const double free = device.free_memory() - spare, columns = bounds.x1 - bounds.x0, rows = bounds.y1 - bounds.y0;
-  const double row_bytes = sizeof(std::complex<float>) * columns, all_waves = double(sizeof(DeviceWave) * waves);
+  const double row_bytes = double(sizeof(std::complex<float>) * plan.slices) * columns;
+  const double all_waves = double(sizeof(DeviceWave) * waves);
   const double for_waves = std::min(all_waves, std::max(free / 2, free - row_bytes * rows));
   const double band = std::min((free - for_waves) / row_bytes, most_samples / columns);
-  DevicePlan plan;
   plan.rows = band >= rows ? int(rows) : std::max(int(band) / shape.rows, 1) * shape.rows;
-  plan.waves = std::max(size_t(for_waves) / sizeof(DeviceWave) / launch, size_t(1)) * launch;
+  plan.waves = std::max(size_t(for_waves) / sizeof(DeviceWave) / plan.launch(), size_t(1)) * plan.launch();
   if (all_waves <= for_waves) plan.waves = waves;
   return plan;
+}
+
+// Adds up the slices of a band.
+void add_slices(Device& device, TileShape shape, const DeviceBuffer& sums, int64_t samples, size_t slices) {
+  if (slices == 1) return;
+  constexpr size_t group = 64;
+  device.run(tile_kernel(shape, "add_slices"), {(size_t(samples) + group - 1) / group, 1, group, 1},
+             {sums, int32_t(samples), int32_t(slices)});
 }
 
 }  // namespace
@@ -129,7 +153,7 @@ void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves,
   const auto lock = device.lock();
   const Grid& grid = panel.grid;
   const int columns = bounds.x1 - bounds.x0;
-  const DevicePlan plan = plan_memory(device, waves.size(), bounds, shape);
+  const DevicePlan plan = make_plan(device, waves.size(), bounds, shape);
   const DeviceBuffer column_centres = device.upload(
       tile_centres(columns, shape.columns, panel.wavelength, [&](double i) { return grid.x(bounds.x0 + i); }),
       "places of tiles");
@@ -141,18 +165,20 @@ void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves,
     const int rows = std::min(plan.rows, bounds.y1 - top);
     const DeviceBuffer row_centres = device.upload(
         tile_centres(rows, shape.rows, panel.wavelength, [&](double j) { return grid.y(top + j); }), "places of tiles");
+    const PixelBox band{bounds.x0, bounds.x1, top, top + rows};
     const DeviceBuffer sums =
-        device.make_buffer(sizeof(std::complex<float>) * size_t(columns) * size_t(rows), "a field");
+        device.make_buffer(sizeof(std::complex<float>) * size_t(band.pixels()) * plan.slices, "a field");
     for (size_t part = 0; part < waves.size(); part += plan.waves) {
       const size_t end = std::min(part + plan.waves, waves.size());
       if (top == bounds.y0 || plan.waves < waves.size()) {
         on_device = DeviceBuffer();  // released before the next is made
         on_device = device.upload(device_waves(waves, part, end, panel.wavelength, bounds), "the waves");
       }
-      for (size_t first = part; first < end; first += launch) {
-        const size_t last = std::min(first + launch, end);
+      for (size_t first = part; first < end; first += plan.launch()) {
+        const size_t last = std::min(first + plan.launch(), end);
         const TileJob job{int32_t(first - part),
                           int32_t(last - part),
+                          int32_t(plan.share),
                           columns,
                           rows,
                           top - bounds.y0,
@@ -160,13 +186,14 @@ void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves,
                           float(grid.pitch / panel.wavelength)};
         device.run(kernel,
                    {tiles_along(columns, shape.columns), tiles_along(rows, shape.rows),
-                    size_t(shape.columns / block_columns), size_t(shape.rows / block_rows(shape))},
+                    size_t(shape.columns / block_columns), size_t(shape.rows / block_rows(shape)), plan.slices},
                    {on_device, column_centres, row_centres, job, sums});
         device.finish();
         observer.progress((done += double(last - first) * rows) / work);
       }
     }
-    fetch(device, sums, {bounds.x0, bounds.x1, top, top + rows}, samples);
+    add_slices(device, shape, sums, band.pixels(), plan.slices);
+    fetch(device, sums, band, samples);
   }
 }
 

@@ -20,6 +20,7 @@ TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel
 
 /// Computes the pixels of `bounds`; their old values are overwritten.
 ///
+/// If the panel has too few tiles for a large device, slices of the waves are summed at once, and added up on the device.
 /// If memory for all waves or all samples is short, the samples are computed in bands of rows and the waves sent in
 /// parts. The sum does not depend on that: same device, waves and bounds, same bytes.
 ///

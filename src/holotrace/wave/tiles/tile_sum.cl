@@ -17,9 +17,10 @@
 #define MULTIPLY_ADD mad
 #endif
 
-// The waves [first, end) and the tiles of a band: its size [samples], and the first of its rows on the panel.
+// The waves [first, end) and the tiles of a band: its size [samples], and the first of its rows on the panel. Each of
+// get_num_groups(2) slices sums `share` of the waves, to samples of its own: a panel of few tiles keeps a large device busy.
 typedef struct {
-  int first, end;
+  int first, end, share;
   int columns, rows, top;
   int is_first;  // the samples are new; otherwise the sum is added to them
   float pitch;   // [wavelengths]
@@ -53,12 +54,14 @@ __kernel __attribute__((reqd_work_group_size(GROUP_COLUMNS, GROUP_ROWS, 1))) voi
 #pragma unroll
   for (int r = 0; r < BLOCK_ROWS; ++r) ac[r] = bd[r] = all[r] = (float4)(0.0f);
 
-  for (int start = job.first; start < job.end; start += GROUP) {
+  const int slice = get_group_id(2), slice_first = job.first + slice * job.share;
+  const int slice_end = min(slice_first + job.share, job.end);
+  for (int start = slice_first; start < slice_end; start += GROUP) {
     // The waves that light the tile, in their order.
-    DeviceWave wave = waves[min(start + item, job.end - 1)];
+    DeviceWave wave = waves[min(start + item, slice_end - 1)];
     const int4 edge =
         (int4)(wave.x0 - tile_x, wave.x1 - tile_x, wave.y0 - job.top - tile_y, wave.y1 - job.top - tile_y);
-    const int meets = start + item < job.end && edge.x < TILE_COLUMNS && edge.y > 0 && edge.z < TILE_ROWS && edge.w > 0;
+    const int meets = start + item < slice_end && edge.x < TILE_COLUMNS && edge.y > 0 && edge.z < TILE_ROWS && edge.w > 0;
     is_lit[item] = meets;
     barrier(CLK_LOCAL_MEM_FENCE);
     int before = 0, count = 0;
@@ -111,11 +114,20 @@ __kernel __attribute__((reqd_work_group_size(GROUP_COLUMNS, GROUP_ROWS, 1))) voi
     const float4 re = ac[r] - bd[r], im = all[r] - ac[r] - bd[r];
     const float2 block[BLOCK_COLUMNS] = {(float2)(re.x, im.x), (float2)(re.y, im.y), (float2)(re.z, im.z),
                                          (float2)(re.w, im.w)};
-    __global float2* const to = samples + (size_t)row * job.columns + column;
+    __global float2* const to = samples + ((size_t)slice * job.rows + row) * job.columns + column;
 #pragma unroll
     for (int c = 0; c < BLOCK_COLUMNS; ++c)
       if (column + c < job.columns) to[c] = job.is_first ? block[c] : to[c] + block[c];
   }
+}
+
+// Adds the samples of all slices to those of the first.
+__kernel void add_slices(__global float2* samples, int count, int slices) {
+  const int i = get_global_id(0);
+  if (i >= count) return;
+  float2 sum = samples[i];
+  for (int s = 1; s < slices; ++s) sum += samples[(size_t)s * count + i];
+  samples[i] = sum;
 }
 
 // For tests: the value of each wave at the offset (u, v) from a tile centred at (x, y) [wavelengths], as the two factors
