@@ -70,6 +70,29 @@ TEST_F(DevicesOfTheProgram, MakeTheSameFieldWithinTheToleranceWholeAndInBands) {
   EXPECT_LT(holotrace::testing::relative_error(load_fields(work_.path("bands.h5")).front(), fields[0]), 2e-3);
 }
 
+// PoCL offers as many devices as POCL_DEVICES lists; each is the whole processor.
+TEST_F(DevicesOfTheProgram, AreSharedByRanksWithTheSameBytes) {
+  if (!has_device() || !HOLOTRACE_HAS_MPI) GTEST_SKIP() << "no OpenCL device or no MPI here";
+  const std::vector<std::string> two_devices{"env", "POCL_DEVICES=pthread pthread"};
+  const auto in_bands = [&](const char* device, const char* name) {
+    std::vector<std::string> arguments = field(device, name);
+    arguments.insert(arguments.end(), {"--memory", "1 GB"});
+    return arguments;
+  };
+  std::vector<std::string> ranks = two_devices;
+  ranks.insert(ranks.end(),
+               {"ASAN_OPTIONS=detect_leaks=0", "mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2"});
+  const Outcome alone = work_.run_under(two_devices, in_bands("opencl", "alone.h5"));
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  const Outcome second = work_.run_under(two_devices, in_bands("opencl:1", "second.h5"));
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  const Outcome shared = work_.run_under(ranks, in_bands("opencl", "shared.h5"));
+  ASSERT_EQ(shared.exit_code, 0) << shared.err;
+  const auto samples = [&](const char* name) { return load_fields(work_.path(name)).front().samples.values; };
+  EXPECT_EQ(samples("shared.h5"), samples("alone.h5"));
+  EXPECT_EQ(samples("second.h5"), samples("alone.h5"));
+}
+
 TEST_F(DevicesOfTheProgram, ThatAreMissingAreNamedInOneSentence) {
   const Outcome unknown = work_.run(field("gpu", "f.npy"));
   EXPECT_EQ(unknown.exit_code, 1);

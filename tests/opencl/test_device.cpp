@@ -184,6 +184,28 @@ TEST_P(Devices, TakeCompiledProgramsFromTheStoreAndCompileDamagedOnesAgain) {
   set_program_store({});
 }
 
+TEST(DeviceList, SharesDevicesOfOneModelAmongRanks) {
+  const auto device = [](int number, const char* name, const char* driver) {
+    DeviceInfo info;
+    info.number = number;
+    info.name = name;
+    info.driver = driver;
+    return info;
+  };
+  const std::vector<DeviceInfo> devices{device(0, "A", "1"), device(1, "B", "1"), device(2, "A", "1"),
+                                        device(3, "A", "2"), device(4, "A", "1")};
+  const auto of_ranks = [&](int number) {
+    std::vector<int> numbers;
+    for (int rank = 0; rank < 4; ++rank) numbers.push_back(equal_device(devices, number, rank));
+    return numbers;
+  };
+  EXPECT_EQ(of_ranks(0), (std::vector<int>{0, 2, 4, 0}));
+  EXPECT_EQ(of_ranks(2), (std::vector<int>{2, 4, 0, 2}));
+  EXPECT_EQ(of_ranks(1), (std::vector<int>{1, 1, 1, 1}));
+  EXPECT_EQ(of_ranks(3), (std::vector<int>{3, 3, 3, 3}));
+  EXPECT_EQ(equal_device(devices, 9, 1), 9);  // refused when it is opened
+}
+
 TEST(DeviceList, RefusesNumbersOfNoDevice) {
   const size_t count = test::device_numbers().size();
   if (count == 0) GTEST_SKIP() << "no OpenCL device here";

@@ -27,6 +27,10 @@ struct DeviceInfo {
 /// @throws Error  if this build or this machine has no OpenCL
 const std::vector<DeviceInfo>& list_devices();
 
+/// The number of the device that is `step` places further in the circle of those with the name, platform and driver of
+/// device `number`: processes that share a machine take one each. The same kernels give the same bytes on all of them.
+int equal_device(const std::vector<DeviceInfo>& devices, int number, int step);
+
 /// "cpu", "gpu" or "other".
 std::string type_name(DeviceType type);
 

@@ -74,8 +74,4 @@ const std::vector<DeviceInfo>& list_devices() { return found_devices().infos; }
 
 DeviceHandles handles_of(int number) { return found_devices().handles.at(size_t(number)); }
 
-std::string type_name(DeviceType type) {
-  return type == DeviceType::cpu ? "cpu" : type == DeviceType::gpu ? "gpu" : "other";
-}
-
 }  // namespace holotrace

@@ -35,7 +35,6 @@ size_t Device::broken_guards() const { fail_without(); }
 
 Device& open_device(int) { fail_without(); }
 const std::vector<DeviceInfo>& list_devices() { fail_without(); }
-std::string type_name(DeviceType) { fail_without(); }
 
 void set_program_store(ProgramStore) {}
 const ProgramStore& program_store() { fail_without(); }
