@@ -1,10 +1,12 @@
 #include "holotrace/wave/tiles/device_tiles.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/wave/tiles/device_wave.h"
 
 namespace holotrace {
@@ -58,9 +60,10 @@ size_t tiles_along(int pixels, int step) { return size_t((pixels + step - 1) / s
 
 std::vector<DeviceWave> device_waves(const std::vector<PreparedWave>& waves, size_t first, size_t end,
                                      double wavelength, const PixelBox& bounds) {
-  std::vector<DeviceWave> some;
-  some.reserve(end - first);
-  for (size_t i = first; i < end; ++i) some.push_back(device_wave(waves[i], wavelength, bounds));
+  std::vector<DeviceWave> some(end - first);
+  parallel_for(
+      0, int64_t(some.size()),
+      [&](int64_t i) { some[size_t(i)] = device_wave(waves[first + size_t(i)], wavelength, bounds); }, {}, 4096);
   return some;
 }
 
