@@ -28,6 +28,7 @@ struct JobHead {
   Grid panel;
   SynthesisMethod method{};
   double tolerance = 0;
+  DeviceChoice device{};
   int32_t threads = 0, sets = 0;
   SummationRates rates;  ///< plans are chosen by these rates: the same on every rank
 };

@@ -7,6 +7,7 @@
 
 #include "band_messages.h"
 #include "banded_field.h"
+#include "holotrace/opencl/device_info.h"
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/shared/cost_model.h"
 
@@ -37,6 +38,9 @@ void serve_job(const Ranks& ranks, const Ranks::Message& job) {
   SynthesizeParams params;
   params.method = head.method;
   params.tolerance = head.tolerance;
+  params.device = head.device;
+  if (params.device.kind == DeviceKind::opencl)
+    params.device.number = equal_device(list_devices(), params.device.number, ranks.rank_here());
   ranks.send(0, tag_ready);
   for (Ranks::Message message = ranks.receive(); message.tag == tag_band; message = ranks.receive()) {
     BandOrder order;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <deque>
@@ -189,8 +190,8 @@ void open_files(Work& work) {
 void send_job(const Work& work, const Ranks& ranks) {
   const BandedField& job = work.job;
   std::string head;
-  pack(head, JobHead{job.panel, job.params.method, job.params.tolerance, job.threads, int32_t(job.sets.size()),
-                     summation_rates()});
+  pack(head, JobHead{job.panel, job.params.method, job.params.tolerance, job.params.device, job.threads,
+                     int32_t(job.sets.size()), summation_rates()});
   for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_job, head);
   for (const Sources& set : job.sets) {
     const std::string bytes = pack_set(set);
@@ -251,6 +252,10 @@ void share_bands(const std::shared_ptr<Work>& work, Ranks& ranks) {
 
 void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observer) {
   check_sets(field);
+  const auto largest = std::max_element(field.sets.begin(), field.sets.end(), [](const Sources& a, const Sources& b) {
+    return a.waves.size() < b.waves.size();
+  });
+  field.params.device = chosen_device(*largest, field.panel, field.params);  // one for all bands and ranks
   const auto work = std::make_shared<Work>();
   work->bands = plan_bands(field.sets, field.panel, field.params, field.memory);
   work->job = std::move(field);

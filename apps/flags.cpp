@@ -102,4 +102,8 @@ void Flags::Adder::texts(const char* name, std::vector<std::string>& v, const ch
   add(name, help, fmt::format("{}", fmt::join(v, ", ")), "TEXTS");
 }
 
+void Flags::Adder::device(const char* name, DeviceChoice& v, const char* help) {
+  add(name, help, device_text(v), "cpu|opencl|opencl:N|auto");
+}
+
 }  // namespace holotrace

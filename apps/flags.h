@@ -87,6 +87,7 @@ class Flags {
     void lengths(const char* name, std::vector<double>& v, const Range& range, const char* help);
     void position(const char* name, Vec3& v, const Range& range_of_z, const char* help);
     void texts(const char* name, std::vector<std::string>& v, const char* help);
+    void device(const char* name, DeviceChoice& v, const char* help);
     template <class Enum>
     void choice(const char* name, Enum& v, std::initializer_list<Choice<Enum>> choices, const char* help) {
       std::vector<std::string> known;

@@ -20,10 +20,14 @@
 #include "holotrace/base/instruction_set.h"
 #include "holotrace/base/printable.h"
 #include "holotrace/estimate/machine/calibrate.h"
+#include "holotrace/estimate/machine/device_calibration.h"
 #include "holotrace/io/files/command_files.h"
+#include "holotrace/io/kept_programs.h"
 #include "holotrace/io/rates_file.h"
 #include "holotrace/io/wisdom_file.h"
+#include "holotrace/opencl/program_store.h"
 #include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/tiles/device_rates.h"
 #include "interrupts.h"
 #include "ranks.h"
 #include "say.h"
@@ -106,6 +110,11 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
   const auto warn = [](const std::string& sentence) { say("warning: {}\n", sentence); };
   keep_fft_wisdom(warn);
   set_summation_rates([warn] { return keep_summation_rates(calibration_key(), calibrate_summation, warn); });
+  set_device_rates([warn](Device& device) {
+    return keep_device_rates(
+        device_calibration_key(device.info()), [&] { return calibrate_device(device); }, warn);
+  });
+  set_program_store({load_kept_program, keep_program, keep_compiler_log});
   const CommandFiles files;
   try {
     app.parse(argc, argv);

@@ -1,4 +1,4 @@
-// holotrace info: prints the content of a file or a panel.
+// holotrace info: prints the content of a file or a panel, or the devices of this machine.
 
 #include <fmt/ranges.h>
 
@@ -7,14 +7,16 @@
 #include "commands.h"
 #include "facts.h"
 #include "holotrace/io/describe_file.h"
+#include "info_devices.h"
 
 namespace holotrace {
 
 void add_info_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("info", "contents of any file that holotrace reads, or data of a panel");
+  Command* command =
+      app.add_subcommand("info", "contents of any file that holotrace reads, data of a panel, or the devices here");
   struct Options {
     std::string path, slm;
-    bool is_json = false;
+    bool is_json = false, has_devices = false;
   };
   auto o = std::make_shared<Options>();
   auto* file = command->add_option("file", o->path)->type_name("FILE");
@@ -25,9 +27,14 @@ void add_info_command(Command& app, const GlobalFlags& global) {
                                    fmt::join(slm_preset_names(), ", ")))
           ->type_name("NAME|FILE.toml");
   slm->excludes(file);
+  command->add_flag("--devices", o->has_devices,
+                    "processor and OpenCL devices of this machine, as --device names them");
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o, &global] {
-    if (o->path.empty() && o->slm.empty()) fail_as_missing("a file or --slm");
+    if (o->has_devices && !o->path.empty()) fail_as_excluded("--devices", "a file");
+    if (o->has_devices && !o->slm.empty()) fail_as_excluded("--devices", "--slm");
+    if (o->has_devices) return print_devices(o->is_json);
+    if (o->path.empty() && o->slm.empty()) fail_as_missing("a file, --slm or --devices");
     print_facts(o->slm.empty() ? describe_file(o->path, global.outside()) : describe_slm(slm_by_name(o->slm)),
                 o->is_json);
   });

@@ -18,6 +18,7 @@ class Ranks {
 
   int rank() const { return rank_; }
   int size() const { return size_; }
+  int rank_here() const { return rank_here_; }  ///< its number among the ranks on the same machine
   bool has_launcher() const { return mpi_ != nullptr; }
 
   /// Number of processor cores for this rank: its own cores, divided among the ranks that may use them.
@@ -47,7 +48,7 @@ class Ranks {
   bool others_work = false;  ///< the other ranks are working and receive no messages
 
  private:
-  int rank_ = 0, size_ = 1, threads_ = 0;
+  int rank_ = 0, size_ = 1, threads_ = 0, rank_here_ = 0;
   const MpiModule* mpi_ = nullptr;  // none without a launcher
 };
 

@@ -25,6 +25,7 @@ TYPES = {
     "position": "Lengths",
     "flag": "bool",
     "texts": "Union[str, Sequence[str]]",
+    "device": "str",
 }
 
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "holotrace/data/chart.h"
+#include "holotrace/data/params/device.h"
 
 namespace holotrace {
 
@@ -14,6 +15,7 @@ struct BenchOptions {
   bool is_quick = false;        ///< only the small jobs
   double seconds_per_row = 2;   ///< total time of the repeated runs of a row [s]; at most seven runs
   double longest_seconds = 15;  ///< a job that would take longer is left out [s]
+  DeviceChoice device{};        ///< an OpenCL device whose stages are timed; otherwise those of the processor
 };
 
 /// A stage on a job: its time, and the fraction of the ceiling that it reached.
@@ -63,6 +65,7 @@ std::vector<BenchStep> planes_steps(const BenchOptions& options);
 std::vector<BenchStep> layers_steps(const BenchOptions& options);
 std::vector<BenchStep> triangles_steps(const BenchOptions& options);
 std::vector<BenchStep> auto_steps(const BenchOptions& options);
+std::vector<BenchStep> device_steps(const BenchOptions& options);
 std::vector<BenchStep> trace_steps(const BenchOptions& options);
 std::vector<BenchStep> accelerators_steps(const BenchOptions& options);
 std::vector<BenchStep> propagate_steps(const BenchOptions& options);

@@ -10,10 +10,13 @@
 #include "bench/bench.h"
 #include "commands.h"
 #include "console.h"
+#include "flags.h"
 #include "holotrace/base/cpu.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/printable.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/estimate/machine/ceilings.h"
+#include "holotrace/estimate/machine/device_peak.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
 
@@ -33,7 +36,7 @@ const BenchGroup groups[] = {{"trace", trace_steps},         {"accelerators", ac
                              {"planes", planes_steps},       {"layers", layers_steps},
                              {"triangles", triangles_steps}, {"auto", auto_steps},
                              {"propagate", propagate_steps}, {"show", show_steps},
-                             {"quality", quality_steps}};
+                             {"quality", quality_steps},     {"device", device_steps}};
 
 std::vector<std::string> group_names() {
   std::vector<std::string> names{"ceilings"};
@@ -68,17 +71,25 @@ std::string format_rate(double rate) {
   return power > 0 ? fmt::format("{:.{}f}e{}", rate, decimals, power) : fmt::format("{:.{}f}", rate, decimals);
 }
 
+void print_ceiling(const std::string& name, double rate, const char* unit) {
+  fmt::print("  {:<44} {:>8} {}/s\n", name, rate > 0 ? format_rate(rate) : "-", unit);
+}
+
+void print_ceilings(const DeviceInfo& info, const DevicePeak& peak) {
+  fmt::print("Ceilings of {}\n", printable(info.name));
+  print_ceiling("multiply-adds in registers", peak.multiply_adds, "multiply-adds");
+  print_ceiling("memory, u = v", peak.memory, "bytes");
+}
+
 void print_ceilings(const Ceilings& c) {
-  const auto line = [](const std::string& name, double rate, const char* unit) {
-    fmt::print("  {:<44} {:>8} {}/s\n", name, rate > 0 ? format_rate(rate) : "-", unit);
-  };
   fmt::print("Ceilings of {}, {} thread{}\n", cpu_name(), c.threads, c.threads == 1 ? "" : "s");
-  for (const MultiplyAddPeak& peak : c.multiply_adds) line(peak.instruction_set, peak.per_second, "multiply-adds");
-  line("bf16, AVX-512 vectors", c.bf16_vectors, "multiply-adds");
-  line("bf16, AMX tiles", c.bf16_tiles, "multiply-adds");
-  line("memory, u = v + s·w", c.memory_bandwidth, "bytes");
-  line("FFT of 4096 samples in cache, float", c.fft_in_cache, "operations");
-  line("FFT of 3840x2160 samples, float", c.fft_of_panel, "operations");
+  for (const MultiplyAddPeak& peak : c.multiply_adds)
+    print_ceiling(peak.instruction_set, peak.per_second, "multiply-adds");
+  print_ceiling("bf16, AVX-512 vectors", c.bf16_vectors, "multiply-adds");
+  print_ceiling("bf16, AMX tiles", c.bf16_tiles, "multiply-adds");
+  print_ceiling("memory, u = v + s·w", c.memory_bandwidth, "bytes");
+  print_ceiling("FFT of 4096 samples in cache, float", c.fft_in_cache, "operations");
+  print_ceiling("FFT of 3840x2160 samples, float", c.fft_of_panel, "operations");
 }
 
 // --- the stages ---
@@ -139,6 +150,12 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
             {"threads", ceilings.threads},
             {"ceilings", json_of(ceilings)},
             {"stages", Json::array()}};
+  const bool has_device = options.device.kind == DeviceKind::opencl;
+  DevicePeak peak;
+  if (has_device) {
+    peak = measure_device_peak(open_device(options.device.number));
+    json["device_ceilings"] = {{"multiply_adds_per_s", peak.multiply_adds}, {"memory_bytes_per_s", peak.memory}};
+  }
   std::vector<BenchRow> rows;
   const auto show = [&](const auto& print) {
     if (is_json) return;
@@ -146,9 +163,14 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
     print();
     std::fflush(stdout);
   };
-  show([&] { print_ceilings(ceilings); });
+  show([&] {
+    print_ceilings(ceilings);
+    if (has_device) print_ceilings(open_device(options.device.number).info(), peak);
+  });
   for (const BenchGroup& group : groups) {
-    if (!only.empty() && std::find(only.begin(), only.end(), group.name) == only.end()) continue;
+    const bool is_named = std::find(only.begin(), only.end(), group.name) != only.end();
+    const bool is_of_device = group.name == std::string("device");
+    if (only.empty() ? is_of_device != has_device : !is_named) continue;
     const Observer observer = console.watch(group.name);
     const std::vector<BenchStep> steps = group.steps(options);
     for (size_t i = 0; i < steps.size(); ++i) {
@@ -176,7 +198,7 @@ void add_bench_command(Command& app, const GlobalFlags& global) {
   struct Options {
     bool is_json = false, is_quick = false, is_full = false;
     std::vector<std::string> only;
-    std::string plot;
+    std::string plot, device;
   };
   auto o = std::make_shared<Options>();
   command->add_flag("--json", o->is_json, "as JSON");
@@ -193,6 +215,11 @@ void add_bench_command(Command& app, const GlobalFlags& global) {
                    "chart of the time per ray against the number of triangles: .png or .svg; needs the group "
                    "accelerators")
       ->type_name("FILE");
+  command
+      ->add_option("--device", o->device,
+                   "device whose stages are timed against its own peak rates: opencl or opencl:N; cpu: those of the "
+                   "processor [cpu]")
+      ->type_name("cpu|opencl|opencl:N");
   command->callback([o, &global] {
     if (!o->plot.empty()) {
       check_output(o->plot, {".png", ".svg"});
@@ -202,6 +229,9 @@ void add_bench_command(Command& app, const GlobalFlags& global) {
     BenchOptions options;
     if (o->is_quick) options = {.is_quick = true, .seconds_per_row = 0.2, .longest_seconds = 1};
     if (o->is_full) options.longest_seconds = 1e9;
+    if (!o->device.empty()) options.device = read_flag("--device", [&] { return parse_device(o->device); });
+    require(options.device.kind != DeviceKind::automatic,
+            "--device: expected cpu, opencl or opencl:N, got auto; name the device to measure");
     Console console(global.is_quiet);
     run_bench(options, o->only, o->is_json, o->plot, console);
   });

@@ -19,10 +19,12 @@ cpu_set_t own_cores() {
   return cores;
 }
 
-// The cores of this rank, divided by the number of ranks on this machine that may use them, too.
-int fair_threads() {
+// The cores of this rank, divided by the number of ranks on this machine that may use them, too. Also numbers the ranks
+// on this machine.
+int fair_threads(int* rank_here) {
   MPI_Comm machine;
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  MPI_Comm_rank(machine, rank_here);
   int size = 1;
   MPI_Comm_size(machine, &size);
   const cpu_set_t own = own_cores();
@@ -38,12 +40,12 @@ int fair_threads() {
   return std::max(1, CPU_COUNT(&own) / std::max(1, sharers));
 }
 
-void start(int* argc, char*** argv, int* rank, int* size, int* threads) {
+void start(int* argc, char*** argv, int* rank, int* size, int* threads, int* rank_here) {
   int level = 0;
   MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &level);
   MPI_Comm_rank(MPI_COMM_WORLD, rank);
   MPI_Comm_size(MPI_COMM_WORLD, size);
-  *threads = fair_threads();
+  *threads = fair_threads(rank_here);
 }
 
 void send(const void* bytes, int size, int to, int tag) { MPI_Send(bytes, size, MPI_BYTE, to, tag, MPI_COMM_WORLD); }

@@ -165,6 +165,7 @@ struct ParamMembers {
   }
   void flag(const char*, bool& value, const char*) { archive(value); }
   void texts(const char*, std::vector<std::string>& value, const char*) { archive(value); }
+  void device(const char*, DeviceChoice& value, const char*) { archive(value.kind, value.number); }
   template <class Enum>
   void choice(const char*, Enum& value, std::initializer_list<std::type_identity_t<Choice<Enum>>>, const char*) {
     archive(value);

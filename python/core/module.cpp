@@ -8,9 +8,13 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/printable.h"
 #include "holotrace/estimate/machine/calibrate.h"
+#include "holotrace/estimate/machine/device_calibration.h"
+#include "holotrace/io/kept_programs.h"
 #include "holotrace/io/rates_file.h"
 #include "holotrace/io/wisdom_file.h"
+#include "holotrace/opencl/program_store.h"
 #include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/tiles/device_rates.h"
 #include "nouns.h"
 #include "watch.h"
 
@@ -23,6 +27,11 @@ void keep_what_was_measured() {
   const auto ignore = [](const std::string&) {};
   keep_fft_wisdom(ignore);
   set_summation_rates([ignore] { return keep_summation_rates(calibration_key(), calibrate_summation, ignore); });
+  set_device_rates([ignore](Device& device) {
+    return keep_device_rates(
+        device_calibration_key(device.info()), [&] { return calibrate_device(device); }, ignore);
+  });
+  set_program_store({load_kept_program, keep_program, keep_compiler_log});
 }
 
 std::unique_ptr<tbb::global_control>& thread_limit() {

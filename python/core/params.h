@@ -58,6 +58,9 @@ class ParamSetter {
   void texts(const char* name, std::vector<std::string>& value, const char*) {
     with(name, [&](nb::handle given) { value = to_texts(given, name); });
   }
+  void device(const char* name, DeviceChoice& value, const char*) {
+    with(name, [&](nb::handle given) { value = parse_device(to_text(given, name)); });
+  }
   template <class Enum>
   void choice(const char* name, Enum& value, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices,
               const char*) {
@@ -148,6 +151,9 @@ struct ParamLister {
     nb::list values;
     for (const std::string& one : v) values.append(nb::str(one.c_str()));
     add(name, "texts", nb::tuple(values), "", help);
+  }
+  void device(const char* name, DeviceChoice& v, const char* help) {
+    add(name, "device", nb::str(device_text(v).c_str()), "", help);
   }
   template <class Enum>
   void choice(const char* name, Enum& v, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices,

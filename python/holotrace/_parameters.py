@@ -22,6 +22,7 @@ _KINDS = {
     "position": "three lengths",
     "flag": "bool",
     "texts": "texts",
+    "device": "device",
 }
 
 
@@ -34,7 +35,7 @@ def _section(stage: str, without: Collection[str], of_scene: bool) -> str:
     lines = []
     for one in parameters_of(stage, without):
         kind = " | ".join(f'"{name}"' for name in one["choices"]) or _KINDS[one["kind"]]
-        default = f'"{one["value"]}"' if one["kind"] == "choice" else repr(one["value"])
+        default = f'"{one["value"]}"' if one["kind"] in ("choice", "device") else repr(one["value"])
         default = f"default: the scene's, which is {default} if it has none" if of_scene else f"default {default}"
         lines.append(f"{one['name']} : {kind}, {default}")
         bounds = f" ({one['bounds']})" if one["bounds"] else ""

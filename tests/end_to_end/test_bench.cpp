@@ -50,6 +50,25 @@ TEST(Bench, JsonHasTheCeilingsAndEachStageAsAPartOfItsOwn) {
   EXPECT_GE(tiled, ceilings["multiply_adds_per_s"].size()) << "a line for each instruction set, and for bf16";
 }
 
+TEST(Bench, TimesADeviceAgainstItsOwnPeaks) {
+  const Workplace work;
+  if (nlohmann::json::parse(work.run({"info", "--devices", "--json"}).out)["devices"].size() < 2)
+    GTEST_SKIP() << "no OpenCL device here";
+  const test::Outcome outcome = work.run({"bench", "--quick", "--device", "opencl", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  for (const char* name : {"multiply_adds_per_s", "memory_bytes_per_s"})
+    EXPECT_GT(json["device_ceilings"][name].get<double>(), 0) << name;
+  ASSERT_EQ(json["stages"].size(), 1U) << "no stage of the processor";
+  const auto& stage = json["stages"][0];
+  EXPECT_EQ(stage["stage"], "tiled on opencl");
+  EXPECT_GT(stage["of_ceiling"].get<double>(), 0);
+  EXPECT_LE(stage["error"].get<double>(), 1e-3);
+  // Sources in, at most 48 bytes for each of 200, and 8 for each place of a column or a row of tiles; the field out.
+  EXPECT_LE(stage["facts"]["bytes_in"].get<double>(), 48 * 200 + 8 * (120 + 270));
+  EXPECT_EQ(stage["facts"]["bytes_out"].get<double>(), 8.0 * 1920 * 1080);
+}
+
 TEST(Bench, TableNamesTheCeilingsAlone) {
   const test::Outcome outcome = Workplace().run({"bench", "--only", "ceilings"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -51,6 +51,21 @@ class RatesFile : public ::testing::Test {
   std::vector<std::string> warnings_;
 };
 
+TEST_F(RatesFile, ADeviceIsMeasuredOnce) {
+  const auto keep_device = [&] {
+    return keep_device_rates(
+        "this card",
+        [&] {
+          return DeviceRates{double(++calibrations_), 7};
+        },
+        [](const auto&) {});
+  };
+  EXPECT_EQ(keep_device().multiply_adds, 1);
+  EXPECT_EQ(keep_device().multiply_adds, 1);
+  EXPECT_EQ(keep_device().bytes, 7);
+  EXPECT_TRUE(fs::exists(cache_ + "/holotrace/device_rates.json"));
+}
+
 TEST_F(RatesFile, AMachineIsMeasuredOnce) {
   EXPECT_EQ(keep("this machine").spreads, 1001);
   EXPECT_EQ(keep("this machine").spreads, 1001);

@@ -1,5 +1,7 @@
 """propagate, synthesize, show and expose: the program's files bit by bit, and sums by NumPy."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,23 @@ def test_synthesize_is_the_program_bit_by_bit(points, tmp_path, program):
     program("field", "s.ply", "--slm", "pluto", "--columns", 64, "--rows", 48, "--method", "exact", "-o", "f.npy")
     panel = ht.Slm("pluto", columns=64, rows=48)
     assert equal(ht.synthesize(points, panel, method="exact").samples, np.load(tmp_path / "f.npy"))
+
+
+def test_synthesize_on_a_device_is_the_program_bit_by_bit(points, tmp_path, program):
+    if len(json.loads(program("info", "--devices", "--json"))["devices"]) < 2:
+        pytest.skip("no OpenCL device here")
+    points.save(tmp_path / "s.ply")
+    size = {"columns": 64, "rows": 48, "pitch": 8e-6}
+    program("field", "s.ply", "--columns", 64, "--rows", 48, "--pitch", "8 um", "--device", "opencl", "-o", "f.npy")
+    on_device = ht.synthesize(points, ht.Slm(**size), device="opencl")
+    assert equal(on_device.samples, np.load(tmp_path / "f.npy"))
+    exact = ht.synthesize(points, ht.Slm(**size), method="exact")
+    assert np.linalg.norm(on_device.samples - exact.samples) <= 1e-3 * np.linalg.norm(exact.samples)
+
+
+def test_devices_are_checked(points):
+    with pytest.raises(ht.Error, match="expected a device: cpu, auto, opencl or opencl:N .* got \"gpu\""):
+        ht.synthesize(points, device="gpu")
 
 
 def test_synthesis_is_the_sum_of_spherical_waves(points):

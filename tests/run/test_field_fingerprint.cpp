@@ -32,6 +32,10 @@ TEST(FieldFingerprint, DiffersWithAllThatTheFieldDependsOn) {
       [](Described& d) { d.panel.centre_y = 1e-3; },
       [](Described& d) { d.params.method = SynthesisMethod::tiled; },
       [](Described& d) { d.params.tolerance /= 2; },
+      [](Described& d) { d.params.device.kind = DeviceKind::opencl; },
+      [](Described& d) {
+        d.params.device = {DeviceKind::opencl, 1};
+      },
       [](Described& d) {
         d.first_rows = {0, 64};
       },

@@ -39,6 +39,7 @@ struct Bounds {
   }
   void flag(const char*, bool&, const char*) {}
   void texts(const char*, std::vector<std::string>&, const char*) {}
+  void device(const char*, DeviceChoice&, const char*) {}
   template <class Enum>
   void choice(const char*, Enum&, std::initializer_list<std::type_identity_t<Choice<Enum>>>, const char*) {}
 

@@ -65,9 +65,18 @@ void drain(int out, int err, Outcome& outcome) {
   }
 }
 
+// PoCL takes seconds to compile a kernel, and keeps it in a cache of its own. All tests share that of the user.
+void share_cache_of_pocl() {
+  const char *cache = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
+  const fs::path folder = cache && *cache ? fs::path(cache) : home && *home ? fs::path(home) / ".cache" : fs::path();
+  if (!folder.empty()) setenv("POCL_CACHE_DIR", (folder / "pocl" / "kcache").c_str(), 0);
+}
+
 }  // namespace
 
-Workplace::Workplace() : folder_(make_folder("holotrace")), cache_(make_folder("holotrace-cache")) {}
+Workplace::Workplace() : folder_(make_folder("holotrace")), cache_(make_folder("holotrace-cache")) {
+  share_cache_of_pocl();
+}
 
 Workplace::~Workplace() {
   std::error_code ignored;

@@ -29,15 +29,17 @@ Json read_machines(const std::string& path) {
   return Json::object();
 }
 
-std::optional<SummationRates> rates_of(const Json& machines, const std::string& key) {
+// The rates under a key, by the names in the list of their terms.
+template <class Rates, class Terms>
+std::optional<Rates> rates_of(const Json& machines, const std::string& key, const Terms& terms) {
   const auto found = machines.find(key);
   if (found == machines.end() || !found->is_object()) return std::nullopt;
-  SummationRates rates;
+  Rates rates;
   double sum = 0;
-  for (const SummationTerm& term : summation_terms) {
+  for (const auto& term : terms) {
     const auto value = found->find(term.name);
     if (value == found->end() || !value->is_number()) return std::nullopt;
-    const double rate = value->get<double>();
+    const double rate = value->template get<double>();
     if (!std::isfinite(rate) || rate < 0) return std::nullopt;
     rates.*term.rate = rate;
     sum += rate;
@@ -45,36 +47,49 @@ std::optional<SummationRates> rates_of(const Json& machines, const std::string& 
   return sum > 0 ? std::optional(rates) : std::nullopt;
 }
 
-Json json_of(const SummationRates& rates) {
+template <class Rates, class Terms>
+Json json_of(const Rates& rates, const Terms& terms) {
   Json json;
-  for (const SummationTerm& term : summation_terms) json[term.name] = rates.*term.rate;
+  for (const auto& term : terms) json[term.name] = rates.*term.rate;
   return json;
 }
 
-}  // namespace
+using Warn = std::function<void(const std::string& sentence)>;
 
-SummationRates keep_summation_rates(const std::string& key, const std::function<SummationRates()>& calibrate,
-                                    const std::function<void(const std::string& sentence)>& warn) {
+template <class Rates, class Terms>
+Rates keep_rates(const std::string& name, const Terms& terms, const std::string& key,
+                 const std::function<Rates()>& calibrate, const Warn& warn) {
   const std::optional<std::string> folder = writable_cache_folder();
   if (!folder) return {};
-  const std::string path = *folder + "/summation_rates.json";
+  const std::string path = *folder + "/" + name;
   try {
     // The file is replaced as a whole, so it may be read without the lock.
-    if (const std::optional<SummationRates> kept = rates_of(read_machines(path), key)) return *kept;
+    if (const std::optional<Rates> kept = rates_of<Rates>(read_machines(path), key, terms)) return *kept;
     LockFile lock(path + ".lock");
     if (!lock.lock()) {
       warn(locked_message(path, "methods are chosen by the default rates"));
       return {};
     }
     Json machines = read_machines(path);
-    if (const std::optional<SummationRates> kept = rates_of(machines, key)) return *kept;
-    const SummationRates rates = calibrate();
-    machines[key] = json_of(rates);
+    if (const std::optional<Rates> kept = rates_of<Rates>(machines, key, terms)) return *kept;
+    const Rates rates = calibrate();
+    machines[key] = json_of(rates, terms);
     write_text(path, machines.dump(2) + "\n");
     return rates;
   } catch (const Error&) {
     return {};
   }
+}
+
+}  // namespace
+
+SummationRates keep_summation_rates(const std::string& key, const std::function<SummationRates()>& calibrate,
+                                    const Warn& warn) {
+  return keep_rates("summation_rates.json", summation_terms, key, calibrate, warn);
+}
+
+DeviceRates keep_device_rates(const std::string& key, const std::function<DeviceRates()>& calibrate, const Warn& warn) {
+  return keep_rates("device_rates.json", device_rate_terms, key, calibrate, warn);
 }
 
 }  // namespace holotrace

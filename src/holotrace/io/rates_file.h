@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 
+#include "holotrace/data/device_rates.h"
 #include "holotrace/data/summation_rates.h"
 
 namespace holotrace {
@@ -19,5 +20,9 @@ namespace holotrace {
 /// @param warn       gets a sentence if another program does not give the file's lock back
 SummationRates keep_summation_rates(const std::string& key, const std::function<SummationRates()>& calibrate,
                                     const std::function<void(const std::string& sentence)>& warn);
+
+/// The same for OpenCL devices, in device_rates.json. A device that fails while it is measured has rates of 0.
+DeviceRates keep_device_rates(const std::string& key, const std::function<DeviceRates()>& calibrate,
+                              const std::function<void(const std::string& sentence)>& warn);
 
 }  // namespace holotrace

@@ -14,6 +14,8 @@ uint64_t field_fingerprint(const Grid& panel, const SynthesizeParams& params, co
   f.add(panel.centre_y);
   f.add(int(params.method));
   f.add(params.tolerance);
+  f.add(int(params.device.kind));
+  f.add(params.device.number);
   for (const int row : first_rows) f.add(row);
   for (const Sources* set : sets) {
     f.add_text(set->name);

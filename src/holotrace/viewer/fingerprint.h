@@ -33,6 +33,7 @@ struct ValueWriter {
     for (const std::string& v : values) text += fmt::format("{}:{},", v.size(), v);
     text += ';';
   }
+  void device(const char*, DeviceChoice& v, const char*) { text += fmt::format("{}:{};", int(v.kind), v.number); }
   template <class Enum>
   void choice(const char*, Enum& v, std::initializer_list<Choice<Enum>>, const char*) {
     text += fmt::format("{};", int(v));

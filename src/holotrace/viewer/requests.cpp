@@ -80,6 +80,7 @@ struct Names {
   }
   void flag(const char* name, bool&, const char*) { add(name); }
   void texts(const char* name, std::vector<std::string>&, const char*) { add(name); }
+  void device(const char* name, DeviceChoice&, const char*) { add(name); }
   template <class Enum>
   void choice(const char* name, Enum&, std::initializer_list<Choice<Enum>>, const char*) {
     add(name);

@@ -3,6 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
@@ -10,6 +11,8 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/planes/plane_plan.h"
 #include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/tiles/device_rates.h"
+#include "holotrace/wave/tiles/device_tiles.h"
 #include "holotrace/wave/tiles/packed_product.h"
 #include "holotrace/wave/tiles/tile_sum.h"
 
@@ -61,7 +64,16 @@ PartPlan plan_planes(const std::vector<PreparedWave>& waves, const SumGoal& goal
   return plan;
 }
 
-PartPlan make_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, Approach approach) {
+PartPlan plan_on_device(std::vector<PreparedWave> waves, const SumGoal& goal, const Device& device) {
+  PartPlan plan;
+  plan.tiles = choose_device_tile(device, draw_pixels(waves), goal);
+  plan.near = std::move(waves);
+  return plan;
+}
+
+PartPlan make_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, const SumWay& way) {
+  if (way.device) return plan_on_device(waves, goal, *way.device);
+  const Approach approach = way.approach;
   if (approach == Approach::planes) return plan_planes(waves, goal, 1e300);
   PartPlan tiles = plan_tiles(waves, goal);
   if (approach == Approach::tiled) return tiles;
@@ -73,8 +85,20 @@ PartPlan make_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, 
   return from_memory * seconds(planes) + seconds_to_plan < by_tiles ? planes : tiles;
 }
 
-// Predicted seconds with all threads.
-double seconds_of(const PartPlan& plan) {
+// What one sum on a device takes besides its work: the start of kernels, and waiting for them.
+constexpr double seconds_of_start = 1e-3;
+
+double seconds_on_device(const PartPlan& plan, const PixelBox& bounds, Device& device) {
+  const DeviceRates rates = device_rates(device);
+  double pixels = 0;
+  for (const PreparedWave& wave : plan.near) pixels += double(wave.box.pixels());
+  return pixels * multiply_adds_per_wave_pixel(plan.tiles.plan.shape) / rates.multiply_adds +
+         transferred_bytes(plan.near.size(), bounds) / rates.bytes + seconds_of_start;
+}
+
+// Predicted seconds, with all threads; infinite for a device that was not measured.
+double seconds_of(const PartPlan& plan, const PixelBox& bounds, Device* device) {
+  if (device) return seconds_on_device(plan, bounds, *device);
   return (plan.far.empty() ? 1 : from_memory) * predict_seconds(work_of(plan), summation_rates(), thread_count());
 }
 
@@ -94,7 +118,10 @@ void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, con
 }
 
 // Computes the pixels of `bounds`; their old values are overwritten.
-void run_plan(const PartPlan& plan, const PixelBox& bounds, Field& field, const Observer& observer) {
+void run_plan(const PartPlan& plan, const PixelBox& bounds, Device* device, Field& field, const Observer& observer) {
+  if (device)
+    return sum_tiles_on_device(*device, plan.near, {field.grid, field.wavelength}, plan.tiles.plan.shape, bounds,
+                               field.samples, observer);
   for (int j = bounds.y0; j < bounds.y1; ++j)
     std::fill_n(field.samples.row(j) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
   const int parts = !plan.far.empty() + !plan.near.empty();
@@ -129,7 +156,7 @@ std::string name_of(TileProducts products) {
   return (products == TileProducts::bf16 ? "bf16 on " : "bf16 in two parts on ") + packed_unit_name();
 }
 
-std::string describe(const PartPlan& plan) {
+std::string describe(const PartPlan& plan, const Device* device) {
   std::string text;
   if (!plan.far.empty()) {
     const PlanesPlan& p = plan.planes.plan;
@@ -138,9 +165,9 @@ std::string describe(const PartPlan& plan) {
   }
   if (!plan.near.empty()) {
     const TilePlan& p = plan.tiles.plan;
-    text +=
-        fmt::format("{}tiles of {}x{} in {}", text.empty() ? "" : fmt::format("; {} near waves by ", plan.near.size()),
-                    p.shape.columns, p.shape.rows, name_of(p.products));
+    text += fmt::format("{}tiles of {}x{} in {}",
+                        text.empty() ? "" : fmt::format("; {} near waves by ", plan.near.size()), p.shape.columns,
+                        p.shape.rows, device ? "single precision on " + device->info().name : name_of(p.products));
   }
   return text;
 }
@@ -153,17 +180,18 @@ struct PartSum {
   double predicted_seconds = 0;  // sum over all rounds
 };
 
-PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, Approach approach, bool is_whole, Field& field,
+PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const SumWay& way, bool is_whole, Field& field,
                  const Observer& observer) {
   const PixelBox& bounds = goal.bounds;
   // If the waves cancel, the second round knows their coherence; a field that nearly vanishes may need a third round.
   PartSum part;
   for (int round = 0; round < 3; ++round) {
-    const PartPlan plan = make_plan(waves, goal, approach);
-    part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan), part.predicted_seconds};
+    const PartPlan plan = make_plan(waves, goal, way);
+    part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan, way.device),
+            part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
-    part.predicted_seconds += seconds_of(plan);
-    run_plan(plan, bounds, field, observer);
+    part.predicted_seconds += seconds_of(plan, bounds, way.device);
+    run_plan(plan, bounds, way.device, field, observer);
     // A part of a few pixels may be dark by chance. It has little weight in the whole, to which the tolerance applies.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
     const double met = std::clamp(coherence_of(field, bounds, plan.energy()), least, 1.0);
@@ -179,7 +207,7 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, Approach 
 
 }  // namespace
 
-std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
+std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
                              double& reachable, const Observer& observer) {
   check_grid(grid);
   check_sources(sources);
@@ -194,8 +222,8 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   for (int part = 0; part < parts; ++part) {
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
     if (waves.empty()) continue;
-    const PartSum done = sum_part(waves, {grid, panel_part(sources, grid, part), sources.wavelength, tolerance},
-                                  approach, parts == 1, field, part_of(observer, part, parts));
+    const PartSum done = sum_part(waves, {grid, panel_part(sources, grid, part), sources.wavelength, tolerance}, way,
+                                  parts == 1, field, part_of(observer, part, parts));
     if (!(done.reachable < worst.reachable)) worst = done;
     predicted += done.predicted_seconds;
     reachable = worst.reachable;
@@ -204,32 +232,32 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   if (worst.reachable == 0) return field;
   observer.fact("method", worst.method);
   observer.fact("how", worst.how);
-  observer.fact("predicted_seconds", predicted);
+  if (std::isfinite(predicted)) observer.fact("predicted_seconds", predicted);
   observer.fact("expected_error", worst.reachable / 1.25);
   return field;
 }
 
-Field sum_within(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
+Field sum_within(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
                  const Observer& observer) {
   double reachable = 0;
-  std::optional<Field> field = try_sum(sources, grid, tolerance, approach, reachable, observer);
+  std::optional<Field> field = try_sum(sources, grid, tolerance, way, reachable, observer);
   require(field.has_value(),
           "expected a tolerance that {} can meet, {:.1e} or more for these sources, got {:.1e}; use the method exact",
-          approach == Approach::tiled ? "tiles" : "planes", reachable, tolerance);
+          way.device || way.approach == Approach::tiled ? "tiles" : "planes", reachable, tolerance);
   return std::move(*field);
 }
 
-SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach) {
+SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way) {
   check_grid(grid);
   check_sources(sources);
   SumForecast forecast;
   for (int part = 0; part < panel_parts(sources); ++part) {
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
     if (waves.empty()) continue;
-    const PartPlan plan =
-        make_plan(waves, {grid, panel_part(sources, grid, part), sources.wavelength, tolerance}, approach);
+    const PixelBox bounds = panel_part(sources, grid, part);
+    const PartPlan plan = make_plan(waves, {grid, bounds, sources.wavelength, tolerance}, way);
     if (!plan.meets_tolerance()) return {};
-    forecast.seconds += seconds_of(plan);
+    forecast.seconds += seconds_of(plan, bounds, way.device);
     forecast.method = plan.far.empty() ? "tiled" : "planes";
   }
   return forecast;

@@ -9,30 +9,41 @@
 
 namespace holotrace {
 
+class Device;
+
 /// Which of the fast summations may be used: tiles alone; `planes`, with tiles for waves too near for it; or the
 /// one that is expected to take less work.
 enum class Approach { tiled, planes, cheapest };
+
+/// How and where waves are summed. On a device every sum is by tiles, whatever the approach.
+struct SumWay {
+  Approach approach;
+  Device* device;  ///< none: the processor
+
+  SumWay(Approach approach, Device* device = nullptr) : approach(approach), device(device) {}
+};
 
 /// Common core of sum_tiled.h and sum_planes.h. For the panel (or for each of its tiles, if waves have tile amplitudes)
 /// it chooses a plan whose measured error meets the tolerance, and sums. It then compares the energies: if the waves
 /// cancel, their relative error grows, and the sum is repeated with a finer plan.
 ///
-/// Facts: method, how (the plan of the part with the greatest error), expected_error, predicted_seconds (cost_model.h).
+/// Facts: method, how (the plan of the part with the greatest error), expected_error, predicted_seconds (cost_model.h; on
+/// a device device_rates.h, if it was measured).
 /// @return  the field; none if no plan meets the tolerance, and `reachable` is then a tolerance that can be met
-std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
+std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
                              double& reachable, const Observer& observer);
 
 /// The same for one method. @throws Error  if no plan of this method meets the tolerance
-Field sum_within(const Sources& sources, const Grid& grid, double tolerance, Approach approach,
+Field sum_within(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
                  const Observer& observer);
 
 /// Forecast of try_sum without the sum: the plan of its first round.
 struct SumForecast {
-  double seconds = 0;  ///< by the cost model, without the time for planning
+  double seconds = 0;  ///< by the cost model, without the time for planning; infinite for a device without rates
   std::string method;  ///< "tiled" or "planes"; "": no plan meets the tolerance
 };
 
 /// @throws Error  as try_sum does
-SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, Approach approach);
+SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way);
 
 }  // namespace holotrace

@@ -1,16 +1,19 @@
 #include "holotrace/wave/synthesize.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/thread_count.h"
 #include "holotrace/data/params/check_ranges.h"
+#include "holotrace/opencl/device.h"
 #include "holotrace/wave/layers/sum_layers.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_planes.h"
-#include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/summation.h"
 
 namespace holotrace {
@@ -50,6 +53,97 @@ void report_boxes(const Sources& sources, const Grid& grid, const Observer& obse
         format_angle(std::asin(acceptance_sine(sources.acceptance_wavelength(), grid.pitch)))));
 }
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+bool runs_on_devices(SynthesisMethod method) {
+  return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled;
+}
+
+// Opening a device takes about as long [s]: a shorter sum is left to the processor.
+constexpr double seconds_to_open = 0.3;
+
+std::vector<DeviceInfo> devices_here() {
+  try {
+    return list_devices();
+  } catch (const Error&) {
+    return {};  // no OpenCL here
+  }
+}
+
+// The device that is expected to sum the waves faster than the processor and the other devices; none: the processor is.
+Device* fastest_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+  if (!runs_on_devices(params.method)) return nullptr;
+  const Approach approach = params.method == SynthesisMethod::tiled ? Approach::tiled : Approach::cheapest;
+  const auto seconds = [&](Device* device) {
+    const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device});
+    return forecast.method.empty() ? infinite : forecast.seconds;
+  };
+  // On all cores, whatever --threads says: the choice, and so the bytes, must not depend on it.
+  double least = seconds(nullptr) * thread_count() / std::max(1U, std::thread::hardware_concurrency());
+  Device* fastest = nullptr;
+  if (least < seconds_to_open) return fastest;
+  for (const DeviceInfo& info : devices_here()) {
+    try {
+      Device& device = open_device(info.number);
+      const double here = seconds(&device);
+      if (here >= least) continue;
+      least = here;
+      fastest = &device;
+    } catch (const Error&) {
+      // A device that does not work is not chosen.
+    }
+  }
+  return fastest;
+}
+
+// The device that sums the waves; none: the processor does.
+Device* device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+  if (params.device.kind == DeviceKind::cpu) return nullptr;
+  if (params.device.kind == DeviceKind::opencl) {
+    require(runs_on_devices(params.method),
+            "expected the method auto or tiled on an OpenCL device, got {}; use one of them, or the device cpu",
+            method_name(params.method));
+    return &open_device(params.device.number);
+  }
+  return fastest_device(sources, grid, params);
+}
+
+// By the method that the parameters name, which is one that sums waves.
+Field sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams& params, Device* device,
+                const Observer& observer) {
+  const auto exact = [&] {
+    observer.fact("method", std::string("exact"));
+    return convert<float>(sum_exact(sources, grid, observer));
+  };
+  switch (params.method) {
+    case SynthesisMethod::exact:
+      return exact();
+    case SynthesisMethod::tiled:
+      return sum_within(sources, grid, params.tolerance, {Approach::tiled, device}, observer);
+    case SynthesisMethod::planes:
+      return sum_planes(sources, grid, params.tolerance, observer);
+    case SynthesisMethod::layers:
+      observer.fact("method", std::string("layers"));
+      return sum_layers(sources, grid, params, observer);
+    case SynthesisMethod::triangles:
+      throw Error("expected a method that sums waves, got triangles, which need surfaces; give a scene or a mesh");
+    case SynthesisMethod::automatic:
+      break;
+  }
+  double reachable = 0;
+  std::optional<Field> field =
+      try_sum(sources, grid, params.tolerance, {Approach::cheapest, device}, reachable, observer);
+  if (!field) {
+    observer.fact("why", fmt::format("the other methods reach {:.1e} at best, the tolerance is {:.1e}", reachable,
+                                     params.tolerance));
+    return exact();
+  }
+  observer.fact("why", fmt::format("{} to meet the tolerance of {:.1e}",
+                                   device ? "the method of devices, expected" : "the fastest that is expected",
+                                   params.tolerance));
+  return std::move(*field);
+}
+
 }  // namespace
 
 std::string method_name(SynthesisMethod method) {
@@ -70,6 +164,12 @@ std::string method_name(SynthesisMethod method) {
   return "auto";
 }
 
+DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+  if (params.device.kind != DeviceKind::automatic) return params.device;
+  const Device* device = fastest_device(sources, grid, params);
+  return device ? DeviceChoice{DeviceKind::opencl, device->info().number} : DeviceChoice{};
+}
+
 int64_t waves_pixels(const Sources& sources, const Grid& grid) {
   int64_t sum = 0;
   for_each_wave(sources, grid, [&](int64_t pixels) { sum += pixels; });
@@ -81,36 +181,15 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   check_sources(sources);
   require(!sources.waves.empty(), "expected at least one source, got none; is the scene lit and in view?");
   check_ranges(params);
+  Device* const device = device_for(sources, grid, params);
   report_boxes(sources, grid, observer);
-
-  const auto exact = [&] {
-    observer.fact("method", std::string("exact"));
-    return convert<float>(sum_exact(sources, grid, observer));
-  };
-  switch (params.method) {
-    case SynthesisMethod::exact:
-      return exact();
-    case SynthesisMethod::tiled:
-      return sum_tiled(sources, grid, params.tolerance, observer);
-    case SynthesisMethod::planes:
-      return sum_planes(sources, grid, params.tolerance, observer);
-    case SynthesisMethod::layers:
-      observer.fact("method", std::string("layers"));
-      return sum_layers(sources, grid, params, observer);
-    case SynthesisMethod::triangles:
-      throw Error("expected a method that sums waves, got triangles, which need surfaces; give a scene or a mesh");
-    case SynthesisMethod::automatic:
-      break;
+  if (!device || params.device.kind == DeviceKind::opencl) return sum_waves(sources, grid, params, device, observer);
+  try {
+    return sum_waves(sources, grid, params, device, observer);
+  } catch (const Error& error) {
+    observer.warn(fmt::format("the device auto: the processor took over, because {}", error.what()));
+    return sum_waves(sources, grid, params, nullptr, observer);
   }
-  double reachable = 0;
-  std::optional<Field> field = try_sum(sources, grid, params.tolerance, Approach::cheapest, reachable, observer);
-  if (!field) {
-    observer.fact("why", fmt::format("the other methods reach {:.1e} at best, the tolerance is {:.1e}", reachable,
-                                     params.tolerance));
-    return exact();
-  }
-  observer.fact("why", fmt::format("the fastest that is expected to meet the tolerance of {:.1e}", params.tolerance));
-  return std::move(*field);
 }
 
 }  // namespace holotrace

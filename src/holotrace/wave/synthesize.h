@@ -18,13 +18,18 @@ namespace holotrace {
 /// - `auto`: `tiled` or `planes`, whichever the cost model predicts to be faster within the tolerance; `exact` if
 ///   neither meets it. Never `layers`, which cannot limit waves to their boxes.
 ///
+/// On an OpenCL device (SynthesizeParams::device), `auto` and `tiled` sum tile by tile (tiles/device_tiles.h), within the
+/// same tolerance; the other methods are for the processor. The bytes differ from the processor's and between devices. The
+/// device `auto` is the one that is expected to be fastest by measured rates (tiles/device_rates.h), transfers counted, or
+/// the processor if that is. If the device fails, the processor takes over, with a warning.
+///
 /// Every method sums waves with an amplitude in each tile of the panel (TileAmplitudes) tile by tile. The cost is then
 /// that of the waves·pixels that they light.
 ///
 /// @param sources  spherical waves at z < 0 [m]
 /// @param grid     panel pixels: nx, ny, pitch [m]
 /// @return         complex amplitude, shape (ny, nx) [√(W/m²)]
-/// @throws Error   for no sources, a source not behind the panel, or a tolerance outside (0, 1)
+/// @throws Error   for a device that is not there, or fails; for no sources, a source not behind the panel, or a tolerance outside (0, 1)
 ///
 /// Facts: `waves`, `waves_pixels`, `method`, for `auto` also `why`; then those of the method. Warning: waves whose box
 /// misses the panel.
@@ -33,6 +38,9 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
 
 /// The name of a method in flags and scene files.
 std::string method_name(SynthesisMethod method);
+
+/// The device that `auto` stands for with these sources; another choice stays as it is.
+DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params);
 
 /// The work of a summation: pixels in the boxes of the sources, added up over all sources [waves·pixels].
 int64_t waves_pixels(const Sources& sources, const Grid& grid);

@@ -48,6 +48,7 @@ struct KeysInText {
   void angle(const char* key, double&, const Range&, const char*) { look(key); }
   void position(const char* key, Vec3&, const Range&, const char*) { look(key); }
   void texts(const char* key, std::vector<std::string>&, const char*) { look(key); }
+  void device(const char* key, DeviceChoice&, const char*) { look(key); }
   template <class Enum>
   void choice(const char* key, Enum&, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices, const char*) {
     look(key);

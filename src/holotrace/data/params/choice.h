@@ -1,5 +1,6 @@
 #pragma once
 
+#include "holotrace/data/params/device.h"
 #include "holotrace/data/params/range.h"
 
 // Every parameter of every stage is listed once: each header of this folder has one stage's parameters as a plain
@@ -11,6 +12,7 @@
 //   flag                     (name, value, help)     true or false
 //   choice                   (name, value, names, help)   one of a few names
 //   texts                    (name, value, help)     a list of texts
+//   device                   (name, value, help)     where the stage computes: cpu, opencl, opencl:N, auto
 // The range is never left out: a parameter that may have any value says range::any.
 
 namespace holotrace {

@@ -25,6 +25,7 @@ struct SynthesizeParams {
   bool has_silhouettes = false;       ///< layers: each slice hides what lies behind it
   Shading shading = Shading::smooth;  ///< amplitude over a triangle
   TrianglePhase triangle_phase = TrianglePhase::random;  ///< phase of the triangles' light
+  DeviceChoice device{};                                 ///< where waves are summed
 };
 
 template <class Visitor>
@@ -50,6 +51,9 @@ void describe(Visitor& v, SynthesizeParams& p) {
   v.choice("triangle_phase", p.triangle_phase,
            {{"random", TrianglePhase::random}, {"constant", TrianglePhase::constant}},
            "triangles: phase of their light: a random one for each, or 0 for all");
+  v.device("device", p.device,
+           "where waves are summed: on the processor (cpu); by the method tiled on the first OpenCL device (opencl) or "
+           "on device N of \"holotrace info --devices\" (opencl:N); or where it is expected to be faster (auto)");
 }
 
 }  // namespace holotrace

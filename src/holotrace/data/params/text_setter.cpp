@@ -85,4 +85,8 @@ void TextSetter::texts(const char* name, std::vector<std::string>& v, const char
   });
 }
 
+void TextSetter::device(const char* name, DeviceChoice& v, const char*) {
+  set(name, [&](const std::string& text) { v = parse_device(text); });
+}
+
 }  // namespace holotrace

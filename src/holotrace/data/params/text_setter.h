@@ -12,6 +12,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/device.h"
 
 namespace holotrace {
 
@@ -55,6 +56,7 @@ class TextSetter {
   void lengths(const char* name, std::vector<double>& v, const Range& range, const char*);
   void position(const char* name, Vec3& v, const Range& range_of_z, const char*);
   void texts(const char* name, std::vector<std::string>& v, const char*);
+  void device(const char* name, DeviceChoice& v, const char*);
   template <class Enum>
   void choice(const char* name, Enum& v, std::initializer_list<Choice<Enum>> choices, const char*) {
     set(name, [&](const std::string& text) {

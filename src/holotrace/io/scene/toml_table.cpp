@@ -183,6 +183,12 @@ void TomlTable::lengths(const char* key, std::vector<double>& value, const Range
   for (const double one : value) check(key, *node, one, range, Quantity::length);
 }
 
+void TomlTable::device(const char* key, DeviceChoice& value, const char*) {
+  std::string name;
+  text(key, name);
+  if (!name.empty()) locate(key, [&] { value = parse_device(name); });
+}
+
 void TomlTable::texts(const char* key, std::vector<std::string>& value, const char*) {
   const toml::node* node = find(key);
   if (!node) return;

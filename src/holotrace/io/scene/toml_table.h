@@ -80,6 +80,7 @@ class TomlTable {
   void position(const char* key, Vec3& value, const Range& range_of_z,
                 const char* = "");                                                      ///< "0 0 300 mm" or three texts
   void texts(const char* key, std::vector<std::string>& value, const char* help = "");  ///< a text or a list of them
+  void device(const char* key, DeviceChoice& value, const char* help = "");             ///< "opencl:1"
 
   /// One of the names of an enumeration.
   template <class Enum>

@@ -1,0 +1,136 @@
+#pragma once
+
+#include <cstddef>
+#include <initializer_list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "holotrace/opencl/device_info.h"
+
+namespace holotrace {
+
+class Device;
+
+/// Memory on a device; it is released with this object. It must not outlive its device.
+class DeviceBuffer {
+ public:
+  DeviceBuffer() = default;
+  DeviceBuffer(DeviceBuffer&& other) noexcept;
+  DeviceBuffer& operator=(DeviceBuffer&& other) noexcept;
+  DeviceBuffer(const DeviceBuffer&) = delete;
+  DeviceBuffer& operator=(const DeviceBuffer&) = delete;
+  ~DeviceBuffer();
+
+  size_t bytes() const { return bytes_; }
+
+ private:
+  friend class Device;
+  friend class KernelArgument;
+  Device* device_ = nullptr;
+  void *memory_ = nullptr, *whole_ = nullptr;  // whole: with the guards, if there are any
+  size_t bytes_ = 0;
+};
+
+/// A kernel: a function `name` in the OpenCL C of `sources`, which are compiled together with these options.
+struct Kernel {
+  const char* name;
+  std::vector<const char*> sources;
+  std::string options{};  ///< such as "-D BATCH=16"
+};
+
+/// Groups of work items: how many of them, and the size of each.
+struct WorkSize {
+  size_t groups_x = 1, groups_y = 1;
+  size_t group_x = 1, group_y = 1;
+  size_t groups_z = 1;  ///< of one item along z
+};
+
+/// An argument of a kernel: a buffer, or a plain value, which must have the same layout on the device. For use within
+/// the call of Device::run only.
+class KernelArgument {
+ public:
+  KernelArgument(const DeviceBuffer& buffer) : value_(&buffer.memory_), bytes_(sizeof buffer.memory_) {}
+  template <class Value>
+  requires std::is_trivially_copyable_v<Value> KernelArgument(const Value& value)
+      : value_(&value), bytes_(sizeof value) {}
+
+  const void* value() const { return value_; }
+  size_t bytes() const { return bytes_; }
+
+ private:
+  const void* value_;
+  size_t bytes_;
+};
+
+/// What a device has done for this program.
+struct DeviceUse {
+  size_t bytes_held = 0;  ///< memory of its buffers
+  size_t buffers = 0;     ///< number of its buffers
+  size_t bytes_in = 0;    ///< sent to it
+  size_t bytes_out = 0;   ///< fetched from it
+  size_t kernels = 0;     ///< calls of kernels
+};
+
+/// A device with one queue: what it is asked to do is done in this order. One thread may use it at a time; it holds
+/// lock() meanwhile.
+///
+/// Errors are sentences that name the device: a kernel that its driver refuses (with the first lines of the compiler's
+/// messages), memory that is used up, a device that stops.
+class Device {
+ public:
+  /// For open_device.
+  explicit Device(const DeviceInfo& info);
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  const DeviceInfo& info() const { return info_; }
+  std::unique_lock<std::recursive_mutex> lock() { return std::unique_lock(mutex_); }
+
+  /// Memory with undefined content. @param what  what it is for, such as "the waves"
+  DeviceBuffer make_buffer(size_t bytes, const std::string& what);
+  /// Memory with a copy of `values`.
+  template <class Value>
+  DeviceBuffer upload(const std::vector<Value>& values, const std::string& what) {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    DeviceBuffer buffer = make_buffer(values.size() * sizeof(Value), what);
+    write(buffer, values.data(), buffer.bytes());
+    return buffer;
+  }
+  void write(const DeviceBuffer& to, const void* from, size_t bytes);
+  void read(const DeviceBuffer& from, void* to, size_t bytes);
+
+  /// Starts a kernel, which is compiled when it is first called.
+  void run(const Kernel& kernel, const WorkSize& size, std::initializer_list<KernelArgument> arguments);
+  /// Waits for all kernels.
+  void finish();
+
+  DeviceUse use() const;
+  /// Memory that is still free [bytes]: 80 % of the device's less the buffers, at most that of the largest buffer.
+  double free_memory() const;
+
+  /// For tests: memory that the device is said to have [bytes]; 0: its own.
+  void limit_memory(double bytes);
+  /// For tests: buffers made from now on have guards on both sides, which are checked when they are released.
+  void guard_buffers(bool has_guards);
+  /// For tests: number of guards that kernels have overwritten.
+  size_t broken_guards() const;
+
+ private:
+  friend class DeviceBuffer;
+  void release(DeviceBuffer& buffer) noexcept;
+
+  struct State;
+  DeviceInfo info_;
+  std::recursive_mutex mutex_;
+  std::unique_ptr<State> state_;
+};
+
+/// The device with that number, opened when it is first asked for and kept while the program runs.
+/// @throws Error  if this build or this machine has no OpenCL, or no such device
+Device& open_device(int number);
+
+}  // namespace holotrace

@@ -1,0 +1,122 @@
+// Devices by the command line. scripts/setup installs PoCL, an OpenCL device that is a processor.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "holotrace/io/field/field_file.h"
+#include "support/build_paths.h"
+#include "support/fields.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* scene =
+    "wavelength = \"532 nm\"\n[slm]\npreset = \"ideal\"\ncolumns = 200\nrows = 150\npitch = \"8 um\"\n"
+    "[[object]]\ntype = \"wireframe_cube\"\nsize = \"0.5 mm\"\npoints_per_edge = 20\nposition = \"0 0 -50 mm\"\n";
+
+// As on a machine whose loader of OpenCL finds no driver.
+const std::vector<std::string> without_drivers{"env", "OCL_ICD_VENDORS=/nonexistent"};
+
+class DevicesOfTheProgram : public ::testing::Test {
+ protected:
+  DevicesOfTheProgram() {
+    work_.write("scene.toml", scene);
+    const Outcome traced = work_.run({"trace", "scene.toml", "-o", "s.ply"});
+    EXPECT_EQ(traced.exit_code, 0) << traced.err;
+  }
+  bool has_device() const {
+    return Json::parse(work_.run({"info", "--devices", "--json"}).out).at("devices").size() > 1;
+  }
+  std::vector<std::string> field(const std::string& device, const std::string& name) const {
+    return {"field", "s.ply", "--slm", "scene.toml", "--device", device, "-o", name};
+  }
+  Workplace work_;
+};
+
+TEST_F(DevicesOfTheProgram, AreListed) {
+  const Outcome listed = work_.run({"info", "--devices"});
+  EXPECT_EQ(listed.exit_code, 0) << listed.err;
+  EXPECT_EQ(listed.out.rfind("cpu ", 0), 0U) << listed.out;
+  const Json devices = Json::parse(work_.run({"info", "--devices", "--json"}).out).at("devices");
+  EXPECT_EQ(devices.at(0).at("device"), "cpu");
+  for (size_t i = 1; i < devices.size(); ++i) {
+    EXPECT_EQ(devices.at(i).at("device"), i == 1 ? "opencl" : "opencl:" + std::to_string(i - 1));
+    EXPECT_NE(listed.out.find(devices.at(i).at("name").get<std::string>()), std::string::npos) << listed.out;
+  }
+}
+
+TEST_F(DevicesOfTheProgram, MakeTheSameFieldWithinTheToleranceWholeAndInBands) {
+  if (!has_device()) GTEST_SKIP() << "no OpenCL device here";
+  std::vector<Field> fields;
+  for (const char* device : {"cpu", "opencl", "opencl:0"}) {
+    const std::string name = std::string(device).substr(0, 6) + std::to_string(fields.size()) + ".npy";
+    const Outcome made = work_.run(field(device, name));
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    fields.push_back(load_fields(work_.path(name)).front());
+  }
+  EXPECT_EQ(fields[1].samples.values, fields[2].samples.values);
+  // Each is within 1e-3 of the exact field.
+  EXPECT_LT(holotrace::testing::relative_error(fields[1], fields[0]), 2e-3);
+  EXPECT_NE(fields[1].samples.values, fields[0].samples.values) << "summed by the processor?";
+
+  std::vector<std::string> in_bands = field("opencl", "bands.h5");
+  in_bands.insert(in_bands.end(), {"--memory", "1 GB"});
+  const Outcome made = work_.run(in_bands);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_LT(holotrace::testing::relative_error(load_fields(work_.path("bands.h5")).front(), fields[0]), 2e-3);
+}
+
+// PoCL offers as many devices as POCL_DEVICES lists; each is the whole processor.
+TEST_F(DevicesOfTheProgram, AreSharedByRanksWithTheSameBytes) {
+  if (!has_device() || !HOLOTRACE_HAS_MPI) GTEST_SKIP() << "no OpenCL device or no MPI here";
+  const std::vector<std::string> two_devices{"env", "POCL_DEVICES=pthread pthread"};
+  const auto in_bands = [&](const char* device, const char* name) {
+    std::vector<std::string> arguments = field(device, name);
+    arguments.insert(arguments.end(), {"--memory", "1 GB"});
+    return arguments;
+  };
+  std::vector<std::string> ranks = two_devices;
+  ranks.insert(ranks.end(),
+               {"ASAN_OPTIONS=detect_leaks=0", "mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2"});
+  const Outcome alone = work_.run_under(two_devices, in_bands("opencl", "alone.h5"));
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  const Outcome second = work_.run_under(two_devices, in_bands("opencl:1", "second.h5"));
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  const Outcome shared = work_.run_under(ranks, in_bands("opencl", "shared.h5"));
+  ASSERT_EQ(shared.exit_code, 0) << shared.err;
+  const auto samples = [&](const char* name) { return load_fields(work_.path(name)).front().samples.values; };
+  EXPECT_EQ(samples("shared.h5"), samples("alone.h5"));
+  EXPECT_EQ(samples("second.h5"), samples("alone.h5"));
+}
+
+TEST_F(DevicesOfTheProgram, ThatAreMissingAreNamedInOneSentence) {
+  const Outcome unknown = work_.run(field("gpu", "f.npy"));
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_EQ(
+      unknown.err,
+      "holotrace: --device: expected a device: cpu, auto, opencl or opencl:N with the number of a device, from 0; "
+      "got \"gpu\"\n");
+  const Outcome none = work_.run_under(without_drivers, field("opencl", "f.npy"));
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_EQ(none.err,
+            HOLOTRACE_HAS_OPENCL
+                ? "holotrace: expected a device for OpenCL, got none: no driver is installed; install that of "
+                  "your card, or PoCL (pocl-opencl-icd), or use the device cpu\n"
+                : "holotrace: expected a build with OpenCL, got one without; build with "
+                  "-DHOLOTRACE_OPENCL=ON, or use the device cpu\n");
+  EXPECT_FALSE(work_.has("f.npy"));
+}
+
+TEST_F(DevicesOfTheProgram, AreNotNeededByAuto) {
+  ASSERT_EQ(work_.run(field("cpu", "a.npy")).exit_code, 0);
+  const Outcome made = work_.run_under(without_drivers, field("auto", "b.npy"));
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(work_.read("a.npy"), work_.read("b.npy"));
+}
+
+}  // namespace
+}  // namespace holotrace::test
