@@ -313,6 +313,16 @@ class Page(unittest.TestCase):
         self.assertEqual(points(), 21)  # 20 iterations, and the error at the end
         self.assertEqual([name for name in os.listdir(folder) if name.startswith(".")], [])
 
+    def test_traces_the_render_of_a_scene(self):
+        server = Server(os.path.join(self.folder, "scene.toml"))
+        self.addCleanup(server.stop)
+        self.browser.get(server.url)
+        self.settle()
+        self.assertTrue(self.get("split").is_displayed())
+        self.assertIn("PSNR", self.get("quality").text)
+        self.change(lambda: self.set_number("distance-number", 60))
+        self.assertIn("PSNR", self.get("quality").text)
+
     def test_says_that_the_server_is_gone(self):
         self.server.stop()
         self.set_number("distance-number", 50)
