@@ -189,6 +189,19 @@ TEST(Session, SumsSources) {
   EXPECT_EQ(session.points(), (std::vector<float>{0, 0, -0.3F, 1, 0.001F, 0, -0.2F, 0.5F}));
 }
 
+TEST(Session, LeavesOutFarImagesFromItsDepths) {
+  Sources sources{.wavelength = 532e-9};
+  for (int i = 0; i < 400; ++i) sources.waves.push_back({{0, 0, -0.2 - 0.0001 * i}, 1, 0});
+  sources.waves.push_back({{0, 0, -50}, 1, 0});
+  sources.waves.push_back({{0, 0, -0.001}, 1, 0});
+  const std::string path = temporary("sources.ply");
+  save_sources(path, sources);
+  Session session({path});
+  const Json depths = Json::parse(session.describe())["depths_m"];
+  EXPECT_NEAR(depths[0], 0.2003, 1e-9);  // 4 of 402 points at either end, one of them far off
+  EXPECT_NEAR(depths[1], 0.2396, 1e-9);
+}
+
 TEST(Session, TracesASceneAndItsRenderAtTheSameFocus) {
   const std::string path = make_file("scene.toml", R"(wavelength = "532 nm"
 [slm]

@@ -104,12 +104,12 @@ std::string Session::describe() {
                      {"acceptance_tangent", std::min(10.0, acceptance_tangent(wavelength, panel.pitch))}};
   }
   json["defaults"] = {{"distance_m", defaults_.camera.distances.front()}, {"binning", defaults_.camera.binning}};
-  double nearest = 0, farthest = 0;
-  for (const SpacePoint& point : contents_->points) {
-    nearest = nearest == 0 ? -point.place.z : std::min(nearest, -point.place.z);
-    farthest = std::max(farthest, -point.place.z);
-  }
-  json["depths_m"] = {nearest, farthest};
+  // Without the hundredth of the points at either end: some images in glass lie very far away.
+  std::vector<double> depths;
+  for (const SpacePoint& point : contents_->points) depths.push_back(-point.place.z);
+  std::sort(depths.begin(), depths.end());
+  const size_t end = depths.size() / 100;
+  json["depths_m"] = depths.empty() ? Json{0, 0} : Json{depths[end], depths[depths.size() - 1 - end]};
   Json renders = Json::array();
   for (const RenderOfView& render : contents_->renders) renders.push_back(render.place.distance);
   json["renders_m"] = renders;
