@@ -190,7 +190,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
         const bool is_changed = from.camera.pupil > 0 || shown.filter;
         std::shared_ptr<const Field> passed;
         if (is_changed)
-          passed = light_.get("pupil " + of_pupil + source, [&] {
+          passed = light_.get(fmt::format("pupil {} {}", of_pupil, source), [&] {
             return *light_in_pupil(shown, item.slm, state.propagation, from.camera, observer);
           });
         const Image view = focus_light(passed ? *passed : shown, shape_of(shown), item.slm, from.distance,
@@ -280,7 +280,8 @@ BytePicture Session::panel(size_t number, PanelQuantity quantity, const ViewStat
   if (quantity == PanelQuantity::level && !item.field) {
     const Hologram& h = item.hologram;
     BytePicture picture{h.grid.nx, h.grid.ny, 1, {}};
-    for (const uint16_t level : h.level.values) picture.values.push_back(uint8_t(level * 255.0 / (h.levels - 1) + 0.5));
+    for (const uint16_t level : h.level.values)
+      picture.values.push_back(uint8_t(std::lround(level * 255.0 / (h.levels - 1))));
     return picture;
   }
   const double wavelength = wavelengths_of(item, state.show).front();
