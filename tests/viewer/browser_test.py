@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.request
 
 try:
     from PIL import Image
@@ -187,6 +188,9 @@ class Page(unittest.TestCase):
     def test_shows_the_bytes_of_show(self):
         self.assertEqual(self.distance(), 40)
         self.assert_view_is_that_of_show()
+        with urllib.request.urlopen(self.get("png").get_attribute("href")) as download:
+            with open(os.path.join(self.folder, "view.png"), "rb") as file:  # of show
+                self.assertEqual(download.read(), file.read())
 
     def test_focuses_by_wheel_number_and_keys(self):
         frame = self.get("frame")
