@@ -98,9 +98,11 @@ async function load() {
     buildControls();
     writeControls();
     if (session.items.length > 0) {
+      await ask(true);  // something to see at once
       await ask(false);
-      setPoints(new Float32Array(await api.bytes('points')));
-      startSpace(new Float32Array(await api.bytes('points')));
+      const points = new Float32Array(await api.bytes('points'));
+      setPoints(points);
+      startSpace(points);
       await showPanel();
     }
     if (session.has_report) await showReport();
