@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "console.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/viewer/answers.h"
@@ -92,7 +93,9 @@ void add_view_command(Command& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     check_port(o->port);
     const double idle_seconds = parse_idle(o->idle);
-    Session session(o->paths, {o->slm, global.outside()});
+    Console console(global.is_quiet);
+    Session session(o->paths, {o->slm, global.outside(), console.stages()});
+    console.finish();
     std::unique_ptr<Answers> answers;
     ListenerParams params;
     params.address = o->address;

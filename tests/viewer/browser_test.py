@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.request
 
 try:
     from PIL import Image
@@ -187,6 +188,9 @@ class Page(unittest.TestCase):
     def test_shows_the_bytes_of_show(self):
         self.assertEqual(self.distance(), 40)
         self.assert_view_is_that_of_show()
+        with urllib.request.urlopen(self.get("png").get_attribute("href")) as download:
+            with open(os.path.join(self.folder, "view.png"), "rb") as file:  # of show
+                self.assertEqual(download.read(), file.read())
 
     def test_focuses_by_wheel_number_and_keys(self):
         frame = self.get("frame")
@@ -312,6 +316,16 @@ class Page(unittest.TestCase):
         self.assertEqual(self.get("problem").text, "")
         self.assertEqual(points(), 21)  # 20 iterations, and the error at the end
         self.assertEqual([name for name in os.listdir(folder) if name.startswith(".")], [])
+
+    def test_traces_the_render_of_a_scene(self):
+        server = Server(os.path.join(self.folder, "scene.toml"))
+        self.addCleanup(server.stop)
+        self.browser.get(server.url)
+        self.settle()
+        self.assertTrue(self.get("split").is_displayed())
+        self.assertIn("PSNR", self.get("quality").text)
+        self.change(lambda: self.set_number("distance-number", 60))
+        self.assertIn("PSNR", self.get("quality").text)
 
     def test_says_that_the_server_is_gone(self):
         self.server.stop()

@@ -189,6 +189,74 @@ TEST(Session, SumsSources) {
   EXPECT_EQ(session.points(), (std::vector<float>{0, 0, -0.3F, 1, 0.001F, 0, -0.2F, 0.5F}));
 }
 
+TEST(Session, LeavesOutFarImagesFromItsDepths) {
+  Sources sources{.wavelength = 532e-9};
+  for (int i = 0; i < 400; ++i) sources.waves.push_back({{0, 0, -0.2 - 0.0001 * i}, 1, 0});
+  sources.waves.push_back({{0, 0, -50}, 1, 0});
+  sources.waves.push_back({{0, 0, -0.001}, 1, 0});
+  const std::string path = temporary("sources.ply");
+  save_sources(path, sources);
+  Session session({path});
+  const Json depths = Json::parse(session.describe())["depths_m"];
+  EXPECT_NEAR(depths[0], 0.2003, 1e-9);  // 4 of 402 points at either end, one of them far off
+  EXPECT_NEAR(depths[1], 0.2396, 1e-9);
+}
+
+TEST(Session, TracesASceneAndItsRenderAtTheSameFocus) {
+  const std::string path = make_file("scene.toml", R"(wavelength = "532 nm"
+[slm]
+columns = 96
+rows = 64
+pitch = "8 um"
+[trace]
+columns = 32
+rows = 24
+field_of_view = "1 deg"
+paths = 2
+[render]
+paths = 2
+[[light]]
+type = "rectangle"
+corner = "-5 -5 5 mm"
+edge_u = "0 10 0 mm"
+edge_v = "10 0 0 mm"
+radiance = 5
+[[object]]
+type = "quad"
+width = "0.2 mm"
+height = "0.2 mm"
+position = "0.15 0.1 -30 mm"
+)");
+  Session session({path});
+  const Json json = Json::parse(session.describe());
+  EXPECT_EQ(json["kind"], "scene");
+  EXPECT_TRUE(json["has_render"].get<bool>());
+  EXPECT_NEAR(json["defaults"]["distance_m"].get<double>(), 0.03, 1e-9);
+  const ViewState state = session.state_of({});
+  EXPECT_FALSE(Json::parse(session.metrics(state)).contains("psnr_db"));  // it is not traced for that alone
+  const TakenView view = *session.view(state), render = *session.reference(state);
+  EXPECT_TRUE(Json::parse(session.metrics(state)).contains("psnr_db"));
+  ASSERT_EQ(render.image.nx, view.image.nx);
+  ASSERT_EQ(render.image.ny, view.image.ny);
+  // The square, at its place on the sensor: its mean is twice that elsewhere and more, in the view through its speckle.
+  for (const Image* image : {&render.image, &view.image}) {
+    double inside = 0, outside = 0;
+    int pixels = 0;
+    for (int j = 0; j < image->ny; ++j)
+      for (int i = 0; i < image->nx; ++i) {
+        const double x = (i - 47.5) * 8e-6, y = (31.5 - j) * 8e-6;
+        const bool is_inside = std::abs(x - 0.15e-3) < 0.09e-3 && std::abs(y - 0.1e-3) < 0.09e-3;
+        (is_inside ? inside : outside) += (*image)(j, i);
+        pixels += is_inside;
+      }
+    EXPECT_GT(inside / pixels, 2 * outside / (96 * 64 - pixels));
+  }
+  const ViewState far = session.state_of({{"distance", "60 mm"}});  // out of focus, the square is blurred
+  const float bright = *std::max_element(render.image.values.begin(), render.image.values.end());
+  const Image blurred = session.reference(far)->image;
+  EXPECT_LT(*std::max_element(blurred.values.begin(), blurred.values.end()), 0.8F * bright);
+}
+
 TEST(Session, TellsValuesOfPixels) {
   Session session({folder_of({random_hologram(532e-9, 0)})});
   const ViewState state = session.state_of({});

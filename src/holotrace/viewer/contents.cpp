@@ -48,6 +48,10 @@ void attempt(std::vector<std::string>& problems, const Work& work) {
   }
 }
 
+Observer watch_stage(const ContentsParams& params, const char* stage) {
+  return params.watch ? params.watch(stage) : Observer{};
+}
+
 ViewedItem item_of_hologram(const std::string& path, const ContentsParams& params) {
   ViewedItem item{path, load_hologram(path), {}, {}};
   Hologram& hologram = item.hologram;
@@ -140,11 +144,12 @@ void add_folder(const fs::path& folder, const ContentsParams& params, Contents& 
 
 void add_scene(const std::string& path, const ContentsParams& params, Contents& contents) {
   attempt(contents.problems, [&] {
-    const Job job = with_quality(load_job(path, params.outside));
-    const SceneLight light = trace_light(job);
-    for (Field& field : fields_of_frame(light, 0, job.slm.grid, job.synthesize))
+    const auto job = std::make_shared<const Job>(with_quality(load_job(path, params.outside)));
+    const SceneLight light = trace_light(*job, watch_stage(params, "trace"));
+    for (Field& field : fields_of_frame(light, 0, job->slm.grid, job->synthesize, watch_stage(params, "synthesize")))
       contents.items.push_back(item_of_field("", std::move(field), params));
     add_points(light.sources, contents);
+    contents.job = job;
   });
 }
 
@@ -152,7 +157,8 @@ void add_sources(const std::string& path, const ContentsParams& params, Contents
   attempt(contents.problems, [&] {
     const std::vector<Sources> sets{load_sources(path)};
     const Slm slm = load_slm(params.slm.empty() ? "pluto" : params.slm);
-    contents.items.push_back(item_of_field(path, synthesize(sets.front(), slm.grid, {}), params));
+    contents.items.push_back(
+        item_of_field(path, synthesize(sets.front(), slm.grid, {}, watch_stage(params, "synthesize")), params));
     add_points(sets, contents);
   });
 }

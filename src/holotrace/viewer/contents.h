@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -7,10 +8,12 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
+#include "holotrace/data/job.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/io/files/outside.h"
 #include "holotrace/io/report_file.h"
+#include "holotrace/run/stage.h"
 
 namespace holotrace {
 
@@ -37,6 +40,7 @@ struct Contents {
   std::vector<ViewedItem> items;        ///< holograms or fields
   std::vector<RenderOfView> renders;    ///< renders of a run and where its views lie in them
   std::vector<SpacePoint> points;       ///< at most most_space_points, chosen evenly
+  std::shared_ptr<const Job> job{};     ///< of a scene
   std::string report;                   ///< report.json of a folder; "" if there is none
   std::vector<std::string> problems{};  ///< a sentence for each thing that could not be read
 };
@@ -47,6 +51,7 @@ inline constexpr size_t most_space_points = 20000;
 struct ContentsParams {
   std::string slm{};  ///< panel: preset name or file; "": the one of each hologram, or pluto
   Outside outside = Outside::refused;
+  StageObserver watch{};  ///< of what takes time: tracing a scene, summing sources
 };
 
 /// Reads a folder of `holotrace run`, holograms, a field, sources (their field is summed) or a scene (it is traced).

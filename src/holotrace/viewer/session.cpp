@@ -71,6 +71,20 @@ void check_size(const ViewedItem& item, const ViewState& state, double wavelengt
   require_memory(need.shown + need.passing, "this view");
 }
 
+bool has_light(const Image& image) {
+  return std::any_of(image.values.begin(), image.values.end(), [](float v) { return v > 0; });
+}
+
+// The factor that brings an image to another one (least squares), if both have light.
+double scale_between(const Image& image, const Image& to) {
+  double cross = 0, square = 0;
+  for (size_t i = 0; i < image.values.size() && i < to.values.size(); ++i) {
+    cross += double(image.values[i]) * double(to.values[i]);
+    square += double(image.values[i]) * double(image.values[i]);
+  }
+  return cross > 0 && square > 0 ? cross / square : 1;
+}
+
 // Transfer functions of one distance for all wavelengths, which the frames of a view share: at half the panel's pitch
 // and padded, about 4.6 fields each. Those of earlier distances are not needed again.
 double bytes_of_transfer(const std::vector<ViewedItem>& items) {
@@ -104,19 +118,21 @@ void Session::load() {
   stamp_ = stamp_of(paths_);
   light_.clear();
   last_.reset();
-  contents_ = Contents();  // its memory is free before the next one is read
-  contents_ = load_contents(paths_, params_);
+  renders_.clear();
+  contents_.reset();  // its memory is free before the next one is read
+  contents_ = std::make_shared<const Contents>();
+  contents_ = std::make_shared<const Contents>(load_contents(paths_, params_));
   ++readings_;
   defaults_ = ViewState();
-  limit_propagator_cache(bytes_of_transfer(contents_.items));
-  if (!contents_.renders.empty()) {
-    const ViewPlace& place = contents_.renders.front().place;
+  limit_propagator_cache(bytes_of_transfer(contents_->items));
+  if (!contents_->renders.empty()) {
+    const ViewPlace& place = contents_->renders.front().place;
     defaults_.camera.distances = {place.distance};
-    if (!contents_.items.empty())
-      defaults_.camera.binning = std::max(1, int(std::lround(place.pixel / contents_.items.front().slm.grid.pitch)));
-  } else if (!contents_.points.empty()) {
+    if (!contents_->items.empty())
+      defaults_.camera.binning = std::max(1, int(std::lround(place.pixel / contents_->items.front().slm.grid.pitch)));
+  } else if (!contents_->points.empty()) {
     std::vector<double> depths;
-    for (const SpacePoint& point : contents_.points) depths.push_back(-point.place.z);
+    for (const SpacePoint& point : contents_->points) depths.push_back(-point.place.z);
     std::nth_element(depths.begin(), depths.begin() + std::ptrdiff_t(depths.size() / 2), depths.end());
     defaults_.camera.distances = {std::round(depths[depths.size() / 2] * 1e4) / 1e4};
   }
@@ -130,18 +146,18 @@ int Session::refresh() {
 
 ViewState Session::state_of(const Query& query) {
   const std::lock_guard lock(mutex_);
-  return view_state(query, defaults_, contents_.items.size());
+  return view_state(query, defaults_, contents_->items.size());
 }
 
 std::vector<size_t> Session::chosen(const ViewState& state) const {
-  require(!contents_.items.empty(), "{}",
-          contents_.problems.empty() ? "there is no hologram to show" : contents_.problems.front());
+  require(!contents_->items.empty(), "{}",
+          contents_->problems.empty() ? "there is no hologram to show" : contents_->problems.front());
   std::vector<size_t> items = state.shown;
   if (items.empty())
-    for (size_t i = 0; i < contents_.items.size(); ++i) items.push_back(i);
-  require(items.back() < contents_.items.size(), "expected holograms below {}, got {}", contents_.items.size(),
+    for (size_t i = 0; i < contents_->items.size(); ++i) items.push_back(i);
+  require(items.back() < contents_->items.size(), "expected holograms below {}, got {}", contents_->items.size(),
           items.back());
-  return state.is_draft ? first_frames(items, contents_.items) : items;
+  return state.is_draft ? first_frames(items, contents_->items) : items;
 }
 
 std::optional<TakenView> Session::take(const ViewState& given, const std::function<bool()>& is_outdated) {
@@ -155,7 +171,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
   CombinedViews sum;
   const Observer observer = warnings_to(taken.warnings);
   for (const size_t i : chosen(given)) {
-    const ViewedItem& item = contents_.items[i];
+    const ViewedItem& item = contents_->items[i];
     for (const double wavelength : wavelengths_of(item, state.show)) {
       ShowParams show = state.show;
       if (!item.hologram.colours.empty()) show.wavelength = wavelength;
@@ -174,7 +190,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
         const bool is_changed = from.camera.pupil > 0 || shown.filter;
         std::shared_ptr<const Field> passed;
         if (is_changed)
-          passed = light_.get("pupil " + of_pupil + source, [&] {
+          passed = light_.get(fmt::format("pupil {} {}", of_pupil, source), [&] {
             return *light_in_pupil(shown, item.slm, state.propagation, from.camera, observer);
           });
         const Image view = focus_light(passed ? *passed : shown, shape_of(shown), item.slm, from.distance,
@@ -201,41 +217,35 @@ std::optional<TakenView> Session::view(const ViewState& state, const std::functi
   return take(state, is_outdated);
 }
 
-std::optional<TakenView> Session::projected_render(const ViewState& state) {
-  if (contents_.renders.empty()) return std::nullopt;
-  const TakenView view = *take(state, {});
-  const double distance = state.camera.distances.front();
-  const auto away = [&](const RenderOfView& r) { return std::abs(r.place.distance - distance); };
-  const auto nearest = std::min_element(contents_.renders.begin(), contents_.renders.end(),
-                                        [&](const auto& a, const auto& b) { return away(a) < away(b); });
-  ViewPlace place = nearest->place;
-  const double m = magnification(state.camera, distance, contents_.items.front().hologram.image);
-  place.distance = distance;
-  place.pixel = view.image.pitch / m;
-  place.centre_x = view.image.centre_x / m;
-  place.centre_y = view.image.centre_y / m;
-  if (view.image.channels == 1) place.wavelengths.resize(1);
-  TakenView render{render_at(load_image(nearest->path), place, view.image.ny, view.image.nx)};
-  if (std::any_of(render.image.values.begin(), render.image.values.end(), [](float v) { return v > 0; })) {
-    const double scale = compare(render.image, view.image).scale;
-    render.white = scale > 0 ? scale * view.white : common_white({render.image}, 0);
+Session::Compared Session::with_render(const ViewState& state, bool may_trace) {
+  Compared compared;
+  std::shared_ptr<const Contents> contents;
+  {
+    const std::lock_guard lock(mutex_);
+    compared.view = *take(state, {});
+    contents = contents_;
   }
-  return render;
+  std::optional<PlacedRender> render = renders_.render_for(*contents, state.camera, may_trace);
+  if (!render) return compared;
+  const Image& image = compared.view.image;
+  const double m = magnification(state.camera, state.camera.distances.front(), contents->items.front().hologram.image);
+  ViewPlace& place = render->place;
+  place.pixel = image.pitch / m;
+  place.centre_x = image.centre_x / m;
+  place.centre_y = image.centre_y / m;
+  if (image.channels == 1 && place.wavelengths.size() != 1) place.wavelengths.resize(1);
+  compared.render = TakenView{render_at(*render->image, place, image.ny, image.nx)};
+  compared.render->white = compared.view.white * scale_between(image, compared.render->image);
+  return compared;
 }
 
-std::optional<TakenView> Session::reference(const ViewState& state) {
-  const std::lock_guard lock(mutex_);
-  return projected_render(state);
-}
+std::optional<TakenView> Session::reference(const ViewState& state) { return with_render(state, true).render; }
 
 std::string Session::metrics(const ViewState& state) {
-  const std::lock_guard lock(mutex_);
-  const TakenView view = *take(state, {});
-  Json json{{"contrast", speckle_contrast(view.image)}};
-  const std::optional<TakenView> render = projected_render(state);
-  if (render && render->white > 0 &&
-      std::any_of(render->image.values.begin(), render->image.values.end(), [](float v) { return v > 0; })) {
-    const Metrics m = compare(render->image, view.image);
+  const Compared compared = with_render(state, false);
+  Json json{{"contrast", speckle_contrast(compared.view.image)}};
+  if (compared.render && has_light(compared.render->image)) {
+    const Metrics m = compare(compared.render->image, compared.view.image);
     const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
     json["psnr_db"] = number(m.psnr);
     json["ssim"] = number(m.ssim);
@@ -265,12 +275,13 @@ std::string Session::values(const ViewState& state, int column, int row, int col
 
 BytePicture Session::panel(size_t number, PanelQuantity quantity, const ViewState& state) {
   const std::lock_guard lock(mutex_);
-  require(number < contents_.items.size(), "expected a hologram below {}, got {}", contents_.items.size(), number);
-  const ViewedItem& item = contents_.items[number];
+  require(number < contents_->items.size(), "expected a hologram below {}, got {}", contents_->items.size(), number);
+  const ViewedItem& item = contents_->items[number];
   if (quantity == PanelQuantity::level && !item.field) {
     const Hologram& h = item.hologram;
     BytePicture picture{h.grid.nx, h.grid.ny, 1, {}};
-    for (const uint16_t level : h.level.values) picture.values.push_back(uint8_t(level * 255.0 / (h.levels - 1) + 0.5));
+    for (const uint16_t level : h.level.values)
+      picture.values.push_back(uint8_t(std::lround(level * 255.0 / (h.levels - 1))));
     return picture;
   }
   const double wavelength = wavelengths_of(item, state.show).front();

@@ -10,6 +10,7 @@
 #include "holotrace/data/image.h"
 #include "holotrace/viewer/contents.h"
 #include "holotrace/viewer/light_cache.h"
+#include "holotrace/viewer/renders_shown.h"
 #include "holotrace/viewer/requests.h"
 #include "holotrace/viewer/view_state.h"
 
@@ -60,7 +61,8 @@ class Session {
   /// @throws Error       as view_hologram does, if there is no hologram, and for a sensor or memory beyond the bounds
   std::optional<TakenView> view(const ViewState& state, const std::function<bool()>& is_outdated = {});
 
-  /// What the view should show, on its pixels and as bright: the render of the run nearest in focus.
+  /// What the view should show, on its pixels and as bright (renders_shown.h). That of a scene takes seconds, in which
+  /// views are still answered.
   /// @return nothing if the session has no render
   std::optional<TakenView> reference(const ViewState& state);
 
@@ -87,7 +89,11 @@ class Session {
  private:
   std::optional<TakenView> take(const ViewState& state, const std::function<bool()>& is_outdated);
   std::vector<size_t> chosen(const ViewState& state) const;
-  std::optional<TakenView> projected_render(const ViewState& state);
+  struct Compared {
+    TakenView view;
+    std::optional<TakenView> render;
+  };
+  Compared with_render(const ViewState& state, bool may_trace);
   void load();
 
   const std::vector<std::string> paths_;
@@ -95,9 +101,10 @@ class Session {
   std::mutex mutex_;
   std::string stamp_;
   int readings_ = 0;
-  Contents contents_;
+  std::shared_ptr<const Contents> contents_;
   ViewState defaults_;
   LightCache light_;
+  RendersShown renders_;
   struct Kept {
     std::string key;
     TakenView view;

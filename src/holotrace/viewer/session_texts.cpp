@@ -26,10 +26,10 @@ std::string folder_of(const std::string& path) {
 
 std::string Session::command_line(const Query& query) {
   const std::lock_guard lock(mutex_);
-  const ViewState state = view_state(query, defaults_, contents_.items.size());
+  const ViewState state = view_state(query, defaults_, contents_->items.size());
   std::string line = "holotrace show";
   for (const size_t i : chosen(state)) {
-    const ViewedItem& item = contents_.items[i];
+    const ViewedItem& item = contents_->items[i];
     if (item.field || item.file.empty()) return "";
     line.append(" ").append(shell_word(item.file));
   }
@@ -45,7 +45,7 @@ std::string Session::command_line(const Query& query) {
 std::vector<float> Session::points() {
   const std::lock_guard lock(mutex_);
   std::vector<float> numbers;
-  for (const SpacePoint& point : contents_.points)
+  for (const SpacePoint& point : contents_->points)
     for (const double v : {point.place.x, point.place.y, point.place.z, double(point.brightness)})
       numbers.push_back(float(v));
   return numbers;
@@ -53,33 +53,33 @@ std::vector<float> Session::points() {
 
 std::string Session::report() {
   const std::lock_guard lock(mutex_);
-  return contents_.report.empty() ? "{}" : contents_.report;
+  return contents_->report.empty() ? "{}" : contents_->report;
 }
 
 std::string Session::memory_text() {
   const std::lock_guard lock(mutex_);
-  if (contents_.items.empty()) return contents_.problems.empty() ? "nothing to show" : contents_.problems.front();
+  if (contents_->items.empty()) return contents_->problems.empty() ? "nothing to show" : contents_->problems.front();
   double held = 0, fields = 0;
-  for (const ViewedItem& item : contents_.items) {
+  for (const ViewedItem& item : contents_->items) {
     const double pixels = double(item.slm.grid.pixels());
     held += pixels * (item.field ? sizeof(std::complex<float>) : sizeof(uint16_t));
     fields += 2 * pixels * sizeof(std::complex<float>);
   }
-  const ViewedItem& item = contents_.items.front();
+  const ViewedItem& item = contents_->items.front();
   const Grid& panel = item.slm.grid;
   const ViewingNeed need = viewing_need({item.slm, ShowParams(), {}, viewpoints(defaults_.camera)},
                                         wavelengths_of(item), item.hologram.image, item.hologram.filter);
   return fmt::format(
       "{} {} of {} × {} pixels: up to {} of memory for them and their light, and {} while a picture is computed",
-      contents_.items.size(), item.field ? "field(s)" : "hologram(s)", panel.nx, panel.ny,
+      contents_->items.size(), item.field ? "field(s)" : "hologram(s)", panel.nx, panel.ny,
       format_bytes(held + std::min(fields, light_.most_bytes())), format_bytes(need.passing));
 }
 
 std::string Session::describe() {
   const std::lock_guard lock(mutex_);
-  Json json{{"kind", contents_.kind}, {"paths", paths_}, {"readings", readings_}, {"problems", contents_.problems}};
+  Json json{{"kind", contents_->kind}, {"paths", paths_}, {"readings", readings_}, {"problems", contents_->problems}};
   Json items = Json::array();
-  for (const ViewedItem& item : contents_.items) {
+  for (const ViewedItem& item : contents_->items) {
     const Hologram& h = item.hologram;
     Json one{{"file", std::filesystem::path(item.file).filename().string()},
              {"is_field", item.field.has_value()},
@@ -92,8 +92,8 @@ std::string Session::describe() {
     items.push_back(one);
   }
   json["items"] = items;
-  if (!contents_.items.empty()) {
-    const ViewedItem& item = contents_.items.front();
+  if (!contents_->items.empty()) {
+    const ViewedItem& item = contents_->items.front();
     const Grid& panel = item.slm.grid;
     const double wavelength = wavelengths_of(item).front();
     json["panel"] = {{"name", item.slm.name},
@@ -104,16 +104,17 @@ std::string Session::describe() {
                      {"acceptance_tangent", std::min(10.0, acceptance_tangent(wavelength, panel.pitch))}};
   }
   json["defaults"] = {{"distance_m", defaults_.camera.distances.front()}, {"binning", defaults_.camera.binning}};
-  double nearest = 0, farthest = 0;
-  for (const SpacePoint& point : contents_.points) {
-    nearest = nearest == 0 ? -point.place.z : std::min(nearest, -point.place.z);
-    farthest = std::max(farthest, -point.place.z);
-  }
-  json["depths_m"] = {nearest, farthest};
+  // Without the hundredth of the points at either end: some images in glass lie very far away.
+  std::vector<double> depths;
+  for (const SpacePoint& point : contents_->points) depths.push_back(-point.place.z);
+  std::sort(depths.begin(), depths.end());
+  const size_t end = depths.size() / 100;
+  json["depths_m"] = depths.empty() ? Json{0, 0} : Json{depths[end], depths[depths.size() - 1 - end]};
   Json renders = Json::array();
-  for (const RenderOfView& render : contents_.renders) renders.push_back(render.place.distance);
+  for (const RenderOfView& render : contents_->renders) renders.push_back(render.place.distance);
   json["renders_m"] = renders;
-  json["has_report"] = !contents_.report.empty();
+  json["has_render"] = !contents_->renders.empty() || contents_->job;
+  json["has_report"] = !contents_->report.empty();
   json["progress"] = nullptr;
   if (const auto text = running_progress(folder_of(paths_.front()))) {
     const Json progress = Json::parse(*text, nullptr, false);  // it may be half written

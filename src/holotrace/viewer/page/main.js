@@ -41,7 +41,7 @@ async function ask(isDraft) {
       $('status').textContent = `${picture.columns} × ${picture.rows}${isDraft ? ', draft' : ''}, ${all.toFixed(0)} ms`;
       say(session.problems.concat(picture.warnings).join('\n'));
     }
-    if (picture && !isDraft && asked === query()) await complete(asked);
+    if (picture && !isDraft && asked === query()) complete(asked).catch(fail);
   } catch (error) {
     fail(error);
   } finally {
@@ -52,12 +52,18 @@ async function ask(isDraft) {
   if (next) ask(next === 'draft');
 }
 
-// What belongs to a still view.
+// What belongs to a still view. It is given up as soon as something changes.
 async function complete(asked) {
+  const isOver = () => asked !== query() || isBusy;
   await showCommand();
-  if (session.renders_m.length > 0) showRender(await api.picture(`reference?${asked}`).catch(() => null));
-  if (isWanted || asked !== query()) return;
-  showQuality(await api.json(`metrics?${asked}`));
+  if (isOver()) return;
+  const render = session.has_render ? await api.picture(`reference?${asked}`).catch(() => null) : null;
+  if (asked !== query()) return;
+  showRender(render);
+  if (isOver()) return;
+  const metrics = await api.json(`metrics?${asked}`);
+  if (asked !== query()) return;
+  showQuality(metrics);
   document.body.dataset.complete = asked;
 }
 
@@ -92,9 +98,11 @@ async function load() {
     buildControls();
     writeControls();
     if (session.items.length > 0) {
+      await ask(true);  // something to see at once
       await ask(false);
-      setPoints(new Float32Array(await api.bytes('points')));
-      startSpace(new Float32Array(await api.bytes('points')));
+      const points = new Float32Array(await api.bytes('points'));
+      setPoints(points);
+      startSpace(points);
       await showPanel();
     }
     if (session.has_report) await showReport();

@@ -41,11 +41,10 @@ export function startSpace(points) {
 // Half sizes of all that is shown [mm]: across, and the depths behind and before the panel.
 function extent() {
   const p = session.panel, across = (Math.max(p.columns, p.rows) * p.pitch_m * 1e3) / 2;
-  let half = across, behind = state.distance;
-  for (let i = 0; i < scene.length; i += 4) {
-    half = Math.max(half, Math.abs(scene[i] * 1e3), Math.abs(scene[i + 1] * 1e3));
-    behind = Math.max(behind, -scene[i + 2] * 1e3);
-  }
+  const behind = Math.max(state.distance, session.depths_m[1] * 1e3);
+  let half = across;
+  for (let i = 0; i < scene.length; i += 4)  // of the points that are not images far away
+    if (-scene[i + 2] * 1e3 <= behind) half = Math.max(half, Math.abs(scene[i] * 1e3), Math.abs(scene[i + 1] * 1e3));
   half = Math.max(half, Math.min(2.2 * across, behind * p.acceptance_tangent - across));
   const inFront = imageSide() > 0 ? behind : behind * 0.35;
   return { half, behind, before: Math.max(inFront, state.pupil > 0 ? state.eye[2] * 1.1 : 0) };

@@ -109,6 +109,11 @@ function drawNumbers() {
   paint.font = `${Math.min(13, s / 5)}px system-ui, sans-serif`;
   paint.textAlign = 'center';
   paint.textBaseline = 'middle';
+  if (!render.hidden) {  // they are those of the view, not of the render over it
+    paint.beginPath();
+    paint.rect(0, 0, left + (Number($('split').value) / 100) * view.width * s, frame.clientHeight);
+    paint.clip();
+  }
   const { x, y, columns, rows, channels, lines, white } = pixelValues;
   for (let j = 0; j < rows; ++j)
     for (let i = 0; i < columns; ++i) {

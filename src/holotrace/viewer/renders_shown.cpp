@@ -1,0 +1,89 @@
+#include "holotrace/viewer/renders_shown.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/run/renders.h"
+
+namespace holotrace {
+namespace {
+
+constexpr size_t most_kept = 4;
+constexpr int columns_of_trace = 480, paths_of_trace = 16;
+
+std::string key_of(const CameraParams& camera) {
+  return fmt::format("{:a};{:a};{:a};{:a};{:a}", camera.distances.front(), camera.pupil, camera.eye.x, camera.eye.y,
+                     camera.eye.z);
+}
+
+// The scene through the whole panel or through the camera's pupil, in a window as large as the panel in the plane in
+// focus.
+RenderParams params_for(const Job& job, const CameraParams& camera) {
+  RenderParams params = job.render;
+  const double distance = camera.distances.front();
+  const Grid& panel = job.slm.grid;
+  params.columns = columns_of_trace;
+  params.rows = std::max(1, int(std::lround(double(columns_of_trace) * panel.ny / panel.nx)));
+  params.field_of_view = std::atan(panel.height() / 2 / distance);
+  params.focus = distance;
+  params.paths = std::min(params.paths, paths_of_trace);
+  params.lens = camera.pupil > 0 ? Lens::round : Lens::panel;
+  if (camera.pupil > 0) {
+    params.pupil = camera.pupil;
+    params.eye = camera.eye;
+  }
+  params.has_background = false;
+  if (params.path_expressions.empty()) params.path_expressions = job.trace.path_expressions;
+  return params;
+}
+
+}  // namespace
+
+std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, const CameraParams& camera,
+                                                     bool may_trace) {
+  const double distance = camera.distances.front();
+  if (!contents.renders.empty()) {
+    const auto away = [&](const RenderOfView& r) { return std::abs(r.place.distance - distance); };
+    const RenderOfView& nearest = *std::min_element(contents.renders.begin(), contents.renders.end(),
+                                                    [&](const auto& a, const auto& b) { return away(a) < away(b); });
+    PlacedRender render{find(nearest.path), nearest.place};
+    if (!render.image) render.image = keep(nearest.path, load_image(nearest.path));
+    render.place.distance = distance;
+    return render;
+  }
+  if (!contents.job || distance <= 0) return std::nullopt;
+  const std::string key = key_of(camera);
+  PlacedRender render{find(key), {}};
+  if (!render.image && !may_trace) return std::nullopt;
+  if (!render.image) render.image = keep(key, make_render(*contents.job, params_for(*contents.job, camera)));
+  render.place.half_tangent = contents.job->slm.grid.height() / 2 / distance;
+  render.place.distance = distance;
+  render.place.wavelengths = contents.job->wavelengths;
+  return render;
+}
+
+std::shared_ptr<const Image> RendersShown::find(const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
+  return found == entries_.end() ? nullptr : found->image;
+}
+
+std::shared_ptr<const Image> RendersShown::keep(const std::string& key, Image image) {
+  auto kept = std::make_shared<const Image>(std::move(image));
+  const std::lock_guard lock(mutex_);
+  entries_.push_front({key, kept});
+  if (entries_.size() > most_kept) entries_.pop_back();
+  return kept;
+}
+
+void RendersShown::clear() {
+  const std::lock_guard lock(mutex_);
+  entries_.clear();
+}
+
+}  // namespace holotrace

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "holotrace/data/image.h"
+#include "holotrace/data/params/camera.h"
+#include "holotrace/data/view_place.h"
+#include "holotrace/viewer/contents.h"
+
+namespace holotrace {
+
+/// A render and where it lies in the plane in focus; pixel and centre of the place are left open.
+struct PlacedRender {
+  std::shared_ptr<const Image> image;
+  ViewPlace place;
+};
+
+/// The renders that belong to views: those of a run, from their files, and of a scene traced when they are asked for.
+/// The latest few are kept. May be called from several threads.
+class RendersShown {
+ public:
+  /// The render of a run whose focus is nearest; or that of the scene with this focus, seen through the panel or the
+  /// camera's pupil, 480 pixels wide and of 16 paths per pixel.
+  /// @param may_trace  otherwise a scene's render is only returned if it was traced before
+  /// @return           nothing if there is none
+  std::optional<PlacedRender> render_for(const Contents& contents, const CameraParams& camera, bool may_trace);
+
+  void clear();
+
+ private:
+  struct Entry {
+    std::string key;
+    std::shared_ptr<const Image> image;
+  };
+  std::shared_ptr<const Image> find(const std::string& key);
+  std::shared_ptr<const Image> keep(const std::string& key, Image image);
+
+  std::mutex mutex_;
+  std::list<Entry> entries_;  // latest first
+};
+
+}  // namespace holotrace
