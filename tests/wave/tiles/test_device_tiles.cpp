@@ -186,12 +186,13 @@ TEST_P(DeviceTiles, GiveTheSameSumInSlicesOfTheWaves) {
 }
 
 TEST_P(DeviceTiles, WriteNothingPastTheirBuffers) {
+  const size_t before = device_.broken_guards();
   device_.guard_buffers(true);
   const Sources sources = drawn_sources(400);
   for (const TileShape shape : {TileShape{128, 64}, TileShape{32, 32}, TileShape{16, 4}})
     sum_on(device_, sources, shape);
   device_.guard_buffers(false);
-  EXPECT_EQ(device_.broken_guards(), 0u);
+  EXPECT_EQ(device_.broken_guards(), before);
 }
 
 TEST_P(DeviceTiles, FillTheirBoundsAndNothingElse) {
