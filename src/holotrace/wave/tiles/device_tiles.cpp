@@ -93,10 +93,13 @@ DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds,
   const size_t tiles =
       tiles_along(bounds.x1 - bounds.x0, shape.columns) * tiles_along(bounds.y1 - bounds.y0, shape.rows);
   const size_t wanted = size_t(device.info().compute_units) * groups_per_unit;
-  constexpr size_t least_share = 512;  // a multiple of every group
+  constexpr size_t least_share = 512, step = 256;  // multiples of every group
   plan.slices = std::clamp<size_t>((wanted + tiles - 1) / tiles, 1, std::max<size_t>(waves / least_share, 1));
-  const size_t even = (waves + plan.slices - 1) / plan.slices;
-  plan.share = std::min((even + least_share - 1) / least_share * least_share, most_share);
+  // Even shares in all launches.
+  const auto parts_of = [](size_t count, size_t part) { return (count + part - 1) / part; };
+  const size_t launches = parts_of(waves, plan.slices * most_share);
+  plan.share = parts_of(parts_of(waves, launches * plan.slices), step) * step;
+  plan.slices = std::min(plan.slices, parts_of(waves, plan.share));
 
   constexpr double spare = 1e5;  // for the places of tiles
   const double free = device.free_memory() - spare, columns = bounds.x1 - bounds.x0, rows = bounds.y1 - bounds.y0;
