@@ -44,8 +44,12 @@ std::vector<unsigned char> greys_of(const std::string& path) {
           "{} levels{}",
           path, hologram.levels, hologram.modulation == Modulation::complex ? " of phase and of amplitude" : "");
   const Image image = load_image(path, ImageContent::data);
+  require(image.nx == hologram.grid.nx && image.ny == hologram.grid.ny, "{}: expected {} × {} pixels, got {} × {}",
+          path, hologram.grid.nx, hologram.grid.ny, image.nx, image.ny);
   std::vector<unsigned char> greys;
-  for (const float value : image.values) greys.push_back(static_cast<unsigned char>(std::lround(255 * double(value))));
+  for (int row = 0; row < image.ny; ++row)
+    for (int column = 0; column < image.nx; ++column)  // a grey picture may be stored as three equal colours
+      greys.push_back(static_cast<unsigned char>(std::lround(255 * double(image(row, column, 0)))));
   return greys;
 }
 

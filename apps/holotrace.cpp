@@ -19,6 +19,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/instruction_set.h"
 #include "holotrace/base/printable.h"
+#include "holotrace/data/params/text_setter.h"
 #include "holotrace/estimate/machine/calibrate.h"
 #include "holotrace/estimate/machine/device_calibration.h"
 #include "holotrace/io/files/command_files.h"
@@ -140,7 +141,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   end_on_interrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit on file sizes becomes an Error
   try {
-    if (const char* instructions = std::getenv("HOLOTRACE_INSTRUCTIONS")) force_instruction_set(instructions);
+    if (const char* instructions = std::getenv("HOLOTRACE_INSTRUCTIONS"))
+      read_flag("HOLOTRACE_INSTRUCTIONS", [&] { force_instruction_set(instructions); });
     Ranks ranks(argc, argv);
     if (ranks.rank() > 0) {
       serve_bands(ranks);

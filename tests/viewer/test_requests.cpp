@@ -66,6 +66,8 @@ TEST(Requests, NameWhatIsWrong) {
   EXPECT_EQ(error({{"distance", "1 2 mm"}}), "expected one distance, got 2");
   EXPECT_EQ(error({{"subpixels", "6"}}), "expected at most 5 subpixels here, got 6; use holotrace show");
   EXPECT_EQ(error({{"subpixels", "5"}}), "no error");
+  EXPECT_EQ(error({{"illumination-states", "257"}}),
+            "expected at most 256 illumination states here, got 257; use holotrace show");
   EXPECT_EQ(error({{"items", "2"}}), "expected numbers of holograms from 0 to 1 in \"items\", got \"2\"");
   EXPECT_EQ(error({{"items", "0,0"}}), "expected each hologram once in \"items\", got 0 twice");
   EXPECT_EQ(error({{"items", "-1"}}), "expected numbers of holograms from 0 to 1 in \"items\", got \"-1\"");

@@ -180,7 +180,7 @@ int fft_good_length(int n) {
   std::vector<Candidate> candidates;
   double least = std::numeric_limits<double>::infinity();
   const int first = std::max(n, 1);
-  for (int length = first; candidates.empty() || length <= first + first / 4; ++length) {
+  for (int length = first; candidates.empty() || length - first <= first / 4; ++length) {
     const std::optional<int> twos = factors_of_two(length);
     if (!twos) continue;
     candidates.push_back({length, transform_cost(length, *twos)});

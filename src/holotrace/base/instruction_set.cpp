@@ -22,7 +22,8 @@ std::vector<int64_t> targets_here() {
   return targets;
 }
 
-int64_t forced = 0;  // by force_instruction_set; 0: none
+int64_t forced = 0;          // by force_instruction_set; 0: none
+bool is_best_aside = false;  // whether it is not the best one
 
 void pick_among(int64_t targets) {
   hwy::SetSupportedTargetsForTest(targets);
@@ -38,12 +39,25 @@ int64_t target_named(const std::string& name) {
 }  // namespace
 
 void force_instruction_set(const std::string& name) {
+  const int64_t before = forced;
   pick_among(forced = 0);
-  if (name.empty()) return;
+  if (name.empty()) {
+    is_best_aside = false;
+    return;
+  }
   std::string capitals = name;
   std::transform(name.begin(), name.end(), capitals.begin(), [](unsigned char c) { return char(std::toupper(c)); });
-  pick_among(forced = target_named(capitals == "AVX512" || capitals == "AVX-512" ? "AVX3" : capitals));
+  if (capitals == "AVX512" || capitals == "AVX-512") capitals = "AVX3";
+  const std::vector<std::string> known = instruction_sets();
+  if (std::find(known.begin(), known.end(), capitals) == known.end()) {
+    pick_among(forced = before);
+    throw Error(unknown_name_message("instruction set", name, known));
+  }
+  is_best_aside = capitals != known.front();
+  pick_among(forced = target_named(capitals));
 }
+
+bool allows_best_instruction_set() { return !is_best_aside; }
 
 std::vector<std::string> instruction_sets() {
   std::vector<std::string> names;

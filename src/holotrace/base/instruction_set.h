@@ -14,6 +14,9 @@ std::vector<std::string> instruction_sets();
 /// @throws Error for a name that is not one of instruction_sets()
 void force_instruction_set(const std::string& name);
 
+/// Whether force_instruction_set has not set the best instruction set of this machine aside.
+bool allows_best_instruction_set();
+
 /// While an object exists, all code that picks its instruction set at run time uses this one; for tests and
 /// benchmarks. Only one object may exist at a time; create and destroy it only while no such code runs.
 class OnInstructionSet {

@@ -138,9 +138,9 @@ HttpAnswer Answers::view(Query query) {
   const bool has_number = query.count("number") > 0;
   const int64_t number = has_number ? take_number(query, "number") : 0;
   const std::string page = take_text(query, "page").substr(0, 32);
-  const ViewState state = session_.state_of(query);
   const auto is_old = [&] { return has_number && is_outdated(page, number); };
-  if (is_old()) return {204, {}, {}};
+  if (is_old()) return {204, {}, {}};  // tells a request that is at work that this one is newer, before waiting for it
+  const ViewState state = session_.state_of(query);
   const std::optional<TakenView> view = session_.view(state, is_old);
   if (!view) return {204, {}, {}};
   return view_answer(*view, std::chrono::duration<double>(Clock::now() - start).count());

@@ -187,7 +187,7 @@ struct Listener::State : std::enable_shared_from_this<State> {
     }
   }
 
-  void serve(int accepted, std::list<Connection>::iterator place) {
+  void exchange(int accepted, std::list<Connection>::iterator place) {
     const Received received = receive_head(accepted, params.request_seconds);
     {
       const std::lock_guard lock(mutex);
@@ -200,6 +200,13 @@ struct Listener::State : std::enable_shared_from_this<State> {
       const bool is_head_only = received.head.starts_with("HEAD ");
       if (send_all(accepted, head_of(made), deadline) && !is_head_only && made.status != 204)
         send_all(accepted, made.body, deadline);
+    }
+  }
+
+  void serve(int accepted, std::list<Connection>::iterator place) {
+    try {
+      exchange(accepted, place);
+    } catch (const std::exception&) {  // out of memory: the connection ends, the server does not
     }
     {
       const std::lock_guard lock(mutex);
@@ -217,7 +224,7 @@ Listener::Listener(const ListenerParams& params, std::function<HttpAnswer(const 
   const Address address = address_of(params);
   s.socket = socket(address.bytes.ss_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const int yes = 1;
-  setsockopt(s.socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  if (s.socket >= 0) setsockopt(s.socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   if (s.socket < 0 || bind(s.socket, reinterpret_cast<const sockaddr*>(&address.bytes), address.size) != 0 ||
       listen(s.socket, 128) != 0) {
     const std::string why = std::strerror(errno);

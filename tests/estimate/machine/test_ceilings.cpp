@@ -58,10 +58,14 @@ TEST(InstructionSet, AForcedOneIsTheOnlyOneUntilAllAreAllowed) {
   for (char& c : small) c = char(std::tolower(c));
   force_instruction_set(small);
   EXPECT_EQ(instruction_sets(), std::vector<std::string>{all.back()});
+  EXPECT_EQ(allows_best_instruction_set(), all.size() == 1);
+  EXPECT_THROW(force_instruction_set("AVX4096"), Error);
+  EXPECT_EQ(instruction_sets(), std::vector<std::string>{all.back()}) << "a wrong name changes nothing";
   { const OnInstructionSet alone(all.back()); }
   EXPECT_EQ(tile_sum_instruction_set(), all.back()) << "also after a held one";
   force_instruction_set("");
   EXPECT_EQ(instruction_sets(), all);
+  EXPECT_TRUE(allows_best_instruction_set());
   EXPECT_EQ(tile_sum_instruction_set(), all.front());
 }
 

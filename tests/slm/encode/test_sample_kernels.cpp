@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <complex>
+#include <string>
 #include <vector>
 
+#include "holotrace/base/instruction_set.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/phase_levels.h"
@@ -25,6 +27,48 @@ std::vector<Sample> samples() {
     all.push_back(Sample(std::polar(modulus, angle)));
   }
   return all;
+}
+
+// Calls `check` on each instruction set of this machine.
+template <class Check>
+void on_each_set(const Check& check) {
+  for (const std::string& name : instruction_sets()) {
+    const OnInstructionSet alone(name);
+    SCOPED_TRACE(name);
+    check();
+  }
+}
+
+TEST(SampleKernels, NoSampleAndOneSampleAreTakenOnEverySet) {
+  on_each_set([] {
+    const Sample one(0, -2);
+    float turns = -1;
+    phases_of(&one, 1, 0, &turns);
+    EXPECT_EQ(turns, -1);
+    phases_of(&one, 1, 1, &turns);
+    EXPECT_FLOAT_EQ(turns, 0.75F);
+    EXPECT_EQ(modulus_moments(&one, 0).sum, 0);
+    EXPECT_EQ(modulus_moments(&one, 1).square, 4);
+  });
+}
+
+TEST(SampleKernels, AllSetsFindTheSame) {
+  const std::vector<Sample> u = samples();
+  std::vector<float> best(u.size()), turns(u.size());
+  phases_of(u.data(), 1, u.size(), best.data());
+  on_each_set([&] {
+    phases_of(u.data(), 1, u.size(), turns.data());
+    for (size_t i = 0; i < u.size(); ++i) ASSERT_NEAR(turns[i], best[i], 2e-7) << "two roundings: " << u[i];
+    std::vector<Sample> inside, pairs(101);
+    for (int i = 0; i < 101; ++i) inside.push_back(Sample(std::polar(0.008 * i, 0.3 * i)));
+    double_phase_phasors(inside.data(), 1, inside.size(), pairs.data());
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      const std::complex<double> turn = i == 0 ? 1.0 : std::polar(1.0, 0.3 * double(i));
+      const double a = 0.008 * double(i), side = (i % 2 ? -1 : 1) * std::sqrt(1 - a * a);
+      // a rises to 0.8, where √(1 − a²) makes 1.3 roundings of one
+      ASSERT_NEAR(std::abs(std::complex<double>(pairs[i]) - turn * std::complex<double>(a, side)), 0, 1e-6) << i;
+    }
+  });
 }
 
 TEST(SampleKernels, PhasesAreThoseOfTheStandardLibrary) {

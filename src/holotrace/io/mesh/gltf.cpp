@@ -192,6 +192,8 @@ size_t gltf_count(const GltfFile& gltf, const Json& parent, const char* key, siz
 }
 
 std::vector<size_t> gltf_counts(const GltfFile& gltf, const Json& list) {
+  require(list.is_array(), "{}: expected a list of whole numbers, got another kind of value; export it again",
+          gltf.path);
   std::vector<size_t> counts;
   for (const Json& value : list) counts.push_back(gltf_count(gltf, value));
   return counts;

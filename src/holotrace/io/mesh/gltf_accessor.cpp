@@ -112,7 +112,7 @@ constexpr size_t most_without_data = 1 << 24;  // items of a sparse accessor tha
 
 std::vector<double> gltf_numbers(const GltfFile& gltf, size_t accessor, size_t components) {
   const Json& source = gltf.document.at("accessors").at(accessor);
-  const int component = int(gltf_count(gltf, source.at("componentType")));
+  const int component = int(std::min<size_t>(gltf_count(gltf, source.at("componentType")), 1 << 30));
   const size_t count = gltf_count(gltf, source.at("count"));
   const size_t present = components_of(source.at("type").get<std::string>(), gltf);
   const bool is_normalized = source.value("normalized", false), is_sparse = source.contains("sparse");
@@ -134,7 +134,7 @@ std::vector<double> gltf_numbers(const GltfFile& gltf, size_t accessor, size_t c
   const Json& sparse = source.at("sparse");
   const size_t changed = gltf_count(gltf, sparse.at("count"));
   const Json& places = sparse.at("indices");
-  const int place_component = int(gltf_count(gltf, places.at("componentType")));
+  const int place_component = int(std::min<size_t>(gltf_count(gltf, places.at("componentType")), 1 << 30));
   const Items indices = items_of(gltf, places, place_component, changed, 1);
   const Items news = items_of(gltf, sparse.at("values"), component, changed, present);
   for (size_t i = 0; i < changed; ++i) {

@@ -21,7 +21,10 @@ inline double smallest_part(const Grid& panel) {
 /// because transforms of other lengths take several times as long.
 inline int fewer_pixels(int count, double side) {
   const int fewer = std::max(2, int(std::lround(count * side)));
-  return fft_good_length(count) == count ? std::min(count, fft_good_length(fewer)) : fewer;
+  int rest = std::max(count, 1);
+  for (const int factor : {2, 3, 5})
+    while (rest % factor == 0) rest /= factor;
+  return rest == 1 ? std::min(count, fft_good_length(fewer)) : fewer;
 }
 
 /// Work of transforms of a panel's pixels, up to a factor: P·log₂P.

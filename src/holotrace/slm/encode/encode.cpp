@@ -1,6 +1,7 @@
 #include "holotrace/slm/encode/encode.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -58,6 +59,7 @@ void check_samples(const Field& field) {
   require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
           "expected {} × {} samples, as the field's grid says, got {} × {}", field.grid.nx, field.grid.ny,
           field.samples.nx, field.samples.ny);
+  std::atomic<bool> all_finite{true};
   parallel_for(0, field.grid.ny, [&](int64_t j) {
     const std::complex<float>* u = field.samples.row(int(j));
     // A number that is not finite has all bits of its exponent set. This loop is done in vector lanes.
@@ -65,11 +67,15 @@ void check_samples(const Field& field) {
     const float* parts = reinterpret_cast<const float*>(u);
     bool is_finite = true;
     for (int i = 0; i < 2 * field.grid.nx; ++i) is_finite &= (std::bit_cast<uint32_t>(parts[i]) & exponent) != exponent;
-    if (is_finite) return;
-    for (int i = 0; i < field.grid.nx; ++i)
-      require(std::isfinite(u[i].real()) && std::isfinite(u[i].imag()),
-              "expected finite samples in the field, got {}{:+}i at row {}, column {}", u[i].real(), u[i].imag(), j, i);
+    if (!is_finite) all_finite = false;
   });
+  if (all_finite) return;
+  for (int j = 0; j < field.grid.ny; ++j)
+    for (int i = 0; i < field.grid.nx; ++i) {
+      const std::complex<float> u = field.samples(j, i);
+      require(std::isfinite(u.real()) && std::isfinite(u.imag()),
+              "expected finite samples in the field, got {}{:+}i at row {}, column {}", u.real(), u.imag(), j, i);
+    }
 }
 
 // The modulation of a hologram's pixels.

@@ -38,14 +38,14 @@ void PhaseLevels::levels_of(const std::complex<float>* u, float sign, size_t cou
   }
   // A phase in single precision decides, unless it lies so near to the middle between two levels that its error might count.
   // Levels that do not span one turn exactly have a gap or an overlap at its end, which level_of knows.
-  constexpr float error = 2e-7F;  // [turns], twice that of phases_of
+  constexpr float error = 2e-7F;  // [turns], more than that of phases_of and of the product below
   const float per_turn = float(levels_ / range_), doubt = 0.5F - error * per_turn;
   const float last = range_ == 1 ? float(levels_) + 1 : std::min(float(levels_) - 1, per_turn - 1);
   std::vector<float> place(count);
   phases_of(u, sign, count, place.data());
   for (size_t i = 0; i < count; ++i) {
     const float x = place[i] * per_turn, nearest = std::floor(x + 0.5F);
-    if (std::abs(x - nearest) > doubt || x > last)
+    if (!(std::abs(x - nearest) <= doubt) || x > last)  // also for a phase that is not a number
       to[i] = exact(i);
     else
       to[i] = nearest >= float(levels_) ? uint16_t(0) : uint16_t(nearest);

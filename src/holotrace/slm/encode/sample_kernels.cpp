@@ -1,7 +1,7 @@
 #include "holotrace/slm/encode/sample_kernels.h"
 
 #include <algorithm>
-#include <vector>
+#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "holotrace/slm/encode/sample_kernels.cpp"

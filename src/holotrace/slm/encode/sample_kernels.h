@@ -19,7 +19,7 @@ ModulusMoments modulus_moments(const std::complex<float>* u, size_t count);
 void phases_of(const std::complex<float>* u, float sign, size_t count, float* turns);
 
 /// What the pixels of a double-phase hologram show for samples of modulus a ≤ 1: exp(i·arg U)·(a ± i√(1 − a²)), with the
-/// sign of `first` (1 or −1) for the first sample, and then in turn. The phase of a sample of 0 is 0.
+/// sign of `first` (1 or −1) for the first sample, and then in turn. The phase of a sample below 1e-22 counts as 0.
 void double_phase_phasors(const std::complex<float>* u, float first, size_t count, std::complex<float>* to);
 
 }  // namespace holotrace

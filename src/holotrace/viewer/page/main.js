@@ -11,7 +11,7 @@ const $ = id => document.getElementById(id);
 const page = Math.random().toString(36).slice(2, 12);
 const patience = 220;  // milliseconds without a change before the view is taken in full resolution
 
-let number = 0, isBusy = false, isWanted = false, stillTimer = 0, isLost = false;
+let number = 0, running = null, wantsDraft = false, wantsStill = false, stillTimer = 0, isLost = false;
 
 function say(problem) {
   $('problem').textContent = problem;
@@ -19,21 +19,28 @@ function say(problem) {
 }
 
 function fail(error) {
-  if (!(error instanceof api.Refused)) throw error;
-  isLost = error.message.startsWith('The server does not answer');
-  say(error.message);
+  const isRefused = error instanceof api.Refused;
+  if (!isRefused) console.error(error);
+  isLost = isRefused && error.message.startsWith('The server does not answer');
+  say(isRefused ? error.message : `This page has a fault: ${error.message}`);
 }
 
-// One request at a time: what changes meanwhile is asked for once the answer is here.
+// One request at a time: what changes meanwhile is asked for once the answer is here. Only a draft does not wait for a still
+// view: the server gives that up when it sees the higher number.
 async function ask(isDraft) {
   if (session.items.length === 0) return;
-  if (isBusy) { isWanted = isWanted === 'still' || !isDraft ? 'still' : 'draft'; return; }
-  isBusy = true;
-  const asked = query(), start = performance.now();
+  if (running === 'draft' || (running === 'still' && !isDraft)) {
+    if (isDraft) wantsDraft = true;
+    else wantsStill = true;
+    return;
+  }
+  running = isDraft ? 'draft' : 'still';
+  const mine = ++number, asked = query(), start = performance.now();
   try {
-    const more = { page, number: String(++number) };
+    const more = { page, number: String(mine) };
     if (isDraft) more.draft = '1';
     const picture = await api.picture(`view?${query(more)}`);
+    if (mine !== number) return;
     if (picture) {
       show(picture, isDraft ? '' : asked);
       const all = performance.now() - start;
@@ -43,18 +50,21 @@ async function ask(isDraft) {
     }
     if (picture && !isDraft && asked === query()) complete(asked).catch(fail);
   } catch (error) {
-    fail(error);
+    if (mine === number) fail(error);
   } finally {
-    isBusy = false;
+    if (mine === number) running = null;
   }
-  const next = isWanted;
-  isWanted = false;
-  if (next) ask(next === 'draft');
+  if (mine !== number) return;
+  const isDraftNext = wantsDraft;
+  if (!wantsDraft && !wantsStill) return;
+  if (isDraftNext) wantsDraft = false;
+  else wantsStill = false;
+  ask(isDraftNext);
 }
 
 // What belongs to a still view. It is given up as soon as something changes.
 async function complete(asked) {
-  const isOver = () => asked !== query() || isBusy;
+  const isOver = () => asked !== query() || running !== null;
   await showCommand();
   if (isOver()) return;
   const render = session.has_render ? await api.picture(`reference?${asked}`).catch(() => null) : null;
@@ -68,6 +78,7 @@ async function complete(asked) {
 }
 
 onChange(() => {
+  wantsStill = false;  // of what was before
   ask(true);
   clearTimeout(stillTimer);
   stillTimer = setTimeout(() => ask(false), patience);
@@ -116,8 +127,9 @@ async function watch() {
     if (!document.hidden) await load();
   } catch (error) {
     fail(error);
+  } finally {
+    setTimeout(watch, 2000);
   }
-  setTimeout(watch, 2000);
 }
 
 const themes = matchMedia('(prefers-color-scheme: dark)');

@@ -13,12 +13,10 @@ namespace holotrace {
 
 PackedUnit packed_unit() {
 #ifdef HOLOTRACE_HAS_PACKED_PRODUCTS
-  static const PackedUnit unit = [] {
-    // Both units belong to processors with AVX-512, which may be set aside (force_instruction_set).
-    if (!instruction_sets().front().starts_with("AVX3")) return PackedUnit::none;
-    return enable_amx_bf16() ? PackedUnit::amx : has_avx512_bf16() ? PackedUnit::avx512_bf16 : PackedUnit::none;
-  }();
-  return unit;
+  static const PackedUnit unit = enable_amx_bf16()   ? PackedUnit::amx
+                                 : has_avx512_bf16() ? PackedUnit::avx512_bf16
+                                                     : PackedUnit::none;
+  return allows_best_instruction_set() ? unit : PackedUnit::none;  // both belong to processors with AVX-512
 #else
   return PackedUnit::none;
 #endif
