@@ -121,7 +121,8 @@ TEST(HostileGltf, IndicesAndCountsAreWholeNumbers) {
   };
   for (const std::string wrong : {"2.66667e97", "-1", "1.5", "-1e300", "18446744073709551616"}) {
     const std::string path = with(R"([{"attributes": {"POSITION": 0}, "indices": )" + wrong + "}]");
-    EXPECT_NE(error_of([&] { load_meshes(path); }), "no error") << wrong;
+    EXPECT_NE(error_of([&] { load_meshes(path); }).find("expected a whole number of 0 or more"), std::string::npos)
+        << wrong;
   }
   const std::string huge = with(R"([{"attributes": {"POSITION": 0}, "indices": 2.66667e97}])");
   EXPECT_EQ(error_of([&] { load_meshes(huge); }),
