@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <vector>
@@ -16,24 +15,18 @@
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "program_module.h"
 
 namespace holotrace {
 namespace {
 
 volatile std::sig_atomic_t is_stopped = 0;
 
-// The module lies beside the program where it was built, and in the folder of libraries where it is installed.
 DisplayFunction load_display() {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
-  for (const fs::path& path : {folder / "holotrace_display.so", folder / HOLOTRACE_DISPLAY_MODULE}) {
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) continue;
-    void* library = dlopen(path.c_str(), RTLD_NOW);
-    require(library != nullptr, "expected to load {}, got \"{}\"; is SDL 2 installed here?", path.string(), dlerror());
-    if (void* function = dlsym(library, display_function)) return reinterpret_cast<DisplayFunction>(function);
-  }
-  fail("expected holotrace_display.so beside the program, got none; install SDL 2 (libsdl2-dev) and build again");
+  void* function = load({"display", display_function, RTLD_NOW}, "is SDL 2 installed here?");
+  require(function != nullptr,
+          "expected holotrace_display.so beside the program, got none; install SDL 2 (libsdl2-dev) and build again");
+  return reinterpret_cast<DisplayFunction>(function);
 }
 
 // The greys of a hologram as its file has them.

@@ -103,7 +103,7 @@ void Flags::Adder::texts(const char* name, std::vector<std::string>& v, const ch
 }
 
 void Flags::Adder::device(const char* name, DeviceChoice& v, const char* help) {
-  add(name, help, device_text(v), "cpu|opencl|opencl:N|auto");
+  add(name, help, device_text(v), "DEVICE");
 }
 
 }  // namespace holotrace

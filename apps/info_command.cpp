@@ -12,8 +12,8 @@
 namespace holotrace {
 
 void add_info_command(Command& app, const GlobalFlags& global) {
-  Command* command =
-      app.add_subcommand("info", "contents of any file that holotrace reads, data of a panel, or the devices here");
+  Command* command = app.add_subcommand(
+      "info", "contents of any file that holotrace reads, data of a panel, or devices of this machine");
   struct Options {
     std::string path, slm;
     bool is_json = false, has_devices = false;

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <filesystem>
 #include <thread>
 
 #include "holotrace/base/error.h"
 #include "mpi/mpi_module.h"
+#include "program_module.h"
 
 namespace holotrace {
 namespace {
@@ -21,23 +21,15 @@ int launched_ranks() {
   return std::getenv("PMIX_RANK") ? 1 : 0;
 }
 
-#ifdef HOLOTRACE_MPI_MODULE
+#ifdef HOLOTRACE_HAS_MPI
 
-// The module lies beside the program where it was built, and in the folder of libraries where it is installed.
 const MpiModule* load_module(int ranks) {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
-  for (const fs::path& path : {folder / "holotrace_mpi.so", folder / HOLOTRACE_MPI_MODULE}) {
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) continue;
-    // Global: MPI's own modules look for its functions among those of the program.
-    void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
-    require(library != nullptr, "expected to load {} for {} processes, got \"{}\"; is MPI installed here?",
-            path.string(), ranks, dlerror());
-    if (void* function = dlsym(library, mpi_module_function))
-      return reinterpret_cast<const MpiModule* (*)()>(function)();
-  }
-  fail("expected holotrace_mpi.so beside the program for {} processes, got none; install Holotrace again", ranks);
+  // Global: MPI's own modules look for its functions among those of the program.
+  void* function = load({"mpi", mpi_module_function, RTLD_NOW | RTLD_GLOBAL},
+                        fmt::format("{} processes need it: is MPI installed here?", ranks));
+  require(function != nullptr,
+          "expected holotrace_mpi.so beside the program for {} processes, got none; install Holotrace again", ranks);
+  return reinterpret_cast<const MpiModule* (*)()>(function)();
 }
 
 #else

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -71,8 +72,10 @@ std::string open_screen(const DisplayJob& job, const SDL_DisplayMode& mode, Scre
   screen.window = SDL_CreateWindow("Holotrace", place.x, place.y, job.columns, job.rows,
                                    SDL_WINDOW_BORDERLESS | SDL_WINDOW_ALLOW_HIGHDPI | SDL_WINDOW_HIDDEN);
   if (!screen.window) return SDL_GetError();
-  SDL_SetWindowDisplayMode(screen.window, &mode);
-  SDL_SetWindowFullscreen(screen.window, is_desktop ? SDL_WINDOW_FULLSCREEN_DESKTOP : SDL_WINDOW_FULLSCREEN);
+  // Without the whole screen, the panel would show the hologram beside its place.
+  if (SDL_SetWindowDisplayMode(screen.window, &mode) != 0 ||
+      SDL_SetWindowFullscreen(screen.window, is_desktop ? SDL_WINDOW_FULLSCREEN_DESKTOP : SDL_WINDOW_FULLSCREEN) != 0)
+    return SDL_GetError();
   SDL_ShowWindow(screen.window);
   screen.renderer = SDL_CreateRenderer(screen.window, -1, SDL_RENDERER_PRESENTVSYNC);
   if (!screen.renderer) return SDL_GetError();
@@ -132,6 +135,9 @@ void fail(DisplayOutcome& outcome, const std::string& sentence) {
 }  // namespace
 
 extern "C" void holotrace_display(const DisplayJob* job, DisplayOutcome* outcome) {
+  // Without a desktop SDL would draw into memory.
+  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY") && !std::getenv("SDL_VIDEODRIVER"))
+    return fail(*outcome, "expected a desktop with a monitor, got a session without X11 and without Wayland");
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
   if (SDL_Init(SDL_INIT_VIDEO) != 0)
     return fail(*outcome, std::string("expected a desktop with a monitor, got \"") + SDL_GetError() + "\"");

@@ -76,6 +76,12 @@ TEST_F(AccessOf, AHost) {
   EXPECT_TRUE(is_allowed(v6, "/secret/", {{"host", "[::1]:8080"}}));
   EXPECT_TRUE(is_allowed(any, "/secret/", {{"host", "192.168.1.7:8080"}}));
   EXPECT_FALSE(is_allowed(any, "/secret/", {{"host", "evil.example:8080"}}));
+  const Access usual{"secret", "127.0.0.1", 80}, usual_v6{"secret", "::1", 80};  // browsers leave out port 80
+  EXPECT_TRUE(is_allowed(usual, "/secret/", {{"host", "127.0.0.1"}}));
+  EXPECT_TRUE(is_allowed(usual, "/secret/", {{"host", "127.0.0.1:80"}}));
+  EXPECT_TRUE(is_allowed(usual_v6, "/secret/", {{"host", "[::1]"}}));
+  EXPECT_FALSE(is_allowed(usual, "/secret/", {{"host", "127.0.0.1:8080"}}));
+  EXPECT_FALSE(is_allowed(usual, "/secret/", {{"host", "evil.example"}}));
 }
 
 TEST_F(AccessOf, AnOrigin) {

@@ -119,17 +119,50 @@ TEST(Session, ShowsSomeOfTheHolograms) {
 
 TEST(Session, KeepsNoMoreLightThanAllowed) {
   LightCache cache(2.5 * 64 * 48 * 8);  // two and a half fields of 64 × 48 complex floats
-  const auto make = [] { return Field({64, 48, 8e-6}, 5e-7); };
-  cache.get("a", make);
-  cache.get("b", make);
-  cache.get("a", [&]() -> Field { throw Error("it is kept"); });
-  cache.get("c", make);
+  const auto make = [](const Observer&) { return Field({64, 48, 8e-6}, 5e-7); };
+  cache.get("a", {}, make);
+  cache.get("b", {}, make);
+  cache.get("a", {}, [&](const Observer&) -> Field { throw Error("it is kept"); });
+  cache.get("c", {}, make);
   EXPECT_EQ(cache.bytes(), 2.0 * 64 * 48 * 8);
-  EXPECT_NO_THROW(cache.get("a", [&]() -> Field { throw Error("it was used last"); }));
-  EXPECT_THROW(cache.get("b", [&]() -> Field { throw Error("it is gone"); }), Error);
+  EXPECT_NO_THROW(cache.get("a", {}, [&](const Observer&) -> Field { throw Error("it was used last"); }));
+  EXPECT_THROW(cache.get("b", {}, [&](const Observer&) -> Field { throw Error("it is gone"); }), Error);
   LightCache none(1);
-  EXPECT_EQ(none.get("a", make)->grid.nx, 64);  // larger than all: computed each time
+  EXPECT_EQ(none.get("a", {}, make)->grid.nx, 64);  // larger than all: computed each time
   EXPECT_EQ(none.bytes(), 0);
+}
+
+TEST(Session, KeptLightWarnsAgain) {
+  LightCache cache(1e6);
+  const auto make = [](const Observer& observer) {
+    observer.warn("the eye is outside the eyebox");
+    return Field({8, 8, 8e-6}, 5e-7);
+  };
+  for (int time = 0; time < 2; ++time) {  // a draft, then the still view
+    std::vector<std::string> warnings;
+    Observer observer;
+    observer.on_warning = [&](const std::string& sentence) { warnings.push_back(sentence); };
+    cache.get("a", observer, make);
+    EXPECT_EQ(warnings, std::vector<std::string>{"the eye is outside the eyebox"}) << time;
+  }
+}
+
+TEST(Session, AFileThatVanishesIsASentenceAndComesBack) {
+  const std::string folder = folder_of({random_hologram(532e-9, 0)}), path = folder + "/hologram.png";
+  Session session({path});
+  const int before = session.refresh();
+  std::filesystem::rename(path, folder + "/away.png");
+  EXPECT_GT(session.refresh(), before);
+  EXPECT_NE(session.describe().find("does not exist"), std::string::npos) << session.describe();
+  std::filesystem::rename(folder + "/away.png", path);
+  session.refresh();
+  EXPECT_TRUE(session.view(session.state_of({}), {}));
+}
+
+TEST(Session, FilesThatCannotBeViewedAreNamed) {
+  const std::string path = make_file("notes.md", "a text");
+  EXPECT_NE(error_of([&] { Session({path}); }).find("notes.md: expected a folder, holograms .png, a field"),
+            std::string::npos);
 }
 
 TEST(Session, GivesUpWhatIsOutdated) {

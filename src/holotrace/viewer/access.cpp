@@ -11,11 +11,12 @@
 namespace holotrace {
 namespace {
 
-// "127.0.0.1:8080" and "[::1]:8080" without the port; "" if it is another port.
+// "127.0.0.1:8080" and "[::1]:8080" without the port; "" if it is another port. Browsers leave out port 80.
 std::string name_in_host(const std::string& host, int port) {
   const std::string ending = fmt::format(":{}", port);
-  if (!host.ends_with(ending)) return "";
-  std::string name = host.substr(0, host.size() - ending.size());
+  const bool has_port = host.ends_with(ending);
+  if (!has_port && (port != 80 || (host.find(':') != std::string::npos && !host.ends_with(']')))) return "";
+  std::string name = has_port ? host.substr(0, host.size() - ending.size()) : host;
   if (name.size() > 2 && name.front() == '[' && name.back() == ']') name = name.substr(1, name.size() - 2);
   return name;
 }

@@ -202,6 +202,11 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
     contents.kind = "sources";
     add_sources(path, params, contents);
   } else {
+    require(
+        is_one_of(extension_of(path), {".npy", ".h5", ".exr"}),
+        "{}: expected a folder, holograms .png, a field .npy, .h5 or .exr, sources .ply or a scene .toml, .obj, .gltf "
+        "or .glb to view",
+        path);
     contents.kind = "field";
     add_fields(path, params, contents);
   }

@@ -9,9 +9,9 @@ double bytes_of(const Field& field) { return double(field.samples.size()) * size
 
 }  // namespace
 
-void LightCache::keep(const std::string& key, std::shared_ptr<const Field> field) {
-  bytes_ += bytes_of(*field);
-  entries_.push_front({key, std::move(field)});
+void LightCache::keep(Entry entry) {
+  bytes_ += bytes_of(*entry.field);
+  entries_.push_front(std::move(entry));
   while (bytes_ > most_bytes_ && !entries_.empty()) {  // a field larger than all is not kept
     bytes_ -= bytes_of(*entries_.back().field);
     entries_.pop_back();

@@ -3,7 +3,9 @@
 #include <list>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 
 namespace holotrace {
@@ -14,16 +16,23 @@ class LightCache {
  public:
   explicit LightCache(double most_bytes) : most_bytes_(most_bytes) {}
 
-  /// The field of that key, computed by `make` if it is not there.
+  /// The field of that key, computed by make(observer) if it is not there. `observer` gets its warnings each time.
   template <class Make>
-  std::shared_ptr<const Field> get(const std::string& key, const Make& make) {
+  std::shared_ptr<const Field> get(const std::string& key, const Observer& observer, const Make& make) {
     for (auto at = entries_.begin(); at != entries_.end(); ++at)
       if (at->key == key) {
         entries_.splice(entries_.begin(), entries_, at);
-        return entries_.front().field;
+        for (const std::string& warning : at->warnings) observer.warn(warning);
+        return at->field;
       }
-    auto field = std::make_shared<const Field>(make());
-    keep(key, field);
+    std::vector<std::string> warnings;
+    Observer listening;
+    listening.on_warning = [&](const std::string& sentence) {
+      warnings.push_back(sentence);
+      observer.warn(sentence);
+    };
+    auto field = std::make_shared<const Field>(make(listening));
+    keep({key, field, std::move(warnings)});
     return field;
   }
 
@@ -35,8 +44,9 @@ class LightCache {
   struct Entry {
     std::string key;
     std::shared_ptr<const Field> field;
+    std::vector<std::string> warnings;
   };
-  void keep(const std::string& key, std::shared_ptr<const Field> field);
+  void keep(Entry entry);
 
   double most_bytes_, bytes_ = 0;
   std::list<Entry> entries_;  // most recently used first

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
@@ -134,6 +135,7 @@ struct Listener::State : std::enable_shared_from_this<State> {
   std::condition_variable is_less;
   std::list<Connection> open;  // oldest first
   int threads = 0;
+  std::atomic<bool> is_ending{false};
 
   // Waits for a free place; closes the connection that waited longest for its request, if all are taken.
   void make_room() {
@@ -180,6 +182,7 @@ struct Listener::State : std::enable_shared_from_this<State> {
     const std::optional<HttpRequest> request = parse_head(head);
     if (!request) return {400, "text/plain; charset=utf-8", "expected a request of HTTP/1.1\n"};
     if (has_body(*request)) return {413, "text/plain; charset=utf-8", "expected a request without a body\n"};
+    if (is_ending) return {503, "text/plain; charset=utf-8", "the server ends\n"};
     try {
       return answer(*request);
     } catch (const std::exception&) {  // out of memory, or a mistake; its text may be a library's
@@ -241,6 +244,7 @@ Listener::Listener(const ListenerParams& params, std::function<HttpAnswer(const 
 
 Listener::~Listener() {
   State& s = *state_;
+  s.is_ending = true;
   close(s.socket);
   std::unique_lock lock(s.mutex);
   for (const State::Connection& connection : s.open) ::shutdown(connection.socket, SHUT_RDWR);

@@ -56,14 +56,20 @@ std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, c
     return render;
   }
   if (!contents.job || distance <= 0) return std::nullopt;
-  const std::string key = key_of(camera);
+  const std::string key = fmt::format("{} {}", fmt::ptr(contents.job.get()), key_of(camera));  // of this reading
   PlacedRender render{find(key), {}};
   if (!render.image && !may_trace) return std::nullopt;
-  if (!render.image) render.image = keep(key, make_render(*contents.job, params_for(*contents.job, camera)));
+  if (!render.image) render.image = traced(key, *contents.job, camera);
   render.place.half_tangent = contents.job->slm.grid.height() / 2 / distance;
   render.place.distance = distance;
   render.place.wavelengths = contents.job->wavelengths;
   return render;
+}
+
+std::shared_ptr<const Image> RendersShown::traced(const std::string& key, const Job& job, const CameraParams& camera) {
+  const std::lock_guard lock(tracing_);
+  if (const auto meanwhile = find(key)) return meanwhile;
+  return keep(key, make_render(job, params_for(job, camera)));
 }
 
 std::shared_ptr<const Image> RendersShown::find(const std::string& key) {

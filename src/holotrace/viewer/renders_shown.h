@@ -38,9 +38,10 @@ class RendersShown {
   };
   std::shared_ptr<const Image> find(const std::string& key);
   std::shared_ptr<const Image> keep(const std::string& key, Image image);
+  std::shared_ptr<const Image> traced(const std::string& key, const Job& job, const CameraParams& camera);
 
-  std::mutex mutex_;
-  std::list<Entry> entries_;  // latest first
+  std::mutex mutex_, tracing_;  // one render is traced at a time: each takes all threads
+  std::list<Entry> entries_;    // latest first
 };
 
 }  // namespace holotrace

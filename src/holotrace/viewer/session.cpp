@@ -140,7 +140,17 @@ void Session::load() {
 
 int Session::refresh() {
   const std::lock_guard lock(mutex_);
-  if (stamp_of(paths_) != stamp_) load();
+  if (stamp_of(paths_) != stamp_) {
+    try {
+      load();
+    } catch (const Error& error) {  // the page says so, and looks again when the files change
+      auto contents = std::make_shared<Contents>();
+      contents->problems = {error.what()};
+      contents_ = std::move(contents);
+      defaults_ = ViewState();
+      ++readings_;
+    }
+  }
   return readings_;
 }
 
@@ -184,14 +194,15 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
                                                at.flicker, values_text(show));
         std::shared_ptr<const Field> computed;
         if (!item.field)
-          computed = light_.get("shown " + source,
-                                [&] { return show_state(item.hologram, item.slm, show, at, observer).field; });
+          computed = light_.get("shown " + source, observer, [&](const Observer& o) {
+            return show_state(item.hologram, item.slm, show, at, o).field;
+          });
         const Field& shown = item.field ? *item.field : *computed;
         const bool is_changed = from.camera.pupil > 0 || shown.filter;
         std::shared_ptr<const Field> passed;
         if (is_changed)
-          passed = light_.get(fmt::format("pupil {} {}", of_pupil, source), [&] {
-            return *light_in_pupil(shown, item.slm, state.propagation, from.camera, observer);
+          passed = light_.get(fmt::format("pupil {} {}", of_pupil, source), observer, [&](const Observer& o) {
+            return *light_in_pupil(shown, item.slm, state.propagation, from.camera, o);
           });
         const Image view = focus_light(passed ? *passed : shown, shape_of(shown), item.slm, from.distance,
                                        state.propagation, from.camera, at.source);
@@ -284,6 +295,10 @@ BytePicture Session::panel(size_t number, PanelQuantity quantity, const ViewStat
       picture.values.push_back(uint8_t(std::lround(level * 255.0 / (h.levels - 1))));
     return picture;
   }
+  const double samples = double(item.slm.grid.pixels()) * state.show.subpixels * state.show.subpixels;
+  require(item.field || samples <= most_sensor_pixels,
+          "expected at most {:.0f} million samples of the panel here, got {:.0f}; use fewer subpixels",
+          most_sensor_pixels / 1e6, samples / 1e6);
   const double wavelength = wavelengths_of(item, state.show).front();
   ShowParams show = state.show;
   if (!item.hologram.colours.empty()) show.wavelength = wavelength;

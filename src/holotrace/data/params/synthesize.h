@@ -25,7 +25,7 @@ struct SynthesizeParams {
   bool has_silhouettes = false;       ///< layers: each slice hides what lies behind it
   Shading shading = Shading::smooth;  ///< amplitude over a triangle
   TrianglePhase triangle_phase = TrianglePhase::random;  ///< phase of the triangles' light
-  DeviceChoice device{};                                 ///< where waves are summed
+  DeviceChoice device{};                                 ///< device that sums the waves
 };
 
 template <class Visitor>
@@ -52,8 +52,8 @@ void describe(Visitor& v, SynthesizeParams& p) {
            {{"random", TrianglePhase::random}, {"constant", TrianglePhase::constant}},
            "triangles: phase of their light: a random one for each, or 0 for all");
   v.device("device", p.device,
-           "where waves are summed: on the processor (cpu); by the method tiled on the first OpenCL device (opencl) or "
-           "on device N of \"holotrace info --devices\" (opencl:N); or where it is expected to be faster (auto)");
+           "device that sums the waves: the processor (cpu); the first OpenCL device (opencl) or device N of \"holotrace "
+           "info --devices\" (opencl:N), by the method tiled; or the one that is expected to be faster (auto)");
 }
 
 }  // namespace holotrace

@@ -8,22 +8,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "holotrace/base/each_vector-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace holotrace {
 namespace HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-// Calls step(tag, i) for every vector of samples, then for each of the remaining samples.
-template <class Step>
-HWY_INLINE void each(size_t count, const Step& step) {
-  const hn::ScalableTag<float> d;
-  const size_t lanes = hn::Lanes(d);
-  size_t i = 0;
-  for (; i + lanes <= count; i += lanes) step(d, i);
-  for (; i < count; ++i) step(hn::CappedTag<float, 1>(), i);
-}
 
 void moments(const float* u, size_t count, ModulusMoments* out) {
   // Pairs of a real and an imaginary part are half a vector of floats: as many doubles are a whole one.
@@ -71,7 +61,7 @@ HWY_INLINE V turns_of(D d, V x, V y) {
 }
 
 void phases(const float* u, float sign, size_t count, float* turns) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> re, im;
     hn::LoadInterleaved2(d, u + 2 * i, re, im);
     hn::StoreU(turns_of(d, re, hn::Mul(im, hn::Set(d, sign))), d, turns + i);
@@ -79,7 +69,7 @@ void phases(const float* u, float sign, size_t count, float* turns) {
 }
 
 void phasor_pairs(const float* u, float first, size_t count, float* to) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> re, im;
     hn::LoadInterleaved2(d, u + 2 * i, re, im);
     const auto one = hn::Set(d, 1.0f), norm = hn::MulAdd(re, re, hn::Mul(im, im)), modulus = hn::Sqrt(norm);

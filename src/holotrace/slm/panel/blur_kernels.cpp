@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "holotrace/base/each_vector-inl.h"
 #include "holotrace/base/units.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -12,20 +13,8 @@ namespace holotrace {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-// Calls step(tag, i) for every vector of samples, then for each of the remaining samples.
-template <class Step>
-HWY_INLINE void each(size_t count, const Step& step) {
-  const hn::ScalableTag<float> d;
-  const size_t lanes = hn::Lanes(d);
-  size_t i = 0;
-  for (; i + lanes <= count; i += lanes) step(d, i);
-  for (; i < count; ++i) step(hn::CappedTag<float, 1>(), i);
-}
-
 void blur(const float* from, const float* factors, size_t taps, size_t count, float* to) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     auto sum = hn::Mul(hn::Set(d, factors[0]), hn::LoadU(d, from + i));
     for (size_t k = 1; k < taps; ++k) sum = hn::MulAdd(hn::Set(d, factors[k]), hn::LoadU(d, from + i + k), sum);
     hn::StoreU(sum, d, to + i);
@@ -33,7 +22,7 @@ void blur(const float* from, const float* factors, size_t taps, size_t count, fl
 }
 
 void lines_sum(const float* const* lines, const float* factors, size_t number, size_t count, float* to) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     auto sum = hn::Mul(hn::Set(d, factors[0]), hn::LoadU(d, lines[0] + i));
     for (size_t r = 1; r < number; ++r) sum = hn::MulAdd(hn::Set(d, factors[r]), hn::LoadU(d, lines[r] + i), sum);
     hn::StoreU(sum, d, to + i);
@@ -42,7 +31,7 @@ void lines_sum(const float* const* lines, const float* factors, size_t number, s
 
 void turned_back(const float* q, const float* u, const float* amplitude, size_t count, float* of_cycles,
                  float* of_amplitudes) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> qr, qi, ur, ui;
     hn::LoadInterleaved2(d, q + 2 * i, qr, qi);
     hn::LoadInterleaved2(d, u + 2 * i, ur, ui);

@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "holotrace/base/each_vector-inl.h"
 #include "holotrace/wave/shared/wave_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -13,8 +14,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 void phasors_loop(const float* cycles, const float* amplitude, size_t count, float* to) {
-  using Tag = hn::ScalableTag<float>;
-  const auto step = [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> re, im;
     cis_lanes(d, hn::LoadU(d, cycles + i), re, im);
     if (amplitude) {
@@ -23,12 +23,7 @@ void phasors_loop(const float* cycles, const float* amplitude, size_t count, flo
       im = hn::Mul(im, a);
     }
     hn::StoreInterleaved2(re, im, d, to + 2 * i);
-  };
-  const Tag d;
-  const size_t lanes = hn::Lanes(d);
-  size_t i = 0;
-  for (; i + lanes <= count; i += lanes) step(d, i);
-  for (; i < count; ++i) step(hn::CappedTag<float, 1>(), i);
+  });
 }
 
 }  // namespace

@@ -85,8 +85,10 @@ export function buildControls() {
   $('frames').onchange = choose;
   const effects = [...new Set(session.items.flatMap(item => item.effects))];
   $('effects').replaceChildren(element('legend', 'Effects of the panel'));
+  state.effects = new Set([...state.effects].filter(name => effects.includes(name)));
   for (const name of effects) {
     const label = element('label'), box = element('input', '', { type: 'checkbox', value: name });
+    box.checked = state.effects.has(name);
     box.addEventListener('change', () => {
       if (box.checked) state.effects.add(name); else state.effects.delete(name);
       change({});
@@ -107,9 +109,10 @@ export function buildControls() {
 /** Shows the chosen hologram. */
 export async function showPanel() {
   if (session.items.length === 0) return;
-  const as = $('panel-as').value;
-  const picture = await api.picture(`panel?${query({ item: $('panel-item').value || '0', as })}`).catch(() => null);
-  if (!picture) return;
+  const wanted = () => query({ item: $('panel-item').value || '0', as: $('panel-as').value });
+  const asked = wanted();
+  const picture = await api.picture(`panel?${asked}`).catch(() => null);
+  if (!picture || asked !== wanted()) return;
   api.draw($('panel'), picture);
   $('panel').setAttribute('aria-label', `Hologram on the panel: ${$('panel-as').selectedOptions[0].text}, ${picture.columns} by ${picture.rows} pixels`);
 }
@@ -157,7 +160,9 @@ export async function showReport() {
 
 /** Shows the command line of the view, and sets the addresses of the downloads. */
 export async function showCommand() {
-  const { command } = await api.json(`command?${query()}`).catch(() => ({ command: '' }));
+  const asked = query();
+  const { command } = await api.json(`command?${asked}`).catch(() => ({ command: '' }));
+  if (asked !== query()) return;
   $('command').textContent = command || 'This view is not of holograms in files, so holotrace show cannot make it.';
   $('copy').hidden = !command;
   for (const ending of ['png', 'exr']) $(ending).href = `view.${ending}?${query()}`;

@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "holotrace/base/each_vector-inl.h"
 #include "holotrace/wave/shared/wave_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -13,7 +14,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 void transfer_loop(const TransferRow& row, const double* v2, size_t count, float* to) {
-  const auto step = [&](auto d, size_t i) {
+  each_vector<double>(count, [&](auto d, size_t i) {
     const hn::Rebind<float, decltype(d)> df;
     const auto k = hn::Set(d, row.k), q = hn::Add(hn::Set(d, row.u2), hn::LoadU(d, v2 + i));
     const auto beside = hn::Div(hn::Mul(hn::Set(d, row.z), q), hn::Add(k, hn::Sqrt(hn::Sub(hn::Mul(k, k), q))));
@@ -21,12 +22,7 @@ void transfer_loop(const TransferRow& row, const double* v2, size_t count, float
     hn::Vec<decltype(df)> re, im;
     cis_lanes(df, hn::DemoteTo(df, hn::Sub(cycles, hn::Round(cycles))), re, im);
     hn::StoreInterleaved2(re, im, df, to + 2 * i);
-  };
-  const hn::ScalableTag<double> d;
-  const size_t lanes = hn::Lanes(d);
-  size_t i = 0;
-  for (; i + lanes <= count; i += lanes) step(d, i);
-  for (; i < count; ++i) step(hn::CappedTag<double, 1>(), i);
+  });
 }
 
 }  // namespace

@@ -5,24 +5,14 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "holotrace/base/each_vector-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace holotrace {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::ScalableTag<float>;
-using One = hn::CappedTag<float, 1>;
-
-// Calls step(tag, i) for every vector of samples, then for each of the remaining samples.
-template <class Step>
-HWY_INLINE void each(size_t count, const Step& step) {
-  const Tag d;
-  const size_t lanes = hn::Lanes(d);
-  size_t i = 0;
-  for (; i + lanes <= count; i += lanes) step(d, i);
-  for (; i < count; ++i) step(One(), i);
-}
 
 // Sums in vector lanes; the remaining samples are added last.
 struct Sum {
@@ -49,7 +39,7 @@ HWY_INLINE void store_unit(D d, V re, V im, float* u, size_t i) {
 }
 
 void unit_modulus(float* u, size_t count) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> re, im;
     hn::LoadInterleaved2(d, u + 2 * i, re, im);
     store_unit(d, re, im, u, i);
@@ -57,7 +47,7 @@ void unit_modulus(float* u, size_t count) {
 }
 
 void add_unit_modulus(float* u, const float* g, size_t count) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> re, im, gr, gi;
     hn::LoadInterleaved2(d, u + 2 * i, re, im);
     hn::LoadInterleaved2(d, g + 2 * i, gr, gi);
@@ -66,7 +56,7 @@ void add_unit_modulus(float* u, const float* g, size_t count) {
 }
 
 void add_square(const float* v, float factor, float* power, size_t count) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> re, im;
     hn::LoadInterleaved2(d, v + 2 * i, re, im);
     const auto norm = hn::MulAdd(re, re, hn::Mul(im, im));
@@ -76,7 +66,7 @@ void add_square(const float* v, float factor, float* power, size_t count) {
 
 void sums(const float* power, const float* amplitude, const float* weight, size_t count, ModulusSums* out) {
   Sum cross, square;
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     const auto light = hn::LoadU(d, power + i);
     const auto w = weight ? hn::LoadU(d, weight + i) : hn::Set(d, 1.0f);
     cross.add(d, hn::Mul(hn::Mul(w, hn::LoadU(d, amplitude + i)), hn::Sqrt(light)));
@@ -87,7 +77,7 @@ void sums(const float* power, const float* amplitude, const float* weight, size_
 
 void residual(float* power, const float* amplitude, const float* weight, float scale, size_t count, double* out) {
   Sum error;
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     const auto modulus = hn::Sqrt(hn::LoadU(d, power + i));
     const auto w = weight ? hn::LoadU(d, weight + i) : hn::Set(d, 1.0f);
     const auto lack = hn::Sub(hn::Mul(hn::Set(d, scale), hn::LoadU(d, amplitude + i)), modulus);
@@ -100,7 +90,7 @@ void residual(float* power, const float* amplitude, const float* weight, float s
 }
 
 void real_product(const float* factor, float* v, size_t count) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> re, im;
     hn::LoadInterleaved2(d, v + 2 * i, re, im);
     const auto f = hn::LoadU(d, factor + i);
@@ -109,7 +99,7 @@ void real_product(const float* factor, float* v, size_t count) {
 }
 
 void phase_gradient(const float* g, const float* u, float factor, float* to, size_t count) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     hn::Vec<decltype(d)> gr, gi, ur, ui;
     hn::LoadInterleaved2(d, g + 2 * i, gr, gi);
     hn::LoadInterleaved2(d, u + 2 * i, ur, ui);
@@ -119,7 +109,7 @@ void phase_gradient(const float* g, const float* u, float factor, float* to, siz
 }
 
 void adam(const AdamStep& p, const float* g, float* m, float* v, float* x, size_t count) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     const auto slope = hn::LoadU(d, g + i);
     const auto mean = hn::MulAdd(hn::Set(d, p.beta1), hn::LoadU(d, m + i), hn::Mul(hn::Set(d, 1 - p.beta1), slope));
     const auto square =
@@ -132,7 +122,7 @@ void adam(const AdamStep& p, const float* g, float* m, float* v, float* x, size_
 }
 
 void settle(float turn, float levels, float hardness, float* drive, float* rounded, size_t count) {
-  each(count, [&](auto d, size_t i) {
+  each_vector<float>(count, [&](auto d, size_t i) {
     auto x = hn::LoadU(d, drive + i);
     const auto zero = hn::Zero(d), last = hn::Set(d, levels - 1);
     const auto toward = [&](auto from, auto to) { return hn::MulAdd(hn::Set(d, hardness), hn::Sub(to, from), from); };
