@@ -160,8 +160,8 @@ TEST(Session, AFileThatVanishesIsASentenceAndComesBack) {
 }
 
 TEST(Session, FilesThatCannotBeViewedAreNamed) {
-  const std::string path = make_file("notes.md", "a text");
-  EXPECT_NE(error_of([&] { Session({path}); }).find("notes.md: expected a folder, holograms .png, a field"),
+  const std::string path = make_file("notes.doc", "a text");
+  EXPECT_NE(error_of([&] { Session({path}); }).find("notes.doc: expected a folder, holograms .png, a field"),
             std::string::npos);
 }
 

@@ -51,9 +51,10 @@ void describe(Visitor& v, SynthesizeParams& p) {
   v.choice("triangle_phase", p.triangle_phase,
            {{"random", TrianglePhase::random}, {"constant", TrianglePhase::constant}},
            "triangles: phase of their light: a random one for each, or 0 for all");
-  v.device("device", p.device,
-           "device that sums the waves: the processor (cpu); the first OpenCL device (opencl) or device N of \"holotrace "
-           "info --devices\" (opencl:N), by the method tiled; or the one that is expected to be faster (auto)");
+  v.device(
+      "device", p.device,
+      "device that sums the waves: the processor (cpu); the first OpenCL device (opencl) or device N of \"holotrace "
+      "info --devices\" (opencl:N), by the method tiled; or the one that is expected to be faster (auto)");
 }
 
 }  // namespace holotrace
