@@ -135,14 +135,14 @@ void add_encode_command(Command& app, const GlobalFlags& global) {
     console.keep_progress_in(std::filesystem::path(o->output).parent_path().string());
     require(!params.is_joint || params.method == Encoding::sgd,
             "expected --joint only with --method sgd; use sgd, or leave out --joint");
-    const EncodeJob job = is_field   ? job_of_fields(std::move(fields), params)
-                          : is_stack ? job_of_stack_file(o->input, global.outside(), slm, wavelengths, params)
-                                     : job_of_picture_file(o->input, slm, wavelengths, params, console);
+    EncodeJob job = is_field   ? job_of_fields(std::move(fields), params)
+                    : is_stack ? job_of_stack_file(o->input, global.outside(), slm, wavelengths, params)
+                               : job_of_picture_file(o->input, slm, wavelengths, params, console);
+    job.checkpoint_of = [&](size_t i) { return checkpoints.of(i); };
     Report report;
     report.seed = params.seed;
     for (size_t i = 1; i < job.wavelengths.size() * size_t(o->frames); ++i) note_output(numbered_path(o->output, i));
-    std::vector<Hologram> holograms =
-        encode_job(job, o->frames, slm, params, report, console.stages(), [&](size_t i) { return checkpoints.of(i); });
+    std::vector<Hologram> holograms = encode_job(job, o->frames, slm, params, report, console.stages());
     if (is_field && o->slm.empty())
       for (Hologram& hologram : holograms) hologram.slm.reset();  // the panel was made up from the field's grid
     console.finish();

@@ -121,16 +121,13 @@ void check_is_for_bands(const Job& job, bool is_double) {
           is_double ? "--double" : "the strategy gather");
 }
 
-void make_in_bands(const std::string& output, SceneLight light, uint32_t frame, const Job& job,
-                   const std::string& memory, const GlobalFlags& global, const Observer& observer) {
+// The waves of one frame, without what only other frames need.
+std::vector<Sources> waves_of_frame(SceneLight light, uint32_t frame) {
   for (Sources& set : light.sources) {
     set_frame(set, frame);
-    std::vector<uint64_t>().swap(set.phase_keys);  // only needed for other frames
+    std::vector<uint64_t>().swap(set.phase_keys);
   }
-  const double bytes = memory.empty() ? memory_of_a_rank : parse_size_flag("--memory", memory);
-  make_field_in_bands(
-      {output, std::move(light.sources), job.slm.grid, job.synthesize, bytes, global.threads, global.is_quiet},
-      *global.ranks, observer);
+  return std::move(light.sources);
 }
 
 // Checks the memory before the waves are traced.
@@ -240,7 +237,10 @@ void add_field_command(Command& app, const GlobalFlags& global) {
     const uint32_t frame = o->frame.value_or(light.sources.empty() ? 0 : light.sources.front().frame);
     const Observer observer = console.watch("synthesize");
     if (is_banded) {
-      make_in_bands(o->output, std::move(light), frame, job, o->memory, global, observer);
+      const double bytes = o->memory.empty() ? memory_of_a_rank : parse_size_flag("--memory", o->memory);
+      make_field_in_bands({o->output, waves_of_frame(std::move(light), frame), job.slm.grid, job.synthesize, bytes,
+                           global.threads, global.is_quiet},
+                          *global.ranks, observer);
       console.finish();
       return;
     }

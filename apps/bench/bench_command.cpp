@@ -66,7 +66,10 @@ Json json_of(const Ceilings& c) {
 // A rate with an exponent that is a multiple of three: 45.3e9 instead of 4.53e10.
 std::string format_rate(double rate) {
   int power = 0;
-  for (; rate >= 1000; rate /= 1000) power += 3;
+  while (rate >= 1000) {
+    rate /= 1000;
+    power += 3;
+  }
   const int decimals = rate < 10 ? 2 : rate < 100 ? 1 : 0;
   return power > 0 ? fmt::format("{:.{}f}e{}", rate, decimals, power) : fmt::format("{:.{}f}", rate, decimals);
 }

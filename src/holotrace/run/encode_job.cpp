@@ -73,14 +73,13 @@ Slm panel_for(const Grid& grid, Encoding method) {
 }
 
 std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params,
-                                 Report& report, const StageObserver& watch,
-                                 const std::function<Checkpoint(size_t i)>& checkpoint_of) {
+                                 Report& report, const StageObserver& watch) {
   const size_t entries = job.wavelengths.size();
   std::vector<std::vector<Hologram>> of_entries(entries);
   for (size_t i = 0; i < entries; ++i) {
     const std::string stage = entries == 1 ? "encode" : "encode " + format_length(job.wavelengths[i]);
     of_entries[i] = run_stage(stage, report, watch, [&](const Observer& observer) {
-      const Checkpoint kept = checkpoint_of ? checkpoint_of(i) : Checkpoint{};
+      const Checkpoint kept = job.checkpoint_of ? job.checkpoint_of(i) : Checkpoint{};
       if (job.fields.empty())
         return encode_frames({job.targets[i]}, job.wavelengths[i], frames, slm, params, observer, kept);
       if (!aims_at_targets(params.method)) return std::vector{encode(job.fields[i], slm, params, observer)};

@@ -20,10 +20,11 @@ namespace holotrace {
 /// What holograms are made from, whatever it was: fields, a target picture or a focal stack. There is one entry for each
 /// wavelength, or with params.is_joint one for all wavelengths.
 struct EncodeJob {
-  std::vector<double> wavelengths;                ///< wavelength of each entry, the first of a joint one [m]
-  std::vector<std::vector<TargetPlane>> targets;  ///< targets of each entry; none for methods that do not iterate
-  std::vector<Field> fields;                      ///< field at the panel of each entry; none for a focal stack
-  bool is_of_fields = false;                      ///< fields of waves, which lose light by the panel's cone
+  std::vector<double> wavelengths;                      ///< wavelength of each entry, the first of a joint one [m]
+  std::vector<std::vector<TargetPlane>> targets;        ///< targets of each entry; none for methods that do not iterate
+  std::vector<Field> fields;                            ///< field at the panel of each entry; none for a focal stack
+  bool is_of_fields = false;                            ///< fields of waves, which lose light by the panel's cone
+  std::function<Checkpoint(size_t i)> checkpoint_of{};  ///< checkpoint of the i-th entry; none if empty
 };
 
 /// Fields at the panel, one for each wavelength. Iterations aim at what they show (slm/encode/target.h).
@@ -46,11 +47,9 @@ EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vecto
 Slm panel_for(const Grid& grid, Encoding method);
 
 /// The holograms of a job: for each frame, one for each entry. Stages: "encode", or "encode 532 nm" for each of several.
-/// @param frames         focal stacks: number of holograms of each entry, found together
-/// @param checkpoint_of  checkpoint of the i-th entry
-/// @throws Error         as encode, encode_targets and encode_frames do
+/// @param frames  focal stacks: number of holograms of each entry, found together
+/// @throws Error  as encode, encode_targets and encode_frames do
 std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params,
-                                 Report& report, const StageObserver& watch = {},
-                                 const std::function<Checkpoint(size_t i)>& checkpoint_of = {});
+                                 Report& report, const StageObserver& watch = {});
 
 }  // namespace holotrace

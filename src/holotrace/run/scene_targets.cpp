@@ -51,10 +51,18 @@ double eye_distance(const Job& job) { return job.camera.eye.z > 0 ? job.camera.e
 
 double pupil_diameter(const Job& job) { return job.camera.pupil > 0 ? job.camera.pupil : 2e-3; }
 
-// The light of the view through a pupil on some samples of the plane at a distance, relative to that of the planes, in
-// the colours of the wavelengths and with the blur of the pupil at one of them.
-Image light_through(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance,
-                    const std::vector<double>& wavelengths, double wavelength, const Grid& samples) {
+// A view through a pupil: some samples of the plane at a distance from the panel.
+struct PupilView {
+  Pupil pupil;
+  double distance = 0;
+  Grid samples;
+};
+
+// The light of a view, relative to that of the planes, in the colours of the wavelengths and with the blur of the pupil
+// at one of them.
+Image light_through(const SceneTargets& targets, const Job& job, const PupilView& view,
+                    const std::vector<double>& wavelengths, double wavelength) {
+  const auto& [pupil, distance, samples] = view;
   require(targets.light_field.has_value(), "expected a light field for the view through a pupil, got none");
   const PupilPicture seen = picture_through(*targets.light_field, shared_wavelength(job), samples, distance, pupil);
   Image light = seen_at(seen.radiance, wavelengths);
@@ -97,7 +105,7 @@ ViewTargets draw_views(const SceneTargets& targets, const Job& job, int update, 
   views.picture = picture_grid(panel, views.pupils.front(), wavelength, views.z);
   for (const Pupil& pupil : views.pupils)
     views.amplitudes.push_back(
-        amplitude_of(light_through(targets, job, pupil, distance, {wavelength}, wavelength, views.picture)));
+        amplitude_of(light_through(targets, job, {pupil, distance, views.picture}, {wavelength}, wavelength)));
   return views;
 }
 
@@ -132,7 +140,7 @@ TargetPlane view_target(const SceneTargets& targets, const Job& job, const Pupil
                         double wavelength) {
   return {place_of(distance, job.encode.image),
           wavelength,
-          amplitude_of(light_through(targets, job, pupil, distance, {wavelength}, wavelength, job.slm.grid)),
+          amplitude_of(light_through(targets, job, {pupil, distance, job.slm.grid}, {wavelength}, wavelength)),
           {},
           pupil};
 }
@@ -244,8 +252,9 @@ std::vector<Image> pictures_seen(const SceneTargets& targets, const Job& job) {
 
 Image reference_of(const SceneTargets& targets, const Job& job, size_t plane, const std::vector<double>& wavelengths) {
   if (job.camera.pupil > 0 && has_reference(targets, job.camera))
-    return light_through(targets, job, {job.camera.eye, job.camera.pupil}, targets.seen.distances[plane], wavelengths,
-                         shared_wavelength(job), job.slm.grid);
+    return light_through(targets, job,
+                         {{job.camera.eye, job.camera.pupil}, targets.seen.distances[plane], job.slm.grid}, wavelengths,
+                         shared_wavelength(job));
   return limited(targets.seen, plane, wavelengths, shared_wavelength(job), job.slm.grid);
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <initializer_list>
+
+#include "holotrace/base/error.h"
 #include "holotrace/data/params/device.h"
 #include "holotrace/data/params/range.h"
 
@@ -23,5 +26,14 @@ struct Choice {
   const char* name;
   Enum value;
 };
+
+/// The name of a value.
+/// @throws Error  if the value has none
+template <class Enum>
+const char* name_of(Enum value, std::initializer_list<Choice<Enum>> names) {
+  for (const Choice<Enum>& choice : names)
+    if (choice.value == value) return choice.name;
+  fail("expected a value that has a name, got number {}", int(value));
+}
 
 }  // namespace holotrace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,19 @@ enum class Encoding {
   sgd,
   binary
 };
+
+/// The methods' names in scene files, flags, reports and messages.
+inline constexpr std::initializer_list<Choice<Encoding>> encoding_names{
+    {"phase", Encoding::phase},
+    {"amplitude", Encoding::amplitude},
+    {"off-axis", Encoding::off_axis},
+    {"complex", Encoding::complex},
+    {"double-phase", Encoding::double_phase},
+    {"error-diffusion", Encoding::error_diffusion},
+    {"gerchberg-saxton", Encoding::gerchberg_saxton},
+    {"weighted-gerchberg-saxton", Encoding::weighted_gerchberg_saxton},
+    {"sgd", Encoding::sgd},
+    {"binary", Encoding::binary}};
 
 /// Start phase of iterations, and phase of a target picture: the field's own phase (0 for a picture), or random.
 enum class StartPhase { field, random };
@@ -80,17 +94,7 @@ struct EncodeParams {
 template <class Visitor>
 void describe(Visitor& v, EncodeParams& p) {
   v.choice(
-      "method", p.method,
-      {{"phase", Encoding::phase},
-       {"amplitude", Encoding::amplitude},
-       {"off-axis", Encoding::off_axis},
-       {"complex", Encoding::complex},
-       {"double-phase", Encoding::double_phase},
-       {"error-diffusion", Encoding::error_diffusion},
-       {"gerchberg-saxton", Encoding::gerchberg_saxton},
-       {"weighted-gerchberg-saxton", Encoding::weighted_gerchberg_saxton},
-       {"sgd", Encoding::sgd},
-       {"binary", Encoding::binary}},
+      "method", p.method, encoding_names,
       "what a pixel's level represents: the phase; the modulus (amplitude); the interference with a tilted reference "
       "(off-axis); both phase and modulus (complex); two phases on alternate pixels (double-phase); the phase with "
       "its error diffused; a phase found by iterations (gerchberg-saxton, its weighted form, sgd); two levels (binary)");

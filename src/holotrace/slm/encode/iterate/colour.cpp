@@ -100,32 +100,32 @@ void Colour::fit_scale(const ModulusSums& turn, double memory) {
 void Colour::add_planes(const std::vector<size_t>& planes, uint64_t round, double factor,
                         const std::vector<Drive>& levels, std::vector<Drive>& slopes) {
   const SampleGroup group = group_of(round);
-  std::vector<Array2D<float>> light;
-  std::vector<Samples> samples(planes.size());
+  std::vector<PlaneLight> light(planes.size());
   ModulusSums turn;
   for (size_t i = 0; i < planes.size(); ++i) {
-    light.push_back(mean_light(ways_[planes[i]], group, &samples[i]));
-    const ModulusSums sums = fit_sums(*ways_[planes[i]].target, light.back());
+    light[i].mean = mean_light(ways_[planes[i]], group, &light[i].samples);
+    const ModulusSums sums = fit_sums(*ways_[planes[i]].target, light[i].mean);
     turn.cross += sums.cross;
     turn.square += sums.square;
   }
   // Of all planes, the sums need no others.
   fit_scale(turn, std::min(0.7, 1 - double(planes.size()) / double(ways_.size())));
   for (size_t i = 0; i < planes.size(); ++i)
-    errors_[planes[i]] = add_gradient(ways_[planes[i]], group, std::move(light[i]), samples[i], factor, levels, slopes);
+    errors_[planes[i]] = add_gradient(ways_[planes[i]], group, std::move(light[i]), factor, levels, slopes);
 }
 
 // Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor. Returns that sum.
-double Colour::add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light, Samples& samples,
-                            double factor, const std::vector<Drive>& levels, std::vector<Drive>& slopes) const {
-  const double error = scale_ * scale_ * leave_residual(*way.target, 1 / scale_, light);
+double Colour::add_gradient(const TargetWay& way, SampleGroup group, PlaneLight light, double factor,
+                            const std::vector<Drive>& levels, std::vector<Drive>& slopes) const {
+  auto& [mean, samples] = light;
+  const double error = scale_ * scale_ * leave_residual(*way.target, 1 / scale_, mean);
   SamplePower of_sample;
-  if (has_pixel_means(group)) of_sample = spread_to_samples(light);
+  if (has_pixel_means(group)) of_sample = spread_to_samples(mean);
   for (size_t m = 0; m < samples.size(); ++m) {
     if (has_pixel_means(group))
       for (size_t i = 0; i < of_sample.size(); ++i) multiply(of_sample[i], samples[m][i]);
     else
-      multiply(light, samples[m]);
+      multiply(mean, samples[m]);
     const Field back = way.propagation.to_panel(samples[m], group);
     samples[m].clear();
     panel_.add_slope(levels[m], u_[m], back,

@@ -67,11 +67,17 @@ class Colour {
  private:
   using Samples = std::vector<std::vector<Field>>;  // of each frame
 
+  // The mean irradiance of the frames in a target plane, and the samples that it is the mean of.
+  struct PlaneLight {
+    Array2D<float> mean;
+    Samples samples;
+  };
+
   SampleGroup group_of(uint64_t round) const;
   Array2D<float> mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const;
   bool has_pixel_means(SampleGroup group) const;
   void fit_scale(const ModulusSums& turn, double memory);
-  double add_gradient(const TargetWay& way, SampleGroup group, Array2D<float> light, Samples& samples, double factor,
+  double add_gradient(const TargetWay& way, SampleGroup group, PlaneLight light, double factor,
                       const std::vector<Drive>& levels, std::vector<Drive>& slopes) const;
 
   const Slm& slm_;

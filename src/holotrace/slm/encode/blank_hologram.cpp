@@ -1,0 +1,170 @@
+#include "holotrace/slm/encode/blank_hologram.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/slm/encode/stop.h"
+#include "holotrace/slm/encode/target.h"
+#include "holotrace/slm/panel/checks.h"
+
+namespace holotrace {
+namespace {
+
+void check_samples(const Field& field) {
+  require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
+          "expected {} × {} samples, as the field's grid says, got {} × {}", field.grid.nx, field.grid.ny,
+          field.samples.nx, field.samples.ny);
+  std::atomic<bool> all_finite{true};
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    const std::complex<float>* u = field.samples.row(int(j));
+    // A number that is not finite has all bits of its exponent set. This loop is done in vector lanes.
+    constexpr uint32_t exponent = 0x7f800000;
+    const float* parts = reinterpret_cast<const float*>(u);
+    bool is_finite = true;
+    for (int i = 0; i < 2 * field.grid.nx; ++i) is_finite &= (std::bit_cast<uint32_t>(parts[i]) & exponent) != exponent;
+    if (!is_finite) all_finite = false;
+  });
+  if (all_finite) return;
+  for (int j = 0; j < field.grid.ny; ++j)
+    for (int i = 0; i < field.grid.nx; ++i) {
+      const std::complex<float> u = field.samples(j, i);
+      require(std::isfinite(u.real()) && std::isfinite(u.imag()),
+              "expected finite samples in the field, got {}{:+}i at row {}, column {}", u.real(), u.imag(), j, i);
+    }
+}
+
+void check_panel(const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  const Modulation modulation = modulation_of(params, slm);
+  const char* name = name_of(params.method, encoding_names);
+  require(
+      modulation != Modulation::phase || slm.modulation != Modulation::amplitude,
+      "expected an encoding for an amplitude panel, which \"{}\" is, got \"{}\"; use \"amplitude\", \"off-axis\" or "
+      "\"sgd\"",
+      slm.name, name);
+  require(modulation != Modulation::complex || slm.modulation == Modulation::complex,
+          "expected an encoding for a panel that modulates only phase or only amplitude, as \"{}\" is, got "
+          "\"{}\"; use \"double-phase\" or \"off-axis\", or a panel whose modulation is complex",
+          slm.name, name);
+  if (modulation == Modulation::amplitude && slm.modulation == Modulation::phase)
+    observer.warn(
+        fmt::format("the SLM \"{}\" modulates phase and the encoding \"{}\" amplitude: it is shown as if "
+                    "behind a crossed polariser that turns phase into amplitude",
+                    slm.name, name));
+}
+
+bool can_allow_for(const std::string& effect, const EncodeParams& params, const Slm& slm) {
+  if (params.method == Encoding::sgd) return effect != "flicker";
+  return effect == "calibration" && modulation_of(params, slm) != Modulation::amplitude;
+}
+
+// The named effects of the panel that the levels compensate.
+std::vector<std::string> allowed_effects(const Slm& slm, const EncodeParams& params) {
+  std::vector<std::string> allowed = effects_of(with_effects(slm, params.effects));
+  std::erase_if(allowed, [&](const std::string& effect) { return !can_allow_for(effect, params, slm); });
+  return allowed;
+}
+
+// Reports which of the named effects the levels do not compensate.
+void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  const std::vector<std::string> has = effects_of(slm);
+  for (const std::string& name : params.effects) {
+    if (name == "all" || name == "none") continue;
+    if (!can_allow_for(name, params, slm))
+      observer.warn(fmt::format(
+          "the encoding \"{}\" cannot compensate {}, which is ignored; sgd compensates all effects but flicker",
+          name_of(params.method, encoding_names), name));
+    else if (std::find(has.begin(), has.end(), name) == has.end())
+      observer.warn(
+          fmt::format("the SLM \"{}\" has no data for {} to compensate; add them to the panel's file", slm.name, name));
+  }
+}
+
+}  // namespace
+
+Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
+  switch (params.method) {
+    case Encoding::amplitude:
+    case Encoding::off_axis:
+      return Modulation::amplitude;
+    case Encoding::complex:
+      return Modulation::complex;
+    case Encoding::binary:
+      if (params.binary_levels == BinaryLevels::phase) return Modulation::phase;
+      if (params.binary_levels == BinaryLevels::amplitude) return Modulation::amplitude;
+      return slm.modulation == Modulation::amplitude ? Modulation::amplitude : Modulation::phase;
+    case Encoding::sgd:
+      return slm.modulation;
+    default:
+      return Modulation::phase;
+  }
+}
+
+void check_encode_params(const Slm& slm, const EncodeParams& params) {
+  check_slm(slm);
+  check_ranges(params);
+  with_effects(slm, params.effects);  // rejects unknown names before anything is reported
+  require(params.levels <= slm.levels,
+          "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
+          params.levels);
+}
+
+void check_encoding(const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  check_encode_params(slm, params);
+  check_panel(slm, params, observer);
+  tell_effects(slm, params, observer);
+}
+
+void check_field_to_show(const Field& field, const Slm& slm, const Observer& observer) {
+  check_wavelength(field.wavelength);
+  require_grid_of(slm, field.grid, "field");
+  check_samples(field);
+  if (field.z != 0)
+    observer.warn(fmt::format("the field is at z = {} and is shown at the panel, z = 0; propagate it there first",
+                              format_length(field.z)));
+  if (field.grid.centre_x != 0 || field.grid.centre_y != 0)
+    observer.warn(fmt::format("the field is centred on ({}, {}) and is shown on the axis",
+                              format_length(field.grid.centre_x), format_length(field.grid.centre_y)));
+  const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
+  if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark))
+    observer.warn("the field is dark everywhere, so the hologram is empty; is a source inside the panel's view?");
+}
+
+Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+  Hologram hologram;
+  hologram.slm = slm;
+  hologram.grid = slm.grid;
+  hologram.level = Array2D<uint16_t>(slm.grid.ny, slm.grid.nx);
+  hologram.levels = params.levels == 0 ? slm.levels : params.levels;
+  hologram.wavelength = field.wavelength;
+  hologram.image = params.image;
+  hologram.name = field.name;
+  hologram.frame = field.frame;
+  hologram.cone_wavelength = field.cone_wavelength;
+  hologram.encoder = name_of(params.method, encoding_names);
+  hologram.modulation = modulation_of(params, slm);
+  hologram.effects = allowed_effects(slm, params);
+  if (aims_at_targets(params.method)) {
+    hologram.filter = stop_of(params, slm.grid, field.wavelength);
+    hologram.loses_by_cone = hologram.loses_by_pixels = false;
+  }
+  observer.fact("encoder", hologram.encoder);
+  observer.fact("levels", hologram.levels);
+  return hologram;
+}
+
+Field conjugate(const Field& field) {
+  Field conjugates = field;
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    std::complex<float>* u = conjugates.samples.row(int(j));
+    for (int i = 0; i < field.grid.nx; ++i) u[i] = std::conj(u[i]);
+  });
+  return conjugates;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "holotrace/base/observer.h"
+#include "holotrace/data/field.h"
+#include "holotrace/data/hologram.h"
+#include "holotrace/data/params/encode.h"
+#include "holotrace/data/slm.h"
+
+// What every encoder begins with: checks of its input, and a hologram without levels.
+
+namespace holotrace {
+
+/// What the pixels of a hologram modulate: what the method writes, which for sgd and binary is what the panel can do.
+Modulation modulation_of(const EncodeParams& params, const Slm& slm);
+
+/// @throws Error  if a parameter is out of its range, an effect is unknown, or the panel has fewer levels
+void check_encode_params(const Slm& slm, const EncodeParams& params);
+
+/// Checks the parameters, and that the method fits the panel. Warns of an assumed polariser, and of effects that the levels
+/// cannot compensate.
+/// @throws Error  as check_encode_params does, and if the method does not fit the panel
+void check_encoding(const Slm& slm, const EncodeParams& params, const Observer& observer);
+
+/// Checks a field that is to be shown. Warns if it is not at the panel, is off the axis, or is dark.
+/// @throws Error  if its grid differs from the panel's or a sample is not finite
+void check_field_to_show(const Field& field, const Slm& slm, const Observer& observer);
+
+/// A hologram of a field, all levels 0, with all that later stages need to know of it.
+/// Facts: `encoder`, `levels`.
+Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer);
+
+/// The field that shows the real image: conj(U).
+Field conjugate(const Field& field);
+
+}  // namespace holotrace

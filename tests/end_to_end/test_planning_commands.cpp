@@ -1,0 +1,131 @@
+// The commands that plan and describe: limits, estimate, info.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "end_to_end/scenes.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/picture/image_file.h"
+#include "holotrace/wave/propagate/direct_sum.h"
+#include "support/png.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+using namespace literals;
+
+// Runs a command that must succeed without output on stderr, and returns its output.
+std::string succeed(const Workplace& work, const std::vector<std::string>& arguments) {
+  const Outcome outcome = work.run(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "") << "expected no progress bar and no warning in a pipe";
+  return outcome.out;
+}
+
+TEST(Commands, LimitsAreThePapers) {
+  const Workplace work;
+  const auto panel = nlohmann::json::parse(
+      succeed(work, {"limits", "--slm", "pluto", "--wavelength", "532 nm", "--distance", "200 mm", "--json"}));
+  EXPECT_NEAR(panel.at("half_angle_deg").get<double>(), 1.905, 5e-4);         // closed_forms.md, section 1
+  EXPECT_NEAR(panel.at("alias_free_radius_m").get<double>() / 8e-6, 832, 1);  // the same section: 832 px
+  const auto wanted =
+      nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "632.8 nm", "--angle", "15 deg", "--json"}));
+  EXPECT_NEAR(wanted.at("wanted_pitch_m").get<double>(), 1.181e-6, 5e-10);  // the paper: 1.18 µm
+}
+
+TEST(Commands, LimitsTellGratingOrdersAndDataRates) {
+  const Workplace work;
+  const auto ask = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), "limits");
+    flags.push_back("--json");
+    return nlohmann::json::parse(succeed(work, flags));
+  };
+  const std::vector<std::string> grating{"--wavelength", "500 nm", "--distance", "300 mm", "--period", "2 um"};
+  const auto first = ask(grating);
+  EXPECT_DOUBLE_EQ(first.at("order_offset_m").get<double>(), 0.3 / std::sqrt(15));  // tan(asin(1/4)) = 1/√15
+  EXPECT_TRUE(first.contains("half_angle_deg"));
+  auto flags = grating;
+  flags.insert(flags.end(), {"--order", "-2"});
+  EXPECT_DOUBLE_EQ(ask(flags).at("order_offset_m").get<double>(), -0.3 / std::sqrt(3));  // −tan(asin(1/2))
+  flags.back() = "4";
+  EXPECT_TRUE(ask(flags).at("order_offset_m").is_null());  // sin θ = 1: evanescent, infinitely far
+
+  const double pixels = 1920.0 * 1080;  // pluto and ideal
+  const auto rate = ask({"--colours", "3", "--frames", "30"});
+  EXPECT_EQ(rate.at("pixels_per_second").get<double>(), pixels * 90);
+  EXPECT_EQ(rate.at("bytes_per_second").get<double>(), pixels * 90);                                        // 8 bit
+  EXPECT_EQ(ask({"--slm", "ideal", "--frames", "60"}).at("bytes_per_second").get<double>(), pixels * 120);  // 16 bit
+  const auto wanted = ask({"--angle", "15 deg", "--size", "100 mm", "--frames", "30", "--colours", "3"});
+  EXPECT_EQ(wanted.at("pixels_per_second").get<double>(),
+            std::pow(wanted.at("wanted_pixels_per_side").get<double>(), 2) * 90);
+}
+
+TEST(Commands, LimitsSayWhereAPanelHoldsEveryDirection) {
+  const Workplace work;
+  const auto coarse = nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "15.9 um", "--json"}));
+  EXPECT_FALSE(coarse.contains("note"));
+  const auto fine = nlohmann::json::parse(succeed(work, {"limits", "--wavelength", "16 um", "--json"}));  // 2 pitches
+  EXPECT_NE(fine.at("note").get<std::string>().find("every direction"), std::string::npos);
+  EXPECT_EQ(fine.at("half_angle_deg").get<double>(), 90);
+  EXPECT_TRUE(fine.at("alias_free_radius_m").is_null());
+}
+
+TEST(Commands, InfoKnowsEveryKindOfFile) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  const std::vector<std::pair<std::string, std::string>> kinds{{"scene.toml", "scene"},
+                                                               {"out/sources.ply", "sources"},
+                                                               {"out/field.npy", "field"},
+                                                               {"out/hologram.png", "hologram"},
+                                                               {"out/view.png", "image"}};
+  for (const auto& [file, kind] : kinds) {
+    EXPECT_EQ(nlohmann::json::parse(succeed(work, {"info", file, "--json"})).at("kind"), kind) << file;
+    EXPECT_NE(succeed(work, {"info", file}).find(kind), std::string::npos) << file;
+  }
+}
+
+TEST(Commands, EstimateProbesTheScene) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
+  // A probe with fewer rays than the scene's 48×48 finds the edges of surfaces to one column and one row of its
+  // raster, of 23 or more: 2/23 of each count.
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  const auto report = nlohmann::json::parse(work.read("out/report.json"));
+  for (const auto& stage : report.at("stages")) {
+    if (stage.at("stage") != "trace") continue;
+    for (const char* name : {"paths", "rays", "shadow_rays", "waves"})
+      EXPECT_NEAR(cost.at(name).get<double>() / stage.at(name).get<double>(), 1, 2.0 / 23) << name;
+  }
+  for (const char* name : {"trace_seconds", "synthesis_seconds", "simulation_seconds"})
+    EXPECT_GT(cost.at(name).get<double>(), 0) << name;
+  EXPECT_FALSE(cost.contains("why_no_simulation"));
+  EXPECT_NE(succeed(work, {"estimate", "scene.toml"}).find("seconds"), std::string::npos);
+}
+
+TEST(Commands, EstimateScalesItsProbeToTheWholeRaster) {
+  const Workplace work;
+  std::string scene = mesh_scene();
+  scene.replace(scene.find("columns = 48\nrows = 48"), 22, "columns = 96\nrows = 96");
+  work.write("scene.toml", scene);
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  const auto cost = nlohmann::json::parse(succeed(work, {"estimate", "scene.toml", "--json"}));
+  const auto report = nlohmann::json::parse(work.read("out/report.json"));
+  for (const auto& stage : report.at("stages")) {
+    if (stage.at("stage") != "trace") continue;
+    // 64×64 rays instead of 96×96: hits differ only along the quad's outline, by one row of 64 at two sides: 2/64 each.
+    for (const char* name : {"paths", "rays", "shadow_rays", "waves"})
+      EXPECT_NEAR(cost.at(name).get<double>() / stage.at(name).get<double>(), 1, 4 * 2.0 / 64) << name;
+  }
+}
+
+}  // namespace
+}  // namespace holotrace::test
