@@ -335,5 +335,14 @@ TEST(BadInput, DamagedFieldsAreRefused) {
   expect({"f.npy.json", "no such file"});
 }
 
+// Names in files reach no terminal as they are: they could move the cursor or hide what follows.
+TEST(BadInput, ControlCharactersInNamesAreEscaped) {
+  const Workplace work;
+  work.write("m.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": [\"\\u001b[2Jx\"]}");
+  expect_error(work, {"info", "m.gltf"}, {"\\x1b[2Jx"});
+  work.write("scene.toml", scene_with("type = \"sphere\"", "type = \"\\u001b[31msphere\""));
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"unknown object type \"\\x1b[31msphere\""});
+}
+
 }  // namespace
 }  // namespace holotrace::test

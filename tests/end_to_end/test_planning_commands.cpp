@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "end_to_end/scenes.h"
+#include "end_to_end/succeed.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/hologram_file.h"
@@ -20,14 +21,6 @@ namespace holotrace::test {
 namespace {
 
 using namespace literals;
-
-// Runs a command that must succeed without output on stderr, and returns its output.
-std::string succeed(const Workplace& work, const std::vector<std::string>& arguments) {
-  const Outcome outcome = work.run(arguments);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, "") << "expected no progress bar and no warning in a pipe";
-  return outcome.out;
-}
 
 TEST(Commands, LimitsAreThePapers) {
   const Workplace work;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "end_to_end/scenes.h"
+#include "end_to_end/succeed.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/hologram_file.h"

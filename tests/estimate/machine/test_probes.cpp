@@ -32,14 +32,30 @@ TEST(Probes, StayWithinTheirShareOfWhatTheyPredict) {
 TEST(Probes, AForecastStatesTheTimeOfTheNextProbe) {
   for (const double next : {0.625, 0.8}) {
     std::vector<double> parts;
-    std::vector<Probe> probes{{[&](double part) {
-                                 parts.push_back(part);
-                                 return parts.size() == 1 ? ProbeResult{0.5, 10, next} : ProbeResult{10 * part, 10};
-                               },
-                               1.0 / 64}};
+    std::vector<Probe> probes{
+        {[&](double part) {
+           parts.push_back(part);
+           return parts.size() == 1 ? ProbeResult{0.5, 10, next, true} : ProbeResult{10 * part, 10};
+         },
+         1.0 / 64}};
     refine_probes(probes, 0.12, 0.2);
     // The time of a forecast does not count as long enough; 0.5 + 0.8 s exceed the 1.2 s.
     EXPECT_EQ(parts, next < 0.7 ? (std::vector<double>{1.0 / 64, 1.0 / 16}) : (std::vector<double>{1.0 / 64}));
+  }
+}
+
+// A probe may say what the next one takes, if that is not four times as long: 0.2 s fit into a share of 5 % of 10 s beside
+// 0.1 s, 0.5 s do not.
+TEST(Probes, APricedProbeIsMadeIfItsPriceFits) {
+  for (const double price : {0.2, 0.5}) {
+    std::vector<double> parts;
+    std::vector<Probe> probes{{[&](double part) {
+                                 parts.push_back(part);
+                                 return ProbeResult{0.1, 10, price};
+                               },
+                               0.25}};
+    refine_probes(probes, 0.05, 0.4);
+    EXPECT_EQ(parts.size(), price == 0.2 ? 2U : 1U);
   }
 }
 

@@ -95,6 +95,30 @@ TEST(JobProbes, TwoPartsTellTheOverheadFromTheWork) {
   EXPECT_DOUBLE_EQ(without_overhead({1.0 / 16, 30}, {0.25, 2.4}), 1.2) << "and never less than half";
 }
 
+// The parts of a probe are seen from other distances, but told by the job's.
+TEST(JobProbes, StagesHaveTheNamesOfTheJobs) {
+  Job job;
+  job.slm.grid = Grid{128, 128, 8e-6};
+  job.slm.levels = 256;
+  job.wavelengths = {532e-9};
+  job.encode.method = Encoding::sgd;
+  job.encode.iterations = 32;
+  job.camera.distances = {0.06, 0.07};
+  DisplayProbe probe(job);
+  const ProbeResult told = probe.run(probe.first_part());
+  EXPECT_EQ(probe.why_none, "");
+  std::vector<std::string> names;
+  double sum = 0;
+  for (const StageReport& stage : probe.stages) {
+    names.push_back(stage.stage);
+    EXPECT_GT(stage.seconds, 0) << stage.stage;
+    sum += stage.seconds;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"encode", "show", "look at 60 mm", "look at 70 mm"}));
+  EXPECT_DOUBLE_EQ(told.predicted, sum);
+  EXPECT_GT(told.next, 0) << "iterations are priced";
+}
+
 // 512·√(1/8) is 181, a prime; the next length of factors 2, 3 and 5 is 192. Of 509, a prime itself, none is looked for.
 TEST(JobProbes, ASmallPanelIsAsEasyToTransformAsTheJobs) {
   EXPECT_EQ(fewer_pixels(512, std::sqrt(0.125)), 192);

@@ -16,9 +16,8 @@ double refine_probes(std::vector<Probe>& probes, double share, double long_enoug
     for (const Probe& probe : probes) predicted += probe.last.predicted;
     Probe* next = nullptr;
     for (Probe& probe : probes) {
-      const bool has_run = probe.last.next == 0;
-      const bool is_told = probe.part >= 1 || (has_run && probe.last.seconds >= long_enough);
-      const double cost = has_run ? probe_growth * probe.last.seconds : probe.last.next;
+      const bool is_told = probe.part >= 1 || (!probe.last.is_forecast && probe.last.seconds >= long_enough);
+      const double cost = probe.last.next > 0 ? probe.last.next : probe_growth * probe.last.seconds;
       const bool has_room = spent + cost <= share * predicted;
       if (!is_told && has_room && (!next || probe.last.predicted > next->last.predicted)) next = &probe;
     }

@@ -8,9 +8,10 @@ namespace holotrace {
 
 /// The result of one probe of a part of a task.
 struct ProbeResult {
-  double seconds = 0;    ///< time of the probe [s]
-  double predicted = 0;  ///< predicted time of the whole task [s]
-  double next = 0;       ///< expected time of the next probe [s], if this one ran no part of the task; else 0
+  double seconds = 0;        ///< time of the probe [s]
+  double predicted = 0;      ///< predicted time of the whole task [s]
+  double next = 0;           ///< expected time of the next probe [s]; 0: probe_growth times that of this one
+  bool is_forecast = false;  ///< this probe ran no part of the task, so that the next one is as useful as a first
 };
 
 /// A task whose time is predicted from parts of it: each further probe runs a larger part and predicts better.
@@ -26,7 +27,7 @@ constexpr double probe_growth = 4;
 /// Probes all tasks once, then again in larger parts. The next one is always the task with the longest prediction for
 /// which the budget has room. The budget is a share of the predicted time of all tasks; it improves with the probes.
 ///
-/// A part grows fourfold, and its probe is expected to take four times as long, or `next` seconds. A task is finished
+/// A part grows fourfold, and its probe is expected to take four times as long, or `next` seconds if that is given. A task is finished
 /// when it was probed whole or for `long_enough`.
 ///
 /// @param share        fraction of the predicted time that all probes may take; the first ones are always run

@@ -14,11 +14,12 @@
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/wave/propagate/propagator_cache.h"
 
 namespace holotrace {
 namespace {
 
-constexpr int few_states = 2;
+constexpr int few_states = 2, few_iterations = 1, few_frames = 4;
 
 // Reduces the panel's own maps and lists, which are for all of its pixels.
 void shrink_effects(Slm& slm) {
@@ -44,6 +45,30 @@ Job at_other_distances(Job job, double factor) {
 std::vector<StageReport> stages_after_sum(const Job& job) {
   std::vector<StageReport> stages = run(job).report.stages;
   std::erase_if(stages, [](const StageReport& stage) { return is_before_encoding(stage.stage); });
+  return stages;
+}
+
+double encode_seconds(const std::vector<StageReport>& stages) {
+  double sum = 0;
+  for (const StageReport& stage : stages)
+    if (stage.stage.starts_with("encode")) sum += stage.seconds;
+  return sum;
+}
+
+// Seconds of one propagation from a job's panel, prepared and with its memory in use.
+double propagation_seconds(const Job& job) {
+  const std::vector<double>& targets = job.encode.target_distances;
+  const double distance = targets.empty() ? viewpoints(job.camera, job.render).front().distance : targets.front();
+  const Field field(job.slm.grid, job.wavelengths.front());
+  const auto propagator = cached_propagator<float>(field.grid, field.wavelength, distance, {});
+  propagate(field, *propagator);
+  return median_seconds(3, [&] { propagate(field, *propagator); });
+}
+
+// The stages of a run, each with the seconds of the faster of two runs.
+std::vector<StageReport> faster(std::vector<StageReport> stages, const std::vector<StageReport>& others) {
+  for (size_t i = 0; i < std::min(stages.size(), others.size()); ++i)
+    stages[i].seconds = std::min(stages[i].seconds, others[i].seconds);
   return stages;
 }
 
@@ -125,37 +150,67 @@ ProbeResult DisplayProbe::run(double part) {
   result.seconds = median_seconds(1, [&] {
     if (!attempt(part) && part < 1) attempt(std::min(1.0, 4 * part));
   });
+  // Iterations of the next probe are fewer, the other work grows with the panel.
+  if (encode_seconds_ > 0) {
+    const double next_part = std::min(1.0, probe_growth * part);
+    const double of_encode = std::min(encode_seconds_, result.seconds);
+    result.next = probe_growth * (result.seconds - of_encode) +
+                  of_encode * (next_part * (few_iterations + tried_iterations(next_part))) /
+                      (part * (few_iterations + tried_iterations(part)));
+  }
   return result;
+}
+
+// Iterations of the longer run: the larger the panel, the fewer, so that whole panels come within reach. Iterations on a
+// small panel stay in the caches and say little of those on a large one.
+int DisplayProbe::tried_iterations(double part) const {
+  const int iterations = iterations_of(job.encode);
+  const double fewer = std::sqrt(first_part() / part);
+  return std::min(iterations, few_iterations + std::max(2, int(std::lround(iterations / 16 * fewer))));
+}
+
+// Time of an iteration on the job's panel over that on the small one, which stays in the caches: that of propagations,
+// of which iterations are made.
+double DisplayProbe::iteration_scale(const Job& small) {
+  if (propagation_seconds_ == 0) propagation_seconds_ = propagation_seconds(job);
+  return propagation_seconds_ / propagation_seconds(small);
 }
 
 double DisplayProbe::predict(double part) {
   Job small = on_small_panel(job, std::sqrt(part));
-  const int iterations = iterations_of(job.encode), few = std::min(iterations, 1);
-  const int more = std::min(iterations, few + std::max(2, iterations / 16));
+  const int iterations = iterations_of(job.encode), few = std::min(iterations, few_iterations);
+  const int more = tried_iterations(part);
   if (iterations > 0) small.encode.iterations = few;
   const int64_t all_states = most_states(small, viewpoints(small.camera, small.render));
   const bool has_many = all_states > 2 * few_states;
   if (has_many) small.show.illumination_states = few_states;
+  // Frames that are found together take fewer samples each from four on.
+  small.trace.frames = aims_at_scene(job) ? std::min(job.trace.frames, few_frames) : 1;
   const double scale = transform_work(job.slm.grid) / transform_work(small.slm.grid);
-  const double times = holograms / double(job.wavelengths.size());
-  holotrace::run(at_other_distances(small, 0.999));  // plans the transforms
-  const std::vector<StageReport> one = stages_after_sum(small);
+  const double times = holograms / double(job.wavelengths.size()) / small.trace.frames;
+  int runs = 0;
+  const auto stages_with = [&](const auto& change) {
+    Job changed = small;
+    change(changed);
+    return stages_after_sum(at_other_distances(changed, 1 + 1e-3 * ++runs));
+  };
   std::vector<StageReport> two, longer, brighter;
-  if (times > 1) {
-    Job again = small;
-    again.trace.frames = 2;
-    two = stages_after_sum(at_other_distances(again, 1.001));
-  }
+  // The difference between few and more iterations is small: each is the faster of two runs. The first run of all also
+  // plans transforms.
+  const auto iterate_longer = [&] {
+    const auto stages = stages_with([&](Job& changed) { changed.encode.iterations = more; });
+    longer = longer.empty() ? stages : faster(longer, stages);
+  };
+  if (more > few) iterate_longer();
+  if (more == few) stages_with([](Job&) {});
+  std::vector<StageReport> one = stages_after_sum(small);
   if (more > few) {
-    Job again = small;
-    again.encode.iterations = more;
-    longer = stages_after_sum(at_other_distances(again, 1.002));
+    iterate_longer();
+    one = faster(one, stages_with([](Job&) {}));
   }
-  if (has_many) {
-    Job again = small;
-    again.show.illumination_states = 2 * few_states;
-    brighter = stages_after_sum(at_other_distances(again, 1.003));
-  }
+  if (times > 1) two = stages_with([](Job& changed) { changed.trace.frames *= 2; });
+  if (has_many) brighter = stages_with([](Job& changed) { changed.show.illumination_states = 2 * few_states; });
+  encode_seconds_ = more > few ? 2 * (encode_seconds(one) + encode_seconds(longer)) : 0;
   // Views are named by their distances.
   std::map<std::string, std::string> names;
   const auto from = viewpoints(job.camera, job.render), small_from = viewpoints(small.camera, small.render);
@@ -165,7 +220,7 @@ double DisplayProbe::predict(double part) {
   std::vector<double> told;
   for (size_t i = 0; i < one.size(); ++i) {
     const StageReport& stage = one[i];
-    double seconds = seconds_for(times, stage.seconds, seconds_of(two, i, 2 * stage.seconds));
+    double seconds = seconds_for(times, stage.seconds, seconds_of(two, i, 2 * stage.seconds)), of_iterations = 0;
     if (stage.stage != "encode" && has_many && stage.seconds > 0) {
       const double of_all =
           seconds_of_states(double(all_states), few_states, stage.seconds, seconds_of(brighter, i, 0));
@@ -173,9 +228,9 @@ double DisplayProbe::predict(double part) {
     }
     if (stage.stage == "encode" && more > few) {
       const double each = std::max(0.0, seconds_of(longer, i, 0) - stage.seconds) / (more - few);
-      seconds += times * (iterations - few) * each;
+      of_iterations = iteration_scale(small) * times * (iterations - few) * each;
     }
-    const double alone = scale * seconds, earlier = i < of_part_.size() ? of_part_[i] : 0;
+    const double alone = scale * seconds + of_iterations, earlier = i < of_part_.size() ? of_part_[i] : 0;
     const double of_both = without_overhead({earlier > 0 ? part_ : 0, earlier}, {part, alone});
     const auto name = names.find(stage.stage);
     stages.push_back({name == names.end() ? stage.stage : name->second, of_both, {}, {}, {}});

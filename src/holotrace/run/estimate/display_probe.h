@@ -18,7 +18,7 @@ Job on_small_panel(const Job& job, double side);
 /// Predicts the stages after the sum from a run of the small job: one frame and, if there are more
 /// holograms, also two, which separates the cost per run from the cost per hologram. Iterative encoders run a few
 /// iterations, and light of many illumination states is probed at two and at four of them. The times are scaled by
-/// pixels, times the logarithm for transforms.
+/// pixels, times the logarithm for transforms; those of iterations by the times of a propagation from both panels.
 struct DisplayProbe {
   explicit DisplayProbe(const Job& job) : job(job) {}
 
@@ -33,8 +33,13 @@ struct DisplayProbe {
   std::string why_none;             ///< why they cannot be run, if they cannot
 
  private:
-  double part_ = 0;              // part of the last probe that could be run
-  std::vector<double> of_part_;  // and its own prediction for each stage
+  int tried_iterations(double part) const;
+  double iteration_scale(const Job& small);
+
+  double encode_seconds_ = 0;       // of all runs of the last probe, if the encoder iterates
+  double propagation_seconds_ = 0;  // of the job's panel
+  double part_ = 0;                 // part of the last probe that could be run
+  std::vector<double> of_part_;     // and its own prediction for each stage
 };
 
 }  // namespace holotrace

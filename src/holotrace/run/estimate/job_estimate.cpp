@@ -34,14 +34,18 @@ int render_columns(const RenderParams& params) { return params.columns > 0 ? par
 double render_pixels(const RenderParams& params) { return double(params.rows) * render_columns(params); }
 
 // Renders fewer rows and columns; the scene is prepared as for tracing.
-ProbeResult probe_render(const Job& job, const RenderParams& params, double prepare_seconds, double part) {
+ProbeResult probe_render(const Job& job, const RenderParams& params, double prepare_seconds, double part,
+                         PartPrediction& earlier) {
   RenderParams some = params;
   const double side = std::sqrt(part);
   some.rows = std::max(1, int(std::lround(params.rows * side)));
   some.columns = std::max(1, int(std::lround(render_columns(params) * side)));
   const double seconds = median_seconds(1, [&] { make_render(job, some); });
   const double scale = render_pixels(params) / render_pixels(some), prepare = std::min(prepare_seconds, seconds);
-  return {seconds, prepare + (seconds - prepare) * scale};
+  const PartPrediction later{1 / scale, prepare + (seconds - prepare) * scale};
+  const double predicted = without_overhead(earlier, later);
+  earlier = later;
+  return {seconds, predicted};
 }
 
 void add_trace(const Job& job, const TraceProbe& probe, JobEstimate& e) {
@@ -167,14 +171,17 @@ JobEstimate estimate_job(const Job& given) {
     SynthesisProbe sum(job, all_waves(job, trace));
     const SceneLight other = trace.light;  // of triangles; gathered fields exist already
     const auto times = [](double factor, ProbeResult result) {
-      return ProbeResult{result.seconds, factor * result.predicted, result.next};
+      return ProbeResult{result.seconds, factor * result.predicted, result.next, result.is_forecast};
     };
+    PartPrediction earlier_render;
     std::vector<Probe> probes(4);
     probes[0] = {[&](double part) { return trace.run(part); }, trace_part};
     const RenderParams one = renders.empty() ? job.render : renders.front().params;  // none: counted 0 times
-    probes[1] = {
-        [&](double part) { return times(double(renders.size()), probe_render(job, one, trace.prepare_seconds, part)); },
-        std::min(1.0, 1024 / render_pixels(one))};
+    probes[1] = {[&](double part) {
+                   return times(double(renders.size()),
+                                probe_render(job, one, trace.prepare_seconds, part, earlier_render));
+                 },
+                 std::min(1.0, 1024 / render_pixels(one))};
     probes[2] = {[&](double part) {
                    if (!sum.sets.empty()) return times(e.frames, sum.run(part));
                    return times(e.frames, probe_other_sum(job, other, part));

@@ -118,7 +118,8 @@ ProbeResult SynthesisProbe::run(double part) {
   if (forecast > 0 && !is_forecast_told) {
     is_forecast_told = true;
     const double share = double(set->waves.size()) / waves;
-    return {planning, planning + forecast, share * (2 * planning + forecast * std::min(1.0, probe_growth * part))};
+    return {planning, planning + forecast, share * (2 * planning + forecast * std::min(1.0, probe_growth * part)),
+            true};
   }
   if (set == sets.end() || set->waves.empty()) return {};
   if (job.synthesize.method == SynthesisMethod::layers) return run_slices(*set, part);

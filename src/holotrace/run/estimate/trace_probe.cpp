@@ -74,11 +74,15 @@ ProbeResult TraceProbe::run(double part) {
   seconds = median_seconds(1, [&] { light = trace_light(some, observer); });
   if (!has_rays()) {  // luminous points only: all of them are there
     scale = 1;
-    return {seconds, seconds};
+    predicted = seconds;
+    return {seconds, predicted};
   }
   prepare_seconds = std::min(prepare_seconds, seconds / 2);  // the measured value may contain other work
   scale = has_triangles(job) ? double(job.trace.paths) / some.trace.paths : first_rays(job) / first_rays(some);
-  return {seconds, prepare_seconds + ray_seconds()};
+  const PartPrediction later{1 / scale, prepare_seconds + std::max(0.0, seconds - prepare_seconds) * scale};
+  predicted = without_overhead(earlier_, later);
+  earlier_ = later;
+  return {seconds, predicted};
 }
 
 double seconds_per_ray_by(Acceleration accelerator, const Job& job) {

@@ -5,6 +5,7 @@
 
 #include "holotrace/data/job.h"
 #include "holotrace/estimate/machine/probes.h"
+#include "holotrace/run/estimate/small_panel.h"
 #include "holotrace/run/pipeline.h"
 
 namespace holotrace {
@@ -17,7 +18,7 @@ struct TraceProbe {
   ProbeResult run(double part);  ///< `part` is a fraction of the rays
   double first_part() const;     ///< small, but enough for all threads
 
-  double ray_seconds() const { return std::max(0.0, seconds - prepare_seconds) * scale; }
+  double ray_seconds() const { return std::max(0.0, predicted - prepare_seconds); }  ///< of all rays
   double count(const std::string& name) const;
   bool has_rays() const;  ///< whether the last probe shot any rays
 
@@ -25,6 +26,10 @@ struct TraceProbe {
   SceneLight light;                                    ///< of the last probe
   std::map<std::string, double> facts;                 ///< of the last probe
   double seconds = 0, prepare_seconds = 0, scale = 1;  ///< scale: number of all rays over that of the probe
+  double predicted = 0;                                ///< seconds of the whole
+
+ private:
+  PartPrediction earlier_;
 };
 
 /// Number of first hits that a job looks for.

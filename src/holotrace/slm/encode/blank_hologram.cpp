@@ -9,6 +9,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/check_ranges.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/stop.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/slm/panel/checks.h"

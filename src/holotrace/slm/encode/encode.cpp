@@ -3,10 +3,12 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
 #include "holotrace/slm/encode/binary.h"
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/double_phase.h"
 #include "holotrace/slm/encode/error_diffusion.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/kinoform.h"
 #include "holotrace/slm/encode/off_axis.h"
 #include "holotrace/slm/encode/phase_levels.h"

@@ -13,6 +13,7 @@
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
+#include "holotrace/slm/encode/kinoform.h"
 #include "holotrace/slm/encode/phase_levels.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/slm/panel/checks.h"
