@@ -92,6 +92,17 @@ TEST(TestPatterns, OfPanelsThatCannotBeMeasuredAreRefused) {
             "expected a distance above 0 m, got 0 m");
 }
 
+TEST(AssumedPhase, IsThatOfThePanelAtTheWavelengthInUse) {
+  // A delay by a length: at two thirds of the design wavelength the phase is 1.5 times as large.
+  Slm slm = assumed_panel(96, 96);
+  EXPECT_DOUBLE_EQ(assumed_phase(slm, 64, bench_wavelength), pi / 2);  // a quarter of 256 levels, without a design
+  slm.design_wavelength = bench_wavelength;
+  EXPECT_DOUBLE_EQ(assumed_phase(slm, 64, bench_wavelength / 1.5), 1.5 * pi / 2);
+  for (int level = 0; level < 256; ++level) slm.effects.calibration.push_back({hidden_phase(level), 1});
+  EXPECT_DOUBLE_EQ(assumed_phase(slm, 64, bench_wavelength), hidden_phase(64));
+  EXPECT_DOUBLE_EQ(assumed_phase(slm, 64, bench_wavelength / 1.5), 1.5 * hidden_phase(64));
+}
+
 TEST(MeasuredCurve, OfPhasesThatFallIsTheirMean) {
   EXPECT_EQ(never_falling({0, 1, 3, 2, 2.5, 4}), (std::vector<double>{0, 1, 2.5, 2.5, 2.5, 4}));
   EXPECT_EQ(never_falling({3, 2, 1}), (std::vector<double>{2, 2, 2}));

@@ -82,6 +82,15 @@ TEST(Reproducible, TheSeedOfASceneReachesEveryStageOfARun) {
     EXPECT_FALSE(work.read("one/" + name) == work.read("two/" + name)) << name;
 }
 
+TEST(Reproducible, TheSeedOnTheCommandLineReachesEveryStageOfARun) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  expect_success(work, {"run", "scene.toml", "-o", "one", "--seed", "3"});
+  expect_success(work, {"run", "scene.toml", "-o", "two", "--seed", "4"});
+  for (const std::string name : {"render.png", "sources.ply", "field.npy", "hologram.png", "view.png"})
+    EXPECT_FALSE(work.read("one/" + name) == work.read("two/" + name)) << name;
+}
+
 TEST(Reproducible, ARunOverAnOlderOneReplacesIt) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());

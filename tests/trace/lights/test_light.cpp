@@ -112,6 +112,17 @@ TEST(Light, PanesLetLightStraightThrough) {
   }
 }
 
+// The card stands 10 mm behind the lamp, and the pane 20 mm before the wall: nearer to each other than lamp and wall.
+TEST(Light, WhatStandsBehindALampCastsNoShadowThroughAPane) {
+  const Vec3 lamp{30_mm, 0, -0.26};
+  Scene scene = make_wall_behind_panes(PointLight{lamp, {1, 1, 1}}, 1, DielectricMaterial{.is_thin = true});
+  const Ray ray{{}, {0, 0, -1}};
+  const double without = follow(scene, ray, 1, 2).mean();
+  EXPECT_GT(without, 0);
+  scene.meshes.push_back(make_test_quad(lamp + Vec3{6_mm, 0, 8_mm}, {2_mm, 0, 0}, {0, 2_mm, 0}));
+  EXPECT_EQ(follow(scene, ray, 1, 2).mean(), without);
+}
+
 TEST(Light, WhatPathsMeetBehindAPaneIsNotCountedTwice) {
   const RectangleLight lamp{{40_mm, -10_mm, -0.26}, {-20_mm, 0, 0}, {0, 20_mm, 0}, {1, 1, 1}};
   const Material pane = DielectricMaterial{.is_thin = true};
@@ -263,6 +274,26 @@ TEST(EnvironmentLight, PlacesOnTheMapAreWhereTheSceneFormatPutsThem) {
     const Vec3 turned = transform_vector(rotation_y(turn), environment_direction(place, 0));
     EXPECT_LT(length(turned - direction), 1e-14) << "the map is turned right-handed about +y";
   }
+}
+
+TEST(EnvironmentLight, IsThePixelInItsMiddleAndLinearBetweenTwo) {
+  const int ny = 8, nx = 2 * ny;
+  const auto map = random_map(ny);
+  const double turn = 0.4;
+  const EnvironmentLight light({map, {1, 1, 1}, turn}, Lines{});
+  const auto at = [&](double column, double row) {
+    return light.radiance(environment_direction({(column + 0.5) / nx, (row + 0.5) / ny}, turn)).y;
+  };
+  const auto pixel = [&](int column, int row) { return double((*map)(row, column, map->channels / 2)); };
+  for (int row = 0; row < ny; ++row)
+    for (int column = 0; column < nx; ++column) {
+      // Directions are exact to some 1e-15; a pixel differs from the next one by less than its brightest value.
+      const double tolerance = 1e-11 * *std::max_element(map->values.begin(), map->values.end());
+      EXPECT_NEAR(at(column, row), pixel(column, row), tolerance);
+      EXPECT_NEAR(at(column + 0.25, row), 0.75 * pixel(column, row) + 0.25 * pixel((column + 1) % nx, row), tolerance);
+      if (row + 1 < ny)
+        EXPECT_NEAR(at(column, row + 0.25), 0.75 * pixel(column, row) + 0.25 * pixel(column, row + 1), tolerance);
+    }
 }
 
 TEST(EnvironmentLight, DirectionsAreDrawnWithTheirDensity) {
