@@ -124,6 +124,13 @@ TEST(MeasuredCurve, BetweenItsLevelsIsSmoothAndNeverFalls) {
   for (int level = 16; level <= 64; ++level)
     EXPECT_NEAR(between[size_t(level)], f(level), 0.01) << level;  // linear interpolation: 0.2/8 = 0.025
   for (const int level : levels) EXPECT_DOUBLE_EQ(between[size_t(level)], f(level));
+  // Uneven steps, away from the ends: values of SciPy 1.17's PchipInterpolator, which has the same slopes at inner points.
+  const std::vector<double> uneven = at_all_levels({0, 4, 16, 24, 64, 80}, {0, 1, 2, 5, 6, 9}, 81);
+  for (const auto& [level, value] : {std::pair<size_t, double>{10, 1.4909378596087457},
+                                     {20, 3.584215408118726},
+                                     {40, 5.496983734547821},
+                                     {50, 5.610624146063761}})
+    EXPECT_NEAR(uneven[level], value, 1e-12) << level;
   const std::vector<double> steep = at_all_levels({0, 10, 20, 30}, {0, 0, 5, 5}, 31);
   for (size_t level = 1; level < steep.size(); ++level) EXPECT_GE(steep[level], steep[level - 1] - 1e-12) << level;
 }

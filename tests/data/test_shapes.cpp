@@ -110,6 +110,16 @@ TEST(Shapes, ATextureGivesAPointQuadTheRootOfItsLight) {
   EXPECT_EQ(red[2].amplitude, 1);
 }
 
+TEST(Shapes, ATextureOfAPointQuadIsBilinear) {
+  Image texture(2, 2, 1);
+  texture.values = {0, 4, 8, 16};
+  const auto points = make_point_quad(1, 1, 3, 5, &texture, {1, 1, 1});
+  const double s = 0.5, t = 0.25;  // of the second row's middle point
+  const double light = (1 - t) * (0 * (1 - s) + 4 * s) + t * (8 * (1 - s) + 16 * s);
+  EXPECT_FLOAT_EQ(points[4].amplitude, float(std::sqrt(light)));
+  EXPECT_FLOAT_EQ(points[12].amplitude, float(std::sqrt(8.0)));  // the lower left corner
+}
+
 TEST(Shapes, AQuadFacesTheViewer) {
   const Mesh quad = make_quad(0.04, 0.02);
   EXPECT_EQ(quad.triangles.size(), 2u);

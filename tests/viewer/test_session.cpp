@@ -325,6 +325,11 @@ TEST(Session, ShowsLevelsAmplitudesAndPhases) {
   const BytePicture phases = session.panel(0, PanelQuantity::phase, session.state_of({}));
   const double cycles = std::arg(shown.samples(7, 9)) / (2 * 3.14159265358979) + 1;
   EXPECT_EQ(phases.values[7 * 64 + 9], int((cycles - std::floor(cycles)) * 256));
+  // Twice the rms amplitude is white.
+  const BytePicture amplitudes = session.panel(0, PanelQuantity::amplitude, session.state_of({}));
+  const double rms = std::sqrt(power(shown) / (shown.grid.width() * shown.grid.height()));
+  for (const size_t i : {size_t(0), size_t(457), size_t(3000)})
+    EXPECT_EQ(amplitudes.values[i], std::min(255, int(256 * std::abs(shown.samples.values[i]) / (2 * rms)))) << i;
   EXPECT_EQ(error_of([&] { session.panel(1, PanelQuantity::level, session.state_of({})); }),
             "expected a hologram below 1, got 1");
 }

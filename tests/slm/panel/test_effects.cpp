@@ -316,6 +316,21 @@ TEST(DeadPixels, ShowTheirLevelWhateverTheyAreSent) {
   EXPECT_EQ(show(h, slm, with({"dead-pixels"})).samples.values, show(stuck, slm, with({})).samples.values);
 }
 
+TEST(DeadPixels, ShowTheirLevelOfThePanelInHologramsOfFewerLevels) {
+  // Level 5 of 8: 5/7 of the amplitude, or 5/8 of a turn, whatever the levels of the hologram.
+  Slm slm = make_panel(1, 1, 8);
+  slm.effects.dead_pixels = {{0, 0, 5}};
+  for (const int levels : {2, 4, 8}) {
+    const auto shown = [&](Modulation modulation) {
+      Hologram h = make_hologram(slm, modulation, [](int) { return 0; });
+      h.levels = levels;
+      return std::complex<double>(show(h, slm, with({"dead-pixels"}, 1)).samples(0, 0));
+    };
+    EXPECT_LT(std::abs(shown(Modulation::amplitude) - 5.0 / 7), tolerance) << levels;
+    EXPECT_LT(std::abs(shown(Modulation::phase) - std::polar(1.0, 2 * pi * 5 / 8)), tolerance) << levels;
+  }
+}
+
 TEST(DeadPixels, ShowEachLevelAsOftenAsAnyOther) {
   const int levels = 4;
   Slm slm = make_panel(256, 256, levels);
