@@ -2,6 +2,7 @@
 
 #include "calibrate/photographs.h"
 #include "holotrace/calibrate/bench.h"
+#include "holotrace/calibrate/measured_panel.h"
 #include "holotrace/calibrate/patterns.h"
 #include "holotrace/calibrate/photo.h"
 #include "holotrace/slm/panel/panel_model.h"
@@ -102,6 +103,22 @@ TEST(CalibrationBench, BlursByItsVariance) {
       expected += v / 2 * laplacian * double(sharp(j, i));
     }
   EXPECT_NEAR(found, expected, 0.02 * std::abs(expected));
+}
+
+// Whatever the amplitude of level 0, to which those of the bench are relative.
+TEST(MeasuredPanel, HasAmplitudesRelativeToTheLargest) {
+  Case c;
+  c.unknowns.amplitude = {0.3, -0.1};
+  const Slm slm = measured_panel(c.bench, assumed_panel(96, 80), c.unknowns, {}).slm;
+  const std::vector<CalibrationPoint>& points = slm.effects.calibration;
+  ASSERT_EQ(points.size(), 256u);
+  double largest = 0;
+  for (int level = 0; level < 256; ++level)
+    largest = std::max(largest, amplitude_of(c.bench.basis(), c.unknowns, level));
+  ASSERT_GT(largest, 1.1);
+  for (int level = 0; level < 256; ++level)
+    EXPECT_DOUBLE_EQ(points[size_t(level)].amplitude, amplitude_of(c.bench.basis(), c.unknowns, level) / largest);
+  EXPECT_NO_THROW(check_slm(slm));
 }
 
 TEST(CalibrationBench, SlopesAreThoseOfFiniteDifferences) {

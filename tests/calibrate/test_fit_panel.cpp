@@ -66,10 +66,6 @@ TEST(FitPanel, RecoversAHiddenPanel) {
   }
   EXPECT_GT(wavefront_rms(hidden.effects.aberration), 0.3);  // there is something to find
   EXPECT_LT(wavefront_rms(difference), 0.05);
-  double brightest = 0;
-  for (const CalibrationPoint& point : fit.slm.effects.calibration) brightest = std::max(brightest, point.amplitude);
-  EXPECT_EQ(brightest, 1);  // amplitudes are relative to the largest
-  EXPECT_NO_THROW(check_slm(fit.slm));
   EXPECT_NEAR(fit.crosstalk.value, 0.3, 0.02);
   // γ·(1 − F)/F of the hidden panel; the assumed panel has another fill factor.
   EXPECT_NEAR(fit.gap_light.value, 0.6 * 0.1 / 0.9, 0.015);
