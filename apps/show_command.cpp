@@ -47,7 +47,7 @@ void check_series(const std::vector<std::string>& inputs) {
     const std::string ending = part.number == 1 ? "" : fmt::format("_{}", part.number);
     if (!stem.ends_with(ending)) continue;  // it was renamed
     stem.resize(stem.size() - ending.size());
-    const auto [found, is_new] = series.try_emplace((p.parent_path() / stem).string(), path, part);
+    const auto [found, is_new] = series.try_emplace((p.parent_path() / stem).string(), First{path, part});
     const First& first = found->second;
     require(is_new || first.part.count == part.count,
             "expected holograms that were made together, but {} is number {} of {}, and {} number {} of {}; leave out "

@@ -23,6 +23,13 @@ TEST(Units, LengthsRoundOnce) {
   EXPECT_EQ(parse_length("+0.3 m"), 0.3);
 }
 
+TEST(Units, NumbersMayHaveAnExponentOfEitherSign) {
+  EXPECT_EQ(parse_length("1e+3 nm"), 1e-6);
+  EXPECT_EQ(parse_length("2.5E2 mm"), 0.25);
+  EXPECT_EQ(parse_length("5e-1um"), 5e-7);
+  EXPECT_EQ(parse_size("1e+3 kB"), 1e6);
+}
+
 TEST(Units, LiteralsAndTextsAgree) {
   using namespace literals;
   EXPECT_EQ(532_nm, parse_length("532 nm"));

@@ -58,6 +58,7 @@ struct TestCamera {
   double shift_x = 3.3, shift_y = -4.6;  ///< [pixels]
   int nx = 230, ny = 220;
   double electrons = 20000;  ///< full well; 0: no noise and no rounding
+  double blur = 0;           ///< variance of the lens's blur per axis, below 0.5 [pixels²]
 };
 
 /// The irradiance at samples of a quarter of the panel's pitch.
@@ -99,6 +100,14 @@ inline Image photograph_of(const Image& fine, const TestCamera& camera, uint32_t
       }
       photo(j, i) = float(sum / 16);
     }
+  if (camera.blur > 0) {  // four neighbours of the weight v/2 each: the variance v along either axis
+    const Image sharp = photo;
+    for (int j = 1; j + 1 < photo.ny; ++j)
+      for (int i = 1; i + 1 < photo.nx; ++i) {
+        const float around = sharp(j - 1, i) + sharp(j + 1, i) + sharp(j, i - 1) + sharp(j, i + 1);
+        photo(j, i) = float(1 - 2 * camera.blur) * sharp(j, i) + float(camera.blur / 2) * around;
+      }
+  }
   std::vector<float> sorted = photo.values;
   std::sort(sorted.begin(), sorted.end());
   const float white = sorted[size_t(0.9995 * double(sorted.size()))] / 0.95F;

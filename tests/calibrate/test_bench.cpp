@@ -2,6 +2,7 @@
 
 #include "calibrate/photographs.h"
 #include "holotrace/calibrate/bench.h"
+#include "holotrace/calibrate/measured_panel.h"
 #include "holotrace/calibrate/patterns.h"
 #include "holotrace/calibrate/photo.h"
 #include "holotrace/slm/panel/panel_model.h"
@@ -77,6 +78,47 @@ TEST(CalibrationBench, ShowsWhatThePanelModelShows) {
       difference.push_back(std::norm(there.samples.values[i]) / float(most * most) - irradiance.values[i]);
     EXPECT_LT(rms(difference), 0.01 * rms(irradiance.values)) << pattern.name;
   }
+}
+
+TEST(CalibrationBench, BlursByItsVariance) {
+  // A blur of the variance v per axis changes the mean under a smooth weight w by v/2·∇²w. With w = cos⁴(x/a)·cos⁴(y/a)
+  // up to its first zeros, a of 20 samples, differences of samples for ∇² are off by some (1/a)², 0.3 %.
+  Case c;
+  const double v = c.unknowns.blur;
+  ASSERT_EQ(v, 0.1);
+  const Hologram& pattern = c.patterns[1].hologram;
+  const Channel blurred = c.bench.irradiance(pattern, c.unknowns);
+  c.unknowns.blur = 0;
+  const Channel sharp = c.bench.irradiance(pattern, c.unknowns);
+  constexpr double a = 20;
+  double found = 0, expected = 0;
+  for (int j = 0; j < sharp.ny; ++j)
+    for (int i = 0; i < sharp.nx; ++i) {
+      const double x = (i - sharp.u_centre()) / a, y = (j - sharp.v_centre()) / a;
+      if (std::abs(x) >= pi / 2 || std::abs(y) >= pi / 2) continue;
+      const double cx = std::pow(std::cos(x), 2), cy = std::pow(std::cos(y), 2), wx = cx * cx, wy = cy * cy;
+      // (cos⁴x)″ = 12·cos²x − 16·cos⁴x
+      const double laplacian = ((12 * cx - 16 * wx) * wy + (12 * cy - 16 * wy) * wx) / (a * a);
+      found += wx * wy * double(blurred(j, i) - sharp(j, i));
+      expected += v / 2 * laplacian * double(sharp(j, i));
+    }
+  EXPECT_NEAR(found, expected, 0.02 * std::abs(expected));
+}
+
+// Whatever the amplitude of level 0, to which those of the bench are relative.
+TEST(MeasuredPanel, HasAmplitudesRelativeToTheLargest) {
+  Case c;
+  c.unknowns.amplitude = {0.3, -0.1};
+  const Slm slm = measured_panel(c.bench, assumed_panel(96, 80), c.unknowns, {}).slm;
+  const std::vector<CalibrationPoint>& points = slm.effects.calibration;
+  ASSERT_EQ(points.size(), 256u);
+  double largest = 0;
+  for (int level = 0; level < 256; ++level)
+    largest = std::max(largest, amplitude_of(c.bench.basis(), c.unknowns, level));
+  ASSERT_GT(largest, 1.1);
+  for (int level = 0; level < 256; ++level)
+    EXPECT_DOUBLE_EQ(points[size_t(level)].amplitude, amplitude_of(c.bench.basis(), c.unknowns, level) / largest);
+  EXPECT_NO_THROW(check_slm(slm));
 }
 
 TEST(CalibrationBench, SlopesAreThoseOfFiniteDifferences) {

@@ -81,6 +81,17 @@ TEST(FitPanel, RecoversAHiddenPanel) {
   for (const PhotographFit& photograph : fit.photographs) EXPECT_GT(photograph.correlation, 0.97) << photograph.name;
 }
 
+// Of two cameras that differ only by their lens, the fits differ by the variance of the lens's blur, in pixels of the
+// camera. The blur of a fit also takes up what the model lacks, for both alike to some hundredths.
+TEST(FitPanel, FindsTheBlurOfTheLens) {
+  const Slm hidden = hidden_panel(side, side);
+  TestCamera blurred;
+  blurred.blur = 0.15;
+  const PanelFit sharp = fit_panel(short_plan(), good_photographs(), short_fit);
+  const PanelFit soft = fit_panel(short_plan(), photographs_of(short_plan(), hidden, blurred), short_fit);
+  EXPECT_NEAR(soft.camera_blur.value - sharp.camera_blur.value, blurred.blur, 0.03);
+}
+
 TEST(FitPanel, StatesItsErrors) {
   // Photographs by the bench itself with noise: the fit differs from the truth by its standard errors. The mean square of
   // 15 nearly independent deviations is 1 ± √(2/15); within a factor of 3 is 5 σ above, and more than 2 σ below.

@@ -92,6 +92,17 @@ TEST(TestPatterns, OfPanelsThatCannotBeMeasuredAreRefused) {
             "expected a distance above 0 m, got 0 m");
 }
 
+TEST(AssumedPhase, IsThatOfThePanelAtTheWavelengthInUse) {
+  // A delay by a length: at two thirds of the design wavelength the phase is 1.5 times as large.
+  Slm slm = assumed_panel(96, 96);
+  EXPECT_DOUBLE_EQ(assumed_phase(slm, 64, bench_wavelength), pi / 2);  // a quarter of 256 levels, without a design
+  slm.design_wavelength = bench_wavelength;
+  EXPECT_DOUBLE_EQ(assumed_phase(slm, 64, bench_wavelength / 1.5), 1.5 * pi / 2);
+  for (int level = 0; level < 256; ++level) slm.effects.calibration.push_back({hidden_phase(level), 1});
+  EXPECT_DOUBLE_EQ(assumed_phase(slm, 64, bench_wavelength), hidden_phase(64));
+  EXPECT_DOUBLE_EQ(assumed_phase(slm, 64, bench_wavelength / 1.5), 1.5 * hidden_phase(64));
+}
+
 TEST(MeasuredCurve, OfPhasesThatFallIsTheirMean) {
   EXPECT_EQ(never_falling({0, 1, 3, 2, 2.5, 4}), (std::vector<double>{0, 1, 2.5, 2.5, 2.5, 4}));
   EXPECT_EQ(never_falling({3, 2, 1}), (std::vector<double>{2, 2, 2}));
@@ -113,6 +124,13 @@ TEST(MeasuredCurve, BetweenItsLevelsIsSmoothAndNeverFalls) {
   for (int level = 16; level <= 64; ++level)
     EXPECT_NEAR(between[size_t(level)], f(level), 0.01) << level;  // linear interpolation: 0.2/8 = 0.025
   for (const int level : levels) EXPECT_DOUBLE_EQ(between[size_t(level)], f(level));
+  // Uneven steps, away from the ends: values of SciPy 1.17's PchipInterpolator, which has the same slopes at inner points.
+  const std::vector<double> uneven = at_all_levels({0, 4, 16, 24, 64, 80}, {0, 1, 2, 5, 6, 9}, 81);
+  for (const auto& [level, value] : {std::pair<size_t, double>{10, 1.4909378596087457},
+                                     {20, 3.584215408118726},
+                                     {40, 5.496983734547821},
+                                     {50, 5.610624146063761}})
+    EXPECT_NEAR(uneven[level], value, 1e-12) << level;
   const std::vector<double> steep = at_all_levels({0, 10, 20, 30}, {0, 0, 5, 5}, 31);
   for (size_t level = 1; level < steep.size(); ++level) EXPECT_GE(steep[level], steep[level - 1] - 1e-12) << level;
 }

@@ -110,6 +110,16 @@ TEST(Shapes, ATextureGivesAPointQuadTheRootOfItsLight) {
   EXPECT_EQ(red[2].amplitude, 1);
 }
 
+TEST(Shapes, ATextureOfAPointQuadIsBilinear) {
+  Image texture(2, 2, 1);
+  texture.values = {0, 4, 8, 16};
+  const auto points = make_point_quad(1, 1, 3, 5, &texture, {1, 1, 1});
+  const double s = 0.5, t = 0.25;  // of the second row's middle point
+  const double light = (1 - t) * (0 * (1 - s) + 4 * s) + t * (8 * (1 - s) + 16 * s);
+  EXPECT_FLOAT_EQ(points[4].amplitude, float(std::sqrt(light)));
+  EXPECT_FLOAT_EQ(points[12].amplitude, float(std::sqrt(8.0)));  // the lower left corner
+}
+
 TEST(Shapes, AQuadFacesTheViewer) {
   const Mesh quad = make_quad(0.04, 0.02);
   EXPECT_EQ(quad.triangles.size(), 2u);
@@ -202,6 +212,26 @@ TEST(Shapes, AnExtrusionOfAConcaveOutlineHasItsVolumeEitherWayRound) {
     EXPECT_EQ(solid.triangles.size(), 2u * 4 + 2 * 6);  // n − 2 triangles per cap, 2 per side
     std::reverse(outline.begin(), outline.end());
   }
+}
+
+// As on a quad: (0, 0) at the lower left corner of the outline's bounds, (1, 1) at the upper right one. Sides of the
+// power of two keep all numbers exact.
+TEST(Shapes, ATextureFillsTheBoundsOfAnExtrusionUpright) {
+  const Mesh solid = make_extrusion({{-1, 2}, {3, 2}, {1, 4}}, 0.5);
+  for (size_t cap = 0; cap < 6; cap += 3) {  // front and back, which have the outline's points
+    EXPECT_EQ(solid.texture_coordinates[cap], (Vec2{0, 0}));
+    EXPECT_EQ(solid.texture_coordinates[cap + 1], (Vec2{1, 0}));
+    EXPECT_EQ(solid.texture_coordinates[cap + 2], (Vec2{0.5, 1}));
+  }
+}
+
+// The texture runs once around the axis and, in v, with the length of the profile: here 1, then 3.
+TEST(Shapes, ATextureRunsAroundALatheAndAlongItsProfile) {
+  const Mesh tube = make_lathe({{1, 0}, {1, 1}, {1, 4}}, 4);
+  ASSERT_EQ(tube.positions.size(), 3u * 5);  // the profile is straight: one ring per point, whose seam has two
+  for (size_t ring = 0; ring < 3; ++ring)
+    for (size_t s = 0; s < 5; ++s)
+      EXPECT_EQ(tube.texture_coordinates[5 * ring + s], (Vec2{double(s) / 4, ring == 0 ? 0 : ring == 1 ? 0.25 : 1.0}));
 }
 
 TEST(Shapes, AnExtrusionTakesPointsOnStraightSidesAndRepeatedOnes) {

@@ -116,6 +116,25 @@ void expect_success(const Workplace& work, const std::vector<std::string>& argum
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
+// The cone of all colours, that of 450 nm, is kept at a longer wavelength. At a shorter one the panel's own is narrower.
+TEST(Frames, SourcesAtAnotherWavelengthKeepTheirConeWhileThePanelHoldsIt) {
+  const Workplace work;
+  Sources sources = patch(1e-3, 4);
+  sources.cone_wavelength = 450e-9;
+  save_sources(work.path("s.ply"), sources);
+  for (const auto& [wavelength, cone] : {std::pair{500e-9, 450e-9}, {450e-9, 450e-9}, {400e-9, 0.0}}) {
+    const std::string text = fmt::format("{:.0f} nm", wavelength * 1e9);
+    expect_success(work, {"field", "s.ply", "--columns", "64", "--rows", "48", "--wavelength", text, "-o", "f.npy"});
+    const Field field = load_field(work.path("f.npy"));
+    EXPECT_DOUBLE_EQ(field.wavelength, wavelength);
+    EXPECT_DOUBLE_EQ(field.cone_wavelength, cone) << text;
+    // Moving a field changes neither.
+    expect_success(work, {"propagate", "f.npy", "--distance", "1 mm", "-o", "moved.npy"});
+    EXPECT_EQ(load_field(work.path("moved.npy")).wavelength, field.wavelength);
+    EXPECT_EQ(load_field(work.path("moved.npy")).cone_wavelength, field.cone_wavelength) << text;
+  }
+}
+
 TEST(Frames, TheProgramAveragesThemAsThoseMadeOneByOne) {
   const Workplace work;
   save_sources(work.path("s.ply"), patch(1e-3, 40));

@@ -35,6 +35,20 @@ TEST(LimitsCommand, TellsOrdersZonesAndWhatAnEyeNeeds) {
   EXPECT_NEAR(pluto.at("alias_free_distance_m").get<double>(), 0.4617, 5e-5);  // z* of closed_forms.md, section 2
 }
 
+TEST(LimitsCommand, TellsPixelsAndBytesPerSecond) {
+  const Workplace work;
+  const auto value_of = [](const std::string& table, const std::string& row) {
+    const size_t at = table.find(row);
+    return at == std::string::npos ? -1 : std::stod(table.substr(at + row.size()));
+  };
+  const double rate = 1920.0 * 1080 * 60;  // pluto and ideal; of 8 bits, and of 16
+  for (const auto& [slm, bytes] : {std::pair{"pluto", 1}, {"ideal", 2}}) {
+    const Outcome table = ask(work, {"--slm", slm, "--frames", "60"});
+    EXPECT_NEAR(value_of(table.out, "pixels per second"), rate, 5e-4 * rate) << slm;  // four digits
+    EXPECT_NEAR(value_of(table.out, "bytes per second"), bytes * rate, 5e-4 * bytes * rate) << slm;
+  }
+}
+
 TEST(LimitsCommand, HasAColumnForEachWavelength) {
   const Workplace work;
   const auto colours = json_of(work, {"--wavelength", "638 nm, 520 nm, 450 nm"});

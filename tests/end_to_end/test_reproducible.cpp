@@ -82,6 +82,20 @@ TEST(Reproducible, TheSeedOfASceneReachesEveryStageOfARun) {
     EXPECT_FALSE(work.read("one/" + name) == work.read("two/" + name)) << name;
 }
 
+TEST(Reproducible, TheSeedOnTheCommandLineIsThatOfTracingAndOfRendering) {
+  const Workplace work;
+  std::string scene = mesh_scene();
+  work.write("scene.toml", scene);
+  for (const std::string table : {"[trace]\n", "[render]\n"}) {
+    ASSERT_NE(scene.find(table), std::string::npos);
+    scene.insert(scene.find(table) + table.size(), "seed = 3\n");
+  }
+  work.write("seeded.toml", scene);
+  expect_success(work, {"run", "scene.toml", "-o", "flag", "--seed", "3"});
+  expect_success(work, {"run", "seeded.toml", "-o", "file"});
+  for (const std::string& name : outputs) EXPECT_TRUE(work.read("flag/" + name) == work.read("file/" + name)) << name;
+}
+
 TEST(Reproducible, ARunOverAnOlderOneReplacesIt) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());

@@ -125,7 +125,9 @@ TEST(Limits, ThePapersFigures) {
 }
 
 TEST(WantedPixels, OfASizeThatDividesEvenlyAreNoneTooMany) {
-  EXPECT_EQ(wanted_pixels(1.1, 0.1), 11);  // 11.000000000000002 in double
+  // The quotients in double: 1600.0000000000002 and 1280.0000000000002.
+  EXPECT_EQ(wanted_pixels(12.8_mm, 8_um), 1600);
+  EXPECT_EQ(wanted_pixels(1.5104_mm, 1.18_um), 1280);
   EXPECT_EQ(wanted_pixels(1.11, 0.1), 12);
 }
 

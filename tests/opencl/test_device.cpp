@@ -123,6 +123,12 @@ TEST_P(Devices, RefuseMoreMemoryThanIsFree) {
   device_.limit_memory(0);
 }
 
+TEST_P(Devices, RefuseABufferAboveTheLargestOfTheDevice) {
+  device_.limit_memory(4 * device_.info().largest_buffer);  // memory enough
+  EXPECT_EQ(device_.free_memory(), device_.info().largest_buffer);
+  device_.limit_memory(0);
+}
+
 TEST_P(Devices, KeepTheMessagesOfACompilerThatRefusesAKernel) {
   std::string log;
   set_program_store({{}, {}, [&](const std::string& text) {

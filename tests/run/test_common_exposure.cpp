@@ -33,6 +33,17 @@ TEST(CommonExposure, GivesEqualLightTheSameGrey) {
   EXPECT_NEAR(common_exposure({speckled}, {{render}}, {render}, 0).view_white, 7.2, 1e-5);
 }
 
+// A view that lacks the render's highlight is exposed by the render, so that the highlight is not clipped there. The
+// light of the render is 768·0.8 + 256·2.4 = 1228.8 where that of the view is 1024·4: a ratio of 0.3.
+TEST(CommonExposure, DarkensAViewForTheHighlightOfItsRender) {
+  Image render = surface(0.8f);
+  for (int j = 24; j < 40; ++j)
+    for (int i = 24; i < 40; ++i) render(j, i) = 2.4f;
+  const CommonExposure white = common_exposure({surface(4)}, {{render}}, {render}, 0);
+  EXPECT_NEAR(white.render_white, 1.25 * 2.4, 1e-5);  // floats; of the render alone
+  EXPECT_NEAR(white.view_white, 1.25 * 2.4 / 0.3, 1e-4);
+}
+
 TEST(CommonExposure, KeepsTheExposureThatIsGiven) {
   const CommonExposure white = common_exposure({surface(4)}, {{surface(0.8f)}}, {surface(0.8f)}, 10);
   EXPECT_EQ(white.view_white, 10);

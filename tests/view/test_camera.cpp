@@ -358,6 +358,27 @@ TEST(Camera, AnEyeOutsideTheEyeboxIsToldAndSeesWhatOrdersGoThere) {
   EXPECT_TRUE(heard.warnings.empty());
 }
 
+// Behind a stop of half width f, order 0 reaches the angle asin(λf): at z = 100 mm it is z·λf/√(1 − λ²f²) from the axis.
+TEST(Camera, AStopNarrowsTheEyeboxToItsCone) {
+  const Slm slm = make_panel(64, 48);
+  Field shown(slm.grid, test_wavelength);
+  std::fill(shown.samples.values.begin(), shown.samples.values.end(), 1.0F);
+  shown.filter = SpectralFilter{0, 0, 1 / (4 * test_pitch), 1 / (8 * test_pitch)};
+  const double sine_x = test_wavelength / (4 * test_pitch), sine_y = sine_x / 2;
+  const double right = 0.1 * sine_x / std::sqrt(1 - sine_x * sine_x);
+  const double up = 0.1 * sine_y / std::sqrt(1 - sine_y * sine_y);
+  CameraParams camera;
+  camera.pupil = 3_mm;
+  for (const bool is_beyond : {false, true})
+    for (const Vec3 edge : {Vec3{right, 0, 0.1}, Vec3{0, up, 0.1}}) {
+      const double part = is_beyond ? 1.01 : 0.99;
+      camera.eye = {part * edge.x, part * edge.y, edge.z};
+      Heard heard;
+      look(shown, slm, 0, {}, camera, heard.observer());
+      EXPECT_EQ(heard.warnings.size(), is_beyond ? 1u : 0u) << camera.eye.x << ", " << camera.eye.y;
+    }
+}
+
 // A stop spreads the light of the first column over its neighbours, sinc(0.4) of it in amplitude at the next. If the field
 // were periodic, the last column would be a neighbour, and have 0.57 of the light. In truth its share is below
 // (1/(0.4π·63))² = 1.6e-4.

@@ -57,6 +57,14 @@ TEST(Compare, ConstantImagesHaveTheClosedForm) {
   EXPECT_DOUBLE_EQ(m.scale, 1.5);
 }
 
+TEST(Compare, AmplitudesAreTheRootsWithTheirOwnScale) {
+  Image reference(1, 4, 1), image(1, 4, 1);
+  reference.values = {4, 1, 1, 0};  // amplitudes 2, 1, 1, 0
+  image.values = {1, 1, 0, -0.5F};  // 1, 1, 0, and 0 for the value below 0
+  // s = (2 + 1)/(1 + 1) = 1.5, so the amplitudes differ by ½, −½, 1, 0: a mean square of 1.5/4. The largest is 2.
+  EXPECT_NEAR(compare(reference, image).psnr_amplitude, 10 * std::log10(2 * 2 / (1.5 / 4)), 1e-12);
+}
+
 // SSIM as in the paper: a two-dimensional window at every pixel at which it fits.
 double slow_similarity(const Image& a, const Image& b, double L) {
   double weights[11][11], total = 0, sum = 0;

@@ -220,6 +220,9 @@ TEST(Session, SumsSources) {
   EXPECT_DOUBLE_EQ(json["depths_m"][0], 0.2);
   EXPECT_DOUBLE_EQ(json["depths_m"][1], 0.3);
   EXPECT_EQ(session.points(), (std::vector<float>{0, 0, -0.3F, 1, 0.001F, 0, -0.2F, 0.5F}));
+  const std::string panel = make_file("panel.toml", "[slm]\ncolumns = 80\nrows = 60\npitch = \"8 um\"\n");
+  Session on_another({path}, {.slm = panel});
+  EXPECT_EQ(Json::parse(on_another.describe())["panel"]["columns"], 80);
 }
 
 TEST(Session, LeavesOutFarImagesFromItsDepths) {
@@ -284,6 +287,13 @@ position = "0.15 0.1 -30 mm"
       }
     EXPECT_GT(inside / pixels, 2 * outside / (96 * 64 - pixels));
   }
+  // Equal greys for equal light: the white of the render is that of the view times the ratio of their light.
+  double cross = 0, square = 0;
+  for (size_t i = 0; i < view.image.values.size(); ++i) {
+    cross += double(view.image.values[i]) * double(render.image.values[i]);
+    square += double(view.image.values[i]) * double(view.image.values[i]);
+  }
+  EXPECT_NEAR(render.white / view.white, cross / square, 1e-9 * cross / square);
   const ViewState far = session.state_of({{"distance", "60 mm"}});  // out of focus, the square is blurred
   const float bright = *std::max_element(render.image.values.begin(), render.image.values.end());
   const Image blurred = session.reference(far)->image;
@@ -315,6 +325,11 @@ TEST(Session, ShowsLevelsAmplitudesAndPhases) {
   const BytePicture phases = session.panel(0, PanelQuantity::phase, session.state_of({}));
   const double cycles = std::arg(shown.samples(7, 9)) / (2 * 3.14159265358979) + 1;
   EXPECT_EQ(phases.values[7 * 64 + 9], int((cycles - std::floor(cycles)) * 256));
+  // Twice the rms amplitude is white.
+  const BytePicture amplitudes = session.panel(0, PanelQuantity::amplitude, session.state_of({}));
+  const double rms = std::sqrt(power(shown) / (shown.grid.width() * shown.grid.height()));
+  for (const size_t i : {size_t(0), size_t(457), size_t(3000)})
+    EXPECT_EQ(amplitudes.values[i], std::min(255, int(256 * std::abs(shown.samples.values[i]) / (2 * rms)))) << i;
   EXPECT_EQ(error_of([&] { session.panel(1, PanelQuantity::level, session.state_of({})); }),
             "expected a hologram below 1, got 1");
 }

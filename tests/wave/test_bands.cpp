@@ -171,5 +171,17 @@ TEST(Bands, AreOfMethodsThatSumWaves) {
             "them, or make the field whole, without --memory and without mpirun");
 }
 
+// All colours of a job share the cone of the shortest wavelength, which lights fewer pixels than the waves' own.
+TEST(Bands, KeepTheConeOfTheColours) {
+  Sources sources = make_waves(40);
+  const FieldDouble own = sum_exact(sources, panel);
+  sources.cone_wavelength = 450e-9;
+  const FieldDouble whole = sum_exact(sources, panel);
+  ASSERT_GT(testing::relative_error(own, whole), 0.1);
+  const SynthesizeParams params = params_of(SynthesisMethod::exact);
+  // Sums in double, rounded to single precision.
+  EXPECT_LT(difference(sources, panel, params, plan_bands({sources}, panel, params, 1e9), whole), 1e-7);
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -233,6 +233,24 @@ TEST(NpyFile, ALeadingAxisOfOneWavelengthIsTaken) {
   EXPECT_EQ(field.grid, (Grid{3, 2, 8e-6}));
 }
 
+// Formats 2 and 3 have a length of four bytes.
+TEST(NpyFile, OfLaterFormatsIsRead) {
+  std::vector<std::complex<float>> samples;
+  for (int i = 0; i < 6; ++i) samples.emplace_back(float(i), -0.5F);
+  const std::string data(reinterpret_cast<const char*>(samples.data()), samples.size() * sizeof samples[0]);
+  std::string dictionary = "{'descr': '<c8', 'fortran_order': False, 'shape': (2, 3), }";
+  dictionary.resize(300, ' ');  // so that the length has more than one byte
+  dictionary += '\n';
+  for (const char version : {'\x02', '\x03'}) {
+    const std::string head = std::string("\x93NUMPY") + version + '\0' + char(dictionary.size() & 255) +
+                             char(dictionary.size() >> 8) + '\0' + '\0';
+    const std::string path = make_file("f.npy", head + dictionary + data);
+    make_file("f.json", sidecar_text);
+    const Field field = load_field(path);
+    EXPECT_TRUE(std::equal(samples.begin(), samples.end(), field.samples.values.begin())) << int(version);
+  }
+}
+
 TEST(NpyFile, OtherArraysAreRefused) {
   const std::string data(6 * 8, '\0'), wide(12 * 8, '\0');
   const auto error = [](const std::string& dictionary, const std::string& data) {

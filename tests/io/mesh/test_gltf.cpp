@@ -46,6 +46,21 @@ std::string small_png() {
   return read_text(path);
 }
 
+// glTF 2.0, section 3.6.2.2: a signed byte c stands for max(c/127, −1).
+TEST(Gltf, SignedBytesReachPlusAndMinusOne) {
+  GltfTriangle triangle;
+  triangle.primitives = R"([{"attributes": {"POSITION": 0, "TEXCOORD_0": 3}, "indices": 4, "material": 0}])";
+  triangle.colours = {127, 0, 0, 0, 128, 129, 0, 0, 64, 0, 0, 0};  // as signed bytes (127, 0), (−128, −127), (64, 0)
+  std::string text = triangle.text();
+  const std::string unsigned_bytes = "\"componentType\": 5121";
+  text.replace(text.find(unsigned_bytes), unsigned_bytes.size(), "\"componentType\": 5120");
+  const Mesh mesh = load_meshes(make_file("m.gltf", text)).meshes[0];
+  ASSERT_EQ(mesh.texture_coordinates.size(), 3u);
+  EXPECT_EQ(mesh.texture_coordinates[0], (Vec2{1, 1}));  // v runs down in glTF, up here
+  EXPECT_EQ(mesh.texture_coordinates[1], (Vec2{-1, 2}));
+  EXPECT_DOUBLE_EQ(mesh.texture_coordinates[2].x, 64 / 127.0);
+}
+
 TEST(Gltf, AMaterialHasTheFactorsOfItsFileAndTheDefaultsOfTheStandard) {
   const Material plain = material("[{}]");
   EXPECT_EQ(metallic_roughness(plain).base_color, (Vec3{1, 1, 1}));

@@ -259,6 +259,17 @@ TEST(ImageFile, RadiancePicturesMayBeginAtAnyCorner) {
   EXPECT_EQ(read("-Y 2 -X 2"), (std::vector<float>{3, 2, 5, 4}));
 }
 
+// Before there were runs of components, a pixel (1, 1, 1, n) meant n times the pixel before it; the next such one 256·n
+// times. After 3, 88 + 256·2 repetitions; after 5, 9 more, counted from the start again.
+TEST(ImageFile, OldRadiancePicturesRepeatPixels) {
+  const auto pixel = [](int value, int last) { return std::string{char(value), char(value), char(value), char(last)}; };
+  const std::string bytes =
+      "#?RADIANCE\n\n-Y 1 +X 611\n" + pixel(3, 136) + pixel(1, 88) + pixel(1, 2) + pixel(5, 136) + pixel(1, 9);
+  const Image image = decode_image(bytes.data(), bytes.size(), "p.hdr");
+  ASSERT_EQ(image.nx, 611);
+  for (int i = 0; i < 611; ++i) ASSERT_EQ(image(0, i), i < 601 ? 3 : 5) << i;
+}
+
 TEST(ImageFile, SmallerPicturesAreMeansAndLargerOnesLinear) {
   Image steps(1, 4, 1);
   steps.values = {0, 0, 8, 8};

@@ -39,6 +39,25 @@ TEST(Calibration, IsWhatAPixelShows) {
   EXPECT_LT(std::abs(std::complex<double>(show(h, slm, params).samples(0, 0)) - std::polar(0.8, 2.5 * 1.5)), tolerance);
 }
 
+TEST(Calibration, OfAnAmplitudePanelIsWhatAPixelShows) {
+  Slm slm = make_panel(1, 1, 4);
+  slm.modulation = Modulation::amplitude;
+  slm.effects.calibration = {{0, 0.1}, {0.2, 0.4}, {0.5, 0.8}, {0.9, 1}};
+  const auto shown = [&](int level, int levels) {
+    Hologram h = make_hologram(slm, Modulation::amplitude, [&](int) { return level; });
+    h.levels = levels;
+    return std::complex<double>(show(h, slm, with({"calibration"}, 1)).samples(0, 0));
+  };
+  const auto of_level = [&](size_t level) {
+    return std::polar(slm.effects.calibration[level].amplitude, slm.effects.calibration[level].phase);
+  };
+  for (int level = 0; level < 4; ++level)
+    EXPECT_LT(std::abs(shown(level, 4) - of_level(size_t(level))), tolerance) << level;
+  // Fewer levels spread over the panel's: black and white stay its first and last level.
+  EXPECT_LT(std::abs(shown(0, 2) - of_level(0)), tolerance);
+  EXPECT_LT(std::abs(shown(1, 2) - of_level(3)), tolerance);
+}
+
 TEST(Calibration, OfARangeAsideOf2PiIsARampOfThatDepth) {
   // A ramp of depth 2π(1+e) from the panel's phase range: η₁ = sinc²(e), with P steps as in RampThatTurnsTooFar….
   const int steps = 256;
@@ -216,6 +235,28 @@ TEST(StaticErrors, TurnTheFieldPixelByPixel) {
     }
 }
 
+TEST(StaticErrors, DelayByALength) {
+  // A phase given at the design wavelength is 1.5 times as large at two thirds of it.
+  Slm slm = make_panel(5, 4, 4), larger = slm;
+  Array2D<float> map(4, 5), map_there(4, 5);
+  for (size_t i = 0; i < map.size(); ++i) {
+    map.values[i] = float(i % 7) / 8;
+    map_there.values[i] = 1.5F * map.values[i];
+  }
+  slm.effects.phase_map = std::make_shared<const Array2D<float>>(map);
+  larger.effects.phase_map = std::make_shared<const Array2D<float>>(map_there);
+  slm.effects.aberration = {{2, 0, 0.3}, {1, -1, 0.2}};
+  larger.effects.aberration = {{2, 0, 1.5 * 0.3}, {1, -1, 1.5 * 0.2}};
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
+  ShowParams params = with({"aberration", "phase-map"});
+  params.wavelength = test_wavelength / 1.5;
+  slm.design_wavelength = test_wavelength;
+  larger.design_wavelength = params.wavelength;
+  const Field a = show(h, slm, params), b = show(h, larger, params);
+  for (size_t i = 0; i < a.samples.size(); ++i)
+    EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of two transforms
+}
+
 TEST(StaticErrors, MoveTheGapsToo) {
   // A mirror of even phase that is tilted by its phase map is still a tilted mirror, whatever part of it is gaps.
   Slm slm = make_panel(8, 8, 4, 0.6);
@@ -273,6 +314,32 @@ TEST(DeadPixels, ShowTheirLevelWhateverTheyAreSent) {
   stuck.level(3, 4) = 5;
   stuck.level(0, 0) = 2;
   EXPECT_EQ(show(h, slm, with({"dead-pixels"})).samples.values, show(stuck, slm, with({})).samples.values);
+}
+
+TEST(DeadPixels, ShowTheirLevelOfThePanelInHologramsOfFewerLevels) {
+  // Level 5 of 8: 5/7 of the amplitude, or 5/8 of a turn, whatever the levels of the hologram.
+  Slm slm = make_panel(1, 1, 8);
+  slm.effects.dead_pixels = {{0, 0, 5}};
+  for (const int levels : {2, 4, 8}) {
+    const auto shown = [&](Modulation modulation) {
+      Hologram h = make_hologram(slm, modulation, [](int) { return 0; });
+      h.levels = levels;
+      return std::complex<double>(show(h, slm, with({"dead-pixels"}, 1)).samples(0, 0));
+    };
+    EXPECT_LT(std::abs(shown(Modulation::amplitude) - 5.0 / 7), tolerance) << levels;
+    EXPECT_LT(std::abs(shown(Modulation::phase) - std::polar(1.0, 2 * pi * 5 / 8)), tolerance) << levels;
+  }
+}
+
+TEST(DeadPixels, ShowEachLevelAsOftenAsAnyOther) {
+  const int levels = 4;
+  Slm slm = make_panel(256, 256, levels);
+  slm.effects.dead_fraction = 1;
+  std::vector<double> counts(levels);
+  for (const StuckPixel& pixel : stuck_pixels(slm)) ++counts[size_t(pixel.level)];
+  const double pixels = 256.0 * 256, part = 1.0 / levels;
+  for (const double count : counts)
+    EXPECT_NEAR(count, part * pixels, 4 * std::sqrt(pixels * part * (1 - part)));  // 4 σ
 }
 
 TEST(DeadPixels, TakeTheirFractionFromTheImageAndScatterIt) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "holotrace/base/random.h"
@@ -122,6 +123,26 @@ TEST(EnvironmentLight, ABlackMapGivesNothing) {
   Scene scene = wall_scene();
   scene.environment = {std::make_shared<Image>(4, 8, 3), {1, 1, 1}, 0};
   EXPECT_EQ(follow(scene, onto_the_wall, 100, unlimited).mean(), 0);
+}
+
+TEST(EnvironmentLight, IsThePixelInItsMiddleAndLinearBetweenTwo) {
+  const int ny = 8, nx = 2 * ny;
+  const auto map = random_map(ny);
+  const double turn = 0.4;
+  const EnvironmentLight light({map, {1, 1, 1}, turn}, Lines{});
+  const auto at = [&](double column, double row) {
+    return light.radiance(environment_direction({(column + 0.5) / nx, (row + 0.5) / ny}, turn)).y;
+  };
+  const auto pixel = [&](int column, int row) { return double((*map)(row, column, map->channels / 2)); };
+  for (int row = 0; row < ny; ++row)
+    for (int column = 0; column < nx; ++column) {
+      // Directions are exact to some 1e-15; a pixel differs from the next one by less than its brightest value.
+      const double tolerance = 1e-11 * *std::max_element(map->values.begin(), map->values.end());
+      EXPECT_NEAR(at(column, row), pixel(column, row), tolerance);
+      EXPECT_NEAR(at(column + 0.25, row), 0.75 * pixel(column, row) + 0.25 * pixel((column + 1) % nx, row), tolerance);
+      if (row + 1 < ny)
+        EXPECT_NEAR(at(column, row + 0.25), 0.75 * pixel(column, row) + 0.25 * pixel(column, row + 1), tolerance);
+    }
 }
 
 }  // namespace

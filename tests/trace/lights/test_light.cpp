@@ -102,6 +102,17 @@ TEST(Light, PanesLetLightStraightThrough) {
   }
 }
 
+// The card stands 10 mm behind the lamp, and the pane 20 mm before the wall: nearer to each other than lamp and wall.
+TEST(Light, WhatStandsBehindALampCastsNoShadowThroughAPane) {
+  const Vec3 lamp{30_mm, 0, -0.26};
+  Scene scene = make_wall_behind_panes(PointLight{lamp, {1, 1, 1}}, 1, DielectricMaterial{.is_thin = true});
+  const Ray ray{{}, {0, 0, -1}};
+  const double without = follow(scene, ray, 1, 2).mean();
+  EXPECT_GT(without, 0);
+  scene.meshes.push_back(make_test_quad(lamp + Vec3{6_mm, 0, 8_mm}, {2_mm, 0, 0}, {0, 2_mm, 0}));
+  EXPECT_EQ(follow(scene, ray, 1, 2).mean(), without);
+}
+
 TEST(Light, WhatPathsMeetBehindAPaneIsNotCountedTwice) {
   const RectangleLight lamp{{40_mm, -10_mm, -0.26}, {-20_mm, 0, 0}, {0, 20_mm, 0}, {1, 1, 1}};
   const Material pane = DielectricMaterial{.is_thin = true};

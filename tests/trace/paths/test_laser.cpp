@@ -96,6 +96,33 @@ TEST(LaserPhasors, TheWayThroughGlassCountsItsIndex) {
   EXPECT_NEAR(std::norm(u[1]) / mean, 1, 1e-9);
 }
 
+// The start is moved along a mirror; the light reaches it from a place q on a wall, which stays. Its way is shorter by
+// the move toward q, up to (5 µm)²/0.1 m: 3e-3 rad.
+TEST(LaserPhasors, AMoveOfTheStartChangesTheWayToTheNextSurface) {
+  Scene scene;
+  scene.materials = {grey(0.6), ConductorMaterial{}};
+  scene.meshes = {make_test_quad({0.1, 0, -0.3}, {10_mm, 0, 0}, {0, 10_mm, 0}, 1),
+                  make_test_quad({0.1 + 0.1 / 3, 0, -0.2}, {0, 10_mm, 0}, {10_mm, 0, 0})};
+  scene.lights = {PointLight{{0.15, 0, -0.25}, {1, 1, 1}, true}};
+  const PathScene path_scene(scene, Lines{}, {}, {.max_depth = 2});
+  PathStart start = start_of(path_scene, {{0, 0, 0}, normalize({0.1, 0, -0.3})});
+  const auto phasor = [&](Vec3 move) {
+    start.phase_move = move;
+    Phasors u{};
+    PathCounts counts;
+    laser_phasors(path_scene, start, 1, 0, {&u, 1}, counts);
+    return u[1];
+  };
+  const std::complex<double> still = phasor({});
+  ASSERT_GT(std::norm(still), 0);
+  const Vec3 here{0.1, 0, -0.3}, q{0.1 + 0.1 / 3, 0, -0.2};
+  for (const Vec3 move : {Vec3{5_um, 0, 0}, Vec3{-3_um, 2_um, 0}}) {
+    const double change = length(q - here - move) - length(q - here);
+    const double found = std::arg(phasor(move) / still);
+    EXPECT_LT(phase_difference(found, 2 * pi * change / green_line), 3e-3) << move.x;
+  }
+}
+
 TEST(LaserPhasors, APaneAddsNoPathToTheWayThroughIt) {
   Scene scene;
   scene.materials = {grey(0.6), DielectricMaterial{.is_thin = true}};

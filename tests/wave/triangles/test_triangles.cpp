@@ -312,5 +312,20 @@ TEST(Triangles, OutOfReachAreCounted) {
   EXPECT_EQ(heard.warnings[0].substr(0, 31), "1 of 3 triangles light no pixel");
 }
 
+// A triangle that reaches away from the panel: at 0.35 mm beside it, the near corner at 9.5 mm lights ±0.32 mm and
+// misses it, the far ones at 11.5 mm light ±0.38 mm.
+TEST(Triangles, LightThePanelByTheirFarPartAlone) {
+  const Grid panel{64, 64, 8_um};
+  Triangle t;
+  t.corners = {Vec3{600_um, 0, -9.5_mm}, Vec3{620_um, -30_um, -11.5_mm}, Vec3{620_um, 30_um, -11.5_mm}};
+  t.amplitudes = {1, 1, 1};
+  t.direction = normalize(Vec3{250_um, 0, 0} - centroid(t));  // to the panel's edge
+  const FieldDouble points = sum_exact(dense_points(only(t), 150), panel);
+  const double expected = power(points);
+  ASSERT_GT(expected, 0);
+  // Each part has one box, each point its own: they differ by the size of a part, some pixels of those that are lit.
+  EXPECT_NEAR(power(sum_triangles(only(t), panel, 1e-2)), expected, 0.3 * expected);
+}
+
 }  // namespace
 }  // namespace holotrace

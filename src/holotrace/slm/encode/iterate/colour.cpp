@@ -134,13 +134,13 @@ double Colour::add_gradient(const TargetWay& way, SampleGroup group, PlaneLight 
   return error;
 }
 
-double Colour::add_views(const ViewTargets& views, double factor, const std::vector<Drive>& levels,
-                         std::vector<Drive>& slopes) {
+void Colour::add_views(const ViewTargets& views, double factor, const std::vector<Drive>& levels,
+                       std::vector<Drive>& slopes) {
   const size_t count = views.pupils.size();
   double light = 0;
   for (const Array2D<float>& amplitude : views.amplitudes)
     for (const float a : amplitude.values) light += double(a) * a;
-  if (light == 0) return 0;
+  if (light == 0) return;
   if (!pupils_)
     pupils_.emplace(
         slm_, wavelength_, views.pupils.front(),
@@ -156,10 +156,9 @@ double Colour::add_views(const ViewTargets& views, double factor, const std::vec
                 power[size_t(k)].size());
     });
   }
-  double error = 0;
   for (size_t k = 0; k < count; ++k)
-    error += take_residual(power[k].values.data(), views.amplitudes[k].values.data(), nullptr, float(1 / scale_),
-                           power[k].size());
+    take_residual(power[k].values.data(), views.amplitudes[k].values.data(), nullptr, float(1 / scale_),
+                  power[k].size());
   for (size_t m = 0; m < u_.size(); ++m) {
     Field eye = pupils_->dark_eye();
     parallel_for(0, int64_t(count), [&](int64_t k) {
@@ -170,7 +169,6 @@ double Colour::add_views(const ViewTargets& views, double factor, const std::vec
     panel_.add_slope(levels[m], u_[m], pupils_->to_panel(eye),
                      -2 * scale_ * scale_ * factor / (light * double(u_.size())), slopes[m], detail_);
   }
-  return error * scale_ * scale_ / light;
 }
 
 }  // namespace holotrace

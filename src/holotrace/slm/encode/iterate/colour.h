@@ -50,10 +50,8 @@ class Colour {
   void add_planes(const std::vector<size_t>& planes, uint64_t round, double factor, const std::vector<Drive>& levels,
                   std::vector<Drive>& slopes);
 
-  /// Adds the gradient of the error of some views, at the scale of the planes, as a fraction of their light. Returns
-  /// that fraction.
-  double add_views(const ViewTargets& views, double factor, const std::vector<Drive>& levels,
-                   std::vector<Drive>& slopes);
+  /// Adds the gradient of the error of some views, at the scale of the planes, as a fraction of their light.
+  void add_views(const ViewTargets& views, double factor, const std::vector<Drive>& levels, std::vector<Drive>& slopes);
 
   /// Calls work(number) for each number that outlasts an update; it may change them.
   template <class Work>

@@ -1,0 +1,33 @@
+// How many states partly coherent light needs.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/run/illumination_plan.h"
+
+namespace holotrace::test {
+namespace {
+
+// A spectrum of Δλ = 50 nm moves the light of a plane at z = 1 m by up to sinθ·z·Δλ/λ, with sinθ = W/z of a panel of the
+// width W, less than its λ/2p. There is a state for every half of what a pupil of 0.5 mm resolves, λ·d/D. The pupil at
+// 1.1 m is d = 0.1 m from a real image, in front of the panel, and 2.1 m from a virtual one: 28 states, and 2, fewer than
+// the least number of 8.
+TEST(IlluminationPlan, CountsFromTheImageToThePupil) {
+  constexpr double wavelength = 532e-9, pitch = 8e-6, bandwidth = 50e-9, pupil = 0.5e-3;
+  Slm slm;
+  slm.grid = {1920, 1080, pitch};
+  ShowParams show;
+  show.bandwidth = bandwidth;
+  CameraParams camera;
+  camera.pupil = pupil;
+  camera.eye = {0, 0, 1.1};
+  const Viewpoint from{ViewKind::distance, "look", 1.0, 0, camera};
+  const double moved = slm.grid.width() * bandwidth / wavelength, half = wavelength * 0.1 / pupil / 2;
+  ASSERT_EQ(std::ceil(moved / half), 28);
+  EXPECT_EQ(plan_illumination(slm, show, wavelength, ImageSide::real_image, {from}, {}).needed, 28);
+  EXPECT_EQ(plan_illumination(slm, show, wavelength, ImageSide::virtual_image, {from}, {}).needed, 8);
+}
+
+}  // namespace
+}  // namespace holotrace::test
