@@ -204,10 +204,10 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
           passed = light_.get(fmt::format("pupil {} {}", of_pupil, source), observer, [&](const Observer& o) {
             return *light_in_pupil(shown, item.slm, state.propagation, from.camera, o);
           });
-        const Image view = focus_light(passed ? *passed : shown, shape_of(shown), item.slm, from.distance,
-                                       state.propagation, from.camera, at.source);
+        Image view = focus_light(passed ? *passed : shown, shape_of(shown), item.slm, from.distance, state.propagation,
+                                 from.camera, at.source);
         if (states.size() == 1)
-          mean = view;
+          mean = std::move(view);
         else
           add_weighted(view, at.weight, mean);
       }
