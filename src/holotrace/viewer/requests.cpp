@@ -161,8 +161,8 @@ ViewState view_state(const Query& query, const ViewState& defaults, size_t items
   require(state.camera.distances.size() == 1, "expected one distance, got {}", state.camera.distances.size());
   require(state.show.subpixels <= most_subpixels, "expected at most {} subpixels here, got {}; use holotrace show",
           most_subpixels, state.show.subpixels);
-  require(state.show.illumination_states <= most_states,
-          "expected at most {} illumination states here, got {}; use holotrace show", most_states,
+  require(state.show.illumination_states <= most_illumination_states,
+          "expected at most {} illumination states here, got {}; use holotrace show", most_illumination_states,
           state.show.illumination_states);
   return state;
 }

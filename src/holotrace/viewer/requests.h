@@ -13,7 +13,7 @@ using Query = std::map<std::string, std::string>;
 
 /// Bounds of a request from the page. They keep one request from taking the machine's memory or minutes of time.
 inline constexpr size_t most_query_bytes = 4096;
-inline constexpr int most_subpixels = 5, most_states = 256;
+inline constexpr int most_subpixels = 5, most_illumination_states = 256;
 inline constexpr double most_sensor_pixels = 32e6;
 
 /// The text after "?" as keys and values: pairs joined by "&", percent-encoded UTF-8, "+" for a space.

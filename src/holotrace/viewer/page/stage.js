@@ -211,7 +211,7 @@ function release(event) {
   if (press && !press.isMoved && event.type === 'pointerup' && pointers.size === 0) {
     const pixel = pixelAt(event);
     if (isInside(pixel) && !focusAt(pixel) && points.length === 0)
-      $('readout').textContent = 'the depth is not known here: no sources.ply beside the holograms';
+      $('readout').textContent = 'the depth is not known here: no sources.ply and no points.ply beside the holograms';
   }
   if (pointers.size === 0) press = null;
 }
