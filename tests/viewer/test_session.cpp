@@ -9,6 +9,7 @@
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/files/new_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
@@ -352,6 +353,22 @@ TEST(Session, ReadsAFolderAgainOnceARunHasWrittenIt) {
   EXPECT_EQ(session.refresh(), 2);
   EXPECT_TRUE(session.view(session.state_of({})));
   EXPECT_EQ(session.refresh(), 2);
+}
+
+// The progress of a job is a file of another program: what is nested deeper than memory allows to write is left out.
+TEST(Session, LeavesOutProgressThatIsNestedTooDeep) {
+  const std::string folder = temporary("out");
+  std::filesystem::create_directories(folder);
+  Session session({folder});
+  const size_t levels = 500'000;  // of two bytes each: the file is read up to 1 MiB
+  for (const std::string& history : {std::string("[]"), std::string(levels, '[') + std::string(levels, ']')}) {
+    NewFile file(folder + "/job.progress");
+    const std::string text = R"({"stage": "encode", "history": )" + history + "}";
+    file.put(text.data(), text.size());
+    file.seek(0);
+    const Json progress = Json::parse(session.describe())["progress"];
+    EXPECT_EQ(progress.is_null(), history != "[]");
+  }
 }
 
 TEST(Session, PrintsTheCommandOfAView) {

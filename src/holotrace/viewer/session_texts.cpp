@@ -5,6 +5,7 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/io/files/json_text.h"
 #include "holotrace/io/files/progress_file.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/viewer/json_text.h"
@@ -117,7 +118,7 @@ std::string Session::describe() {
   json["has_report"] = !contents_->report.empty();
   json["progress"] = nullptr;
   if (const auto text = running_progress(folder_of(paths_.front()))) {
-    const Json progress = Json::parse(*text, nullptr, false);  // it may be half written
+    const Json progress = parse_json_if_sound(*text);
     if (progress.is_object()) json["progress"] = progress;
   }
   return text_of(json);

@@ -94,16 +94,17 @@ function setRange() {
   range.step = 'any';
 }
 
+let loaded = 0;  // the reading of the session that is shown completely
+
 async function load() {
-  const before = session.readings;
   Object.assign(session, await api.json('session'));
   if (isLost) { isLost = false; say(''); }
-  if (session.readings !== before) {
+  if (session.readings !== loaded) {
     const name = session.paths.length === 1 ? session.paths[0] : `${session.paths.length} holograms`;
     $('title').textContent = name;
     document.title = `${name} – Holotrace`;
     say(session.problems.join('\n'));
-    if (before === 0 || state.distance === 0) state.distance = Number((session.defaults.distance_m * 1e3).toFixed(4));
+    if (loaded === 0 || state.distance === 0) state.distance = Number((session.defaults.distance_m * 1e3).toFixed(4));
     state.shown = null;
     setRange();
     buildControls();
@@ -117,6 +118,7 @@ async function load() {
       await showPanel();
     }
     if (session.has_report) await showReport();
+    loaded = session.readings;
   }
   showProgress(session.progress);
 }
