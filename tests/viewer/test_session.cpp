@@ -180,7 +180,14 @@ TEST(Session, ADraftShowsOneFrameWithTheWhiteOfTheStill) {
   EXPECT_EQ(draft.white, white);
   ViewState state = session.state_of({});
   state.camera.sampling = PixelSampling::point;
-  EXPECT_EQ(draft.image.values, as_show_makes_it({holograms[0]}, state).image.values);
+  const Image expected = as_show_makes_it({holograms[0]}, state).image;
+  EXPECT_EQ(draft.image.values, expected.values);
+  const TakenView half = *session.view(session.state_of({{"draft", "2"}}));
+  EXPECT_EQ(half.step, 2);
+  ASSERT_EQ(half.image.nx, 32);  // of 64 × 48 pixels
+  ASSERT_EQ(half.image.ny, 24);
+  for (int j = 0; j < 24; ++j)
+    for (int i = 0; i < 32; ++i) ASSERT_EQ(half.image(j, i), expected(2 * j, 2 * i)) << j << " " << i;
 }
 
 TEST(Session, WritesTheFilesOfShow) {

@@ -147,8 +147,9 @@ ViewState view_state(const Query& query, const ViewState& defaults, size_t items
       require(items > 0, "expected no \"items\", because there is no hologram here yet");
       state.shown = numbers_below(value, items);
     } else if (key == "draft") {
-      require(value == "1", "expected 1 for \"draft\", got \"{}\"", printable(value, 80));
+      require(value == "1" || value == "2", "expected 1 or 2 for \"draft\", got \"{}\"", printable(value, 80));
       state.is_draft = true;
+      state.step = value == "2" ? 2 : 1;
     } else {
       std::vector<std::string> known(std::begin(own_keys), std::end(own_keys));
       for (const auto& [name, field] : fields_by_key()) known.push_back(name);

@@ -21,7 +21,8 @@ inline constexpr double most_sensor_pixels = 32e6;
 Query parse_query(const std::string& text);
 
 /// The state that a query asks for. Its keys are the flags of `holotrace show` without dashes at the start ("distance",
-/// "focal-length", …) with the same texts, "items" (numbers joined by commas) and "draft" ("1").
+/// "focal-length", …) with the same texts, "items" (numbers joined by commas) and "draft" ("1", or "2" for
+/// half the resolution).
 /// @param items    number of holograms of the session
 /// @param defaults settings of the keys that are left out
 /// @throws Error   for unknown keys, naming the nearest; for values that are invalid or beyond the bounds above

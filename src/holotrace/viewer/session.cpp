@@ -42,6 +42,18 @@ ViewState coarser(ViewState state) {
   return state;
 }
 
+// Every n-th pixel of every n-th row, beginning with the first.
+Image every_nth(const Image& image, int n) {
+  Image out((image.ny + n - 1) / n, (image.nx + n - 1) / n, image.channels);
+  out.pitch = image.pitch * n;
+  out.centre_x = image.centre_x;
+  out.centre_y = image.centre_y;
+  for (int j = 0; j < out.ny; ++j)
+    for (int i = 0; i < out.nx; ++i)
+      for (int c = 0; c < out.channels; ++c) out(j, i, c) = image(j * n, i * n, c);
+  return out;
+}
+
 // The first frame of each wavelength and name.
 std::vector<size_t> first_frames(const std::vector<size_t>& chosen, const std::vector<ViewedItem>& items) {
   std::set<std::pair<double, std::string>> kinds;
@@ -178,6 +190,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
   const std::string of_pupil =
       fmt::format("{:a};{:a};{:a};{:a}", from.camera.pupil, from.camera.eye.x, from.camera.eye.y, from.camera.eye.z);
   TakenView taken;
+  taken.step = state.is_draft ? state.step : 1;
   CombinedViews sum;
   const Observer observer = warnings_to(taken.warnings);
   for (const size_t i : chosen(given)) {
@@ -206,6 +219,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
           });
         Image view = focus_light(passed ? *passed : shown, shape_of(shown), item.slm, from.distance, state.propagation,
                                  from.camera, at.source);
+        if (state.is_draft && state.step > 1) view = every_nth(view, state.step);
         if (states.size() == 1)
           mean = std::move(view);
         else
