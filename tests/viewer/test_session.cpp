@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "holotrace/base/random.h"
 #include "holotrace/io/field/field_file.h"
@@ -146,6 +147,41 @@ TEST(Session, KeptLightWarnsAgain) {
     cache.get("a", observer, make);
     EXPECT_EQ(warnings, std::vector<std::string>{"the eye is outside the eyebox"}) << time;
   }
+}
+
+// 64 × 48 pixels do not divide into bins of 5: the page says so as show does, each time.
+TEST(Session, TheSensorWarns) {
+  Session session({folder_of({random_hologram(532e-9, 0)})});
+  const std::vector<std::string> expected{
+      "the field of 64 × 48 samples does not divide into bins of 5: 4 columns and 3 rows at its border are left out"};
+  for (const char* distance : {"20 mm", "21 mm"})
+    EXPECT_EQ(session.view(session.state_of({{"distance", distance}, {"binning", "5"}}))->warnings, expected);
+}
+
+// While a picture of several holograms is at work, the number of a newer request of the same page stops it; another
+// page's does not.
+TEST(Session, ANewerRequestStopsTheOneAtWork) {
+  std::vector<Hologram> holograms;
+  for (uint32_t frame = 0; frame < 12; ++frame) holograms.push_back(random_hologram(532e-9, frame));
+  Session session({folder_of(holograms)});
+  Answers answers(session, {"t", "127.0.0.1", 80});
+  const auto ask = [&](const std::string& query) {
+    return answers({"GET", "/t/view", query, {{"host", "127.0.0.1"}}}).status;
+  };
+  int outdated = 0;
+  for (int64_t number = 1; number < 60; number += 2) {  // each time two requests at once
+    const std::string settings = "&distance=" + std::to_string(number) + "+mm";
+    int status = 0, other = 0;
+    std::thread old([&] { status = ask("page=a&number=" + std::to_string(number) + settings); });
+    std::thread beside([&] { other = ask("page=b&number=" + std::to_string(number) + settings); });
+    EXPECT_EQ(ask("page=a&number=" + std::to_string(number + 1) + settings), 200);
+    old.join();
+    beside.join();
+    EXPECT_TRUE(status == 200 || status == 204) << status;
+    EXPECT_EQ(other, 200);
+    outdated += status == 204;
+  }
+  EXPECT_GT(outdated, 0);  // it is nearly always outdated when its turn comes
 }
 
 TEST(Session, AFileThatVanishesIsASentenceAndComesBack) {

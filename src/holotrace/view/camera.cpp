@@ -126,11 +126,12 @@ Image read_focused(const Field* light, const FieldShape& shown, const Focus& foc
 
 FieldShape shape_of(const Field& field) { return {field.grid, field.wavelength, field.image, field.filter}; }
 
-Image focus_light(const Field& light, const FieldShape& shown, const Slm& slm, double distance,
-                  const PropagateParams& propagation, const CameraParams& camera, const SourcePart& source) {
-  const Focus focus = focus_of(shown, slm, distance, propagation, camera, {}, source);
+Image focus_light(const PassedLight& passed, const Slm& slm, double distance, const PropagateParams& propagation,
+                  const CameraParams& camera, const Observer& observer, const SourcePart& source) {
+  const auto& [light, shown] = passed;
+  const Focus focus = focus_of(shown, slm, distance, propagation, camera, observer, source);
   const bool has_light = light.samples.size() > 0 && is_lit(shown, focus);
-  return read_focused(has_light ? &light : nullptr, shown, focus, source, {});
+  return read_focused(has_light ? &light : nullptr, shown, focus, source, observer);
 }
 
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,

@@ -217,8 +217,8 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
           passed = light_.get(fmt::format("pupil {} {}", of_pupil, source), observer, [&](const Observer& o) {
             return *light_in_pupil(shown, item.slm, state.propagation, from.camera, o);
           });
-        Image view = focus_light(passed ? *passed : shown, shape_of(shown), item.slm, from.distance, state.propagation,
-                                 from.camera, at.source);
+        Image view = focus_light({passed ? *passed : shown, shape_of(shown)}, item.slm, from.distance,
+                                 state.propagation, from.camera, observer, at.source);
         if (state.is_draft && state.step > 1) view = every_nth(view, state.step);
         if (states.size() == 1)
           mean = std::move(view);
