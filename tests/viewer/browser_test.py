@@ -399,12 +399,35 @@ class Page(unittest.TestCase):
             if not node.get("ignored") and node.get("role", {}).get("value") in needing:
                 self.assertTrue(node.get("name", {}).get("value"), json.dumps(node)[:300])
 
+    def test_works_by_keyboard(self):
+        """Tab reaches every control once, in the order of the page, and shows where the focus is."""
+        for theme in ("light", "dark"):
+            self.script("document.documentElement.dataset.theme = arguments[0]", theme)
+            self.script("document.querySelectorAll('details').forEach(box => { box.open = true; })")
+            expected = self.script(CONTROLS + "return controls.map(nameOf)")
+            self.assertGreater(len(expected), 25)
+            self.script("document.querySelector('.skip').focus()")
+            reached = expected[:1]
+            while len(reached) < len(expected):
+                ActionChains(self.browser).send_keys(Keys.TAB).perform()
+                name, fault = self.script(CONTROLS + FOCUS)
+                reached.append(name)
+                self.assertEqual(fault, "", f"{name}, {theme}")
+            self.assertEqual(reached, expected)
+
     def test_fits_a_phone(self):
         phone = new_browser(390, 844, True)
         self.addCleanup(phone.quit)
         phone.get(self.server.url)
         wait_until(lambda: phone.execute_script("return document.body.dataset.complete"))
+        phone.execute_script("document.querySelectorAll('details').forEach(box => { box.open = true; })")
         self.assertLessEqual(phone.execute_script("return document.documentElement.scrollWidth"), 390)
+        self.assertEqual(phone.execute_script("""  // What lies in the view is cut at its frame.
+            return [...document.querySelectorAll('body *:not(#sheet, #sheet *, .hidden, .skip)')].filter(e => {
+              const box = e.getBoundingClientRect();
+              return box.width > 0 && (box.left < -0.5 || box.right > 390.5);
+            }).map(e => e.id || e.outerHTML.slice(0, 80))"""), [])
+        self.assertEqual(phone.execute_script(FAULTS), [])
         self.keep_screenshot(phone, "viewer_phone")
 
     def test_fits_a_desktop(self):
@@ -416,6 +439,21 @@ class Page(unittest.TestCase):
         if folder:
             browser.save_screenshot(os.path.join(folder, name + ".png"))
 
+
+# All that Tab should reach.
+CONTROLS = """
+const controls = [...document.querySelectorAll('a[href], button, input, select, summary, [tabindex="0"]')]
+  .filter(e => !e.disabled && e.getClientRects().length > 0 && getComputedStyle(e).visibility !== 'hidden');
+const nameOf = e => e.id || (e.labels && e.labels[0] ? e.labels[0].textContent.trim() : e.textContent.trim());
+"""
+
+# The control in focus, and what is wrong with it: no ring around it, or beyond the window.
+FOCUS = """
+const e = document.activeElement, style = getComputedStyle(e), box = e.getBoundingClientRect();
+const ring = style.outlineStyle !== 'none' && parseFloat(style.outlineWidth) >= 1;
+const isInside = box.bottom > 0 && box.right > 0 && box.top < innerHeight && box.left < innerWidth;
+return [nameOf(e), !ring ? 'no ring' : !isInside ? 'not in the window' : ''];
+"""
 
 # Faults that WCAG 2.2 AA names and a program can find: controls and pictures without a name, text whose contrast is
 # below 4.5, targets smaller than 24 pixels, names that are used twice, headings that skip a level.
