@@ -33,7 +33,7 @@ std::string colour_text(const std::vector<double>& wavelengths) {
 bool place_render(Image& render, const std::string& render_path, const Image& view, const std::string& view_path,
                   Json& facts) {
   const std::optional<RenderOfView> known = render_of_view(view_path);
-  if (!known || !is_same_file(known->path, render_path)) return false;
+  if (!known || !(is_same_file(known->path, render_path) || is_same_file(known->radiance, render_path))) return false;
   facts["placed"] = fmt::format("{} ({} pixels) on the {} pixels of {}, each the mean over its area, by report.json",
                                 render_path, size_text(render), size_text(view), view_path);
   facts["colours"] = "light of " + colour_text(known->place.wavelengths);

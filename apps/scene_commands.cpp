@@ -93,10 +93,11 @@ void add_run(Command& app, const GlobalFlags& global) {
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
   command
-      ->add_option("-o,--output", o->folder,
-                   "output folder for render.png, sources.ply, field.npy, hologram.png, view.png, report.json; several "
-                   "of a kind: NAME, NAME_2, …; a sweep adds view_sweep_01.png, …, view_sweep.gif and view_sweep.png "
-                   "(chart); two eyes add stereo_left.png, … (the render) and holo_left.png, …")
+      ->add_option(
+          "-o,--output", o->folder,
+          "output folder for render.png, render.exr (its radiance), sources.ply, field.npy, hologram.png, view.png, report.json; several "
+          "of a kind: NAME, NAME_2, …; a sweep adds view_sweep_01.png, …, view_sweep.gif and view_sweep.png "
+          "(chart); two eyes add stereo_left.png, … (the render) and holo_left.png, …")
       ->required()
       ->type_name("DIR");
   add_wavelength(*command, o->wavelengths);

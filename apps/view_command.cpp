@@ -1,14 +1,9 @@
 // holotrace view: holograms in a browser, live.
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <charconv>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 
 #include "commands.h"
@@ -17,6 +12,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/viewer/answers.h"
 #include "holotrace/viewer/listener.h"
+#include "open_browser.h"
 #include "say.h"
 
 namespace holotrace {
@@ -31,21 +27,6 @@ void stop_on_interrupt() {
   action.sa_flags = int(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-}
-
-// Opens a page in the browser of the desktop, if there is a desktop.
-void open_browser(const std::string& url) {
-  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return;
-  std::string program = "xdg-open", page = url;
-  char* arguments[] = {program.data(), page.data(), nullptr};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
-  pid_t child = 0;
-  if (posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ) != 0)
-    say("holotrace: no program xdg-open; open the address by hand\n");
-  posix_spawn_file_actions_destroy(&actions);
 }
 
 // Seconds from a time with its unit: "30 min", "10 s", "2 h".
@@ -98,26 +79,27 @@ void add_view_command(Command& app, const GlobalFlags& global) {
     console.finish();
     std::unique_ptr<Answers> answers;
     ListenerParams params;
-    params.address = o->address;
+    const std::string address = canonical_address(o->address);
+    params.address = address;
     params.port = o->port;
     std::atomic<bool> is_ready = false;
     Listener listener(params, [&](const HttpRequest& request) {
       return is_ready ? (*answers)(request) : HttpAnswer{503, "text/plain; charset=utf-8", "not yet ready\n"};
     });
-    const Access access{make_token(), o->address, listener.port()};
+    const Access access{make_token(), address, listener.port()};
     answers = std::make_unique<Answers>(session, access);
     is_ready = true;
-    if (!is_loopback(o->address))
+    if (!is_loopback(address))
       say("warning: the server listens on {}: everybody on that network who knows the URL sees these files, and the URL "
           "travels without encryption; prefer an SSH tunnel (ssh -L) to the default address\n",
-          o->address);
+          address);
     stop_on_interrupt();
-    const std::string host = o->address.find(':') == std::string::npos ? o->address : "[" + o->address + "]";
+    const std::string host = address.find(':') == std::string::npos ? address : "[" + address + "]";
     const std::string url = fmt::format("http://{}:{}/{}/", host, listener.port(), access.token);
     fmt::print("{}\n", url);
     std::fflush(stdout);
     if (!global.is_quiet) say("holotrace: {}; Ctrl-C ends the server\n", session.memory_text());
-    if (!o->has_no_browser) open_browser(url);
+    const std::unique_ptr<PrivateLink> link = o->has_no_browser ? nullptr : open_browser(url);
     listener.run([&] { return is_stopped != 0 || answers->idle_seconds() > idle_seconds; });
   });
 }

@@ -205,8 +205,8 @@ void members(Archive& archive, Report& part) {
 }
 template <class Archive>
 void members(Archive& archive, RunRecord& part) {
-  auto& [job, report] = part;
-  archive(job, report);
+  auto& [job, report, points, radiances] = part;
+  archive(job, report, points, radiances);
 }
 template <class Archive>
 void members(Archive& archive, ViewRecord& part) {

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <vector>
+
+#include "holotrace/data/image.h"
 #include "holotrace/data/job.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/report.h"
+#include "holotrace/data/sources.h"
 
 namespace holotrace::python {
 
@@ -10,6 +14,8 @@ namespace holotrace::python {
 struct RunRecord {
   Job job;  ///< with the numbers that its quality chooses
   Report report;
+  std::vector<Sources> points;   ///< as in Boxes
+  std::vector<Image> radiances;  ///< as in Boxes
 };
 struct ViewRecord {
   CameraParams camera;

@@ -38,7 +38,8 @@ nb::dict run_job(const Job& given, Watch& watch) {
   results["stereo_views"] = moved(boxes.stereo_views.images);
   results["stereo_white"] = boxes.stereo_views.white;
   results["report"] = json_of(boxes.report);
-  results["record"] = nb::cast(RunRecord{job, std::move(boxes.report)});
+  results["record"] =
+      nb::cast(RunRecord{job, std::move(boxes.report), std::move(boxes.points), std::move(boxes.radiances)});
   return results;
 }
 
@@ -56,6 +57,8 @@ Boxes boxes_of(const nb::dict& made, const RunRecord& record) {
   boxes.stereo_views = series_of(made, "stereo_views", "stereo_white");
   boxes.viewpoints = viewpoints(record.job.camera, record.job.render);
   boxes.report = record.report;
+  boxes.points = record.points;
+  boxes.radiances = record.radiances;
   return boxes;
 }
 

@@ -26,13 +26,16 @@ TEST(Commands, RunWritesEveryBoxOfThePipeline) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   const std::string summary = succeed(work, {"run", "scene.toml", "-o", "out"});
-  for (const char* words : {"trace", " waves", "look at 30 mm", "PSNR", "all stages",
-                            "written to out: field.npy, field.npy.json, hologram.png, render.png, report.json, "
-                            "sources.ply, view.png\n"})
+  for (const char* words :
+       {"trace", " waves", "look at 30 mm", "PSNR", "all stages",
+        "written to out: field.npy, field.npy.json, hologram.png, render.exr, render.png, report.json, "
+        "sources.ply, view.png\n"})
     EXPECT_NE(summary.find(words), std::string::npos) << words << " is not in:\n" << summary;
-  const std::set<std::string> expected{"scene.toml",       "out",           "out/render.png",
-                                       "out/sources.ply",  "out/field.npy", "out/field.npy.json",
-                                       "out/hologram.png", "out/view.png",  "out/report.json"};
+  const std::set<std::string> expected{"scene.toml",         "out",
+                                       "out/render.png",     "out/render.exr",
+                                       "out/sources.ply",    "out/field.npy",
+                                       "out/field.npy.json", "out/hologram.png",
+                                       "out/view.png",       "out/report.json"};
   EXPECT_EQ(work.names(), expected);
   EXPECT_EQ(load_image(work.path("out/render.png")).ny, 64);                     // [render] rows of the scene
   EXPECT_GT(load_sources(work.path("out/sources.ply"), 0).waves.size(), 1000U);  // 48×48 first hits, almost all lit

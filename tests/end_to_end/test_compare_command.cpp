@@ -122,6 +122,8 @@ TEST(CompareCommand, FindsForTheFilesOfARunWhatItsReportSays) {
     EXPECT_EQ(facts["placed"], "out/render.png (64 × 64 pixels) on the 256 × 192 pixels of " + view +
                                    ", each the mean over its area, by report.json");
     EXPECT_EQ(facts["colours"], "light of 532 nm");
+    const Outcome exact = work.run({"compare", "out/render.exr", view, "--json"});
+    EXPECT_EQ(nlohmann::json::parse(exact.out)["colours"], "light of 532 nm");
     for (const auto& stage : report["stages"])
       if (stage["stage"] == (name == std::string("view.png") ? "look at 30 mm" : "look at 29 mm")) {
         // 8-bit steps of the render: half a step is at most 0.2 % of the maximum, against an error of 20 %.

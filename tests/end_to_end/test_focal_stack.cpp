@@ -84,8 +84,8 @@ TEST(FocalStacks, AreTheTargetsOfARun) {
                                  "distances = \"40 mm\"\n"));
   const Outcome outcome = work.run({"run", "scene.toml", "-o", "out", "--frames", "2"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  for (const char* name : {"out/hologram.png", "out/hologram_2.png", "out/view.png", "out/render.png",
-                           "out/convergence.png", "out/report.json"})
+  for (const char* name : {"out/hologram.png", "out/hologram_2.png", "out/view.png", "out/render.png", "out/render.exr",
+                           "out/points.ply", "out/convergence.png", "out/report.json"})
     EXPECT_TRUE(work.has(name)) << name;
   EXPECT_FALSE(work.has("out/sources.ply"));
   EXPECT_FALSE(work.has("out/hologram_3.png"));

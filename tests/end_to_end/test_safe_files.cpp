@@ -105,7 +105,7 @@ TEST(SafeFiles, ARunKeepsTheFilesOfOthersAndRemovesItsOwn) {
   for (const auto& [name, bytes] : report_record(work.path("out/report.json")))
     EXPECT_EQ(std::filesystem::file_size(work.path("out/" + name)), bytes) << name;
   EXPECT_EQ(report_record(work.path("out/report.json")).size(),
-            6U);  // render, sources, field, its .json, hologram, view
+            7U);  // render, its radiance, sources, field, its .json, hologram, view
 }
 
 // A run that is killed while its files get their names leaves a report that names the files of both runs.

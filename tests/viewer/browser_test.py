@@ -206,13 +206,16 @@ class Page(unittest.TestCase):
         self.assertLess(self.distance(), 55.5)
 
     def test_focuses_at_what_is_clicked(self):
-        frame = self.get("frame")
-        width = frame.size["width"]
         for side, depth in ((0.195, 60), (-0.195, 40)):  # 0.5 mm of the panel's 2.56 mm beside the middle
-            self.change(lambda: ActionChains(self.browser).move_to_element_with_offset(
-                frame, int(side * width), 0).click().perform())
+            self.click_beside_the_middle(side)
             self.assertAlmostEqual(self.distance(), depth, delta=0.01)
         self.assert_view_is_that_of_show()
+
+    def click_beside_the_middle(self, side):
+        """Clicks into the view, `side` of its width beside the middle."""
+        frame = self.get("frame")
+        self.change(lambda: ActionChains(self.browser).move_to_element_with_offset(
+            frame, int(side * frame.size["width"]), 0).click().perform())
 
     def test_moves_the_eye(self):
         self.change(lambda: self.set_number("pupil", 1))
@@ -316,6 +319,11 @@ class Page(unittest.TestCase):
         self.assertEqual(self.get("problem").text, "")
         self.assertEqual(points(), 21)  # 20 iterations, and the error at the end
         self.assertEqual([name for name in os.listdir(folder) if name.startswith(".")], [])
+        # It has made no waves, but a click focuses at the scene's depth there all the same.
+        wait_until(lambda: self.get("space").get_attribute("data-eye-x"), what="the points of the scene")
+        self.change(lambda: self.set_number("distance-number", 50))
+        self.click_beside_the_middle(0.195)
+        self.assertAlmostEqual(self.distance(), 60, delta=0.01)
 
     def test_traces_the_render_of_a_scene(self):
         server = Server(os.path.join(self.folder, "scene.toml"))
@@ -331,6 +339,46 @@ class Page(unittest.TestCase):
         self.server.stop()
         self.set_number("distance-number", 50)
         wait_until(lambda: "does not answer" in self.get("problem").text)
+
+    def test_loads_again_what_failed(self):
+        added = self.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": """
+            const original = window.fetch;
+            window.fetch = (path, options) => {
+              if (path !== 'points' || window.hasFailed) return original(path, options);
+              window.hasFailed = true;
+              return Promise.reject(new TypeError('lost'));
+            };"""})
+        self.addCleanup(self.browser.execute_cdp_cmd, "Page.removeScriptToEvaluateOnNewDocument", added)
+        self.browser.get(self.server.url)
+        wait_until(lambda: self.script("return window.hasFailed"))
+        wait_until(lambda: self.get("space").get_attribute("data-eye-x"), what="the points at the second try")
+        wait_until(lambda: self.get("problem").text == "")
+
+    def test_opens_by_a_private_file(self):
+        bin_folder = os.path.join(self.folder, "bin")
+        os.makedirs(bin_folder)
+        noted = os.path.join(self.folder, "noted")
+        program = os.path.join(bin_folder, "xdg-open")
+        with open(program, "w") as file:  # what the program was called with, and its session
+            file.write(f'#!/bin/sh\necho "$1 $(ps -o sid= -p $$) $$" > {noted}.new && mv {noted}.new {noted}\n')
+        os.chmod(program, 0o755)
+        server = subprocess.Popen([PROGRAM, "view", self.out], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                  env={**os.environ, "DISPLAY": ":99", "PATH": bin_folder + ":" + os.environ["PATH"]})
+        self.addCleanup(server.kill)
+        url = server.stdout.readline().strip()
+        wait_until(lambda: os.path.exists(noted), what="xdg-open")
+        with open(noted) as file:
+            path, session, process = file.read().split()
+        self.assertEqual(session, process)  # a session of its own: Ctrl-C does not reach it
+        self.assertNotIn(url.split("/")[3], path)
+        self.assertEqual(os.stat(path).st_mode & 0o777, 0o600)
+        self.assertEqual(os.stat(os.path.dirname(path)).st_mode & 0o777, 0o700)
+        self.browser.get("file://" + path)
+        wait_until(lambda: self.browser.current_url == url, what="the page")
+        self.settle()
+        server.send_signal(signal.SIGINT)
+        server.communicate(timeout=20)
+        self.assertFalse(os.path.exists(os.path.dirname(path)))
 
     def test_loads_nothing_from_elsewhere(self):
         origin = self.script("return location.origin")
@@ -351,12 +399,35 @@ class Page(unittest.TestCase):
             if not node.get("ignored") and node.get("role", {}).get("value") in needing:
                 self.assertTrue(node.get("name", {}).get("value"), json.dumps(node)[:300])
 
+    def test_works_by_keyboard(self):
+        """Tab reaches every control once, in the order of the page, and shows where the focus is."""
+        for theme in ("light", "dark"):
+            self.script("document.documentElement.dataset.theme = arguments[0]", theme)
+            self.script("document.querySelectorAll('details').forEach(box => { box.open = true; })")
+            expected = self.script(CONTROLS + "return controls.map(nameOf)")
+            self.assertGreater(len(expected), 25)
+            self.script("document.querySelector('.skip').focus()")
+            reached = expected[:1]
+            while len(reached) < len(expected):
+                ActionChains(self.browser).send_keys(Keys.TAB).perform()
+                name, fault = self.script(CONTROLS + FOCUS)
+                reached.append(name)
+                self.assertEqual(fault, "", f"{name}, {theme}")
+            self.assertEqual(reached, expected)
+
     def test_fits_a_phone(self):
         phone = new_browser(390, 844, True)
         self.addCleanup(phone.quit)
         phone.get(self.server.url)
         wait_until(lambda: phone.execute_script("return document.body.dataset.complete"))
+        phone.execute_script("document.querySelectorAll('details').forEach(box => { box.open = true; })")
         self.assertLessEqual(phone.execute_script("return document.documentElement.scrollWidth"), 390)
+        self.assertEqual(phone.execute_script("""  // What lies in the view is cut at its frame.
+            return [...document.querySelectorAll('body *:not(#sheet, #sheet *, .hidden, .skip)')].filter(e => {
+              const box = e.getBoundingClientRect();
+              return box.width > 0 && (box.left < -0.5 || box.right > 390.5);
+            }).map(e => e.id || e.outerHTML.slice(0, 80))"""), [])
+        self.assertEqual(phone.execute_script(FAULTS), [])
         self.keep_screenshot(phone, "viewer_phone")
 
     def test_fits_a_desktop(self):
@@ -368,6 +439,21 @@ class Page(unittest.TestCase):
         if folder:
             browser.save_screenshot(os.path.join(folder, name + ".png"))
 
+
+# All that Tab should reach.
+CONTROLS = """
+const controls = [...document.querySelectorAll('a[href], button, input, select, summary, [tabindex="0"]')]
+  .filter(e => !e.disabled && e.getClientRects().length > 0 && getComputedStyle(e).visibility !== 'hidden');
+const nameOf = e => e.id || (e.labels && e.labels[0] ? e.labels[0].textContent.trim() : e.textContent.trim());
+"""
+
+# The control in focus, and what is wrong with it: no ring around it, or beyond the window.
+FOCUS = """
+const e = document.activeElement, style = getComputedStyle(e), box = e.getBoundingClientRect();
+const ring = style.outlineStyle !== 'none' && parseFloat(style.outlineWidth) >= 1;
+const isInside = box.bottom > 0 && box.right > 0 && box.top < innerHeight && box.left < innerWidth;
+return [nameOf(e), !ring ? 'no ring' : !isInside ? 'not in the window' : ''];
+"""
 
 # Faults that WCAG 2.2 AA names and a program can find: controls and pictures without a name, text whose contrast is
 # below 4.5, targets smaller than 24 pixels, names that are used twice, headings that skip a level.

@@ -74,6 +74,7 @@ TEST_F(AccessOf, AHost) {
     EXPECT_FALSE(is_allowed(access, "/secret/", {{"host", host}})) << host;
   const Access v6{"secret", "::1", 8080}, any{"secret", "0.0.0.0", 8080};
   EXPECT_TRUE(is_allowed(v6, "/secret/", {{"host", "[::1]:8080"}}));
+  EXPECT_TRUE(is_allowed(v6, "/secret/", {{"host", "[0:0::1]:8080"}}));
   EXPECT_TRUE(is_allowed(any, "/secret/", {{"host", "192.168.1.7:8080"}}));
   EXPECT_FALSE(is_allowed(any, "/secret/", {{"host", "evil.example:8080"}}));
   const Access usual{"secret", "127.0.0.1", 80}, usual_v6{"secret", "::1", 80};  // browsers leave out port 80
@@ -96,6 +97,31 @@ TEST_F(AccessOf, AnOrigin) {
   EXPECT_TRUE(with("sec-fetch-site", "none"));
   EXPECT_FALSE(with("sec-fetch-site", "cross-site"));
   EXPECT_FALSE(with("sec-fetch-site", "same-site"));
+}
+
+// A link or a file on the disk may open the page in a tab, if it knows the token. It gets nothing of it.
+TEST_F(AccessOf, ALinkToThePage) {
+  const std::map<std::string, std::string> link{{"host", "127.0.0.1:8080"},
+                                                {"sec-fetch-site", "cross-site"},
+                                                {"sec-fetch-mode", "navigate"},
+                                                {"sec-fetch-dest", "document"}};
+  EXPECT_TRUE(is_allowed(access, "/secret/", link));
+  EXPECT_FALSE(is_allowed(access, "/secre/", link));
+  EXPECT_FALSE(is_allowed(access, "/secret/view", link));
+  auto frame = link;
+  frame["sec-fetch-dest"] = "iframe";
+  EXPECT_FALSE(is_allowed(access, "/secret/", frame));
+  auto request_of_a_script = link;
+  request_of_a_script["sec-fetch-mode"] = "cors";
+  EXPECT_FALSE(is_allowed(access, "/secret/", request_of_a_script));
+}
+
+TEST(Address, IsCanonical) {
+  EXPECT_EQ(canonical_address("0:0:0:0:0:0:0:1"), "::1");
+  EXPECT_EQ(canonical_address("2001:DB8:0::A"), "2001:db8::a");
+  EXPECT_EQ(canonical_address("127.0.0.1"), "127.0.0.1");
+  EXPECT_EQ(canonical_address("example.org"), "example.org");
+  EXPECT_TRUE(is_loopback(canonical_address("0::1")));
 }
 
 TEST(Token, IsLongAndNew) {

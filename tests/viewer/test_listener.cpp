@@ -71,6 +71,13 @@ class Client {
     return all;
   }
 
+  // So many bytes, or fewer if the server ends the connection.
+  std::string receive(size_t count) {
+    std::string some(count, ' ');
+    const ssize_t got = recv(socket_, some.data(), count, MSG_WAITALL);
+    return some.substr(0, got > 0 ? size_t(got) : 0);
+  }
+
   bool is_open = false;
 
  private:
@@ -163,6 +170,23 @@ TEST(Listener, AnswersABurst) {
   for (std::thread& client : clients) client.join();
   EXPECT_EQ(good, 1000);
   EXPECT_LE(most, 16);  // threads: twice the connections
+}
+
+// Bodies of 24 MB are larger than what sockets hold (some 6 MB), so they are sent as they are read.
+TEST(Listener, CutsOffTheOldestOfManySlowReaders) {
+  const std::string body(24'000'000, 'a');
+  const Server server({.most_sending = 3 * body.size()}, [&](const HttpRequest&) {
+    return HttpAnswer{200, "text/plain", body};
+  });
+  std::vector<std::unique_ptr<Client>> slow;
+  for (int i = 0; i < 5; ++i) {
+    slow.push_back(std::make_unique<Client>(server.port));
+    slow.back()->send(get);
+    EXPECT_EQ(slow.back()->receive(9), "HTTP/1.1 ");  // its answer has begun
+  }
+  EXPECT_LT(slow[0]->receive().size(), body.size());
+  EXPECT_LT(slow[1]->receive().size(), body.size());
+  for (size_t i = 2; i < slow.size(); ++i) EXPECT_GE(slow[i]->receive().size(), body.size()) << i;
 }
 
 TEST(Listener, HidesTextsOfExceptions) {

@@ -72,7 +72,7 @@ TEST(Requests, NameWhatIsWrong) {
   EXPECT_EQ(error({{"items", "0,0"}}), "expected each hologram once in \"items\", got 0 twice");
   EXPECT_EQ(error({{"items", "-1"}}), "expected numbers of holograms from 0 to 1 in \"items\", got \"-1\"");
   EXPECT_EQ(error({{"items", "0"}}, 0), "expected no \"items\", because there is no hologram here yet");
-  EXPECT_EQ(error({{"draft", "2"}}), "expected 1 for \"draft\", got \"2\"");
+  EXPECT_EQ(error({{"draft", "3"}}), "expected 1 or 2 for \"draft\", got \"3\"");
   EXPECT_NE(error({{"sweep", "focus"}}).find("unknown key \"sweep\""), std::string::npos);
 }
 

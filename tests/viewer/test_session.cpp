@@ -9,51 +9,20 @@
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/files/new_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
-#include "holotrace/viewer/answers.h"
 #include "holotrace/viewer/session.h"
 #include "support/temporary.h"
+#include "viewer/holograms.h"
 
 namespace holotrace::test {
 namespace {
 
 using Json = nlohmann::json;
-
-Slm small_panel() {
-  Slm slm;
-  slm.grid = {64, 48, 8e-6};
-  slm.fill_factor = 0.9;
-  slm.effects.gap_amplitude = 0.3;
-  return slm;
-}
-
-// A hologram of random levels: light everywhere, so that any difference shows.
-Hologram random_hologram(double wavelength, uint32_t seed, double illumination = 1) {
-  Hologram h;
-  h.slm = small_panel();
-  h.grid = h.slm->grid;
-  h.wavelength = wavelength;
-  h.encoder = "phase";
-  h.illumination = illumination;
-  h.frame = seed;
-  h.level = Array2D<uint16_t>(h.grid.ny, h.grid.nx);
-  uint32_t state = 12345 + seed;
-  for (uint16_t& level : h.level.values) level = uint16_t((state = state * 1664525 + 1013904223) >> 24);
-  return h;
-}
-
-// Writes holograms hologram.png, hologram_2.png, … into a folder of the test.
-std::string folder_of(const std::vector<Hologram>& holograms) {
-  const std::string folder = temporary("out");
-  std::filesystem::create_directories(folder);
-  for (size_t i = 0; i < holograms.size(); ++i)
-    save_hologram(folder + (i == 0 ? "/hologram.png" : "/hologram_" + std::to_string(i + 1) + ".png"), holograms[i]);
-  return folder;
-}
 
 struct Expected {
   Image image;
@@ -147,6 +116,15 @@ TEST(Session, KeptLightWarnsAgain) {
   }
 }
 
+// 64 × 48 pixels do not divide into bins of 5: the page says so as show does, each time.
+TEST(Session, TheSensorWarns) {
+  Session session({folder_of({random_hologram(532e-9, 0)})});
+  const std::vector<std::string> expected{
+      "the field of 64 × 48 samples does not divide into bins of 5: 4 columns and 3 rows at its border are left out"};
+  for (const char* distance : {"20 mm", "21 mm"})
+    EXPECT_EQ(session.view(session.state_of({{"distance", distance}, {"binning", "5"}}))->warnings, expected);
+}
+
 TEST(Session, AFileThatVanishesIsASentenceAndComesBack) {
   const std::string folder = folder_of({random_hologram(532e-9, 0)}), path = folder + "/hologram.png";
   Session session({path});
@@ -179,7 +157,14 @@ TEST(Session, ADraftShowsOneFrameWithTheWhiteOfTheStill) {
   EXPECT_EQ(draft.white, white);
   ViewState state = session.state_of({});
   state.camera.sampling = PixelSampling::point;
-  EXPECT_EQ(draft.image.values, as_show_makes_it({holograms[0]}, state).image.values);
+  const Image expected = as_show_makes_it({holograms[0]}, state).image;
+  EXPECT_EQ(draft.image.values, expected.values);
+  const TakenView half = *session.view(session.state_of({{"draft", "2"}}));
+  EXPECT_EQ(half.step, 2);
+  ASSERT_EQ(half.image.nx, 32);  // of 64 × 48 pixels
+  ASSERT_EQ(half.image.ny, 24);
+  for (int j = 0; j < 24; ++j)
+    for (int i = 0; i < 32; ++i) ASSERT_EQ(half.image(j, i), expected(2 * j, 2 * i)) << j << " " << i;
 }
 
 TEST(Session, WritesTheFilesOfShow) {
@@ -369,68 +354,28 @@ TEST(Session, ReadsAFolderAgainOnceARunHasWrittenIt) {
   EXPECT_EQ(session.refresh(), 2);
 }
 
+// The progress of a job is a file of another program: what is nested deeper than memory allows to write is left out.
+TEST(Session, LeavesOutProgressThatIsNestedTooDeep) {
+  const std::string folder = temporary("out");
+  std::filesystem::create_directories(folder);
+  Session session({folder});
+  const size_t levels = 500'000;  // of two bytes each: the file is read up to 1 MiB
+  for (const std::string& history : {std::string("[]"), std::string(levels, '[') + std::string(levels, ']')}) {
+    NewFile file(folder + "/job.progress");
+    const std::string text = R"({"stage": "encode", "history": )" + history + "}";
+    file.put(text.data(), text.size());
+    file.seek(0);
+    const Json progress = Json::parse(session.describe())["progress"];
+    EXPECT_EQ(progress.is_null(), history != "[]");
+  }
+}
+
 TEST(Session, PrintsTheCommandOfAView) {
   const std::string folder = folder_of({random_hologram(532e-9, 0), random_hologram(532e-9, 1)});
   Session session({folder});
   EXPECT_EQ(
       session.command_line({{"distance", "20 mm"}, {"items", "1"}, {"draft", "1"}, {"effects", "gaps"}}),
       "holotrace show " + shell_word(folder + "/hologram_2.png") + " --distance '20 mm' --effects gaps -o view.png");
-}
-
-class AnswersOf : public ::testing::Test {
- protected:
-  HttpAnswer ask(const std::string& path, const std::string& query = "", const std::string& method = "GET") {
-    return answers({method, "/secret/" + path, query, {{"host", "127.0.0.1:80"}}});
-  }
-  Session session{{folder_of({random_hologram(532e-9, 0)})}};
-  Answers answers{session, {"secret", "127.0.0.1", 80}};
-};
-
-TEST_F(AnswersOf, ThePage) {
-  EXPECT_EQ(ask("").type, "text/html; charset=utf-8");
-  EXPECT_EQ(ask("main.js").type, "text/javascript; charset=utf-8");
-  EXPECT_EQ(ask("style.css").status, 200);
-  EXPECT_EQ(ask("").body.find("http://"), std::string::npos);  // nothing from elsewhere
-}
-
-TEST_F(AnswersOf, NoOtherFiles) {
-  for (const char* path :
-       {"../hologram.png", "..%2fhologram.png", "%2e%2e/hologram.png", "./main.js", "/main.js", "main.js/", "..",
-        "hologram.png", "/etc/passwd", "main.js%00", "....//hologram.png", "..\\hologram.png"})
-    EXPECT_EQ(ask(path).status, 404) << path;
-  EXPECT_EQ(ask("session", "", "POST").status, 405);
-  EXPECT_EQ(answers({"GET", "/other/", "", {{"host", "127.0.0.1:80"}}}).status, 403);
-}
-
-TEST_F(AnswersOf, APictureWithItsFacts) {
-  const HttpAnswer answer = ask("view", "distance=20+mm");
-  ASSERT_EQ(answer.status, 200);
-  const auto byte = [&](size_t i) { return size_t(static_cast<unsigned char>(answer.body[i])); };
-  const size_t length = byte(0) + 256 * byte(1) + 65536 * byte(2);
-  const Json facts = Json::parse(answer.body.substr(4, length));
-  EXPECT_EQ(facts["columns"], 64);
-  EXPECT_EQ(facts["rows"], 48);
-  const TakenView view = *session.view(session.state_of({{"distance", "20 mm"}}));
-  const std::vector<uint8_t> codes = srgb_codes(view.image, view.white);
-  EXPECT_EQ(answer.body.substr(4 + length), std::string(codes.begin(), codes.end()));
-}
-
-TEST_F(AnswersOf, ErrorsAsSentences) {
-  const HttpAnswer answer = ask("view", "pupil=4");
-  EXPECT_EQ(answer.status, 400);
-  EXPECT_EQ(Json::parse(answer.body)["error"],
-            "pupil: expected a length with its unit, such as \"300 mm\", got \"4\" without a unit");
-  EXPECT_EQ(ask("view", "a=%").status, 400);
-  EXPECT_EQ(ask("panel", "item=0&as=other").status, 400);
-  EXPECT_EQ(ask("panel", "item=99999999999999999999&as=level").status, 400);
-  EXPECT_EQ(ask("values", "column=0&row=0&columns=1").status, 400);
-  EXPECT_EQ(ask("reference").status, 404);
-}
-
-TEST_F(AnswersOf, OnlyTheNewestRequestOfAPage) {
-  EXPECT_EQ(ask("view", "page=a&number=2").status, 200);
-  EXPECT_EQ(ask("view", "page=a&number=1").status, 204);
-  EXPECT_EQ(ask("view", "page=b&number=1").status, 200);
 }
 
 }  // namespace

@@ -86,6 +86,8 @@ std::optional<RenderOfView> render_of_view(const std::string& view) {
       return std::nullopt;
     found.path = numbered_path((folder / run_render).string(), size_t(p.render - 1));
     if (!is_recorded(view) || !is_recorded(found.path)) return std::nullopt;
+    found.radiance = numbered_path((folder / run_radiance).string(), size_t(p.render - 1));
+    if (!is_recorded(found.radiance)) found.radiance.clear();
     return found;
   }
   return std::nullopt;

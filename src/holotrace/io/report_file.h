@@ -25,12 +25,17 @@ void save_incomplete_report(const std::string& path, const FileRecord& files);
 /// Whether a file is a report of this program.
 bool is_report(const std::string& path);
 
-/// Names of the first render and the first view in the folder of a run. The others are numbered (numbered_path).
-inline constexpr const char *run_render = "render.png", *run_view = "view.png";
+/// Names of the first render, its radiance, and the first view in the folder of a run. The others are numbered
+/// (numbered_path).
+inline constexpr const char *run_render = "render.png", *run_radiance = "render.exr", *run_view = "view.png";
+
+/// Places of the scene, as sources, in the folder of a run without waves.
+inline constexpr const char* run_points = "points.ply";
 
 /// A render of a run, and where a view lies in it.
 struct RenderOfView {
-  std::string path;
+  std::string path;      ///< picture, in which light brighter than white is clipped
+  std::string radiance;  ///< .exr with the radiance that the metrics compare; "" if the run did not write it
   ViewPlace place;
 };
 

@@ -177,11 +177,10 @@ References make_references(const Job& job, Report& report, const StageObserver& 
 }
 
 // The light that a view should show: the traced light of its plane, or a render.
-ViewReference reference_of(const Job& job, const std::optional<SceneTargets>& targets, const References& references,
-                           size_t d, const Image& view, const ViewPlace& place) {
-  if (targets)
-    return {project_render(reference_of(*targets, job, d, place.wavelengths), place.half_tangent,
-                           sensor_at(place, view.ny, view.nx), place.distance)};
+ViewReference reference_of(const Job& job, const std::vector<Image>& radiances, const References& references,
+                           const Image& view, const ViewPlace& place) {
+  if (!radiances.empty())
+    return {project_render(radiances.back(), place.half_tangent, sensor_at(place, view.ny, view.nx), place.distance)};
   const size_t render = size_t(place.render) - 1;
   ViewReference reference{render_at(references.renders[render], place, view.ny, view.nx)};
   if (references.first_halves.empty()) return reference;
@@ -239,7 +238,8 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
     const double distance = b.viewpoints[d].distance;
     places.push_back(place_of(job, sums[d], b.views[d], distance, std::min(d, b.renders.size() - 1),
                               half_tangent_of(job, distance)));
-    references.push_back(reference_of(job, targets, made, d, b.views[d], places[d]));
+    if (targets) b.radiances.push_back(reference_of(*targets, job, d, places[d].wavelengths));
+    references.push_back(reference_of(job, b.radiances, made, b.views[d], places[d]));
   }
   const CommonExposure white = common_exposure(b.views, references, b.renders, job.camera.exposure);
   b.white = white.view_white;
@@ -263,6 +263,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
   report_sweep(b.viewpoints, b.sweep, showing.repeat);
   b.sources = std::move(light.sources);
+  if (b.sources.empty()) b.points = {points_of_scene(job)};
   return b;
 }
 

@@ -27,7 +27,11 @@ struct Boxes {
   /// Path-traced references in red, green and blue: one from the panel's centre or, with a lens or another eye, one per
   /// camera distance, focused there.
   std::vector<Image> renders;
+  /// The radiance that the views should show, where that is not `renders`: the traced light of each plane in focus, in the
+  /// colours of the holograms, as sharp as the panel can show it.
+  std::vector<Image> radiances;
   std::vector<Sources> sources;            ///< for the first frame, one per set; empty with gather and triangles
+  std::vector<Sources> points;             ///< without sources: the places of the scene (points_of_scene)
   std::vector<std::vector<Field>> fields;  ///< at the panel in the first frame, [path group or light][wavelength]
   std::vector<Hologram> holograms;         ///< in the order shown: for each frame, each set
   std::vector<Image> views;                ///< one per camera distance: one channel, or red, green and blue
@@ -53,7 +57,7 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 ///
 /// Holograms that aim at the scene's light (encode.target render or light-field) are found together, all frames of a
 /// wavelength at once, from a focal stack (scene_targets.h) instead of waves: the run then has the stages "focal stack"
-/// and "encode" in place of "render", "trace" and "synthesize", no sources and no fields, and `renders` are the stack's
+/// and "encode" in place of "render", "trace" and "synthesize", no sources but points, no fields, and `renders` are the stack's
 /// pictures in the planes that the camera looks at. The job's quality chooses the numbers that it does not give.
 ///
 /// The states of those optimisations are kept by `checkpoint_of`; a run that goes on traces the focal stack again.

@@ -1,6 +1,7 @@
 #include "holotrace/run/scene_light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "holotrace/base/error.h"
@@ -68,6 +69,20 @@ SceneLight trace_light(const Job& job, const Observer& observer) {
   light.gathered.resize(fields.size() / frames);
   for (size_t i = 0; i < fields.size(); ++i) light.gathered[i / frames].push_back(std::move(fields[i]));
   return light;
+}
+
+Sources points_of_scene(const Job& job) {
+  const Grid& panel = job.slm.grid;
+  const double side = std::max(panel.width(), panel.height());
+  const double nearest = *std::min_element(job.camera.distances.begin(), job.camera.distances.end());
+  TraceParams params;
+  params.field_of_view = std::atan(std::min(1.0, side / 2 / nearest));  // the window of a view
+  params.phase = SourcePhase::path;                                     // behind mirrors and glass, not on them
+  params.paths = 1;
+  params.max_depth = job.trace.max_depth;
+  params.has_common_cone = job.trace.has_common_cone;
+  params.accelerator = job.trace.accelerator;
+  return trace(job.scene, panel, job.wavelengths.front(), params);
 }
 
 std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,

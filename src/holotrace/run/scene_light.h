@@ -27,6 +27,11 @@ struct SceneLight {
 /// Traces the job's scene by its strategy, or shades its triangles if the synthesis method is `triangles`.
 SceneLight trace_light(const Job& job, const Observer& observer = {});
 
+/// Places of the scene that the middle of the panel sees, also in mirrors and through glass, with a rough brightness: the
+/// sources of a coarse raster and one path each, over the window of the nearest view. For programs that look up the depth
+/// of what a view shows, where a job makes no sources.
+Sources points_of_scene(const Job& job);
+
 /// Fields of one frame, one for each path group or light and wavelength, in the order of the sets. A set without waves
 /// is dark.
 /// @throws Error  as synthesize does; if no set has a wave; and for a frame that was not gathered

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
@@ -15,7 +16,8 @@
 #include "holotrace/view/pupil_light.h"
 #include "holotrace/view/sensor.h"
 #include "holotrace/view/source_image.h"
-#include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/propagate/irradiance.h"
+#include "holotrace/wave/propagate/propagator.h"
 
 namespace holotrace {
 namespace {
@@ -36,11 +38,11 @@ bool reaches(const Grid& from, const Grid& to, double wavelength, double distanc
          std::abs(to.centre_y - from.centre_y) < (from.height() + to.height()) / 2 + spread;
 }
 
-// The pixels of a sensor from the field at its samples. m: magnification of the lens.
-Image read_sensor(const Field& field, const Sensor& sensor, const SourcePart& source, double z, double m,
+// The pixels of a sensor from the irradiance at its samples. m: magnification of the lens.
+Image read_sensor(Array2D<float> irradiance, const Sensor& sensor, const SourcePart& source, double z, double m,
                   const Observer& observer) {
-  Array2D<float> irradiance = irradiance_of(field);
-  if (sensor.blur > 0) irradiance = convolved(irradiance, source_image(source, z, field.grid.pitch, sensor.blur));
+  const double pitch = sensor.window.pitch;
+  if (sensor.blur > 0) irradiance = convolved(irradiance, source_image(source, z, pitch, sensor.blur));
   Image image = mean_over_pixels(irradiance, sensor.samples, sensor.rim, sensor.is_integrated, observer);
   image.pitch = sensor.pixels.pitch * m;
   image.centre_x = sensor.pixels.centre_x * m;
@@ -114,20 +116,22 @@ Image read_focused(const Field* light, const FieldShape& shown, const Focus& foc
                    const Observer& observer) {
   const auto& [z, m, camera, sensor] = focus;
   const PropagateParams window = with_its_size(sensor.window, shown.grid);
-  const Field field = light ? propagate(*light, camera.pupil > 0 ? z - camera.eye.z : z, window, observer)
-                            : Field(propagation_output(shown.grid, sensor.window), shown.wavelength);
-  return read_sensor(field, sensor, source, z, m, observer);
+  Array2D<float> irradiance =
+      light ? propagate_to_irradiance(*light, camera.pupil > 0 ? z - camera.eye.z : z, window, observer)
+            : Array2D<float>(window.rows, window.columns);
+  return read_sensor(std::move(irradiance), sensor, source, z, m, observer);
 }
 
 }  // namespace
 
 FieldShape shape_of(const Field& field) { return {field.grid, field.wavelength, field.image, field.filter}; }
 
-Image focus_light(const Field& light, const FieldShape& shown, const Slm& slm, double distance,
-                  const PropagateParams& propagation, const CameraParams& camera, const SourcePart& source) {
-  const Focus focus = focus_of(shown, slm, distance, propagation, camera, {}, source);
+Image focus_light(const PassedLight& passed, const Slm& slm, double distance, const PropagateParams& propagation,
+                  const CameraParams& camera, const Observer& observer, const SourcePart& source) {
+  const auto& [light, shown] = passed;
+  const Focus focus = focus_of(shown, slm, distance, propagation, camera, observer, source);
   const bool has_light = light.samples.size() > 0 && is_lit(shown, focus);
-  return read_focused(has_light ? &light : nullptr, shown, focus, source, {});
+  return read_focused(has_light ? &light : nullptr, shown, focus, source, observer);
 }
 
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,

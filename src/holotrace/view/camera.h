@@ -51,11 +51,15 @@ Image look(const Field& shown, const Slm& slm, double distance, const PropagateP
 /// The properties of a field that a sensor depends on.
 FieldShape shape_of(const Field& field);
 
+/// Light that passed a camera's pupil.
+struct PassedLight {
+  const Field& light;  ///< from light_in_pupil with the same camera, or the shown field itself
+  FieldShape shown;    ///< of the shown field
+};
+
 /// The second step of look: what a camera sees of the light that its pupil passes (pupil_light.h).
-/// @param light   from light_in_pupil with the same camera, or the shown field itself
-/// @param shown   of the shown field
-Image focus_light(const Field& light, const FieldShape& shown, const Slm& slm, double distance,
-                  const PropagateParams& propagation, const CameraParams& camera, const SourcePart& source = {});
+Image focus_light(const PassedLight& passed, const Slm& slm, double distance, const PropagateParams& propagation,
+                  const CameraParams& camera, const Observer& observer = {}, const SourcePart& source = {});
 
 /// Magnification m of the image of the plane at `distance` on the sensor; 1 without a lens.
 /// @throws Error  for a lens without a pupil, or nearer than its focal length to the plane

@@ -5,9 +5,25 @@
 #include <numeric>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/data/spectrum.h"
 
 namespace holotrace {
+namespace {
+
+// Calls work(i) for each pixel of a picture.
+template <class Work>
+void each_pixel(int ny, int nx, const Work& work) {
+  parallel_for(
+      0, ny,
+      [&](int64_t row) {
+        const size_t first = size_t(row) * size_t(nx);
+        for (size_t i = first; i < first + size_t(nx); ++i) work(i);
+      },
+      {}, 32);
+}
+
+}  // namespace
 
 void CombinedViews::add(double wavelength, const std::string& name, double illumination, const Image& view,
                         double reach) {
@@ -35,7 +51,8 @@ void CombinedViews::add(double wavelength, const std::string& name, double illum
   ++group->frames;
   group->illumination += illumination;
   brightest_ = std::max(brightest_, illumination);
-  for (size_t i = 0; i < view.values.size(); ++i) group->light[i] += illumination * double(view.values[i]);
+  double* light = group->light.data();
+  each_pixel(ny_, nx_, [&](size_t i) { light[i] += illumination * double(view.values[i]); });
 }
 
 std::vector<double> CombinedViews::wavelengths() const {
@@ -49,12 +66,12 @@ Image CombinedViews::irradiance(double wavelength) const {
   std::vector<double> sum(size_t(nx_) * size_t(ny_));
   for (const Group& group : groups_)
     if (group.wavelength == wavelength)
-      for (size_t i = 0; i < sum.size(); ++i) sum[i] += group.light[i] / group.frames;
+      each_pixel(ny_, nx_, [&](size_t i) { sum[i] += group.light[i] / group.frames; });
   Image image(ny_, nx_, 1);
   image.pitch = pitch_;
   image.centre_x = centre_x_;
   image.centre_y = centre_y_;
-  for (size_t i = 0; i < sum.size(); ++i) image.values[i] = float(sum[i] / brightest());
+  each_pixel(ny_, nx_, [&](size_t i) { image.values[i] = float(sum[i] / brightest()); });
   return image;
 }
 
@@ -75,17 +92,17 @@ Image CombinedViews::image() const {
     if (reach_of(lines[n]) == 0) continue;
     const Image one = irradiance(lines[n]);
     const Vec3 weight = matrix[n] * (farthest / reach_of(lines[n]));
-    for (size_t i = 0; i < sum.size(); ++i) sum[i] = sum[i] + weight * double(one.values[i]);
+    each_pixel(ny_, nx_, [&](size_t i) { sum[i] = sum[i] + weight * double(one.values[i]); });
   }
   Image image(ny_, nx_, 3);
   image.pitch = pitch_;
   image.centre_x = centre_x_;
   image.centre_y = centre_y_;
-  for (size_t i = 0; i < sum.size(); ++i) {
+  each_pixel(ny_, nx_, [&](size_t i) {
     image.values[3 * i] = float(sum[i].x);
     image.values[3 * i + 1] = float(sum[i].y);
     image.values[3 * i + 2] = float(sum[i].z);
-  }
+  });
   return image;
 }
 

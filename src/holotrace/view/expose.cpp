@@ -71,16 +71,6 @@ double level_of_clipped_light(const Image& image, double part) {
 
 }  // namespace
 
-Array2D<float> irradiance_of(const Field& field) {
-  Array2D<float> irradiance(field.grid.ny, field.grid.nx);
-  parallel_for(0, field.grid.ny, [&](int64_t row) {
-    const std::complex<float>* u = field.samples.row(int(row));
-    float* out = irradiance.row(int(row));
-    for (int i = 0; i < field.grid.nx; ++i) out[i] = float(std::norm(std::complex<double>(u[i])));
-  });
-  return irradiance;
-}
-
 Image mean_over_pixels(const Array2D<float>& values, int n, int rim, bool is_integrated, const Observer& observer) {
   const std::vector<double> weights = is_integrated ? weights_of_integral(n) : std::vector<double>(size_t(n), 1);
   const int beyond = is_integrated ? integration_rim : 0;

@@ -2,13 +2,10 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
-#include "holotrace/data/field.h"
 #include "holotrace/data/image.h"
+#include "holotrace/wave/propagate/irradiance.h"
 
 namespace holotrace {
-
-/// |u|² at the samples, shape (ny, nx) [W/m²].
-Array2D<float> irradiance_of(const Field& field);
 
 /// Samples beyond a pixel's border that its integral needs.
 inline constexpr int integration_rim = 2;

@@ -39,9 +39,12 @@ HttpAnswer picture_answer(const BytePicture& picture, Json facts) {
 
 HttpAnswer view_answer(const TakenView& view, double seconds) {
   const Image& image = view.image;
-  return picture_answer(
-      {image.nx, image.ny, image.channels, srgb_codes(image, view.white)},
-      {{"white", view.white}, {"pitch_m", image.pitch}, {"warnings", view.warnings}, {"seconds", seconds}});
+  return picture_answer({image.nx, image.ny, image.channels, srgb_codes(image, view.white)},
+                        {{"white", view.white},
+                         {"pitch_m", image.pitch},
+                         {"step", view.step},
+                         {"warnings", view.warnings},
+                         {"seconds", seconds}});
 }
 
 // Takes a whole number out of a query.

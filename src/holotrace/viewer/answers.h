@@ -17,7 +17,7 @@ namespace holotrace {
 /// - ""            the page; and its files by their names
 /// - session       Session::describe, after reading files again that have changed
 /// - view          the picture of a state (requests.h): the length of a JSON text as 4 bytes (the lowest first), the text
-///                 {columns, rows, channels, white, pitch_m, warnings, seconds}, and the values, 1 or 3 bytes for a pixel
+///                 {columns, rows, channels, white, pitch_m, step, warnings, seconds}, and the values, 1 or 3 bytes for a pixel
 /// - reference     the render that belongs to it, in the same form
 /// - panel?item=&as=level|amplitude|phase   a hologram, in the same form
 /// - metrics, values?column=&row=&columns=&rows=, command, report   JSON

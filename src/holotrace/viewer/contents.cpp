@@ -135,7 +135,9 @@ void add_folder(const fs::path& folder, const ContentsParams& params, Contents& 
     contents.problems.push_back(
         "this folder has no hologram.png and no field.npy yet; the page shows them as soon as "
         "holotrace run has written them");
-  add_points(load_series_of_sources(series(folder / "sources.ply"), contents.problems), contents);
+  std::vector<std::string> points = series(folder / "sources.ply");
+  if (points.empty()) points = series(folder / run_points);
+  add_points(load_series_of_sources(points, contents.problems), contents);
   for (const std::string& view : series(folder / run_view))
     if (const auto render = render_of_view(view)) contents.renders.push_back(*render);
   if (fs::is_regular_file(folder / "report.json"))

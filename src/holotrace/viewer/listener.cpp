@@ -130,6 +130,7 @@ struct Listener::State : std::enable_shared_from_this<State> {
   struct Connection {
     int socket;
     bool is_waiting = true;  // for its request
+    size_t sending = 0;      // bytes of its answer's body
   };
   std::mutex mutex;
   std::condition_variable is_less;
@@ -190,6 +191,23 @@ struct Listener::State : std::enable_shared_from_this<State> {
     }
   }
 
+  // Counts the body of an answer that is now sent. Cuts off the connections that have been sending longest, if there is
+  // too much of it.
+  void begin_sending(std::list<Connection>::iterator place, size_t bytes) {
+    const std::lock_guard lock(mutex);
+    open.splice(open.end(), open, place);  // the newest answer
+    place->sending = bytes;
+    size_t all = 0;
+    for (const Connection& connection : open) all += connection.sending;
+    for (Connection& connection : open) {
+      if (all <= params.most_sending || &connection == &*place) break;
+      if (connection.sending == 0) continue;
+      ::shutdown(connection.socket, SHUT_RDWR);
+      all -= connection.sending;
+      connection.sending = 0;
+    }
+  }
+
   void exchange(int accepted, std::list<Connection>::iterator place) {
     const Received received = receive_head(accepted, params.request_seconds);
     {
@@ -199,6 +217,7 @@ struct Listener::State : std::enable_shared_from_this<State> {
     if (received.status != 0) {
       const HttpAnswer made = received.status == 200 ? answer_to(received.head)
                                                      : HttpAnswer{received.status, "text/plain; charset=utf-8", "\n"};
+      begin_sending(place, made.body.size());
       const Clock::time_point deadline = after(params.answer_seconds);
       const bool is_head_only = received.head.starts_with("HEAD ");
       if (send_all(accepted, head_of(made), deadline) && !is_head_only && made.status != 204)

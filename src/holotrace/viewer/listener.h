@@ -15,10 +15,13 @@ struct ListenerParams {
   int most_connections = 64;          ///< at once; beyond them, the one that waited longest for its request is closed
   double request_seconds = 5;         ///< time to send a request
   double answer_seconds = 60;         ///< time to receive the answer
+  size_t most_sending =
+      size_t(256) << 20;  ///< bytes of all bodies on their way; beyond them, the oldest one is cut off
 };
 
 /// Answers HTTP requests, each in a thread of its own, while run() runs. Memory is bounded: the head of a request has at
-/// most most_head_bytes, there are at most most_connections of them, and a body is never read.
+/// most most_head_bytes, there are at most most_connections of them, and a body is never read. The bodies of answers that clients
+/// read slowly have at most most_sending bytes, and the newest one.
 class Listener {
  public:
   /// @param answer  called from several threads

@@ -50,8 +50,9 @@ std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, c
     const auto away = [&](const RenderOfView& r) { return std::abs(r.place.distance - distance); };
     const RenderOfView& nearest = *std::min_element(contents.renders.begin(), contents.renders.end(),
                                                     [&](const auto& a, const auto& b) { return away(a) < away(b); });
-    PlacedRender render{find(nearest.path), nearest.place};
-    if (!render.image) render.image = keep(nearest.path, load_image(nearest.path));
+    const std::string& file = nearest.radiance.empty() ? nearest.path : nearest.radiance;
+    PlacedRender render{find(file), nearest.place};
+    if (!render.image) render.image = keep(file, load_image(file));
     render.place.distance = distance;
     return render;
   }

@@ -147,8 +147,9 @@ ViewState view_state(const Query& query, const ViewState& defaults, size_t items
       require(items > 0, "expected no \"items\", because there is no hologram here yet");
       state.shown = numbers_below(value, items);
     } else if (key == "draft") {
-      require(value == "1", "expected 1 for \"draft\", got \"{}\"", printable(value, 80));
+      require(value == "1" || value == "2", "expected 1 or 2 for \"draft\", got \"{}\"", printable(value, 80));
       state.is_draft = true;
+      state.step = value == "2" ? 2 : 1;
     } else {
       std::vector<std::string> known(std::begin(own_keys), std::end(own_keys));
       for (const auto& [name, field] : fields_by_key()) known.push_back(name);
@@ -161,8 +162,8 @@ ViewState view_state(const Query& query, const ViewState& defaults, size_t items
   require(state.camera.distances.size() == 1, "expected one distance, got {}", state.camera.distances.size());
   require(state.show.subpixels <= most_subpixels, "expected at most {} subpixels here, got {}; use holotrace show",
           most_subpixels, state.show.subpixels);
-  require(state.show.illumination_states <= most_states,
-          "expected at most {} illumination states here, got {}; use holotrace show", most_states,
+  require(state.show.illumination_states <= most_illumination_states,
+          "expected at most {} illumination states here, got {}; use holotrace show", most_illumination_states,
           state.show.illumination_states);
   return state;
 }

@@ -13,7 +13,7 @@ using Query = std::map<std::string, std::string>;
 
 /// Bounds of a request from the page. They keep one request from taking the machine's memory or minutes of time.
 inline constexpr size_t most_query_bytes = 4096;
-inline constexpr int most_subpixels = 5, most_states = 256;
+inline constexpr int most_subpixels = 5, most_illumination_states = 256;
 inline constexpr double most_sensor_pixels = 32e6;
 
 /// The text after "?" as keys and values: pairs joined by "&", percent-encoded UTF-8, "+" for a space.
@@ -21,7 +21,8 @@ inline constexpr double most_sensor_pixels = 32e6;
 Query parse_query(const std::string& text);
 
 /// The state that a query asks for. Its keys are the flags of `holotrace show` without dashes at the start ("distance",
-/// "focal-length", …) with the same texts, "items" (numbers joined by commas) and "draft" ("1").
+/// "focal-length", …) with the same texts, "items" (numbers joined by commas) and "draft" ("1", or "2" for
+/// half the resolution).
 /// @param items    number of holograms of the session
 /// @param defaults settings of the keys that are left out
 /// @throws Error   for unknown keys, naming the nearest; for values that are invalid or beyond the bounds above

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/io/files/file.h"
-#include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
@@ -40,6 +36,18 @@ ViewState coarser(ViewState state) {
   state.camera.sampling = PixelSampling::point;
   state.camera.electrons = state.camera.read_noise = 0;
   return state;
+}
+
+// Every n-th pixel of every n-th row, beginning with the first.
+Image every_nth(const Image& image, int n) {
+  Image out((image.ny + n - 1) / n, (image.nx + n - 1) / n, image.channels);
+  out.pitch = image.pitch * n;
+  out.centre_x = image.centre_x;
+  out.centre_y = image.centre_y;
+  for (int j = 0; j < out.ny; ++j)
+    for (int i = 0; i < out.nx; ++i)
+      for (int c = 0; c < out.channels; ++c) out(j, i, c) = image(j * n, i * n, c);
+  return out;
 }
 
 // The first frame of each wavelength and name.
@@ -178,6 +186,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
   const std::string of_pupil =
       fmt::format("{:a};{:a};{:a};{:a}", from.camera.pupil, from.camera.eye.x, from.camera.eye.y, from.camera.eye.z);
   TakenView taken;
+  taken.step = state.is_draft ? state.step : 1;
   CombinedViews sum;
   const Observer observer = warnings_to(taken.warnings);
   for (const size_t i : chosen(given)) {
@@ -204,10 +213,11 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
           passed = light_.get(fmt::format("pupil {} {}", of_pupil, source), observer, [&](const Observer& o) {
             return *light_in_pupil(shown, item.slm, state.propagation, from.camera, o);
           });
-        const Image view = focus_light(passed ? *passed : shown, shape_of(shown), item.slm, from.distance,
-                                       state.propagation, from.camera, at.source);
+        Image view = focus_light({passed ? *passed : shown, shape_of(shown)}, item.slm, from.distance,
+                                 state.propagation, from.camera, observer, at.source);
+        if (state.is_draft && state.step > 1) view = every_nth(view, state.step);
         if (states.size() == 1)
-          mean = view;
+          mean = std::move(view);
         else
           add_weighted(view, at.weight, mean);
       }
@@ -263,81 +273,6 @@ std::string Session::metrics(const ViewState& state) {
     json["speckle_contrast"] = number(m.speckle_contrast);
   }
   return text_of(json);
-}
-
-std::string Session::values(const ViewState& state, int column, int row, int columns, int rows) {
-  const std::lock_guard lock(mutex_);
-  const TakenView view = *take(state, {});
-  const Image& image = view.image;
-  constexpr int most = 64;
-  require(column >= 0 && row >= 0 && columns >= 1 && rows >= 1 && columns <= most && rows <= most &&
-              column <= image.nx - columns && row <= image.ny - rows,
-          "expected a window of at most {} × {} pixels inside the view of {} × {}, got {} × {} at {}, {}", most, most,
-          image.nx, image.ny, columns, rows, column, row);
-  Json lines = Json::array();
-  for (int j = row; j < row + rows; ++j) {
-    Json line = Json::array();
-    for (int i = column; i < column + columns; ++i)
-      for (int c = 0; c < image.channels; ++c) line.push_back(image(j, i, c));
-    lines.push_back(line);
-  }
-  return text_of({{"channels", image.channels}, {"white", view.white}, {"rows", lines}});
-}
-
-BytePicture Session::panel(size_t number, PanelQuantity quantity, const ViewState& state) {
-  const std::lock_guard lock(mutex_);
-  require(number < contents_->items.size(), "expected a hologram below {}, got {}", contents_->items.size(), number);
-  const ViewedItem& item = contents_->items[number];
-  if (quantity == PanelQuantity::level && !item.field) {
-    const Hologram& h = item.hologram;
-    BytePicture picture{h.grid.nx, h.grid.ny, 1, {}};
-    for (const uint16_t level : h.level.values)
-      picture.values.push_back(uint8_t(std::lround(level * 255.0 / (h.levels - 1))));
-    return picture;
-  }
-  const double samples = double(item.slm.grid.pixels()) * state.show.subpixels * state.show.subpixels;
-  require(item.field || samples <= most_sensor_pixels,
-          "expected at most {:.0f} million samples of the panel here, got {:.0f}; use fewer subpixels",
-          most_sensor_pixels / 1e6, samples / 1e6);
-  const double wavelength = wavelengths_of(item, state.show).front();
-  ShowParams show = state.show;
-  if (!item.hologram.colours.empty()) show.wavelength = wavelength;
-  const Field shown = item.field ? *item.field : holotrace::show(item.hologram, item.slm, show);
-  BytePicture picture{shown.grid.nx, shown.grid.ny, 1, {}};
-  double square = 0;
-  for (const auto& u : shown.samples.values) square += std::norm(std::complex<double>(u));
-  const double white = 2 * std::sqrt(square / double(shown.samples.size()));  // twice the rms amplitude
-  for (const auto& u : shown.samples.values) {
-    const double cycles = std::arg(u) / (2 * std::numbers::pi);
-    const double value = quantity == PanelQuantity::phase ? cycles - std::floor(cycles)
-                         : white > 0                      ? std::min(1.0, double(std::abs(u)) / white)
-                                                          : 0;
-    picture.values.push_back(uint8_t(std::min(255.0, value * 256)));
-  }
-  return picture;
-}
-
-std::string Session::file(const ViewState& state, const std::string& extension) {
-  const std::lock_guard lock(mutex_);
-  ViewState still = state;
-  still.is_draft = false;
-  const TakenView view = *take(still, {});
-  namespace fs = std::filesystem;
-  std::string name = (fs::temp_directory_path() / "holotrace_view_XXXXXX").string();
-  require(mkdtemp(name.data()) != nullptr, "expected a folder for temporary files, but {} cannot be written",
-          fs::temp_directory_path().string());
-  const std::string path = name + "/view" + extension;
-  std::string bytes;
-  try {
-    save_image(path, view.image, view.white, state.camera.bits);
-    std::ifstream in(path, std::ios::binary);
-    bytes.assign(std::istreambuf_iterator<char>(in), {});
-  } catch (...) {
-    fs::remove_all(name);
-    throw;
-  }
-  fs::remove_all(name);
-  return bytes;
 }
 
 }  // namespace holotrace

@@ -26,6 +26,7 @@ struct BytePicture {
 struct TakenView {
   Image image;                          ///< as the sensor reads it [W/m²]
   double white = 1;                     ///< irradiance of white [W/m²]
+  int step = 1;                         ///< 2: every second pixel of the sensor
   std::vector<std::string> warnings{};  ///< each once
 };
 
@@ -56,7 +57,7 @@ class Session {
   ViewState state_of(const Query& query);
 
   /// The same picture as `holotrace show` with these settings. A draft shows the first frame of each wavelength and name,
-  /// and what the sensor reads at samples.
+  /// and what the sensor reads at samples, of all pixels or every second one.
   /// @param is_outdated  asked between holograms; if it returns true, the result is empty
   /// @throws Error       as view_hologram does, if there is no hologram, and for a sensor or memory beyond the bounds
   std::optional<TakenView> view(const ViewState& state, const std::function<bool()>& is_outdated = {});

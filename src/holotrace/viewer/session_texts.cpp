@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
+#include <utility>
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/io/files/json_text.h"
 #include "holotrace/io/files/progress_file.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/viewer/json_text.h"
@@ -69,10 +72,14 @@ std::string Session::memory_text() {
   const Grid& panel = item.slm.grid;
   const ViewingNeed need = viewing_need({item.slm, ShowParams(), {}, viewpoints(defaults_.camera)},
                                         wavelengths_of(item), item.hologram.image, item.hologram.filter);
+  std::set<std::pair<double, std::string>> kinds;  // that are summed apart
+  for (const ViewedItem& one : contents_->items)
+    for (const double wavelength : wavelengths_of(one)) kinds.emplace(wavelength, one.hologram.name);
+  const double sums = viewing_bytes(need.columns * need.rows, 1, double(kinds.size()), 1);
   return fmt::format(
       "{} {} of {} × {} pixels: up to {} of memory for them and their light, and {} while a picture is computed",
       contents_->items.size(), item.field ? "field(s)" : "hologram(s)", panel.nx, panel.ny,
-      format_bytes(held + std::min(fields, light_.most_bytes())), format_bytes(need.passing));
+      format_bytes(held + std::min(fields, light_.most_bytes())), format_bytes(need.passing + sums));
 }
 
 std::string Session::describe() {
@@ -117,7 +124,7 @@ std::string Session::describe() {
   json["has_report"] = !contents_->report.empty();
   json["progress"] = nullptr;
   if (const auto text = running_progress(folder_of(paths_.front()))) {
-    const Json progress = Json::parse(*text, nullptr, false);  // it may be half written
+    const Json progress = parse_json_if_sound(*text);
     if (progress.is_object()) json["progress"] = progress;
   }
   return text_of(json);

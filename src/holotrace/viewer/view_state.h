@@ -16,6 +16,7 @@ struct ViewState {
   PropagateParams propagation;
   std::vector<size_t> shown{};  ///< numbers of the holograms, from 0; empty: all of them
   bool is_draft = false;  ///< coarser and faster, while something moves: one frame, samples instead of pixel areas
+  int step = 1;           ///< of a draft: 2 means only every second pixel of every second row
 };
 
 }  // namespace holotrace

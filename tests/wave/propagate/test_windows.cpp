@@ -10,6 +10,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/wave/propagate/direct_sum.h"
+#include "holotrace/wave/propagate/irradiance.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/propagate/propagation_kernel.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
@@ -79,6 +80,21 @@ TEST_P(WindowsOfPropagation, HoldTheDirectSumsOfLimitedFieldsNearby) {
     const PropagateParams p = params(PropagationMethod::angular_spectrum);
     EXPECT_LT(error_against_direct_sum<double>(field, z, p), 1e-9) << z;
     EXPECT_LT(error_against_direct_sum<float>(field, z, p), 2e-6) << z;
+  }
+}
+
+// The same bytes as |u|² of the field, for windows of the same pitch and of other ones, and for no distance.
+TEST_P(WindowsOfPropagation, GiveTheIrradianceOfTheField) {
+  const Field field = convert<float>(make_white_noise({60, 44, 8_um}, 17));
+  for (const double distance : {-12_mm, 0.0}) {
+    if (distance == 0 && GetParam().pitch > 0) continue;  // light of one point does not reach a sample beside it
+    const PropagateParams window = params(PropagationMethod::automatic);
+    const Array2D<float> found = propagate_to_irradiance(field, distance, window);
+    const Field there = propagate(field, distance, window);
+    ASSERT_EQ(found.ny, there.grid.ny);
+    ASSERT_EQ(found.nx, there.grid.nx);
+    for (size_t i = 0; i < found.size(); ++i)
+      ASSERT_EQ(found.values[i], float(std::norm(std::complex<double>(there.samples.values[i])))) << i;
   }
 }
 

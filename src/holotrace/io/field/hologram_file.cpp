@@ -10,6 +10,7 @@
 #include "holotrace/io/field/grey_levels.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/json_text.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/record_names.h"
 #include "holotrace/io/picture/image_file.h"
@@ -206,7 +207,7 @@ bool is_hologram_file(const std::string& path) {
   if (extension_of(path) != ".png" || !std::filesystem::is_regular_file(path, ignored)) return false;
   if (!metadata_in(path).empty()) return true;
   const std::string sidecar = sidecar_of(path);
-  return !sidecar.empty() && nlohmann::json::parse(read_text(sidecar), nullptr, false).contains("modulation");
+  return !sidecar.empty() && parse_json_if_sound(read_text(sidecar)).contains("modulation");
 }
 
 SeriesPart series_part(const std::string& path) {
@@ -218,7 +219,7 @@ SeriesPart series_part(const std::string& path) {
 }
 
 FileRecord hologram_record(const std::string& path) {
-  const nlohmann::json json = nlohmann::json::parse(metadata_in(path), nullptr, false);
+  const nlohmann::json json = parse_json_if_sound(metadata_in(path));
   return json.contains("files") ? record_outside(path, record_from(json["files"])) : FileRecord();
 }
 

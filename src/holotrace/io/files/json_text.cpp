@@ -31,4 +31,14 @@ nlohmann::json parse_json(const std::string& text, const std::string& path) {
   }
 }
 
+nlohmann::ordered_json parse_json_if_sound(const std::string& text) {
+  using Json = nlohmann::ordered_json;
+  try {
+    check_json_nesting(text, "");
+  } catch (const Error&) {
+    return Json(Json::value_t::discarded);
+  }
+  return Json::parse(text, nullptr, false);
+}
+
 }  // namespace holotrace

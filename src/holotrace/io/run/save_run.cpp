@@ -26,8 +26,11 @@ void save_numbered(const OutputSet& set, const std::string& name, const std::vec
 void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, const StageObserver& watch) {
   save_numbered(set, run_render, boxes.renders,
                 [&](const std::string& path, const Image& image) { save_image(path, image, boxes.render_white, 8); });
-  save_numbered(set, "sources.ply", boxes.sources,
-                [](const std::string& path, const Sources& sources) { save_sources(path, sources); });
+  save_numbered(set, run_radiance, boxes.radiances.empty() ? boxes.renders : boxes.radiances,
+                [&](const std::string& path, const Image& image) { save_image(path, image, boxes.render_white, 8); });
+  const auto save_set = [](const std::string& path, const Sources& sources) { save_sources(path, sources); };
+  save_numbered(set, "sources.ply", boxes.sources, save_set);
+  save_numbered(set, run_points, boxes.points, save_set);
   save_numbered(set, "field.npy", boxes.fields, save_fields<float>);
   save_holograms(set, "hologram.png", boxes.holograms);
   const ViewSeries none;  // the stereo pair has another name
@@ -47,9 +50,9 @@ void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, const 
 std::vector<std::string> run_paths(const std::string& folder) {
   std::vector<std::string> paths;
   for (const char* name :
-       {run_render, "sources.ply", "field.npy", "field.npy.json", "hologram.png", run_view, "view_sweep.gif",
-        "view_sweep.png", "stereo_left.png", "stereo_right.png", "stereo_anaglyph.png", "holo_left.png",
-        "holo_right.png", "holo_anaglyph.png", "convergence.png", "report.json"})
+       {run_render, run_radiance, "sources.ply", run_points, "field.npy", "field.npy.json", "hologram.png", run_view,
+        "view_sweep.gif", "view_sweep.png", "stereo_left.png", "stereo_right.png", "stereo_anaglyph.png",
+        "holo_left.png", "holo_right.png", "holo_anaglyph.png", "convergence.png", "report.json"})
     paths.push_back((std::filesystem::path(folder) / name).string());
   return paths;
 }

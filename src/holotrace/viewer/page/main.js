@@ -2,7 +2,7 @@
 
 import * as api from './api.js';
 import { buildControls, showCommand, showPanel, showQuality, showReport, writeControls } from './sections.js';
-import { setPoints, show, showRender } from './stage.js';
+import { isSmall, setPoints, show, showRender } from './stage.js';
 import { drawSpace, startSpace } from './space.js';
 import { showProgress } from './progress.js';
 import { onChange, query, session, state } from './state.js';
@@ -38,11 +38,12 @@ async function ask(isDraft) {
   const mine = ++number, asked = query(), start = performance.now();
   try {
     const more = { page, number: String(mine) };
-    if (isDraft) more.draft = '1';
+    if (isDraft) more.draft = isSmall() ? '2' : '1';
     const picture = await api.picture(`view?${query(more)}`);
     if (mine !== number) return;
     if (picture) {
       show(picture, isDraft ? '' : asked);
+      drawSpace();
       const all = performance.now() - start;
       document.body.dataset.milliseconds = all.toFixed(0);
       $('status').textContent = `${picture.columns} × ${picture.rows}${isDraft ? ', draft' : ''}, ${all.toFixed(0)} ms`;
@@ -53,6 +54,7 @@ async function ask(isDraft) {
     if (mine === number) fail(error);
   } finally {
     if (mine === number) running = null;
+    writeControls();
   }
   if (mine !== number) return;
   const isDraftNext = wantsDraft;
@@ -77,12 +79,13 @@ async function complete(asked) {
   document.body.dataset.complete = asked;
 }
 
-onChange(() => {
+onChange(values => {
   wantsStill = false;  // of what was before
+  if (running !== 'draft') writeControls();  // else with its picture: each change of the page costs as much as a draft
   ask(true);
   clearTimeout(stillTimer);
   stillTimer = setTimeout(() => ask(false), patience);
-  drawSpace();
+  if (!('distance' in values)) drawSpace();  // a new focus is drawn with its view: software draws slowly
 });
 
 function setRange() {
@@ -94,16 +97,17 @@ function setRange() {
   range.step = 'any';
 }
 
+let loaded = 0;  // the reading of the session that is shown completely
+
 async function load() {
-  const before = session.readings;
   Object.assign(session, await api.json('session'));
   if (isLost) { isLost = false; say(''); }
-  if (session.readings !== before) {
+  if (session.readings !== loaded) {
     const name = session.paths.length === 1 ? session.paths[0] : `${session.paths.length} holograms`;
     $('title').textContent = name;
     document.title = `${name} – Holotrace`;
     say(session.problems.join('\n'));
-    if (before === 0 || state.distance === 0) state.distance = Number((session.defaults.distance_m * 1e3).toFixed(4));
+    if (loaded === 0 || state.distance === 0) state.distance = Number((session.defaults.distance_m * 1e3).toFixed(4));
     state.shown = null;
     setRange();
     buildControls();
@@ -117,6 +121,7 @@ async function load() {
       await showPanel();
     }
     if (session.has_report) await showReport();
+    loaded = session.readings;
   }
   showProgress(session.progress);
 }

@@ -2,7 +2,7 @@
 
 import * as api from './api.js';
 import { showConvergence } from './progress.js';
-import { change, colourOf, onChange, query, session, state } from './state.js';
+import { change, colourOf, query, session, state } from './state.js';
 
 const $ = id => document.getElementById(id);
 
@@ -170,4 +170,3 @@ export async function showCommand() {
 $('copy').addEventListener('click', async () => {
   await navigator.clipboard?.writeText($('command').textContent).then(() => { $('status').textContent = 'copied'; }, () => {});
 });
-onChange(writeControls);

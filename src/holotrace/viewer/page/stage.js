@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { change, clamp, onChange, query, session, state } from './state.js';
 
 const $ = id => document.getElementById(id);
-const frame = $('frame'), sheet = $('sheet'), view = $('picture'), render = $('render'), numbers = $('numbers');
+const frame = $('frame'), sheet = $('sheet'), view = $('picture'), draft = $('draft'), render = $('render'), numbers = $('numbers');
 
 let scale = 0, left = 0, top = 0;    // of the sheet; scale 0: the whole view
 let pitch = 0;                       // of a pixel of the view [mm]
@@ -141,11 +141,22 @@ function readOut(event) {
   }, 250);
 }
 
+/** Whether pixels are so small on the screen that every second one shows as much. */
+export function isSmall() { return shownScale() * devicePixelRatio < 0.75; }
+
 /** Shows a picture of the server. @param still the query of a still view; '' for a draft */
 export function show(picture, still) {
-  const isNewSize = view.width !== picture.columns || view.height !== picture.rows;
-  api.draw(view, picture);
-  pitch = picture.pitch_m * 1e3;
+  const { step } = picture, columns = picture.columns * step, rows = picture.rows * step;
+  const isNewSize = Math.abs(view.width - columns) >= step || Math.abs(view.height - rows) >= step;
+  draft.hidden = step === 1;
+  if (step > 1) {  // a coarse draft lies over the view
+    if (isNewSize) Object.assign(view, { width: columns, height: rows });
+    api.draw(draft, picture);
+    Object.assign(draft.style, { width: `${view.width}px`, height: `${view.height}px` });
+  } else {
+    api.draw(view, picture);
+  }
+  pitch = (picture.pitch_m * 1e3) / step;
   view.dataset.still = still;
   lookingAt = still;
   if (isNewSize) layOut(); else if (still) drawNumbers();
@@ -211,7 +222,7 @@ function release(event) {
   if (press && !press.isMoved && event.type === 'pointerup' && pointers.size === 0) {
     const pixel = pixelAt(event);
     if (isInside(pixel) && !focusAt(pixel) && points.length === 0)
-      $('readout').textContent = 'the depth is not known here: no sources.ply beside the holograms';
+      $('readout').textContent = 'the depth is not known here: no sources.ply and no points.ply beside the holograms';
   }
   if (pointers.size === 0) press = null;
 }

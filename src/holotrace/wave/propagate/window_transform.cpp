@@ -1,5 +1,7 @@
 #include "holotrace/wave/propagate/window_transform.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -7,15 +9,14 @@
 
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/fft.h"
-#include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/wrapped.h"
+#include "holotrace/wave/propagate/convolution_parts.h"
+#include "holotrace/wave/propagate/irradiance.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {
 namespace {
-
-constexpr int block = 16;  // columns processed together, in the cache
 
 // exp(2πi·a·b), reduced in long double: a·b may be 1e9 cycles.
 std::complex<double> cis_product(long double a, long double b) {
@@ -43,19 +44,14 @@ class WindowSum {
 
   void operator()(const Complex* bins, Complex* out, Complex* work) const {
     const size_t count = size_t(axis_.frequencies());
-    std::fill(work, work + length_, Complex());
     if (is_plain_) {
-      for (size_t n = 0; n < count;) {
-        const size_t at = size_t(wrapped(axis_.first + int64_t(n), length_));
-        const size_t run = std::min(count - n, size_t(length_) - at);
-        multiply_add(work + at, bins + n, enter_.data() + n, run);
-        n += run;
-      }
+      enter_plain(bins, work);
       (*backward_)(work);
       multiply(out, work, leave_.data(), size_t(axis_.outputs));
       return;
     }
     multiply(work, bins, enter_.data(), count);
+    std::fill(work + count, work + length_, Complex());
     (*forward_)(work);
     multiply(work, work, chirp_.data(), size_t(length_));
     (*backward_)(work);
@@ -67,6 +63,28 @@ class WindowSum {
     for (int k = axis_.first; k <= axis_.last; ++k)
       enter_.push_back(Complex(cis_product(k, (long double)axis_.offset / axis_.period())));
     leave_.assign(size_t(axis_.outputs), Complex(Real(1.0 / axis_.padded)));
+  }
+
+  // Frequencies that are a whole turn of the output apart are added.
+  void enter_plain(const Complex* bins, Complex* work) const {
+    const size_t count = size_t(axis_.frequencies()), length = size_t(length_);
+    const size_t start = size_t(wrapped(axis_.first, length_)), used = std::min(count, length);
+    if (start + used <= length) {
+      std::fill(work, work + start, Complex());
+      std::fill(work + start + used, work + length, Complex());
+    } else {
+      std::fill(work + (start + used - length), work + start, Complex());
+    }
+    for (size_t n = 0; n < count;) {
+      const bool is_first_turn = n < length;
+      const size_t at = (start + n) % length;
+      const size_t run = std::min((is_first_turn ? used : count) - n, length - at);
+      if (is_first_turn)
+        multiply(work + at, bins + n, enter_.data() + n, run);
+      else
+        multiply_add(work + at, bins + n, enter_.data() + n, run);
+      n += run;
+    }
   }
 
   // Bluestein: k·o = (k² + o² − (o − k)²)/2, with k counted from first.
@@ -94,70 +112,112 @@ class WindowSum {
   std::unique_ptr<Fft<Real>> forward_, backward_;
 };
 
-}  // namespace
-
-double window_transform_bytes(const PropagationAxis& x, const PropagationAxis& y, size_t bytes_per_real) {
-  const double entering = std::min(x.frequencies(), x.padded), leaving = x.frequencies() + block;
-  return 2.0 * double(bytes_per_real) * (entering * y.inputs + leaving * y.outputs + double(x.outputs) * y.outputs);
+// Calls work(n, at, run) for the runs of consecutive frequencies first + n … that lie at `at` … in a transform.
+template <class Work>
+void each_run(int first, int count, int length, const Work& work) {
+  for (int n = 0; n < count;) {
+    const int at = wrapped(first + int64_t(n), length), run = std::min(count - n, length - at);
+    work(n, at, run);
+    n += run;
+  }
 }
 
+// The work space of a thread for a block of columns. Beyond the rows of the input, `rows` stays 0.
 template <class Real>
-BasicField<Real> transform_to_window(const BasicField<Real>& field, const Propagator<Real>& p,
-                                     const Observer& observer) {
+struct ColumnWork {
+  AlignedVector<std::complex<Real>> rows, columns, results, bins, sum;
+};
+
+// Calls write(o, sum) for each row o of the output, from any thread; sum(to) computes the row.
+template <class Real, class Write>
+void transform_rows(const BasicField<Real>& field, const Propagator<Real>& p, const Observer& observer,
+                    const Write& write) {
   using Complex = std::complex<Real>;
   const PropagationAxis &x = p.x, &y = p.y;
-  BasicField<Real> out(p.output, field.wavelength, field.z + p.distance);
   const WindowSum<Real> sum_x(x), sum_y(y);
-  const Fft<Real> forward_x(x.padded, FftDirection::forward), forward_y(y.padded, FftDirection::forward);
+  const Fft<Real> forward_x(x.padded, FftDirection::forward);
+  const FftBatch<Real> to_columns(y.padded, {block, block, 1, 1, y.padded}, FftDirection::forward);
 
   // 1. Along x: the frequencies in use, each once even if the kernel extends beyond the input's band.
-  const int entering = std::min(x.frequencies(), x.padded);
-  LargeBuffer<Complex> before(size_t(entering) * size_t(y.inputs));
+  const int entering = std::min(x.frequencies(), x.padded), count = x.frequencies();
+  ColumnBlocks<Real> before(entering, y.inputs);
   parallel_for(0, y.inputs, [&](int64_t j) {
-    AlignedVector<Complex> line(size_t(x.padded));
+    AlignedVector<Complex> line(size_t(x.padded)), used(size_t(before.blocks_of(entering)) * block);
     std::copy_n(field.samples.row(int(j)), x.inputs, line.begin());
     forward_x(line.data());
-    Complex* to = before.data() + size_t(j) * size_t(entering);
-    for (int n = 0; n < entering; ++n) to[n] = line[size_t(wrapped(x.first + n, x.padded))];
+    each_run(x.first, entering, x.padded,
+             [&](int n, int at, int run) { std::copy_n(line.data() + at, run, used.data() + n); });
+    for (int b = 0; b < before.blocks_of(entering); ++b) copy_block(used.data() + b * block, before.at(b, int(j)));
   });
   observer.progress(0.25);
 
-  // 2. Along y: a few columns at a time.
-  const int count = x.frequencies(), blocks = (count + block - 1) / block;
+  // 2. Along y: a block of columns at a time.
+  tbb::enumerable_thread_specific<ColumnWork<Real>> works([&] {
+    const size_t size = size_t(y.padded) * block;
+    return ColumnWork<Real>{AlignedVector<Complex>(size), AlignedVector<Complex>(size),
+                            AlignedVector<Complex>(size_t(y.outputs) * block),
+                            AlignedVector<Complex>(size_t(y.frequencies())), AlignedVector<Complex>(sum_y.work_size())};
+  });
   LargeBuffer<Complex> after(size_t(count) * size_t(y.outputs));
-  parallel_for(0, blocks, [&](int64_t b) {
-    const int first = int(b) * block, columns = std::min(block, count - first);
-    AlignedVector<Complex> lines(size_t(y.padded) * block), results(size_t(y.outputs) * block),
-        bins(size_t(y.frequencies())), work(sum_y.work_size());
-    for (int j = 0; j < y.inputs; ++j)
-      for (int c = 0; c < columns; ++c)
-        lines[size_t(c) * size_t(y.padded) + size_t(j)] =
-            before.data()[size_t(j) * size_t(entering) + size_t((first + c) % entering)];
-    for (int c = 0; c < columns; ++c) {
-      Complex* line = lines.data() + size_t(c) * size_t(y.padded);
-      forward_y(line);
-      const Complex* h = p.transfer.row(first + c);
-      for (int n = 0; n < y.frequencies();) {
-        const int at = wrapped(y.first + int64_t(n), y.padded), run = std::min(y.frequencies() - n, y.padded - at);
-        multiply(bins.data() + n, line + at, h + n, size_t(run));
-        n += run;
+  parallel_for(0, before.blocks_of(count), [&](int64_t b) {
+    const int first = int(b) * block, used = std::min(block, count - first);
+    auto& [rows, columns, results, bins, work] = works.local();
+    if (first + used <= entering)
+      std::copy_n(before.at(int(b), 0), y.inputs * block, rows.data());
+    else
+      for (int c = 0; c < used; ++c) {
+        const int from = (first + c) % entering;
+        const Complex* column = before.at(from / block, 0) + from % block;
+        for (int j = 0; j < y.inputs; ++j) rows[size_t(j) * block + size_t(c)] = column[size_t(j) * block];
       }
+    to_columns(rows.data(), columns.data());
+    for (int c = 0; c < used; ++c) {
+      const Complex *column = columns.data() + size_t(c) * size_t(y.padded), *h = p.transfer.row(first + c);
+      each_run(y.first, y.frequencies(), y.padded,
+               [&](int n, int at, int run) { multiply(bins.data() + n, column + at, h + n, size_t(run)); });
       sum_y(bins.data(), results.data() + size_t(c) * size_t(y.outputs), work.data());
     }
     for (int o = 0; o < y.outputs; ++o)
-      for (int c = 0; c < columns; ++c)
+      for (int c = 0; c < used; ++c)
         after.data()[size_t(o) * size_t(count) + size_t(first + c)] =
             results[size_t(c) * size_t(y.outputs) + size_t(o)];
   });
   observer.progress(0.75);
 
   // 3. Along x: to the window.
-  parallel_for(0, y.outputs, [&](int64_t o) {
-    AlignedVector<Complex> work(sum_x.work_size());
-    sum_x(after.data() + size_t(o) * size_t(count), out.samples.row(int(o)), work.data());
+  parallel_for(0, y.outputs, [&](int64_t row) {
+    const int o = int(row);
+    write(o, [&](Complex* to) {
+      AlignedVector<Complex> work(sum_x.work_size());
+      sum_x(after.data() + size_t(o) * size_t(count), to, work.data());
+    });
   });
   observer.progress(1);
+}
+
+}  // namespace
+
+double window_transform_bytes(const PropagationAxis& x, const PropagationAxis& y, size_t bytes_per_real) {
+  const double entering = std::min(x.frequencies(), x.padded) + block, leaving = x.frequencies() + block;
+  return 2.0 * double(bytes_per_real) * (entering * y.inputs + leaving * y.outputs + double(x.outputs) * y.outputs);
+}
+
+template <class Real>
+BasicField<Real> transform_to_window(const BasicField<Real>& field, const Propagator<Real>& p,
+                                     const Observer& observer) {
+  BasicField<Real> out(p.output, field.wavelength, field.z + p.distance);
+  transform_rows(field, p, observer, [&](int o, const auto& sum) { sum(out.samples.row(o)); });
   return out;
+}
+
+Array2D<float> transform_to_irradiance(const Field& field, const Propagator<float>& p, const Observer& observer) {
+  Array2D<float> irradiance(p.output.ny, p.output.nx);
+  transform_rows(field, p, observer, [&](int o, const auto& sum) {
+    AlignedVector<std::complex<float>> row(size_t(p.output.nx));
+    sum(row.data());
+    irradiance_of_row(row.data(), row.size(), irradiance.row(o));
+  });
+  return irradiance;
 }
 
 template Field transform_to_window(const Field&, const Propagator<float>&, const Observer&);

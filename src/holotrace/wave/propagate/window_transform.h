@@ -1,5 +1,6 @@
 #pragma once
 
+#include "holotrace/base/array.h"
 #include "holotrace/wave/propagate/propagator.h"
 
 namespace holotrace {
@@ -13,6 +14,10 @@ namespace holotrace {
 template <class Real>
 BasicField<Real> transform_to_window(const BasicField<Real>& field, const Propagator<Real>& propagator,
                                      const Observer& observer);
+
+/// The irradiance |out|² [W/m²] of transform_to_window, without holding the field.
+Array2D<float> transform_to_irradiance(const Field& field, const Propagator<float>& propagator,
+                                       const Observer& observer);
 
 /// Bytes that transform_to_window needs beside the field and the propagator, including its result.
 double window_transform_bytes(const PropagationAxis& x, const PropagationAxis& y, size_t bytes_per_real);

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace holotrace {
+
+/// A file, readable by this user alone, that leads a browser to a URL. Other users see the arguments of programs, and the
+/// URL holds the token of the viewer; so a browser is given the path of this file. It is removed with this object.
+class PrivateLink {
+ public:
+  /// @throws Error  if there is no place for temporary files
+  explicit PrivateLink(const std::string& url);
+  ~PrivateLink();
+  PrivateLink(const PrivateLink&) = delete;
+  PrivateLink& operator=(const PrivateLink&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string folder_, path_;
+};
+
+/// Opens a URL in the browser of the desktop. The browser is in a session of its own, so that Ctrl-C in this terminal does
+/// not end it.
+/// @return  the file that leads there, which must live until the browser has read it; none without a desktop
+std::unique_ptr<PrivateLink> open_browser(const std::string& url);
+
+}  // namespace holotrace

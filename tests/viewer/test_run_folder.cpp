@@ -1,0 +1,110 @@
+// The folder of a run in the viewer: the quality of its views, and where its things are.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "holotrace/io/run/save_run.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "holotrace/run/pipeline.h"
+#include "holotrace/viewer/session.h"
+#include "support/temporary.h"
+
+namespace holotrace::test {
+namespace {
+
+using Json = nlohmann::json;
+
+// A near and a far square, left and right, lit from the front.
+constexpr const char* scene = R"(wavelength = "532 nm"
+[slm]
+columns = 160
+rows = 90
+pitch = "8 um"
+[trace]
+columns = 48
+rows = 27
+field_of_view = "1.1 deg"
+paths = 2
+[render]
+columns = 80
+rows = 45
+paths = 8
+[camera]
+distances = "20 mm, 30 mm"
+[[light]]
+type = "rectangle"
+corner = "-5 -5 5 mm"
+edge_u = "0 10 0 mm"
+edge_v = "10 0 0 mm"
+radiance = 5
+[[object]]
+type = "quad"
+width = "0.35 mm"
+height = "0.45 mm"
+position = "-0.25 0 -20 mm"
+[[object]]
+type = "quad"
+width = "0.35 mm"
+height = "0.45 mm"
+position = "0.25 0 -30 mm"
+)";
+
+constexpr const char* aims_at_render = "[encode]\nmethod = \"sgd\"\ntarget = \"render\"\niterations = 5\n";
+
+Boxes run_into(const std::string& folder, const std::string& more) {
+  const Job job = load_job(make_file("scene.toml", scene + more));
+  Boxes boxes = run(job);
+  std::filesystem::create_directories(folder);
+  save_run(folder, boxes, job, {}, {});
+  return boxes;
+}
+
+// The report rounds nothing, and render.exr holds the floats that the run compared: only the scale of the render, which
+// does not count, differs. PNG clips light brighter than white: these figures would be wrong by 0.01 to 8 dB.
+TEST(FolderOfARun, ItsViewsHaveTheQualityOfTheReport) {
+  for (const char* more : {"", aims_at_render}) {
+    const std::string folder = temporary("out");
+    const Boxes boxes = run_into(folder, more);
+    Session session({folder});
+    int views = 0;
+    for (const StageReport& stage : boxes.report.stages) {
+      if (!stage.stage.starts_with("look at ")) continue;
+      const std::string distance = stage.stage.substr(std::string("look at ").size());
+      const Json metrics = Json::parse(session.metrics(session.state_of({{"distance", distance}})));
+      for (const auto& [name, fact] : stage.facts)
+        if (name == "psnr_db" || name == "ssim" || name == "speckle_contrast") {
+          EXPECT_NEAR(metrics.at(name).get<double>(), std::get<double>(fact), 1e-6) << stage.stage << more << name;
+        }
+      ++views;
+    }
+    EXPECT_EQ(views, 2);
+    // A folder of an earlier version has only the PNG.
+    for (const char* name : {"/render.exr", "/render_2.exr"}) std::filesystem::remove(folder + name);
+    Session earlier({folder});
+    EXPECT_TRUE(Json::parse(earlier.metrics(earlier.state_of({}))).contains("psnr_db"));
+  }
+}
+
+// A run that aims at the render makes no waves. Its points lie on the squares, whose depths are 20 and 30 mm.
+TEST(FolderOfARun, HasThePlacesOfTheSceneWithoutWaves) {
+  const std::string folder = temporary("out");
+  run_into(folder, aims_at_render);
+  const std::vector<float> points = Session({folder}).points();
+  int near = 0, far = 0;
+  for (size_t i = 0; i + 3 < points.size(); i += 4) {
+    const bool is_near = points[i] < 0;  // x
+    EXPECT_NEAR(points[i + 2], is_near ? -0.02 : -0.03, 1e-6);
+    EXPECT_LE(std::abs(std::abs(points[i]) - 0.25e-3), 0.175e-3 + 1e-9);
+    EXPECT_LE(std::abs(points[i + 1]), 0.225e-3 + 1e-9);
+    ++(is_near ? near : far);
+  }
+  // The raster of 256 × 256 rays has the tangents of the panel's half width, 0.64 mm at 20 mm: a square of 0.35 × 0.45 mm
+  // there gets 256²·0.35·0.45/1.28² = 6300 rays, the far one 4/9 of them. Cells of one phase share a wave.
+  EXPECT_GT(near, 1000);
+  EXPECT_GT(far, 500);
+}
+
+}  // namespace
+}  // namespace holotrace::test
