@@ -12,12 +12,14 @@ import os
 import shlex
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
 import urllib.request
+import zlib
 
 try:
     from PIL import Image
@@ -324,6 +326,30 @@ class Page(unittest.TestCase):
         self.change(lambda: self.set_number("distance-number", 50))
         self.click_beside_the_middle(0.195)
         self.assertAlmostEqual(self.distance(), 60, delta=0.01)
+
+    def test_says_what_it_cannot_show(self):
+        """A hologram larger than memory, and one that is cut short, beside one that is whole."""
+        def chunk(kind, data):
+            return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        folder = os.path.join(self.folder, "odd")
+        os.makedirs(folder)
+        with open(os.path.join(self.out, "hologram.png"), "rb") as file:
+            whole = file.read()
+        side = 300000  # 180 GB of levels
+        contents = (whole, whole[:len(whole) // 2],
+                    b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)) +
+                    chunk(b"IDAT", zlib.compress(b"\0" * 1000)) + chunk(b"IEND", b""))
+        for number, content in enumerate(contents, 1):
+            with open(os.path.join(folder, "hologram.png" if number == 1 else f"hologram_{number}.png"), "wb") as file:
+                file.write(content)
+        server = Server(folder)
+        self.addCleanup(server.stop)
+        self.browser.get(server.url)
+        self.settle()
+        problem = self.get("problem").text
+        self.assertIn("hologram_2.png", problem)
+        self.assertIn("its header claims 300000 × 300000 pixels", problem)
+        self.assert_view_is_that_of_show()  # of the whole one
 
     def test_traces_the_render_of_a_scene(self):
         server = Server(os.path.join(self.folder, "scene.toml"))
