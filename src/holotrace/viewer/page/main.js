@@ -98,6 +98,7 @@ function setRange() {
 }
 
 let loaded = 0;  // the reading of the session that is shown completely
+let proposed = 0;  // focus that the session has proposed [mm]
 
 async function load() {
   Object.assign(session, await api.json('session'));
@@ -107,7 +108,9 @@ async function load() {
     $('title').textContent = name;
     document.title = `${name} – Holotrace`;
     say(session.problems.join('\n'));
-    if (loaded === 0 || state.distance === 0) state.distance = Number((session.defaults.distance_m * 1e3).toFixed(4));
+    const isUntouched = loaded === 0 || state.distance === proposed;
+    proposed = Number((session.defaults.distance_m * 1e3).toFixed(4));
+    if (isUntouched) state.distance = proposed;
     state.shown = null;
     setRange();
     buildControls();
