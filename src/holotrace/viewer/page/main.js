@@ -69,7 +69,7 @@ async function complete(asked) {
   const isOver = () => asked !== query() || running !== null;
   await showCommand();
   if (isOver()) return;
-  const render = session.has_render ? await api.picture(`reference?${asked}`).catch(() => null) : null;
+  const render = session.has_render ? await api.picture(`reference?${query({ page, number: String(number) })}`).catch(() => null) : null;
   if (asked !== query()) return;
   showRender(render);
   if (isOver()) return;
