@@ -386,7 +386,7 @@ class Page(unittest.TestCase):
         noted = os.path.join(self.folder, "noted")
         program = os.path.join(bin_folder, "xdg-open")
         with open(program, "w") as file:  # what the program was called with, and its session
-            file.write(f'#!/bin/sh\necho "$1 $(ps -o sid= -p $$) $$" > {noted}.new && mv {noted}.new {noted}\n')
+            file.write(f'#!/bin/sh\necho "$1 $(cut -d " " -f 6 /proc/$$/stat) $$" > {noted}.new && mv {noted}.new {noted}\n')
         os.chmod(program, 0o755)
         server = subprocess.Popen([PROGRAM, "view", self.out], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                   env={**os.environ, "DISPLAY": ":99", "PATH": bin_folder + ":" + os.environ["PATH"]})
