@@ -3,7 +3,7 @@
 
 Usage: viewer_figures.py PROGRAM [HOLOGRAM FOLDER]      with the Python that has Selenium (python3-selenium)
 
-HOLOGRAM is one hologram, FOLDER has 3 colours x 8 frames; without them, both are made first (a minute). On a busy machine,
+HOLOGRAM is one hologram, FOLDER has 3 colours x 8 frames; without them, both are made first (some seconds). On a busy machine,
 run it under `chrt -r 5`, so that programs of others wait. All times are medians, in milliseconds unless a unit stands beside.
 """
 
@@ -24,7 +24,7 @@ PROGRAM = os.path.abspath(sys.argv[1])
 SCENE = """
 wavelength = ["638 nm", "532 nm", "450 nm"]
 [slm]
-panel = "pluto"
+preset = "pluto"
 [trace]
 columns = 48
 rows = 27

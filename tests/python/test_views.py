@@ -160,6 +160,17 @@ def test_the_files_of_a_run_are_the_program_bit_by_bit(scene, program, folders):
     same_files(*folders, apart_from=["report.json"])
 
 
+def test_the_files_of_a_run_without_waves_are_the_program_bit_by_bit(scene, tmp_path, program, folders):
+    """Its places and the radiance of its target are kept with the run, though they are none of its results."""
+    (tmp_path / "aims.toml").write_text(
+        'extends = "scene.toml"\n[encode]\nmethod = "sgd"\ntarget = "render"\niterations = 2\n')
+    program("run", "aims.toml", "-o", "program")
+    result = ht.run(ht.load_scene(tmp_path / "aims.toml"))
+    pickle.loads(pickle.dumps(result)).save(folders[1])
+    names = same_files(*folders, apart_from=["report.json"])
+    assert {"points.ply", "render.exr", "hologram.png"} <= names and "sources.ply" not in names
+
+
 def test_pictures_of_a_run_are_exposed_as_its_files(scene, folders):
     result = ht.run(scene)
     result.save(folders[0])

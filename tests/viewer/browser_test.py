@@ -12,12 +12,14 @@ import os
 import shlex
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
 import urllib.request
+import zlib
 
 try:
     from PIL import Image
@@ -321,9 +323,33 @@ class Page(unittest.TestCase):
         self.assertEqual([name for name in os.listdir(folder) if name.startswith(".")], [])
         # It has made no waves, but a click focuses at the scene's depth there all the same.
         wait_until(lambda: self.get("space").get_attribute("data-eye-x"), what="the points of the scene")
-        self.change(lambda: self.set_number("distance-number", 50))
+        self.assertEqual(self.distance(), 40)  # that of the run's view, though the page was open before
         self.click_beside_the_middle(0.195)
         self.assertAlmostEqual(self.distance(), 60, delta=0.01)
+
+    def test_says_what_it_cannot_show(self):
+        """A hologram larger than memory, and one that is cut short, beside one that is whole."""
+        def chunk(kind, data):
+            return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        folder = os.path.join(self.folder, "odd")
+        os.makedirs(folder)
+        with open(os.path.join(self.out, "hologram.png"), "rb") as file:
+            whole = file.read()
+        side = 300000  # 180 GB of levels
+        contents = (whole, whole[:len(whole) // 2],
+                    b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)) +
+                    chunk(b"IDAT", zlib.compress(b"\0" * 1000)) + chunk(b"IEND", b""))
+        for number, content in enumerate(contents, 1):
+            with open(os.path.join(folder, "hologram.png" if number == 1 else f"hologram_{number}.png"), "wb") as file:
+                file.write(content)
+        server = Server(folder)
+        self.addCleanup(server.stop)
+        self.browser.get(server.url)
+        self.settle()
+        problem = self.get("problem").text
+        self.assertIn("hologram_2.png", problem)
+        self.assertIn("its header claims 300000 × 300000 pixels", problem)
+        self.assert_view_is_that_of_show()  # of the whole one
 
     def test_traces_the_render_of_a_scene(self):
         server = Server(os.path.join(self.folder, "scene.toml"))
@@ -360,7 +386,7 @@ class Page(unittest.TestCase):
         noted = os.path.join(self.folder, "noted")
         program = os.path.join(bin_folder, "xdg-open")
         with open(program, "w") as file:  # what the program was called with, and its session
-            file.write(f'#!/bin/sh\necho "$1 $(ps -o sid= -p $$) $$" > {noted}.new && mv {noted}.new {noted}\n')
+            file.write(f'#!/bin/sh\necho "$1 $(cut -d " " -f 6 /proc/$$/stat) $$" > {noted}.new && mv {noted}.new {noted}\n')
         os.chmod(program, 0o755)
         server = subprocess.Popen([PROGRAM, "view", self.out], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                   env={**os.environ, "DISPLAY": ":99", "PATH": bin_folder + ":" + os.environ["PATH"]})

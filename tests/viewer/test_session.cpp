@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -281,6 +282,11 @@ position = "0.15 0.1 -30 mm"
   EXPECT_NEAR(render.white / view.white, cross / square, 1e-9 * cross / square);
   const ViewState far = session.state_of({{"distance", "60 mm"}});  // out of focus, the square is blurred
   const float bright = *std::max_element(render.image.values.begin(), render.image.values.end());
+  // Tracing ends when the request is outdated: at once, or in the middle.
+  EXPECT_FALSE(session.reference(far, [] { return true; }).has_value());
+  std::atomic<int> asked = 0;
+  EXPECT_FALSE(session.reference(far, [&] { return ++asked > 3; }).has_value());
+  EXPECT_FALSE(Json::parse(session.metrics(far)).contains("psnr_db"));
   const Image blurred = session.reference(far)->image;
   EXPECT_LT(*std::max_element(blurred.values.begin(), blurred.values.end()), 0.8F * bright);
 }

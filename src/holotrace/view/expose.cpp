@@ -45,6 +45,7 @@ double percentile_of_blocks(const Image& image, double part) {
 double level_of_clipped_light(const Image& image, double part) {
   double light = 0, high = 0, low = 0;
   std::vector<float> between;
+  between.reserve(image.values.size());
   for (const float value : image.values) {
     if (!(value > 0)) continue;
     light += double(value);

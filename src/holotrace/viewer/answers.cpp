@@ -106,12 +106,7 @@ HttpAnswer Answers::route(const std::string& path, const std::string& query_text
   if (path == "view") return view(query);
   if (path == "panel") return panel(query);
   if (path == "values") return values(query);
-  if (path == "reference") {
-    const auto start = Clock::now();
-    const auto render = session_.reference(session_.state_of(query));
-    if (!render) return json_answer({{"error", "there is no render beside these holograms"}}, 404);
-    return view_answer(*render, std::chrono::duration<double>(Clock::now() - start).count());
-  }
+  if (path == "reference") return reference(query);
   if (path == "metrics") return {200, json_type, session_.metrics(session_.state_of(query))};
   if (path == "command") return json_answer({{"command", session_.command_line(query)}});
   if (path == "report") return {200, json_type, session_.report()};
@@ -127,26 +122,40 @@ HttpAnswer Answers::route(const std::string& path, const std::string& query_text
   return {404, "text/plain; charset=utf-8", "there is nothing of this name\n"};
 }
 
-bool Answers::is_outdated(const std::string& page, int64_t number) {
+Answers::Turn Answers::take_turn(Query& query) {
+  Turn turn;
+  if (query.count("number") > 0) turn.number = take_number(query, "number");
+  turn.page = take_text(query, "page").substr(0, 32);
+  return turn;
+}
+
+bool Answers::is_outdated(const Turn& turn) {
+  if (turn.number < 0) return false;
   const std::lock_guard lock(mutex_);
   constexpr size_t most_pages = 64;
-  if (newest_.size() >= most_pages && newest_.count(page) == 0) newest_.clear();
-  int64_t& newest = newest_[page];
-  newest = std::max(newest, number);
-  return number < newest;
+  if (newest_.size() >= most_pages && newest_.count(turn.page) == 0) newest_.clear();
+  int64_t& newest = newest_[turn.page];
+  newest = std::max(newest, turn.number);
+  return turn.number < newest;
 }
 
 HttpAnswer Answers::view(Query query) {
   const auto start = Clock::now();
-  const bool has_number = query.count("number") > 0;
-  const int64_t number = has_number ? take_number(query, "number") : 0;
-  const std::string page = take_text(query, "page").substr(0, 32);
-  const auto is_old = [&] { return has_number && is_outdated(page, number); };
+  const Turn turn = take_turn(query);
+  const auto is_old = [&] { return is_outdated(turn); };
   if (is_old()) return {204, {}, {}};  // tells a request that is at work that this one is newer, before waiting for it
-  const ViewState state = session_.state_of(query);
-  const std::optional<TakenView> view = session_.view(state, is_old);
+  const std::optional<TakenView> view = session_.view(session_.state_of(query), is_old);
   if (!view) return {204, {}, {}};
   return view_answer(*view, std::chrono::duration<double>(Clock::now() - start).count());
+}
+
+HttpAnswer Answers::reference(Query query) {
+  const auto start = Clock::now();
+  const Turn turn = take_turn(query);
+  if (!session_.has_render()) return json_answer({{"error", "there is no render beside these holograms"}}, 404);
+  const auto render = session_.reference(session_.state_of(query), [&] { return is_outdated(turn); });
+  if (!render) return {204, {}, {}};
+  return view_answer(*render, std::chrono::duration<double>(Clock::now() - start).count());
 }
 
 HttpAnswer Answers::panel(Query query) {

@@ -18,13 +18,13 @@ namespace holotrace {
 /// - session       Session::describe, after reading files again that have changed
 /// - view          the picture of a state (requests.h): the length of a JSON text as 4 bytes (the lowest first), the text
 ///                 {columns, rows, channels, white, pitch_m, step, warnings, seconds}, and the values, 1 or 3 bytes for a pixel
-/// - reference     the render that belongs to it, in the same form
+/// - reference     the render that belongs to it, in the same form; for a scene it is traced
 /// - panel?item=&as=level|amplitude|phase   a hologram, in the same form
 /// - metrics, values?column=&row=&columns=&rows=, command, report   JSON
 /// - points        places of the scene as floats
 /// - view.png, view.exr   the file that `holotrace show` writes
 ///
-/// With `page` (a name) and `number` a view that the same page has asked for before is dropped (204). An error is
+/// With `page` (a name) and `number`, a view or a reference is dropped (204) once the page has asked with a higher number. An error is
 /// 400 with {"error": sentence}.
 class Answers {
  public:
@@ -37,10 +37,16 @@ class Answers {
 
  private:
   HttpAnswer route(const std::string& path, const std::string& query_text);
+  struct Turn {
+    std::string page;
+    int64_t number = -1;  // none
+  };
+  static Turn take_turn(Query& query);
+  bool is_outdated(const Turn& turn);
   HttpAnswer view(Query query);
+  HttpAnswer reference(Query query);
   HttpAnswer panel(Query query);
   HttpAnswer values(Query query);
-  bool is_outdated(const std::string& page, int64_t number);
 
   Session& session_;
   const Access access_;

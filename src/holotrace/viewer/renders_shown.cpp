@@ -44,7 +44,7 @@ RenderParams params_for(const Job& job, const CameraParams& camera) {
 }  // namespace
 
 std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, const CameraParams& camera,
-                                                     bool may_trace) {
+                                                     const Tracing& trace) {
   const double distance = camera.distances.front();
   if (!contents.renders.empty()) {
     const auto away = [&](const RenderOfView& r) { return std::abs(r.place.distance - distance); };
@@ -59,18 +59,29 @@ std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, c
   if (!contents.job || distance <= 0) return std::nullopt;
   const std::string key = fmt::format("{} {}", fmt::ptr(contents.job.get()), key_of(camera));  // of this reading
   PlacedRender render{find(key), {}};
-  if (!render.image && !may_trace) return std::nullopt;
-  if (!render.image) render.image = traced(key, *contents.job, camera);
+  if (!render.image && trace.is_allowed) render.image = traced(key, *contents.job, camera, trace.is_outdated);
+  if (!render.image) return std::nullopt;
   render.place.half_tangent = contents.job->slm.grid.height() / 2 / distance;
   render.place.distance = distance;
   render.place.wavelengths = contents.job->wavelengths;
   return render;
 }
 
-std::shared_ptr<const Image> RendersShown::traced(const std::string& key, const Job& job, const CameraParams& camera) {
+std::shared_ptr<const Image> RendersShown::traced(const std::string& key, const Job& job, const CameraParams& camera,
+                                                  const std::function<bool()>& is_outdated) {
+  struct Outdated {};
+  Observer observer;
+  observer.on_progress = [&](double) {
+    if (is_outdated && is_outdated()) throw Outdated();
+  };
   const std::lock_guard lock(tracing_);
   if (const auto meanwhile = find(key)) return meanwhile;
-  return keep(key, make_render(job, params_for(job, camera)));
+  try {
+    observer.progress(0);  // it may have waited long
+    return keep(key, make_render(job, params_for(job, camera), observer));
+  } catch (const Outdated&) {
+    return nullptr;
+  }
 }
 
 std::shared_ptr<const Image> RendersShown::find(const std::string& key) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -19,15 +20,21 @@ struct PlacedRender {
   ViewPlace place;
 };
 
+/// How a render that is not there yet is made.
+struct Tracing {
+  bool is_allowed = true;
+  std::function<bool()> is_outdated{};  ///< asked from any thread; if it returns true, the tracing ends
+};
+
 /// The renders that belong to views: those of a run, from their files, and of a scene traced when they are asked for.
 /// The latest few are kept. May be called from several threads.
 class RendersShown {
  public:
   /// The render of a run whose focus is nearest; or that of the scene with this focus, seen through the panel or the
   /// camera's pupil, 480 pixels wide and of 16 paths per pixel.
-  /// @param may_trace  otherwise a scene's render is only returned if it was traced before
-  /// @return           nothing if there is none
-  std::optional<PlacedRender> render_for(const Contents& contents, const CameraParams& camera, bool may_trace);
+  /// @param trace  whether to trace a scene's render that was not traced before, and what ends it
+  /// @return       nothing if there is none, or if its tracing was ended
+  std::optional<PlacedRender> render_for(const Contents& contents, const CameraParams& camera, const Tracing& trace);
 
   void clear();
 
@@ -38,7 +45,8 @@ class RendersShown {
   };
   std::shared_ptr<const Image> find(const std::string& key);
   std::shared_ptr<const Image> keep(const std::string& key, Image image);
-  std::shared_ptr<const Image> traced(const std::string& key, const Job& job, const CameraParams& camera);
+  std::shared_ptr<const Image> traced(const std::string& key, const Job& job, const CameraParams& camera,
+                                      const std::function<bool()>& is_outdated);
 
   std::mutex mutex_, tracing_;  // one render is traced at a time: each takes all threads
   std::list<Entry> entries_;    // latest first

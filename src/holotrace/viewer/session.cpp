@@ -238,7 +238,7 @@ std::optional<TakenView> Session::view(const ViewState& state, const std::functi
   return take(state, is_outdated);
 }
 
-Session::Compared Session::with_render(const ViewState& state, bool may_trace) {
+Session::Compared Session::with_render(const ViewState& state, const Tracing& trace) {
   Compared compared;
   std::shared_ptr<const Contents> contents;
   {
@@ -246,7 +246,7 @@ Session::Compared Session::with_render(const ViewState& state, bool may_trace) {
     compared.view = *take(state, {});
     contents = contents_;
   }
-  std::optional<PlacedRender> render = renders_.render_for(*contents, state.camera, may_trace);
+  std::optional<PlacedRender> render = renders_.render_for(*contents, state.camera, trace);
   if (!render) return compared;
   const Image& image = compared.view.image;
   const double m = magnification(state.camera, state.camera.distances.front(), contents->items.front().hologram.image);
@@ -260,10 +260,17 @@ Session::Compared Session::with_render(const ViewState& state, bool may_trace) {
   return compared;
 }
 
-std::optional<TakenView> Session::reference(const ViewState& state) { return with_render(state, true).render; }
+std::optional<TakenView> Session::reference(const ViewState& state, const std::function<bool()>& is_outdated) {
+  return with_render(state, {true, is_outdated}).render;
+}
+
+bool Session::has_render() {
+  const std::lock_guard lock(mutex_);
+  return !contents_->renders.empty() || contents_->job;
+}
 
 std::string Session::metrics(const ViewState& state) {
-  const Compared compared = with_render(state, false);
+  const Compared compared = with_render(state, {.is_allowed = false});
   Json json{{"contrast", speckle_contrast(compared.view.image)}};
   if (compared.render && has_light(compared.render->image)) {
     const Metrics m = compare(compared.render->image, compared.view.image);

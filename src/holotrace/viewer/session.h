@@ -64,8 +64,12 @@ class Session {
 
   /// What the view should show, on its pixels and as bright (renders_shown.h). That of a scene takes seconds, in which
   /// views are still answered.
-  /// @return nothing if the session has no render
-  std::optional<TakenView> reference(const ViewState& state);
+  /// @param is_outdated  asked from any thread while a scene is traced; if it returns true, that ends
+  /// @return             nothing if the session has no render, or if its tracing was ended
+  std::optional<TakenView> reference(const ViewState& state, const std::function<bool()>& is_outdated = {});
+
+  /// Whether reference() can return a render.
+  bool has_render();
 
   /// How near the view is to that render (view/compare.h), as JSON; without a render only the contrast.
   std::string metrics(const ViewState& state);
@@ -94,7 +98,7 @@ class Session {
     TakenView view;
     std::optional<TakenView> render;
   };
-  Compared with_render(const ViewState& state, bool may_trace);
+  Compared with_render(const ViewState& state, const Tracing& trace);
   void load();
 
   const std::vector<std::string> paths_;

@@ -69,7 +69,7 @@ async function complete(asked) {
   const isOver = () => asked !== query() || running !== null;
   await showCommand();
   if (isOver()) return;
-  const render = session.has_render ? await api.picture(`reference?${asked}`).catch(() => null) : null;
+  const render = session.has_render ? await api.picture(`reference?${query({ page, number: String(number) })}`).catch(() => null) : null;
   if (asked !== query()) return;
   showRender(render);
   if (isOver()) return;
@@ -98,6 +98,7 @@ function setRange() {
 }
 
 let loaded = 0;  // the reading of the session that is shown completely
+let proposed = 0;  // focus that the session has proposed [mm]
 
 async function load() {
   Object.assign(session, await api.json('session'));
@@ -107,7 +108,9 @@ async function load() {
     $('title').textContent = name;
     document.title = `${name} – Holotrace`;
     say(session.problems.join('\n'));
-    if (loaded === 0 || state.distance === 0) state.distance = Number((session.defaults.distance_m * 1e3).toFixed(4));
+    const isUntouched = loaded === 0 || state.distance === proposed;
+    proposed = Number((session.defaults.distance_m * 1e3).toFixed(4));
+    if (isUntouched) state.distance = proposed;
     state.shown = null;
     setRange();
     buildControls();
