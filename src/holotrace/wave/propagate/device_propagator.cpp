@@ -85,6 +85,24 @@ Field DevicePropagator::operator()(const Field& field, const Observer& observer)
   return out;
 }
 
+double DevicePropagator::bytes_moved() const {
+  const PropagationAxis &x = plan_.x, &y = plan_.y;
+  const double in = double(x.inputs) * y.inputs, out = double(x.outputs) * y.outputs;
+  double samples = 0;
+  if (!plan_.is_on_lattice()) {
+    const double columns = x.frequencies(), rows = y.frequencies();
+    // Each array is written and read; the transposed ones twice.
+    samples = in + columns * (4.0 * y.inputs + 3.0 * rows + 4.0 * y.outputs) + out;
+    return double(sizeof(Complex)) * samples;
+  }
+  const double parts = y.parts, added = 2 * parts - 1;  // a sum is read before each part but the first
+  for (const Part& part : x_) {
+    const double of_column = (3 + parts) * y.inputs + y.padded + (added + 3) * y.outputs;
+    samples += in + part.columns * of_column + (&part == &x_.front() ? out : 2 * out);
+  }
+  return double(sizeof(Complex)) * samples;
+}
+
 void DevicePropagator::convolve(const Work& work, const Observer& observer) {
   const PropagationAxis &x = plan_.x, &y = plan_.y;
   bool is_first = true;

@@ -27,6 +27,10 @@ class DevicePropagator {
   /// both fields; at other pitches 8·K per frequency along y too.
   Field operator()(const Field& field, const Observer& observer = {});
 
+  /// Bytes that the kernels read from the device's memory and write to it, if its caches hold nothing and every line is
+  /// held in local memory (line_transform.h).
+  double bytes_moved() const;
+
  private:
   struct Work;
   struct Part {
