@@ -127,6 +127,12 @@ TEST_P(DeviceTransforms, WriteNothingPastTheirBuffers) {
   const size_t before = device_.broken_guards();
   device_.guard_buffers(true);
   for (const int length : {75, 77}) error_on(device_, {{length, FftDirection::forward, {50}, {61, 30}}, {}, {}, {}}, 3);
+  {
+    const DeviceBuffer from = device_.upload(drawn(37 * 50, 6), "lines"),
+                       to = device_.make_buffer(from.bytes(), "lines");
+    LineTransforms(device_).transpose(37, 50, from, to);
+    LineTransforms(device_).transpose(50, 37, from, to);
+  }
   device_.guard_buffers(false);
   EXPECT_EQ(device_.broken_guards(), before);
 }
