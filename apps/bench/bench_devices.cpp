@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
+#include "holotrace/base/units.h"
 #include "holotrace/estimate/machine/device_peak.h"
 #include "holotrace/estimate/machine/timed_jobs.h"
+#include "holotrace/wave/propagate/device_propagator.h"
 #include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/synthesize.h"
 #include "holotrace/wave/tiles/device_tiles.h"
@@ -50,6 +52,32 @@ BenchRow bench_on_device(const BenchOptions& options, const DeviceJob& job) {
   return row;
 }
 
+// A propagation does few operations on each sample: the memory of a device sets its pace. The fields' transfers count in
+// its time.
+BenchRow bench_propagation_on_device(const BenchOptions& options) {
+  using namespace literals;
+  Device& device = open_device(options.device.number);
+  const Grid panel = options.is_quick ? Grid{480, 270, 8_um} : timed_full_hd;
+  const Field field = timed_field(panel);
+  const auto propagator = make_propagator<float>(panel, 532_nm, 0.3_m);
+  DevicePropagator on_device(device, propagator);
+  Field there = on_device(field);  // kernels are compiled here
+  const DeviceUse before = device.use();
+  there = on_device(field);
+  const DeviceUse after = device.use();
+  const double amount = on_device.bytes_moved();
+  const Timing timing = time_work(
+      options, [&] { there = on_device(field); }, amount, [&] { return measure_device_peak(device).memory; });
+  BenchRow row =
+      make_row("propagate on " + device_text(options.device),
+               fmt::format("{}x{} padded {}x{}, float", panel.nx, panel.ny, propagator.padded_nx, propagator.padded_ny),
+               timing, amount, "bytes", "memory of the device");
+  row.facts["device"] = device.info().name;
+  row.facts["bytes_in"] = after.bytes_in - before.bytes_in;
+  row.facts["bytes_out"] = after.bytes_out - before.bytes_out;
+  return row;
+}
+
 }  // namespace
 
 std::vector<BenchStep> device_steps(const BenchOptions& options) {
@@ -58,6 +86,8 @@ std::vector<BenchStep> device_steps(const BenchOptions& options) {
   const auto add = [&](const DeviceJob& job) {
     steps.push_back({"tiled on " + device_text(options.device), [=] { return bench_on_device(options, job); }});
   };
+  steps.push_back(
+      {"propagate on " + device_text(options.device), [=] { return bench_propagation_on_device(options); }});
   add({options.is_quick ? 200 : 1000, 1e-3});
   if (options.is_quick) return steps;
   add({10000, 1e-3});

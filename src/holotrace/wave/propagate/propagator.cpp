@@ -109,7 +109,7 @@ Propagator<Real> make_propagator(const Grid& grid, double wavelength, double dis
 }
 
 template <class Real>
-BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>& p, const Observer& observer) {
+void check_field(const BasicField<Real>& field, const Propagator<Real>& p) {
   require(
       field.grid == p.input && field.wavelength == p.wavelength,
       "expected a field of {} × {} samples of {} at {}, centred at {}, {}, as the propagator was made for, got {} × "
@@ -118,6 +118,11 @@ BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>
       format_length(p.input.centre_x), format_length(p.input.centre_y), field.grid.nx, field.grid.ny,
       format_length(field.grid.pitch), format_length(field.wavelength), format_length(field.grid.centre_x),
       format_length(field.grid.centre_y));
+}
+
+template <class Real>
+BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>& p, const Observer& observer) {
+  check_field(field, p);
   BasicField<Real> out = p.is_on_lattice() ? convolve(field, p, observer) : transform_to_window(field, p, observer);
   out.image = field.image;
   out.filter = field.filter;
@@ -126,6 +131,7 @@ BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>
 
 template Propagator<float> make_propagator(const Grid&, double, double, const PropagateParams&, const Observer&);
 template Propagator<double> make_propagator(const Grid&, double, double, const PropagateParams&, const Observer&);
+template void check_field(const Field&, const Propagator<float>&);
 template Field propagate(const Field&, const Propagator<float>&, const Observer&);
 template FieldDouble propagate(const FieldDouble&, const Propagator<double>&, const Observer&);
 

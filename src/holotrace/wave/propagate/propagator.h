@@ -58,8 +58,12 @@ Propagator<Real> make_propagator(const Grid& grid, double wavelength, double dis
 double propagation_bytes(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
                          size_t bytes_per_real);
 
-/// The field at the output window of the propagator.
 /// @throws Error  if the field's grid or wavelength differs from the propagator's
+template <class Real>
+void check_field(const BasicField<Real>& field, const Propagator<Real>& propagator);
+
+/// The field at the output window of the propagator.
+/// @throws Error  as check_field does
 template <class Real>
 BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>& propagator,
                            const Observer& observer = {});

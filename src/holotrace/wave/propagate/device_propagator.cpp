@@ -1,0 +1,166 @@
+#include "holotrace/wave/propagate/device_propagator.h"
+
+#include <algorithm>
+#include <complex>
+
+#include "holotrace/wave/propagate/convolution_parts.h"
+#include "holotrace/wave/propagate/window_sum.h"
+
+namespace holotrace {
+namespace {
+
+using Complex = std::complex<float>;
+
+DeviceBuffer make_samples(Device& device, double rows, double columns) {
+  return device.make_buffer(size_t(rows * columns) * sizeof(Complex), "a propagation");
+}
+
+// Everything about a propagator but its large table.
+Propagator<float> without_transfer(const Propagator<float>& p) {
+  return {p.input, p.output, p.wavelength, p.distance, p.method, p.x, p.y, p.padded_nx, p.padded_ny, {}};
+}
+
+}  // namespace
+
+// Buffers of a propagation: the spectrum row by row, and column by column before and after the transfer function.
+struct DevicePropagator::Work {
+  DeviceBuffer field, rows, columns, bins, filtered, out;
+};
+
+DevicePropagator::DevicePropagator(Device& device, const Propagator<float>& p)
+    : device_(device), plan_(without_transfer(p)), lines_(device), transfer_columns_(p.transfer.nx) {
+  const auto lock = device_.lock();
+  transfer_ = device_.make_buffer(p.transfer.size() * sizeof(Complex), "a transfer function");
+  device_.write(transfer_, p.transfer.values.data(), transfer_.bytes());
+  if (!p.is_on_lattice()) {
+    to_x_.push_back(make_window(p.x));
+    to_y_.push_back(make_window(p.y));
+    return;
+  }
+  for (int part = 0; part < p.x.parts; ++part)
+    x_.push_back(make_part(p.x, part, 1.0 / (double(p.x.padded) * p.y.padded)));
+  for (int part = 0; part < p.y.parts; ++part) y_.push_back(make_part(p.y, part, 1));
+}
+
+DevicePropagator::Part DevicePropagator::make_part(const PropagationAxis& axis, int part, double scale) {
+  const AxisPart<float> host(axis, part, scale);
+  return {device_.upload(host.enter, "the factors of a propagation"),
+          device_.upload(host.leave, "the factors of a propagation"), host.columns, (host.first - part) / axis.parts,
+          host.first};
+}
+
+DevicePropagator::Window DevicePropagator::make_window(const PropagationAxis& axis) {
+  const WindowSum<float> host(axis);
+  Window window{device_.upload(host.enter(), "the factors of a propagation"),
+                {},
+                device_.upload(host.leave(), "the factors of a propagation"),
+                host.length(),
+                host.is_plain()};
+  if (!host.is_plain()) window.chirp = device_.upload(host.chirp(), "the factors of a propagation");
+  return window;
+}
+
+int DevicePropagator::most_columns() const {
+  int most = plan_.is_on_lattice() ? 1 : plan_.x.frequencies();
+  for (const Part& part : x_) most = std::max(most, part.columns);
+  return most;
+}
+
+Field DevicePropagator::operator()(const Field& field, const Observer& observer) {
+  check_field(field, plan_);
+  const auto lock = device_.lock();
+  const PropagationAxis &x = plan_.x, &y = plan_.y;
+  const int columns = most_columns();
+  Work work{make_samples(device_, y.inputs, x.inputs), make_samples(device_, std::max(y.inputs, y.outputs), columns),
+            make_samples(device_, y.inputs, columns),  {},
+            make_samples(device_, y.outputs, columns), make_samples(device_, y.outputs, x.outputs)};
+  if (!plan_.is_on_lattice()) work.bins = make_samples(device_, y.frequencies(), columns);
+  device_.write(work.field, field.samples.values.data(), work.field.bytes());
+  plan_.is_on_lattice() ? convolve(work, observer) : transform_to_window(work, observer);
+  Field out(plan_.output, field.wavelength, field.z + plan_.distance);
+  device_.read(work.out, out.samples.values.data(), work.out.bytes());
+  observer.progress(1);
+  out.image = field.image;
+  out.filter = field.filter;
+  return out;
+}
+
+double DevicePropagator::bytes_moved() const {
+  const PropagationAxis &x = plan_.x, &y = plan_.y;
+  const double in = double(x.inputs) * y.inputs, out = double(x.outputs) * y.outputs;
+  double samples = 0;
+  if (!plan_.is_on_lattice()) {
+    const double columns = x.frequencies(), rows = y.frequencies();
+    // Each array is written and read; the transposed ones twice.
+    samples = in + columns * (4.0 * y.inputs + 3.0 * rows + 4.0 * y.outputs) + out;
+    return double(sizeof(Complex)) * samples;
+  }
+  const double parts = y.parts, added = 2 * parts - 1;  // a sum is read before each part but the first
+  for (const Part& part : x_) {
+    const double of_column = (3 + parts) * y.inputs + y.padded + (added + 3) * y.outputs;
+    samples += in + part.columns * of_column + (&part == &x_.front() ? out : 2 * out);
+  }
+  return double(sizeof(Complex)) * samples;
+}
+
+void DevicePropagator::convolve(const Work& work, const Observer& observer) {
+  const PropagationAxis &x = plan_.x, &y = plan_.y;
+  bool is_first = true;
+  for (const Part& part : x_) {
+    if (part.columns == 0) continue;
+    const int columns = part.columns;
+    lines_.run({x.part_length(), FftDirection::forward, {x.inputs, 0, {&part.enter}}, {columns, part.shift}}, y.inputs,
+               work.field, work.rows);
+    lines_.transpose(y.inputs, columns, work.rows, work.columns);
+    for (size_t i = 0; i < y_.size(); ++i) {
+      const LineFactors transfer{&transfer_, part.first - (x.is_even ? 0 : x.first), x.parts, transfer_columns_,
+                                 int(i) * y.part_length()};
+      lines_.run({y.part_length(),
+                  FftDirection::forward,
+                  {y.inputs, 0, {&y_[i].enter}},
+                  {y.outputs, y.shift, {&y_[i].leave}},
+                  transfer,
+                  i > 0},
+                 columns, work.columns, work.filtered);
+    }
+    lines_.transpose(columns, y.outputs, work.filtered, work.rows);
+    lines_.run({x.part_length(),
+                FftDirection::backward,
+                {columns, part.shift},
+                {x.outputs, x.shift, {&part.leave}},
+                {},
+                !is_first},
+               y.outputs, work.rows, work.out);
+    device_.finish();
+    if (is_first && x_.size() > 1) observer.progress(0.5);
+    is_first = false;
+  }
+}
+
+void DevicePropagator::transform_to_window(const Work& work, const Observer& observer) {
+  const PropagationAxis &x = plan_.x, &y = plan_.y;
+  const int columns = x.frequencies();
+  lines_.run({x.padded, FftDirection::forward, {x.inputs}, {columns, x.first}}, y.inputs, work.field, work.rows);
+  lines_.transpose(y.inputs, columns, work.rows, work.columns);
+  lines_.run(
+      {y.padded, FftDirection::forward, {y.inputs}, {y.frequencies(), y.first, {&transfer_, 0, 1, transfer_columns_}}},
+      columns, work.columns, work.bins);
+  device_.finish();
+  observer.progress(0.5);
+  sum_window(to_y_.front(), y, columns, work.bins, work.filtered);
+  lines_.transpose(columns, y.outputs, work.filtered, work.rows);
+  sum_window(to_x_.front(), x, y.outputs, work.rows, work.out);
+}
+
+void DevicePropagator::sum_window(const Window& window, const PropagationAxis& axis, int lines,
+                                  const DeviceBuffer& from, const DeviceBuffer& to) {
+  const LineEnd out{axis.outputs, 0, {&window.leave}};
+  const int count = axis.frequencies();
+  if (window.is_plain)
+    lines_.run({window.length, FftDirection::backward, {count, axis.first, {&window.enter}}, out}, lines, from, to);
+  else
+    lines_.run({window.length, FftDirection::forward, {count, 0, {&window.enter}}, out, {&window.chirp}}, lines, from,
+               to);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/opencl/device.h"
+#include "holotrace/wave/propagate/propagator.h"
+#include "holotrace/wave/transform/line_transform.h"
+
+namespace holotrace {
+
+/// A propagator on an OpenCL device, for fields in single precision, with the windows, the methods and the sums of
+/// convolve.h and window_transform.h. The transfer function and all other factors are sent once, and stay on the device
+/// with this object.
+///
+/// The first transform of a column, the transfer function and the second transform are one kernel: it reads and writes
+/// the column once for each part of the spectrum (convolve.h). In between the spectrum is transposed.
+class DevicePropagator {
+ public:
+  /// @throws Error  as Device does
+  DevicePropagator(Device& device, const Propagator<float>& propagator);
+
+  /// The field at the output window. The memory for it is allocated before the first kernel, and released at the end.
+  /// @throws Error  as propagate and Device do
+  ///
+  /// Transfers: 8 bytes per sample of the input, and 8 per sample of the output. It does not tell energy_beyond_band.
+  /// Memory, for K frequencies along x (on a lattice K/2), rows in n and rows out m: 8·(max(n, m) + n + m)·K bytes and
+  /// both fields; at other pitches 8·K per frequency along y too.
+  Field operator()(const Field& field, const Observer& observer = {});
+
+  /// Bytes that the kernels read from the device's memory and write to it, if its caches hold nothing and every line is
+  /// held in local memory (line_transform.h).
+  double bytes_moved() const;
+
+ private:
+  struct Work;
+  struct Part {
+    DeviceBuffer enter, leave;
+    int columns = 0, shift = 0, first = 0;  ///< frequencies in use, place of the first one, and its number
+  };
+  struct Window {
+    DeviceBuffer enter, chirp, leave;
+    int length = 0;
+    bool is_plain = false;
+  };
+  Part make_part(const PropagationAxis& axis, int part, double scale);
+  Window make_window(const PropagationAxis& axis);
+  int most_columns() const;
+  void convolve(const Work& work, const Observer& observer);
+  void transform_to_window(const Work& work, const Observer& observer);
+  void sum_window(const Window& window, const PropagationAxis& axis, int lines, const DeviceBuffer& from,
+                  const DeviceBuffer& to);
+
+  Device& device_;
+  Propagator<float> plan_;  // without the transfer function
+  LineTransforms lines_;
+  DeviceBuffer transfer_;
+  int transfer_columns_;
+  std::vector<Part> x_, y_;          // on a lattice
+  std::vector<Window> to_x_, to_y_;  // one of each, off the lattice
+};
+
+}  // namespace holotrace
