@@ -93,23 +93,23 @@ TEST_F(Faults, AnInterruptFindsTheFilesOfOneRun) {
     const auto report = nlohmann::json::parse(work.read("out/report.json"));
     EXPECT_TRUE(report.at("complete")) << place;
     const FileRecord record = report_record(work.path("out/report.json"));
-    EXPECT_EQ(record.size(), 6U);  // render, sources, field, its .json, hologram, view
+    EXPECT_EQ(record.size(), 7U);  // render and its radiance, sources, field, its .json, hologram, view
     for (const auto& [name, bytes] : record) EXPECT_EQ(std::filesystem::file_size(work.path("out/" + name)), bytes);
     return report.at("seed").get<int>();
   };
-  // 7 files get the names of the folder that is made beside them, then the old report is marked as incomplete, then 7
+  // 8 files get the names of the folder that is made beside them, then the old report is marked as incomplete, then 8
   // files get their last names.
-  for (const int at : {1, 7, 8, 9, 12, 15}) {
+  for (const int at : {1, 8, 9, 10, 13, 17}) {
     const FaultyRun run = run_with(work, {renames, "signal=SIGINT", at}, command);
     const std::string place = "rename " + std::to_string(at) + ": " + run.outcome.err;
     EXPECT_EQ(run.outcome.exit_code, 130) << place;
-    const bool is_written = at > 7;
+    const bool is_written = at > 8;
     EXPECT_EQ(run.outcome.err, is_written ? "holotrace: interrupted; the files of this call are written\n"
                                           : "holotrace: interrupted; files of earlier calls are as they were\n")
         << place;
     EXPECT_EQ(whole(place) == 5, !is_written) << place;
   }
-  EXPECT_EQ(run_with(work, {renames, "signal=SIGINT", 16}, command).outcome.exit_code, 0);  // there are no more
+  EXPECT_EQ(run_with(work, {renames, "signal=SIGINT", 18}, command).outcome.exit_code, 0);  // there are no more
   for (const std::string& name : work.names()) EXPECT_EQ(name.find(".holotrace-"), std::string::npos) << name;
 }
 
