@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/error.h"
@@ -150,7 +151,7 @@ std::vector<std::string> read_buffers(const GltfFile& gltf, std::string&& binary
       require(!buffers.back().empty(), "{}: expected data in its buffer {}, got none{}", gltf.path, buffers.size() - 1,
               label.empty() ? "; export it again" : fmt::format("; is {} missing?", label));
     } else {
-      buffers.push_back(buffers.empty() ? std::move(binary) : "");
+      buffers.push_back(buffers.empty() ? std::exchange(binary, {}) : "");
     }
   }
   return buffers;
