@@ -79,6 +79,9 @@ TEST(Quality, IterationsCountTheLightOverThePixels) {
   const double integrated = encoder_quality(targets[0], h, panel()).psnr;
   EXPECT_NEAR(heard.number("psnr_db"), integrated, 0.5);
   EXPECT_LT(encoder_quality(targets[0], h, panel(), {}, PixelSampling::point).psnr, integrated - 5);
+  TargetPlane brighter = targets[0];
+  for (float& a : brighter.amplitude.values) a *= 4;
+  EXPECT_NEAR(encoder_quality(brighter, h, panel()).psnr, integrated, 1e-9) << "peak and error have the target's unit";
 }
 
 }  // namespace
