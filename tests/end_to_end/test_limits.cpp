@@ -98,6 +98,14 @@ TEST(LimitsCommand, DrawsTheSceneInTheAliasFreeVolume) {
   EXPECT_NE(work.read("volume.svg").find("points that light it"), std::string::npos);
 }
 
+TEST(LimitsCommand, TakesTheMeanDepthOfASceneAsItsDistance) {
+  const Workplace work;
+  work.write("points.ply", point_file({{{0, 0, -0.03}}, {{0.0004, 0.0002, -0.05}}}));
+  work.write("scene.toml", scene_head() + points_object());
+  EXPECT_NEAR(json_of(work, {"--scene", "scene.toml"}).at("distance_m").get<double>(), 0.04, 1e-15);
+  EXPECT_EQ(json_of(work, {"--scene", "scene.toml", "--distance", "25 mm"}).at("distance_m").get<double>(), 0.025);
+}
+
 TEST(LimitsCommand, RefusesWhatItCannotAnswer) {
   const Workplace work;
   const auto sentence = [&](const std::vector<std::string>& flags) {

@@ -63,6 +63,27 @@ TEST(ViewHolograms, OneHologramIsWhatTheVerbsShow) {
   EXPECT_TRUE(views.stereo.images.empty());
 }
 
+// Tilted light of the same irradiance brings the panel the same power, and the panel sends the same on in every state.
+TEST(ViewHolograms, OrdersOfSeveralStatesAddUpToTheEfficiency) {
+  ViewingParams params = params_at({10_mm});
+  params.show.subpixels = 3;
+  params.show.source_angle = 1e-3;
+  params.show.illumination_states = 5;
+  Report report;
+  view_holograms(series_of({hologram_of(green, 7)}), params, report);
+  double sum = 0, efficiency = 0;
+  int64_t states = 0;
+  for (const StageReport& stage : report.stages)
+    for (const auto& [name, value] : stage.facts) {
+      if (name.starts_with("order_efficiency ")) sum += std::get<double>(value);
+      if (name == "efficiency") efficiency = std::get<double>(value);
+      if (name == "illumination_states") states = std::get<int64_t>(value);
+    }
+  EXPECT_EQ(states, 5);
+  EXPECT_GT(efficiency, 0.5);
+  EXPECT_NEAR(sum, efficiency, 1e-5);  // floats
+}
+
 TEST(ViewHolograms, FramesAreAveraged) {
   const std::vector<PanelHologram> frames{hologram_of(green, 7), hologram_of(green, 50)};
   const ViewingParams params = params_at({10_mm});

@@ -70,6 +70,20 @@ TEST(Session, ShowsThePicturesOfShowBitForBit) {
   }
 }
 
+TEST(Session, ADraftShowsTheFirstFrameOfEachColourAndName) {
+  std::vector<Hologram> holograms{random_hologram(532e-9, 0), random_hologram(532e-9, 1), random_hologram(638e-9, 0, 2),
+                                  random_hologram(638e-9, 1)};
+  Hologram named = random_hologram(532e-9, 2);
+  named.name = "lamp";
+  holograms.push_back(named);
+  Session session({folder_of(holograms)});
+  ViewState state = session.state_of({{"distance", "20 mm"}});
+  state.is_draft = true;
+  const TakenView draft = *session.view(state);
+  state.camera.sampling = PixelSampling::point;  // as a draft reads its pixels
+  EXPECT_EQ(draft.image.values, as_show_makes_it({holograms[0], holograms[2], holograms[4]}, state).image.values);
+}
+
 TEST(Session, ShowsThemWithAStopToo) {
   Hologram hologram = random_hologram(532e-9, 0);
   hologram.filter = SpectralFilter{1e4, 0, 2e4, 3e4};

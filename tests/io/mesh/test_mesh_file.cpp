@@ -58,6 +58,18 @@ TEST(MeshFile, ObjKeepsTextureCoordinatesNormalsAndMaterials) {
   EXPECT_NE(model.warnings[0].find("none.png is missing; the plain colour is used"), std::string::npos);
 }
 
+TEST(MeshFile, AnObjWithWindowsLineEndsIsTheSame) {
+  make_file("m.mtl", "newmtl paint\r\nKd 0.5 0.25 1\r\n");
+  const LoadedModel model = load_meshes(make_file("m.obj",
+                                                  "mtllib m.mtl\r\no plate\r\nv 0 0 0\r\nv 2 0 0\r\nv 2 1 0\r\n"
+                                                  "v 0 1 0\r\nusemtl paint\r\nf 1 2 \\\r\n3 4\r\n"));
+  ASSERT_EQ(model.meshes.size(), 1u);
+  EXPECT_EQ(model.meshes[0].name, "plate");
+  EXPECT_EQ(area(model), 2);
+  EXPECT_EQ(diffuse(model).reflectance, (Vec3{0.5, 0.25, 1}));
+  EXPECT_TRUE(model.warnings.empty());
+}
+
 TEST(MeshFile, APlyMeshIsRead) {
   const LoadedModel model = load_meshes(
       make_file("m.ply",

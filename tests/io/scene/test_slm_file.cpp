@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "holotrace/base/units.h"
 #include "holotrace/io/describe_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/file.h"
@@ -299,6 +300,9 @@ TEST(SlmFile, APhaseMapIsAnImageOfThePanel) {
   EXPECT_EQ(slm.name, "mapped");
   ASSERT_TRUE(slm.effects.phase_map);
   EXPECT_FLOAT_EQ((*slm.effects.phase_map)(1, 2), 2 * 5 / 4.0F);
+  const std::string plain =
+      test::make_file("plain.toml", "columns = 3\nrows = 2\npitch = \"8 um\"\nphase_map = \"map.exr\"\n");
+  EXPECT_FLOAT_EQ((*load_slm(plain).effects.phase_map)(0, 2), float(2 * pi * 2 / 4)) << "white is a wave";
 }
 
 TEST(SlmFile, ALightMapIsAnImageOfThePanelInWhichWhiteIs1) {

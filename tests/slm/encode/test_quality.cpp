@@ -1,5 +1,6 @@
 #include "holotrace/estimate/encoder_quality.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "support/targets.h"
 
 // Each encoder on a natural picture of 208 × 152 in the middle of a 256 × 192 panel, 10 mm away. Light at the band's
@@ -37,6 +38,33 @@ TEST(Quality, DoublePhaseAndErrorDiffusionKeepTheModulus) {
   const double kinoform = psnr_of(panel(), {.method = Encoding::phase});
   EXPECT_GT(psnr_of(panel(), {.method = Encoding::double_phase}), kinoform + 6);
   EXPECT_GT(psnr_of(panel(), {.method = Encoding::error_diffusion}), kinoform + 6);
+}
+
+// Correlation of the moduli of a field and of a target.
+double likeness(const Field& field, const TargetPlane& target) {
+  double cross = 0, squares = 0, wanted = 0;
+  for (size_t i = 0; i < target.amplitude.size(); ++i) {
+    const double u = std::abs(field.samples.values[i]), a = target.amplitude.values[i];
+    cross += u * a;
+    squares += u * u;
+    wanted += a * a;
+  }
+  return cross / std::sqrt(squares * wanted);
+}
+
+// The field of a picture is the light of a scene behind the panel, as all fields are. For a real image the panel shows
+// its conjugate. In front of the panel the light has spread by up to 42 pixels from each place of the picture.
+TEST(Quality, TheFieldOfAPictureComesFromBehindThePanel) {
+  for (const ImageSide image : {ImageSide::virtual_image, ImageSide::real_image}) {
+    EncodeParams params{.method = Encoding::complex, .image = image, .target_distances = {0.01}};
+    params.target_columns = 208;
+    params.target_rows = 152;
+    const std::vector<TargetPlane> targets = picture_targets(panel(), params);
+    const Field field = field_of_target(targets[0], panel(), params);
+    const double behind = likeness(propagate(field, -0.01), targets[0]);
+    EXPECT_GT(behind, 0.99);
+    EXPECT_LT(likeness(propagate(field, 0.01), targets[0]), 0.97);
+  }
 }
 
 TEST(Quality, DescentIsTheBestOfPhasePanels) {
@@ -79,6 +107,9 @@ TEST(Quality, IterationsCountTheLightOverThePixels) {
   const double integrated = encoder_quality(targets[0], h, panel()).psnr;
   EXPECT_NEAR(heard.number("psnr_db"), integrated, 0.5);
   EXPECT_LT(encoder_quality(targets[0], h, panel(), {}, PixelSampling::point).psnr, integrated - 5);
+  TargetPlane brighter = targets[0];
+  for (float& a : brighter.amplitude.values) a *= 4;
+  EXPECT_NEAR(encoder_quality(brighter, h, panel()).psnr, integrated, 1e-9) << "peak and error have the target's unit";
 }
 
 }  // namespace

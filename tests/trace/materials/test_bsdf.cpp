@@ -113,6 +113,11 @@ TEST(Bsdf, ColoursAreThoseOfTextureVerticesAndLines) {
   EXPECT_TRUE(lobes_of(smooth).has_diffuse);
   EXPECT_FALSE(lobes_of(smooth).has_glossy);
   expect_near(specular_branches(smooth, up).ways[0].weight, Vec3{0.04, 0.04, 0.04}, single);  // F₀ of a dielectric
+  mixed.roughness = 0.8;
+  mixed.metallic_texture = plain_image(0.9f, 0.5f, 1);
+  const Bsdf rough = make_bsdf(mixed, flat_point(), Lines{});
+  EXPECT_FALSE(lobes_of(rough).has_diffuse) << "metal, by the blue of 1";
+  EXPECT_NEAR(std::get<MetallicRoughnessBsdf>(rough).rough.alpha, 0.4 * 0.4, single);  // α: the roughness squared
 }
 
 TEST(Bsdf, MetalsTakeTheirIndexAtEachLine) {

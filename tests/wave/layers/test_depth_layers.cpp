@@ -230,6 +230,24 @@ TEST(DepthLayers, FocusAtTheirDepths) {
   EXPECT_GT(contrast(40, 0.03), 2 * contrast(40, 0.0305));  // depth of focus 2λd²/S² = 0.24 mm
 }
 
+// An even picture that reaches beyond all that the panel sees: its irradiance arrives, whatever cone its light keeps to.
+// Speckle of a band that is a part c = 450/638 of the samples' along each axis has 64²·c² independent values in the
+// mean: 2.2 %. 4 σ: 9 %.
+TEST(DepthLayers, BringTheirLightThroughACommonConeToo) {
+  const Grid panel{64, 64, 8_um};
+  DepthImage image = make_depth_image(128, 128, 2_mm);  // light goes 10 pixels sideways over 2 mm
+  std::fill(image.picture.values.begin(), image.picture.values.end(), 0.8F);
+  DepthImageParams params;
+  params.projection = Projection::orthographic;
+  params.width = 128 * 8_um;
+  for (const double cone : {0.0, 450_nm}) {
+    const Field field = sum_depth_image(image, panel, {638_nm, cone}, params, {});
+    double sum = 0;
+    for (const auto& u : field.samples.values) sum += double(std::norm(u));
+    EXPECT_NEAR(sum / double(panel.pixels()), 0.8, 0.09 * 0.8) << cone;
+  }
+}
+
 TEST(DepthLayers, RefuseWhatIsNoPictureWithDepths) {
   const Grid panel{16, 12, 8_um};
   DepthImage image = make_depth_image(8, 6, 0.1_m);

@@ -1,0 +1,45 @@
+#include <gtest/gtest.h>
+
+#include "holotrace/run/repeated_stages.h"
+
+namespace holotrace::test {
+namespace {
+
+const StageReport& stage(const Report& report, const std::string& name) {
+  for (const StageReport& entry : report.stages)
+    if (entry.stage == name) return entry;
+  throw std::runtime_error("no stage " + name);
+}
+
+const Fact& fact(const StageReport& entry, const std::string& name) {
+  for (const auto& [known, value] : entry.facts)
+    if (known == name) return value;
+  throw std::runtime_error("no fact " + name);
+}
+
+TEST(RepeatedStages, CountsAddUpAndOtherFactsAreThoseOfTheFirst) {
+  Report report;
+  const StageObserver watch;
+  RepeatedStages repeat(3, 1, 3, report, watch);
+  for (int i = 0; i < 3; ++i)
+    repeat("synthesize", [&](const Observer& o) {
+      o.fact("waves", Fact(int64_t(10 + i)));
+      o.fact("waves_pixels", Fact(int64_t(1000 * (1 + i))));
+      o.fact("expected_error", Fact(0.5 + i));
+      o.warn("some waves are outside");
+      o.curve("error", {double(i)});
+      return true;
+    });
+  ASSERT_EQ(report.stages.size(), 1u);
+  const StageReport& all = stage(report, "synthesize");
+  EXPECT_EQ(std::get<int64_t>(fact(all, "holograms")), 3);
+  EXPECT_EQ(std::get<int64_t>(fact(all, "waves")), 10 + 11 + 12);
+  EXPECT_EQ(std::get<int64_t>(fact(all, "waves_pixels")), 1000 + 2000 + 3000);
+  EXPECT_EQ(std::get<double>(fact(all, "expected_error")), 0.5);
+  EXPECT_EQ(all.warnings, std::vector<std::string>{"some waves are outside"});
+  ASSERT_EQ(all.curves.size(), 1u);
+  EXPECT_EQ(all.curves[0].second, std::vector<double>{0});
+}
+
+}  // namespace
+}  // namespace holotrace::test
