@@ -120,7 +120,7 @@ class Run:
     _record: Any = field(repr=False)
 
     def save(self, folder: Path) -> None:
-        """Write the files of ``holotrace run`` into a folder: render.png, hologram.png, view.png, report.json, ..."""
+        """Write the files of ``holotrace run`` into a folder: render.png, render.exr, hologram.png, view.png, ..."""
         made: Dict[str, Any] = {name: getattr(self, name) for name in _WHITES}
         for name in ("renders", "sources", "holograms", "views", "sweep", "stereo_renders", "stereo_views"):
             made[name] = [one._core for one in getattr(self, name)]

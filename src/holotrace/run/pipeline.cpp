@@ -191,6 +191,19 @@ ViewReference reference_of(const Job& job, const std::vector<Image>& radiances, 
 
 }  // namespace
 
+namespace {
+
+// Places that a viewer can focus on. A run is complete without them.
+std::vector<Sources> points_to_focus(const Job& job) {
+  try {
+    return {points_of_scene(job)};
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+}  // namespace
+
 Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of) {
   const Job job = with_quality(given);
   Boxes b;
@@ -263,7 +276,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
   report_sweep(b.viewpoints, b.sweep, showing.repeat);
   b.sources = std::move(light.sources);
-  if (b.sources.empty()) b.points = {points_of_scene(job)};
+  if (b.sources.empty()) b.points = points_to_focus(job);
   return b;
 }
 

@@ -191,12 +191,14 @@ struct Listener::State : std::enable_shared_from_this<State> {
     }
   }
 
-  // Counts the body of an answer that is now sent. Cuts off the connections that have been sending longest, if there is
-  // too much of it.
+  // Counts the body of an answer that is now sent. If there is too much of them, cuts off the connections that have been
+  // sending longest; a small answer cuts off none.
   void begin_sending(std::list<Connection>::iterator place, size_t bytes) {
     const std::lock_guard lock(mutex);
     open.splice(open.end(), open, place);  // the newest answer
     place->sending = bytes;
+    constexpr size_t small = 1 << 20;
+    if (bytes < small) return;
     size_t all = 0;
     for (const Connection& connection : open) all += connection.sending;
     for (Connection& connection : open) {

@@ -241,10 +241,15 @@ std::optional<TakenView> Session::view(const ViewState& state, const std::functi
 Session::Compared Session::with_render(const ViewState& state, const Tracing& trace) {
   Compared compared;
   std::shared_ptr<const Contents> contents;
+  std::vector<double> shown;  // wavelengths of the view
   {
     const std::lock_guard lock(mutex_);
-    compared.view = *take(state, {});
+    std::optional<TakenView> view = take(state, trace.is_outdated);
+    if (!view) return compared;
+    compared.view = std::move(*view);
     contents = contents_;
+    for (const size_t i : chosen(state))
+      for (const double wavelength : wavelengths_of(contents->items[i])) shown.push_back(wavelength);
   }
   std::optional<PlacedRender> render = renders_.render_for(*contents, state.camera, trace);
   if (!render) return compared;
@@ -254,6 +259,11 @@ Session::Compared Session::with_render(const ViewState& state, const Tracing& tr
   place.pixel = image.pitch / m;
   place.centre_x = image.centre_x / m;
   place.centre_y = image.centre_y / m;
+  std::vector<double> wavelengths = place.wavelengths;
+  std::erase_if(wavelengths, [&](double wavelength) {
+    return std::none_of(shown.begin(), shown.end(), [&](double w) { return std::abs(w / wavelength - 1) < 1e-9; });
+  });
+  if (!wavelengths.empty()) place.wavelengths = wavelengths;
   if (image.channels == 1 && place.wavelengths.size() != 1) place.wavelengths.resize(1);
   compared.render = TakenView{render_at(*render->image, place, image.ny, image.nx)};
   compared.render->white = compared.view.white * scale_between(image, compared.render->image);

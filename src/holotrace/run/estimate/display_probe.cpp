@@ -48,10 +48,13 @@ std::vector<StageReport> stages_after_sum(const Job& job) {
   return stages;
 }
 
+// Also "encode 532 nm", of one of several colours.
+bool is_encoding(const StageReport& stage) { return stage.stage.starts_with("encode"); }
+
 double encode_seconds(const std::vector<StageReport>& stages) {
   double sum = 0;
   for (const StageReport& stage : stages)
-    if (stage.stage.starts_with("encode")) sum += stage.seconds;
+    if (is_encoding(stage)) sum += stage.seconds;
   return sum;
 }
 
@@ -62,7 +65,7 @@ double propagation_seconds(const Job& job) {
   const Field field(job.slm.grid, job.wavelengths.front());
   const auto propagator = cached_propagator<float>(field.grid, field.wavelength, distance, {});
   propagate(field, *propagator);
-  return median_seconds(3, [&] { propagate(field, *propagator); });
+  return median_seconds(1, [&] { propagate(field, *propagator); });
 }
 
 // The stages of a run, each with the seconds of the faster of two runs.
@@ -154,7 +157,7 @@ ProbeResult DisplayProbe::run(double part) {
   if (encode_seconds_ > 0) {
     const double next_part = std::min(1.0, probe_growth * part);
     const double of_encode = std::min(encode_seconds_, result.seconds);
-    result.next = probe_growth * (result.seconds - of_encode) +
+    result.next = probe_growth * std::max(0.0, result.seconds - of_encode - once_seconds_) +
                   of_encode * (next_part * (few_iterations + tried_iterations(next_part))) /
                       (part * (few_iterations + tried_iterations(part)));
   }
@@ -172,11 +175,17 @@ int DisplayProbe::tried_iterations(double part) const {
 // Time of an iteration on the job's panel over that on the small one, which stays in the caches: that of propagations,
 // of which iterations are made.
 double DisplayProbe::iteration_scale(const Job& small) {
-  if (propagation_seconds_ == 0) propagation_seconds_ = propagation_seconds(job);
-  return propagation_seconds_ / propagation_seconds(small);
+  if (small.slm.grid == job.slm.grid) return 1;
+  double of_small = 0;
+  once_seconds_ += median_seconds(1, [&] {
+    if (propagation_seconds_ == 0) propagation_seconds_ = propagation_seconds(job);
+    of_small = propagation_seconds(small);
+  });
+  return propagation_seconds_ / of_small;
 }
 
 double DisplayProbe::predict(double part) {
+  encode_seconds_ = once_seconds_ = 0;
   Job small = on_small_panel(job, std::sqrt(part));
   const int iterations = iterations_of(job.encode), few = std::min(iterations, few_iterations);
   const int more = tried_iterations(part);
@@ -210,6 +219,7 @@ double DisplayProbe::predict(double part) {
   }
   if (times > 1) two = stages_with([](Job& changed) { changed.trace.frames *= 2; });
   if (has_many) brighter = stages_with([](Job& changed) { changed.show.illumination_states = 2 * few_states; });
+  const double of_panel = more > few ? iteration_scale(small) : 1;
   encode_seconds_ = more > few ? 2 * (encode_seconds(one) + encode_seconds(longer)) : 0;
   // Views are named by their distances.
   std::map<std::string, std::string> names;
@@ -221,14 +231,14 @@ double DisplayProbe::predict(double part) {
   for (size_t i = 0; i < one.size(); ++i) {
     const StageReport& stage = one[i];
     double seconds = seconds_for(times, stage.seconds, seconds_of(two, i, 2 * stage.seconds)), of_iterations = 0;
-    if (stage.stage != "encode" && has_many && stage.seconds > 0) {
+    if (!is_encoding(stage) && has_many && stage.seconds > 0) {
       const double of_all =
           seconds_of_states(double(all_states), few_states, stage.seconds, seconds_of(brighter, i, 0));
       seconds *= of_all / stage.seconds;
     }
-    if (stage.stage == "encode" && more > few) {
+    if (is_encoding(stage) && more > few) {
       const double each = std::max(0.0, seconds_of(longer, i, 0) - stage.seconds) / (more - few);
-      of_iterations = iteration_scale(small) * times * (iterations - few) * each;
+      of_iterations = of_panel * times * (iterations - few) * each;
     }
     const double alone = scale * seconds + of_iterations, earlier = i < of_part_.size() ? of_part_[i] : 0;
     const double of_both = without_overhead({earlier > 0 ? part_ : 0, earlier}, {part, alone});

@@ -37,6 +37,7 @@ struct DisplayProbe {
   double iteration_scale(const Job& small);
 
   double encode_seconds_ = 0;       // of all runs of the last probe, if the encoder iterates
+  double once_seconds_ = 0;         // of the last probe, that the next one does not take again
   double propagation_seconds_ = 0;  // of the job's panel
   double part_ = 0;                 // part of the last probe that could be run
   std::vector<double> of_part_;     // and its own prediction for each stage

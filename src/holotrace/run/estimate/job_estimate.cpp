@@ -44,7 +44,7 @@ ProbeResult probe_render(const Job& job, const RenderParams& params, double prep
   const double scale = render_pixels(params) / render_pixels(some), prepare = std::min(prepare_seconds, seconds);
   const PartPrediction later{1 / scale, prepare + (seconds - prepare) * scale};
   const double predicted = without_overhead(earlier, later);
-  earlier = later;
+  if (later.part > earlier.part) earlier = later;
   return {seconds, predicted};
 }
 

@@ -81,7 +81,7 @@ ProbeResult TraceProbe::run(double part) {
   scale = has_triangles(job) ? double(job.trace.paths) / some.trace.paths : first_rays(job) / first_rays(some);
   const PartPrediction later{1 / scale, prepare_seconds + std::max(0.0, seconds - prepare_seconds) * scale};
   predicted = without_overhead(earlier_, later);
-  earlier_ = later;
+  if (later.part > earlier_.part) earlier_ = later;
   return {seconds, predicted};
 }
 
