@@ -1,6 +1,7 @@
 #include "holotrace/io/picture/formats/gif_palette.h"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 
 namespace holotrace {
@@ -161,7 +162,7 @@ IndexedPicture with_palette(const std::vector<uint8_t>& colours, int columns, in
   picture.palette.clear();
   for (const Box& box : cut(cells)) {
     Colour colour{};
-    for (size_t c = 0; c < 3; ++c) colour[c] = uint8_t(box.mean[c] + 0.5);
+    for (size_t c = 0; c < 3; ++c) colour[c] = uint8_t(std::lround(box.mean[c]));
     picture.palette.push_back(colour);
   }
   dither(colours, columns, picture);
