@@ -6,19 +6,13 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <filesystem>
 
 #include "holotrace/base/error.h"
 #include "say.h"
 
 namespace holotrace {
 
-PrivateLink::PrivateLink(const std::string& url) {
-  namespace fs = std::filesystem;
-  folder_ = (fs::temp_directory_path() / "holotrace_view_XXXXXX").string();
-  require(mkdtemp(folder_.data()) != nullptr, "expected a folder for temporary files, but {} cannot be written",
-          fs::temp_directory_path().string());
-  path_ = folder_ + "/open.html";
+PrivateLink::PrivateLink(const std::string& url) : folder_("holotrace_view"), path_(folder_.path() + "/open.html") {
   const std::string text = fmt::format(
       "<!doctype html><meta charset=\"utf-8\"><title>Holotrace viewer</title>"
       "<meta name=\"referrer\" content=\"no-referrer\"><meta http-equiv=\"refresh\" content=\"0; url={0}\">"
@@ -27,15 +21,7 @@ PrivateLink::PrivateLink(const std::string& url) {
   const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
   const bool is_written = file >= 0 && write(file, text.data(), text.size()) == ssize_t(text.size());
   if (file >= 0) close(file);
-  if (is_written) return;
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-  fail("expected to write {}, but it cannot be written", path_);
-}
-
-PrivateLink::~PrivateLink() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
+  require(is_written, "expected to write {}, but it cannot be written", path_);
 }
 
 std::unique_ptr<PrivateLink> open_browser(const std::string& url) {
@@ -57,8 +43,10 @@ std::unique_ptr<PrivateLink> open_browser(const std::string& url) {
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
   pid_t child = 0;
-  if (posix_spawnp(&child, program.c_str(), &actions, &attributes, arguments, environ) != 0)
+  if (posix_spawnp(&child, program.c_str(), &actions, &attributes, arguments, environ) != 0) {
     say("holotrace: no program xdg-open; open the address by hand\n");
+    link.reset();
+  }
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   return link;

@@ -20,13 +20,15 @@ namespace {
 
 volatile std::sig_atomic_t is_stopped = 0;
 
-// Ctrl-C ends the server, which is how it is meant to end; a second one ends the program at once.
+// Ctrl-C ends the server, which is how it is meant to end, and so does closing the terminal; a second one ends the program
+// at once.
 void stop_on_interrupt() {
   struct sigaction action {};
   action.sa_handler = [](int) { is_stopped = 1; };
   action.sa_flags = int(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);
 }
 
 // Seconds from a time with its unit: "30 min", "10 s", "2 h".

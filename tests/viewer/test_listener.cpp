@@ -189,6 +189,19 @@ TEST(Listener, CutsOffTheOldestOfManySlowReaders) {
   for (size_t i = 2; i < slow.size(); ++i) EXPECT_GE(slow[i]->receive().size(), body.size()) << i;
 }
 
+// A page asks for small things while it downloads a large file, which alone is more than the limit.
+TEST(Listener, ASmallAnswerCutsOffNoDownload) {
+  const std::string body(24'000'000, 'a');
+  const Server server({.most_sending = body.size() / 2}, [&](const HttpRequest& request) {
+    return HttpAnswer{200, "text/plain", request.path == "/small" ? std::string(2000, 'b') : body};
+  });
+  Client download(server.port);
+  download.send(get);
+  EXPECT_EQ(download.receive(9), "HTTP/1.1 ");  // its answer has begun
+  EXPECT_GE(Client(server.port).send("GET /small HTTP/1.1\r\nHost: h\r\n\r\n").receive().size(), 2000U);
+  EXPECT_GE(download.receive().size(), body.size());
+}
+
 TEST(Listener, HidesTextsOfExceptions) {
   const Server server({}, [](const HttpRequest&) -> HttpAnswer { throw std::runtime_error("secret of a library"); });
   const std::string answer = Client(server.port).send(get).receive();

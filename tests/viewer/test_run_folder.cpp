@@ -87,6 +87,37 @@ TEST(FolderOfARun, ItsViewsHaveTheQualityOfTheReport) {
   }
 }
 
+// A red square on the left and a green one on the right: the hologram of each laser is compared with the render in its
+// own colour. A render of both in grey, or of the other laser, has light on the other side, too.
+TEST(FolderOfARun, AColourIsComparedWithItsRender) {
+  std::string text = scene;
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("wavelength = \"532 nm\"", "wavelength = [\"638 nm\", \"532 nm\"]");
+  replace("position = \"-0.25", "material = \"red\"\nposition = \"-0.25");
+  replace("position = \"0.25", "material = \"green\"\nposition = \"0.25");
+  text += "[materials.red]\nreflectance = [0.8, 0, 0]\n[materials.green]\nreflectance = [0, 0.8, 0]\n";
+  const Job job = load_job(make_file("scene.toml", text));
+  const std::string folder = temporary("out");
+  std::filesystem::create_directories(folder);
+  Boxes boxes = run(job);
+  save_run(folder, boxes, job, {}, {});
+  Session session({folder});
+  for (const char* item : {"0", "1"}) {
+    const auto render = session.reference(session.state_of({{"items", item}, {"distance", "20 mm"}}), {});
+    ASSERT_TRUE(render);
+    const Image& image = render->image;
+    ASSERT_EQ(image.channels, 1);
+    double left = 0, right = 0;
+    for (int j = 0; j < image.ny; ++j)
+      for (int i = 0; i < image.nx; ++i) (2 * i < image.nx ? left : right) += image(j, i);
+    const double wanted = item == std::string("0") ? left : right, other = item == std::string("0") ? right : left;
+    // Pure red has a little of its light at 532 nm and the other way round, through the broad curves of sRGB's primaries.
+    EXPECT_GT(wanted, 5 * other) << item;
+  }
+}
+
 // A run that aims at the render makes no waves. Its points lie on the squares, whose depths are 20 and 30 mm.
 TEST(FolderOfARun, HasThePlacesOfTheSceneWithoutWaves) {
   const std::string folder = temporary("out");

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <utility>
 
 #include "holotrace/io/picture/image_file.h"
@@ -41,18 +43,26 @@ RenderParams params_for(const Job& job, const CameraParams& camera) {
   return params;
 }
 
+// The time of a file's last change, 0 if it is not there.
+int64_t written_at(const std::string& file) {
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(file, error);
+  return error ? 0 : int64_t(time.time_since_epoch().count());
+}
+
 }  // namespace
 
 std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, const CameraParams& camera,
-                                                     const Tracing& trace) {
+                                                     const TraceRequest& trace) {
   const double distance = camera.distances.front();
   if (!contents.renders.empty()) {
     const auto away = [&](const RenderOfView& r) { return std::abs(r.place.distance - distance); };
     const RenderOfView& nearest = *std::min_element(contents.renders.begin(), contents.renders.end(),
                                                     [&](const auto& a, const auto& b) { return away(a) < away(b); });
     const std::string& file = nearest.radiance.empty() ? nearest.path : nearest.radiance;
-    PlacedRender render{find(file), nearest.place};
-    if (!render.image) render.image = keep(file, load_image(file));
+    const std::string key = fmt::format("{} {}", file, written_at(file));  // not that of an earlier run
+    PlacedRender render{find(key), nearest.place};
+    if (!render.image) render.image = keep(key, load_image(file));
     render.place.distance = distance;
     return render;
   }

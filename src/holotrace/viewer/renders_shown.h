@@ -20,8 +20,8 @@ struct PlacedRender {
   ViewPlace place;
 };
 
-/// How a render that is not there yet is made.
-struct Tracing {
+/// Whether a render that is not there yet is traced, and what ends it.
+struct TraceRequest {
   bool is_allowed = true;
   std::function<bool()> is_outdated{};  ///< asked from any thread; if it returns true, the tracing ends
 };
@@ -34,7 +34,8 @@ class RendersShown {
   /// camera's pupil, 480 pixels wide and of 16 paths per pixel.
   /// @param trace  whether to trace a scene's render that was not traced before, and what ends it
   /// @return       nothing if there is none, or if its tracing was ended
-  std::optional<PlacedRender> render_for(const Contents& contents, const CameraParams& camera, const Tracing& trace);
+  std::optional<PlacedRender> render_for(const Contents& contents, const CameraParams& camera,
+                                         const TraceRequest& trace);
 
   void clear();
 

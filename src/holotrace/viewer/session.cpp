@@ -238,7 +238,7 @@ std::optional<TakenView> Session::view(const ViewState& state, const std::functi
   return take(state, is_outdated);
 }
 
-Session::Compared Session::with_render(const ViewState& state, const Tracing& trace) {
+Session::Compared Session::with_render(const ViewState& state, const TraceRequest& trace) {
   Compared compared;
   std::shared_ptr<const Contents> contents;
   std::vector<double> shown;  // wavelengths of the view

@@ -98,7 +98,7 @@ class Session {
     TakenView view;
     std::optional<TakenView> render;
   };
-  Compared with_render(const ViewState& state, const Tracing& trace);
+  Compared with_render(const ViewState& state, const TraceRequest& trace);
   void load();
 
   const std::vector<std::string> paths_;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <numbers>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/temporary_folder.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/viewer/json_text.h"
@@ -76,22 +76,11 @@ std::string Session::file(const ViewState& state, const std::string& extension) 
   ViewState still = state;
   still.is_draft = false;
   const TakenView view = *take(still, {});
-  namespace fs = std::filesystem;
-  std::string name = (fs::temp_directory_path() / "holotrace_view_XXXXXX").string();
-  require(mkdtemp(name.data()) != nullptr, "expected a folder for temporary files, but {} cannot be written",
-          fs::temp_directory_path().string());
-  const std::string path = name + "/view" + extension;
-  std::string bytes;
-  try {
-    save_image(path, view.image, view.white, state.camera.bits);
-    std::ifstream in(path, std::ios::binary);
-    bytes.assign(std::istreambuf_iterator<char>(in), {});
-  } catch (...) {
-    fs::remove_all(name);
-    throw;
-  }
-  fs::remove_all(name);
-  return bytes;
+  const TemporaryFolder folder("holotrace_view");
+  const std::string path = folder.path() + "/view" + extension;
+  save_image(path, view.image, view.white, state.camera.bits);
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace holotrace

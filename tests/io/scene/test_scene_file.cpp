@@ -5,28 +5,17 @@
 #include "holotrace/base/units.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "io/scene/scene_text.h"
 #include "support/data_files.h"
 #include "support/temporary.h"
 
 namespace holotrace {
 namespace {
 
-using test::error_of;
+using test::cube;
+using test::error_with;
+using test::load;
 using test::make_file;
-
-const std::string cube =
-    "[[object]]\ntype = \"wireframe_cube\"\nsize = \"20 mm\"\npoints_per_edge = 3\nposition = \"0 0 -300 mm\"\n";
-
-Job load(const std::string& text) { return load_job(make_file("scene.toml", text)); }
-
-// The error text without the folder: "3:9: expected …".
-std::string scene_error(const std::string& text) {
-  const std::string path = make_file("scene.toml", text);
-  const std::string error = error_of([&] { load_job(path); });
-  return error.starts_with(path + ":") ? error.substr(path.size() + 1) : error;
-}
-
-std::string error_with(const std::string& rest) { return scene_error("wavelength = \"532 nm\"\n" + rest); }
 
 TEST(SceneFile, ASmallSceneTakesEveryDefault) {
   const Job job = load("wavelength = \"632.8 nm\"\n" + cube);

@@ -5,16 +5,15 @@
 #include "holotrace/base/units.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "io/scene/scene_text.h"
 #include "support/temporary.h"
 
 namespace holotrace {
 namespace {
 
+using test::cube;
 using test::error_of;
 using test::make_file;
-
-const std::string cube =
-    "[[object]]\ntype = \"wireframe_cube\"\nsize = \"20 mm\"\npoints_per_edge = 3\nposition = \"0 0 -300 mm\"\n";
 
 Scene scene(const std::string& lines) {
   return load_job(make_file("scene.toml", "wavelength = \"532 nm\"\n" + lines + "\n" + cube)).scene;

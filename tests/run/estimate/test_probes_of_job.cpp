@@ -1,4 +1,4 @@
-// The probes of an estimate by what they run. No time is asserted.
+// The probes of an estimate by what they run. No time is asserted, except for one ratio of predictions.
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,7 @@
 #include "holotrace/run/estimate/trace_probe.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/viewing.h"
+#include "trace/scenes.h"
 
 namespace holotrace {
 namespace {
@@ -93,6 +94,10 @@ TEST(JobProbes, TwoPartsTellTheOverheadFromTheWork) {
   EXPECT_DOUBLE_EQ(without_overhead({}, {0.25, 2.4}), 2.4) << "the first probe";
   EXPECT_DOUBLE_EQ(without_overhead({1.0 / 16, 2}, {0.25, 2.4}), 2.4) << "noise: never more than the larger part says";
   EXPECT_DOUBLE_EQ(without_overhead({1.0 / 16, 30}, {0.25, 2.4}), 1.2) << "and never less than half";
+  PartPredictions predictions;
+  EXPECT_DOUBLE_EQ(predictions.add({1.0 / 16, 3.6}), 3.6);
+  EXPECT_NEAR(predictions.add({0.25, 2.4}), 2.1, 1e-12);
+  EXPECT_NEAR(predictions.add({0.25, 2.4}), 2.1, 1e-12) << "the same part once more";
 }
 
 // The parts of a probe are seen from other distances, but told by the job's.
@@ -119,6 +124,33 @@ TEST(JobProbes, StagesHaveTheNamesOfTheJobs) {
   EXPECT_GT(told.next, 0) << "iterations are priced";
 }
 
+// Holograms of a scene in several colours have a stage of encoding for each. 25 times as many iterations take some 20 times as
+// long, and not the same: 2 leaves room for noise of a factor of ten.
+TEST(JobProbes, IterationsOfEachColourCount) {
+  Job job;
+  job.slm.grid = Grid{128, 128, 8e-6};
+  job.slm.levels = 256;
+  job.wavelengths = {638e-9, 532e-9};
+  job.encode.method = Encoding::sgd;
+  job.encode.target = EncodeTarget::render;
+  job.encode.target_distances = {0.06};
+  job.camera.distances = {0.06};
+  const auto seconds_of = [&](int iterations) {
+    job.encode.iterations = iterations;
+    DisplayProbe probe(job);
+    probe.run(1);
+    EXPECT_EQ(probe.why_none, "");
+    std::vector<double> seconds;
+    for (const StageReport& stage : probe.stages)
+      if (stage.stage.starts_with("encode ")) seconds.push_back(stage.seconds);
+    return seconds;
+  };
+  const std::vector<double> few = seconds_of(16), many = seconds_of(400);
+  ASSERT_EQ(few.size(), 2U);
+  ASSERT_EQ(many.size(), 2U);
+  for (size_t i = 0; i < 2; ++i) EXPECT_GT(many[i], 2 * few[i]) << i;
+}
+
 // 512·√(1/8) is 181, a prime; the next length of factors 2, 3 and 5 is 192. Of 509, a prime itself, none is looked for.
 TEST(JobProbes, ASmallPanelIsAsEasyToTransformAsTheJobs) {
   EXPECT_EQ(fewer_pixels(512, std::sqrt(0.125)), 192);
@@ -138,6 +170,30 @@ TEST(JobProbes, IlluminationStatesTakeTheSameEach) {
   EXPECT_DOUBLE_EQ(seconds_of_states(30, 2, 2, 3), 16);
   EXPECT_DOUBLE_EQ(seconds_of_states(30, 2, 2, 1.9), 2) << "noise: no less than nothing";
   EXPECT_DOUBLE_EQ(seconds_of_states(30, 2, 2, 9), 30) << "and no more than the first each";
+}
+
+// A wall lit by a lamp: later probes know the first one.
+TEST(JobProbes, RaysArePredictedFromTwoParts) {
+  Job job = job_of_spectrum();
+  job.scene.materials = {DiffuseMaterial{}};
+  job.scene.meshes = {make_wall(-0.1, 5e-3, 5e-3)};
+  job.scene.lights = {PointLight{{0, 0, -0.02}, {1e-3, 1e-3, 1e-3}}};
+  job.trace.columns = job.trace.rows = 256;
+  TraceProbe probe(job);
+  const auto run = [&](double part) {
+    const ProbeResult told = probe.run(part);
+    EXPECT_EQ(told.predicted, probe.predicted);
+    return PartPrediction{1 / probe.scale,
+                          probe.prepare_seconds + std::max(0.0, probe.seconds - probe.prepare_seconds) * probe.scale};
+  };
+  const PartPrediction first = run(1.0 / 64);
+  EXPECT_DOUBLE_EQ(probe.predicted, first.seconds);
+  EXPECT_DOUBLE_EQ(first.part, 1.0 / 64);
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    const PartPrediction later = run(1.0 / 16);
+    EXPECT_DOUBLE_EQ(probe.predicted, without_overhead(first, later));
+  }
+  EXPECT_DOUBLE_EQ(probe.ray_seconds(), std::max(0.0, probe.predicted - probe.prepare_seconds));
 }
 
 // Luminous points are all there in any part of the rays: nothing grows.

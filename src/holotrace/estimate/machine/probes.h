@@ -27,8 +27,8 @@ constexpr double probe_growth = 4;
 /// Probes all tasks once, then again in larger parts. The next one is always the task with the longest prediction for
 /// which the budget has room. The budget is a share of the predicted time of all tasks; it improves with the probes.
 ///
-/// A part grows fourfold, and its probe is expected to take four times as long, or `next` seconds if that is given. A task is finished
-/// when it was probed whole or for `long_enough`.
+/// A part grows fourfold, and its probe is expected to take four times as long, or `next` seconds if that is given. A
+/// task is finished when it was probed whole or for `long_enough`.
 ///
 /// @param share        fraction of the predicted time that all probes may take; the first ones are always run
 /// @param long_enough  time of one probe that is enough [s]

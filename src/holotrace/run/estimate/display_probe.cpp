@@ -68,8 +68,8 @@ double propagation_seconds(const Job& job) {
   return median_seconds(1, [&] { propagate(field, *propagator); });
 }
 
-// The stages of a run, each with the seconds of the faster of two runs.
-std::vector<StageReport> faster(std::vector<StageReport> stages, const std::vector<StageReport>& others) {
+// The stages of a run, each with the shorter of its times in two runs.
+std::vector<StageReport> least_seconds(std::vector<StageReport> stages, const std::vector<StageReport>& others) {
   for (size_t i = 0; i < std::min(stages.size(), others.size()); ++i)
     stages[i].seconds = std::min(stages[i].seconds, others[i].seconds);
   return stages;
@@ -206,18 +206,18 @@ double DisplayProbe::predict(double part) {
     return stages_after_sum(at_other_distances(changed, 1 + 1e-3 * ++runs));
   };
   std::vector<StageReport> two, longer, brighter;
-  // The difference between few and more iterations is small: each is the faster of two runs. The first run of all also
+  // The difference between few and more iterations is small: each stage takes the shorter time of two runs. The first run of all also
   // plans transforms.
   const auto iterate_longer = [&] {
     const auto stages = stages_with([&](Job& changed) { changed.encode.iterations = more; });
-    longer = longer.empty() ? stages : faster(longer, stages);
+    longer = longer.empty() ? stages : least_seconds(longer, stages);
   };
   if (more > few) iterate_longer();
   if (more == few) stages_with([](Job&) {});
   std::vector<StageReport> one = stages_after_sum(small);
   if (more > few) {
     iterate_longer();
-    one = faster(one, stages_with([](Job&) {}));
+    one = least_seconds(one, stages_with([](Job&) {}));
   }
   if (times > 1) two = stages_with([](Job& changed) { changed.trace.frames *= 2; });
   if (has_many) brighter = stages_with([](Job& changed) { changed.show.illumination_states = 2 * few_states; });

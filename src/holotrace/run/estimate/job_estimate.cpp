@@ -35,17 +35,14 @@ double render_pixels(const RenderParams& params) { return double(params.rows) * 
 
 // Renders fewer rows and columns; the scene is prepared as for tracing.
 ProbeResult probe_render(const Job& job, const RenderParams& params, double prepare_seconds, double part,
-                         PartPrediction& earlier) {
+                         PartPredictions& predictions) {
   RenderParams some = params;
   const double side = std::sqrt(part);
   some.rows = std::max(1, int(std::lround(params.rows * side)));
   some.columns = std::max(1, int(std::lround(render_columns(params) * side)));
   const double seconds = median_seconds(1, [&] { make_render(job, some); });
   const double scale = render_pixels(params) / render_pixels(some), prepare = std::min(prepare_seconds, seconds);
-  const PartPrediction later{1 / scale, prepare + (seconds - prepare) * scale};
-  const double predicted = without_overhead(earlier, later);
-  if (later.part > earlier.part) earlier = later;
-  return {seconds, predicted};
+  return {seconds, predictions.add({1 / scale, prepare + (seconds - prepare) * scale})};
 }
 
 void add_trace(const Job& job, const TraceProbe& probe, JobEstimate& e) {
@@ -173,13 +170,12 @@ JobEstimate estimate_job(const Job& given) {
     const auto times = [](double factor, ProbeResult result) {
       return ProbeResult{result.seconds, factor * result.predicted, result.next, result.is_forecast};
     };
-    PartPrediction earlier_render;
+    PartPredictions of_render;
     std::vector<Probe> probes(4);
     probes[0] = {[&](double part) { return trace.run(part); }, trace_part};
     const RenderParams one = renders.empty() ? job.render : renders.front().params;  // none: counted 0 times
     probes[1] = {[&](double part) {
-                   return times(double(renders.size()),
-                                probe_render(job, one, trace.prepare_seconds, part, earlier_render));
+                   return times(double(renders.size()), probe_render(job, one, trace.prepare_seconds, part, of_render));
                  },
                  std::min(1.0, 1024 / render_pixels(one))};
     probes[2] = {[&](double part) {

@@ -65,4 +65,18 @@ inline double without_overhead(const PartPrediction& earlier, const PartPredicti
   return std::clamp(whole, later.seconds / 2, later.seconds);
 }
 
+/// The predictions of one task's probes, whose parts grow or stay.
+class PartPredictions {
+ public:
+  /// The prediction of the latest probe, corrected by the latest one of a smaller part.
+  double add(const PartPrediction& later) {
+    if (later.part > latest_.part) smaller_ = latest_;
+    latest_ = later;
+    return without_overhead(smaller_, latest_);
+  }
+
+ private:
+  PartPrediction smaller_, latest_;
+};
+
 }  // namespace holotrace

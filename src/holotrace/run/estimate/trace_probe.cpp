@@ -79,9 +79,7 @@ ProbeResult TraceProbe::run(double part) {
   }
   prepare_seconds = std::min(prepare_seconds, seconds / 2);  // the measured value may contain other work
   scale = has_triangles(job) ? double(job.trace.paths) / some.trace.paths : first_rays(job) / first_rays(some);
-  const PartPrediction later{1 / scale, prepare_seconds + std::max(0.0, seconds - prepare_seconds) * scale};
-  predicted = without_overhead(earlier_, later);
-  if (later.part > earlier_.part) earlier_ = later;
+  predicted = predictions_.add({1 / scale, prepare_seconds + std::max(0.0, seconds - prepare_seconds) * scale});
   return {seconds, predicted};
 }
 

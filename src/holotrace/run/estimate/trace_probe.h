@@ -29,7 +29,7 @@ struct TraceProbe {
   double predicted = 0;                                ///< seconds of the whole
 
  private:
-  PartPrediction earlier_;
+  PartPredictions predictions_;
 };
 
 /// Number of first hits that a job looks for.

@@ -98,12 +98,16 @@ function setRange() {
 }
 
 let loaded = 0;  // the reading of the session that is shown completely
+const attempts = { readings: 0, count: 0 };  // at showing the newest reading
+const mostAttempts = 3;
 let proposed = 0;  // focus that the session has proposed [mm]
 
 async function load() {
   Object.assign(session, await api.json('session'));
   if (isLost) { isLost = false; say(''); }
-  if (session.readings !== loaded) {
+  if (attempts.readings !== session.readings) Object.assign(attempts, { readings: session.readings, count: 0 });
+  if (session.readings !== loaded && attempts.count < mostAttempts) {
+    ++attempts.count;
     const name = session.paths.length === 1 ? session.paths[0] : `${session.paths.length} holograms`;
     $('title').textContent = name;
     document.title = `${name} – Holotrace`;
