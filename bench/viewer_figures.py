@@ -19,6 +19,8 @@ import time
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
+if len(sys.argv) not in (2, 4):
+    sys.exit(__doc__)
 PROGRAM = os.path.abspath(sys.argv[1])
 
 SCENE = """
@@ -116,29 +118,31 @@ def measure(browser, path, rounds):
     browser.get("about:blank")
     start = time.time()
     server = subprocess.Popen([PROGRAM, "view", "--no-browser", path], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    url = server.stdout.readline().strip()
-    said = server.stderr.readline().strip()
-    browser.get(url)
-    wait(lambda: "ms" in status(browser))
-    first = time.time() - start
-    complete = lambda: browser.execute_script("return Boolean(document.body.dataset.complete)")
-    wait(complete)
-    still, drafts = [], []
-    for i in range(rounds):
-        drafts.append(browser.execute_async_script(CHANGE, str(285 + 0.37 * i), True)[0])
-        time.sleep(0.05)
-        wait(lambda: "draft" not in status(browser))
-        still.append(float(browser.execute_script("return document.body.dataset.milliseconds")))
-        time.sleep(0.2)
-    rate = browser.execute_async_script(DRAG)
-    print(f"{path}: {said}")
-    print(f"  start to the first picture   {first:6.2f} s")
-    print(f"  change of focus, draft       {statistics.median(drafts):6.0f}   (best {min(drafts):.0f}, worst {max(drafts):.0f})")
-    print(f"  still picture                {statistics.median(still):6.0f}   (best {min(still):.0f}, worst {max(still):.0f})")
-    print(f"  pictures while dragging      {rate:6.1f} /s")
-    print(f"  peak memory                  {peak_memory(server):6.0f} MiB")
-    server.send_signal(signal.SIGINT)
-    server.communicate(timeout=60)
+    try:
+        url = server.stdout.readline().strip()
+        said = server.stderr.readline().strip()
+        browser.get(url)
+        wait(lambda: "ms" in status(browser))
+        first = time.time() - start
+        complete = lambda: browser.execute_script("return Boolean(document.body.dataset.complete)")
+        wait(complete)
+        still, drafts = [], []
+        for i in range(rounds):
+            drafts.append(browser.execute_async_script(CHANGE, str(285 + 0.37 * i), True)[0])
+            time.sleep(0.05)
+            wait(lambda: "draft" not in status(browser))
+            still.append(float(browser.execute_script("return document.body.dataset.milliseconds")))
+            time.sleep(0.2)
+        rate = browser.execute_async_script(DRAG)
+        print(f"{path}: {said}")
+        print(f"  start to the first picture   {first:6.2f} s")
+        print(f"  change of focus, draft       {statistics.median(drafts):6.0f}   (best {min(drafts):.0f}, worst {max(drafts):.0f})")
+        print(f"  still picture                {statistics.median(still):6.0f}   (best {min(still):.0f}, worst {max(still):.0f})")
+        print(f"  pictures while dragging      {rate:6.1f} /s")
+        print(f"  peak memory                  {peak_memory(server):6.0f} MiB")
+    finally:
+        server.send_signal(signal.SIGINT)
+        server.communicate(timeout=60)
 
 
 def main():
