@@ -354,6 +354,26 @@ TEST(Render, TheSamePictureComesFromAnyNumberOfThreads) {
   EXPECT_EQ(images[0].values, images[2].values);
 }
 
+TEST(RenderPixels, AreThoseOfTheWholePictureAndTheOthersStay) {
+  Scene scene;
+  scene.materials = {DiffuseMaterial{}};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.background = {1, 1, 1};
+  scene.points = {{{1_mm, 2_mm, -0.2}, 1}};
+  RenderParams params{.columns = 12, .rows = 8, .field_of_view = std::atan(10.0 / 300), .paths = 8};
+  const Image whole = render(scene, panel, green_light, params);
+  PixelMask mask(96, 0);
+  for (size_t i = 0; i < mask.size(); i += 5) mask[i] = 1;
+  Image image(8, 12, 3);
+  std::fill(image.values.begin(), image.values.end(), 7.0F);
+  render_pixels(scene, panel, green_light, params, mask, image);
+  for (size_t i = 0; i < image.values.size(); ++i)
+    EXPECT_EQ(image.values[i], mask[i / 3] ? whole.values[i] : 7.0F) << "value " << i;
+  EXPECT_THROW(render_pixels(scene, panel, green_light, params, PixelMask(95), image), Error);
+  params.rows = 9;
+  EXPECT_THROW(render_pixels(scene, panel, green_light, params, mask, image), Error);
+}
+
 TEST(Render, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   Scene scene;
   scene.points = {{{0, 0, -0.3}, 1.0f, 0}};

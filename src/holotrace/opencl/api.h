@@ -22,7 +22,7 @@ namespace holotrace {
 /// The functions of the loader, libOpenCL.so.1. It is opened at run time, so that other commands need not load it and
 /// the program starts on machines without it.
 struct OpenClApi {
-#define HOLOTRACE_MEMBER(name) decltype(&::name) name = nullptr;
+#define HOLOTRACE_MEMBER(name) decltype(&::name) name = nullptr;  // NOLINT(bugprone-macro-parentheses): a declared name
   HOLOTRACE_OPENCL_FUNCTIONS(HOLOTRACE_MEMBER)
 #undef HOLOTRACE_MEMBER
 };

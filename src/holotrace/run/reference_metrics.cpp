@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "holotrace/view/compare.h"
+#include "holotrace/view/structural_similarity.h"
 
 namespace holotrace {
 namespace {
@@ -11,16 +13,19 @@ namespace {
 double decibels(double ratio_of_amplitudes) { return 20 * std::log10(ratio_of_amplitudes); }
 
 struct Noise {
-  double variance = 0, of_bright = 0;  // over all pixels, and over the bright ones
+  double variance = 0, of_bright = 0;  // over all pixels, and over those that may be the maximum instead
+  std::vector<float> of_values;        // beyond that of a full reference
 };
 
 Noise noise_of(const ViewReference& reference, double peak) {
   Noise noise;
+  noise.of_values.reserve(reference.image.values.size());
   double bright = 0;
   for (size_t i = 0; i < reference.image.values.size(); ++i) {
     const double d = double(reference.first_half.values[i]) - double(reference.image.values[i]);
     noise.variance += d * d;
-    if (reference.image.values[i] < peak / 2) continue;
+    noise.of_values.push_back(float((1 - reference.part) * d * d));
+    if (d == 0 || reference.image.values[i] < peak / 2) continue;
     noise.of_bright += d * d;
     ++bright;
   }
@@ -29,16 +34,28 @@ Noise noise_of(const ViewReference& reference, double peak) {
   return noise;
 }
 
-void report_quick_metrics(const ViewReference& reference, const Metrics& metrics, const Observer& observer) {
+// What the maximum may lose, as a part of it: three times the noise of pixels that have few paths, if one of them is so
+// near to the maximum.
+double uncertainty_of_peak(const ViewReference& reference, const Noise& noise, double peak) {
+  const double reach = 3 * std::sqrt(noise.of_bright);
+  for (size_t i = 0; i < reference.image.values.size(); ++i)
+    if (reference.image.values[i] >= peak - reach && reference.image.values[i] != reference.first_half.values[i])
+      return reach / peak;
+  return 0;
+}
+
+void report_quick_metrics(const ViewReference& reference, const Image& view, const Metrics& metrics,
+                          const Observer& observer) {
   const double peak = *std::max_element(reference.image.values.begin(), reference.image.values.end());
   const Noise noise = noise_of(reference, peak);
   const double error = metrics.rms_error * metrics.rms_error;
   // A view that is as near to the render as the render to itself: nothing is known beyond half of its error.
   const double corrected = std::max(error - (1 - reference.part) * noise.variance, error / 2);
   observer.fact("psnr_db", decibels(peak / std::sqrt(corrected)));
-  observer.fact("psnr_uncertainty_db",
-                decibels(1 + 3 * std::sqrt(noise.of_bright) / peak) + 0.1 * decibels(std::sqrt(error / corrected)));
-  observer.fact("left_out", std::string("ssim, speckle_contrast and uniformity: they need reference = full"));
+  observer.fact("psnr_uncertainty_db", decibels(1 + uncertainty_of_peak(reference, noise, peak)) +
+                                           0.1 * decibels(std::sqrt(error / corrected)));
+  observer.fact("ssim", structural_similarity(reference.image, view, metrics.scale, peak, noise.of_values));
+  observer.fact("left_out", std::string("speckle_contrast and uniformity: they need reference = full"));
 }
 
 }  // namespace
@@ -56,7 +73,7 @@ void report_metrics(const ViewReference& reference, const Image& view, double ef
     observer.fact("speckle_contrast", metrics.speckle_contrast);
     observer.fact("uniformity", metrics.uniformity);
   } else {
-    report_quick_metrics(reference, metrics, observer);
+    report_quick_metrics(reference, view, metrics, observer);
   }
   observer.fact("bright_fraction", metrics.bright_fraction);
   observer.fact("diffraction_efficiency", metrics.bright_fraction * efficiency);

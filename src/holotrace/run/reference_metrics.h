@@ -22,8 +22,10 @@ struct ViewReference {
 ///
 ///     psnr_db = 20·lg(L/√(E² − (1 − part)·⟨d²⟩)),   E the rms error, L the maximum of the reference
 ///
-/// psnr_uncertainty_db is the sum of what L may lose, 20·lg(1 + 3·σ/L) with σ² = ⟨d²⟩ over the pixels of at least L/2,
-/// and of a tenth of the correction. The other metrics are left out, except the fractions of light.
+/// ssim is that of the reference's variance less (1 − part)·d². psnr_uncertainty_db is the sum of what L may lose and of a
+/// tenth of the correction. L loses nothing if all pixels within 3·σ of it have all paths (renders.h: both halves agree
+/// there); else up to 20·lg(1 + 3·σ/L). σ² is ⟨d²⟩ over the other pixels of at least L/2. Speckle contrast and uniformity
+/// are left out.
 ///
 /// @param efficiency  fraction of the light on the panel that reaches the sensor
 void report_metrics(const ViewReference& reference, const Image& view, double efficiency, const Observer& observer);

@@ -30,11 +30,14 @@ std::vector<PlannedRender> plan_stereo_renders(const Job& job);
 /// @throws Error  as `render` does
 Image make_render(const Job& job, const RenderParams& params, const Observer& observer = {});
 
-/// A render of few paths, as the mean of two with independent paths.
+/// A render of few paths, as the mean of two with independent paths. Its brightest pixels have all paths of the job, as in
+/// its full render, and are equal in both: the maximum of the picture, to which a PSNR refers, depends on few pixels.
 struct HalvedRender {
   Image mean, first;  ///< mean of both, and the first
 };
 
+/// The brightest pixels are those that noise may keep below the maximum, and their neighbours, as views take values
+/// between pixels; at most a fiftieth of the picture.
 /// @param params  of an even number of paths
 HalvedRender make_halved_render(const Job& job, const RenderParams& params, const Observer& observer = {});
 

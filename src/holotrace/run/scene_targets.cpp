@@ -93,9 +93,11 @@ ViewTargets draw_views(const SceneTargets& targets, const Job& job, int update, 
   // Centres of pupils along one axis of the window, from one edge to the other.
   const auto centres = [&](double side) {
     std::vector<double> values;
-    for (double at = -side / 2 - diameter / 2 + diameter * random.uniform(); at <= side / 2 + diameter / 2;
-         at += diameter)
+    double at = -side / 2 - diameter / 2 + diameter * random.uniform();
+    while (at <= side / 2 + diameter / 2) {
       if (std::abs(at) <= side / 2) values.push_back(at);
+      at += diameter;
+    }
     if (values.empty()) values.push_back(side * (random.uniform() - 0.5));
     return values;
   };

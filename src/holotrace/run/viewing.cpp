@@ -55,8 +55,9 @@ struct OrderShares {
 // The views in light of one wavelength.
 double view_in_colour(const Hologram& hologram, double wavelength, const Viewing& viewing, RepeatedStages& repeat,
                       std::vector<CombinedViews>& sums) {
-  const auto& [slm, shown_with, propagation, from] = viewing;
-  ShowParams params = shown_with;
+  const Slm& slm = viewing.slm;
+  const std::vector<Viewpoint>& from = viewing.from;
+  ShowParams params = viewing.show;
   if (!hologram.colours.empty()) params.wavelength = wavelength;
   const bool is_first = !repeat.has_run("show");
   const IlluminationPlan plan = plan_illumination(slm, params, wavelength, hologram.image, from, hologram.filter);
@@ -82,7 +83,7 @@ double view_in_colour(const Hologram& hologram, double wavelength, const Viewing
       repeat(from[span.begin].stage, [&](const Observer& o) {
         for (size_t i = span.begin; i < span.end; ++i) {
           const Observer part = part_of_series(o, i - span.begin, span.end - span.begin);
-          const Image view = look(shown, slm, from[i].distance, propagation, from[i].camera, part, state.source);
+          const Image view = look(shown, slm, from[i].distance, viewing.propagation, from[i].camera, part, state.source);
           if (all.size() == 1)
             add(i, view);
           else

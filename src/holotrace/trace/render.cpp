@@ -104,10 +104,9 @@ void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, do
   }
 }
 
-}  // namespace
-
-Image render(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
-             const Observer& observer) {
+// The picture, or only its pixels in the mask; the others hold nothing but luminous points.
+Image render_masked(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+                    const PixelMask* mask, const Observer& observer) {
   check_scene(scene);
   check_grid(panel);
   check_wavelength(wavelength);
@@ -136,8 +135,9 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
     for (int first = 0; first < columns; first += often) {
       const int end = std::min(columns, first + often);
       for (int column = first; column < end; ++column)
-        add(image, int(row), column,
-            render_pixel(path_scene, eye, {int(row), column}, params, sums, counts[size_t(row)]));
+        if (!mask || (*mask)[size_t(row) * size_t(columns) + size_t(column)])
+          add(image, int(row), column,
+              render_pixel(path_scene, eye, {int(row), column}, params, sums, counts[size_t(row)]));
       const int64_t pixels = done += end - first;
       observer.progress(double(pixels) / (double(rows) * columns));
     }
@@ -149,6 +149,27 @@ Image render(const Scene& scene, const Grid& panel, double wavelength, const Ren
   for (const PathCounts& row : counts) total += row;
   report(total, params.max_depth, observer);
   return image;
+}
+
+}  // namespace
+
+Image render(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+             const Observer& observer) {
+  return render_masked(scene, panel, wavelength, params, nullptr, observer);
+}
+
+void render_pixels(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+                   const PixelMask& mask, Image& image, const Observer& observer) {
+  check_ranges(params);
+  const int columns = params.columns > 0 ? params.columns : params.rows;
+  const size_t pixels = size_t(params.rows) * size_t(columns);
+  require(image.ny == params.rows && image.nx == columns && image.channels == 3 && mask.size() == pixels,
+          "expected a picture of {} × {} pixels in three colours, with a mask of as many pixels, got {} × {}, {} "
+          "colour(s) and {} pixels",
+          columns, params.rows, image.nx, image.ny, image.channels, mask.size());
+  const Image made = render_masked(scene, panel, wavelength, params, &mask, observer);
+  for (size_t i = 0; i < pixels; ++i)
+    if (mask[i]) std::copy_n(&made.values[3 * i], 3, &image.values[3 * i]);
 }
 
 }  // namespace holotrace

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "holotrace/base/observer.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/image.h"
@@ -43,5 +46,13 @@ namespace holotrace {
 /// Cost: as `trace`, one first hit per path.
 Image render(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
              const Observer& observer = {});
+
+/// Pixels of a picture, row by row: those that are not 0.
+using PixelMask = std::vector<uint8_t>;
+
+/// Replaces pixels of a picture by those that render makes of these parameters, to the last bit.
+/// @throws Error  as render does, and unless picture and mask have the size that the parameters ask for
+void render_pixels(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+                   const PixelMask& mask, Image& image, const Observer& observer = {});
 
 }  // namespace holotrace

@@ -182,15 +182,15 @@ double looking_bytes(const FieldShape& field, const Slm& slm, double distance, c
 
 double axial_reach(const Slm& slm, const HologramLight& light, double distance, const CameraParams& camera) {
   if (distance <= 0) return 1;
-  const auto& [wavelength, image, filter, cone_wavelength, loses_by_cone, loses_by_pixels] = light;
   // The pupil's shadow on the panel, as seen from the point behind or in front of the panel.
-  const double z = image == ImageSide::real_image ? std::abs(camera.eye.z - distance) : distance + camera.eye.z;
+  const double z = light.image == ImageSide::real_image ? std::abs(camera.eye.z - distance) : distance + camera.eye.z;
   const double seen = camera.pupil > 0 && z > 0 ? camera.pupil * distance / z : std::numeric_limits<double>::infinity();
   const double pitch = slm.grid.pitch;
-  const double lambda = wavelength, cone = (cone_wavelength > 0 ? cone_wavelength : wavelength) / (2 * pitch);
+  const double lambda = light.wavelength;
+  const double cone = (light.cone_wavelength > 0 ? light.cone_wavelength : lambda) / (2 * pitch);
   const auto along = [&](double side, double lit, double half_band, double carrier) {
     const double sine = std::min({lambda * half_band, cone, 1.0});
-    const double box = loses_by_cone && sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
+    const double box = light.loses_by_cone && sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
     const double half = std::min(side / 2, box);
     constexpr int steps = 200;  // Simpson's rule on less than one lobe of sinc²: to 1e-9
     double sum = 0;
@@ -202,7 +202,8 @@ double axial_reach(const Slm& slm, const HologramLight& light, double distance, 
     return sum * 2 * half / (3.0 * steps) / side;
   };
   const double open = 1 / pitch;
-  const double lit_x = loses_by_pixels ? slm.lit_x() : 0, lit_y = loses_by_pixels ? slm.lit_y() : 0;
+  const auto& filter = light.filter;
+  const double lit_x = light.loses_by_pixels ? slm.lit_x() : 0, lit_y = light.loses_by_pixels ? slm.lit_y() : 0;
   return along(std::min(slm.grid.width(), seen), lit_x, filter ? filter->half_u : open, filter ? filter->u0 : 0) *
          along(std::min(slm.grid.height(), seen), lit_y, filter ? filter->half_v : open, filter ? filter->v0 : 0);
 }

@@ -53,7 +53,7 @@ Array2D<float> source_image(const SourcePart& part, double z, double pitch, int 
     return kernel;
   }
   const DiscLattice lattice = lattice_of(part, std::abs(to_samples));
-  const auto [x0, y0] = part.place();
+  const double x0 = part.place()[0], y0 = part.place()[1];
   const auto angle_of = [&](int64_t n) { return (double(n) + 0.5) * lattice.step; };
   // Largest distance of a direction of the part from its point, in steps.
   const double around = (reach + 1) / (std::abs(to_samples) * lattice.step);

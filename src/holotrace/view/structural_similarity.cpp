@@ -27,14 +27,17 @@ std::vector<double> gaussian_window(int size) {
 
 double similarity(const Moments& m, double L) {
   const double c1 = (0.01 * L) * (0.01 * L), c2 = (0.03 * L) * (0.03 * L);
-  const double variance_a = m[2] - m[0] * m[0], variance_b = m[3] - m[1] * m[1], covariance = m[4] - m[0] * m[1];
+  // Less than its noise may be left of a variance.
+  const double variance_a = std::max(0.0, m[2] - m[0] * m[0]), variance_b = m[3] - m[1] * m[1];
+  const double covariance = m[4] - m[0] * m[1];
   return (2 * m[0] * m[1] + c1) * (2 * covariance + c2) /
          ((m[0] * m[0] + m[1] * m[1] + c1) * (variance_a + variance_b + c2));
 }
 
 }  // namespace
 
-double structural_similarity(const Image& reference, const Image& image, double s, double L) {
+double structural_similarity(const Image& reference, const Image& image, double s, double L,
+                             std::span<const float> noise) {
   const int size = std::min({11, (reference.nx - 1) / 2 * 2 + 1, (reference.ny - 1) / 2 * 2 + 1});
   const std::vector<double> window = gaussian_window(size);
   const int nx = reference.nx - size + 1, ny = reference.ny - size + 1;
@@ -48,7 +51,9 @@ double structural_similarity(const Image& reference, const Image& image, double 
         for (int k = 0; k < size; ++k) {
           const double a = reference(int(j) + k, i, channel), b = s * image(int(j) + k, i, channel);
           const double w = window[size_t(k)];
-          m[0] += w * a, m[1] += w * b, m[2] += w * a * a, m[3] += w * b * b, m[4] += w * a * b;
+          const size_t at = size_t(&reference(int(j) + k, i, channel) - reference.values.data());
+          const double of_noise = noise.empty() ? 0 : noise[at];
+          m[0] += w * a, m[1] += w * b, m[2] += w * (a * a - of_noise), m[3] += w * b * b, m[4] += w * a * b;
         }
         column[size_t(i)] = m;
       }

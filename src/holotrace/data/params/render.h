@@ -67,7 +67,7 @@ void describe(Visitor& v, RenderParams& p) {
       "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)");
   v.choice(
       "reference", p.reference, {{"none", Reference::none}, {"quick", Reference::quick}, {"full", Reference::full}},
-      "renders that run compares its views with: none (no metrics), quick (an eighth of the paths, PSNR only) or full");
+      "renders that run compares its views with: none (no metrics), quick (an eighth of the paths; PSNR and SSIM) or full");
   v.count("seed", p.seed, range::not_negative, "seed for all random numbers");
 }
 
