@@ -50,6 +50,9 @@ class LowDiscrepancy {
     next_ = key_;
   }
 
+  /// Leaves out the next dimensions; each one() and each two() is one.
+  void skip(int dimensions) { next_ += uint64_t(dimensions) * splitmix_step; }
+
   /// The next single dimension, uniform in [0, 1).
   double one() {
     const uint64_t bits = next_seeds();

@@ -29,7 +29,9 @@ Vec3 radiance_along(const PathScene& scene, const Ray& ray, bool has_background,
   const Material& material = material_at(scene.scene, hit->point);
   const SurfacePoint point = material.normal_map ? shading_point(material, hit->point) : hit->point;
   std::fill(sums.begin(), sums.end(), Vec3{});
-  add_radiance(scene, {point, -ray.direction, scene.automaton.start(), 1}, numbers, sums, counts);
+  PathStart start{point, -ray.direction, scene.automaton.start()};
+  start.aim = Aim::random;
+  add_radiance(scene, start, numbers, sums, counts);
   Vec3 sum;
   for (const Vec3 of_group : sums) sum += of_group;
   return sum;

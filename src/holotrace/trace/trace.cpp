@@ -66,8 +66,10 @@ Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>
   sources.name = t.sets[s].name;
   sources.seed = uint64_t(t.params.seed);
   const size_t count = all.waves.size();
-  if (tiles > 0) sources.tiles = {t.params.tile_columns, t.params.tile_rows, std::vector<float>(tiles * count)};
-  for (size_t i = 0; i < all.tiles.size(); ++i) sources.tiles.values[i % tiles * count + i / tiles] = all.tiles[i];
+  if (tiles > 0) {
+    sources.tiles = {t.params.tile_columns, t.params.tile_rows, std::vector<float>(tiles * count)};
+    for (size_t i = 0; i < all.tiles.size(); ++i) sources.tiles.values[i % tiles * count + i / tiles] = all.tiles[i];
+  }
   sources.waves = std::move(all.waves);
   const auto is_random = [](uint64_t key) { return key != Sources::no_phase_key; };
   if (std::any_of(all.keys.begin(), all.keys.end(), is_random)) sources.phase_keys = std::move(all.keys);

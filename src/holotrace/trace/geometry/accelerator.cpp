@@ -255,6 +255,35 @@ bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
   return query.tfar < 0;
 }
 
+uint32_t Accelerator::occluded(std::span<const ShadowRay> rays, Aim aim) const {
+  const Implementation& self = *implementation_;
+  uint32_t bits = 0;
+  if (!self.watertight) {
+    for (size_t i = 0; i < rays.size(); ++i) bits |= uint32_t(is_occluded(rays[i].ray, rays[i].distance, aim)) << i;
+    return bits;
+  }
+  alignas(64) std::array<int, most_shadow_rays> valid{};
+  RTCRay16 packet;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const double end = rays[i].distance - rounding_at_end(rays[i].ray, rays[i].distance);
+    RTCRay query;
+    double skipped;
+    if (!(end > 0) || !self.enter(rays[i].ray, end, query, skipped)) continue;
+    if (log_) write_down(query, true, aim, *log_);
+    valid[i] = -1;
+    packet.org_x[i] = query.org_x, packet.org_y[i] = query.org_y, packet.org_z[i] = query.org_z;
+    packet.dir_x[i] = query.dir_x, packet.dir_y[i] = query.dir_y, packet.dir_z[i] = query.dir_z;
+    packet.tnear[i] = 0, packet.tfar[i] = query.tfar;
+    packet.time[i] = 0, packet.mask[i] = ~0U, packet.id[i] = 0, packet.flags[i] = 0;
+  }
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded16(valid.data(), self.tree_for(aim), &context, &packet);
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (valid[i] && packet.tfar[i] < 0) bits |= 1U << i;
+  return bits;
+}
+
 int64_t Accelerator::replay(const LoggedRay* rays, int64_t count) const {
   int64_t found = 0;
   if (!implementation_->watertight) return 0;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "holotrace/base/vec.h"
@@ -26,6 +27,14 @@ enum class Aim {
   exact,   ///< at a given place, which may be on an edge: no ray passes between two triangles that share it
   random,  ///< drawn from a continuous density: one in a million may pass between two triangles; faster
 };
+
+/// A ray that asks whether a surface lies before a distance.
+struct ShadowRay {
+  Ray ray;
+  double distance = 0;  ///< [m], may be infinite
+};
+
+inline constexpr int most_shadow_rays = 16;  ///< that are traced together
 
 /// A ray as passed to Embree: single precision, in units of ScenePrecision from its centre.
 struct LoggedRay {
@@ -66,6 +75,9 @@ class Accelerator {
   /// Whether a surface lies on the ray before a distance [m], which may be infinite; one within the rounding of its
   /// end does not count.
   bool is_occluded(const Ray& ray, double distance, Aim aim = Aim::exact) const;
+
+  /// The same for up to most_shadow_rays rays, which should be near to each other: bit i is 1 if ray i is occluded.
+  uint32_t occluded(std::span<const ShadowRay> rays, Aim aim) const;
 
   /// The rounding of places in the scene; SurfacePoint::clearance follows from it.
   const ScenePrecision& precision() const { return precision_; }

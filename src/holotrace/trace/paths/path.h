@@ -41,6 +41,7 @@ struct PathStart {
   int depth = 1;                   ///< surfaces so far, this one included
   double index = 1;                ///< refractive index of the medium before the surface
   Vec3 phase_move{};               ///< from `point` to the place of the surface at which the phase is evaluated [m]
+  Aim aim = Aim::exact;            ///< how the ray to the point was chosen
 };
 
 /// Adds the radiance that one light path finds leaving `start.point` along `start.outgoing`, at the lines

@@ -69,7 +69,6 @@ double layer_spectrum_bytes(int reach_x, int reach_y) {
 
 void add_light(LayerSpectrum& spectrum, SliceSamples&& samples, const AxisWeights& along_x, const AxisWeights& along_y,
                const AddedLight& light) {
-  const auto& [distance, scale, is_of_points] = light;
   const int nx = samples.nx, ny = samples.ny, rows = int(samples.rows.size());
   const int band_x = int(along_x.size()), band_y = int(along_y.size());
   const Fft<float> transform_x(nx, FftDirection::forward), transform_y(ny, FftDirection::forward);
@@ -81,11 +80,11 @@ void add_light(LayerSpectrum& spectrum, SliceSamples&& samples, const AxisWeight
     for (int c = 0; c < count; ++c) {
       const int k = first + c;
       Complex* f = factors.data() + size_t(c) * size_t(band_y);
-      free_space_factors(spectrum.lag.row(k), distance, band_y, f);
+      free_space_factors(spectrum.lag.row(k), light.distance, band_y, f);
       const float* inverse_cosine = spectrum.inverse_cosine.row(k);
-      const float scale_x = float(scale) * along_x[size_t(k)];
+      const float scale_x = float(light.scale) * along_x[size_t(k)];
       for (int l = 0; l < band_y; ++l)
-        f[l] *= scale_x * along_y[size_t(l)] * (is_of_points ? inverse_cosine[l] : float(inverse_cosine[l] > 0));
+        f[l] *= scale_x * along_y[size_t(l)] * (light.is_of_points ? inverse_cosine[l] : float(inverse_cosine[l] > 0));
     }
     for (const int sign : {1, -1}) {
       std::fill(columns.begin(), columns.end(), Complex());

@@ -73,7 +73,8 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
   const PlanesModel model(plan, wavelength, grid.pitch);
   const Slabs slabs{depths, plan.slabs};
   SplitEnergies energies;
-  for (const auto& [w, column, row, density] : pixels) {
+  for (const auto& [drawn, column, row, density] : pixels) {
+    const auto& w = drawn;  // a name that the lambda below can use
     const Slab slab = slabs.slab(slabs.of(w.depth), wavelength, grid.pitch);
     const int i = (column - bounds.x0) % plan.tile, j = (row - bounds.y0) % plan.tile;
     const PixelBox tile{column - i, std::min(column - i + plan.tile, bounds.x1), row - j,

@@ -70,7 +70,7 @@ std::vector<Complex> fresnel_axis(const PropagationAxis& axis) {
     return factor;
   }
   const KernelSamples samples = kernel_samples(axis);
-  const int n = samples.size();
+  const int n = std::max(1, samples.size());
   const double inverse = 1 / (lambda * z), ratio = double(axis.padded) / n;
   const Complex scale = std::polar(ratio * axis.input_pitch * std::sqrt(std::abs(inverse)), -std::copysign(pi / 4, z));
   AlignedVector<Complex> kernel;

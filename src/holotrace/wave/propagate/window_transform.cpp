@@ -65,7 +65,8 @@ void transform_rows(const BasicField<Real>& field, const Propagator<Real>& p, co
   LargeBuffer<Complex> after(size_t(count) * size_t(y.outputs));
   parallel_for(0, before.blocks_of(count), [&](int64_t b) {
     const int first = int(b) * block, used = std::min(block, count - first);
-    auto& [rows, columns, results, bins, work] = works.local();
+    auto& [rows, columns, results, frequencies, work] = works.local();
+    Complex* const bins = frequencies.data();
     if (first + used <= entering)
       std::copy_n(before.at(int(b), 0), y.inputs * block, rows.data());
     else
@@ -78,8 +79,8 @@ void transform_rows(const BasicField<Real>& field, const Propagator<Real>& p, co
     for (int c = 0; c < used; ++c) {
       const Complex *column = columns.data() + size_t(c) * size_t(y.padded), *h = p.transfer.row(first + c);
       each_run(y.first, y.frequencies(), y.padded,
-               [&](int n, int at, int run) { multiply(bins.data() + n, column + at, h + n, size_t(run)); });
-      sum_y(bins.data(), results.data() + size_t(c) * size_t(y.outputs), work.data());
+               [&](int n, int at, int run) { multiply(bins + n, column + at, h + n, size_t(run)); });
+      sum_y(bins, results.data() + size_t(c) * size_t(y.outputs), work.data());
     }
     for (int o = 0; o < y.outputs; ++o)
       for (int c = 0; c < used; ++c)

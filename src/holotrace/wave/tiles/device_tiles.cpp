@@ -108,7 +108,8 @@ DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds,
   const double for_waves = std::min(all_waves, std::max(free / 2, free - row_bytes * rows));
   const double band = std::min((free - for_waves) / row_bytes, most_samples / columns);
   plan.rows = band >= rows ? int(rows) : std::max(int(band) / shape.rows, 1) * shape.rows;
-  plan.waves = std::max(size_t(for_waves) / sizeof(DeviceWave) / plan.launch(), size_t(1)) * plan.launch();
+  const size_t launch = std::max(plan.launch(), size_t(1));
+  plan.waves = std::max(size_t(for_waves) / sizeof(DeviceWave) / launch, size_t(1)) * launch;
   if (all_waves <= for_waves) plan.waves = waves;
   return plan;
 }

@@ -10,7 +10,8 @@ namespace holotrace {
 SplitEnergies measure_split(const std::vector<DrawnPixel>& pixels, const Grid& grid, const PixelBox& bounds,
                             double wavelength, TileShape tile) {
   SplitEnergies energies;
-  for (const auto& [w, i, k, density] : pixels) {
+  for (const auto& [drawn, i, k, density] : pixels) {
+    const auto& w = drawn;  // a name that the lambda below can use
     // The tile's centre as sum_tiled places it: tiles start at the first pixel of the bounds.
     const double x0 = grid.x(i - (i - bounds.x0) % tile.columns + (tile.columns - 1) / 2.0) - w.x;
     const double y0 = grid.y(k - (k - bounds.y0) % tile.rows + (tile.rows - 1) / 2.0) - w.y;

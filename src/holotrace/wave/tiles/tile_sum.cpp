@@ -185,8 +185,7 @@ void multiply_pairs(TileWorkspace& s, TileShape tile, int waves, int parts) {
 
 // Vectors of columns in a block of the product; with 6 rows, 24 of 32 (or 12 of 16) registers hold sums.
 int block_vectors(TileShape tile) {
-  const int n = int(hn::Lanes(Floats()));
-  return HWY_TARGET <= HWY_AVX3 && tile.columns % (4 * n) == 0 ? 4 : 2;
+  return HWY_TARGET <= HWY_AVX3 && tile.columns % (4 * int(hn::Lanes(Floats()))) == 0 ? 4 : 2;
 }
 
 // Factors and products in single precision.

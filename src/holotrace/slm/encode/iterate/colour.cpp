@@ -115,7 +115,7 @@ void Colour::add_planes(const std::vector<size_t>& planes, uint64_t round, doubl
 }
 
 // Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor. Returns that sum.
-double Colour::add_gradient(const TargetWay& way, SampleGroup group, PlaneLight light, double factor,
+double Colour::add_gradient(const TargetWay& way, SampleGroup group, PlaneLight&& light, double factor,
                             const std::vector<Drive>& levels, std::vector<Drive>& slopes) const {
   auto& [mean, samples] = light;
   const double error = scale_ * scale_ * leave_residual(*way.target, 1 / scale_, mean);

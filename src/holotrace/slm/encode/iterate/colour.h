@@ -75,7 +75,7 @@ class Colour {
   Array2D<float> mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const;
   bool has_pixel_means(SampleGroup group) const;
   void fit_scale(const ModulusSums& turn, double memory);
-  double add_gradient(const TargetWay& way, SampleGroup group, PlaneLight light, double factor,
+  double add_gradient(const TargetWay& way, SampleGroup group, PlaneLight&& light, double factor,
                       const std::vector<Drive>& levels, std::vector<Drive>& slopes) const;
 
   const Slm& slm_;
