@@ -234,7 +234,7 @@ Image project_render(const Image& render, double half_tangent, const Image& sens
           add_between(render, (y - (out.ny - 1) / 2.0) * ratio - sensor.centre_y / step + (render.ny - 1) / 2.0,
                       (x - (out.nx - 1) / 2.0) * ratio + sensor.centre_x / step + (render.nx - 1) / 2.0, sums);
         }
-      for (int channel = 0; channel < out.channels; ++channel)
+      for (int channel = 0; channel < std::min(out.channels, 3); ++channel)
         out(int(j), i, channel) = float(sums[channel] / (parts * parts));
     }
   });
