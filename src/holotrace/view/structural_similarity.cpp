@@ -25,11 +25,10 @@ std::vector<double> gaussian_window(int size) {
   return window;
 }
 
-double similarity(const Moments& m, double L) {
+double similarity(const Moments& m, double L, bool has_noise) {
   const double c1 = (0.01 * L) * (0.01 * L), c2 = (0.03 * L) * (0.03 * L);
-  // Less than its noise may be left of a variance.
-  const double variance_a = std::max(0.0, m[2] - m[0] * m[0]), variance_b = m[3] - m[1] * m[1];
-  const double covariance = m[4] - m[0] * m[1];
+  const double of_a = m[2] - m[0] * m[0], variance_b = m[3] - m[1] * m[1], covariance = m[4] - m[0] * m[1];
+  const double variance_a = has_noise ? std::max(0.0, of_a) : of_a;  // the noise may be more than all
   return (2 * m[0] * m[1] + c1) * (2 * covariance + c2) /
          ((m[0] * m[0] + m[1] * m[1] + c1) * (variance_a + variance_b + c2));
 }
@@ -61,7 +60,7 @@ double structural_similarity(const Image& reference, const Image& image, double 
         Moments m{};
         for (int k = 0; k < size; ++k)
           for (size_t q = 0; q < m.size(); ++q) m[q] += window[size_t(k)] * column[size_t(i + k)][q];
-        row_sum[size_t(j)] += similarity(m, L);
+        row_sum[size_t(j)] += similarity(m, L, !noise.empty());
       }
     }
   });
