@@ -52,7 +52,7 @@ double structural_similarity(const Image& reference, const Image& image, double 
           const double w = window[size_t(k)];
           const size_t at = size_t(&reference(int(j) + k, i, channel) - reference.values.data());
           const double of_noise = noise.empty() ? 0 : noise[at];
-          m[0] += w * a, m[1] += w * b, m[2] += w * (a * a - of_noise), m[3] += w * b * b, m[4] += w * a * b;
+          m[0] += w * a, m[1] += w * b, m[2] += w * a * a - w * of_noise, m[3] += w * b * b, m[4] += w * a * b;
         }
         column[size_t(i)] = m;
       }
