@@ -58,14 +58,14 @@ double encode_seconds(const std::vector<StageReport>& stages) {
   return sum;
 }
 
-// Seconds of one propagation from a job's panel, prepared and with its memory in use.
-double propagation_seconds(const Job& job) {
+// Seconds of one propagation from a job's panel, prepared and with its memory in use: the median of some.
+double propagation_seconds(const Job& job, int runs) {
   const std::vector<double>& targets = job.encode.target_distances;
   const double distance = targets.empty() ? viewpoints(job.camera, job.render).front().distance : targets.front();
   const Field field(job.slm.grid, job.wavelengths.front());
   const auto propagator = cached_propagator<float>(field.grid, field.wavelength, distance, {});
   propagate(field, *propagator);
-  return median_seconds(1, [&] { propagate(field, *propagator); });
+  return median_seconds(runs, [&] { propagate(field, *propagator); });
 }
 
 // The stages of a run, each with the shorter of its times in two runs.
@@ -180,8 +180,8 @@ double DisplayProbe::iteration_scale(const Job& small) {
   if (small.slm.grid == job.slm.grid) return 1;
   double of_small = 0;
   once_seconds_ += median_seconds(1, [&] {
-    if (propagation_seconds_ == 0) propagation_seconds_ = propagation_seconds(job);
-    of_small = propagation_seconds(small);
+    if (propagation_seconds_ == 0) propagation_seconds_ = propagation_seconds(job, 3);
+    of_small = propagation_seconds(small, 9);
   });
   return propagation_seconds_ / of_small;
 }
