@@ -80,6 +80,23 @@ TEST(LowDiscrepancy, TheOrderOfPathsDoesNotMatter) {
   }
 }
 
+TEST(LowDiscrepancy, ABlockHasTheNumbersOfItsPaths) {
+  for (const uint32_t block : {0U, 1U, 5U, 100000U})
+    for (const int dimension : {0, 1, 7}) {
+      LowDiscrepancy sequence(3, 1, 4);
+      sequence.start(77);  // where the sequence stands does not matter
+      const LowDiscrepancy::Block numbers = sequence.two_of_block(block, dimension);
+      for (uint32_t i = 0; i < 16; ++i) {
+        sequence.start(16 * block + i);
+        sequence.skip(dimension);
+        EXPECT_EQ(sequence.two(), (Vec2{numbers.x[i] * 0x1p-32, numbers.y[i] * 0x1p-32})) << block << ", path " << i;
+      }
+      sequence.start(16 * block);
+      for (int left = 0; left < dimension; ++left) left % 2 ? sequence.one() : sequence.two().x;
+      EXPECT_EQ(sequence.two().x, numbers.x[0] * 0x1p-32) << "a dimension is one() or two()";
+    }
+}
+
 TEST(LowDiscrepancy, ANewSequenceStartsAtPathZero) {
   LowDiscrepancy fresh(1, 2, 3), started(1, 2, 3);
   started.start(9);

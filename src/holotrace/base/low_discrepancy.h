@@ -71,6 +71,29 @@ class LowDiscrepancy {
     return {uint32_t(both >> 32) * 0x1p-32, uint32_t(both) * 0x1p-32};
   }
 
+  /// Numbers of two() in units of 2⁻³², for the paths of a block.
+  struct Block {
+    std::array<uint32_t, 16> x, y;
+  };
+
+  /// What start(16·block + i), skip(dimension) and two() give for i = 0 … 15.
+  Block two_of_block(uint32_t block, int dimension) const {
+    LowDiscrepancy path = *this;
+    path.start(16 * block);
+    path.skip(dimension);
+    const uint64_t bits = path.next_seeds();
+    const uint64_t places = orders[path.first_order_ + ((uint32_t(bits) + path.block_hash_) >> 26)];
+    Block numbers;
+    for (uint32_t i = 0; i < 16; ++i) numbers.x[i] = uint32_t(places >> 4 * i) << 28 | path.reversed_block_;
+    for (uint32_t i = 0; i < 16; ++i) {
+      const uint32_t order = reverse_bits(scramble_reversed(numbers.x[i], uint32_t(bits)));
+      numbers.x[i] = reverse_bits(scramble_reversed(order, uint32_t(bits >> 32)));
+      numbers.y[i] =
+          reverse_bits(scramble_reversed(second_sobol_reversed(order), uint32_t(bits * splitmix_step >> 32)));
+    }
+    return numbers;
+  }
+
  private:
   static constexpr uint32_t reverse_bits(uint32_t v) {
     v = (v & 0x55555555) << 1 | (v >> 1 & 0x55555555);

@@ -8,6 +8,7 @@
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/paths/path_weights.h"
+#include "holotrace/trace/paths/rectangle_samples.h"
 
 // Sampling of the lights from a surface (formulas: path.h, add_radiance).
 
@@ -56,6 +57,8 @@ class DirectLight {
           add_if_visible(at, way, light, *reflected);
         return;
       }
+      if (const auto* surface = reflector(bsdf); surface && light.light && light.is_shared)
+        return add_rectangle(*surface, at, light, {paths, taken++}, numbers);
       for (int path = 0; path < paths; ++path) {
         numbers.start(uint32_t(path));
         numbers.skip(taken);
@@ -159,6 +162,55 @@ class DirectLight {
   }
 
   static Aim aim_at(const PathVertex& at, const SampledLight& light) { return light.is_shared ? Aim::random : at.aim; }
+
+  /// The surface, if it is diffuse and only reflects; else none.
+  static const DiffuseBsdf* reflector(const DiffuseBsdf& b) { return b.transmission_probability == 0 ? &b : nullptr; }
+  template <class B>
+  static const DiffuseBsdf* reflector(const B&) {
+    return nullptr;
+  }
+
+  struct PathsAtDimension {
+    int paths, dimension;
+  };
+
+  /// The light of a rectangle on such a surface, for all paths: 16 of them together.
+  void add_rectangle(const DiffuseBsdf& bsdf, const PathVertex& at, const SampledLight& light,
+                     const PathsAtDimension& numbered, const LowDiscrepancy& numbers) {
+    const auto& rectangle = std::get<RectangleLight>(*light.light);
+    const Vec3 from = at.point.position, brightness = at.throughput * bsdf.reflectance * rectangle.radiance;
+    if (!diffuse_path_groups_ || is_black(brightness)) return;
+    const RectangleAndSurface pair{.corner = rectangle.corner - from,
+                                   .edge_u = rectangle.edge_u,
+                                   .edge_v = rectangle.edge_v,
+                                   .is_visible = rectangle.is_visible,
+                                   .lift = scene_.accelerator.lift_of(light.group),
+                                   .normal = bsdf.normal,
+                                   .geometric_normal = at.point.geometric_normal,
+                                   .clearance = at.point.clearance,
+                                   .centre = scene_.accelerator.precision().centre - from};
+    const Vec3 start = scene_.accelerator.leave(at.point, at.point.geometric_normal);
+    double sum = 0;
+    for (int first = 0; first < numbered.paths; first += most_shadow_rays) {
+      const LowDiscrepancy::Block places = numbers.two_of_block(uint32_t(first / most_shadow_rays), numbered.dimension);
+      RectangleSamples samples;
+      sample_rectangle(pair, places.x.data(), places.y.data(), samples);
+      std::array<ShadowRay, most_shadow_rays> rays;
+      std::array<double, most_shadow_rays> shares;
+      size_t count = 0;
+      for (size_t i = 0; i < size_t(std::min(most_shadow_rays, numbered.paths - first)); ++i) {
+        if (!(samples.share[i] > 0)) continue;
+        rays[count] = {{start, {samples.x[i], samples.y[i], samples.z[i]}}, samples.distance[i]};
+        shares[count++] = samples.share[i];
+      }
+      if (count == 0) continue;
+      counts_.shadow_rays += int64_t(count);
+      const uint32_t occluded = scene_.accelerator.occluded({rays.data(), count}, Aim::random);
+      for (size_t i = 0; i < count; ++i)
+        if (!(occluded >> i & 1)) sum += shares[i];
+    }
+    sink_.add(diffuse_path_groups_, light.group, brightness * sum);
+  }
 
   /// Light that can be met, until its shadow rays are traced together.
   struct Waiting {

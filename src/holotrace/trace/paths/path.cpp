@@ -100,18 +100,20 @@ void mean_radiance(const PathScene& scene, const PathStart& start, int paths, ui
   LowDiscrepancy numbers(scene.params.seed, 0, sample);
   // Lights are sampled at the start for all paths together, unless each path must know its own light.
   const bool is_together = start.point.light < 0 && scene.params.clamp <= 0 && !scene.params.asks_at_end;
-  RadianceSink sink = make_sink(scene, sums);
-  const int dimensions =
-      is_together ? PathWalk(scene, sink, counts).add_direct_light_at_start(start, paths, numbers) : 0;
-  for (int path = 0; path < paths; ++path) {
-    numbers.start(uint32_t(path));
-    if (!is_together) {
-      add_radiance(scene, start, numbers, sums, counts);
-      continue;
+  if (is_together) {
+    RadianceSink sink = make_sink(scene, sums);
+    const auto common = PathWalk(scene, sink, counts).add_direct_light_at_start(start, paths, numbers);
+    for (int path = 0; path < paths; ++path) {
+      numbers.start(uint32_t(path));
+      PathWalk walk(scene, sink, counts);
+      walk.set_common(common);
+      walk.follow(start, numbers);
     }
-    PathWalk walk(scene, sink, counts);
-    walk.skip_direct_light(dimensions);
-    walk.follow(start, numbers);
+  } else {
+    for (int path = 0; path < paths; ++path) {
+      numbers.start(uint32_t(path));
+      add_radiance(scene, start, numbers, sums, counts);
+    }
   }
   for (Vec3& sum : sums) sum = sum / paths;
 }

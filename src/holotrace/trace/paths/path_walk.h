@@ -47,24 +47,31 @@ class PathWalk {
       ++counts_.vertices;
       const Material& material = scene_.scene.materials[size_t(point_.material)];
       if (emitters_.is_emissive(point_.material)) add_emission(material);
-      const Bsdf bsdf = make_bsdf(material, point_, scene_.lines);
+      const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material, point_, scene_.lines);
       // One visit per surface: inside it the functions of this kind of surface are called directly.
       const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
       if (!next || !leave(*next)) return;
     }
   }
 
-  /// Adds what paths 0 … paths − 1 of the numbers find by sampling the lights at their common start. A walk that follows
-  /// one of them afterwards leaves that out: skip_direct_light.
-  /// @return  for skip_direct_light
-  int add_direct_light_at_start(const PathStart& start, int paths, LowDiscrepancy& numbers) {
+  /// What paths from one start share.
+  struct CommonStart {
+    Bsdf bsdf;
+    int dimensions = 0;  ///< of each path, for the lights that are sampled at the start
+  };
+
+  /// Adds what paths 0 … paths − 1 of the numbers find by sampling the lights at their common start. Walks that follow
+  /// these paths leave that out (set_common).
+  CommonStart add_direct_light_at_start(const PathStart& start, int paths, LowDiscrepancy& numbers) {
     begin(start);
-    const Bsdf bsdf = make_bsdf(scene_.scene.materials[size_t(point_.material)], point_, scene_.lines);
-    return std::visit([&](const auto& b) { return direct_light_.add_for_paths(b, vertex(), paths, numbers); }, bsdf);
+    CommonStart common{make_bsdf(scene_.scene.materials[size_t(point_.material)], point_, scene_.lines)};
+    common.dimensions = std::visit(
+        [&](const auto& b) { return direct_light_.add_for_paths(b, vertex(), paths, numbers); }, common.bsdf);
+    return common;
   }
 
-  /// Samples no lights at the start, and leaves out the dimensions for them.
-  void skip_direct_light(int dimensions) { skipped_ = dimensions; }
+  /// The next call of `follow` begins at this start, where the lights have been sampled already.
+  void set_common(const CommonStart& common) { common_ = &common; }
 
   /// Adds light on a ray before `distance` and not on a surface. The path came in `state` with density `pdf` [1/sr]; 0
   /// means by a specular branch.
@@ -131,8 +138,8 @@ class PathWalk {
   std::optional<BsdfSample> scatter(const B& bsdf, LowDiscrepancy& numbers) {
     const LobeSet has = lobes(bsdf);
     const bool asks_at_end = scene_.params.asks_at_end && depth_ < scene_.params.max_depth;
-    if (skipped_)
-      numbers.skip(*std::exchange(skipped_, std::nullopt));
+    if (common_)
+      numbers.skip(std::exchange(common_, nullptr)->dimensions);
     else if (!asks_at_end)
       direct_light_.add(bsdf, vertex(), 1, numbers);
     const Vec2 choices = numbers.two(), u = numbers.two();  // for the lobe, and for roulette
@@ -212,7 +219,7 @@ class PathWalk {
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: specular, or start of the path
   Aim aim_ = Aim::exact;           // how the point was found
   DirectLight<Sink> direct_light_;
-  std::optional<int> skipped_;
+  const CommonStart* common_ = nullptr;
 };
 
 }  // namespace holotrace
