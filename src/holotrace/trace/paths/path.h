@@ -71,7 +71,8 @@ struct PathStart {
 /// Clamp: the light that all path groups together receive from the path, each light counted once, is limited to `clamp`
 /// at each line, and the sums shrink in proportion.
 ///
-/// Cost: per surface one ray, and one shadow ray for each light that may reach it.
+/// Cost: per surface one ray, and one shadow ray for each light that may reach it. Paths of one start (mean_radiance) share
+/// their shadow rays to lights that always lie in the same direction.
 ///
 /// @param numbers  the path's own sequence, started
 /// @param sums     PathScene::sums() of them
