@@ -83,7 +83,8 @@ double view_in_colour(const Hologram& hologram, double wavelength, const Viewing
       repeat(from[span.begin].stage, [&](const Observer& o) {
         for (size_t i = span.begin; i < span.end; ++i) {
           const Observer part = part_of_series(o, i - span.begin, span.end - span.begin);
-          const Image view = look(shown, slm, from[i].distance, viewing.propagation, from[i].camera, part, state.source);
+          const Image view =
+              look(shown, slm, from[i].distance, viewing.propagation, from[i].camera, part, state.source);
           if (all.size() == 1)
             add(i, view);
           else
