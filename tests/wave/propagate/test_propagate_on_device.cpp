@@ -1,0 +1,327 @@
+// Propagation on the device that the parameters name: what is transferred, kept and released, and what `auto` does. Rates
+// are made up.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <thread>
+
+#include "holotrace/base/random.h"
+#include "holotrace/base/units.h"
+#include "holotrace/wave/propagate/irradiance.h"
+#include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
+#include "holotrace/wave/propagate/propagation_cost.h"
+#include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/shared/device_rates.h"
+#include "support/build_paths.h"
+#include "support/devices.h"
+#include "support/fields.h"
+#include "support/temporary.h"
+#if HOLOTRACE_HAS_OPENCL
+#include "support/faulty_api.h"
+#endif
+
+namespace holotrace {
+namespace {
+
+using namespace literals;
+using test::error_of;
+using testing::relative_error;
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+constexpr size_t sample = sizeof(std::complex<float>);
+
+class PropagationOnDevices : public test::OnEveryDevice {
+ protected:
+  PropagationOnDevices() {
+    drop_device_propagators();
+    start_ = device_.use().bytes_held;
+    params_.device = {DeviceKind::opencl, device_.info().number};
+    CounterRandom random(11, 0, 0);
+    for (auto& u : field_.samples.values) u = {float(random.uniform()) - 0.5F, float(random.uniform()) - 0.5F};
+  }
+  ~PropagationOnDevices() override {
+    device_.limit_memory(0);
+    limit_device_propagators(unlimited);
+    drop_device_propagators();
+    set_summation_rates({});
+    set_device_rates({});
+  }
+
+  Field there(double distance) const { return propagate(field_, distance, params_); }
+  size_t sent_for(double distance) const {
+    const size_t before = device_.use().bytes_in;
+    there(distance);
+    return device_.use().bytes_in - before;
+  }
+  size_t held() const { return device_.use().bytes_held - start_; }
+  DevicePropagationCost cost(double distance, const PropagateParams& params = {}) const {
+    return device_propagation_cost(device_, plan_propagator<float>(field_.grid, field_.wavelength, distance, params));
+  }
+  // 80 % of the memory are used; 1 byte for the rounding of that product.
+  void leave_memory(double bytes) { device_.limit_memory((double(device_.use().bytes_held) + bytes) / 0.8 + 1); }
+
+  Field field_{{66, 49, 8_um}, 532_nm};
+  PropagateParams params_;
+  size_t start_ = 0;
+};
+
+HOLOTRACE_FOR_ALL_DEVICES(PropagationOnDevices);
+
+TEST_P(PropagationOnDevices, SendTheTransferFunctionOnce) {
+  const size_t fields = sample * 66 * 49;
+  EXPECT_EQ(sent_for(0.03_m), fields + size_t(cost(0.03_m).kept));
+  EXPECT_EQ(sent_for(0.03_m), fields);
+  const size_t before = device_.use().bytes_out;
+  propagate_to_irradiance(field_, 0.03_m, params_);
+  EXPECT_EQ(device_.use().bytes_out - before, fields);
+  EXPECT_GT(sent_for(0.04_m), fields) << "another distance";
+  EXPECT_EQ(sent_for(0.03_m), fields) << "kept beside it";
+}
+
+TEST_P(PropagationOnDevices, SayTheSameForEveryField) {
+  params_.method = PropagationMethod::fresnel;
+  const auto said_by = [&](const PropagateParams& params) {
+    std::vector<std::string> said;
+    Observer observer;
+    observer.on_fact = [&](const std::string& name, const Fact& value) {
+      said.push_back(name + " = " + (std::holds_alternative<std::string>(value) ? std::get<std::string>(value) : ""));
+    };
+    observer.on_warning = [&](const std::string& sentence) { said.push_back(sentence); };
+    propagate(field_, 2_mm, params, observer);
+    return said;
+  };
+  const std::vector<std::string> first = said_by(params_);
+  EXPECT_EQ(said_by(params_), first);
+  PropagateParams on_processor = params_;
+  on_processor.device = {};
+  std::vector<std::string> expected = said_by(on_processor);  // the method, and what Fresnel neglects
+  EXPECT_GE(expected.size(), 2U);
+  std::erase_if(expected, [](const std::string& text) { return text.starts_with("energy_beyond_band"); });
+  expected.push_back("device = " + device_.info().name);
+  EXPECT_EQ(first, expected);
+}
+
+// The memory that is counted is that of the buffers, for windows on the lattice (whose light is even or not), of twice the
+// pitch, and of any pitch.
+TEST_P(PropagationOnDevices, TakeTheMemoryThatIsCounted) {
+  for (const PropagateParams& window :
+       {PropagateParams{}, PropagateParams{PropagationMethod::automatic, 75, 40, 0, 30_um, -16_um},
+        PropagateParams{PropagationMethod::automatic, 31, 40, 16_um},
+        PropagateParams{PropagationMethod::automatic, 101, 64, 5.3217_um, 40_um, -90_um}}) {
+    drop_device_propagators();
+    const DeviceChoice device = params_.device;
+    params_ = window;
+    params_.device = device;
+    there(0.03_m);
+    const DevicePropagationCost cost = this->cost(0.03_m, window);
+    EXPECT_EQ(double(held()), cost.kept) << window.columns;
+    leave_memory(cost.work);
+    EXPECT_EQ(error_of([&] { there(0.03_m); }), "no error") << window.columns;
+    leave_memory(cost.work - 8);
+    EXPECT_NE(error_of([&] { there(0.03_m); }), "no error") << window.columns;
+    device_.limit_memory(0);
+  }
+}
+
+TEST_P(PropagationOnDevices, KeepWhatIsWithinTheLimit) {
+  there(0.03_m);
+  const size_t one = held();
+  limit_device_propagators(2.5 * double(one));
+  there(0.04_m);
+  EXPECT_GE(held(), 2 * one - 100);  // bands of nearly the same width
+  there(0.03_m);
+  there(0.05_m);  // drops 0.04 m, which was used least recently
+  EXPECT_LE(double(held()), 2.5 * double(one));
+  EXPECT_EQ(sent_for(0.03_m), sample * 66 * 49);
+  EXPECT_GT(sent_for(0.04_m), sample * 66 * 49);
+  limit_device_propagators(1.5 * double(one));
+  EXPECT_LE(double(held()), 1.5 * double(one)) << "dropped at once";
+  EXPECT_GT(held(), 0U);
+  limit_device_propagators(0);
+  EXPECT_EQ(held(), 0U);
+  there(0.03_m);
+  EXPECT_EQ(held(), 0U);
+}
+
+TEST_P(PropagationOnDevices, MakeRoomForOthers) {
+  there(0.03_m);
+  there(0.04_m);
+  const size_t two = held();
+  const DevicePropagationCost one = cost(0.04_m);
+  // Memory for a field, if the other propagator is dropped.
+  device_.limit_memory((double(start_) + one.kept + one.work) / 0.8 + 1);
+  EXPECT_EQ(sent_for(0.04_m), sample * 66 * 49);
+  EXPECT_LT(held(), two);
+  EXPECT_EQ(error_of([&] { there(0.03_m); }), "no error") << "the other way round";
+  EXPECT_EQ(double(held()), cost(0.03_m).kept);
+}
+
+TEST_P(PropagationOnDevices, SayThatMemoryIsShort) {
+  device_.limit_memory((double(start_) + cost(0.03_m).kept) / 0.8);
+  const std::string error = error_of([&] { there(0.03_m); });
+  EXPECT_NE(error.find("of memory for a propagation on the device " + device_.info().name), std::string::npos) << error;
+  EXPECT_EQ(held(), 0U);
+  device_.limit_memory(0);
+  EXPECT_EQ(error_of([&] { there(0.03_m); }), "no error");
+}
+
+TEST_P(PropagationOnDevices, WriteNothingPastTheirBuffers) {
+  const size_t before = device_.broken_guards();
+  device_.guard_buffers(true);
+  for (const double pitch : {0.0, 5.3_um}) {
+    params_.pitch = pitch;
+    there(0.03_m);
+    there(0.03_m);
+  }
+  drop_device_propagators();
+  device_.guard_buffers(false);
+  EXPECT_EQ(device_.broken_guards(), before);
+  EXPECT_EQ(held(), 0U);
+}
+
+TEST_P(PropagationOnDevices, MayBeAskedFromManyThreads) {
+  const Field expected = there(0.03_m);
+  limit_device_propagators(1.5 * double(held()));  // others are dropped all the time
+  std::vector<Field> results(12);
+  std::vector<std::thread> threads;
+  for (size_t t = 0; t < results.size(); ++t)
+    threads.emplace_back([&, t] {
+      results[t] = there(t % 2 ? 0.03_m : 0.02_m + double(t) * 1_mm);
+      if (t % 4 == 0) drop_device_propagators();
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (size_t t = 1; t < results.size(); t += 2) EXPECT_EQ(results[t].samples.values, expected.samples.values);
+}
+
+TEST_P(PropagationOnDevices, RefuseDoublePrecision) {
+  const FieldDouble field = convert<double>(field_);
+  EXPECT_EQ(error_of([&] { propagate(field, 0.03_m, params_); }),
+            "expected a field in single precision to propagate on an OpenCL device, got one in double precision; use "
+            "the device cpu, or leave out --double (in Python: a complex64 array)");
+  params_.device.kind = DeviceKind::automatic;
+  EXPECT_EQ(propagate(field, 0.03_m, params_).samples.values, propagate(field, 0.03_m).samples.values);
+}
+
+TEST(PropagationOnNoDevice, IsAnError) {
+  const Field field({8, 8, 8_um}, 532_nm);
+  PropagateParams params;
+  params.device = {DeviceKind::opencl, 1000};
+  EXPECT_NE(error_of([&] { propagate(field, 0.03_m, params); }), "no error");
+}
+
+class AutomaticPropagation : public PropagationOnDevices {
+ protected:
+  AutomaticPropagation() {
+    params_.device = {DeviceKind::automatic};
+    // The processor takes more than 66 · 49 · 8 samples / 1e5 = 0.26 s.
+    SummationRates rates;
+    rates.samples = 1e5;
+    set_summation_rates([rates] { return rates; });
+  }
+  void give_devices(const DeviceRates& rates) {
+    const int number = device_.info().number;
+    set_device_rates([=](Device& device) { return device.info().number == number ? rates : DeviceRates(); });
+  }
+  bool runs_on_device() const {
+    const size_t before = device_.use().kernels;
+    there(0.03_m);
+    return device_.use().kernels > before;
+  }
+};
+
+HOLOTRACE_FOR_ALL_DEVICES(AutomaticPropagation);
+
+TEST_P(AutomaticPropagation, TakesTheFasterOne) {
+  const double moved = cost(0.03_m).moved;
+  const double seconds =
+      seconds_to_propagate(plan_propagator<float>(field_.grid, field_.wavelength, 0.03_m, PropagateParams()));
+  give_devices({0, 1e12, 1.1 * moved / seconds});
+  EXPECT_TRUE(runs_on_device());
+  give_devices({0, 1e12, 0.9 * moved / seconds});
+  EXPECT_FALSE(runs_on_device());
+  give_devices({});
+  EXPECT_FALSE(runs_on_device()) << "not measured";
+}
+
+TEST_P(AutomaticPropagation, CountsTransfers) {
+  const DevicePropagationCost cost = this->cost(0.03_m);
+  const double seconds =
+      seconds_to_propagate(plan_propagator<float>(field_.grid, field_.wavelength, 0.03_m, PropagateParams()));
+  give_devices({0, 0.9 * cost.fields / seconds, 1e15});
+  EXPECT_FALSE(runs_on_device());
+  give_devices({0, (cost.fields + 0.9 * cost.kept) / seconds, 1e15});
+  EXPECT_FALSE(runs_on_device()) << "with the transfer function";
+  PropagateParams on_device;
+  on_device.device = {DeviceKind::opencl, device_.info().number};
+  propagate(field_, 0.03_m, on_device);
+  EXPECT_TRUE(runs_on_device()) << "which is there now";
+}
+
+TEST_P(AutomaticPropagation, KeepsToTheProcessorForFieldsInDouble) {
+  give_devices({0, 1e15, 1e15});
+  const size_t before = device_.use().kernels;
+  propagate(convert<double>(field_), 0.03_m, params_);
+  EXPECT_EQ(device_.use().kernels, before);
+  EXPECT_TRUE(runs_on_device());
+}
+
+TEST_P(AutomaticPropagation, GoesOnWithTheProcessorIfMemoryIsShort) {
+  give_devices({0, 1e15, 1e15});
+  device_.limit_memory((double(start_) + cost(0.03_m).kept) / 0.8);
+  std::string warning;
+  Observer observer;
+  observer.on_warning = [&](const std::string& text) { warning = text; };
+  EXPECT_EQ(propagate(field_, 0.03_m, params_, observer).samples.values, propagate(field_, 0.03_m).samples.values);
+  EXPECT_EQ(warning.rfind("the device auto: the processor took over, because expected ", 0), 0U) << warning;
+  EXPECT_EQ(held(), 0U);
+}
+
+// A field beside the window is an error of the question, not of the device.
+TEST_P(AutomaticPropagation, DoesNotWarnOfWrongQuestions) {
+  give_devices({0, 1e15, 1e15});
+  params_.centre_x = 1_m;
+  Observer observer;
+  observer.on_warning = [](const std::string& text) { ADD_FAILURE() << text; };
+  EXPECT_NE(error_of([&] { propagate(field_, 0.03_m, params_, observer); }), "no error");
+}
+
+#if HOLOTRACE_HAS_OPENCL
+
+// Whichever call of the driver fails: `opencl` says so, `auto` gives the processor's field, and nothing stays on the device.
+TEST_P(AutomaticPropagation, OutlivesFaults) {
+  give_devices({0, 1e15, 1e15});
+  const Field expected = propagate(field_, 0.03_m);
+  PropagateParams on_device;
+  on_device.device = {DeviceKind::opencl, device_.info().number};
+  for (const PropagateParams& params : {params_, on_device}) {
+    bool is_done = false;
+    for (int failing = 0; !is_done; ++failing) {
+      std::string warning, error;
+      Observer observer;
+      observer.on_warning = [&](const std::string& text) { warning = text; };
+      {
+        test::FaultyApi api;
+        api.failing = failing;
+        Field found;
+        error = error_of([&] { found = propagate(field_, 0.03_m, params, observer); });
+        is_done = api.calls <= failing;
+        EXPECT_EQ(error == "no error", is_done || params.device.kind == DeviceKind::automatic) << failing << error;
+        EXPECT_EQ(warning.empty(), is_done || params.device.kind == DeviceKind::opencl) << failing << warning;
+        if (!warning.empty()) {
+          EXPECT_EQ(found.samples.values, expected.samples.values) << failing;
+        }
+        if (is_done) drop_device_propagators();
+        EXPECT_TRUE(api.held.empty()) << failing;
+        EXPECT_FALSE(api.was_released_twice) << failing;
+      }
+      EXPECT_EQ(held(), 0U) << failing;
+    }
+  }
+}
+
+#endif
+
+}  // namespace
+}  // namespace holotrace
