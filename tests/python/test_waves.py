@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import holotrace as ht
+from holotrace import _core
 from conftest import random_samples
 
 
@@ -87,6 +88,9 @@ def test_propagate_on_a_device_is_the_program_bit_by_bit(points, tmp_path, progr
 def test_devices_are_checked(points):
     with pytest.raises(ht.Error, match="expected a device: cpu, auto, opencl or opencl:N .* got \"gpu\""):
         ht.synthesize(points, device="gpu")
+    # The core of holotrace.torch and holotrace.jax.
+    with pytest.raises(ht.Error, match="expected the device cpu for gradients, got opencl; leave out device"):
+        _core.Propagation32(4, 4, "8 um", "532 nm", "1 mm", {"device": "opencl"})
 
 
 def test_synthesis_is_the_sum_of_spherical_waves(points):

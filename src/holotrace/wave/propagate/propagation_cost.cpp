@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <complex>
+#include <numeric>
+#include <set>
 #include <thread>
 
 #include "holotrace/wave/propagate/convolution_parts.h"
@@ -43,17 +45,21 @@ SummationWork window_work(const PropagationAxis& x, const PropagationAxis& y) {
   return work;
 }
 
+// Of both axes, and of the lines' transforms, which share those of one length.
 double samples_of_factors(const Propagator<float>& plan) {
   double samples = 0;
+  std::set<int> lengths;
   for (const PropagationAxis* axis : {&plan.x, &plan.y}) {
     if (plan.is_on_lattice()) {
-      samples += double(axis->parts) * (axis->inputs + axis->outputs) + axis->part_length();
+      samples += double(axis->parts) * (axis->inputs + axis->outputs);
+      lengths.insert(axis->part_length());
       continue;
     }
     const WindowLength window = window_length(*axis);
-    samples += double(axis->padded) + axis->frequencies() + (window.is_plain ? 1 : 2) * window.length + axis->outputs;
+    samples += double(axis->frequencies()) + (window.is_plain ? 0 : window.length) + axis->outputs;
+    lengths.insert({axis->padded, window.length});
   }
-  return samples;
+  return std::accumulate(lengths.begin(), lengths.end(), samples);
 }
 
 // Work space of the longest lines, beside their factors.
