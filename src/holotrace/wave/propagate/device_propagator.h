@@ -28,6 +28,9 @@ class DevicePropagator {
   /// both fields; at other pitches 8·K per frequency along y too.
   Field operator()(const Field& field, const Observer& observer = {});
 
+  /// |u|² of that field, shape (ny, nx) [W/m²]: 4 bytes per sample come back. Memory: 4 bytes per sample more.
+  Array2D<float> irradiance(const Field& field, const Observer& observer = {});
+
   /// The same for samples that are on the device already, of the input and output windows. It returns when they are done.
   /// @throws Error  as Device does
   void run(const DeviceBuffer& from, const DeviceBuffer& to, const Observer& observer = {});
@@ -51,6 +54,7 @@ class DevicePropagator {
   Part make_part(const PropagationAxis& axis, int part, double scale);
   Window make_window(const PropagationAxis& axis);
   Work make_work();
+  DeviceBuffer moved(const Field& field, const Observer& observer);
   void run(const Ends& ends, const Work& work, const Observer& observer);
   void convolve(const Ends& ends, const Work& work, const Observer& observer);
   void transform_to_window(const Ends& ends, const Work& work, const Observer& observer);

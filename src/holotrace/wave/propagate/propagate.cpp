@@ -36,7 +36,7 @@ BasicField<Real> propagate(const BasicField<Real>& field, double distance, const
       return on_window(field, window, x.shift, y.shift);
   }
   if constexpr (std::is_same_v<Real, float>) {
-    if (std::optional<Field> there = try_device(field, distance, params, observer)) return std::move(*there);
+    if (std::optional<Field> there = propagate_on_device(field, distance, params, observer)) return std::move(*there);
   } else {
     refuse_device_for_double(params);
   }

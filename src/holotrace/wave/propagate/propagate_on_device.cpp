@@ -102,17 +102,26 @@ Device* fastest_for(const PropagationQuestion& question) {
   });
 }
 
-}  // namespace
+// A propagation, and how its result comes from a prepared propagator.
+template <class Result>
+struct Task {
+  const Field& field;
+  double distance;
+  const PropagateParams& params;
+  Result (DevicePropagator::*result)(const Field&, const Observer&);
 
-Field propagate_on_device(Device& device, const Field& field, double distance, const PropagateParams& params,
-                          const Observer& observer) {
-  const PropagationQuestion question(field.grid, field.wavelength, distance, params);
+  PropagationQuestion question() const { return {field.grid, field.wavelength, distance, params}; }
+};
+
+template <class Result>
+Result run_on(Device& device, const Task<Result>& task, const Observer& observer) {
+  const PropagationQuestion question = task.question();
   // Before the device is locked: it runs on many threads, which may be waiting for the device.
   Prepared prepared = prepare(device, question);
   prepared.kept.tell(observer);
   const auto lock = device.lock();
   try {
-    Field there = ready_propagator(device, question, prepared)(field, observer);
+    Result there = (ready_propagator(device, question, prepared).*task.result)(task.field, observer);
     observer.fact("device", device.info().name);
     return there;
   } catch (const Error&) {
@@ -121,19 +130,31 @@ Field propagate_on_device(Device& device, const Field& field, double distance, c
   }
 }
 
-std::optional<Field> try_device(const Field& field, double distance, const PropagateParams& params,
-                                const Observer& observer) {
-  if (params.device.kind == DeviceKind::cpu) return std::nullopt;
-  if (params.device.kind == DeviceKind::opencl)
-    return propagate_on_device(open_device(params.device.number), field, distance, params, observer);
-  Device* const device = fastest_for({field.grid, field.wavelength, distance, params});
+template <class Result>
+std::optional<Result> run_on_chosen(const Task<Result>& task, const Observer& observer) {
+  const DeviceChoice& choice = task.params.device;
+  if (choice.kind == DeviceKind::cpu) return std::nullopt;
+  if (choice.kind == DeviceKind::opencl) return run_on(open_device(choice.number), task, observer);
+  Device* const device = fastest_for(task.question());
   if (!device) return std::nullopt;
   try {
-    return propagate_on_device(*device, field, distance, params, observer);
+    return run_on(*device, task, observer);
   } catch (const Error& error) {
     observer.warn(fmt::format("the device auto: the processor took over, because {}", error.what()));
     return std::nullopt;
   }
+}
+
+}  // namespace
+
+std::optional<Field> propagate_on_device(const Field& field, double distance, const PropagateParams& params,
+                                         const Observer& observer) {
+  return run_on_chosen<Field>({field, distance, params, &DevicePropagator::operator()}, observer);
+}
+
+std::optional<Array2D<float>> irradiance_on_device(const Field& field, double distance, const PropagateParams& params,
+                                                   const Observer& observer) {
+  return run_on_chosen<Array2D<float>>({field, distance, params, &DevicePropagator::irradiance}, observer);
 }
 
 void refuse_device_for_double(const PropagateParams& params) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/propagate.h"
@@ -9,21 +10,21 @@
 
 namespace holotrace {
 
-/// The field after propagation on a device. Its propagator stays there for the next field over the same distance. Before
-/// a propagation that would not fit, others make room; if the device fails, all are dropped.
+/// The field after propagation on the device that params.device names. Its propagator stays there for the next field over
+/// the same distance. Before a propagation that would not fit, others make room; if the device fails, all are dropped.
+///
+/// The device `auto` is the one that is expected to be the fastest, by the rates of device_rates.h: both fields are
+/// transferred, and the transfer function unless it is there already. If it fails, a warning says why.
 ///
 /// Facts: those of make_propagator, told for every field, and `device`, its name.
-/// @throws Error  as make_propagator and DevicePropagator do
-Field propagate_on_device(Device& device, const Field& field, double distance, const PropagateParams& params,
-                          const Observer& observer = {});
-
-/// The field after propagation on the device that params.device names. The device `auto` is the one that is expected to be
-/// the fastest, by the rates of device_rates.h: both fields are transferred, and the transfer function unless it is there
-/// already. If it fails, a warning says why.
 /// @return        nothing if the processor should do it
-/// @throws Error  for a device that is not there, and as propagate_on_device does
-std::optional<Field> try_device(const Field& field, double distance, const PropagateParams& params,
-                                const Observer& observer = {});
+/// @throws Error  for a device that is not there, and as make_propagator and DevicePropagator do
+std::optional<Field> propagate_on_device(const Field& field, double distance, const PropagateParams& params,
+                                         const Observer& observer = {});
+
+/// The same for the irradiance of that field, shape (ny, nx) [W/m²].
+std::optional<Array2D<float>> irradiance_on_device(const Field& field, double distance, const PropagateParams& params,
+                                                   const Observer& observer = {});
 
 /// Devices propagate in single precision.
 /// @throws Error  unless params.device is the processor or `auto`, which then is the processor
