@@ -28,7 +28,7 @@
 #include "holotrace/io/wisdom_file.h"
 #include "holotrace/opencl/program_store.h"
 #include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/tiles/device_rates.h"
+#include "holotrace/wave/shared/device_rates.h"
 #include "interrupts.h"
 #include "ranks.h"
 #include "say.h"

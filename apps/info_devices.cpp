@@ -7,7 +7,7 @@
 #include "holotrace/base/thread_count.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/device.h"
-#include "holotrace/wave/tiles/device_rates.h"
+#include "holotrace/wave/shared/device_rates.h"
 #include "say.h"
 
 namespace holotrace {
@@ -37,7 +37,8 @@ Json facts_of(const DeviceInfo& info) {
                 {"driver", info.driver},
                 {"platform", info.platform},
                 {"multiply_adds_per_second", rates.multiply_adds},
-                {"bytes_per_second", rates.bytes}};
+                {"bytes_per_second", rates.bytes},
+                {"moved_bytes_per_second", rates.moved_bytes}};
   if (!fault.empty()) facts["fault"] = fault;
   return facts;
 }
@@ -51,8 +52,8 @@ std::string line_of(const DeviceInfo& info) {
 std::string rates_line_of(const DeviceInfo& info) {
   const auto& [rates, fault] = measured(info);
   if (!fault.empty()) return "does not work: " + fault;
-  return fmt::format("sums waves at {:.3g} multiply-adds/s; transfers {:.3g} bytes/s", rates.multiply_adds,
-                     rates.bytes);
+  return fmt::format("sums waves at {:.3g} multiply-adds/s; propagates at {:.3g} bytes/s; transfers {:.3g} bytes/s",
+                     rates.multiply_adds, rates.moved_bytes, rates.bytes);
 }
 
 }  // namespace

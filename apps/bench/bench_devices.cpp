@@ -65,7 +65,7 @@ BenchRow bench_propagation_on_device(const BenchOptions& options) {
   const DeviceUse before = device.use();
   there = on_device(field);
   const DeviceUse after = device.use();
-  const double amount = on_device.bytes_moved();
+  const double amount = on_device.cost().moved;
   const Timing timing = time_work(
       options, [&] { there = on_device(field); }, amount, [&] { return measure_device_peak(device).memory; });
   BenchRow row =

@@ -35,6 +35,9 @@ class Propagation {
     const double colour = to_wavelength(wavelength), metres = to_length(distance, "distance");
     PropagateParams params;
     set_params(given, params);
+    require(params.device.kind == DeviceKind::cpu,
+            "expected the device cpu for gradients, got {}; leave out device, or use ht.propagate",
+            device_text(params.device));
     const nb::gil_scoped_release release;
     forward_ = cached_propagator<Real>(grid, colour, metres, params);
     require(forward_->is_on_lattice(),

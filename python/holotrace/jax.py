@@ -68,7 +68,7 @@ _apply.defvjp(_apply_forward, _apply_backward)
 class Propagation:
     """Free space over one distance, prepared for any number of arrays: a callable of (..., ny, nx) arrays.
 
-    Parameters are those of ``ht.propagate``; the output has the input's pitch.
+    Parameters are those of ``ht.propagate``, on the processor; the output has the input's pitch.
     """
 
     def __init__(self, shape: Shape, pitch: Length, wavelength: Length, distance: Length, **params: Any) -> None:

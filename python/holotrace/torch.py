@@ -65,7 +65,7 @@ class _Apply(torch.autograd.Function):
 class Propagation:
     """Free space over one distance, prepared for any number of tensors: a callable of (..., ny, nx) tensors.
 
-    Parameters are those of ``ht.propagate``; the output has the input's pitch.
+    Parameters are those of ``ht.propagate``, on the processor; the output has the input's pitch.
     """
 
     def __init__(

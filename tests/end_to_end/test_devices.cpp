@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "holotrace/io/field/field_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "support/build_paths.h"
 #include "support/fields.h"
 #include "support/program.h"
@@ -68,6 +70,59 @@ TEST_F(DevicesOfTheProgram, MakeTheSameFieldWithinTheToleranceWholeAndInBands) {
   const Outcome made = work_.run(in_bands);
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_LT(holotrace::testing::relative_error(load_fields(work_.path("bands.h5")).front(), fields[0]), 2e-3);
+}
+
+// Both round 32-bit floats in transforms of 400 samples: 3e-7 apart.
+TEST_F(DevicesOfTheProgram, PropagateFields) {
+  if (!has_device()) GTEST_SKIP() << "no OpenCL device here";
+  ASSERT_EQ(work_.run(field("cpu", "f.npy")).exit_code, 0);
+  for (const char* pitch : {"8 um", "5 um"}) {
+    const auto propagated = [&](const char* device, const char* name) {
+      const Outcome made =
+          work_.run({"propagate", "f.npy", "--distance", "-50 mm", "--pitch", pitch, "--device", device, "-o", name});
+      EXPECT_EQ(made.exit_code, 0) << made.err;
+      return load_fields(work_.path(name)).front();
+    };
+    const Field here = propagated("cpu", "a.npy"), there = propagated("opencl", "b.npy");
+    EXPECT_LT(holotrace::testing::relative_error(there, here), 1e-6) << pitch;
+    EXPECT_NE(there.samples.values, here.samples.values) << "by the processor?";
+  }
+  const Outcome refused =
+      work_.run({"propagate", "f.npy", "--distance", "-50 mm", "--double", "--device", "opencl", "-o", "c.npy"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("use the device cpu, or leave out --double"), std::string::npos) << refused.err;
+  EXPECT_EQ(work_.run({"propagate", "f.npy", "--distance", "-50 mm", "--double", "--device", "auto", "-o", "c.npy"})
+                .exit_code,
+            0);
+}
+
+// The stages that propagate name the device in the report; the panel's levels do not depend on it.
+TEST_F(DevicesOfTheProgram, PropagateTheLightOfHolograms) {
+  if (!has_device()) GTEST_SKIP() << "no OpenCL device here";
+  work_.write("on_device.toml", std::string(scene) + "[propagate]\ndevice = \"opencl\"\n");
+  for (const char* name : {"scene", "on_device"}) {
+    const Outcome made = work_.run({"run", std::string(name) + ".toml", "-o", name});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+  EXPECT_EQ(work_.read("scene/hologram.png"), work_.read("on_device/hologram.png"));
+  const std::string report = work_.read("on_device/report.json");
+  EXPECT_NE(report.find("\"device\": \""), std::string::npos) << report;
+  EXPECT_EQ(work_.read("scene/report.json").find("\"device\": \""), std::string::npos);
+  std::vector<Image> views;
+  for (const char* device : {"cpu", "opencl"}) {
+    const std::string name = std::string(device) + ".exr";
+    const Outcome made = work_.run({"show", "scene/hologram.png", "--distance", "50 mm", "--pupil", "1 mm", "--eye",
+                                    "0 0 200 mm", "--device", device, "-o", name});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    views.push_back(load_image(work_.path(name)));
+  }
+  double error = 0, all = 0;
+  for (size_t i = 0; i < views[0].values.size(); ++i) {
+    error += std::pow(views[1].values[i] - views[0].values[i], 2);
+    all += std::pow(views[0].values[i], 2);
+  }
+  EXPECT_LT(std::sqrt(error / all), 1e-5);
+  EXPECT_GT(error, 0) << "by the processor?";
 }
 
 // PoCL offers as many devices as POCL_DEVICES lists; each is the whole processor.

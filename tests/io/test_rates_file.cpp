@@ -56,13 +56,14 @@ TEST_F(RatesFile, ADeviceIsMeasuredOnce) {
     return keep_device_rates(
         "this card",
         [&] {
-          return DeviceRates{double(++calibrations_), 7};
+          return DeviceRates{double(++calibrations_), 7, 8};
         },
         [](const auto&) {});
   };
   EXPECT_EQ(keep_device().multiply_adds, 1);
   EXPECT_EQ(keep_device().multiply_adds, 1);
   EXPECT_EQ(keep_device().bytes, 7);
+  EXPECT_EQ(keep_device().moved_bytes, 8);
   EXPECT_TRUE(fs::exists(cache_ + "/holotrace/device_rates.json"));
 }
 

@@ -35,7 +35,8 @@ def test_verbs_have_the_parameters_of_their_stage_with_their_defaults():
 
 def test_the_lists_are_those_of_the_command_line(program):
     """--help is made from the same lists in data/params/: each flag of propagate is a keyword, and nothing else is."""
-    flags = {word[2:].replace("-", "_") for word in program("propagate", "--help").split() if word.startswith("--")}
+    first = [line.split()[0] for line in program("propagate", "--help").splitlines() if line.strip()]
+    flags = {word[2:].replace("-", "_") for word in first if word.startswith("--")}
     names = {one["name"] for one in _core.parameters()["propagate"]}
     assert names <= flags
     assert flags - names <= {"help", "version", "threads", "quiet", "allow_outside", "output", "distance", "double"}

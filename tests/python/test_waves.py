@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import holotrace as ht
+from holotrace import _core
 from conftest import random_samples
 
 
@@ -67,9 +68,29 @@ def test_synthesize_on_a_device_is_the_program_bit_by_bit(points, tmp_path, prog
     assert np.linalg.norm(on_device.samples - exact.samples) <= 1e-3 * np.linalg.norm(exact.samples)
 
 
+def test_propagate_on_a_device_is_the_program_bit_by_bit(points, tmp_path, program):
+    if len(json.loads(program("info", "--devices", "--json"))["devices"]) < 2:
+        pytest.skip("no OpenCL device here")
+    field = ht.synthesize(points, ht.Slm(columns=64, rows=48, pitch="8 um"))
+    field.save(str(tmp_path / "f.npy"))
+    program("propagate", "f.npy", "--distance", "-50 mm", "--device", "opencl", "-o", "g.npy")
+    there = ht.propagate(field, "-50 mm", device="opencl")
+    assert equal(there.samples, np.load(tmp_path / "g.npy"))
+    assert "device" in there.facts
+    here = ht.propagate(field, "-50 mm")
+    assert np.linalg.norm(there.samples - here.samples) <= 1e-6 * np.linalg.norm(here.samples)
+    seen = ht.expose(field, "50 mm", propagate={"device": "opencl"})
+    assert "device" in seen.facts
+    with pytest.raises(ht.Error, match="in Python: a complex64 array"):
+        ht.propagate(ht.Field(here.samples.astype(np.complex128), pitch="8 um", wavelength="532 nm"), "1 mm", device="opencl")
+
+
 def test_devices_are_checked(points):
     with pytest.raises(ht.Error, match="expected a device: cpu, auto, opencl or opencl:N .* got \"gpu\""):
         ht.synthesize(points, device="gpu")
+    # The core of holotrace.torch and holotrace.jax.
+    with pytest.raises(ht.Error, match="expected the device cpu for gradients, got opencl; leave out device"):
+        _core.Propagation32(4, 4, "8 um", "532 nm", "1 mm", {"device": "opencl"})
 
 
 def test_synthesis_is_the_sum_of_spherical_waves(points):

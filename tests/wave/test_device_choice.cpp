@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/base/units.h"
+#include "holotrace/opencl/device.h"
 #include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/synthesize.h"
-#include "holotrace/wave/tiles/device_rates.h"
 #include "support/build_paths.h"
 #include "support/devices.h"
 #include "support/fields.h"
@@ -75,6 +77,24 @@ TEST_F(AutomaticDevice, IsTheProcessorForShortSumsAndDevicesThatWereNotMeasured)
 TEST_F(AutomaticDevice, LeavesOtherChoicesAlone) {
   params_.device = {DeviceKind::opencl, 3};
   EXPECT_EQ(chosen_device(sources_, panel, params_), params_.device);
+}
+
+// Opening takes 0.3 s. ctest runs each test in a process of its own, where no device is open.
+TEST_F(AutomaticDevice, CountsItsOpeningOnce) {
+  if (!open_devices().empty()) GTEST_SKIP() << "a device is open";
+  const auto at_once = [](Device&) { return 0.0; };
+  EXPECT_EQ(fastest_device(0.29, at_once), nullptr);
+  EXPECT_EQ(fastest_device(0.31, [](Device&) { return 0.02; }), nullptr);
+  for (const int number : test::device_numbers()) open_device(number);
+  EXPECT_EQ(open_devices(), test::device_numbers());
+  EXPECT_NE(fastest_device(0.29, at_once), nullptr);
+  EXPECT_EQ(fastest_device(0.29, [](Device&) { return 0.29; }), nullptr);
+}
+
+TEST_F(AutomaticDevice, IsTheFastestOfThose) {
+  const Device* const last = &open_device(test::device_numbers().back());
+  EXPECT_EQ(fastest_device(1, [&](Device& device) { return &device == last ? 0.1 : 0.5; }), last);
+  EXPECT_EQ(fastest_device(1, [](Device&) -> double { throw Error("a device that fails"); }), nullptr);
 }
 
 #if HOLOTRACE_HAS_OPENCL

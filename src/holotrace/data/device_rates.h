@@ -8,6 +8,7 @@ namespace holotrace {
 struct DeviceRates {
   double multiply_adds = 0;  ///< of the sum of waves in tiles, its factors counted as in multiply_adds_per_wave_pixel
   double bytes = 0;          ///< transferred to the device or back
+  double moved_bytes = 0;    ///< read and written in its memory by the kernels of a propagation
 };
 
 /// A rate and its name in files.
@@ -16,7 +17,8 @@ struct DeviceRateTerm {
   double DeviceRates::*rate;
 };
 
-inline constexpr std::array<DeviceRateTerm, 2> device_rate_terms{
-    {{"multiply_adds", &DeviceRates::multiply_adds}, {"bytes", &DeviceRates::bytes}}};
+inline constexpr std::array<DeviceRateTerm, 3> device_rate_terms{{{"multiply_adds", &DeviceRates::multiply_adds},
+                                                                  {"bytes", &DeviceRates::bytes},
+                                                                  {"moved_bytes", &DeviceRates::moved_bytes}}};
 
 }  // namespace holotrace

@@ -118,6 +118,7 @@ DeviceBuffer Device::make_buffer(size_t bytes, const std::string& what) {
 }
 
 void Device::release(DeviceBuffer& buffer) noexcept {
+  const std::lock_guard lock(mutex_);
   const OpenClApi& api = opencl_api();
   State& s = *state_;
   if (buffer.memory_ != buffer.whole_) {
@@ -180,15 +181,30 @@ void Device::finish() {
 
 DeviceUse Device::use() const { return state_->use; }
 
-double Device::free_memory() const {
-  return std::min(usable * state_->memory - double(state_->use.bytes_held), info_.largest_buffer);
-}
+double Device::memory_left() const { return usable * state_->memory - double(state_->use.bytes_held); }
+
+double Device::free_memory() const { return std::min(memory_left(), info_.largest_buffer); }
 
 void Device::limit_memory(double bytes) { state_->memory = bytes > 0 ? bytes : info_.memory; }
 
 void Device::guard_buffers(bool has_guards) { state_->has_guards = has_guards; }
 
 size_t Device::broken_guards() const { return state_->broken_guards; }
+
+namespace {
+
+// Never destroyed: at the end of the program, drivers may have shut down before.
+struct OpenDevices {
+  std::mutex mutex;
+  std::map<int, std::unique_ptr<Device>> by_number;
+};
+
+OpenDevices& all_open() {
+  static auto& opened = *new OpenDevices;
+  return opened;
+}
+
+}  // namespace
 
 Device& open_device(int number) {
   const std::vector<DeviceInfo>& devices = list_devices();
@@ -198,13 +214,18 @@ Device& open_device(int number) {
   require(number >= 0 && size_t(number) < devices.size(),
           "expected the number of a device from 0 to {}, got {}; holotrace info --devices lists them",
           devices.size() - 1, number);
-  // Never destroyed: at the end of the program, drivers may have shut down before.
-  static std::mutex mutex;
-  static auto& opened = *new std::map<int, std::unique_ptr<Device>>;
-  const std::lock_guard lock(mutex);
-  std::unique_ptr<Device>& device = opened[number];
+  const std::lock_guard lock(all_open().mutex);
+  std::unique_ptr<Device>& device = all_open().by_number[number];
   if (!device) device = std::make_unique<Device>(devices[size_t(number)]);
   return *device;
+}
+
+std::vector<int> open_devices() {
+  const std::lock_guard lock(all_open().mutex);
+  std::vector<int> numbers;
+  for (const auto& [number, device] : all_open().by_number)
+    if (device) numbers.push_back(number);
+  return numbers;
 }
 
 }  // namespace holotrace

@@ -14,7 +14,7 @@ namespace holotrace {
 
 class Device;
 
-/// Memory on a device; it is released with this object. It must not outlive its device.
+/// Memory on a device; it is released with this object, which may be done by any thread. It must not outlive its device.
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
@@ -109,7 +109,9 @@ class Device {
   void finish();
 
   DeviceUse use() const;
-  /// Memory that is still free [bytes]: 80 % of the device's less the buffers, at most that of the largest buffer.
+  /// Memory that is still free [bytes]: 80 % of the device's less the buffers.
+  double memory_left() const;
+  /// What one buffer can have of it [bytes].
   double free_memory() const;
 
   /// For tests: memory that the device is said to have [bytes]; 0: its own.
@@ -132,5 +134,8 @@ class Device {
 /// The device with that number, opened when it is first asked for and kept while the program runs.
 /// @throws Error  if this build or this machine has no OpenCL, or no such device
 Device& open_device(int number);
+
+/// The numbers of the devices that are open.
+std::vector<int> open_devices();
 
 }  // namespace holotrace

@@ -28,12 +28,14 @@ void Device::read(const DeviceBuffer&, void*, size_t) { fail_without(); }
 void Device::run(const Kernel&, const WorkSize&, std::initializer_list<KernelArgument>) { fail_without(); }
 void Device::finish() { fail_without(); }
 DeviceUse Device::use() const { fail_without(); }
+double Device::memory_left() const { fail_without(); }
 double Device::free_memory() const { fail_without(); }
 void Device::limit_memory(double) { fail_without(); }
 void Device::guard_buffers(bool) { fail_without(); }
 size_t Device::broken_guards() const { fail_without(); }
 
 Device& open_device(int) { fail_without(); }
+std::vector<int> open_devices() { return {}; }
 const std::vector<DeviceInfo>& list_devices() { fail_without(); }
 
 void set_program_store(ProgramStore) {}

@@ -176,7 +176,7 @@ double looking_bytes(const FieldShape& field, const Slm& slm, double distance, c
   const std::optional<Grid> pupil = pupil_window(shown, wavelength, camera);
   if (!pupil) return reading;
   const double in_pupil = complex_bytes * double(pupil->pixels());
-  return std::max({stopped + bytes_over(behind_stop, camera.eye.z, to_window(*pupil, propagation.method)),
+  return std::max({stopped + bytes_over(behind_stop, camera.eye.z, to_window(*pupil, propagation)),
                    in_pupil + bytes_over(*pupil, z - camera.eye.z, with_its_size(window, shown)), in_pupil + reading});
 }
 

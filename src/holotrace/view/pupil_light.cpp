@@ -64,9 +64,10 @@ std::optional<Grid> pupil_window(const Grid& shown, double wavelength, const Cam
   return Grid{x.count, y.count, shown.pitch, x.centre, y.centre};
 }
 
-PropagateParams to_window(const Grid& window, PropagationMethod method) {
+PropagateParams to_window(const Grid& window, const PropagateParams& propagation) {
   PropagateParams params;
-  params.method = method;
+  params.method = propagation.method;
+  params.device = propagation.device;
   params.columns = window.nx;
   params.rows = window.ny;
   params.centre_x = window.centre_x;
@@ -118,7 +119,7 @@ std::optional<Field> light_in_pupil(const Field& shown, const Slm& slm, const Pr
   warn_outside_eyebox(shown, slm, camera, observer);
   const std::optional<Grid> window = pupil_window(shown.grid, shown.wavelength, camera);
   if (!window) return Field();
-  const PropagateParams to_pupil = to_window(*window, propagation.method);
+  const PropagateParams to_pupil = to_window(*window, propagation);
   Field in_pupil =
       shown.filter
           ? propagate(apply_order_stop(shown, *shown.filter, margin_of(shown.filter, shown.grid, to_pupil), observer),

@@ -21,8 +21,8 @@ std::optional<Field> light_in_pupil(const Field& shown, const Slm& slm, const Pr
 /// angle that its samples represent; half a panel is added for diffraction.
 std::optional<Grid> pupil_window(const Grid& shown, double wavelength, const CameraParams& camera);
 
-/// A propagation to a window of the same pitch.
-PropagateParams to_window(const Grid& window, PropagationMethod method);
+/// A propagation to a window of the same pitch, by the same method and on the same device.
+PropagateParams to_window(const Grid& window, const PropagateParams& propagation);
 
 /// Samples beside each edge of the window for the light that a stop spreads; a periodic window needs none.
 int margin_of(const std::optional<SpectralFilter>& stop, const Grid& shown, const PropagateParams& window);

@@ -11,7 +11,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/planes/plane_plan.h"
 #include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/tiles/device_rates.h"
+#include "holotrace/wave/shared/device_rates.h"
 #include "holotrace/wave/tiles/device_tiles.h"
 #include "holotrace/wave/tiles/packed_product.h"
 #include "holotrace/wave/tiles/tile_sum.h"

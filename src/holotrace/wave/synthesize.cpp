@@ -11,6 +11,7 @@
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/opencl/device.h"
 #include "holotrace/wave/layers/sum_layers.h"
+#include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_planes.h"
@@ -59,19 +60,8 @@ bool runs_on_devices(SynthesisMethod method) {
   return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled;
 }
 
-// Opening a device takes about as long [s]: a shorter sum is left to the processor.
-constexpr double seconds_to_open = 0.3;
-
-std::vector<DeviceInfo> devices_here() {
-  try {
-    return list_devices();
-  } catch (const Error&) {
-    return {};  // no OpenCL here
-  }
-}
-
 // The device that is expected to sum the waves faster than the processor and the other devices; none: the processor is.
-Device* fastest_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+Device* fastest_device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   if (!runs_on_devices(params.method)) return nullptr;
   const Approach approach = params.method == SynthesisMethod::tiled ? Approach::tiled : Approach::cheapest;
   const auto seconds = [&](Device* device) {
@@ -79,21 +69,8 @@ Device* fastest_device(const Sources& sources, const Grid& grid, const Synthesiz
     return forecast.method.empty() ? infinite : forecast.seconds;
   };
   // On all cores, whatever --threads says: the choice, and so the bytes, must not depend on it.
-  double least = seconds(nullptr) * thread_count() / std::max(1U, std::thread::hardware_concurrency());
-  Device* fastest = nullptr;
-  if (least < seconds_to_open) return fastest;
-  for (const DeviceInfo& info : devices_here()) {
-    try {
-      Device& device = open_device(info.number);
-      const double here = seconds(&device);
-      if (here >= least) continue;
-      least = here;
-      fastest = &device;
-    } catch (const Error&) {
-      // A device that does not work is not chosen.
-    }
-  }
-  return fastest;
+  const double on_processor = seconds(nullptr) * thread_count() / std::max(1U, std::thread::hardware_concurrency());
+  return fastest_device(on_processor, [&](Device& device) { return seconds(&device); });
 }
 
 // The device that sums the waves; none: the processor does.
@@ -105,7 +82,7 @@ Device* device_for(const Sources& sources, const Grid& grid, const SynthesizePar
             method_name(params.method));
     return &open_device(params.device.number);
   }
-  return fastest_device(sources, grid, params);
+  return fastest_device_for(sources, grid, params);
 }
 
 // By the method that the parameters name, which is one that sums waves.
@@ -166,7 +143,7 @@ std::string method_name(SynthesisMethod method) {
 
 DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   if (params.device.kind != DeviceKind::automatic) return params.device;
-  const Device* device = fastest_device(sources, grid, params);
+  const Device* device = fastest_device_for(sources, grid, params);
   return device ? DeviceChoice{DeviceKind::opencl, device->info().number} : DeviceChoice{};
 }
 

@@ -20,7 +20,7 @@ namespace holotrace {
 ///
 /// On an OpenCL device (SynthesizeParams::device), `auto` and `tiled` sum tile by tile (tiles/device_tiles.h), within the
 /// same tolerance; the other methods are for the processor. The bytes differ from the processor's and between devices. The
-/// device `auto` is the one that is expected to be fastest by measured rates (tiles/device_rates.h), transfers counted, or
+/// device `auto` is the one that is expected to be fastest by measured rates (shared/device_rates.h), transfers counted, or
 /// the processor if that is. If the device fails, the processor takes over, with a warning.
 ///
 /// Every method sums waves with an amplitude in each tile of the panel (TileAmplitudes) tile by tile. The cost is then

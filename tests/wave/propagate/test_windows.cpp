@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include "holotrace/base/error.h"
@@ -12,8 +13,10 @@
 #include "holotrace/wave/propagate/direct_sum.h"
 #include "holotrace/wave/propagate/irradiance.h"
 #include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/propagate/propagation_kernel.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
+#include "support/devices.h"
 #include "support/fields.h"
 #include "wave/direct_sums.h"
 
@@ -52,11 +55,19 @@ const Window windows[] = {
     {"OnePixel", 1, 1, 3_um, 20_um, 30_um},
 };
 
-class WindowsOfPropagation : public ::testing::TestWithParam<Window> {
+class WindowsOfPropagation : public ::testing::TestWithParam<std::tuple<Window, DeviceChoice>> {
  protected:
+  void TearDown() override { drop_device_propagators(); }
   PropagateParams params(PropagationMethod method) const {
-    const Window& w = GetParam();
-    return {method, w.columns, w.rows, w.pitch, w.centre_x, w.centre_y};
+    const auto& [w, device] = GetParam();
+    return {method, w.columns, w.rows, w.pitch, w.centre_x, w.centre_y, false, device};
+  }
+  // Devices compute in single precision only.
+  void expect_direct_sums(const FieldDouble& field, double z, const PropagateParams& params, double bound) const {
+    EXPECT_LT(error_against_direct_sum<float>(field, z, params), 2e-6) << z;
+    if (params.device.kind == DeviceKind::cpu) {
+      EXPECT_LT(error_against_direct_sum<double>(field, z, params), bound) << z;
+    }
   }
 };
 
@@ -64,11 +75,9 @@ class WindowsOfPropagation : public ::testing::TestWithParam<Window> {
 // smooth edge leaves 1e-11 of a sum whose samples all have the same weight; float: 1e-6.
 TEST_P(WindowsOfPropagation, HoldTheDirectSumsOfAnySamples) {
   const FieldDouble field = make_white_noise({66, 49, 8_um, 24.3_um, -16_um}, 7);
-  for (const double z : {0.03_m, -0.05_m, 0.4_m}) {
-    const PropagateParams p = params(PropagationMethod::automatic);
-    EXPECT_LT(error_against_direct_sum<double>(field, z, p), GetParam().pitch == 0 ? 1e-12 : 1e-9) << z;
-    EXPECT_LT(error_against_direct_sum<float>(field, z, p), 2e-6) << z;
-  }
+  const PropagateParams window = params(PropagationMethod::automatic);
+  for (const double z : {0.03_m, -0.05_m, 0.4_m})
+    expect_direct_sums(field, z, window, window.pitch == 0 ? 1e-12 : 1e-9);
 }
 
 // Nearer than z*, by the angular spectrum, for a field limited in space and frequency to 1e-11. The light is wider
@@ -76,30 +85,38 @@ TEST_P(WindowsOfPropagation, HoldTheDirectSumsOfAnySamples) {
 TEST_P(WindowsOfPropagation, HoldTheDirectSumsOfLimitedFieldsNearby) {
   FieldDouble field = make_band_limited_noise({181, 200, 8_um}, 532_nm, 7e3);
   field.grid.centre_x = 13_um;
-  for (const double z : {0.02_m, -0.03_m}) {
-    const PropagateParams p = params(PropagationMethod::angular_spectrum);
-    EXPECT_LT(error_against_direct_sum<double>(field, z, p), 1e-9) << z;
-    EXPECT_LT(error_against_direct_sum<float>(field, z, p), 2e-6) << z;
-  }
+  for (const double z : {0.02_m, -0.03_m})
+    expect_direct_sums(field, z, params(PropagationMethod::angular_spectrum), 1e-9);
 }
 
-// The same bytes as |u|² of the field, for windows of the same pitch and of other ones, and for no distance.
+// The same bytes as |u|² of the field, for windows of the same pitch and of other ones, and for no distance. A device
+// rounds two squares and their sum to floats.
 TEST_P(WindowsOfPropagation, GiveTheIrradianceOfTheField) {
   const Field field = convert<float>(make_white_noise({60, 44, 8_um}, 17));
   for (const double distance : {-12_mm, 0.0}) {
-    if (distance == 0 && GetParam().pitch > 0) continue;  // light of one point does not reach a sample beside it
+    if (distance == 0 && std::get<0>(GetParam()).pitch > 0)
+      continue;  // light of one point does not reach a sample beside it
     const PropagateParams window = params(PropagationMethod::automatic);
     const Array2D<float> found = propagate_to_irradiance(field, distance, window);
     const Field there = propagate(field, distance, window);
     ASSERT_EQ(found.ny, there.grid.ny);
     ASSERT_EQ(found.nx, there.grid.nx);
-    for (size_t i = 0; i < found.size(); ++i)
-      ASSERT_EQ(found.values[i], float(std::norm(std::complex<double>(there.samples.values[i])))) << i;
+    const double rounding = window.device.kind == DeviceKind::cpu ? 0 : 1.5 * std::numeric_limits<float>::epsilon();
+    for (size_t i = 0; i < found.size(); ++i) {
+      const float expected = float(std::norm(std::complex<double>(there.samples.values[i])));
+      ASSERT_LE(std::abs(found.values[i] - expected), rounding * expected) << i;
+    }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Windows, WindowsOfPropagation, ::testing::ValuesIn(windows),
-                         [](const auto& info) { return info.param.name; });
+std::string name_of_window(const ::testing::TestParamInfo<std::tuple<Window, DeviceChoice>>& info) {
+  return fmt::format("{}_{}", std::get<0>(info.param).name, test::device_name(std::get<1>(info.param)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Windows, WindowsOfPropagation,
+                         ::testing::Combine(::testing::ValuesIn(windows),
+                                            ::testing::ValuesIn(test::processor_and_devices())),
+                         name_of_window);
 
 std::complex<double> inner(const FieldDouble& a, const FieldDouble& b) {
   std::complex<double> sum = 0;
@@ -244,6 +261,9 @@ TEST(PropagatorCache, KeepsOnePropagatorForEachQuestion) {
   EXPECT_NE(cached_propagator<float>(grid, 532_nm, -0.01_m, {}), first);
   EXPECT_NE(cached_propagator<float>(grid, 531_nm, 0.01_m, {}), first);
   EXPECT_NE(cached_propagator<float>({20, 30, 8_um, 1_um, 0}, 532_nm, 0.01_m, {}), first);
+  PropagateParams elsewhere;
+  elsewhere.device = {DeviceKind::opencl, 1};
+  EXPECT_EQ(cached_propagator<float>(grid, 532_nm, 0.01_m, elsewhere), first) << "the device does not matter";
 }
 
 TEST(PropagatorCache, MayBeAskedFromManyThreads) {

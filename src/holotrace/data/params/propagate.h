@@ -16,6 +16,7 @@ struct PropagateParams {
   double pitch = 0;                                         ///< pitch of the output's samples [m]; 0: the input's
   double centre_x = 0, centre_y = 0;                        ///< centre of the output window [m]
   bool is_periodic = false;                                 ///< the field is periodic: no padding, angular spectrum
+  DeviceChoice device{};                                    ///< device that propagates
   bool operator==(const PropagateParams&) const = default;
 };
 
@@ -33,6 +34,10 @@ void describe(Visitor& v, PropagateParams& p) {
   v.length("centre_x", p.centre_x, range::any, "x of the output window's centre");
   v.length("centre_y", p.centre_y, range::any, "y of the output window's centre");
   v.flag("periodic", p.is_periodic, "field is periodic, as for gratings and plane waves: no padding");
+  v.device("device", p.device,
+           "device that propagates the field: the processor (cpu); the first OpenCL device (opencl) or device N of "
+           "\"holotrace info --devices\" (opencl:N), in single precision; or the one that is expected to be faster "
+           "(auto)");
 }
 
 }  // namespace holotrace

@@ -8,6 +8,7 @@
 #include "holotrace/data/summation_rates.h"
 #include "holotrace/estimate/machine/peak_rate.h"
 #include "holotrace/estimate/machine/timed_jobs.h"
+#include "holotrace/wave/propagate/device_propagator.h"
 #include "holotrace/wave/tiles/device_tiles.h"
 
 namespace holotrace {
@@ -50,12 +51,28 @@ double multiply_add_rate(Device& device, double bytes_per_second) {
   }
 }
 
+// Bytes per second of the kernels of a propagation. The field grows until they take long enough; it is on the device. A
+// paraxial transfer function takes the processor little time.
+double propagation_rate(Device& device) {
+  const PropagateParams paraxial{PropagationMethod::fresnel};
+  for (int side = 256;; side *= 2) {
+    const Grid grid{side, side, timed_full_hd.pitch};
+    DevicePropagator propagator(device, make_propagator<float>(grid, timed_wavelength, 1e-3, paraxial));
+    const std::vector<std::complex<float>> zeros(size_t(grid.pixels()));
+    const DeviceBuffer from = device.upload(zeros, "a measurement"), to = device.upload(zeros, "a measurement");
+    const auto run = [&] { propagator.run(from, to); };
+    run();  // compiles the kernels
+    const double seconds = fastest(run);
+    if (seconds > long_enough || side >= 2048) return propagator.cost().moved / std::max(seconds, 1e-9);
+  }
+}
+
 }  // namespace
 
 DeviceRates calibrate_device(Device& device) {
   const auto lock = device.lock();
   const double bytes = transfer_rate(device);
-  return {coarse_rate(multiply_add_rate(device, bytes)), coarse_rate(bytes)};
+  return {coarse_rate(multiply_add_rate(device, bytes)), coarse_rate(bytes), coarse_rate(propagation_rate(device))};
 }
 
 std::string device_calibration_key(const DeviceInfo& info) {

@@ -7,8 +7,8 @@
 
 namespace holotrace {
 
-/// Times a sum of waves and transfers on a device: the fastest of several runs each, rounded (coarse_rate) as
-/// calibrate_summation does. Takes a tenth of a second, and as long as its driver needs to compile the kernel.
+/// Times a sum of waves, a propagation and transfers on a device: the fastest of several runs each, rounded (coarse_rate) as
+/// calibrate_summation does. Takes a tenth of a second, and as long as its driver needs to compile the kernels.
 DeviceRates calibrate_device(Device& device);
 
 /// A text for the device, driver and program version that rates are valid for.

@@ -15,6 +15,16 @@
 
 namespace holotrace {
 
+/// The least frequency k ≡ part modulo axis.parts that is in use, and the number of them.
+struct PartFrequencies {
+  int first, count;
+};
+
+inline PartFrequencies part_frequencies(const PropagationAxis& axis, int part) {
+  const int first = axis.first + wrapped(part - axis.first, axis.parts);
+  return {first, first <= axis.last ? (axis.last - first) / axis.parts + 1 : 0};
+}
+
 /// One part of one axis: the frequencies k ≡ part modulo axis.parts.
 template <class Real>
 struct AxisPart {
@@ -28,11 +38,10 @@ struct AxisPart {
       : axis(a),
         part(part),
         length(a.part_length()),
-        columns(0),
-        first(a.first + wrapped(part - a.first, a.parts)),
+        columns(part_frequencies(a, part).count),
+        first(part_frequencies(a, part).first),
         enter(size_t(a.inputs)),
         leave(size_t(a.outputs)) {
-    if (first <= a.last) columns = (a.last - first) / a.parts + 1;
     for (int i = 0; i < a.inputs; ++i) enter[size_t(i)] = Complex(turn(-i));
     for (int o = 0; o < a.outputs; ++o) leave[size_t(o)] = Complex(scale * turn(wrapped(o + a.shift, a.padded)));
   }

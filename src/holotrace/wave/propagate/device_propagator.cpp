@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <complex>
+#include <cstdint>
 
 #include "holotrace/wave/propagate/convolution_parts.h"
 #include "holotrace/wave/propagate/window_sum.h"
@@ -10,6 +11,10 @@ namespace holotrace {
 namespace {
 
 using Complex = std::complex<float>;
+
+constexpr const char* irradiance_source =
+#include "kernels/irradiance.cl.inc"
+    ;
 
 DeviceBuffer make_samples(Device& device, double rows, double columns) {
   return device.make_buffer(size_t(rows * columns) * sizeof(Complex), "a propagation");
@@ -24,7 +29,7 @@ Propagator<float> without_transfer(const Propagator<float>& p) {
 
 // Buffers of a propagation: the spectrum row by row, and column by column before and after the transfer function.
 struct DevicePropagator::Work {
-  DeviceBuffer field, rows, columns, bins, filtered, out;
+  DeviceBuffer rows, columns, bins, filtered;
 };
 
 DevicePropagator::DevicePropagator(Device& device, const Propagator<float>& p)
@@ -60,57 +65,70 @@ DevicePropagator::Window DevicePropagator::make_window(const PropagationAxis& ax
   return window;
 }
 
-int DevicePropagator::most_columns() const {
-  int most = plan_.is_on_lattice() ? 1 : plan_.x.frequencies();
-  for (const Part& part : x_) most = std::max(most, part.columns);
-  return most;
+DevicePropagator::Work DevicePropagator::make_work() {
+  const PropagationAxis& y = plan_.y;
+  const double columns = columns_at_once(plan_);
+  Work work{make_samples(device_, std::max(y.inputs, y.outputs), columns),
+            make_samples(device_, y.inputs, columns),
+            {},
+            make_samples(device_, y.outputs, columns)};
+  if (!plan_.is_on_lattice()) work.bins = make_samples(device_, y.frequencies(), columns);
+  return work;
+}
+
+// The field at the output window, on the device, which is locked.
+DeviceBuffer DevicePropagator::moved(const Field& field, const Observer& observer) {
+  check_field(field, plan_);
+  const DeviceBuffer from = make_samples(device_, plan_.input.ny, plan_.input.nx);
+  DeviceBuffer to = make_samples(device_, plan_.output.ny, plan_.output.nx);
+  const Work work = make_work();
+  device_.write(from, field.samples.values.data(), from.bytes());
+  run({from, to}, work, observer);
+  return to;
 }
 
 Field DevicePropagator::operator()(const Field& field, const Observer& observer) {
-  check_field(field, plan_);
   const auto lock = device_.lock();
-  const PropagationAxis &x = plan_.x, &y = plan_.y;
-  const int columns = most_columns();
-  Work work{make_samples(device_, y.inputs, x.inputs), make_samples(device_, std::max(y.inputs, y.outputs), columns),
-            make_samples(device_, y.inputs, columns),  {},
-            make_samples(device_, y.outputs, columns), make_samples(device_, y.outputs, x.outputs)};
-  if (!plan_.is_on_lattice()) work.bins = make_samples(device_, y.frequencies(), columns);
-  device_.write(work.field, field.samples.values.data(), work.field.bytes());
-  plan_.is_on_lattice() ? convolve(work, observer) : transform_to_window(work, observer);
+  const DeviceBuffer there = moved(field, observer);
   Field out(plan_.output, field.wavelength, field.z + plan_.distance);
-  device_.read(work.out, out.samples.values.data(), work.out.bytes());
+  device_.read(there, out.samples.values.data(), there.bytes());
   observer.progress(1);
   out.image = field.image;
   out.filter = field.filter;
   return out;
 }
 
-double DevicePropagator::bytes_moved() const {
-  const PropagationAxis &x = plan_.x, &y = plan_.y;
-  const double in = double(x.inputs) * y.inputs, out = double(x.outputs) * y.outputs;
-  double samples = 0;
-  if (!plan_.is_on_lattice()) {
-    const double columns = x.frequencies(), rows = y.frequencies();
-    // Each array is written and read; the transposed ones twice.
-    samples = in + columns * (4.0 * y.inputs + 3.0 * rows + 4.0 * y.outputs) + out;
-    return double(sizeof(Complex)) * samples;
-  }
-  const double parts = y.parts, added = 2 * parts - 1;  // a sum is read before each part but the first
-  for (const Part& part : x_) {
-    const double of_column = (3 + parts) * y.inputs + y.padded + (added + 3) * y.outputs;
-    samples += in + part.columns * of_column + (&part == &x_.front() ? out : 2 * out);
-  }
-  return double(sizeof(Complex)) * samples;
+Array2D<float> DevicePropagator::irradiance(const Field& field, const Observer& observer) {
+  const auto lock = device_.lock();
+  Array2D<float> out(plan_.output.ny, plan_.output.nx);
+  const DeviceBuffer picture = device_.make_buffer(out.size() * sizeof(float), "a propagation");
+  const DeviceBuffer there = moved(field, observer);
+  constexpr size_t group = 64;
+  device_.run({"irradiance", {irradiance_source}}, {(out.size() + group - 1) / group, 1, group, 1},
+              {there, picture, int32_t(out.size())});
+  device_.read(picture, out.values.data(), picture.bytes());
+  observer.progress(1);
+  return out;
 }
 
-void DevicePropagator::convolve(const Work& work, const Observer& observer) {
+void DevicePropagator::run(const DeviceBuffer& from, const DeviceBuffer& to, const Observer& observer) {
+  const auto lock = device_.lock();
+  run({from, to}, make_work(), observer);
+}
+
+void DevicePropagator::run(const Ends& ends, const Work& work, const Observer& observer) {
+  plan_.is_on_lattice() ? convolve(ends, work, observer) : transform_to_window(ends, work, observer);
+  device_.finish();
+}
+
+void DevicePropagator::convolve(const Ends& ends, const Work& work, const Observer& observer) {
   const PropagationAxis &x = plan_.x, &y = plan_.y;
   bool is_first = true;
   for (const Part& part : x_) {
     if (part.columns == 0) continue;
     const int columns = part.columns;
     lines_.run({x.part_length(), FftDirection::forward, {x.inputs, 0, {&part.enter}}, {columns, part.shift}}, y.inputs,
-               work.field, work.rows);
+               ends.from, work.rows);
     lines_.transpose(y.inputs, columns, work.rows, work.columns);
     for (size_t i = 0; i < y_.size(); ++i) {
       const LineFactors transfer{&transfer_, part.first - (x.is_even ? 0 : x.first), x.parts, transfer_columns_,
@@ -130,17 +148,17 @@ void DevicePropagator::convolve(const Work& work, const Observer& observer) {
                 {x.outputs, x.shift, {&part.leave}},
                 {},
                 !is_first},
-               y.outputs, work.rows, work.out);
+               y.outputs, work.rows, ends.to);
     device_.finish();
     if (is_first && x_.size() > 1) observer.progress(0.5);
     is_first = false;
   }
 }
 
-void DevicePropagator::transform_to_window(const Work& work, const Observer& observer) {
+void DevicePropagator::transform_to_window(const Ends& ends, const Work& work, const Observer& observer) {
   const PropagationAxis &x = plan_.x, &y = plan_.y;
   const int columns = x.frequencies();
-  lines_.run({x.padded, FftDirection::forward, {x.inputs}, {columns, x.first}}, y.inputs, work.field, work.rows);
+  lines_.run({x.padded, FftDirection::forward, {x.inputs}, {columns, x.first}}, y.inputs, ends.from, work.rows);
   lines_.transpose(y.inputs, columns, work.rows, work.columns);
   lines_.run(
       {y.padded, FftDirection::forward, {y.inputs}, {y.frequencies(), y.first, {&transfer_, 0, 1, transfer_columns_}}},
@@ -149,7 +167,7 @@ void DevicePropagator::transform_to_window(const Work& work, const Observer& obs
   observer.progress(0.5);
   sum_window(to_y_.front(), y, columns, work.bins, work.filtered);
   lines_.transpose(columns, y.outputs, work.filtered, work.rows);
-  sum_window(to_x_.front(), x, y.outputs, work.rows, work.out);
+  sum_window(to_x_.front(), x, y.outputs, work.rows, ends.to);
 }
 
 void DevicePropagator::sum_window(const Window& window, const PropagationAxis& axis, int lines,

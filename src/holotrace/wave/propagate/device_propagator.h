@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "holotrace/opencl/device.h"
+#include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/propagate/propagator.h"
 #include "holotrace/wave/transform/line_transform.h"
 
@@ -27,12 +28,20 @@ class DevicePropagator {
   /// both fields; at other pitches 8·K per frequency along y too.
   Field operator()(const Field& field, const Observer& observer = {});
 
-  /// Bytes that the kernels read from the device's memory and write to it, if its caches hold nothing and every line is
-  /// held in local memory (line_transform.h).
-  double bytes_moved() const;
+  /// |u|² of that field, shape (ny, nx) [W/m²]: 4 bytes per sample come back. Memory: 4 bytes per sample more.
+  Array2D<float> irradiance(const Field& field, const Observer& observer = {});
+
+  /// The same for samples that are on the device already, of the input and output windows. It returns when they are done.
+  /// @throws Error  as Device does
+  void run(const DeviceBuffer& from, const DeviceBuffer& to, const Observer& observer = {});
+
+  DevicePropagationCost cost() const { return device_propagation_cost(device_, plan_); }
 
  private:
   struct Work;
+  struct Ends {
+    const DeviceBuffer &from, &to;
+  };
   struct Part {
     DeviceBuffer enter, leave;
     int columns = 0, shift = 0, first = 0;  ///< frequencies in use, place of the first one, and its number
@@ -44,9 +53,11 @@ class DevicePropagator {
   };
   Part make_part(const PropagationAxis& axis, int part, double scale);
   Window make_window(const PropagationAxis& axis);
-  int most_columns() const;
-  void convolve(const Work& work, const Observer& observer);
-  void transform_to_window(const Work& work, const Observer& observer);
+  Work make_work();
+  DeviceBuffer moved(const Field& field, const Observer& observer);
+  void run(const Ends& ends, const Work& work, const Observer& observer);
+  void convolve(const Ends& ends, const Work& work, const Observer& observer);
+  void transform_to_window(const Ends& ends, const Work& work, const Observer& observer);
   void sum_window(const Window& window, const PropagationAxis& axis, int lines, const DeviceBuffer& from,
                   const DeviceBuffer& to);
 

@@ -1,7 +1,10 @@
 #include "holotrace/wave/propagate/irradiance.h"
 
+#include <utility>
+
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
 #include "holotrace/wave/propagate/window_transform.h"
 
@@ -22,6 +25,7 @@ Array2D<float> irradiance_of(const Field& field) {
 Array2D<float> propagate_to_irradiance(const Field& field, double distance, const PropagateParams& params,
                                        const Observer& observer) {
   if (distance == 0) return irradiance_of(propagate(field, distance, params, observer));
+  if (auto there = irradiance_on_device(field, distance, params, observer)) return std::move(*there);
   const auto propagator = cached_propagator<float>(field.grid, field.wavelength, distance, params, observer);
   return propagator->is_on_lattice() ? irradiance_of(propagate(field, *propagator, observer))
                                      : transform_to_irradiance(field, *propagator, observer);

@@ -17,7 +17,7 @@ Array2D<float> irradiance_of(const Field& field);
 void irradiance_of_row(const std::complex<float>* u, size_t count, float* to);
 
 /// The irradiance of the field that `propagate` returns, shape (ny, nx) [W/m²]. For a window of another pitch it takes
-/// less time and memory than the field, which it does not hold.
+/// less time and memory than the field, which it does not hold. A device (PropagateParams::device) sends the irradiance only.
 /// @throws Error  as propagate does
 Array2D<float> propagate_to_irradiance(const Field& field, double distance, const PropagateParams& params,
                                        const Observer& observer = {});

@@ -1,7 +1,11 @@
 #include "holotrace/wave/propagate/propagate.h"
 
 #include <algorithm>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
+#include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
 
 namespace holotrace {
@@ -30,6 +34,11 @@ BasicField<Real> propagate(const BasicField<Real>& field, double distance, const
     const PropagationAxis y = make_axis_y(field.grid, window, field.wavelength, 0);
     if (x.is_on_lattice() && y.is_on_lattice() && x.rest == 0 && y.rest == 0)
       return on_window(field, window, x.shift, y.shift);
+  }
+  if constexpr (std::is_same_v<Real, float>) {
+    if (std::optional<Field> there = propagate_on_device(field, distance, params, observer)) return std::move(*there);
+  } else {
+    refuse_device_for_double(params);
   }
   const auto propagator = cached_propagator<Real>(field.grid, field.wavelength, distance, params, observer);
   return propagate(field, *propagator, observer);

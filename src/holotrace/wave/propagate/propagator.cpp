@@ -19,10 +19,33 @@ namespace {
 template <class Real>
 constexpr double edge_widths = sizeof(Real) == sizeof(double) ? 7 : 5;
 
-// Sets windows, axes and method: everything but the transfer function.
 template <class Real>
-Propagator<Real> plan(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
-                      const Observer& observer) {
+double bytes_needed(const Propagator<Real>& p) {
+  const PropagationAxis &x = p.x, &y = p.y;
+  const bool is_on_lattice = p.is_on_lattice();
+  const double columns = is_on_lattice ? y.padded : y.frequencies();
+  const double transfer = 2.0 * sizeof(Real) * x.slots() * columns;
+  const double rows = !is_on_lattice ? y.kernel_samples : y.is_even ? y.padded / 2.0 + 1 : y.padded;
+  const double kernel =
+      p.method == PropagationMethod::rayleigh_sommerfeld ? sizeof(std::complex<double>) * x.slots() * rows : 0;
+  const double use = is_on_lattice ? convolution_bytes(x, y, sizeof(Real)) : window_transform_bytes(x, y, sizeof(Real));
+  return transfer + std::max(kernel, use);
+}
+
+}  // namespace
+
+Grid propagation_output(const Grid& input, const PropagateParams& params) {
+  check_ranges(params);
+  Grid out{params.columns > 0 ? params.columns : input.nx, params.rows > 0 ? params.rows : input.ny, input.pitch,
+           params.centre_x, params.centre_y};
+  // A pitch that was written in another unit still counts as the input's.
+  if (params.pitch > 0 && std::abs(params.pitch - input.pitch) > 1e-13 * input.pitch) out.pitch = params.pitch;
+  return out;
+}
+
+template <class Real>
+Propagator<Real> plan_propagator(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
+                                 const Observer& observer) {
   check_grid(grid);
   check_wavelength(wavelength);
   require(std::isfinite(distance), "expected a finite distance to propagate over, got {} m", distance);
@@ -58,40 +81,16 @@ Propagator<Real> plan(const Grid& grid, double wavelength, double distance, cons
   return p;
 }
 
-template <class Real>
-double bytes_needed(const Propagator<Real>& p) {
-  const PropagationAxis &x = p.x, &y = p.y;
-  const bool is_on_lattice = p.is_on_lattice();
-  const double columns = is_on_lattice ? y.padded : y.frequencies();
-  const double transfer = 2.0 * sizeof(Real) * x.slots() * columns;
-  const double rows = !is_on_lattice ? y.kernel_samples : y.is_even ? y.padded / 2.0 + 1 : y.padded;
-  const double kernel =
-      p.method == PropagationMethod::rayleigh_sommerfeld ? sizeof(std::complex<double>) * x.slots() * rows : 0;
-  const double use = is_on_lattice ? convolution_bytes(x, y, sizeof(Real)) : window_transform_bytes(x, y, sizeof(Real));
-  return transfer + std::max(kernel, use);
-}
-
-}  // namespace
-
-Grid propagation_output(const Grid& input, const PropagateParams& params) {
-  check_ranges(params);
-  Grid out{params.columns > 0 ? params.columns : input.nx, params.rows > 0 ? params.rows : input.ny, input.pitch,
-           params.centre_x, params.centre_y};
-  // A pitch that was written in another unit still counts as the input's.
-  if (params.pitch > 0 && std::abs(params.pitch - input.pitch) > 1e-13 * input.pitch) out.pitch = params.pitch;
-  return out;
-}
-
 double propagation_bytes(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
                          size_t bytes_per_real) {
-  return bytes_per_real == sizeof(float) ? bytes_needed(plan<float>(grid, wavelength, distance, params, {}))
-                                         : bytes_needed(plan<double>(grid, wavelength, distance, params, {}));
+  return bytes_per_real == sizeof(float) ? bytes_needed(plan_propagator<float>(grid, wavelength, distance, params))
+                                         : bytes_needed(plan_propagator<double>(grid, wavelength, distance, params));
 }
 
 template <class Real>
 Propagator<Real> make_propagator(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
                                  const Observer& observer) {
-  Propagator<Real> p = plan<Real>(grid, wavelength, distance, params, observer);
+  Propagator<Real> p = plan_propagator<Real>(grid, wavelength, distance, params, observer);
   require_memory(bytes_needed(p), fmt::format("a propagation of {} × {} samples, padded to {} × {},", grid.nx, grid.ny,
                                               p.x.padded, p.y.padded));
   switch (p.method) {
@@ -129,6 +128,8 @@ BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>
   return out;
 }
 
+template Propagator<float> plan_propagator(const Grid&, double, double, const PropagateParams&, const Observer&);
+template Propagator<double> plan_propagator(const Grid&, double, double, const PropagateParams&, const Observer&);
 template Propagator<float> make_propagator(const Grid&, double, double, const PropagateParams&, const Observer&);
 template Propagator<double> make_propagator(const Grid&, double, double, const PropagateParams&, const Observer&);
 template void check_field(const Field&, const Propagator<float>&);

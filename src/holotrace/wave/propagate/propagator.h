@@ -33,6 +33,12 @@ struct Propagator {
 /// @throws Error  for a size or pitch below 0, or a centre that is not finite
 Grid propagation_output(const Grid& input, const PropagateParams& params);
 
+/// A propagator without its transfer function: windows, axes and method.
+/// @throws Error  as make_propagator does, but not for memory
+template <class Real>
+Propagator<Real> plan_propagator(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
+                                 const Observer& observer = {});
+
 /// Prepares the propagation over `distance` [m] (either sign, or 0) of fields on `grid` to a parallel window of any
 /// size, pitch and centre.
 ///

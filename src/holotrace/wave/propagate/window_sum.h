@@ -21,23 +21,32 @@ inline std::complex<double> cis_product(long double a, long double b) {
   return cis_cycles(double(cycles - std::floor(cycles)));
 }
 
+/// The transforms of a WindowSum: one transform back if it is plain; otherwise two, of a convolution with a chirp.
+struct WindowLength {
+  bool is_plain;
+  int length;
+};
+
+inline WindowLength window_length(const PropagationAxis& axis) {
+  const double steps = axis.period() / axis.output_pitch;
+  if (std::abs(steps - std::round(steps)) * axis.outputs < 1e-10 && steps < 1e8 && axis.outputs <= steps + 0.5)
+    return {true, int(std::round(steps))};
+  return {false, fft_good_length(axis.frequencies() + axis.outputs - 1)};
+}
+
 /// out(o) = scale·Σ_k bins(k)·exp(i2πk·(offset + o·pitch)/period), k = first … last, along one axis.
 template <class Real>
 class WindowSum {
   using Complex = std::complex<Real>;
 
  public:
-  explicit WindowSum(const PropagationAxis& axis) : axis_(axis) {
-    const double steps = axis.period() / axis.output_pitch;
-    is_plain_ =
-        std::abs(steps - std::round(steps)) * axis.outputs < 1e-10 && steps < 1e8 && axis.outputs <= steps + 0.5;
-    length_ = is_plain_ ? int(std::round(steps)) : fft_good_length(axis.frequencies() + axis.outputs - 1);
+  explicit WindowSum(const PropagationAxis& axis)
+      : axis_(axis), is_plain_(window_length(axis).is_plain), length_(window_length(axis).length) {
     is_plain_ ? prepare_plain() : prepare_chirp();
     forward_ = std::make_unique<Fft<Real>>(length_, FftDirection::forward);
     backward_ = std::make_unique<Fft<Real>>(length_, FftDirection::backward);
   }
 
-  /// Whether it is one transform back; otherwise it is a convolution with a chirp.
   bool is_plain() const { return is_plain_; }
   int length() const { return length_; }
   const std::vector<Complex>& enter() const { return enter_; }  ///< factors of the bins
@@ -110,8 +119,8 @@ class WindowSum {
   }
 
   PropagationAxis axis_;
-  bool is_plain_ = false;
-  int length_ = 0;
+  bool is_plain_;
+  int length_;
   std::vector<Complex> enter_, leave_, chirp_;
   std::unique_ptr<Fft<Real>> forward_, backward_;
 };

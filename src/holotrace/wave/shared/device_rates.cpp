@@ -1,4 +1,4 @@
-#include "holotrace/wave/tiles/device_rates.h"
+#include "holotrace/wave/shared/device_rates.h"
 
 #include <map>
 #include <mutex>

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "holotrace/base/random.h"
+#include "holotrace/base/units.h"
+#include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
+#include "holotrace/wave/propagate/propagation_cost.h"
+#include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/shared/device_rates.h"
+#include "support/devices.h"
+
+namespace holotrace::test {
+
+using namespace literals;
+
+inline constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+/// A field, and a device where no propagator is kept. Rates and limits are reset at the end.
+class PropagationOnDevices : public OnEveryDevice {
+ protected:
+  PropagationOnDevices() {
+    drop_device_propagators();
+    start_ = device_.use().bytes_held;
+    params_.device = {DeviceKind::opencl, device_.info().number};
+    CounterRandom random(11, 0, 0);
+    for (auto& u : field_.samples.values) u = {float(random.uniform()) - 0.5F, float(random.uniform()) - 0.5F};
+  }
+  ~PropagationOnDevices() override {
+    device_.limit_memory(0);
+    limit_device_propagators(unlimited);
+    drop_device_propagators();
+    set_summation_rates({});
+    set_device_rates({});
+  }
+
+  Field there(double distance) const { return propagate(field_, distance, params_); }
+  size_t sent_for(double distance) const {
+    const size_t before = device_.use().bytes_in;
+    there(distance);
+    return device_.use().bytes_in - before;
+  }
+  size_t held() const { return device_.use().bytes_held - start_; }
+  DevicePropagationCost cost(double distance, const PropagateParams& params = {}) const {
+    return device_propagation_cost(device_, plan_propagator<float>(field_.grid, field_.wavelength, distance, params));
+  }
+  // 80 % of the memory are used; 1 byte for the rounding of that product.
+  void leave_memory(double bytes) { device_.limit_memory((double(device_.use().bytes_held) + bytes) / 0.8 + 1); }
+
+  Field field_{{66, 49, 8_um}, 532_nm};
+  PropagateParams params_;
+  size_t start_ = 0;
+};
+
+}  // namespace holotrace::test
