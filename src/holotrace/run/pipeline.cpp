@@ -155,22 +155,23 @@ double half_tangent_of(const Job& job, double distance) {
                         view_wavelength(job.wavelengths, job.trace.has_common_cone));
 }
 
-// The renders of a run that views are compared with; with quick ones, also their first halves.
+// The renders of a run that views are compared with; with quick ones, also the means of their halves and the first halves.
 struct References {
-  std::vector<Image> renders, first_halves;
+  std::vector<Image> renders, means, first_halves;
 };
 
 References make_references(const Job& job, Report& report, const StageObserver& watch) {
   References made;
   for (const PlannedRender& planned : plan_renders(job)) {
-    if (job.render.reference == Reference::full) {
+    if (!is_quick(job)) {
       made.renders.push_back(run_stage(planned.stage, report, watch,
                                        [&](const Observer& o) { return make_render(job, planned.params, o); }));
       continue;
     }
     HalvedRender halved = run_stage(planned.stage, report, watch,
                                     [&](const Observer& o) { return make_halved_render(job, planned.params, o); });
-    made.renders.push_back(std::move(halved.mean));
+    made.renders.push_back(std::move(halved.brightest));
+    made.means.push_back(std::move(halved.mean));
     made.first_halves.push_back(std::move(halved.first));
   }
   return made;
@@ -180,10 +181,12 @@ References make_references(const Job& job, Report& report, const StageObserver& 
 ViewReference reference_of(const Job& job, const std::vector<Image>& radiances, const References& references,
                            const Image& view, const ViewPlace& place) {
   if (!radiances.empty())
-    return {project_render(radiances.back(), place.half_tangent, sensor_at(place, view.ny, view.nx), place.distance)};
+    return {.image = project_render(radiances.back(), place.half_tangent, sensor_at(place, view.ny, view.nx),
+                                    place.distance)};
   const size_t render = size_t(place.render) - 1;
-  ViewReference reference{render_at(references.renders[render], place, view.ny, view.nx)};
+  ViewReference reference{.image = render_at(references.renders[render], place, view.ny, view.nx)};
   if (references.first_halves.empty()) return reference;
+  reference.mean = render_at(references.means[render], place, view.ny, view.nx);
   reference.first_half = render_at(references.first_halves[render], place, view.ny, view.nx);
   reference.part = double(plan_renders(job)[render].params.paths) / job.render.paths;
   return reference;

@@ -7,10 +7,10 @@ namespace holotrace {
 
 /// What a view is compared with.
 struct ViewReference {
-  Image image;  ///< on the view's pixels
-  /// With a quick reference: its first half, whose paths are independent of the second's; `image` is the mean of both.
-  Image first_half{};
-  double part = 1;  ///< paths of `image` over those of a full reference
+  Image image;  ///< on the view's pixels; of a quick reference the one whose brightest pixels have all paths
+  /// Of a quick reference: the mean of its halves, and its first half, whose paths are independent of the second's.
+  Image mean{}, first_half{};
+  double part = 1;  ///< paths of `mean` over those of a full reference
 };
 
 /// Reports how near a view is to its reference as facts: psnr_db, ssim, speckle_contrast, uniformity (view/compare.h),
@@ -20,12 +20,12 @@ struct ViewReference {
 /// With a quick reference the error of the view holds the noise of the render. Its variance is the mean of d², d half of
 /// the difference of both halves, on the view's pixels. A full reference has `part` of it, so that
 ///
-///     psnr_db = 20·lg(L/√(E² − (1 − part)·⟨d²⟩)),   E the rms error, L the maximum of the reference
+///     psnr_db = 20·lg(L/√(E² − (1 − part)·⟨d²⟩)),   E the rms error of the mean, L the maximum of `image`
 ///
-/// ssim is that of the reference's variance less (1 − part)·d². psnr_uncertainty_db is the sum of what L may lose and of a
-/// tenth of the correction. L loses nothing if all pixels within 3·σ of it have all paths (renders.h: both halves agree
-/// there); else up to 20·lg(1 + 3·σ/L). σ² is ⟨d²⟩ over the other pixels of at least L/2. Speckle contrast and uniformity
-/// are left out.
+/// ssim is that of the reference without such noise (structural_similarity.h). psnr_uncertainty_db is the possible error of
+/// L, and a tenth of the correction. L is certain if all pixels within 3·σ of it have all paths (they differ from
+/// the mean). Else it may be off by 20·lg(1 + 3·σ/L), and ssim is left out. σ² is ⟨d²⟩ over the other pixels of at
+/// least L/2. Speckle contrast and uniformity are left out.
 ///
 /// @param efficiency  fraction of the light on the panel that reaches the sensor
 void report_metrics(const ViewReference& reference, const Image& view, double efficiency, const Observer& observer);

@@ -1,8 +1,8 @@
 #include "holotrace/run/renders.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/units.h"
@@ -16,56 +16,63 @@ namespace {
 // Paths of a quick reference: an even number.
 int quick_paths(int paths) { return 2 * std::max(1, paths / 16); }
 
-// Noise of the mean of two halves in the bright parts of the picture, as a standard deviation.
-double noise_of_bright(const HalvedRender& halved, float peak) {
-  double squares = 0, count = 0;
-  for (size_t i = 0; i < halved.mean.values.size(); ++i) {
-    if (halved.mean.values[i] < peak / 2) continue;
-    const double d = double(halved.first.values[i]) - double(halved.mean.values[i]);
-    squares += d * d;
-    ++count;
-  }
-  return std::sqrt(squares / std::max(1.0, count));
-}
-
 float brightest_channel(const Image& image, size_t pixel) {
   return *std::max_element(&image.values[3 * pixel], &image.values[3 * pixel] + 3);
 }
 
-// The pixels at most this far below the maximum, and their neighbours.
-PixelMask brightest_pixels(const Image& image, double depth) {
-  constexpr size_t part = 50;  // at most a 50th of the picture: these pixels take 8 times as long as the others
-  const size_t pixels = image.values.size() / 3;
-  std::vector<float> values(pixels);
-  for (size_t i = 0; i < pixels; ++i) values[i] = brightest_channel(image, i);
-  std::vector<float> sorted = values;
-  const auto rank = sorted.begin() + std::ptrdiff_t(pixels / part / 9);  // with 8 neighbours each
-  std::nth_element(sorted.begin(), rank, sorted.end(), std::greater<>());
-  const double least = std::max(double(*rank), *std::max_element(values.begin(), values.end()) - depth);
-  PixelMask mask(pixels, 0);
-  for (int j = 0; j < image.ny; ++j)
-    for (int i = 0; i < image.nx; ++i) {
-      if (values[size_t(j) * size_t(image.nx) + size_t(i)] <= least) continue;
-      for (int row = std::max(0, j - 1); row <= std::min(image.ny - 1, j + 1); ++row)
-        for (int column = std::max(0, i - 1); column <= std::min(image.nx - 1, i + 1); ++column)
-          mask[size_t(row) * size_t(image.nx) + size_t(column)] = 1;
-    }
+// Marks the `count` brightest of the pixels that `is_wanted` accepts, or all of them.
+template <class IsWanted>
+PixelMask brightest_pixels(const Image& image, size_t count, const IsWanted& is_wanted) {
+  std::vector<std::pair<float, size_t>> wanted;
+  for (size_t pixel = 0; pixel < image.values.size() / 3; ++pixel)
+    if (is_wanted(pixel)) wanted.emplace_back(brightest_channel(image, pixel), pixel);
+  count = std::min(count, wanted.size());
+  std::nth_element(wanted.begin(), wanted.begin() + std::ptrdiff_t(count), wanted.end(), std::greater<>());
+  PixelMask mask(image.values.size() / 3, 0);
+  for (size_t i = 0; i < count; ++i) mask[wanted[i].second] = 1;
   return mask;
 }
 
-// Gives the brightest pixels all paths of the job.
-void render_brightest(const Job& job, const RenderParams& params, HalvedRender& halved) {
-  const float peak = *std::max_element(halved.mean.values.begin(), halved.mean.values.end());
-  const double noise = noise_of_bright(halved, peak);
-  if (noise == 0) return;
-  // The maximum may be above its pixel's true value by three times the noise, and another pixel as far below its own.
-  const PixelMask mask = brightest_pixels(halved.mean, 6 * noise);
-  RenderParams full = params;
-  full.paths = job.render.paths;
-  render_pixels(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), full, mask,
-                halved.mean);
-  for (size_t i = 0; i < halved.mean.values.size(); ++i)
-    if (mask[i / 3]) halved.first.values[i] = halved.mean.values[i];
+// Whether a pixel or one of its neighbours is in the mask.
+bool touches(const PixelMask& mask, const Image& image, size_t pixel) {
+  const int row = int(pixel / size_t(image.nx)), column = int(pixel % size_t(image.nx));
+  for (int j = std::max(0, row - 1); j <= std::min(image.ny - 1, row + 1); ++j)
+    for (int i = std::max(0, column - 1); i <= std::min(image.nx - 1, column + 1); ++i)
+      if (mask[size_t(j) * size_t(image.nx) + size_t(i)]) return true;
+  return false;
+}
+
+// Gives the brightest pixels all paths of the job: those that seem brightest, then those that still do, and the neighbours
+// of those that are nearly as bright as the maximum.
+void render_brightest(const Job& job, const RenderParams& params, HalvedRender& halved, const Observer& observer) {
+  halved.brightest = halved.mean;
+  if (halved.mean.values == halved.first.values) return;
+  constexpr size_t part = 50;             // of the picture, in each of the two steps
+  constexpr float nearly_maximal = 0.9F;  // a view's pixel as bright as the maximum has such pixels under it
+  Image& image = halved.brightest;
+  const size_t count = std::max<size_t>(1, image.values.size() / 3 / part);
+  const auto render_all_paths = [&](const PixelMask& mask, int step) {
+    RenderParams full = params;
+    full.paths = job.render.paths;
+    Observer progress;
+    progress.on_progress = part_of(observer, step, 2).on_progress;
+    render_pixels(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), full, mask,
+                  image, progress);
+  };
+  PixelMask done = brightest_pixels(image, count, [](size_t) { return true; });
+  render_all_paths(done, 0);
+  float peak = 0;
+  for (size_t pixel = 0; pixel < done.size(); ++pixel)
+    if (done[pixel]) peak = std::max(peak, brightest_channel(image, pixel));
+  PixelMask bright = done;
+  for (size_t pixel = 0; pixel < done.size(); ++pixel)
+    bright[pixel] = done[pixel] && brightest_channel(image, pixel) >= nearly_maximal * peak;
+  render_all_paths(brightest_pixels(image, count,
+                                    [&](size_t pixel) {
+                                      return !done[pixel] &&
+                                             (brightest_channel(image, pixel) > peak || touches(bright, image, pixel));
+                                    }),
+                   1);
 }
 
 PlannedRender of_waves(const Job& job, const std::string& stage, RenderParams params) {
@@ -76,10 +83,14 @@ PlannedRender of_waves(const Job& job, const std::string& stage, RenderParams pa
 
 }  // namespace
 
+bool is_quick(const Job& job) {
+  return job.render.reference == Reference::quick && quick_paths(job.render.paths) < job.render.paths;
+}
+
 std::vector<PlannedRender> plan_renders(const Job& job) {
   if (job.render.reference == Reference::none) return {};
   RenderParams params = job.render;
-  if (params.reference == Reference::quick) params.paths = quick_paths(params.paths);
+  if (is_quick(job)) params.paths = quick_paths(params.paths);
   if (job.render.lens == Lens::pinhole && job.render.eye == Vec3{}) return {of_waves(job, "render", params)};
   std::vector<PlannedRender> renders;
   const bool is_one = job.camera.distances.size() == 1;
@@ -108,8 +119,8 @@ Image make_render(const Job& job, const RenderParams& params, const Observer& ob
 HalvedRender make_halved_render(const Job& job, const RenderParams& params, const Observer& observer) {
   RenderParams half = params;
   half.paths = params.paths / 2;
-  const Observer before = part_of(observer, 0, 2), after = part_of(observer, 1, 2);
-  HalvedRender halved{{}, make_render(job, half, before)};
+  const Observer before = part_of(observer, 0, 3), after = part_of(observer, 1, 3);
+  HalvedRender halved{{}, make_render(job, half, before), {}};
   half.seed += 1;
   Observer progress;  // the facts are those of the first half
   progress.on_progress = after.on_progress;
@@ -117,7 +128,7 @@ HalvedRender make_halved_render(const Job& job, const RenderParams& params, cons
   for (size_t i = 0; i < halved.mean.values.size(); ++i)
     halved.mean.values[i] = (halved.mean.values[i] + halved.first.values[i]) / 2;
   observer.fact("paths_per_pixel", params.paths);
-  render_brightest(job, params, halved);
+  render_brightest(job, params, halved, part_of(observer, 2, 3));
   return halved;
 }
 

@@ -30,14 +30,20 @@ std::vector<PlannedRender> plan_stereo_renders(const Job& job);
 /// @throws Error  as `render` does
 Image make_render(const Job& job, const RenderParams& params, const Observer& observer = {});
 
-/// A render of few paths, as the mean of two with independent paths. Its brightest pixels have all paths of the job, as in
-/// its full render, and are equal in both: the maximum of the picture, to which a PSNR refers, depends on few pixels.
+/// Whether a job compares its views with quick renders: it asks for them, and they have fewer paths than full ones.
+bool is_quick(const Job& job);
+
+/// A render of few paths, as the mean of two with independent paths.
 struct HalvedRender {
   Image mean, first;  ///< mean of both, and the first
+  /// The mean, but its brightest pixels have all paths of the job, as in its full render: the maximum of the picture, to
+  /// which PSNR and SSIM refer, depends on few pixels. Only the maximum should be taken of it: where noise is high, pixels are
+  /// replaced, and where it is low, they are not.
+  Image brightest;
 };
 
-/// The brightest pixels are those that noise may keep below the maximum, and their neighbours, as views take values
-/// between pixels; at most a fiftieth of the picture.
+/// A fiftieth of the pixels, the brightest ones, get all paths. Then so does up to another fiftieth: those that are still
+/// brighter, and the neighbours of the brightest, as views take values between pixels.
 /// @param params  of an even number of paths
 HalvedRender make_halved_render(const Job& job, const RenderParams& params, const Observer& observer = {});
 

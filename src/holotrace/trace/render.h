@@ -47,7 +47,7 @@ namespace holotrace {
 Image render(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
              const Observer& observer = {});
 
-/// Pixels of a picture, row by row: those that are not 0.
+/// Mask of a picture's pixels, row by row; a pixel that is not 0 is selected.
 using PixelMask = std::vector<uint8_t>;
 
 /// Replaces pixels of a picture by those that render makes of these parameters, to the last bit.

@@ -10,8 +10,8 @@
 namespace holotrace {
 namespace {
 
-// Weighted means over the window of a, b, a², b² and ab.
-using Moments = std::array<double, 5>;
+// Weighted means over the window of a, b, a², b² and ab, and of the noise of a and its square.
+using Moments = std::array<double, 7>;
 
 std::vector<double> gaussian_window(int size) {
   constexpr double sigma = 1.5;
@@ -25,10 +25,11 @@ std::vector<double> gaussian_window(int size) {
   return window;
 }
 
-double similarity(const Moments& m, double L, bool has_noise) {
+double similarity(const Moments& m, double L) {
   const double c1 = (0.01 * L) * (0.01 * L), c2 = (0.03 * L) * (0.03 * L);
   const double of_a = m[2] - m[0] * m[0], variance_b = m[3] - m[1] * m[1], covariance = m[4] - m[0] * m[1];
-  const double variance_a = has_noise ? std::max(0.0, of_a) : of_a;  // the noise may be more than all
+  const double of_noise = m[6] - m[5] * m[5];
+  const double variance_a = of_noise > 0 ? std::max(0.0, of_a - of_noise) : of_a;  // the noise may be more than all
   return (2 * m[0] * m[1] + c1) * (2 * covariance + c2) /
          ((m[0] * m[0] + m[1] * m[1] + c1) * (variance_a + variance_b + c2));
 }
@@ -51,8 +52,9 @@ double structural_similarity(const Image& reference, const Image& image, double 
           const double a = reference(int(j) + k, i, channel), b = s * image(int(j) + k, i, channel);
           const double w = window[size_t(k)];
           const size_t at = size_t(&reference(int(j) + k, i, channel) - reference.values.data());
-          const double of_noise = noise.empty() ? 0 : noise[at];
-          m[0] += w * a, m[1] += w * b, m[2] += w * a * a - w * of_noise, m[3] += w * b * b, m[4] += w * a * b;
+          const double d = noise.empty() ? 0 : noise[at];
+          m[0] += w * a, m[1] += w * b, m[2] += w * a * a, m[3] += w * b * b, m[4] += w * a * b;
+          m[5] += w * d, m[6] += w * d * d;
         }
         column[size_t(i)] = m;
       }
@@ -60,13 +62,13 @@ double structural_similarity(const Image& reference, const Image& image, double 
         Moments m{};
         for (int k = 0; k < size; ++k)
           for (size_t q = 0; q < m.size(); ++q) m[q] += window[size_t(k)] * column[size_t(i + k)][q];
-        row_sum[size_t(j)] += similarity(m, L, !noise.empty());
+        row_sum[size_t(j)] += similarity(m, L);
       }
     }
   });
   double sum = 0;
   for (double row : row_sum) sum += row;
-  return sum / (double(nx) * ny * reference.channels);
+  return std::min(1.0, sum / (double(nx) * ny * reference.channels));
 }
 
 }  // namespace holotrace

@@ -140,8 +140,9 @@ TEST(EnvironmentLight, IsThePixelInItsMiddleAndLinearBetweenTwo) {
       const double tolerance = 1e-11 * *std::max_element(map->values.begin(), map->values.end());
       EXPECT_NEAR(at(column, row), pixel(column, row), tolerance);
       EXPECT_NEAR(at(column + 0.25, row), 0.75 * pixel(column, row) + 0.25 * pixel((column + 1) % nx, row), tolerance);
-      if (row + 1 < ny)
+      if (row + 1 < ny) {
         EXPECT_NEAR(at(column, row + 0.25), 0.75 * pixel(column, row) + 0.25 * pixel(column, row + 1), tolerance);
+      }
     }
 }
 

@@ -31,7 +31,7 @@ constexpr double share_of_job = 0.06;  // share that probes may take, without on
 constexpr double long_enough = 0.4;    // long enough for a probe [s]
 
 int render_columns(const RenderParams& params) { return params.columns > 0 ? params.columns : params.rows; }
-double render_pixels(const RenderParams& params) { return double(params.rows) * render_columns(params); }
+double pixels_of(const RenderParams& params) { return double(params.rows) * render_columns(params); }
 
 // Renders fewer rows and columns; the scene is prepared as for tracing.
 ProbeResult probe_render(const Job& job, const RenderParams& params, double prepare_seconds, double part,
@@ -41,7 +41,7 @@ ProbeResult probe_render(const Job& job, const RenderParams& params, double prep
   some.rows = std::max(1, int(std::lround(params.rows * side)));
   some.columns = std::max(1, int(std::lround(render_columns(params) * side)));
   const double seconds = median_seconds(1, [&] { make_render(job, some); });
-  const double scale = render_pixels(params) / render_pixels(some), prepare = std::min(prepare_seconds, seconds);
+  const double scale = pixels_of(params) / pixels_of(some), prepare = std::min(prepare_seconds, seconds);
   return {seconds, predictions.add({1 / scale, prepare + (seconds - prepare) * scale})};
 }
 
@@ -173,11 +173,15 @@ JobEstimate estimate_job(const Job& given) {
     PartPredictions of_render;
     std::vector<Probe> probes(4);
     probes[0] = {[&](double part) { return trace.run(part); }, trace_part};
+    // The brightest pixels of quick renders have all paths: at most two fiftieths of them (renders.h).
+    const double brightest =
+        is_quick(job) ? 1 + 2.0 / 50 * job.render.paths / plan_renders(job).front().params.paths : 1;
     const RenderParams one = renders.empty() ? job.render : renders.front().params;  // none: counted 0 times
     probes[1] = {[&](double part) {
-                   return times(double(renders.size()), probe_render(job, one, trace.prepare_seconds, part, of_render));
+                   return times(brightest * double(renders.size()),
+                                probe_render(job, one, trace.prepare_seconds, part, of_render));
                  },
-                 std::min(1.0, 1024 / render_pixels(one))};
+                 std::min(1.0, 1024 / pixels_of(one))};
     probes[2] = {[&](double part) {
                    if (!sum.sets.empty()) return times(e.frames, sum.run(part));
                    return times(e.frames, probe_other_sum(job, other, part));

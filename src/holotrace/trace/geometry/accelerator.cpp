@@ -262,8 +262,9 @@ uint32_t Accelerator::occluded(std::span<const ShadowRay> rays, Aim aim) const {
     for (size_t i = 0; i < rays.size(); ++i) bits |= uint32_t(is_occluded(rays[i].ray, rays[i].distance, aim)) << i;
     return bits;
   }
+  require(rays.size() <= size_t(most_shadow_rays), "expected up to {} rays, got {}", most_shadow_rays, rays.size());
   alignas(64) std::array<int, most_shadow_rays> valid{};
-  RTCRay16 packet;
+  RTCRay16 packet{};
   for (size_t i = 0; i < rays.size(); ++i) {
     const double end = rays[i].distance - rounding_at_end(rays[i].ray, rays[i].distance);
     RTCRay query;

@@ -76,7 +76,8 @@ class Accelerator {
   /// end does not count.
   bool is_occluded(const Ray& ray, double distance, Aim aim = Aim::exact) const;
 
-  /// The same for up to most_shadow_rays rays, which should be near to each other: bit i is 1 if ray i is occluded.
+  /// Bit i of the result is 1 if a surface lies on ray i, for up to most_shadow_rays rays. It is faster than one by one if
+  /// the rays are near to each other.
   uint32_t occluded(std::span<const ShadowRay> rays, Aim aim) const;
 
   /// The rounding of places in the scene; SurfacePoint::clearance follows from it.

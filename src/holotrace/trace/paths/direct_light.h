@@ -47,6 +47,7 @@ class DirectLight {
   /// @return  number of dimensions that `add` takes of each path
   template <class B>
   int add_for_paths(const B& bsdf, const PathVertex& at, int paths, LowDiscrepancy& numbers) {
+    static_assert(!Sink::follows_phase, "a phase needs the light of each path by itself");
     if (!begin(lobes(bsdf), at)) return 0;
     Waiting waiting;
     int taken = 0;

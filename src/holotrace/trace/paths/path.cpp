@@ -106,7 +106,7 @@ void mean_radiance(const PathScene& scene, const PathStart& start, int paths, ui
     for (int path = 0; path < paths; ++path) {
       numbers.start(uint32_t(path));
       PathWalk walk(scene, sink, counts);
-      walk.set_common(common);
+      walk.set_common(&common);
       walk.follow(start, numbers);
     }
   } else {

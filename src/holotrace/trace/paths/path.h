@@ -71,8 +71,7 @@ struct PathStart {
 /// Clamp: the light that all path groups together receive from the path, each light counted once, is limited to `clamp`
 /// at each line, and the sums shrink in proportion.
 ///
-/// Cost: per surface one ray, and one shadow ray for each light that may reach it. Paths of one start (mean_radiance) share
-/// their shadow rays to lights that always lie in the same direction.
+/// Cost: per surface one ray, and one shadow ray for each light that may reach it.
 ///
 /// @param numbers  the path's own sequence, started
 /// @param sums     PathScene::sums() of them
@@ -87,7 +86,8 @@ void add_light_on_way(const PathScene& scene, const Ray& ray, double distance, P
                       std::span<Vec3> sums);
 
 /// The mean of `paths` paths from the same start, with numbers keyed by (scene.params.seed, sample). `sums` is
-/// overwritten.
+/// overwritten. Without a clamp or asks_at_end the paths share one shadow ray to each light that always lies in the same
+/// direction from the start.
 void mean_radiance(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Vec3> sums,
                    PathCounts& counts);
 

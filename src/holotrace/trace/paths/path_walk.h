@@ -71,7 +71,7 @@ class PathWalk {
   }
 
   /// The next call of `follow` begins at this start, where the lights have been sampled already.
-  void set_common(const CommonStart& common) { common_ = &common; }
+  void set_common(const CommonStart* common) { common_ = common; }
 
   /// Adds light on a ray before `distance` and not on a surface. The path came in `state` with density `pdf` [1/sr]; 0
   /// means by a specular branch.

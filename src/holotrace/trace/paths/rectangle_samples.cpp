@@ -40,9 +40,9 @@ HWY_INLINE V length_of(const Vectors& a) { return hn::Sqrt(dot_of(a, a)); }
 HWY_INLINE V fractions(const uint32_t* bits) {
   const Doubles d;
   const hn::Rebind<int32_t, Doubles> ints;
-  const auto halved = hn::BitCast(ints, hn::Xor(hn::LoadU(hn::RebindToUnsigned<decltype(ints)>(), bits),
-                                                hn::Set(hn::RebindToUnsigned<decltype(ints)>(), 0x80000000U)));
-  return hn::Mul(hn::Add(hn::PromoteTo(d, halved), hn::Set(d, 0x1p31)), hn::Set(d, 0x1p-32));
+  const auto shifted = hn::BitCast(ints, hn::Xor(hn::LoadU(hn::RebindToUnsigned<decltype(ints)>(), bits),
+                                                 hn::Set(hn::RebindToUnsigned<decltype(ints)>(), 0x80000000U)));
+  return hn::Mul(hn::Add(hn::PromoteTo(d, shifted), hn::Set(d, 0x1p31)), hn::Set(d, 0x1p-32));
 }
 
 void sample_all(const RectangleAndSurface& pair, const uint32_t* u, const uint32_t* v, RectangleSamples* samples) {

@@ -10,12 +10,12 @@ namespace holotrace {
 
 /// A rectangle light and a diffuse surface that only reflects. Places are relative to the point of the surface [m].
 struct RectangleAndSurface {
-  Vec3 corner, edge_u, edge_v;
+  Vec3 corner{}, edge_u{}, edge_v{};
   bool is_visible = true;
-  double lift = 0;                ///< of the light's surface (Accelerator::lift_of)
-  Vec3 normal, geometric_normal;  ///< of the surface
-  double clearance = 0;           ///< SurfacePoint::clearance
-  Vec3 centre;                    ///< of the scene
+  double lift = 0;                    ///< of the light's surface (Accelerator::lift_of)
+  Vec3 normal{}, geometric_normal{};  ///< of the surface
+  double clearance = 0;               ///< SurfacePoint::clearance
+  Vec3 centre{};                      ///< of the scene
 };
 
 /// Samples of the light for several paths, as sample_light, eval, pdf and the shadow ray of direct_light.h are for one.
