@@ -47,10 +47,9 @@ bool touches(const PixelMask& mask, const Image& image, size_t pixel) {
 void render_brightest(const Job& job, const RenderParams& params, HalvedRender& halved, const Observer& observer) {
   halved.brightest = halved.mean;
   if (halved.mean.values == halved.first.values) return;
-  constexpr size_t part = 50;             // of the picture, in each of the two steps
   constexpr float nearly_maximal = 0.9F;  // a view's pixel as bright as the maximum has such pixels under it
   Image& image = halved.brightest;
-  const size_t count = std::max<size_t>(1, image.values.size() / 3 / part);
+  const size_t count = std::max<size_t>(1, image.values.size() / 3 / pixels_per_brightest);
   const auto render_all_paths = [&](const PixelMask& mask, int step) {
     RenderParams full = params;
     full.paths = job.render.paths;

@@ -42,6 +42,9 @@ struct HalvedRender {
   Image brightest;
 };
 
+/// Brightest pixels that get all paths, in each of two steps, over all pixels: one in so many.
+inline constexpr int pixels_per_brightest = 50;
+
 /// A fiftieth of the pixels, the brightest ones, get all paths. Then so does up to another fiftieth: those that are still
 /// brighter, and the neighbours of the brightest, as views take values between pixels.
 /// @param params  of an even number of paths

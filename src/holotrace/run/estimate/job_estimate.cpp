@@ -173,9 +173,9 @@ JobEstimate estimate_job(const Job& given) {
     PartPredictions of_render;
     std::vector<Probe> probes(4);
     probes[0] = {[&](double part) { return trace.run(part); }, trace_part};
-    // The brightest pixels of quick renders have all paths: at most two fiftieths of them (renders.h).
+    // The brightest pixels of quick renders have all paths: at most two in pixels_per_brightest.
     const double brightest =
-        is_quick(job) ? 1 + 2.0 / 50 * job.render.paths / plan_renders(job).front().params.paths : 1;
+        is_quick(job) ? 1 + 2.0 / pixels_per_brightest * job.render.paths / plan_renders(job).front().params.paths : 1;
     const RenderParams one = renders.empty() ? job.render : renders.front().params;  // none: counted 0 times
     probes[1] = {[&](double part) {
                    return times(brightest * double(renders.size()),

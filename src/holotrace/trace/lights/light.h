@@ -27,6 +27,13 @@ struct LightSample {
   double size = 0;      ///< none of that surface's corners is farther from the sampled point [m]
 };
 
+/// Samples of this density or more are left out: they arrive at a vanishing angle to the light, and squares stay finite.
+inline constexpr double most_light_density = 1e150;
+
+/// A shadow ray ends before a light's surface by its rounding, over the distance of its corners, and at grazing angles by
+/// as much as at this cosine.
+inline constexpr double light_rounding = 2e-6, least_light_cosine = 0.01;
+
 /// Whether a ray can meet the light. If so, sampling and meeting share the light.
 inline bool has_area(const Light& light) { return std::holds_alternative<RectangleLight>(light); }
 

@@ -129,8 +129,7 @@ class DirectLight {
   template <class B>
   std::optional<Reflected> reflect(const B& bsdf, const PathVertex& at, const LightSample& way, bool is_shared,
                                    double weight) const {
-    constexpr double most = 1e150;  // its square is finite; such light arrives at a vanishing angle to its surface
-    if (is_black(way.radiance) || !(way.pdf < most)) return std::nullopt;
+    if (is_black(way.radiance) || !(way.pdf < most_light_density)) return std::nullopt;
     const auto of_lobe = [&](Lobe lobe) {
       const Vec3 f = eval(bsdf, at.outgoing, way.direction, lobe);
       if (is_black(f)) return Vec3{};
@@ -245,8 +244,8 @@ class DirectLight {
     const Vec3 end = at.point.position + way.direction * way.distance, rest = end - from;
     const double distance = length(rest), lift = light.light ? scene_.accelerator.lift_of(light.group) : 0;
     // No corner of the emitting surface is farther from the centre than this.
-    const double of_light = 2e-6 * (length(end - precision.centre) + way.size);
-    return {{from, rest * (1 / distance)}, distance - (lift + of_light) / std::max(way.cosine, 0.01)};
+    const double of_light = light_rounding * (length(end - precision.centre) + way.size);
+    return {{from, rest * (1 / distance)}, distance - (lift + of_light) / std::max(way.cosine, least_light_cosine)};
   }
 
   /// The panes between the point and a light, if there is nothing else and the path may be that long.

@@ -1,6 +1,7 @@
 #include "holotrace/trace/paths/rectangle_samples.h"
 
 #include "holotrace/base/units.h"
+#include "holotrace/trace/lights/light.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "holotrace/trace/paths/rectangle_samples.cpp"
@@ -60,7 +61,7 @@ void sample_all(const RectangleAndSurface& pair, const uint32_t* u, const uint32
     const Vectors direction = times(way, inverse);
     const V density = hn::Div(hn::Mul(squared, distance), projected);
     const V reflected = hn::Mul(dot_of(normal, direction), hn::Set(d, 1 / pi));
-    const auto is_lit = hn::And(hn::And(hn::Gt(projected, zero), hn::Lt(density, hn::Set(d, 1e150))),
+    const auto is_lit = hn::And(hn::And(hn::Gt(projected, zero), hn::Lt(density, hn::Set(d, most_light_density))),
                                 hn::And(hn::Gt(reflected, zero), hn::Ge(dot_of(geometric_normal, direction), zero)));
     const V weight = hn::Div(density, hn::MulAdd(density, density, hn::Mul(reflected, reflected)));
     hn::StoreU(hn::IfThenElseZero(is_lit, hn::Mul(reflected, weight)), d, samples->share.data() + i);
@@ -71,8 +72,9 @@ void sample_all(const RectangleAndSurface& pair, const uint32_t* u, const uint32
       const V from_start = length_of(rest);
       toward = times(rest, hn::Div(one, from_start));
       const V cosine = hn::Mul(hn::Mul(projected, inverse), per_area);
-      const V of_light = hn::Mul(hn::Set(d, 2e-6), hn::Add(length_of(add_times(centre, way, one)), size));
-      limit = hn::Sub(from_start, hn::Div(hn::Add(hn::Set(d, pair.lift), of_light), hn::Max(cosine, hn::Set(d, 0.01))));
+      const V of_light = hn::Mul(hn::Set(d, light_rounding), hn::Add(length_of(add_times(centre, way, one)), size));
+      limit = hn::Sub(from_start, hn::Div(hn::Add(hn::Set(d, pair.lift), of_light),
+                                          hn::Max(cosine, hn::Set(d, least_light_cosine))));
     }
     hn::StoreU(toward.x, d, samples->x.data() + i);
     hn::StoreU(toward.y, d, samples->y.data() + i);
