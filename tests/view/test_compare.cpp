@@ -4,6 +4,7 @@
 
 #include "holotrace/view/compare.h"
 #include "holotrace/view/difference.h"
+#include "holotrace/view/structural_similarity.h"
 #include "support/panels.h"
 
 namespace holotrace {
@@ -197,6 +198,26 @@ TEST(CompareFields, ErrorCorrelationAndScaleOfAKnownDifference) {
   EXPECT_NEAR(m.relative_error, std::sqrt(std::norm(c - 1.0) + std::norm(c * epsilon)), tolerance);
   EXPECT_NEAR(m.scaled_error, epsilon / std::sqrt(1 + epsilon * epsilon), tolerance);
   EXPECT_EQ(compare(r, r).relative_error, 0);
+}
+
+// Noise that is the same in a whole window adds nothing to its variance, so nothing is subtracted. Noise that alternates by
+// ±0.1 has the variance 0.01.
+TEST(StructuralSimilarity, LeavesOutTheVarianceOfTheNoiseInEachWindow) {
+  Image reference(24, 24, 1), noisy(24, 24, 1), view(24, 24, 1);
+  std::vector<float> even(reference.values.size(), 0.1F), alternating(even.size());
+  for (int j = 0; j < 24; ++j)
+    for (int i = 0; i < 24; ++i) {
+      const size_t at = size_t(24 * j + i);
+      alternating[at] = (i + j) % 2 ? 0.1F : -0.1F;
+      reference.values[at] = 0.3F + 0.02F * float(i);
+      noisy.values[at] = reference.values[at] + alternating[at];
+      view.values[at] = 0.3F + 0.02F * float(j);
+    }
+  const double without = structural_similarity(reference, view, 1, 1);
+  EXPECT_NEAR(structural_similarity(reference, view, 1, 1, even), without, 1e-9);
+  EXPECT_GT(std::abs(structural_similarity(noisy, view, 1, 1) - without), 0.05) << "else the line below claims little";
+  EXPECT_NEAR(structural_similarity(noisy, view, 1, 1, alternating), without,
+              0.005);  // the ramp and the noise mix a little
 }
 
 }  // namespace
