@@ -68,8 +68,9 @@ Scene make_board_scene() {
 
 /// The rays of `trace`; each of its first hits is followed again.
 std::vector<LoggedRay> log_rays(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params) {
-  PathScene path_scene(scene, make_lines(wavelength, wavelength, wavelength), params.path_expressions,
-                       {.max_depth = params.max_depth, .seed = uint64_t(params.seed)});
+  PathScene path_scene(
+      scene, make_lines(wavelength, wavelength, wavelength), params.path_expressions,
+      {.max_depth = params.max_depth, .roulette_depth = params.roulette_depth, .seed = uint64_t(params.seed)});
   std::vector<LoggedRay> log;
   path_scene.accelerator.log_rays(&log);
   const FirstHits pattern(params, panel, wavelength);

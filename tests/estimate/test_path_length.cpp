@@ -29,7 +29,8 @@ TEST(PathLength, InAClosedFurnaceIsEquation20) {
   for (const double rho : {0.2, 0.5, 0.8}) {
     const Scene scene = make_box_scene({0, 0, -0.3}, {0.1, 0.1, 0.1}, grey(rho, 1));
     PathCounts counts;
-    radiances(scene, {{0.01, 0.02, -0.29}, normalize({0.3, 0.2, -1})}, count, unlimited, counts);
+    radiances(scene, {{0.01, 0.02, -0.29}, normalize({0.3, 0.2, -1})}, count,
+              {.max_depth = unlimited, .roulette_depth = 1}, counts);
     ASSERT_EQ(counts.paths, count);
     EXPECT_EQ(counts.escaped, 0);
     const double z = (counts.mean_path_length() - mean_path_length(rho)) /
@@ -46,7 +47,8 @@ TEST(PathLength, CutAfterKBouncesIsEquation19) {
   const Scene scene = make_box_scene({0, 0, -0.3}, {0.1, 0.1, 0.1}, grey(rho, 1));
   for (const int depth : {1, 2, 4, 8}) {
     PathCounts counts;
-    radiances(scene, {{0.01, 0.02, -0.29}, normalize({0.3, 0.2, -1})}, count, depth, counts);
+    radiances(scene, {{0.01, 0.02, -0.29}, normalize({0.3, 0.2, -1})}, count, {.max_depth = depth, .roulette_depth = 1},
+              counts);
     const double expected = mean_path_length(rho, depth - 1), error = standard_deviation(rho, depth);
     if (depth == 1) {
       EXPECT_EQ(counts.mean_path_length(), 1);

@@ -22,19 +22,28 @@ inline PathStart start_of(const PathScene& scene, const Ray& ray) {
 }
 
 /// Radiance of single independent paths from the first hit of a ray, in red, green and blue.
-inline std::vector<Vec3> radiances(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
-  const PathScene path_scene(scene, Lines{}, {}, {.max_depth = max_depth});
+inline std::vector<Vec3> radiances(const Scene& scene, const Ray& ray, int count, const PathParams& params,
+                                   PathCounts& counts) {
+  const PathScene path_scene(scene, Lines{}, {}, params);
   const PathStart start = start_of(path_scene, ray);
   std::vector<Vec3> all;
   for (int i = 0; i < count; ++i) mean_radiance(path_scene, start, 1, uint64_t(i), {&all.emplace_back(), 1}, counts);
   return all;
 }
 
+inline std::vector<Vec3> radiances(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
+  return radiances(scene, ray, count, {.max_depth = max_depth}, counts);
+}
+
 /// Statistics of the green channel of `radiances`.
-inline Statistics follow(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
+inline Statistics follow(const Scene& scene, const Ray& ray, int count, const PathParams& params, PathCounts& counts) {
   Statistics statistics;
-  for (const Vec3 radiance : radiances(scene, ray, count, max_depth, counts)) statistics.add(radiance.y);
+  for (const Vec3 radiance : radiances(scene, ray, count, params, counts)) statistics.add(radiance.y);
   return statistics;
+}
+
+inline Statistics follow(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
+  return follow(scene, ray, count, {.max_depth = max_depth}, counts);
 }
 
 inline Statistics follow(const Scene& scene, const Ray& ray, int count, int max_depth) {

@@ -345,6 +345,45 @@ TEST(Clamp, HoldsEveryPathAndCountsIt) {
 
 // --- roulette ---
 
+TEST(Roulette, BeginsAtItsSurface) {
+  // In a closed furnace each of the first d surfaces is reached, and j > d by ρʲ⁻¹ of the paths: d + ρᵈ/(1 − ρ) in the
+  // mean. The radiance, 1/(1 − ρ), does not depend on d.
+  constexpr int count = 20000;
+  const double rho = 0.6;
+  const Scene scene = make_box_scene({0, 0, -0.3}, {0.1, 0.1, 0.1}, grey(rho, 1));
+  const Ray ray{{0.01, 0.02, -0.29}, normalize({0.3, 0.2, -1})};
+  for (const int depth : {1, 2, 4, 7}) {
+    PathCounts counts;
+    Statistics radiance;
+    for (const Vec3 found : radiances(scene, ray, count, {.max_depth = unlimited, .roulette_depth = depth}, counts))
+      radiance.add(found.y);
+    // Beyond surface d: lengths n with P(n ≥ k) = ρᵈ⁺ᵏ⁻¹, E n² = ρᵈ(1 + ρ)/(1 − ρ)²; 4 standard errors.
+    const double beyond = std::pow(rho, depth) / (1 - rho);
+    const double variance = std::pow(rho, depth) * (1 + rho) / ((1 - rho) * (1 - rho)) - beyond * beyond;
+    EXPECT_NEAR(counts.mean_path_length(), depth + beyond, 4 * std::sqrt(variance / count)) << depth;
+    EXPECT_NEAR(radiance.mean(), 1 / (1 - rho), 4 * radiance.standard_error()) << depth;
+  }
+}
+
+TEST(Roulette, LeavesTheLightOfFirstSurfacesWithoutNoise) {
+  // A floor of reflectance 0.5 under an even background of 1: each path that goes on finds the same light.
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  scene.background = {1, 1, 1};
+  const Statistics found = follow(scene, {{}, {0, 0, -1}}, 1000, 8);
+  EXPECT_NEAR(found.mean(), 0.5, 1e-12);  // the rounding of a sum
+  EXPECT_LT(found.standard_error(), 1e-12);
+}
+
+TEST(Roulette, EndsPathsAtBlackSurfaces) {
+  const Scene scene = make_box_scene({0, 0, -0.3}, {0.1, 0.1, 0.1}, grey(0, 1));
+  PathCounts counts;
+  radiances(scene, {{0.01, 0.02, -0.29}, normalize({0.3, 0.2, -1})}, 100, unlimited, counts);
+  EXPECT_EQ(counts.mean_path_length(), 1);
+  EXPECT_EQ(counts.absorbed, 100);
+}
+
 TEST(Roulette, TakesNoPathForTheRadianceScaleOfGlass) {
   // An emitting wall through a slab: at normal incidence (1 − R)² ≈ 0.92 is transmitted directly, the rest by
   // reflections between the faces or not at all. Chosen by fraction, paths spread by √(p(1 − p)) ≈ 0.27. Roulette on

@@ -11,6 +11,7 @@ namespace holotrace {
 PathScene make_path_scene(const Scene& scene, const RenderParams& params) {
   PathParams path_params;
   path_params.max_depth = params.max_depth;
+  path_params.roulette_depth = params.roulette_depth;
   path_params.clamp = params.clamp;
   path_params.seed = uint64_t(params.seed);
   path_params.accelerator = params.accelerator;

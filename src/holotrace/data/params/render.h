@@ -30,6 +30,7 @@ struct RenderParams {
   double eye_separation = 0;  ///< distance between two eyes along x, centred on `eye` [m]: a stereo pair; 0: one eye
   int paths = 64;             ///< light paths per pixel
   int max_depth = 8;          ///< largest number of surfaces on a light path
+  int roulette_depth = 4;     ///< first surface at which roulette may end a light path
   double clamp = 0;           ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
   std::vector<std::string> path_expressions{};  ///< light path expressions whose light is summed; empty: all light
   bool has_background = true;                   ///< shows the environment where no surface is; holograms leave it out
@@ -58,6 +59,8 @@ void describe(Visitor& v, RenderParams& p) {
            "distance between two eyes along x, centred on eye; makes a stereo pair and its anaglyph; 0 m: one eye");
   v.count("paths", p.paths, range::at_least(1), "light paths per pixel");
   v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
+  v.count("roulette_depth", p.roulette_depth, range::at_least(1),
+          "first surface at which Russian roulette may end a light path: less noise, and longer paths, if it is later");
   v.number("clamp", p.clamp, range::not_negative, "upper limit of the radiance of one path in W/m2/sr; 0: no limit");
   v.texts("path_expressions", p.path_expressions, "light path expressions whose light is summed; empty: all light");
   v.flag("background", p.has_background,

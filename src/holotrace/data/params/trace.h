@@ -46,6 +46,7 @@ struct TraceParams {
   bool has_common_cone = true;                        ///< every wavelength uses the cone of the shortest
   int paths = 64;                                     ///< light paths per first hit
   int max_depth = 8;                                  ///< largest number of surfaces on a light path
+  int roulette_depth = 4;                             ///< first surface at which roulette may end a light path
   ShadowRays shadow_rays = ShadowRays::each_surface;  ///< surfaces of a path that send shadow rays
   double clamp = 0;                             ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
   SourcePhase phase = SourcePhase::random;      ///< phase of the waves
@@ -84,6 +85,10 @@ void describe(Visitor& v, TraceParams& p) {
       "limit all wavelengths to the cone of the shortest, which avoids a coloured rim; false: each uses its own cone");
   v.count("paths", p.paths, range::at_least(1), "light paths per first hit");
   v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
+  v.count(
+      "roulette_depth", p.roulette_depth, range::at_least(1),
+      "first surface at which Russian roulette may end a light path: less noise, and longer paths, if it is later; with "
+      "path-end rays, each surface may");
   v.choice(
       "shadow_rays", p.shadow_rays, {{"each-surface", ShadowRays::each_surface}, {"path-end", ShadowRays::path_end}},
       "surfaces of a path that send shadow rays to the lights: each, or only the last (the same mean, more noise)");

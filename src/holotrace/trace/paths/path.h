@@ -19,9 +19,10 @@ struct PathCounts {
   int64_t shadow_rays = 0;  ///< rays that tested whether a light is visible
   int64_t escaped = 0;      ///< paths that left the scene
   int64_t absorbed = 0;     ///< paths absorbed by a surface: roulette, or a direction into the surface
-  int64_t cut = 0;          ///< paths that would or could have met a surface beyond max_depth
-  int64_t left_out = 0;     ///< paths ended because no path group can accept them any more
-  int64_t clamped = 0;      ///< paths that brought more radiance than PathParams::clamp
+  int64_t cut =
+      0;  ///< paths that met a surface beyond max_depth or could have, in proportion to their light: min(1, max β)
+  int64_t left_out = 0;  ///< paths ended because no path group can accept them any more
+  int64_t clamped = 0;   ///< paths that brought more radiance than PathParams::clamp
 
   PathCounts& operator+=(const PathCounts& other);
 
@@ -65,8 +66,9 @@ struct PathStart {
 /// rays and more noise. Such surfaces, unless purely specular, end at least a tenth of the paths. At the
 /// last surface that max_depth allows, lights are sampled in any case.
 ///
-/// Roulette continues a path with probability min(1, max β), so a surface of weight 1 ends none. After the last
-/// surface one more ray looks for light beyond surfaces, if there is any.
+/// From surface PathParams::roulette_depth on, roulette continues a path with probability min(1, max β), so a surface of
+/// weight 1 ends none. The first surfaces end none either: most of the light of a scene is found there, and paths that
+/// end early are most of the noise. After the last surface one more ray looks for light beyond surfaces, if there is any.
 ///
 /// Clamp: the light that all path groups together receive from the path, each light counted once, is limited to `clamp`
 /// at each line, and the sums shrink in proportion.

@@ -14,6 +14,7 @@ namespace holotrace {
 /// Which light paths are followed, and how far.
 struct PathParams {
   int max_depth = 8;             ///< surfaces on a path
+  int roulette_depth = 4;        ///< first surface at which roulette may end a path; with asks_at_end each may
   double clamp = 0;              ///< largest radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
   bool separate_lights = false;  ///< separate sums for each light
   bool asks_at_end = false;      ///< lights are sampled only at the last surface of a path
@@ -32,7 +33,8 @@ struct PathScene {
   PathParams params;
   bool has_panes;  ///< whether a mesh is of thin glass, which transmits light straight on
 
-  /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth below 1 or a clamp below 0
+  /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth or roulette_depth below 1 or a clamp
+  /// below 0
   PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
             const PathParams& params);
 

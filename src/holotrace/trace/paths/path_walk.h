@@ -150,7 +150,10 @@ class PathWalk {
       scale_ *= next->squared_index_ratio;
     }
     // Radiance is n² times as large inside glass without being more light: roulette divides that out.
-    double goes_on = next ? std::min(1.0, max_component(throughput_) / scale_) : 0;
+    const double share = next ? std::min(1.0, max_component(throughput_) / scale_) : 0;
+    is_counted_ = choices.y < share;
+    const bool may_end = depth_ >= scene_.params.roulette_depth || scene_.params.asks_at_end;
+    double goes_on = may_end || share == 0 ? share : 1;
     constexpr double most = 0.9;  // keeps the weight of light at rare ends small
     if (asks_at_end && (has.has_diffuse || has.has_glossy)) goes_on = std::min(goes_on, most);
     if (!(choices.y < goes_on)) {
@@ -173,6 +176,10 @@ class PathWalk {
     const bool is_last = depth_ >= scene_.params.max_depth;
     const Ray ray{scene_.accelerator.leave(point_, next.direction), next.direction};
     if (is_last && !emitters_.shine_beyond_surfaces()) {
+      if (!is_counted_) {
+        ++counts_.absorbed;
+        return false;
+      }
       ++counts_.rays;
       const bool has_met = scene_.accelerator.is_occluded(ray, std::numeric_limits<double>::infinity());
       ++(has_met ? counts_.cut : counts_.escaped);
@@ -195,7 +202,7 @@ class PathWalk {
       return false;
     }
     if (!has_hit || is_last) {
-      ++(has_hit ? counts_.cut : counts_.escaped);
+      ++(!has_hit ? counts_.escaped : is_counted_ ? counts_.cut : counts_.absorbed);
       return false;
     }
     const Material& material = scene_.scene.materials[size_t(point_.material)];
@@ -217,6 +224,7 @@ class PathWalk {
   int depth_ = 1;
   double scale_ = 1;               // factor of the throughput from refractive indices
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: specular, or start of the path
+  bool is_counted_ = true;         // whether the path counts as cut after the last surface, in proportion to its light
   Aim aim_ = Aim::exact;           // how the point was found
   DirectLight<Sink> direct_light_;
   const CommonStart* common_ = nullptr;

@@ -46,6 +46,7 @@ std::vector<std::vector<double>> group_wavelengths(const Scene& scene, const std
 PathParams path_params(const TraceParams& params) {
   PathParams path;
   path.max_depth = params.max_depth;
+  path.roulette_depth = params.roulette_depth;
   path.clamp = params.clamp;
   path.separate_lights = params.separate_lights;
   path.asks_at_end = params.shadow_rays == ShadowRays::path_end;
