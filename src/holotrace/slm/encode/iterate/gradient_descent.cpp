@@ -10,6 +10,7 @@
 #include "holotrace/slm/encode/iterate/descent_job.h"
 #include "holotrace/slm/encode/iterate/frame_descent.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/slm/encode/iterate/processor_arrays.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {
@@ -22,12 +23,12 @@ double psnr(const Colours& colours) {
   double error = 0, weight = 0;
   for (const auto& colour : colours) {
     double peak = 0;
-    for (const TargetWay& way : colour->ways()) peak = std::max(peak, target_peak(*way.target));
+    for (const TargetPlane* target : colour->targets()) peak = std::max(peak, target_peak(*target));
     if (peak == 0) continue;
     error += colour->error() / (peak * peak);
-    for (const TargetWay& way : colour->ways()) {
-      for (const float w : way.target->weight.values) weight += double(w);
-      if (way.target->weight.size() == 0) weight += double(way.target->amplitude.size());
+    for (const TargetPlane* target : colour->targets()) {
+      for (const float w : target->weight.values) weight += double(w);
+      if (target->weight.size() == 0) weight += double(target->amplitude.size());
     }
   }
   return 10 * std::log10(weight / std::max(error, 1e-30));
@@ -44,7 +45,7 @@ void tell_quality(const Colours& colours, const Observer& observer, std::vector<
   for (Hologram& frame : frames) frame.colours.clear();
   for (const auto& colour : colours) {
     for (Hologram& frame : frames) set_illumination(*colour, colours.size() > 1, frame);
-    light += colour->light() / (double(colour->ways().size()) * double(frames.front().grid.pixels()));
+    light += colour->light() / (double(colour->targets().size()) * double(frames.front().grid.pixels()));
   }
   observer.fact("psnr_db", Fact(psnr(colours)));
   observer.fact("target_efficiency", Fact(light / double(colours.size())));
@@ -84,17 +85,17 @@ class KeptDescent {
 
 void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
            const Observer& observer, std::vector<Hologram>& frames) {
-  const Colours colours = colours_of(targets, slm, params, frames.front());
-  std::vector<Drive> levels;
-  for (const Hologram& frame : frames) levels.push_back(drive_of(frame));
-  for (const auto& colour : colours) colour->judge(levels);
+  ProcessorFrames arrays(slm, params, frames);
+  const Colours colours = colours_of(targets, {slm, params}, frames.front(), arrays);
+  for (const auto& colour : colours) colour->judge();
   tell_quality(colours, observer, frames);
 }
 
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
              std::vector<Hologram>& frames, const Checkpoint& checkpoint) {
   const int iterations = iterations_of(params);
-  FrameDescent descent(targets, slm, params, frames);
+  require_memory_for_descent(targets.planes.size(), slm, params, frames);
+  FrameDescent descent(targets, {slm, params}, frames, std::make_unique<ProcessorFrames>(slm, params, frames));
   std::optional<KeptDescent> kept;
   if (checkpoint) kept.emplace(descent, checkpoint, descent_job(targets, slm, params, frames));
   if (descent.updates() == 0 && iterations > 0) descent.judge();  // planes count before their first turn
