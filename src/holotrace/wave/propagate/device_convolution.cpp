@@ -78,12 +78,23 @@ LineFactors DeviceConvolution::ramp_y(size_t shift, size_t part_of_y) const {
 }
 
 DeviceConvolution::Work DeviceConvolution::make_work() const {
+  Work work;
+  grow(work);
+  return work;
+}
+
+void DeviceConvolution::grow(Work& work) const {
   size_t columns = 1;
   for (const Part& part : x_) columns = std::max(columns, size_t(part.columns));
-  const auto make = [&](int rows) {
-    return device_.make_buffer(size_t(rows) * columns * sizeof(Complex), "a propagation");
+  const auto make = [&](int rows, DeviceBuffer& buffer) {
+    const size_t bytes = size_t(rows) * columns * sizeof(Complex);
+    if (buffer.bytes() >= bytes) return;
+    buffer = {};  // released before a larger one is made
+    buffer = device_.make_buffer(bytes, "a propagation");
   };
-  return {make(std::max(along_y_.inputs, along_y_.outputs)), make(along_y_.inputs), make(along_y_.outputs)};
+  make(std::max(along_y_.inputs, along_y_.outputs), work.rows);
+  make(along_y_.inputs, work.columns);
+  make(along_y_.outputs, work.filtered);
 }
 
 void DeviceConvolution::to_many(const DeviceBuffer& from, const std::vector<DisplacedSamples>& to, const Work& work,

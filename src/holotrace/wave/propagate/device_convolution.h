@@ -34,6 +34,8 @@ class DeviceConvolution {
     DeviceBuffer rows, columns, filtered;
   };
   Work make_work() const;
+  /// Makes the memory of other propagations large enough for these, too.
+  void grow(Work& work) const;
 
   /// The light of `from` at displaced output windows: transforms of 1 + n fields. It returns before the device has ended.
   void to_many(const DeviceBuffer& from, const std::vector<DisplacedSamples>& to, const Work& work,

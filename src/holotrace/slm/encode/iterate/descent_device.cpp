@@ -1,0 +1,94 @@
+#include "holotrace/slm/encode/iterate/descent_device.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <complex>
+#include <string>
+
+#include "holotrace/base/error.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/wave/propagate/propagation_cost.h"
+#include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/fastest_device.h"
+
+namespace holotrace {
+namespace {
+
+// What devices cannot do of a descent; empty: they can do all of it.
+std::string beyond_devices(const TargetSet& targets, const DescentSetup& setup, const std::vector<Hologram>& frames) {
+  if (frames.front().modulation != Modulation::phase) return "a panel that modulates more than the phase";
+  if (const std::vector<std::string> effects = effects_of(setup.slm); !effects.empty())
+    return "the effect " + effects.front();
+  if (setup.params.subpixels > 1) return fmt::format("{} subpixels", setup.params.subpixels);
+  if (targets.draw_views) return "views through pupils";
+  return "";
+}
+
+// Of all updates.
+struct DescentWork {
+  double on_processor = 0;  // [s]
+  double kept = 0;          // factors of propagations and targets, sent to a device [bytes]
+  double moved = 0;         // read and written in its memory [bytes]
+  double updates = 0;
+};
+
+// Every plane has its turn as often as any other; planes with pupils count as if they had none.
+DescentWork work_of(const TargetSet& targets, const DescentSetup& setup, size_t frames, const Device* device) {
+  constexpr double sample = sizeof(std::complex<float>);
+  const EncodeParams& params = setup.params;
+  const size_t planes = targets.planes.size();
+  const double samples = samples_of_update(frames, params.subpixels, 0) == SampleGroup::all ? 4 : 2;
+  const double fraction =
+      params.planes_per_update == 0 ? 1 : std::min(1.0, double(params.planes_per_update) / double(planes));
+  DescentWork work;
+  work.updates = iterations_of(params);
+  const double pixels = double(setup.slm.grid.pixels()), of_frames = double(frames) * work.updates;
+  for (const TargetPlane& target : targets.planes) {
+    const auto plan = plan_propagator<float>(setup.slm.grid, target.wavelength, target.z, {});
+    // There, one transform shared by all samples and one for each; and the same back.
+    const double propagations = (1 + samples) * fraction * of_frames;
+    if (!device) {
+      work.on_processor += propagations * seconds_to_propagate(plan);
+      continue;
+    }
+    const DevicePropagationCost cost = device_propagation_cost(*device, plan);
+    work.moved += propagations * cost.moved + 4 * sample * pixels * samples * fraction * of_frames;
+    work.kept += cost.kept + 8 * pixels;
+  }
+  work.moved += 8 * sample * pixels * of_frames;  // drives, moments and slopes
+  return work;
+}
+
+// Starts of the kernels of an update, and waiting for its sums, on slow drivers [s].
+constexpr double seconds_to_start = 2e-3;
+
+Device* fastest_for(const TargetSet& targets, const DescentSetup& setup, size_t frames) {
+  return fastest_device(work_of(targets, setup, frames, nullptr).on_processor, [&](Device& device) {
+    const DeviceRates rates = device_rates(device);
+    const DescentWork work = work_of(targets, setup, frames, &device);
+    return work.moved / rates.moved_bytes + work.kept / rates.bytes + work.updates * seconds_to_start;
+  });
+}
+
+}  // namespace
+
+Device* device_for_descent(const TargetSet& targets, const DescentSetup& setup, const std::vector<Hologram>& frames,
+                           const Observer& observer) {
+  const DeviceChoice& choice = setup.params.device;
+  if (choice.kind == DeviceKind::cpu) return nullptr;
+  const std::string beyond = beyond_devices(targets, setup, frames);
+  if (choice.kind == DeviceKind::opencl) {
+    require(
+        beyond.empty(),
+        "expected a phase panel without effects, one sample per pixel and no views for sgd on an OpenCL device, got "
+        "{}; use the device cpu",
+        beyond);
+    return &open_device(choice.number);
+  }
+  if (beyond.empty()) return fastest_for(targets, setup, frames.size());
+  observer.warn(fmt::format("the device auto: the processor does sgd, because devices do not compute {}", beyond));
+  return nullptr;
+}
+
+}  // namespace holotrace

@@ -1,0 +1,157 @@
+// Gradient descent on every OpenCL device: its arithmetic against the processor's, and what it takes and gives back.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/slm/encode/iterate/device_arrays.h"
+#include "holotrace/slm/encode/iterate/gradient_descent.h"
+#include "holotrace/slm/encode/iterate/processor_arrays.h"
+#include "support/devices.h"
+#include "support/targets.h"
+
+namespace holotrace {
+namespace {
+
+// A descent to a picture in a few planes.
+struct DescentCase {
+  std::string name;
+  int frames = 1, levels = 65536;
+  EncodeParams params{.method = Encoding::sgd, .target_distances = {0.006, 0.009}, .iterations = 20};
+  std::optional<Pupil> pupil{};
+  bool has_two_colours = false;
+  Slm slm = make_panel(51, 38);
+
+  TargetSet targets() const {
+    TargetSet set{picture_targets(slm, params)};
+    for (TargetPlane& target : set.planes) target.pupil = pupil;
+    if (has_two_colours)
+      for (const TargetPlane& target : picture_targets(slm, params, 633e-9)) set.planes.push_back(target);
+    return set;
+  }
+
+  std::vector<Hologram> start() const {
+    CounterRandom random(6, 0, 0);
+    Slm panel = slm;
+    panel.levels = levels;
+    std::vector<Hologram> holograms;
+    for (int m = 0; m < frames; ++m) {
+      holograms.push_back(make_hologram(panel, Modulation::phase, [](int) { return 0; }));
+      for (uint16_t& level : holograms.back().level.values) level = uint16_t(levels * random.uniform());
+    }
+    return holograms;
+  }
+};
+
+std::vector<DescentCase> cases() {
+  DescentCase one{"one frame"}, three{"three frames", 3}, diagonals{"four frames", 4},
+      stop{"a stop and a part that counts"}, pupil{"a pupil"}, two{"two levels", 2, 2}, few{"three levels", 1, 3},
+      colours{"two colours"};
+  stop.params.stop = 0.6;
+  stop.params.target_columns = 30;
+  stop.params.target_rows = 20;
+  pupil.pupil = Pupil{{2e-5, 1e-5, 0.004}, 1.5e-4};
+  colours.has_two_colours = true;
+  colours.slm.design_wavelength = 633e-9;
+  return {one, three, diagonals, stop, pupil, two, few, colours};
+}
+
+double relative(const Array2D<float>& found, const Array2D<float>& expected) {
+  double error = 0, square = 0;
+  for (size_t i = 0; i < found.size(); ++i) {
+    error += std::pow(double(found.values[i]) - double(expected.values[i]), 2);
+    square += std::pow(double(expected.values[i]), 2);
+  }
+  return std::sqrt(error / square);
+}
+
+// Sums and errors of all planes of a colour, and the slopes that they give.
+struct Gradient {
+  std::vector<double> numbers;
+  std::vector<Array2D<float>> slopes;
+};
+
+Gradient gradient_of(const DescentCase& one, FrameArrays& arrays, bool is_hard) {
+  const TargetSet set = one.targets();
+  const std::vector<Hologram> start = one.start();
+  const DrivenPanel panel(one.slm, start.front(), test_wavelength);
+  Gradient gradient;
+  {
+    const auto light = arrays.light_of(panel, test_wavelength);
+    size_t planes = 0;
+    for (const TargetPlane& target : set.planes)
+      if (target.wavelength == test_wavelength) light->add(target), ++planes;
+    const SampleGroup group = samples_of_update(start.size(), 1, 1);
+    arrays.clear_slopes();
+    light->leave({.is_hard = is_hard});
+    for (size_t k = 0; k < planes; ++k)
+      for (const SampleGroup samples : {SampleGroup::all, group}) {
+        const ModulusSums sums = light->plane_sums(k, samples, samples == group);
+        gradient.numbers.insert(gradient.numbers.end(), {sums.cross, sums.square});
+        if (samples == group && group == SampleGroup::all) break;
+      }
+    for (size_t k = 0; k < planes; ++k) gradient.numbers.push_back(light->add_gradient(k, group, 1.3, 0.7));
+  }
+  const AdamStep mean_is_slope{0, 0, 0, 1};
+  arrays.step({mean_is_slope, mean_is_slope, 0, float(one.levels), 1});
+  const std::vector<Array2D<float>> state = arrays.state();
+  for (size_t m = 0; m < start.size(); ++m) gradient.slopes.push_back(state[4 * m + 2]);
+  return gradient;
+}
+
+class DeviceDescents : public test::OnEveryDevice {
+ protected:
+  DeviceDescents() : buffers_(device_.use().buffers) {}
+  ~DeviceDescents() override {
+    device_.limit_memory(0);
+    EXPECT_EQ(device_.use().buffers, buffers_) << "all memory is released";
+  }
+
+  EncodeParams on_device(EncodeParams params) const {
+    params.device = {DeviceKind::opencl, device_.info().number};
+    return params;
+  }
+  std::vector<Hologram> found(const DescentCase& one, const EncodeParams& params, Heard& heard) const {
+    std::vector<Hologram> frames = one.start();
+    descend(one.targets(), one.slm, params, heard.observer(), frames);
+    return frames;
+  }
+
+  size_t buffers_;
+};
+
+HOLOTRACE_FOR_ALL_DEVICES(DeviceDescents);
+
+// Propagations agree to 1e-6 of their norm; sums of 2000 positive terms agree better, and slopes, which are differences
+// of light, worse.
+TEST_P(DeviceDescents, HaveTheSumsAndSlopesOfTheProcessor) {
+  for (const DescentCase& one : cases())
+    for (const bool is_hard : {true, false}) {
+      const std::vector<Hologram> start = one.start();
+      ProcessorFrames on_processor(one.slm, one.params, start);
+      DeviceFrames there(device_, one.slm, one.params, start);
+      const Gradient expected = gradient_of(one, on_processor, is_hard), found = gradient_of(one, there, is_hard);
+      ASSERT_EQ(found.numbers.size(), expected.numbers.size());
+      for (size_t i = 0; i < found.numbers.size(); ++i)
+        EXPECT_NEAR(found.numbers[i], expected.numbers[i], 2e-6 * std::abs(expected.numbers[i])) << one.name << i;
+      for (size_t m = 0; m < start.size(); ++m)
+        EXPECT_LT(relative(found.slopes[m], expected.slopes[m]), 1e-5) << one.name;
+    }
+}
+
+// Adam scales up slopes near 0, whose rounding differs, so levels part from the processor's. The loss does not.
+TEST_P(DeviceDescents, ReachTheLossOfTheProcessor) {
+  for (DescentCase one : cases())
+    for (const int iterations : {1, 20}) {
+      one.params.iterations = iterations;
+      Heard expected, heard;
+      found(one, one.params, expected);
+      found(one, on_device(one.params), heard);
+      const double bound = iterations == 1 ? 1e-4 : 0.02;
+      for (const char* fact : {"loss_first", "loss_last", "target_efficiency"})
+        EXPECT_NEAR(heard.number(fact), expected.number(fact), bound * expected.number(fact)) << one.name << fact;
+    }
+}
+
+}  // namespace
+}  // namespace holotrace
