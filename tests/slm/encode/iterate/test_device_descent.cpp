@@ -5,55 +5,26 @@
 #include <cmath>
 
 #include "holotrace/slm/encode/iterate/device_arrays.h"
-#include "holotrace/slm/encode/iterate/gradient_descent.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
-#include "support/devices.h"
-#include "support/targets.h"
+#include "slm/encode/iterate/descents_on_devices.h"
 
 namespace holotrace {
 namespace {
 
-// A descent to a picture in a few planes.
-struct DescentCase {
-  std::string name;
-  int frames = 1, levels = 65536;
-  EncodeParams params{.method = Encoding::sgd, .target_distances = {0.006, 0.009}, .iterations = 20};
-  std::optional<Pupil> pupil{};
-  bool has_two_colours = false;
-  Slm slm = make_panel(51, 38);
-
-  TargetSet targets() const {
-    TargetSet set{picture_targets(slm, params)};
-    for (TargetPlane& target : set.planes) target.pupil = pupil;
-    if (has_two_colours)
-      for (const TargetPlane& target : picture_targets(slm, params, 633e-9)) set.planes.push_back(target);
-    return set;
-  }
-
-  std::vector<Hologram> start() const {
-    CounterRandom random(6, 0, 0);
-    Slm panel = slm;
-    panel.levels = levels;
-    std::vector<Hologram> holograms;
-    for (int m = 0; m < frames; ++m) {
-      holograms.push_back(make_hologram(panel, Modulation::phase, [](int) { return 0; }));
-      for (uint16_t& level : holograms.back().level.values) level = uint16_t(levels * random.uniform());
-    }
-    return holograms;
-  }
-};
+using test::DescentCase;
 
 std::vector<DescentCase> cases() {
   DescentCase one{"one frame"}, three{"three frames", 3}, diagonals{"four frames", 4},
       stop{"a stop and a part that counts"}, pupil{"a pupil"}, two{"two levels", 2, 2}, few{"three levels", 1, 3},
-      colours{"two colours"};
+      colours{"two colours"}, odd{"an odd size"};
+  odd.slm = make_panel(51, 38);
   stop.params.stop = 0.6;
   stop.params.target_columns = 30;
   stop.params.target_rows = 20;
   pupil.pupil = Pupil{{2e-5, 1e-5, 0.004}, 1.5e-4};
   colours.has_two_colours = true;
   colours.slm.design_wavelength = 633e-9;
-  return {one, three, diagonals, stop, pupil, two, few, colours};
+  return {one, three, diagonals, stop, pupil, two, few, colours, odd};
 }
 
 double relative(const Array2D<float>& found, const Array2D<float>& expected) {
@@ -99,26 +70,7 @@ Gradient gradient_of(const DescentCase& one, FrameArrays& arrays, bool is_hard) 
   return gradient;
 }
 
-class DeviceDescents : public test::OnEveryDevice {
- protected:
-  DeviceDescents() : buffers_(device_.use().buffers) {}
-  ~DeviceDescents() override {
-    device_.limit_memory(0);
-    EXPECT_EQ(device_.use().buffers, buffers_) << "all memory is released";
-  }
-
-  EncodeParams on_device(EncodeParams params) const {
-    params.device = {DeviceKind::opencl, device_.info().number};
-    return params;
-  }
-  std::vector<Hologram> found(const DescentCase& one, const EncodeParams& params, Heard& heard) const {
-    std::vector<Hologram> frames = one.start();
-    descend(one.targets(), one.slm, params, heard.observer(), frames);
-    return frames;
-  }
-
-  size_t buffers_;
-};
+class DeviceDescents : public test::DescentsOnDevices {};
 
 HOLOTRACE_FOR_ALL_DEVICES(DeviceDescents);
 
@@ -143,10 +95,11 @@ TEST_P(DeviceDescents, HaveTheSumsAndSlopesOfTheProcessor) {
 TEST_P(DeviceDescents, ReachTheLossOfTheProcessor) {
   for (DescentCase one : cases())
     for (const int iterations : {1, 20}) {
+      if (iterations > 1 && one.frames < 2 && !one.has_two_colours) continue;  // the others have the same updates
       one.params.iterations = iterations;
       Heard expected, heard;
-      found(one, one.params, expected);
-      found(one, on_device(one.params), heard);
+      found(one, one.params, expected.observer());
+      found(one, on_device(one.params), heard.observer());
       const double bound = iterations == 1 ? 1e-4 : 0.02;
       for (const char* fact : {"loss_first", "loss_last", "target_efficiency"})
         EXPECT_NEAR(heard.number(fact), expected.number(fact), bound * expected.number(fact)) << one.name << fact;
