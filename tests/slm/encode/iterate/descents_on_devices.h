@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
+#include "holotrace/slm/encode/iterate/pupil_propagation.h"
 #include "support/devices.h"
 #include "support/targets.h"
 
@@ -20,12 +21,26 @@ struct DescentCase {
   std::optional<Pupil> pupil{};
   bool has_two_colours = false;
   Slm slm = make_panel(48, 36);
+  bool has_views = false;
 
   TargetSet targets() const {
     TargetSet set{picture_targets(slm, params)};
     for (TargetPlane& target : set.planes) target.pupil = pupil;
     if (has_two_colours)
       for (const TargetPlane& target : picture_targets(slm, params, 633e-9)) set.planes.push_back(target);
+    if (has_views)
+      set.draw_views = [this](int update, double wavelength) {
+        CounterRandom random(3, 0, uint64_t(update));
+        ViewTargets views{.z = -0.01, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
+        views.pupils.push_back({{1e-4 * random.uniform(), 0, 0.02}, 1.5e-4});
+        views.pupils.push_back({{-1e-4, -1e-4 * random.uniform(), 0.02}, 1.5e-4});
+        views.picture = picture_grid(slm.grid, views.pupils.front(), wavelength, views.z);
+        for (size_t k = 0; k < views.pupils.size(); ++k) {
+          views.amplitudes.emplace_back(views.picture.ny, views.picture.nx, 0.5F);
+          for (float& a : views.amplitudes.back().values) a = float(random.uniform());
+        }
+        return views;
+      };
     return set;
   }
 
@@ -35,8 +50,11 @@ struct DescentCase {
     panel.levels = levels;
     std::vector<Hologram> holograms;
     for (int m = 0; m < frames; ++m) {
-      holograms.push_back(make_hologram(panel, Modulation::phase, [](int) { return 0; }));
-      for (uint16_t& level : holograms.back().level.values) level = uint16_t(levels * random.uniform());
+      Hologram& hologram = holograms.emplace_back(make_hologram(panel, slm.modulation, [](int) { return 0; }));
+      for (uint16_t& level : hologram.level.values) level = uint16_t(levels * random.uniform());
+      if (slm.modulation != Modulation::complex) continue;
+      hologram.modulus_level = hologram.level;
+      for (uint16_t& level : hologram.modulus_level.values) level = uint16_t(levels * random.uniform());
     }
     return holograms;
   }

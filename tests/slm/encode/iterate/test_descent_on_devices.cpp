@@ -150,23 +150,17 @@ TEST_P(DescentDevices, SayThatMemoryIsShort) {
   EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
 }
 
-TEST_P(DescentDevices, RefuseWhatTheyCannotDo) {
-  const std::string start =
-      "expected a phase panel without effects, one sample per pixel and no views for sgd on an OpenCL device, got ";
-  const auto error_with = [&](const auto& change) {
-    DescentCase changed = one_;
-    change(changed);
-    return error_of([&] { found(changed, on_device(changed.params)); });
-  };
-  EXPECT_EQ(error_with([](DescentCase& c) { c.params.subpixels = 3; }), start + "3 subpixels; use the device cpu");
-  EXPECT_EQ(error_with([](DescentCase& c) { c.slm.effects.crosstalk = 0.3; }),
-            start + "the effect crosstalk; use the device cpu");
+TEST_P(DescentDevices, RefuseViewsThroughPupils) {
+  one_.has_views = true;
+  EXPECT_EQ(
+      error_of([&] { found(one_, on_device(one_.params)); }),
+      "expected targets without views through pupils for sgd on an OpenCL device, got some; use the target render, "
+      "or the device cpu");
   Heard heard;
-  EncodeParams params = automatic();
-  params.subpixels = 3;
-  found(one_, params, heard.observer());
+  EXPECT_TRUE(are_same(found(one_, automatic(), heard.observer()), found(one_, one_.params)));
   ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_EQ(heard.warnings[0], "the device auto: the processor does sgd, because devices do not compute 3 subpixels");
+  EXPECT_EQ(heard.warnings[0],
+            "the device auto: the processor does sgd, because devices do not compute views through pupils");
 }
 
 #if HOLOTRACE_HAS_OPENCL

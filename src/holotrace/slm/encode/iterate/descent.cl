@@ -18,10 +18,27 @@ __kernel void add_phase_slopes(int count, float factor, int is_halfway, float2 h
   slope[i] += factor * phase_slope(g[i].x, g[i].y, at.x, at.y);
 }
 
-// power = factor·|v|², or += that.
-__kernel void add_power(int count, float factor, int adds, __global const float2* v, __global float* power) {
-  const int i = get_global_id(0);
-  if (i < count) power[i] = (adds ? power[i] : 0) + factor * (v[i].x * v[i].x + v[i].y * v[i].y);
+// power = factor·Σ|v|² over the n × n samples of a pixel, or += that.
+__kernel void add_power(int nx, int n, float factor, int adds, __global const float2* v, __global float* power) {
+  const int i = get_global_id(0), j = get_global_id(1);
+  if (i >= nx) return;
+  float sum = 0;
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const float2 at = v[((size_t)j * n + y) * nx * n + i * n + x];
+      sum += at.x * at.x + at.y * at.y;
+    }
+  const size_t pixel = (size_t)j * nx + i;
+  power[pixel] = (adds ? power[pixel] : 0) + factor * sum;
+}
+
+// v *= factor at the n × n samples of a pixel.
+__kernel void multiply_pixels(int nx, int n, __global const float* factor, __global float2* v) {
+  const int i = get_global_id(0), j = get_global_id(1);
+  if (i >= nx) return;
+  const float by = factor[(size_t)j * nx + i];
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) v[((size_t)j * n + y) * nx * n + i * n + x] *= by;
 }
 
 // The mean along row j from its left and right samples.

@@ -1,10 +1,7 @@
 #include "holotrace/slm/encode/iterate/descent_device.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <complex>
-#include <string>
 
 #include "holotrace/base/error.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
@@ -15,16 +12,6 @@
 namespace holotrace {
 namespace {
 
-// What devices cannot do of a descent; empty: they can do all of it.
-std::string beyond_devices(const TargetSet& targets, const DescentSetup& setup, const std::vector<Hologram>& frames) {
-  if (frames.front().modulation != Modulation::phase) return "a panel that modulates more than the phase";
-  if (const std::vector<std::string> effects = effects_of(setup.slm); !effects.empty())
-    return "the effect " + effects.front();
-  if (setup.params.subpixels > 1) return fmt::format("{} subpixels", setup.params.subpixels);
-  if (targets.draw_views) return "views through pupils";
-  return "";
-}
-
 // Of all updates.
 struct DescentWork {
   double on_processor = 0;  // [s]
@@ -33,19 +20,26 @@ struct DescentWork {
   double updates = 0;
 };
 
-// Every plane has its turn as often as any other; planes with pupils count as if they had none.
+// Every plane has its turn as often as any other; planes with pupils count as if they had none, and the panel's effects
+// count neither for the processor nor for the device.
 DescentWork work_of(const TargetSet& targets, const DescentSetup& setup, size_t frames, const Device* device) {
   constexpr double sample = sizeof(std::complex<float>);
   const EncodeParams& params = setup.params;
   const size_t planes = targets.planes.size();
-  const double samples = samples_of_update(frames, params.subpixels, 0) == SampleGroup::all ? 4 : 2;
+  const double samples = params.subpixels > 1                                                 ? 1
+                         : samples_of_update(frames, params.subpixels, 0) == SampleGroup::all ? 4
+                                                                                              : 2;
+  Grid grid = setup.slm.grid;
+  grid.nx *= params.subpixels;
+  grid.ny *= params.subpixels;
+  grid.pitch /= params.subpixels;
   const double fraction =
       params.planes_per_update == 0 ? 1 : std::min(1.0, double(params.planes_per_update) / double(planes));
   DescentWork work;
   work.updates = iterations_of(params);
-  const double pixels = double(setup.slm.grid.pixels()), of_frames = double(frames) * work.updates;
+  const double pixels = double(grid.pixels()), of_frames = double(frames) * work.updates;
   for (const TargetPlane& target : targets.planes) {
-    const auto plan = plan_propagator<float>(setup.slm.grid, target.wavelength, target.z, {});
+    const auto plan = plan_propagator<float>(grid, target.wavelength, target.z, {});
     // There, one transform shared by all samples and one for each; and the same back.
     const double propagations = (1 + samples) * fraction * of_frames;
     if (!device) {
@@ -77,17 +71,15 @@ Device* device_for_descent(const TargetSet& targets, const DescentSetup& setup, 
                            const Observer& observer) {
   const DeviceChoice& choice = setup.params.device;
   if (choice.kind == DeviceKind::cpu) return nullptr;
-  const std::string beyond = beyond_devices(targets, setup, frames);
   if (choice.kind == DeviceKind::opencl) {
     require(
-        beyond.empty(),
-        "expected a phase panel without effects, one sample per pixel and no views for sgd on an OpenCL device, got "
-        "{}; use the device cpu",
-        beyond);
+        !targets.draw_views,
+        "expected targets without views through pupils for sgd on an OpenCL device, got some; use the target render, "
+        "or the device cpu");
     return &open_device(choice.number);
   }
-  if (beyond.empty()) return fastest_for(targets, setup, frames.size());
-  observer.warn(fmt::format("the device auto: the processor does sgd, because devices do not compute {}", beyond));
+  if (!targets.draw_views) return fastest_for(targets, setup, frames.size());
+  observer.warn("the device auto: the processor does sgd, because devices do not compute views through pupils");
   return nullptr;
 }
 

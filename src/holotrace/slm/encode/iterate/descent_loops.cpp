@@ -46,9 +46,13 @@ void pixel_means(Device& device, const Grid& pixels, const std::array<DeviceBuff
              {int32_t(pixels.nx), int32_t(pixels.ny), power[0], power[1], power[2], power[3], means});
 }
 
-void add_power(Device& device, const DeviceBuffer& v, float factor, bool adds, const DeviceBuffer& power) {
-  const int32_t count = floats_in(power);
-  device.run(kernel("add_power"), over(size_t(count)), {count, factor, int32_t(adds), v, power});
+void add_power(Device& device, const SampledPower& sampled, const Grid& pixels, const DeviceBuffer& power) {
+  device.run(kernel("add_power"), over(pixels),
+             {int32_t(pixels.nx), int32_t(sampled.n), sampled.factor, int32_t(sampled.adds), sampled.v, power});
+}
+
+void multiply_pixels(Device& device, const Grid& pixels, int n, const DeviceBuffer& factor, const DeviceBuffer& v) {
+  device.run(kernel("multiply_pixels"), over(pixels), {int32_t(pixels.nx), int32_t(n), factor, v});
 }
 
 void multiply_by_real(Device& device, const DeviceBuffer& factor, const DeviceBuffer& v) {

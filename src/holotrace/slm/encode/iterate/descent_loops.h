@@ -24,8 +24,17 @@ struct DeviceTarget {
 void pixel_means(Device& device, const Grid& pixels, const std::array<DeviceBuffer, 4>& power,
                  const DeviceBuffer& means);
 
-/// power ← factor·|v|², or += that.
-void add_power(Device& device, const DeviceBuffer& v, float factor, bool adds, const DeviceBuffer& power);
+/// power ← factor·Σ|v|², or += that: the sum over the n × n samples of each pixel.
+struct SampledPower {
+  const DeviceBuffer& v;
+  float factor;
+  bool adds;
+  int n;
+};
+void add_power(Device& device, const SampledPower& sampled, const Grid& pixels, const DeviceBuffer& power);
+
+/// v ← factor·v at the n × n samples of each pixel
+void multiply_pixels(Device& device, const Grid& pixels, int n, const DeviceBuffer& factor, const DeviceBuffer& v);
 
 /// v ← factor·v
 void multiply_by_real(Device& device, const DeviceBuffer& factor, const DeviceBuffer& v);

@@ -41,11 +41,10 @@ void DeviceLight::make(DeviceBuffer& buffer, size_t bytes, const char* what) {
 void DeviceLight::leave(const PanelDetail& detail) {
   const auto lock = device_.lock();
   detail_ = detail;
-  const size_t bytes = size_t(pixels().pixels()) * sizeof(Complex);
   memory_.u.resize(frames_.size());
   for (size_t m = 0; m < frames_.size(); ++m) {
-    make(memory_.u[m], bytes, "the light of a panel");
-    panel_.leave(frames_[m], memory_.u[m]);
+    make(memory_.u[m], bytes_of_samples(), "the light of a panel");
+    panel_.leave(frames_[m], detail, {memory_.u[m], memory_.panel});
   }
 }
 
@@ -64,7 +63,7 @@ std::vector<DisplacedSamples> DeviceLight::samples_for(const Way& way, SampleGro
   if (light.samples.size() < (frame + 1) * shifts.size()) light.samples.resize((frame + 1) * shifts.size());
   for (size_t i = 0; i < shifts.size(); ++i) {
     DeviceBuffer& there = light.samples[frame * shifts.size() + i];
-    make(there, size_t(pixels().pixels()) * sizeof(Complex), "the light of a target plane");
+    make(there, bytes_of_samples(), "the light of a target plane");
     samples.push_back({shifts[i], &there});
   }
   return samples;
@@ -78,7 +77,7 @@ void DeviceLight::to_plane(Way& way, const DeviceBuffer& u, const std::vector<Di
 }
 
 void DeviceLight::to_panel(Way& way, const std::vector<DisplacedSamples>& samples) {
-  make(memory_.back, size_t(pixels().pixels()) * sizeof(Complex), "the light of a panel");
+  make(memory_.back, bytes_of_samples(), "the light of a panel");
   if (!way.to_pupil) return way.there.to_sum(samples, memory_.back, memory_.work);
   way.there.to_sum(samples, memory_.pupil, memory_.work);
   multiply_by_real(device_, way.disc, memory_.pupil);
@@ -91,9 +90,10 @@ void DeviceLight::add_powers(const std::vector<DisplacedSamples>& samples, Sampl
   const float factor = float(part_of_light(group) / double(frames_.size()));
   for (size_t i = 0; i < samples.size(); ++i)
     if (has_means(group))
-      add_power(device_, *samples[i].samples, factor, !is_first, memory_.power[i]);
+      add_power(device_, {*samples[i].samples, factor, !is_first, 1}, pixels(), memory_.power[i]);
     else
-      add_power(device_, *samples[i].samples, factor, !is_first || i > 0, light.mean);
+      add_power(device_, {*samples[i].samples, factor, !is_first || i > 0, lit_.params.subpixels}, pixels(),
+                light.mean);
 }
 
 ModulusSums DeviceLight::plane_sums(size_t plane, SampleGroup group, bool is_kept) {
@@ -131,9 +131,9 @@ double DeviceLight::add_gradient(size_t plane, SampleGroup group, double scale, 
       if (has_means(group))
         multiply_by_spread(device_, pixels(), there.shift, light.mean, *there.samples);
       else
-        multiply_by_real(device_, light.mean, *there.samples);
+        multiply_pixels(device_, pixels(), lit_.params.subpixels, light.mean, *there.samples);
     to_panel(way, samples);
-    panel_.add_slope(frames_[m], memory_.u[m], memory_.back, of_frame, detail_);
+    panel_.add_slope(frames_[m], detail_, memory_.u[m], {memory_.back, memory_.panel}, of_frame);
   }
   memory_.spare.push_back(std::move(light));
   return error;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <complex>
 #include <map>
 #include <optional>
 #include <vector>
@@ -25,6 +26,7 @@ struct DeviceLightMemory {
   DeviceBuffer back;                  ///< what comes back to it
   std::array<DeviceBuffer, 4> power;  ///< at the samples of the pixels, of all frames
   DeviceBuffer pupil;                 ///< light in the plane of a pupil
+  DevicePanel::Memory panel;
   DeviceConvolution::Work work;
   std::vector<DevicePlaneLight> spare;  ///< light of planes whose gradient is added
 };
@@ -52,6 +54,10 @@ class DeviceLight : public ColourLight {
   };
 
   const Grid& pixels() const { return lit_.slm.grid; }
+  size_t bytes_of_samples() const {
+    return size_t(pixels().pixels()) * size_t(lit_.params.subpixels * lit_.params.subpixels) *
+           sizeof(std::complex<float>);
+  }
   bool has_means(SampleGroup group) const { return has_pixel_means(group, lit_.params.subpixels); }
   DevicePlaneLight take_spare();
   void make(DeviceBuffer& buffer, size_t bytes, const char* what);

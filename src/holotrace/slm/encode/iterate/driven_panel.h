@@ -60,8 +60,8 @@ class DrivenPanel {
   /// Turns of phase per level of a phase panel without effects.
   double cycles_per_level() const { return cycles_per_level_; }
 
-  /// Whether the panel has effects, several samples per pixel, or does not modulate the phase only: a PanelModel.
-  bool has_model() const { return model_.has_value(); }
+  /// The model of a panel with effects, of several samples per pixel, or that modulates more than the phase; otherwise none.
+  const PanelModel* model(const PanelDetail& detail) const { return model_ ? &model_of(detail) : nullptr; }
 
   /// Whether slopes are those halfway between two levels (add_slope).
   bool takes_middle(const PanelDetail& detail) const { return has_two_levels_ && detail.is_hard; }
