@@ -85,6 +85,7 @@ TEST_P(DescentDevices, WriteNothingPastTheirBuffers) {
     found(one_, on_device(one_.params));
   }
   one_.pupil = Pupil{{2e-5, 1e-5, 0.004}, 1.5e-4};
+  one_.has_views = true;
   found(one_, on_device(one_.params));
   device_.guard_buffers(false);
   EXPECT_EQ(device_.broken_guards(), before);
@@ -150,23 +151,11 @@ TEST_P(DescentDevices, SayThatMemoryIsShort) {
   EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
 }
 
-TEST_P(DescentDevices, RefuseViewsThroughPupils) {
-  one_.has_views = true;
-  EXPECT_EQ(
-      error_of([&] { found(one_, on_device(one_.params)); }),
-      "expected targets without views through pupils for sgd on an OpenCL device, got some; use the target render, "
-      "or the device cpu");
-  Heard heard;
-  EXPECT_TRUE(are_same(found(one_, automatic(), heard.observer()), found(one_, one_.params)));
-  ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_EQ(heard.warnings[0],
-            "the device auto: the processor does sgd, because devices do not compute views through pupils");
-}
-
 #if HOLOTRACE_HAS_OPENCL
 // Every 50th call fails: memory, transfers, kernels and waits of all parts of a descent.
 TEST_P(DescentDevices, ReleaseTheirMemoryAfterAnyFault) {
   one_.params.iterations = 1;
+  one_.has_views = true;
   found(one_, on_device(one_.params));  // compiles the kernels
   int failed = 0, faults = 0;
   for (bool is_done = false; !is_done; failed += 50) {

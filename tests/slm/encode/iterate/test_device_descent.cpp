@@ -25,7 +25,9 @@ std::vector<DescentCase> cases() {
   colours.has_two_colours = true;
   colours.slm.design_wavelength = 633e-9;
   DescentCase crosstalk{"crosstalk", 2}, crosstalk_two{"crosstalk of two levels", 1, 2},
-      amplitude{"amplitudes", 1, 256}, complex{"phases and amplitudes", 2, 256}, fine{"three samples per pixel", 4};
+      amplitude{"amplitudes", 1, 256}, complex{"phases and amplitudes", 2, 256}, fine{"three samples per pixel", 4},
+      views{"views", 2};
+  views.has_views = true;
   for (DescentCase* blurred : {&crosstalk, &crosstalk_two}) {
     blurred->slm.fill_factor = 0.9;
     blurred->slm.effects.crosstalk = 0.3;
@@ -34,8 +36,8 @@ std::vector<DescentCase> cases() {
   amplitude.slm.modulation = Modulation::amplitude;
   complex.slm.modulation = Modulation::complex;
   fine.params.subpixels = 3;
-  return {one,     three, diagonals, stop,          pupil,     two,     few,
-          colours, odd,   crosstalk, crosstalk_two, amplitude, complex, fine};
+  return {one, three,     diagonals,     stop,      pupil,   two,  few,  colours,
+          odd, crosstalk, crosstalk_two, amplitude, complex, fine, views};
 }
 
 double relative(const Array2D<float>& found, const Array2D<float>& expected) {
@@ -73,6 +75,10 @@ Gradient gradient_of(const DescentCase& one, FrameArrays& arrays, const PanelDet
         if (samples == group && group == SampleGroup::all) break;
       }
     for (size_t k = 0; k < planes; ++k) gradient.numbers.push_back(light->add_gradient(k, group, 1.3, 0.7));
+    if (one.has_views) {
+      light->add_views(set.draw_views(1, test_wavelength), 1.3, 1e4);  // so that they count more than the planes
+      light->add_views(set.draw_views(2, test_wavelength), 1.3, 1e4);
+    }
   }
   const AdamStep mean_is_slope{0, 0, 0, 1};
   arrays.step({mean_is_slope, mean_is_slope, 0, float(one.levels), 1});

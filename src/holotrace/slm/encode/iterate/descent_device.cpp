@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <complex>
 
-#include "holotrace/base/error.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/shared/device_rates.h"
@@ -20,8 +19,8 @@ struct DescentWork {
   double updates = 0;
 };
 
-// Every plane has its turn as often as any other; planes with pupils count as if they had none, and the panel's effects
-// count neither for the processor nor for the device.
+// Every plane has its turn as often as any other; planes with pupils count as if they had none, and the panel's effects and
+// views count neither for the processor nor for the device.
 DescentWork work_of(const TargetSet& targets, const DescentSetup& setup, size_t frames, const Device* device) {
   constexpr double sample = sizeof(std::complex<float>);
   const EncodeParams& params = setup.params;
@@ -67,20 +66,11 @@ Device* fastest_for(const TargetSet& targets, const DescentSetup& setup, size_t 
 
 }  // namespace
 
-Device* device_for_descent(const TargetSet& targets, const DescentSetup& setup, const std::vector<Hologram>& frames,
-                           const Observer& observer) {
+Device* device_for_descent(const TargetSet& targets, const DescentSetup& setup, size_t frames) {
   const DeviceChoice& choice = setup.params.device;
   if (choice.kind == DeviceKind::cpu) return nullptr;
-  if (choice.kind == DeviceKind::opencl) {
-    require(
-        !targets.draw_views,
-        "expected targets without views through pupils for sgd on an OpenCL device, got some; use the target render, "
-        "or the device cpu");
-    return &open_device(choice.number);
-  }
-  if (!targets.draw_views) return fastest_for(targets, setup, frames.size());
-  observer.warn("the device auto: the processor does sgd, because devices do not compute views through pupils");
-  return nullptr;
+  if (choice.kind == DeviceKind::opencl) return &open_device(choice.number);
+  return fastest_for(targets, setup, frames);
 }
 
 }  // namespace holotrace

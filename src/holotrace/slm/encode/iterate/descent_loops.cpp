@@ -28,15 +28,15 @@ int32_t floats_in(const DeviceBuffer& buffer) { return int32_t(buffer.bytes() / 
 
 }  // namespace
 
-DeviceTarget::DeviceTarget(Device& device, const TargetPlane& target)
-    : nx(target.amplitude.nx), ny(target.amplitude.ny) {
+DeviceTarget::DeviceTarget(Device& device, const Array2D<float>& amplitudes, const Array2D<float>& weights)
+    : nx(amplitudes.nx), ny(amplitudes.ny) {
   const auto upload = [&](const Array2D<float>& values) {
     DeviceBuffer buffer = device.make_buffer(values.size() * sizeof(float), "a target plane");
     device.write(buffer, values.values.data(), buffer.bytes());
     return buffer;
   };
-  amplitude = upload(target.amplitude);
-  if (target.weight.size() > 0) weight = upload(target.weight);
+  amplitude = upload(amplitudes);
+  if (weights.size() > 0) weight = upload(weights);
   sums = device.make_buffer(size_t(ny) * sizeof(std::complex<float>), "a target plane");
 }
 
@@ -82,11 +82,15 @@ ModulusSums fit_sums(Device& device, const DeviceTarget& target, const DeviceBuf
   return sums;
 }
 
-double leave_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power) {
+void take_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power) {
   const bool has_weight = target.weight.bytes() > 0;
   device.run(kernel("leave_residual"), rows_of(target),
              {int32_t(target.nx), int32_t(has_weight), float(scale), power, target.amplitude,
               has_weight ? target.weight : target.amplitude, target.sums});
+}
+
+double leave_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power) {
+  take_residual(device, target, scale, power);
   std::vector<float> rows(static_cast<size_t>(target.ny));
   device.read(target.sums, rows.data(), rows.size() * sizeof rows[0]);
   double sum = 0;

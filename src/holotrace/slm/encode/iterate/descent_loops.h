@@ -17,7 +17,7 @@ struct DeviceTarget {
   DeviceBuffer sums;               ///< two floats for each row
   int nx, ny;
 
-  DeviceTarget(Device& device, const TargetPlane& target);
+  DeviceTarget(Device& device, const Array2D<float>& amplitude, const Array2D<float>& weight);
 };
 
 /// The mean of the powers of the four samples of each pixel and of its neighbours' (pixel_means).
@@ -46,7 +46,10 @@ void multiply_by_spread(Device& device, const Grid& pixels, size_t sample, const
 /// Σw·a·A and Σw·A²: within rows in float, over them in double and in order. It waits for the device.
 ModulusSums fit_sums(Device& device, const DeviceTarget& target, const DeviceBuffer& power);
 
-/// Σw·(A − s·a)² in the same way; the power becomes the factor w·(s·a − A)/A.
+/// The power becomes the factor w·(s·a − A)/A.
+void take_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power);
+
+/// The same, and Σw·(A − s·a)², added up as by fit_sums.
 double leave_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power);
 
 /// u ← exp(2πi·c·ℓ)

@@ -3,7 +3,7 @@
 #include <complex>
 #include <utility>
 
-#include "holotrace/base/error.h"
+#include "holotrace/slm/encode/iterate/pupil_propagation.h"
 
 namespace holotrace {
 namespace {
@@ -18,8 +18,11 @@ void DeviceLight::add(const TargetPlane& target) {
   // Before the device is locked: it runs on many threads, which may be waiting for the device.
   const TargetPropagation host(lit_.slm, lit_.wavelength, target.z, optics);
   const auto lock = device_.lock();
-  Way way{
-      DeviceTarget(device_, target), host.shifts(), {}, DeviceConvolution(device_, host.there(), host.shifts()), {}};
+  Way way{DeviceTarget(device_, target.amplitude, target.weight),
+          host.shifts(),
+          {},
+          DeviceConvolution(device_, host.there(), host.shifts()),
+          {}};
   if (host.to_pupil()) {
     way.to_pupil.emplace(device_, *host.to_pupil());
     way.disc = device_.make_buffer(host.disc().size() * sizeof(float), "a pupil");
@@ -139,8 +142,51 @@ double DeviceLight::add_gradient(size_t plane, SampleGroup group, double scale, 
   return error;
 }
 
-void DeviceLight::add_views(const ViewTargets&, double, double) {
-  fail("expected no views through pupils on an OpenCL device, got some; please report it");
+DeviceLight::Eyes& DeviceLight::eyes_for(const Pupil& pupil) {
+  if (eyes_) return *eyes_;
+  TargetOptics optics = optics_of(lit_.panel, lit_.params);
+  optics.samples = PixelSamples::middle;
+  const PupilPropagation host(lit_.slm, lit_.wavelength, pupil, optics);
+  const auto lock = device_.lock();
+  eyes_.emplace(Eyes{host.there().output, DeviceConvolution(device_, host.there()), ViewTransforms(device_)});
+  eyes_->there.grow(memory_.work);
+  return *eyes_;
+}
+
+void DeviceLight::add_views(const ViewTargets& views, double scale, double factor) {
+  double light = 0;
+  for (const Array2D<float>& amplitude : views.amplitudes)
+    for (const float a : amplitude.values) light += double(a) * a;
+  if (light == 0) return;
+  Eyes& eyes = eyes_for(views.pupils.front());
+  const auto lock = device_.lock();
+  const size_t count = views.pupils.size(), frames = frames_.size(), pixels = size_t(views.picture.pixels());
+  std::vector<DeviceView> there;
+  std::vector<DeviceBuffer> power, pictures;  // of each view; of each frame and view
+  for (size_t k = 0; k < count; ++k) {
+    there.emplace_back(eyes.transforms, eyes.window, views, k);
+    power.push_back(device_.make_buffer(pixels * sizeof(float), "the views"));
+  }
+  make(memory_.pupil, size_t(eyes.window.pixels()) * sizeof(Complex), "the light of the pupils");
+  for (size_t m = 0; m < frames; ++m) {
+    eyes.there.to_many(memory_.u[m], {{0, &memory_.pupil}}, memory_.work);
+    for (size_t k = 0; k < count; ++k) {
+      pictures.push_back(device_.make_buffer(pixels * sizeof(Complex), "the views"));
+      there[k].take(eyes.transforms, memory_.pupil, pictures.back());
+      add_power(device_, {pictures.back(), float(1 / double(frames)), m > 0, 1}, views.picture, power[k]);
+    }
+  }
+  for (size_t k = 0; k < count; ++k) take_residual(device_, there[k].target(), 1 / scale, power[k]);
+  make(memory_.back, bytes_of_samples(), "the light of a panel");
+  for (size_t m = 0; m < frames; ++m) {
+    clear(device_, memory_.pupil);
+    for (size_t k = 0; k < count; ++k)
+      there[k].add_adjoint(eyes.transforms, pictures[m * count + k], power[k], memory_.pupil);
+    eyes.there.to_sum({{0, &memory_.pupil}}, memory_.back, memory_.work);
+    panel_.add_slope(frames_[m], detail_, memory_.u[m], {memory_.back, memory_.panel},
+                     -2 * scale * scale * factor / (light * double(frames)));
+  }
+  device_.finish();  // before the memory of the views is released
 }
 
 }  // namespace holotrace

@@ -9,6 +9,7 @@
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
 #include "holotrace/slm/encode/iterate/descent_loops.h"
 #include "holotrace/slm/encode/iterate/device_driven_panel.h"
+#include "holotrace/slm/encode/iterate/device_views.h"
 #include "holotrace/slm/encode/iterate/processor_light.h"
 #include "holotrace/wave/propagate/device_convolution.h"
 
@@ -25,7 +26,7 @@ struct DeviceLightMemory {
   std::vector<DeviceBuffer> u;        ///< light that leaves the panel, of each frame
   DeviceBuffer back;                  ///< what comes back to it
   std::array<DeviceBuffer, 4> power;  ///< at the samples of the pixels, of all frames
-  DeviceBuffer pupil;                 ///< light in the plane of a pupil
+  DeviceBuffer pupil;                 ///< light in the plane of a pupil, or of all
   DevicePanel::Memory panel;
   DeviceConvolution::Work work;
   std::vector<DevicePlaneLight> spare;  ///< light of planes whose gradient is added
@@ -53,6 +54,13 @@ class DeviceLight : public ColourLight {
     DeviceBuffer disc;
   };
 
+  // The way to the plane of the pupils.
+  struct Eyes {
+    Grid window;
+    DeviceConvolution there;
+    ViewTransforms transforms;
+  };
+
   const Grid& pixels() const { return lit_.slm.grid; }
   size_t bytes_of_samples() const {
     return size_t(pixels().pixels()) * size_t(lit_.params.subpixels * lit_.params.subpixels) *
@@ -64,6 +72,7 @@ class DeviceLight : public ColourLight {
   std::vector<DisplacedSamples> samples_for(const Way& way, SampleGroup group, size_t frame, DevicePlaneLight& light);
   void to_plane(Way& way, const DeviceBuffer& u, const std::vector<DisplacedSamples>& samples);
   void to_panel(Way& way, const std::vector<DisplacedSamples>& samples);
+  Eyes& eyes_for(const Pupil& pupil);
   void add_powers(const std::vector<DisplacedSamples>& samples, SampleGroup group, bool is_first,
                   DevicePlaneLight& light);
 
@@ -74,6 +83,7 @@ class DeviceLight : public ColourLight {
   DeviceLightMemory& memory_;
   std::vector<Way> ways_;
   PanelDetail detail_;                       // of the light that left last
+  std::optional<Eyes> eyes_;                 // made for the first views
   std::map<size_t, DevicePlaneLight> kept_;  // of planes whose gradient is not added yet
 };
 

@@ -176,7 +176,7 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
              std::vector<Hologram>& frames, const Checkpoint& checkpoint) {
   const DescentSetup setup{slm, params};
   const Listeners listeners{observer, checkpoint};
-  Device* const device = device_for_descent(targets, setup, frames, observer);
+  Device* const device = device_for_descent(targets, setup, frames.size());
   const bool may_change = device && params.device.kind == DeviceKind::automatic;
   try {
     descend_on({device, may_change}, targets, setup, frames, listeners);
