@@ -22,6 +22,7 @@ struct DescentCase {
   bool has_two_colours = false;
   Slm slm = make_panel(48, 36);
   bool has_views = false;
+  double view_z = -0.01;  ///< plane in which the views are in focus; their pupils are at 0.02 m
 
   TargetSet targets() const {
     TargetSet set{picture_targets(slm, params)};
@@ -31,7 +32,7 @@ struct DescentCase {
     if (has_views)
       set.draw_views = [this](int update, double wavelength) {
         CounterRandom random(3, 0, uint64_t(update));
-        ViewTargets views{.z = -0.01, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
+        ViewTargets views{.z = view_z, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
         views.pupils.push_back({{1e-4 * random.uniform(), 0, 0.02}, 1.5e-4});
         views.pupils.push_back({{-1e-4, -1e-4 * random.uniform(), 0.02}, 1.5e-4});
         views.picture = picture_grid(slm.grid, views.pupils.front(), wavelength, views.z);

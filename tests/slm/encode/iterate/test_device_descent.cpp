@@ -26,8 +26,9 @@ std::vector<DescentCase> cases() {
   colours.slm.design_wavelength = 633e-9;
   DescentCase crosstalk{"crosstalk", 2}, crosstalk_two{"crosstalk of two levels", 1, 2},
       amplitude{"amplitudes", 1, 256}, complex{"phases and amplitudes", 2, 256}, fine{"three samples per pixel", 4},
-      views{"views", 2};
-  views.has_views = true;
+      views{"views", 2}, wide{"views of pictures wider than the period of their transform"};
+  views.has_views = wide.has_views = true;
+  wide.view_z = 0.017;
   for (DescentCase* blurred : {&crosstalk, &crosstalk_two}) {
     blurred->slm.fill_factor = 0.9;
     blurred->slm.effects.crosstalk = 0.3;
@@ -36,8 +37,8 @@ std::vector<DescentCase> cases() {
   amplitude.slm.modulation = Modulation::amplitude;
   complex.slm.modulation = Modulation::complex;
   fine.params.subpixels = 3;
-  return {one, three,     diagonals,     stop,      pupil,   two,  few,  colours,
-          odd, crosstalk, crosstalk_two, amplitude, complex, fine, views};
+  return {one, three,     diagonals,     stop,      pupil,   two,  few,   colours,
+          odd, crosstalk, crosstalk_two, amplitude, complex, fine, views, wide};
 }
 
 double relative(const Array2D<float>& found, const Array2D<float>& expected) {
