@@ -2,10 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <memory>
+
 #include "bench/bench.h"
+#include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/machine/device_peak.h"
 #include "holotrace/estimate/machine/timed_jobs.h"
+#include "holotrace/slm/encode/iterate/device_arrays.h"
+#include "holotrace/slm/encode/iterate/frame_descent.h"
+#include "holotrace/slm/encode/target.h"
 #include "holotrace/wave/propagate/device_propagator.h"
 #include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/synthesize.h"
@@ -78,6 +84,47 @@ BenchRow bench_propagation_on_device(const BenchOptions& options) {
   return row;
 }
 
+std::vector<Hologram> random_frames(const Slm& slm, double wavelength, int frames) {
+  std::vector<Hologram> holograms(static_cast<size_t>(frames));
+  CounterRandom random(1, 0, 0);
+  for (Hologram& hologram : holograms) {
+    hologram.grid = slm.grid;
+    hologram.levels = slm.levels;
+    hologram.wavelength = wavelength;
+    hologram.level = Array2D<uint16_t>(slm.grid.ny, slm.grid.nx);
+    for (uint16_t& level : hologram.level.values) level = uint16_t(slm.levels * random.uniform());
+  }
+  return holograms;
+}
+
+// An update of gradient descent. Nearly all of its work is that of propagations, whose bytes are those that count.
+BenchRow bench_descent_on_device(const BenchOptions& options) {
+  using namespace literals;
+  Device& device = open_device(options.device.number);
+  const Slm slm{.grid = options.is_quick ? Grid{480, 270, 8_um} : timed_full_hd};
+  const EncodeParams params{.method = Encoding::sgd, .target_distances = {0.3_m}, .iterations = 100000};
+  const int frames = options.is_quick ? 1 : 8;
+  const std::vector<Hologram> start = random_frames(slm, 532_nm, frames);
+  const TargetSet targets{targets_of(timed_field(slm.grid), params)};
+  FrameDescent descent(targets, {slm, params}, start, std::make_unique<DeviceFrames>(device, slm, params, start));
+  descent.update();  // kernels are compiled here
+  const DeviceUse before = device.use();
+  descent.update();
+  const DeviceUse after = device.use();
+  // There and back: a transform that all samples share, and one for each of four samples, or of two for many frames.
+  const auto plan = plan_propagator<float>(slm.grid, 532_nm, 0.3_m, {});
+  const double amount = frames * (frames < 4 ? 5.0 : 3.0) * device_propagation_cost(device, plan).moved;
+  const Timing timing = time_work(
+      options, [&] { descent.update(); }, amount, [&] { return measure_device_peak(device).memory; });
+  BenchRow row = make_row("sgd on " + device_text(options.device),
+                          fmt::format("{}x{}, {} frame(s), one update", slm.grid.nx, slm.grid.ny, frames), timing,
+                          amount, "bytes", "memory of the device");
+  row.facts["device"] = device.info().name;
+  row.facts["bytes_in"] = after.bytes_in - before.bytes_in;
+  row.facts["bytes_out"] = after.bytes_out - before.bytes_out;
+  return row;
+}
+
 }  // namespace
 
 std::vector<BenchStep> device_steps(const BenchOptions& options) {
@@ -88,6 +135,7 @@ std::vector<BenchStep> device_steps(const BenchOptions& options) {
   };
   steps.push_back(
       {"propagate on " + device_text(options.device), [=] { return bench_propagation_on_device(options); }});
+  steps.push_back({"sgd on " + device_text(options.device), [=] { return bench_descent_on_device(options); }});
   add({options.is_quick ? 200 : 1000, 1e-3});
   if (options.is_quick) return steps;
   add({10000, 1e-3});

@@ -59,7 +59,7 @@ TEST(Bench, TimesADeviceAgainstItsOwnPeaks) {
   const auto json = nlohmann::json::parse(outcome.out);
   for (const char* name : {"multiply_adds_per_s", "memory_bytes_per_s"})
     EXPECT_GT(json["device_ceilings"][name].get<double>(), 0) << name;
-  ASSERT_EQ(json["stages"].size(), 2U) << "no stage of the processor";
+  ASSERT_EQ(json["stages"].size(), 3U) << "no stage of the processor";
   const auto& propagation = json["stages"][0];
   EXPECT_EQ(propagation["stage"], "propagate on opencl");
   EXPECT_GT(propagation["of_ceiling"].get<double>(), 0);
@@ -67,7 +67,12 @@ TEST(Bench, TimesADeviceAgainstItsOwnPeaks) {
   EXPECT_EQ(propagation["facts"]["bytes_in"].get<double>(), 8.0 * 480 * 270);
   EXPECT_EQ(propagation["facts"]["bytes_out"].get<double>(), 8.0 * 480 * 270);
   EXPECT_GT(propagation["rate_per_s"].get<double>() * propagation["seconds"].get<double>(), 16.0 * 480 * 270);
-  const auto& stage = json["stages"][1];
+  const auto& update = json["stages"][1];
+  EXPECT_EQ(update["stage"], "sgd on opencl");
+  EXPECT_GT(update["of_ceiling"].get<double>(), 0);
+  EXPECT_EQ(update["facts"]["bytes_in"].get<double>(), 0);
+  EXPECT_EQ(update["facts"]["bytes_out"].get<double>(), 3 * 4.0 * 270) << "two sums and an error of each row";
+  const auto& stage = json["stages"][2];
   EXPECT_EQ(stage["stage"], "tiled on opencl");
   EXPECT_GT(stage["of_ceiling"].get<double>(), 0);
   EXPECT_LE(stage["error"].get<double>(), 1e-3);

@@ -29,11 +29,12 @@ Line drawn(size_t count, uint32_t seed) {
 // What run does, sample by sample in double; factors of line i start at |start + i·step|·stride + offset.
 struct Expected {
   LineTransform t;
-  Line enter, filter, leave;
+  Line enter, filter, leave, ramp{};
 
   std::complex<double> factor(const Line& values, const LineFactors& f, int line, int at) const {
     if (values.empty()) return 1;
-    return std::complex<double>(values[size_t(std::abs(f.start + line * f.step) * f.stride + f.offset + at)]);
+    const std::complex<double> value(values[size_t(std::abs(f.start + line * f.step) * f.stride + f.offset + at)]);
+    return f.is_conjugate ? std::conj(value) : value;
   }
 
   std::vector<std::complex<double>> operator()(const Line& from, int lines, const Line& before) const {
@@ -46,7 +47,8 @@ struct Expected {
             std::complex<double>(from[size_t(line * t.in.count + n)]) * factor(enter, t.in.factors, line, n);
       Fft<double>(t.length, t.direction)(work.data());
       if (!filter.empty()) {
-        for (int i = 0; i < t.length; ++i) work[size_t(i)] *= factor(filter, t.filter, line, i);
+        for (int i = 0; i < t.length; ++i)
+          work[size_t(i)] *= factor(filter, t.filter, line, i) * factor(ramp, t.ramp, line, i);
         Fft<double>(t.length, back)(work.data());
       }
       for (int o = 0; o < t.out.count; ++o)
@@ -72,10 +74,12 @@ double error_on(Device& device, Expected expected, int lines) {
   const Line from = drawn(size_t(lines * t.in.count), 1), before = drawn(size_t(lines * t.out.count), 2);
   const auto upload = [&](const Line& values) { return device.upload(values.empty() ? Line(1) : values, "factors"); };
   const DeviceBuffer on_device = device.upload(from, "lines"), to = device.upload(before, "lines"),
-                     enter = upload(expected.enter), filter = upload(expected.filter), leave = upload(expected.leave);
+                     enter = upload(expected.enter), filter = upload(expected.filter), leave = upload(expected.leave),
+                     ramp = upload(expected.ramp);
   if (!expected.enter.empty()) t.in.factors.values = &enter;
   if (!expected.filter.empty()) t.filter.values = &filter;
   if (!expected.leave.empty()) t.out.factors.values = &leave;
+  if (!expected.ramp.empty()) t.ramp.values = &ramp;
   LineTransforms(device).run(t, lines, on_device, to);
   Line found(before.size());
   device.read(to, found.data(), to.bytes());
@@ -105,6 +109,12 @@ TEST_P(DeviceTransforms, MultiplyAndShiftWhatEntersAndLeaves) {
     EXPECT_LT(error_on(device_, expected, lines), rounding) << length;
     expected.t.direction = FftDirection::backward;
     expected.t.adds = false;
+    EXPECT_LT(error_on(device_, expected, lines), rounding) << length;
+    expected.ramp = drawn(200, 6);  // the same for all lines
+    expected.t.ramp = {nullptr, 0, 0, 0, 50};
+    expected.t.filter.is_conjugate = expected.t.out.factors.is_conjugate = true;
+    EXPECT_LT(error_on(device_, expected, lines), rounding) << length;
+    expected.t.ramp.is_conjugate = expected.t.in.factors.is_conjugate = true;
     EXPECT_LT(error_on(device_, expected, lines), rounding) << length;
   }
 }

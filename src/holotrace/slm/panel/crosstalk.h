@@ -20,6 +20,17 @@ namespace holotrace {
 /// modulators, Opt. Express 20, 22334 (2012); their measured kernel is bell-shaped.
 class PixelBlur {
  public:
+  /// K along one axis.
+  struct Taps {
+    int reach = 0;              ///< neighbours on each side, |d| ≤ reach; K < 1e-9 beyond
+    std::vector<float> values;  ///< [cell][d + reach]; the sum is 1 in each cell
+
+    Taps() = default;
+    Taps(double sigma, double lit, int cells);
+    size_t taps() const { return size_t(2 * reach + 1); }
+    const float* of_cell(int c) const { return values.data() + size_t(c) * taps(); }
+  };
+
   /// @param slm    σ of its crosstalk, its pixels and their lit sides; for a panel with crosstalk only
   /// @param cells  s, cells per pixel and axis
   PixelBlur(const Slm& slm, int cells);
@@ -33,18 +44,11 @@ class PixelBlur {
   /// Second step, along y: the contribution to pixel row j from all rows that from_cells made, [cy][j][column].
   void from_rows(const float* rows, int j, float* to) const;
 
+  /// Empty without crosstalk.
+  const Taps& along_x() const { return along_x_; }
+  const Taps& along_y() const { return along_y_; }
+
  private:
-  // K along one axis.
-  struct Taps {
-    int reach = 0;              // neighbours on each side, |d| ≤ reach; K < 1e-9 beyond
-    std::vector<float> values;  // [cell][d + reach]; the sum is 1 in each cell
-
-    Taps() = default;
-    Taps(double sigma, double lit, int cells);
-    size_t taps() const { return size_t(2 * reach + 1); }
-    const float* of_cell(int c) const { return values.data() + size_t(c) * taps(); }
-  };
-
   int nx_, ny_, s_;
   Taps along_x_, along_y_;
 };

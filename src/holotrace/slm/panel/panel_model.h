@@ -71,6 +71,7 @@ class PanelModel {
   double power_in() const;
 
  private:
+  friend class DevicePanel;
   struct Parts;
   std::shared_ptr<const Parts> parts_;
 };

@@ -24,6 +24,8 @@ class PixelLine {
   int pixels() const { return pixels_; }
   int samples() const { return samples_; }
   int cells() const { return cells_; }
+  /// The factors of the spectrum, [cell][sample frequency].
+  const AlignedVector<std::complex<float>>& weights() const { return weights_; }
 
   /// @param cell  s × pixels values, [cell][pixel]; overwritten
   /// @param out   n·pixels samples; must not overlap `cell`

@@ -40,6 +40,14 @@ PixelResponse::PixelResponse(const Slm& slm, Modulation modulation, int levels, 
   }
 }
 
+PixelResponse::Table PixelResponse::table() const {
+  Table table{float(cycles_per_level_), float(amplitude_per_level_), {}};
+  for (const Knot& knot : knots_)
+    table.knots.push_back(
+        {float(knot.cycles), float(knot.amplitude), float(knot.cycles_slope), float(knot.amplitude_slope)});
+  return table;
+}
+
 const PixelResponse::Knot& PixelResponse::knot_at(double& drive) const {
   const size_t k = size_t(std::clamp(drive, 0.0, double(knots_.size() - 1)));
   drive = std::clamp(drive - double(k), 0.0, 1.0);

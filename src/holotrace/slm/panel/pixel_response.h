@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "holotrace/data/slm.h"
@@ -23,6 +24,13 @@ class PixelResponse {
   /// @param stretch     λ₀/λ
   /// @param ripple      relative ripple of the phase, from flicker
   PixelResponse(const Slm& slm, Modulation modulation, int levels, double stretch, double ripple);
+
+  /// What devices need: with a calibration, cycles, amplitude and their slopes at each whole level.
+  struct Table {
+    float cycles_per_level, amplitude_per_level;
+    std::vector<std::array<float, 4>> knots;
+  };
+  Table table() const;
 
   /// Whether the phase, or the amplitude, depends on the drive.
   bool has_phase() const { return has_phase_; }

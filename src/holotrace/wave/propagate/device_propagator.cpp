@@ -4,7 +4,6 @@
 #include <complex>
 #include <cstdint>
 
-#include "holotrace/wave/propagate/convolution_parts.h"
 #include "holotrace/wave/propagate/window_sum.h"
 
 namespace holotrace {
@@ -27,31 +26,24 @@ Propagator<float> without_transfer(const Propagator<float>& p) {
 
 }  // namespace
 
-// Buffers of a propagation: the spectrum row by row, and column by column before and after the transfer function.
+// Buffers of a propagation: those of a convolution; or the spectrum row by row, and column by column before and after the
+// transfer function.
 struct DevicePropagator::Work {
-  DeviceBuffer rows, columns, bins, filtered;
+  DeviceConvolution::Work of_convolution{};
+  DeviceBuffer rows{}, columns{}, bins{}, filtered{};
 };
 
 DevicePropagator::DevicePropagator(Device& device, const Propagator<float>& p)
     : device_(device), plan_(without_transfer(p)), lines_(device), transfer_columns_(p.transfer.nx) {
+  if (p.is_on_lattice()) {
+    convolution_.emplace(device, p);
+    return;
+  }
   const auto lock = device_.lock();
   transfer_ = device_.make_buffer(p.transfer.size() * sizeof(Complex), "a transfer function");
   device_.write(transfer_, p.transfer.values.data(), transfer_.bytes());
-  if (!p.is_on_lattice()) {
-    to_x_.push_back(make_window(p.x));
-    to_y_.push_back(make_window(p.y));
-    return;
-  }
-  for (int part = 0; part < p.x.parts; ++part)
-    x_.push_back(make_part(p.x, part, 1.0 / (double(p.x.padded) * p.y.padded)));
-  for (int part = 0; part < p.y.parts; ++part) y_.push_back(make_part(p.y, part, 1));
-}
-
-DevicePropagator::Part DevicePropagator::make_part(const PropagationAxis& axis, int part, double scale) {
-  const AxisPart<float> host(axis, part, scale);
-  return {device_.upload(host.enter, "the factors of a propagation"),
-          device_.upload(host.leave, "the factors of a propagation"), host.columns, (host.first - part) / axis.parts,
-          host.first};
+  to_x_.push_back(make_window(p.x));
+  to_y_.push_back(make_window(p.y));
 }
 
 DevicePropagator::Window DevicePropagator::make_window(const PropagationAxis& axis) {
@@ -66,14 +58,14 @@ DevicePropagator::Window DevicePropagator::make_window(const PropagationAxis& ax
 }
 
 DevicePropagator::Work DevicePropagator::make_work() {
+  if (convolution_) return {convolution_->make_work()};
   const PropagationAxis& y = plan_.y;
   const double columns = columns_at_once(plan_);
-  Work work{make_samples(device_, std::max(y.inputs, y.outputs), columns),
-            make_samples(device_, y.inputs, columns),
-            {},
-            make_samples(device_, y.outputs, columns)};
-  if (!plan_.is_on_lattice()) work.bins = make_samples(device_, y.frequencies(), columns);
-  return work;
+  return {{},
+          make_samples(device_, std::max(y.inputs, y.outputs), columns),
+          make_samples(device_, y.inputs, columns),
+          make_samples(device_, y.frequencies(), columns),
+          make_samples(device_, y.outputs, columns)};
 }
 
 // The field at the output window, on the device, which is locked.
@@ -117,42 +109,11 @@ void DevicePropagator::run(const DeviceBuffer& from, const DeviceBuffer& to, con
 }
 
 void DevicePropagator::run(const Ends& ends, const Work& work, const Observer& observer) {
-  plan_.is_on_lattice() ? convolve(ends, work, observer) : transform_to_window(ends, work, observer);
+  if (convolution_)
+    convolution_->to_many(ends.from, {{0, &ends.to}}, work.of_convolution, observer);
+  else
+    transform_to_window(ends, work, observer);
   device_.finish();
-}
-
-void DevicePropagator::convolve(const Ends& ends, const Work& work, const Observer& observer) {
-  const PropagationAxis &x = plan_.x, &y = plan_.y;
-  bool is_first = true;
-  for (const Part& part : x_) {
-    if (part.columns == 0) continue;
-    const int columns = part.columns;
-    lines_.run({x.part_length(), FftDirection::forward, {x.inputs, 0, {&part.enter}}, {columns, part.shift}}, y.inputs,
-               ends.from, work.rows);
-    lines_.transpose(y.inputs, columns, work.rows, work.columns);
-    for (size_t i = 0; i < y_.size(); ++i) {
-      const LineFactors transfer{&transfer_, part.first - (x.is_even ? 0 : x.first), x.parts, transfer_columns_,
-                                 int(i) * y.part_length()};
-      lines_.run({y.part_length(),
-                  FftDirection::forward,
-                  {y.inputs, 0, {&y_[i].enter}},
-                  {y.outputs, y.shift, {&y_[i].leave}},
-                  transfer,
-                  i > 0},
-                 columns, work.columns, work.filtered);
-    }
-    lines_.transpose(columns, y.outputs, work.filtered, work.rows);
-    lines_.run({x.part_length(),
-                FftDirection::backward,
-                {columns, part.shift},
-                {x.outputs, x.shift, {&part.leave}},
-                {},
-                !is_first},
-               y.outputs, work.rows, ends.to);
-    device_.finish();
-    if (is_first && x_.size() > 1) observer.progress(0.5);
-    is_first = false;
-  }
 }
 
 void DevicePropagator::transform_to_window(const Ends& ends, const Work& work, const Observer& observer) {

@@ -1,20 +1,19 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "holotrace/opencl/device.h"
+#include "holotrace/wave/propagate/device_convolution.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/propagate/propagator.h"
 #include "holotrace/wave/transform/line_transform.h"
 
 namespace holotrace {
 
-/// A propagator on an OpenCL device, for fields in single precision, with the windows, the methods and the sums of
-/// convolve.h and window_transform.h. The transfer function and all other factors are sent once, and stay on the device
-/// with this object.
-///
-/// The first transform of a column, the transfer function and the second transform are one kernel: it reads and writes
-/// the column once for each part of the spectrum (convolve.h). In between the spectrum is transposed.
+/// A propagator on an OpenCL device, for fields in single precision, with the windows and the methods of the processor:
+/// device_convolution.h, and for windows of another pitch the sums of window_transform.h. The transfer function and all
+/// other factors are sent once, and stay on the device with this object.
 class DevicePropagator {
  public:
   /// @throws Error  as Device does
@@ -42,32 +41,26 @@ class DevicePropagator {
   struct Ends {
     const DeviceBuffer &from, &to;
   };
-  struct Part {
-    DeviceBuffer enter, leave;
-    int columns = 0, shift = 0, first = 0;  ///< frequencies in use, place of the first one, and its number
-  };
   struct Window {
     DeviceBuffer enter, chirp, leave;
     int length = 0;
     bool is_plain = false;
   };
-  Part make_part(const PropagationAxis& axis, int part, double scale);
   Window make_window(const PropagationAxis& axis);
   Work make_work();
   DeviceBuffer moved(const Field& field, const Observer& observer);
   void run(const Ends& ends, const Work& work, const Observer& observer);
-  void convolve(const Ends& ends, const Work& work, const Observer& observer);
   void transform_to_window(const Ends& ends, const Work& work, const Observer& observer);
   void sum_window(const Window& window, const PropagationAxis& axis, int lines, const DeviceBuffer& from,
                   const DeviceBuffer& to);
 
   Device& device_;
-  Propagator<float> plan_;  // without the transfer function
+  Propagator<float> plan_;                        // without the transfer function
+  std::optional<DeviceConvolution> convolution_;  // on a lattice; off it:
   LineTransforms lines_;
   DeviceBuffer transfer_;
   int transfer_columns_;
-  std::vector<Part> x_, y_;          // on a lattice
-  std::vector<Window> to_x_, to_y_;  // one of each, off the lattice
+  std::vector<Window> to_x_, to_y_;  // one of each
 };
 
 }  // namespace holotrace

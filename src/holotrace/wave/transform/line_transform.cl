@@ -8,7 +8,7 @@
 // Compiled with HELD, the longest line of transform_lines, and GROUP = HELD / 8.
 
 typedef struct {
-  int is_used, start, step, is_mirrored, stride, offset;
+  int is_used, start, step, is_mirrored, stride, offset, is_conjugate;
 } LineFactors;
 
 typedef struct {
@@ -21,7 +21,7 @@ typedef struct {
   float sign;                 // of the exponent of the first transform
   int has_second, adds;
   LineEnd in, out;
-  LineFactors filter;
+  LineFactors filter, ramp;
   int radix[16];
 } LineJob;
 
@@ -38,7 +38,14 @@ int wrapped(int place, int length) {
 float2 factor(__global const float2* values, LineFactors f, int line, int at) {
   int row = f.start + line * f.step;
   if (f.is_mirrored && row < 0) row = -row;
-  return values[(size_t)row * f.stride + f.offset + at];
+  const float2 value = values[(size_t)row * f.stride + f.offset + at];
+  return f.is_conjugate ? (float2)(value.x, -value.y) : value;
+}
+
+float2 filtered(float2 sample, __global const float2* filter, __global const float2* ramp, const LineJob* job, int line,
+                int at) {
+  const float2 value = multiply(sample, factor(filter, job->filter, line, at));
+  return job->ramp.is_used ? multiply(value, factor(ramp, job->ramp, line, at)) : value;
 }
 
 // Sample `at` of the transform's input: the samples of the line at this place of the period, added up.
@@ -156,14 +163,14 @@ void transform(__local float2* held, __global const float2* twiddles, const Line
 
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void transform_lines(
     LineJob job, __global const float2* twiddles, __global const float2* from, __global const float2* enter,
-    __global const float2* filter, __global const float2* leave, __global float2* to) {
+    __global const float2* filter, __global const float2* ramp, __global const float2* leave, __global float2* to) {
   __local float2 held[HELD];
   const int item = get_local_id(0), line = job.first + get_group_id(0), length = job.length;
   for (int i = item; i < length; i += GROUP) held[i] = entering(from, enter, &job, line, i);
   barrier(CLK_LOCAL_MEM_FENCE);
   transform(held, twiddles, &job, job.sign);
   if (job.has_second) {
-    for (int i = item; i < length; i += GROUP) held[i] = multiply(held[i], factor(filter, job.filter, line, i));
+    for (int i = item; i < length; i += GROUP) held[i] = filtered(held[i], filter, ramp, &job, line, i);
     barrier(CLK_LOCAL_MEM_FENCE);
     transform(held, twiddles, &job, -job.sign);
   }
@@ -179,11 +186,12 @@ __kernel void enter_lines(LineJob job, __global const float2* from, __global con
   if (i < job.length) work[(size_t)n * job.length + i] = entering(from, enter, &job, job.first + n, i);
 }
 
-__kernel void filter_lines(LineJob job, __global const float2* filter, __global float2* work) {
+__kernel void filter_lines(LineJob job, __global const float2* filter, __global const float2* ramp,
+                           __global float2* work) {
   const int i = get_global_id(0), n = get_group_id(1);
   if (i >= job.length) return;
   __global float2* const at = work + (size_t)n * job.length + i;
-  *at = multiply(*at, factor(filter, job.filter, job.first + n, i));
+  *at = filtered(*at, filter, ramp, &job, job.first + n, i);
 }
 
 __kernel void leave_lines(LineJob job, __global const float2* work, __global const float2* leave,

@@ -27,7 +27,7 @@ constexpr double most_work = 64e6;
 
 // As line_transform.cl declares them.
 struct FactorsOnDevice {
-  int32_t is_used, start, step, is_mirrored, stride, offset;
+  int32_t is_used, start, step, is_mirrored, stride, offset, is_conjugate;
 };
 struct EndOnDevice {
   int32_t count, shift, stride;
@@ -38,12 +38,12 @@ struct LineJob {
   float sign;
   int32_t has_second, adds;
   EndOnDevice in, out;
-  FactorsOnDevice filter;
+  FactorsOnDevice filter, ramp;
   int32_t radix[most_passes];
 };
 
 FactorsOnDevice on_device(const LineFactors& f) {
-  return {f.values != nullptr, f.start, f.step, f.start < 0, f.stride, f.offset};
+  return {f.values != nullptr, f.start, f.step, f.start < 0, f.stride, f.offset, f.is_conjugate};
 }
 
 EndOnDevice on_device(const LineEnd& end) { return {end.count, end.shift, end.count, on_device(end.factors)}; }
@@ -92,6 +92,7 @@ LineJob job_of(const LineTransform& t) {
   job.in = on_device(t.in);
   job.out = on_device(t.out);
   job.filter = on_device(t.filter);
+  job.ramp = on_device(t.ramp);
   return job;
 }
 
@@ -109,7 +110,8 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
   require(t.length >= 1, "expected a transform of at least one sample, got {}", t.length);
   const DeviceBuffer& roots = twiddles(t.length);
   const auto or_none = [&](const LineFactors& f) -> const DeviceBuffer& { return f.values ? *f.values : roots; };
-  const DeviceBuffer &enter = or_none(t.in.factors), &filter = or_none(t.filter), &leave = or_none(t.out.factors);
+  const DeviceBuffer &enter = or_none(t.in.factors), &filter = or_none(t.filter), &ramp = or_none(t.ramp),
+                     &leave = or_none(t.out.factors);
   const std::vector<int> factors = factors_of(t.length);
   LineJob job = job_of(t);
   if (is_held(device_, t.length)) {
@@ -117,7 +119,7 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
     job.passes = int(factors.size());
     std::copy(factors.begin(), factors.end(), job.radix);
     device_.run(kernel_for("transform_lines", held), {size_t(lines), 1, size_t(held / samples_of_item), 1},
-                {job, roots, from, enter, filter, leave, to});
+                {job, roots, from, enter, filter, ramp, leave, to});
     return;
   }
   const int most = lines_at_once(t.length, lines);
@@ -140,7 +142,7 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
     device_.run(kernel_for("enter_lines", 1024), size, {job, from, enter, work});
     transform(size, job.sign);
     if (job.has_second) {
-      device_.run(kernel_for("filter_lines", 1024), size, {job, filter, work});
+      device_.run(kernel_for("filter_lines", 1024), size, {job, filter, ramp, work});
       transform(size, -job.sign);
     }
     device_.run(kernel_for("leave_lines", 1024), size_for(t.out.count), {job, work, leave, to});

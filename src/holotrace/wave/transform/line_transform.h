@@ -12,6 +12,7 @@ namespace holotrace {
 struct LineFactors {
   const DeviceBuffer* values = nullptr;  ///< none: no factors
   int start = 0, step = 0, stride = 0, offset = 0;
+  bool is_conjugate = false;  ///< whether the samples are multiplied by the conjugates
 };
 
 /// What enters or leaves a line's transform: samples n = 0 … count − 1, at the places n + shift of its period.
@@ -22,13 +23,15 @@ struct LineEnd {
 };
 
 /// A transform of lines that lie one after the other: samples times factors, added up by their places; a transform; the
-/// filter and the transform back, if there is a filter; the samples that leave, times factors. Neither transform scales.
+/// filter, times a ramp if there is one, and the transform back, if there is a filter; the samples that leave, times
+/// factors. Neither transform scales.
 struct LineTransform {
   int length = 0;
   FftDirection direction = FftDirection::forward;  ///< of the first transform
   LineEnd in, out;
   LineFactors filter{};
-  bool adds = false;  ///< to the samples in place
+  bool adds = false;   ///< to the samples in place
+  LineFactors ramp{};  ///< factors of the filter that are the same for all lines, such as those that displace samples
 };
 
 /// Transforms on a device, in single precision. Lines of up to 4096 samples (as far as the device's local memory allows)

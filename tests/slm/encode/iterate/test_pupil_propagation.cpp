@@ -41,19 +41,24 @@ TEST(PupilPropagation, WindowHoldsAPupilAtThePanelsEdge) {
   EXPECT_GE(eye.height(), slm.grid.height() + small_pupil.diameter);
 }
 
+// Also for a plane so near to the pupils that the picture is wider than the period λs/p of its transform.
 TEST(PupilPropagation, PictureHasItsAdjoint) {
   const Slm slm = make_panel(72, 40);
-  const double z = -0.03;
-  const Grid picture = picture_grid(slm.grid, small_pupil, test_wavelength, z);
-  Field eye = PupilPropagation(slm, test_wavelength, small_pupil, {}).dark_eye();
-  eye.samples = random_field(eye.grid, 3).samples;
-  const auto taken = take_picture(eye, small_pupil, z, picture);
-  const auto g = random_field(picture, 4).samples;
-  Field back(eye.grid, test_wavelength);
-  add_picture_adjoint(g, small_pupil, z, picture, back);
-  const double norms = std::sqrt(inner(taken.values, taken.values).real() * inner(g.values, g.values).real());
-  ASSERT_GT(norms, 0);
-  EXPECT_LT(std::abs(inner(g.values, taken.values) - inner(back.samples.values, eye.samples.values)), 1e-5 * norms);
+  for (const double s : {small_pupil.centre.z + 0.03, 0.004}) {
+    const double z = small_pupil.centre.z - s;
+    const Grid picture = picture_grid(slm.grid, small_pupil, test_wavelength, z);
+    ASSERT_EQ(picture.width() > test_wavelength * s / test_pitch, s == 0.004);
+    Field eye = PupilPropagation(slm, test_wavelength, small_pupil, {}).dark_eye();
+    eye.samples = random_field(eye.grid, 3).samples;
+    const auto taken = take_picture(eye, small_pupil, z, picture);
+    const auto g = random_field(picture, 4).samples;
+    Field back(eye.grid, test_wavelength);
+    add_picture_adjoint(g, small_pupil, z, picture, back);
+    const double norms = std::sqrt(inner(taken.values, taken.values).real() * inner(g.values, g.values).real());
+    ASSERT_GT(norms, 0);
+    EXPECT_LT(std::abs(inner(g.values, taken.values) - inner(back.samples.values, eye.samples.values)), 1e-5 * norms)
+        << s;
+  }
 }
 
 // The same light by plain propagation through the disc, at the samples of the picture, which lie on pixels of the panel's

@@ -78,26 +78,26 @@ void DrivenPanel::leave(const Drive& drive, Field& u, const PanelDetail& detail)
 void DrivenPanel::add_slope(const Drive& drive, const Field& u, const Field& g, double factor, Drive& slope,
                             const PanelDetail& detail) const {
   const int nx = drive.level.nx, ny = drive.level.ny;
-  const bool takes_middle = has_two_levels_ && detail.is_hard;
+  const bool is_halfway = takes_middle(detail);
   if (model_) {
     Array2D<float> halfway;
-    if (takes_middle) {
+    if (is_halfway) {
       halfway = Array2D<float>(ny, nx);
       std::fill(halfway.values.begin(), halfway.values.end(), 0.5F);
     }
     const PanelModel::Slopes part =
-        model_of(detail).pull_back(takes_middle ? halfway : drive.level, g.samples, modulus_of(drive));
+        model_of(detail).pull_back(is_halfway ? halfway : drive.level, g.samples, modulus_of(drive));
     add_times(factor, part.drive, slope.level);
     add_times(factor, part.modulus, slope.modulus);
     return;
   }
   const float radians_per_level = float(factor * 2 * pi * cycles_per_level_);
   std::vector<std::complex<float>> halfway;
-  if (takes_middle) halfway.assign(size_t(nx), std::complex<float>(cis_cycles(cycles_per_level_ / 2)));
+  if (is_halfway) halfway.assign(size_t(nx), std::complex<float>(cis_cycles(cycles_per_level_ / 2)));
   parallel_for(
       0, ny,
       [&](int64_t j) {
-        add_phase_gradient(g.samples.row(int(j)), takes_middle ? halfway.data() : u.samples.row(int(j)),
+        add_phase_gradient(g.samples.row(int(j)), is_halfway ? halfway.data() : u.samples.row(int(j)),
                            radians_per_level, slope.level.row(int(j)), size_t(nx));
       },
       {}, 16);

@@ -57,6 +57,15 @@ class DrivenPanel {
   /// dark to bright, as for the modulus of a complex modulation.
   double levels_per_radian() const { return levels_per_radian_; }
 
+  /// Turns of phase per level of a phase panel without effects.
+  double cycles_per_level() const { return cycles_per_level_; }
+
+  /// The model of a panel with effects, of several samples per pixel, or that modulates more than the phase; otherwise none.
+  const PanelModel* model(const PanelDetail& detail) const { return model_ ? &model_of(detail) : nullptr; }
+
+  /// Whether slopes are those halfway between two levels (add_slope).
+  bool takes_middle(const PanelDetail& detail) const { return has_two_levels_ && detail.is_hard; }
+
   /// Whether coarse updates differ from fine ones: with crosstalk.
   bool has_coarse() const { return coarse_.has_value(); }
 

@@ -16,22 +16,25 @@ namespace holotrace {
 
 using Colours = std::vector<std::unique_ptr<Colour>>;
 
-/// The wavelengths of some targets, in their order, for a panel with the hologram's levels and modulation.
-Colours colours_of(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
-                   const Hologram& hologram);
+/// A panel and what is asked of its levels.
+struct DescentSetup {
+  const Slm& slm;
+  const EncodeParams& params;
+};
 
-/// The levels of a hologram, as a drive.
-Drive drive_of(const Hologram& hologram);
+/// The wavelengths of some targets, in their order, for a panel with the hologram's levels and modulation.
+Colours colours_of(const std::vector<TargetPlane>& targets, const DescentSetup& setup, const Hologram& hologram,
+                   FrameArrays& frames);
 
 /// Frames that are found together by the updates of gradient_descent.h, one after the other. All that one update leaves
 /// to the next is in state(): restored in another object of the same job, the updates that follow are the same.
 class FrameDescent {
  public:
-  /// @param targets, slm, params  must outlive this object
-  /// @param frames  their levels are the start
-  /// @throws Error  if the memory does not suffice
-  FrameDescent(const TargetSet& targets, const Slm& slm, const EncodeParams& params,
-               const std::vector<Hologram>& frames);
+  /// @param targets, setup  must outlive this object
+  /// @param frames  their number, levels and modulation are used
+  /// @param arrays  holds their levels, the start
+  FrameDescent(const TargetSet& targets, const DescentSetup& setup, const std::vector<Hologram>& frames,
+               std::unique_ptr<FrameArrays> arrays);
 
   /// Loss before each update that is done.
   const std::vector<double>& losses() const { return losses_; }
@@ -52,17 +55,12 @@ class FrameDescent {
   const Colours& colours() const { return colours_; }
 
   /// Writes the rounded levels.
-  void write(std::vector<Hologram>& frames) const;
+  void write(std::vector<Hologram>& frames) const { arrays_->write(frames); }
 
   IterationState state();
   void restore(const IterationState& state);
 
  private:
-  // A frame: its drive, what Adam remembers of it, and the gradient.
-  struct Frame {
-    Drive drive, mean, square;
-  };
-
   int updates_per_round() const;
   double part(const Colour& colour) const;
   double place(int updates) const;
@@ -72,19 +70,18 @@ class FrameDescent {
   void end_if_little_is_gained();
   template <class Work>
   void each_number(const Work& work);
-  template <class Work>
-  void each_array_of_state(const Work& work);
 
   const TargetSet& targets_;
   const EncodeParams& params_;
+  const Grid grid_;
   const int iterations_, levels_;
+  const size_t frames_, arrays_of_state_;
+  std::unique_ptr<FrameArrays> arrays_;
   Colours colours_;
   std::vector<Turns> turns_;  // of each colour
   double lit_ = 0;            // number of colours that have light
   float turn_ = 0;            // levels of a whole turn of phase; 0 for none
   double level_step_, modulus_step_;
-  std::vector<Frame> frames_;
-  std::vector<Drive> rounded_, slopes_;  // of each frame
   std::vector<double> losses_;
   int last_update_;
   int ending_from_ = -1;  // number of updates after which it began to end early; −1: it did not

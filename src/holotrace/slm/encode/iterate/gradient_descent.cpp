@@ -4,12 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/slm/encode/iterate/descent_device.h"
 #include "holotrace/slm/encode/iterate/descent_job.h"
+#include "holotrace/slm/encode/iterate/device_arrays.h"
 #include "holotrace/slm/encode/iterate/frame_descent.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/slm/encode/iterate/processor_arrays.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {
@@ -22,12 +28,12 @@ double psnr(const Colours& colours) {
   double error = 0, weight = 0;
   for (const auto& colour : colours) {
     double peak = 0;
-    for (const TargetWay& way : colour->ways()) peak = std::max(peak, target_peak(*way.target));
+    for (const TargetPlane* target : colour->targets()) peak = std::max(peak, target_peak(*target));
     if (peak == 0) continue;
     error += colour->error() / (peak * peak);
-    for (const TargetWay& way : colour->ways()) {
-      for (const float w : way.target->weight.values) weight += double(w);
-      if (way.target->weight.size() == 0) weight += double(way.target->amplitude.size());
+    for (const TargetPlane* target : colour->targets()) {
+      for (const float w : target->weight.values) weight += double(w);
+      if (target->weight.size() == 0) weight += double(target->amplitude.size());
     }
   }
   return 10 * std::log10(weight / std::max(error, 1e-30));
@@ -44,7 +50,7 @@ void tell_quality(const Colours& colours, const Observer& observer, std::vector<
   for (Hologram& frame : frames) frame.colours.clear();
   for (const auto& colour : colours) {
     for (Hologram& frame : frames) set_illumination(*colour, colours.size() > 1, frame);
-    light += colour->light() / (double(colour->ways().size()) * double(frames.front().grid.pixels()));
+    light += colour->light() / (double(colour->targets().size()) * double(frames.front().grid.pixels()));
   }
   observer.fact("psnr_db", Fact(psnr(colours)));
   observer.fact("target_efficiency", Fact(light / double(colours.size())));
@@ -84,39 +90,100 @@ class KeptDescent {
 
 void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
            const Observer& observer, std::vector<Hologram>& frames) {
-  const Colours colours = colours_of(targets, slm, params, frames.front());
-  std::vector<Drive> levels;
-  for (const Hologram& frame : frames) levels.push_back(drive_of(frame));
-  for (const auto& colour : colours) colour->judge(levels);
+  ProcessorFrames arrays(slm, params, frames);
+  const Colours colours = colours_of(targets, {slm, params}, frames.front(), arrays);
+  for (const auto& colour : colours) colour->judge();
   tell_quality(colours, observer, frames);
 }
 
-void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
-             std::vector<Hologram>& frames, const Checkpoint& checkpoint) {
-  const int iterations = iterations_of(params);
-  FrameDescent descent(targets, slm, params, frames);
+namespace {
+
+// What a caller wants of a descent beside its levels.
+struct Listeners {
+  const Observer& observer;
+  const Checkpoint& checkpoint;
+};
+
+// A device that failed during a descent that the processor can do, too.
+struct DeviceFault {
+  std::string why;
+};
+
+// Where a descent computes: on a device or, without one, on the processor.
+struct DescentPlace {
+  Device* device = nullptr;
+  bool may_change = false;  // whether the processor does it if the device fails
+
+  // Does a part of it that uses the device.
+  template <class Work>
+  auto compute(const Work& work) const {
+    if (!may_change) return work();
+    try {
+      return work();
+    } catch (const Error& error) {
+      throw DeviceFault{error.what()};
+    }
+  }
+};
+
+std::unique_ptr<FrameArrays> arrays_on(Device* device, size_t planes, const DescentSetup& setup,
+                                       const std::vector<Hologram>& frames) {
+  if (device) return std::make_unique<DeviceFrames>(*device, setup.slm, setup.params, frames);
+  require_memory_for_descent(planes, setup.slm, setup.params, frames);
+  return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames);
+}
+
+void descend_on(const DescentPlace& place, const TargetSet& targets, const DescentSetup& setup,
+                std::vector<Hologram>& frames, const Listeners& listeners) {
+  const auto& [observer, checkpoint] = listeners;
+  const int iterations = iterations_of(setup.params);
+  const auto made = place.compute([&] {
+    return std::make_unique<FrameDescent>(targets, setup, frames,
+                                          arrays_on(place.device, targets.planes.size(), setup, frames));
+  });
+  FrameDescent& descent = *made;
   std::optional<KeptDescent> kept;
-  if (checkpoint) kept.emplace(descent, checkpoint, descent_job(targets, slm, params, frames));
-  if (descent.updates() == 0 && iterations > 0) descent.judge();  // planes count before their first turn
-  if (kept && descent.updates() == 0) kept->save();               // a file that cannot be written is refused now
+  if (checkpoint) kept.emplace(descent, checkpoint, descent_job(targets, setup.slm, setup.params, frames));
+  if (descent.updates() == 0 && iterations > 0)
+    place.compute([&] { descent.judge(); });         // planes count before their first turn
+  if (kept && descent.updates() == 0) kept->save();  // a file that cannot be written is refused now
   if (descent.updates() > 0)
     observer.progress(double(descent.updates()) / descent.last_update());  // time left is from here
   while (descent.updates() < descent.last_update()) {
-    descent.update();
+    place.compute([&] { descent.update(); });
     observer.status(fmt::format("loss {:.1f} dB", decibels(descent.losses().back())));
     observer.progress(double(descent.updates()) / descent.last_update());
     if (kept) kept->after_update(iterations);
   }
   if (kept) kept->save();
-  descent.judge();
-  descent.write(frames);
+  place.compute([&] {
+    descent.judge();
+    descent.write(frames);
+  });
   std::vector<double> convergence = descent.losses();
   convergence.push_back(descent.loss());
   observer.fact("iterations", descent.updates());
+  if (place.device) observer.fact("device", place.device->info().name);
   observer.fact("loss_first", Fact(convergence.front()));
   observer.fact("loss_last", Fact(convergence.back()));
   observer.curve("convergence", convergence);
   tell_quality(descent.colours(), observer, frames);
+}
+
+}  // namespace
+
+void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
+             std::vector<Hologram>& frames, const Checkpoint& checkpoint) {
+  const DescentSetup setup{slm, params};
+  const Listeners listeners{observer, checkpoint};
+  Device* const device = device_for_descent(targets, setup, frames.size());
+  const bool may_change = device && params.device.kind == DeviceKind::automatic;
+  try {
+    descend_on({device, may_change}, targets, setup, frames, listeners);
+  } catch (const DeviceFault& fault) {
+    observer.warn(fmt::format("the device auto: the processor took over, because {}", fault.why));
+    descend_on({}, targets, setup, frames, listeners);
+  }
 }
 
 }  // namespace holotrace

@@ -42,12 +42,16 @@ namespace holotrace {
 ///
 /// @param targets  target planes of one wavelength or, for one hologram in several colours, of several
 /// @param slm      panel with the effects that are on
+/// **On a device** (params.device), drives, moments, light and propagations are in its memory, in single precision; the
+/// sums of the rows of each plane come back, two floats per row, and the levels at the end. If the device `auto` fails, the
+/// processor goes on from the checkpoint, or starts again, with a warning.
+///
 /// @param checkpoint  keeps the state of now and then: a later call with the same job goes on from there, to the same
-///                 levels and facts
+///                 levels and facts; on another device, to those of rounding
 /// @param frames   their levels M, modulation and wavelength are used; their `level` is the start, and then the result
 /// @throws Error   for a number of iterations or a step size below 0, if the memory does not suffice, for a checkpoint of
-///                 another job, and if it says stop
-/// Facts: `iterations`, `loss_first`, `loss_last` (f), and those of judge. Curve: `convergence`, the loss
+///                 another job, and if it says stop; as device_for_descent and Device do
+/// Facts: `iterations`, `device` (its name, on a device), `loss_first`, `loss_last` (f), and those of judge. Curve: `convergence`, the loss
 /// before each iteration, and that of the final levels. Cost for each frame and plane of an iteration: one
 /// transform there and one back, and as many more as samples in a pixel (four, or two of four or more frames); as much again for
 /// views; with effects, the panel model forward and back. Memory: 60 bytes per pixel and frame (80 on a complex panel) with one

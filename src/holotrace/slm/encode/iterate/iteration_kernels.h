@@ -3,6 +3,8 @@
 #include <complex>
 #include <cstddef>
 
+#include "holotrace/slm/encode/iterate/descent_kernel.h"
+
 // The pixel loops of iterations, compiled for every instruction set. Sums use float lanes over the `count` samples of
 // one call, which is a row; callers add the rows in double, in order.
 
@@ -38,9 +40,7 @@ void add_phase_gradient(const std::complex<float>* g, const std::complex<float>*
 
 /// One step of Adam (Kingma and Ba, 2015): m ← β₁m + (1−β₁)d, v ← β₂v + (1−β₂)d², x ← x − step·m/(√v + ε). `step`
 /// and ε include the bias corrections of the first steps.
-struct AdamStep {
-  float beta1, beta2, step, epsilon;
-};
+using descent_kernel::AdamStep;
 void adam_step(const AdamStep& adam, const float* d, float* m, float* v, float* x, size_t count);
 
 /// Moves drives into their range and rounds them to levels. With `turn` > 0, the levels of a whole turn of phase, the

@@ -23,10 +23,10 @@ double distance_to(const Pupil& pupil, double z) { return pupil.centre.z - z; }
 // The samples of a window that lie in a pupil, row by row, each with the phase that the transform needs.
 class PupilSamples {
  public:
-  PupilSamples(const Field& eye, const Pupil& pupil, double z)
-      : length(transform_length(pupil, eye.grid.pitch)), grid_(eye.grid), pupil_(pupil) {
-    const double s = distance_to(pupil, z), turns = 1 / (eye.wavelength * s), pitch = eye.grid.pitch;
-    scale = float(pitch * pitch / (eye.wavelength * s));
+  PupilSamples(const Grid& eye, double wavelength, const Pupil& pupil, double z)
+      : length(transform_length(pupil, eye.pitch)), grid_(eye), pupil_(pupil) {
+    const double s = distance_to(pupil, z), turns = 1 / (wavelength * s), pitch = eye.pitch;
+    scale = float(pitch * pitch / (wavelength * s));
     const auto phases = [&](double centre, double (Grid::*place)(double) const, int count) {
       std::vector<std::complex<double>> values;
       for (int i = 0; i < count; ++i) {
@@ -35,8 +35,8 @@ class PupilSamples {
       }
       return values;
     };
-    along_x_ = phases(pupil.centre.x, &Grid::x, eye.grid.nx);
-    along_y_ = phases(pupil.centre.y, &Grid::y, eye.grid.ny);
+    along_x_ = phases(pupil.centre.x, &Grid::x, eye.nx);
+    along_y_ = phases(pupil.centre.y, &Grid::y, eye.ny);
     first_x_ = nearest((pupil.centre.x - grid_.x(0)) / pitch);
     first_y_ = nearest((grid_.y(0) - pupil.centre.y) / pitch);
   }
@@ -53,6 +53,26 @@ class PupilSamples {
             size_t(wrapped(j - first_y_, length)) * size_t(length) + size_t(wrapped(i - first_x_, length));
         work(j, i, at, std::complex<float>(along_x_[size_t(i)] * along_y_[size_t(j)]));
       }
+  }
+
+  PupilWindow window() const {
+    const size_t places = size_t(length);
+    PupilWindow window{.length = length,
+                       .first_x = first_x_,
+                       .first_y = first_y_,
+                       .scale = scale,
+                       .along_x = std::vector<std::complex<float>>(places),
+                       .along_y = std::vector<std::complex<float>>(places),
+                       .spans = std::vector<std::array<int32_t, 2>>(places)};
+    each([&](int j, int i, size_t at, std::complex<float>) {
+      const size_t row = at / places, column = at % places;
+      window.along_x[column] = std::complex<float>(along_x_[size_t(i)]);
+      window.along_y[row] = std::complex<float>(along_y_[size_t(j)]);
+      std::array<int32_t, 2>& span = window.spans[row];
+      if (span[0] == span[1]) span = {i, i};
+      span[1] = i + 1;
+    });
+    return window;
   }
 
   int length;
@@ -108,8 +128,12 @@ Grid picture_grid(const Grid& panel, const Pupil& pupil, double wavelength, doub
   return {odd(panel.width()), odd(panel.height()), pitch};
 }
 
+PupilWindow pupil_window(const Grid& eye, double wavelength, const Pupil& pupil, double z) {
+  return PupilSamples(eye, wavelength, pupil, z).window();
+}
+
 Array2D<std::complex<float>> take_picture(const Field& eye, const Pupil& pupil, double z, const Grid& picture) {
-  const PupilSamples samples(eye, pupil, z);
+  const PupilSamples samples(eye.grid, eye.wavelength, pupil, z);
   const size_t length = size_t(samples.length);
   Array2D<std::complex<float>> light(samples.length, samples.length);
   samples.each([&](int j, int i, size_t at, std::complex<float> phase) {
@@ -123,9 +147,9 @@ Array2D<std::complex<float>> take_picture(const Field& eye, const Pupil& pupil, 
 
 void add_picture_adjoint(const Array2D<std::complex<float>>& light, const Pupil& pupil, double z, const Grid& picture,
                          Field& eye) {
-  const PupilSamples samples(eye, pupil, z);
+  const PupilSamples samples(eye.grid, eye.wavelength, pupil, z);
   Array2D<std::complex<float>> wide(samples.length, samples.length);
-  each_of_picture(picture, samples.length, [&](int j, int i, size_t at) { wide.values[at] = light(j, i); });
+  each_of_picture(picture, samples.length, [&](int j, int i, size_t at) { wide.values[at] += light(j, i); });
   fft_2d(wide.values.data(), samples.length, samples.length, FftDirection::forward);
   samples.each([&](int j, int i, size_t at, std::complex<float> phase) {
     eye.samples(j, i) += wide.values[at] * std::conj(phase) * samples.scale;

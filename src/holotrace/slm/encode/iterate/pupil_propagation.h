@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <complex>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -35,6 +37,9 @@ class PupilPropagation {
   /// The adjoint of to_eye.
   Field to_panel(const Field& eye) const;
 
+  /// The propagation of to_eye.
+  const Propagator<float>& there() const { return there_; }
+
   /// A field without light in that window.
   Field dark_eye() const { return Field(there_.output, there_.wavelength); }
 
@@ -45,6 +50,16 @@ class PupilPropagation {
 /// The samples that pictures in the plane z need, for pupils of this size and distance: at most λs/2D apart, as a
 /// transform of good length gives them; as many as cover the panel's window, and odd numbers of them.
 Grid picture_grid(const Grid& panel, const Pupil& pupil, double wavelength, double z);
+
+/// The part of a window that lies in a pupil, as the transform of take_picture has it: `length` places along each axis, of
+/// which place 0 is the sample nearest to the pupil's centre, and the last ones are before it.
+struct PupilWindow {
+  int length = 0, first_x = 0, first_y = 0;           ///< first: the sample of the window at place 0
+  float scale = 0;                                    ///< p²/(λs)
+  std::vector<std::complex<float>> along_x, along_y;  ///< factors of the light, at each place
+  std::vector<std::array<int32_t, 2>> spans;  ///< of each row of places: first and end of the columns in the pupil
+};
+PupilWindow pupil_window(const Grid& eye, double wavelength, const Pupil& pupil, double z);
 
 /// The picture in the plane z that a pupil takes of the light in its plane, as above.
 /// @param picture  picture_grid for such a pupil

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "holotrace/base/error.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
@@ -89,10 +90,18 @@ TargetPropagation::TargetPropagation(const Slm& slm, double wavelength, double z
   }
 }
 
+std::vector<size_t> samples_of(SampleGroup group, size_t count) {
+  std::vector<size_t> all(count);
+  std::iota(all.begin(), all.end(), size_t(0));
+  if (group == SampleGroup::all) return all;
+  require(count == 4, "expected four samples per pixel for a group of them, got {}", count);
+  return group == SampleGroup::falling ? std::vector<size_t>{0, 3} : std::vector<size_t>{1, 2};
+}
+
 std::vector<Vec2> TargetPropagation::shifts_of(SampleGroup group) const {
-  if (group == SampleGroup::all) return shifts_;
-  require(shifts_.size() == 4, "expected four samples per pixel for a group of them, got {}", shifts_.size());
-  return group == SampleGroup::falling ? std::vector{shifts_[0], shifts_[3]} : std::vector{shifts_[1], shifts_[2]};
+  std::vector<Vec2> shifts;
+  for (const size_t sample : samples_of(group, shifts_.size())) shifts.push_back(shifts_[sample]);
+  return shifts;
 }
 
 std::vector<Field> TargetPropagation::to_plane(const Field& panel, SampleGroup group) const {

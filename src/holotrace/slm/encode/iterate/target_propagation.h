@@ -29,6 +29,10 @@ enum class PixelSamples {
 /// diagonal is half of the mean irradiance.
 enum class SampleGroup { all, falling, rising };
 
+/// The places of those samples in the order of PixelSamples, of `count` samples.
+/// @throws Error  for a diagonal, unless there are four
+std::vector<size_t> samples_of(SampleGroup group, size_t count);
+
 /// What the light passes between the panel and the samples of a target plane.
 struct TargetOptics {
   PixelAperture aperture = PixelAperture::included;
@@ -56,6 +60,14 @@ class TargetPropagation {
 
   /// The adjoint.
   Field to_panel(const std::vector<Field>& plane, SampleGroup group = SampleGroup::all) const;
+
+  /// Places of the samples from the pixels' middles [samples].
+  const std::vector<Vec2>& shifts() const { return shifts_; }
+  /// The propagation to the plane; with a pupil, from the pupil to the plane.
+  const Propagator<float>& there() const { return there_; }
+  /// With a pupil: the propagation from the panel to its window, and 1 inside the pupil.
+  const std::optional<Propagator<float>>& to_pupil() const { return to_pupil_; }
+  const Array2D<float>& disc() const { return disc_; }
 
  private:
   std::vector<Vec2> shifts_of(SampleGroup group) const;

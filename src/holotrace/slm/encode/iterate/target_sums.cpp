@@ -5,8 +5,13 @@
 #include <vector>
 
 #include "holotrace/base/threads.h"
+#include "holotrace/slm/encode/iterate/descent_kernel.h"
 
 namespace holotrace {
+
+using descent_kernel::mean_along;
+using descent_kernel::spread_along;
+
 namespace {
 
 const float* weights_of(const TargetPlane& target, int row) {
@@ -66,21 +71,14 @@ Array2D<float> power_of(const std::vector<Field>& samples, const Grid& pixels) {
   return power;
 }
 
-namespace {
-
-// Weights of a pixel's own samples and of its neighbours' along an axis: of all that are even, those with the least error.
-constexpr float of_neighbour = 2 * 0.0289F, own = 1 - of_neighbour;
-
-}  // namespace
-
 Array2D<float> pixel_means(const SamplePower& power) {
   const int ny = power[0].ny, nx = power[0].nx;
   // Along a row, from the left and the right samples of its pixels; and in the same way along the columns.
   const auto along_row = [&](size_t first, int j, std::vector<float>& means) {
     const float *left = power[first].row(j), *right = power[first + 1].row(j);
     for (int i = 0; i < nx; ++i)
-      means[size_t(i)] = own * (left[i] + right[i]) +
-                         of_neighbour * ((i > 0 ? right[i - 1] : left[0]) + (i + 1 < nx ? left[i + 1] : right[nx - 1]));
+      means[size_t(i)] =
+          mean_along(left[i], right[i], i > 0 ? right[i - 1] : left[0], i + 1 < nx ? left[i + 1] : right[nx - 1]);
   };
   Array2D<float> means(ny, nx);
   parallel_for(
@@ -92,8 +90,7 @@ Array2D<float> pixel_means(const SamplePower& power) {
         along_row(0, j, upper);
         along_row(2, j, lower);
         j + 1 < ny ? along_row(0, j + 1, below) : along_row(2, j, below);
-        for (size_t i = 0; i < size_t(nx); ++i)
-          means.row(j)[i] = own * (upper[i] + lower[i]) + of_neighbour * (above[i] + below[i]);
+        for (size_t i = 0; i < size_t(nx); ++i) means.row(j)[i] = mean_along(upper[i], lower[i], above[i], below[i]);
       },
       {}, 16);
   return means;
@@ -110,10 +107,10 @@ SamplePower spread_to_samples(const Array2D<float>& pixels) {
         [&](int64_t row) {
           const int j = int(row), next = std::clamp(j + down, 0, ny - 1);
           const auto along = [&](const float* r, int i) {
-            return own * r[i] + of_neighbour * r[std::clamp(i + across, 0, nx - 1)];
+            return spread_along(r[i], r[std::clamp(i + across, 0, nx - 1)]);
           };
           for (int i = 0; i < nx; ++i)
-            samples[s](j, i) = own * along(pixels.row(j), i) + of_neighbour * along(pixels.row(next), i);
+            samples[s](j, i) = spread_along(along(pixels.row(j), i), along(pixels.row(next), i));
         },
         {}, 16);
   }

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "holotrace/base/array.h"
+#include "holotrace/data/hologram.h"
+#include "holotrace/data/params/encode.h"
+#include "holotrace/data/target.h"
+#include "holotrace/slm/encode/iterate/driven_panel.h"
+#include "holotrace/slm/encode/iterate/iteration_kernels.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
+
+// What a gradient descent does with arrays: frame_descent.h and colour.h say when, and with which numbers. The processor
+// does it by processor_arrays.h.
+
+namespace holotrace {
+
+/// The light of all frames at one wavelength, from the panel to the target planes, and gradients back.
+class ColourLight {
+ public:
+  virtual ~ColourLight() = default;
+
+  /// Adds a target plane, which must outlive this object.
+  virtual void add(const TargetPlane& target) = 0;
+
+  /// The light that leaves the panel, for the rounded levels of all frames.
+  virtual void leave(const PanelDetail& detail) = 0;
+
+  /// Sums over a plane for the mean light of the frames that left last, with some of the samples of its pixels.
+  /// @param is_kept  whether the light in the plane stays for add_gradient
+  virtual ModulusSums plane_sums(size_t plane, SampleGroup group, bool is_kept) = 0;
+
+  /// Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor, to their slopes, for the light that
+  /// plane_sums has kept with the same samples, and drops that light. @return that sum
+  virtual double add_gradient(size_t plane, SampleGroup group, double scale, double factor) = 0;
+
+  /// The same for views through pupils, as a fraction of their light.
+  virtual void add_views(const ViewTargets& views, double scale, double factor) = 0;
+};
+
+/// A step of Adam for levels and, on complex panels, moduli; and how the drives are then rounded (settle_drive).
+struct DriveStep {
+  AdamStep level, modulus;
+  float turn, levels, hardness;
+};
+
+/// The frames of a gradient descent: of each its drive, what Adam remembers of it, the drive rounded to levels, and the
+/// slope of the loss.
+class FrameArrays {
+ public:
+  virtual ~FrameArrays() = default;
+
+  /// The light of the frames in a panel, which must outlive it, as this object must.
+  virtual std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) = 0;
+
+  virtual void clear_slopes() = 0;
+  virtual void step(const DriveStep& step) = 0;
+
+  /// Writes the rounded levels.
+  virtual void write(std::vector<Hologram>& frames) const = 0;
+
+  /// The arrays that updates leave to the next ones: of each frame the rounded drive, the drive, Adam's mean and its
+  /// square; of each of these the levels and, on complex panels, the moduli.
+  virtual std::vector<Array2D<float>> state() = 0;
+  virtual void restore(const std::vector<Array2D<float>>& state) = 0;
+};
+
+/// Number of those arrays, which all have the shape of the panel.
+inline size_t arrays_of_state(const std::vector<Hologram>& frames) {
+  return frames.size() * 4 * (frames.front().modulation == Modulation::complex ? 2 : 1);
+}
+
+/// The samples of a plane's pixels that an update takes. Many frames take the diagonals of the pixels in turn: the update
+/// then takes 0.6 of the time, and the frames lose less than 1 dB; few frames lose more.
+/// @param round  rounds of all planes that have begun
+inline SampleGroup samples_of_update(size_t frames, int subpixels, uint64_t round) {
+  constexpr size_t many = 4;
+  if (frames < many || subpixels > 1) return SampleGroup::all;
+  return round % 2 == 0 ? SampleGroup::falling : SampleGroup::rising;
+}
+
+/// What the power of some samples is multiplied by to give the mean irradiance of a pixel.
+inline double part_of_light(SampleGroup group) { return group == SampleGroup::all ? 1 : 2; }
+
+/// Whether the mean over a pixel counts its neighbours' samples (pixel_means): all four samples and those of the
+/// neighbours give it better than the pixel's own samples do.
+inline bool has_pixel_means(SampleGroup group, int subpixels) { return group == SampleGroup::all && subpixels == 1; }
+
+/// The optics between a driven panel and the samples of its target planes.
+inline TargetOptics optics_of(const DrivenPanel& panel, const EncodeParams& params) {
+  return {.aperture = panel.aperture(),
+          .samples = params.subpixels == 1 ? PixelSamples::four : PixelSamples::middle,
+          .subpixels = params.subpixels,
+          .stop = stop_width(params)};
+}
+
+}  // namespace holotrace

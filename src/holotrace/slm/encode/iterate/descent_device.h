@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+
+#include "holotrace/data/target.h"
+#include "holotrace/opencl/device.h"
+#include "holotrace/slm/encode/iterate/frame_descent.h"
+
+namespace holotrace {
+
+/// The device that params.device names for a gradient descent; none: the processor does it.
+///
+/// The device `auto` is the one that is expected to be the fastest, by the rates of device_rates.h.
+/// @param frames  their number
+/// @throws Error  for a device that is not there
+Device* device_for_descent(const TargetSet& targets, const DescentSetup& setup, size_t frames);
+
+}  // namespace holotrace

@@ -1,0 +1,125 @@
+#include "holotrace/slm/encode/iterate/descent_loops.h"
+
+#include <fmt/format.h>
+
+#include <complex>
+#include <cstdint>
+#include <vector>
+
+namespace holotrace {
+namespace {
+
+constexpr const char* formulas =
+#include "kernels/descent_kernel.h.inc"
+    ;
+constexpr const char* loops =
+#include "kernels/descent.cl.inc"
+    ;
+
+constexpr int group = 64;
+
+Kernel kernel(const char* name) { return {name, {formulas, loops}, fmt::format("-D GROUP={}", group)}; }
+
+WorkSize over(size_t count) { return {(count + group - 1) / group, 1, group, 1}; }
+WorkSize over(const Grid& pixels) { return {size_t(pixels.nx + group - 1) / group, size_t(pixels.ny), group, 1}; }
+WorkSize rows_of(const DeviceTarget& target) { return {size_t(target.ny), 1, group, 1}; }
+
+int32_t floats_in(const DeviceBuffer& buffer) { return int32_t(buffer.bytes() / sizeof(float)); }
+
+}  // namespace
+
+DeviceTarget::DeviceTarget(Device& device, const Array2D<float>& amplitudes, const Array2D<float>& weights)
+    : nx(amplitudes.nx), ny(amplitudes.ny) {
+  const auto upload = [&](const Array2D<float>& values) {
+    DeviceBuffer buffer = device.make_buffer(values.size() * sizeof(float), "a target plane");
+    device.write(buffer, values.values.data(), buffer.bytes());
+    return buffer;
+  };
+  amplitude = upload(amplitudes);
+  if (weights.size() > 0) weight = upload(weights);
+  sums = device.make_buffer(size_t(ny) * sizeof(std::complex<float>), "a target plane");
+}
+
+void pixel_means(Device& device, const Grid& pixels, const std::array<DeviceBuffer, 4>& power,
+                 const DeviceBuffer& means) {
+  device.run(kernel("pixel_means"), over(pixels),
+             {int32_t(pixels.nx), int32_t(pixels.ny), power[0], power[1], power[2], power[3], means});
+}
+
+void add_power(Device& device, const SampledPower& sampled, const Grid& pixels, const DeviceBuffer& power) {
+  device.run(kernel("add_power"), over(pixels),
+             {int32_t(pixels.nx), int32_t(sampled.n), sampled.factor, int32_t(sampled.adds), sampled.v, power});
+}
+
+void multiply_pixels(Device& device, const Grid& pixels, int n, const DeviceBuffer& factor, const DeviceBuffer& v) {
+  device.run(kernel("multiply_pixels"), over(pixels), {int32_t(pixels.nx), int32_t(n), factor, v});
+}
+
+void multiply_by_real(Device& device, const DeviceBuffer& factor, const DeviceBuffer& v) {
+  const int32_t count = floats_in(factor);
+  device.run(kernel("multiply_by_real"), over(size_t(count)), {count, factor, v});
+}
+
+void multiply_by_spread(Device& device, const Grid& pixels, size_t sample, const DeviceBuffer& factor,
+                        const DeviceBuffer& v) {
+  const int32_t across = sample % 2 == 0 ? -1 : 1, down = sample < 2 ? -1 : 1;
+  device.run(kernel("multiply_by_spread"), over(pixels),
+             {int32_t(pixels.nx), int32_t(pixels.ny), across, down, factor, v});
+}
+
+ModulusSums fit_sums(Device& device, const DeviceTarget& target, const DeviceBuffer& power) {
+  const bool has_weight = target.weight.bytes() > 0;
+  device.run(kernel("sum_rows"), rows_of(target),
+             {int32_t(target.nx), int32_t(has_weight), power, target.amplitude,
+              has_weight ? target.weight : target.amplitude, target.sums});
+  std::vector<std::complex<float>> rows(static_cast<size_t>(target.ny));
+  device.read(target.sums, rows.data(), rows.size() * sizeof rows[0]);
+  ModulusSums sums;
+  for (const std::complex<float>& row : rows) {
+    sums.cross += double(row.real());
+    sums.square += double(row.imag());
+  }
+  return sums;
+}
+
+void take_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power) {
+  const bool has_weight = target.weight.bytes() > 0;
+  device.run(kernel("leave_residual"), rows_of(target),
+             {int32_t(target.nx), int32_t(has_weight), float(scale), power, target.amplitude,
+              has_weight ? target.weight : target.amplitude, target.sums});
+}
+
+double leave_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power) {
+  take_residual(device, target, scale, power);
+  std::vector<float> rows(static_cast<size_t>(target.ny));
+  device.read(target.sums, rows.data(), rows.size() * sizeof rows[0]);
+  double sum = 0;
+  for (const float row : rows) sum += double(row);
+  return sum;
+}
+
+void leave_phases(Device& device, float cycles_per_level, const DeviceBuffer& level, const DeviceBuffer& u) {
+  const int32_t count = floats_in(level);
+  device.run(kernel("leave_phases"), over(size_t(count)), {count, cycles_per_level, level, u});
+}
+
+void add_phase_slopes(Device& device, const PhaseSlopes& slopes, const DeviceBuffer& g, const DeviceBuffer& u,
+                      const DeviceBuffer& slope) {
+  const int32_t count = floats_in(slope);
+  device.run(kernel("add_phase_slopes"), over(size_t(count)),
+             {count, slopes.factor, int32_t(slopes.is_halfway), slopes.halfway, g, u, slope});
+}
+
+void clear(Device& device, const DeviceBuffer& values) {
+  const int32_t count = floats_in(values);
+  device.run(kernel("clear"), over(size_t(count)), {count, values});
+}
+
+void step_drives(Device& device, const AdamStep& adam, float turn, const DriveStep& step, const DeviceDrive& values) {
+  const int32_t count = floats_in(values.drive);
+  device.run(kernel("step_drives"), over(size_t(count)),
+             {count, adam, turn, step.levels, step.hardness, values.slope, values.mean, values.square, values.drive,
+              values.rounded});
+}
+
+}  // namespace holotrace

@@ -1,0 +1,46 @@
+#include "holotrace/slm/encode/iterate/device_driven_panel.h"
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/units.h"
+
+namespace holotrace {
+namespace {
+
+const DeviceBuffer* moduli_of(const DeviceFrame& frame, const DeviceBuffer DeviceDrive::*values) {
+  return (frame.modulus.*values).bytes() > 0 ? &(frame.modulus.*values) : nullptr;
+}
+
+DevicePattern pattern_of(const DeviceFrame& frame, bool is_halfway) {
+  return {frame.level.rounded, moduli_of(frame, &DeviceDrive::rounded), is_halfway};
+}
+
+}  // namespace
+
+DeviceDrivenPanel::DeviceDrivenPanel(Device& device, const DrivenPanel& panel) : device_(device), panel_(panel) {
+  if (const PanelModel* fine = panel.model({})) fine_.emplace(device, *fine);
+  if (panel.has_coarse()) coarse_.emplace(device, *panel.model({.is_fine = false}));
+}
+
+DevicePanel* DeviceDrivenPanel::model(const PanelDetail& detail) {
+  if (coarse_ && !detail.is_fine) return &*coarse_;
+  return fine_ ? &*fine_ : nullptr;
+}
+
+void DeviceDrivenPanel::leave(const DeviceFrame& frame, const PanelDetail& detail, const DevicePanelLight& u) {
+  if (DevicePanel* const there = model(detail)) return there->leave(pattern_of(frame, false), u.samples, u.memory);
+  leave_phases(device_, float(panel_.cycles_per_level()), frame.level.rounded, u.samples);
+}
+
+void DeviceDrivenPanel::add_slope(const DeviceFrame& frame, const PanelDetail& detail, const DeviceBuffer& u,
+                                  const DevicePanelLight& g, double factor) {
+  const bool is_halfway = panel_.takes_middle(detail);
+  if (DevicePanel* const there = model(detail)) {
+    const DeviceSlopes to{frame.level.slope, moduli_of(frame, &DeviceDrive::slope), factor};
+    return there->add_slopes(pattern_of(frame, is_halfway), g.samples, to, g.memory);
+  }
+  const double cycles = panel_.cycles_per_level();
+  add_phase_slopes(device_, {float(factor * 2 * pi * cycles), is_halfway, std::complex<float>(cis_cycles(cycles / 2))},
+                   g.samples, u, frame.level.slope);
+}
+
+}  // namespace holotrace

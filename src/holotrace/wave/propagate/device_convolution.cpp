@@ -1,0 +1,174 @@
+#include "holotrace/wave/propagate/device_convolution.h"
+
+#include <algorithm>
+#include <complex>
+
+#include "holotrace/base/error.h"
+#include "holotrace/wave/propagate/convolution_parts.h"
+
+namespace holotrace {
+namespace {
+
+using Complex = std::complex<float>;
+
+LineFactors factors_of(const DeviceBuffer& values, bool is_conjugate = false) {
+  LineFactors factors;
+  if (values.bytes() > 0) factors.values = &values;
+  factors.is_conjugate = is_conjugate;
+  return factors;
+}
+
+LineFactors conjugate(LineFactors factors) {
+  factors.is_conjugate = !factors.is_conjugate;
+  return factors;
+}
+
+DeviceBuffer upload_factors(Device& device, const std::vector<Complex>& values) {
+  return values.empty() ? DeviceBuffer() : device.upload(values, "the factors of a propagation");
+}
+
+}  // namespace
+
+DeviceConvolution::DeviceConvolution(Device& device, const Propagator<float>& p, const std::vector<Vec2>& shifts)
+    : device_(device), along_x_(p.x), along_y_(p.y), lines_(device), transfer_columns_(p.transfer.nx) {
+  require(p.is_on_lattice(), "expected a propagation between windows of one pitch, got two pitches");
+  const auto lock = device_.lock();
+  transfer_ = device_.make_buffer(p.transfer.size() * sizeof(Complex), "a transfer function");
+  device_.write(transfer_, p.transfer.values.data(), transfer_.bytes());
+  for (int part = 0; part < p.x.parts; ++part)
+    x_.push_back(make_part(p.x, part, 1.0 / (double(p.x.padded) * p.y.padded)));
+  for (int part = 0; part < p.y.parts; ++part) y_.push_back(make_part(p.y, part, 1));
+  make_ramps(shifts);
+}
+
+DeviceConvolution::Part DeviceConvolution::make_part(const PropagationAxis& axis, int part, double scale) const {
+  const AxisPart<float> host(axis, part, scale);
+  Part made;
+  made.enter = upload_factors(device_, host.enter);
+  made.leave = upload_factors(device_, host.leave);
+  made.columns = host.columns;
+  made.shift = (host.first - part) / axis.parts;
+  made.first = host.first;
+  return made;
+}
+
+void DeviceConvolution::make_ramps(const std::vector<Vec2>& shifts) {
+  const PropagationAxis &x = along_x_, &y = along_y_;
+  for (const Vec2& shift : shifts) {
+    for (Part& part : x_)
+      part.ramps.push_back(upload_factors(device_, displacement_ramp<float>(x, shift.x, part.columns, [&](int column) {
+                                            return part.first + column * x.parts;
+                                          })));
+    const int length = y.part_length();
+    ramps_y_.push_back(upload_factors(device_, displacement_ramp<float>(y, shift.y, y.padded, [&](int slot) {
+                                        return signed_frequency(slot / length + slot % length * y.parts, y.padded);
+                                      })));
+  }
+}
+
+LineFactors DeviceConvolution::transfer_of(const Part& x, size_t part_of_y) const {
+  return {&transfer_, x.first - (along_x_.is_even ? 0 : along_x_.first), along_x_.parts, transfer_columns_,
+          int(part_of_y) * along_y_.part_length()};
+}
+
+LineFactors DeviceConvolution::ramp_y(size_t shift, size_t part_of_y) const {
+  LineFactors factors = factors_of(ramps_y_[shift]);
+  factors.offset = int(part_of_y) * along_y_.part_length();
+  return factors;
+}
+
+DeviceConvolution::Work DeviceConvolution::make_work() const {
+  Work work;
+  grow(work);
+  return work;
+}
+
+void DeviceConvolution::grow(Work& work) const {
+  size_t columns = 1;
+  for (const Part& part : x_) columns = std::max(columns, size_t(part.columns));
+  const auto make = [&](int rows, DeviceBuffer& buffer) {
+    const size_t bytes = size_t(rows) * columns * sizeof(Complex);
+    if (buffer.bytes() >= bytes) return;
+    buffer = {};  // released before a larger one is made
+    buffer = device_.make_buffer(bytes, "a propagation");
+  };
+  make(std::max(along_y_.inputs, along_y_.outputs), work.rows);
+  make(along_y_.inputs, work.columns);
+  make(along_y_.outputs, work.filtered);
+}
+
+void DeviceConvolution::to_many(const DeviceBuffer& from, const std::vector<DisplacedSamples>& to, const Work& work,
+                                const Observer& observer) {
+  const PropagationAxis &x = along_x_, &y = along_y_;
+  bool is_first = true;
+  for (const Part& part : x_) {
+    if (part.columns == 0) continue;
+    lines_.run(
+        {x.part_length(), FftDirection::forward, {x.inputs, 0, factors_of(part.enter)}, {part.columns, part.shift}},
+        y.inputs, from, work.rows);
+    lines_.transpose(y.inputs, part.columns, work.rows, work.columns);
+    for (const DisplacedSamples& there : to) {
+      for (size_t i = 0; i < y_.size(); ++i)
+        lines_.run({y.part_length(),
+                    FftDirection::forward,
+                    {y.inputs, 0, factors_of(y_[i].enter)},
+                    {y.outputs, y.shift, factors_of(y_[i].leave)},
+                    transfer_of(part, i),
+                    i > 0,
+                    ramp_y(there.shift, i)},
+                   part.columns, work.columns, work.filtered);
+      lines_.transpose(part.columns, y.outputs, work.filtered, work.rows);
+      lines_.run({x.part_length(),
+                  FftDirection::backward,
+                  {part.columns, part.shift, factors_of(part.ramps[there.shift])},
+                  {x.outputs, x.shift, factors_of(part.leave)},
+                  {},
+                  !is_first},
+                 y.outputs, work.rows, *there.samples);
+    }
+    if (is_first && x_.size() > 1 && observer.on_progress) {
+      device_.finish();
+      observer.progress(0.5);
+    }
+    is_first = false;
+  }
+}
+
+void DeviceConvolution::to_sum(const std::vector<DisplacedSamples>& from, const DeviceBuffer& to, const Work& work) {
+  const PropagationAxis &x = along_x_, &y = along_y_;
+  bool is_first = true;
+  for (const Part& part : x_) {
+    if (part.columns == 0) continue;
+    bool adds = false;
+    for (const DisplacedSamples& there : from) {
+      lines_.run({x.part_length(),
+                  FftDirection::forward,
+                  {x.outputs, x.shift, factors_of(part.leave, true)},
+                  {part.columns, part.shift, factors_of(part.ramps[there.shift], true)}},
+                 y.outputs, *there.samples, work.rows);
+      lines_.transpose(y.outputs, part.columns, work.rows, work.filtered);
+      for (size_t i = 0; i < y_.size(); ++i) {
+        lines_.run({y.part_length(),
+                    FftDirection::forward,
+                    {y.outputs, y.shift, factors_of(y_[i].leave, true)},
+                    {y.inputs, 0, factors_of(y_[i].enter, true)},
+                    conjugate(transfer_of(part, i)),
+                    adds,
+                    conjugate(ramp_y(there.shift, i))},
+                   part.columns, work.filtered, work.columns);
+        adds = true;
+      }
+    }
+    lines_.transpose(part.columns, y.inputs, work.columns, work.rows);
+    lines_.run({x.part_length(),
+                FftDirection::backward,
+                {part.columns, part.shift},
+                {x.inputs, 0, factors_of(part.enter, true)},
+                {},
+                !is_first},
+               y.inputs, work.rows, to);
+    is_first = false;
+  }
+}
+
+}  // namespace holotrace

@@ -1,0 +1,183 @@
+// Where gradient descent computes, what goes to a device and comes back, and what happens if the device fails.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/shared/device_rates.h"
+#include "slm/encode/iterate/descents_on_devices.h"
+#include "support/build_paths.h"
+#if HOLOTRACE_HAS_OPENCL
+#include "support/faulty_api.h"
+#endif
+
+namespace holotrace {
+namespace {
+
+using test::are_same;
+using test::DescentCase;
+
+class DescentDevices : public test::DescentsOnDevices {
+ protected:
+  DescentDevices() {
+    one_.params.iterations = 3;
+    one_.params.target_distances = {0.006};
+  }
+  ~DescentDevices() override {
+    set_summation_rates({});
+    set_device_rates({});
+  }
+
+  EncodeParams automatic() const {
+    EncodeParams params = one_.params;
+    params.device.kind = DeviceKind::automatic;
+    return params;
+  }
+
+  // A processor that takes seconds for a propagation, and a device whose speed is this part of what keeps up with it.
+  void make_device_fast(double moved_bytes) const {
+    SummationRates slow;
+    slow.samples = 1e4;
+    set_summation_rates([slow] { return slow; });
+    const int number = device_.info().number;
+    set_device_rates([=](Device& device) {
+      return device.info().number == number ? DeviceRates{0, 1e15, moved_bytes} : DeviceRates();
+    });
+  }
+
+  bool uses_device(const EncodeParams& params) const {
+    const size_t before = device_.use().kernels;
+    found(one_, params);
+    return device_.use().kernels > before;
+  }
+
+  DescentCase one_{"one"};
+};
+
+HOLOTRACE_FOR_ALL_DEVICES(DescentDevices);
+
+TEST_P(DescentDevices, GiveTheSameBytesForTheSameInput) {
+  one_.frames = 4;
+  EXPECT_TRUE(are_same(found(one_, on_device(one_.params)), found(one_, on_device(one_.params))));
+}
+
+// Of an update, two sums and an error of each row; the same for every update.
+TEST_P(DescentDevices, ReturnTheRowSumsOnly) {
+  const auto returned = [&](int iterations) {
+    one_.params.iterations = iterations;
+    const size_t before = device_.use().bytes_out;
+    found(one_, on_device(one_.params));
+    return device_.use().bytes_out - before;
+  };
+  const size_t rows = size_t(one_.slm.grid.ny);
+  EXPECT_EQ(returned(4) - returned(3), rows * 3 * sizeof(float));
+  // Judged at the start and at the end, and the levels.
+  EXPECT_EQ(returned(3), (3 * 3 + 2 * 2) * rows * sizeof(float) + size_t(one_.slm.grid.pixels()) * sizeof(float));
+}
+
+TEST_P(DescentDevices, WriteNothingPastTheirBuffers) {
+  const size_t before = device_.broken_guards();
+  device_.guard_buffers(true);
+  one_.slm = make_panel(51, 38);  // not whole groups
+  for (const int frames : {1, 4}) {
+    one_.frames = frames;
+    found(one_, on_device(one_.params));
+  }
+  one_.pupil = Pupil{{2e-5, 1e-5, 0.004}, 1.5e-4};
+  one_.has_views = true;
+  found(one_, on_device(one_.params));
+  device_.guard_buffers(false);
+  EXPECT_EQ(device_.broken_guards(), before);
+}
+
+// The state in the middle, as it is kept, is all that the rest needs.
+TEST_P(DescentDevices, GoOnFromACheckpoint) {
+  one_.frames = 2;
+  one_.params.iterations = 6;
+  std::optional<IterationState> kept;
+  int updates = 0;
+  Checkpoint checkpoint{.load = [&](const IterationState&) { return kept; },
+                        .save = [&](const IterationState& now) { kept = now; },
+                        .is_due = [] { return false; },
+                        .is_stopping = [&] { return ++updates == 4; }};
+  const EncodeParams params = on_device(one_.params);
+  const std::vector<Hologram> whole = found(one_, params);
+  EXPECT_EQ(error_of([&] { found(one_, params, {}, checkpoint); }),
+            "stopped after 4 of 6 iterations, which the checkpoint keeps; give the same command again to go on");
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->updates, 4);
+  EXPECT_TRUE(are_same(found(one_, params, {}, checkpoint), whole));
+  // Under `auto`, a stop is no fault of the device.
+  kept.reset();
+  updates = 0;
+  make_device_fast(1e15);
+  Heard heard;
+  EXPECT_EQ(error_of([&] { found(one_, automatic(), heard.observer(), checkpoint); }).substr(0, 13), "stopped after");
+  EXPECT_TRUE(heard.warnings.empty());
+}
+
+TEST_P(DescentDevices, AreTakenByAutoIfTheyAreFaster) {
+  make_device_fast(1e15);
+  EXPECT_TRUE(uses_device(automatic()));
+  make_device_fast(1e-3);
+  EXPECT_FALSE(uses_device(automatic()));
+  set_device_rates({});
+  EXPECT_FALSE(uses_device(automatic())) << "not measured";
+  EXPECT_FALSE(uses_device(one_.params)) << "the processor is the default";
+}
+
+TEST_P(DescentDevices, SayWhatTheyAre) {
+  std::vector<std::string> names;
+  Observer observer;
+  observer.on_fact = [&](const std::string& name, const Fact& value) {
+    if (name == "device") names.push_back(std::get<std::string>(value));
+  };
+  found(one_, on_device(one_.params), observer);
+  found(one_, one_.params, observer);
+  EXPECT_EQ(names, std::vector<std::string>{device_.info().name});
+}
+
+// A named device says that memory is short; `auto` warns, and does what the processor does.
+TEST_P(DescentDevices, SayThatMemoryIsShort) {
+  device_.limit_memory((double(device_.use().bytes_held) + 20e3) / 0.8);
+  const std::string error = error_of([&] { found(one_, on_device(one_.params)); });
+  EXPECT_NE(error.find("of memory for "), std::string::npos) << error;
+  EXPECT_NE(error.find(" on the device " + device_.info().name), std::string::npos) << error;
+  make_device_fast(1e15);
+  Heard heard;
+  EXPECT_TRUE(are_same(found(one_, automatic(), heard.observer()), found(one_, one_.params)));
+  ASSERT_EQ(heard.warnings.size(), 1u);
+  EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
+}
+
+#if HOLOTRACE_HAS_OPENCL
+// Every 50th call fails: memory, transfers, kernels and waits of all parts of a descent.
+TEST_P(DescentDevices, ReleaseTheirMemoryAfterAnyFault) {
+  one_.params.iterations = 1;
+  one_.has_views = true;
+  found(one_, on_device(one_.params));  // compiles the kernels
+  int failed = 0, faults = 0;
+  for (bool is_done = false; !is_done; failed += 50) {
+    test::FaultyApi api;
+    api.failing = failed;
+    const std::string error = error_of([&] { found(one_, on_device(one_.params)); });
+    is_done = api.calls <= failed;
+    faults += !is_done;
+    EXPECT_EQ(error == "no error", is_done) << error;
+    EXPECT_TRUE(api.held.empty()) << "after the failure of call " << failed;
+    EXPECT_FALSE(api.was_released_twice);
+  }
+  EXPECT_GT(faults, 5);
+}
+#endif
+
+TEST(DescentOnNoDevice, IsAnError) {
+  DescentCase one{"one"};
+  one.params.device = {DeviceKind::opencl, 1000};
+  std::vector<Hologram> frames = one.start();
+  EXPECT_NE(error_of([&] { descend(one.targets(), one.slm, one.params, {}, frames); }), "no error");
+}
+
+}  // namespace
+}  // namespace holotrace
