@@ -82,19 +82,36 @@ TEST(LowDiscrepancy, TheOrderOfPathsDoesNotMatter) {
 
 TEST(LowDiscrepancy, ABlockHasTheNumbersOfItsPaths) {
   for (const uint32_t block : {0U, 1U, 5U, 100000U})
-    for (const int dimension : {0, 1, 7}) {
+    for (const int dimension : {0, 1, 7, 31, 40}) {
       LowDiscrepancy sequence(3, 1, 4);
       sequence.start(77);  // where the sequence stands does not matter
       const LowDiscrepancy::Block numbers = sequence.two_of_block(block, dimension);
       for (uint32_t i = 0; i < 16; ++i) {
-        sequence.start(16 * block + i);
-        sequence.skip(dimension);
-        EXPECT_EQ(sequence.two(), (Vec2{numbers.x[i] * 0x1p-32, numbers.y[i] * 0x1p-32})) << block << ", path " << i;
+        LowDiscrepancy alone(3, 1, 4);  // the first path of a block is computed by itself
+        alone.start(16 * block + i);
+        alone.skip(dimension);
+        EXPECT_EQ(alone.two(), (Vec2{numbers.x[i] * 0x1p-32, numbers.y[i] * 0x1p-32})) << block << ", path " << i;
       }
       sequence.start(16 * block);
       for (int left = 0; left < dimension; ++left) left % 2 ? sequence.one() : sequence.two().x;
       EXPECT_EQ(sequence.two().x, numbers.x[0] * 0x1p-32) << "a dimension is one() or two()";
     }
+}
+
+TEST(LowDiscrepancy, NumbersKeptForABlockAreThoseOfEachPathAlone) {
+  // More dimensions than are kept, in an order in which paths of two blocks alternate, then follow each other.
+  LowDiscrepancy together(9, 0, 2);
+  for (const uint32_t path : {3U, 20U, 4U, 3U, 15U, 0U, 16U, 31U, 17U, 20U}) {
+    together.start(path);
+    LowDiscrepancy alone(9, 0, 2);
+    alone.start(path);
+    for (int dimension = 0; dimension < 40; ++dimension) {
+      if (dimension % 3 == 1)
+        EXPECT_EQ(together.one(), alone.one()) << path << ", dimension " << dimension;
+      else
+        EXPECT_EQ(together.two(), alone.two()) << path << ", dimension " << dimension;
+    }
+  }
 }
 
 TEST(LowDiscrepancy, ANewSequenceStartsAtPathZero) {
