@@ -178,11 +178,16 @@ TEST(HalvedRender, AMaximumOfRarePathsIsThatOfTheFullRender) {
   job.render.paths = 64;
   RenderParams few = job.render;
   few.paths = 8;
-  const HalvedRender halves = make_halved_render(job, few);
-  const Image full = make_render(job, job.render);
   const auto maximum = [](const Image& image) { return *std::max_element(image.values.begin(), image.values.end()); };
-  EXPECT_GT(maximum(halves.mean), 1.2F * maximum(full)) << "else the line below claims little";
-  EXPECT_EQ(maximum(halves.brightest), maximum(full));
+  // Another maximum may be among paths that a quick render has not found. With roulette from surface 1 it is not; from
+  // surface 4 it is, and differs by less than 1 dB (a factor of 1.12), which is less than the uncertainty that is told.
+  for (const int depth : {1, 4}) {
+    job.render.roulette_depth = few.roulette_depth = depth;
+    const HalvedRender halves = make_halved_render(job, few);
+    const Image full = make_render(job, job.render);
+    EXPECT_GT(maximum(halves.mean), 1.2F * maximum(full)) << "else the line below claims little";
+    EXPECT_NEAR(maximum(halves.brightest) / maximum(full), 1, depth == 1 ? 0 : 0.12) << depth;
+  }
 }
 
 // A lamp covers 2 × 2 pixels, and parts of the 12 around them. A fiftieth of the pixels are 8, the brightest ones; the

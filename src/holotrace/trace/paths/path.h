@@ -18,7 +18,7 @@ struct PathCounts {
   int64_t rays = 0;         ///< rays that looked for the nearest surface
   int64_t shadow_rays = 0;  ///< rays that tested whether a light is visible
   int64_t escaped = 0;      ///< paths that left the scene
-  int64_t absorbed = 0;     ///< paths absorbed by a surface: roulette, or a direction into the surface
+  int64_t absorbed = 0;     ///< paths that end at a surface: roulette, a direction into it, or max_depth, less `cut`
   int64_t cut = 0;          ///< paths that had to go on after max_depth, in proportion to their light: min(1, max β)
   int64_t left_out = 0;     ///< paths ended because no path group can accept them any more
   int64_t clamped = 0;      ///< paths that brought more radiance than PathParams::clamp

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "holotrace/slm/encode/encode.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/shared/device_rates.h"
 #include "slm/encode/iterate/descents_on_devices.h"
@@ -177,6 +178,18 @@ TEST(DescentOnNoDevice, IsAnError) {
   one.params.device = {DeviceKind::opencl, 1000};
   std::vector<Hologram> frames = one.start();
   EXPECT_NE(error_of([&] { descend(one.targets(), one.slm, one.params, {}, frames); }), "no error");
+}
+
+TEST(DescentOnNoDevice, OtherMethodsRefuseOne) {
+  const DescentCase one{"one"};
+  Field field(one.slm.grid, 532e-9, 0);
+  field.samples.values[0] = 1;
+  EncodeParams params{.method = Encoding::phase};
+  params.device = {DeviceKind::opencl, 0};
+  EXPECT_EQ(error_of([&] { encode(field, one.slm, params); }),
+            "expected the method sgd on an OpenCL device, got \"phase\"; use sgd, or the device cpu");
+  params.device.kind = DeviceKind::automatic;
+  EXPECT_EQ(error_of([&] { encode(field, one.slm, params); }), "no error");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "holotrace/slm/encode/iterate/device_arrays.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
 
@@ -53,10 +54,12 @@ void DeviceFrames::write(std::vector<Hologram>& frames) const {
     device_.read(from, levels.data(), from.bytes());
     std::copy(levels.begin(), levels.end(), to.values.begin());
   };
+  std::vector<Hologram> written = frames;  // a device that fails leaves the frames as they were
   for (size_t m = 0; m < frames.size(); ++m) {
-    fetch(frames_[m].level.rounded, frames[m].level);
-    fetch(frames_[m].modulus.rounded, frames[m].modulus_level);
+    fetch(frames_[m].level.rounded, written[m].level);
+    fetch(frames_[m].modulus.rounded, written[m].modulus_level);
   }
+  frames = std::move(written);
 }
 
 template <class Work>

@@ -56,54 +56,6 @@ void tell_quality(const Colours& colours, const Observer& observer, std::vector<
   observer.fact("target_efficiency", Fact(light / double(colours.size())));
 }
 
-// A descent and the file that keeps its state.
-class KeptDescent {
- public:
-  KeptDescent(FrameDescent& descent, const Checkpoint& checkpoint, IterationState job)
-      : descent_(descent), checkpoint_(checkpoint), job_(std::move(job)) {
-    const std::optional<IterationState> state = checkpoint.load(job_);
-    if (state) descent.restore(*state);
-  }
-
-  void save() const {
-    IterationState state = descent_.state();
-    state.job = job_.job;
-    state.description = job_.description;
-    checkpoint_.save(state);
-  }
-
-  void after_update(int iterations) const {
-    const bool is_stopping = descent_.updates() < iterations && checkpoint_.is_stopping && checkpoint_.is_stopping();
-    if (is_stopping || (checkpoint_.is_due && checkpoint_.is_due())) save();
-    if (is_stopping)
-      fail("stopped after {} of {} iterations, which the checkpoint keeps; give the same command again to go on",
-           descent_.updates(), iterations);
-  }
-
- private:
-  FrameDescent& descent_;
-  const Checkpoint& checkpoint_;
-  IterationState job_;
-};
-
-}  // namespace
-
-void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
-           const Observer& observer, std::vector<Hologram>& frames) {
-  ProcessorFrames arrays(slm, params, frames);
-  const Colours colours = colours_of(targets, {slm, params}, frames.front(), arrays);
-  for (const auto& colour : colours) colour->judge();
-  tell_quality(colours, observer, frames);
-}
-
-namespace {
-
-// What a caller wants of a descent beside its levels.
-struct Listeners {
-  const Observer& observer;
-  const Checkpoint& checkpoint;
-};
-
 // A device that failed during a descent that the processor can do, too.
 struct DeviceFault {
   std::string why;
@@ -126,6 +78,55 @@ struct DescentPlace {
   }
 };
 
+// A descent and the file that keeps its state.
+class KeptDescent {
+ public:
+  KeptDescent(FrameDescent& descent, const DescentPlace& place, const Checkpoint& checkpoint, IterationState job)
+      : descent_(descent), place_(place), checkpoint_(checkpoint), job_(std::move(job)) {
+    const std::optional<IterationState> state = checkpoint.load(job_);
+    if (state) descent.restore(*state);
+  }
+
+  void save() const {
+    IterationState state = place_.compute([&] { return descent_.state(); });
+    state.job = job_.job;
+    state.description = job_.description;
+    checkpoint_.save(state);
+  }
+
+  void after_update(int iterations) const {
+    const bool is_stopping = descent_.updates() < iterations && checkpoint_.is_stopping && checkpoint_.is_stopping();
+    if (is_stopping || (checkpoint_.is_due && checkpoint_.is_due())) save();
+    if (is_stopping)
+      fail("stopped after {} of {} iterations, which the checkpoint keeps; give the same command again to go on",
+           descent_.updates(), iterations);
+  }
+
+ private:
+  FrameDescent& descent_;
+  const DescentPlace& place_;
+  const Checkpoint& checkpoint_;
+  IterationState job_;
+};
+
+}  // namespace
+
+void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
+           const Observer& observer, std::vector<Hologram>& frames) {
+  ProcessorFrames arrays(slm, params, frames);
+  const Colours colours = colours_of(targets, {slm, params}, frames.front(), arrays);
+  for (const auto& colour : colours) colour->judge();
+  tell_quality(colours, observer, frames);
+}
+
+namespace {
+
+// What a caller wants of a descent beside its levels.
+struct Listeners {
+  const Observer& observer;
+  const Checkpoint& checkpoint;
+};
+
 std::unique_ptr<FrameArrays> arrays_on(Device* device, size_t planes, const DescentSetup& setup,
                                        const std::vector<Hologram>& frames) {
   if (device) return std::make_unique<DeviceFrames>(*device, setup.slm, setup.params, frames);
@@ -143,7 +144,7 @@ void descend_on(const DescentPlace& place, const TargetSet& targets, const Desce
   });
   FrameDescent& descent = *made;
   std::optional<KeptDescent> kept;
-  if (checkpoint) kept.emplace(descent, checkpoint, descent_job(targets, setup.slm, setup.params, frames));
+  if (checkpoint) kept.emplace(descent, place, checkpoint, descent_job(targets, setup.slm, setup.params, frames));
   if (descent.updates() == 0 && iterations > 0)
     place.compute([&] { descent.judge(); });         // planes count before their first turn
   if (kept && descent.updates() == 0) kept->save();  // a file that cannot be written is refused now
