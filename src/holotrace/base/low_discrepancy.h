@@ -35,7 +35,7 @@ namespace holotrace {
 /// exactly equal; tests check the statistics.
 ///
 /// Cost: the first path of each block of 16 takes 12 ns for two() or one(). When a second path of the block asks for a
-/// dimension, its numbers for all 16 paths are computed in vector lanes and kept, some 2 ns each. Paths of a block are
+/// dimension, its numbers for all 16 paths are computed in vector lanes and kept: 2 ns for each number. Paths of a block are
 /// best drawn one after another.
 /// Reference: B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4), 2020, with the hash of N. Vegdahl, Building a
 /// Better LK Hash, 2021; A. B. Owen, Scrambled net variance for integrals of smooth functions, Ann. Stat. 25, 1997.

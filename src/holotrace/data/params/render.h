@@ -59,8 +59,10 @@ void describe(Visitor& v, RenderParams& p) {
            "distance between two eyes along x, centred on eye; makes a stereo pair and its anaglyph; 0 m: one eye");
   v.count("paths", p.paths, range::at_least(1), "light paths per pixel");
   v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
-  v.count("roulette_depth", p.roulette_depth, range::at_least(1),
-          "first surface at which Russian roulette may end a light path: less noise, and longer paths, if it is later");
+  v.count(
+      "roulette_depth", p.roulette_depth, range::at_least(1),
+      "first surface at which Russian roulette may end a light path; later surfaces give longer paths and mostly less "
+      "noise");
   v.number("clamp", p.clamp, range::not_negative, "upper limit of the radiance of one path in W/m2/sr; 0: no limit");
   v.texts("path_expressions", p.path_expressions, "light path expressions whose light is summed; empty: all light");
   v.flag("background", p.has_background,

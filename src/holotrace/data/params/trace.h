@@ -87,8 +87,8 @@ void describe(Visitor& v, TraceParams& p) {
   v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
   v.count(
       "roulette_depth", p.roulette_depth, range::at_least(1),
-      "first surface at which Russian roulette may end a light path: less noise, and longer paths, if it is later; with "
-      "path-end rays, each surface may");
+      "first surface at which Russian roulette may end a light path; later surfaces give longer paths and mostly less "
+      "noise; with shadow_rays path-end every surface may end a path");
   v.choice(
       "shadow_rays", p.shadow_rays, {{"each-surface", ShadowRays::each_surface}, {"path-end", ShadowRays::path_end}},
       "surfaces of a path that send shadow rays to the lights: each, or only the last (the same mean, more noise)");

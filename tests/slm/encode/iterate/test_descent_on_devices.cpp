@@ -171,6 +171,33 @@ TEST_P(DescentDevices, ReleaseTheirMemoryAfterAnyFault) {
   }
   EXPECT_GT(faults, 5);
 }
+
+// Under `auto` the processor takes over whichever call fails, those that keep the state between updates included. It goes
+// on from the state that was kept, so its levels differ by the rounding of the device until then.
+TEST_P(DescentDevices, GiveWayToTheProcessorAfterAnyFault) {
+  one_.frames = 2;
+  one_.params.iterations = 2;
+  make_device_fast(1e15);
+  found(one_, automatic());  // compiles the kernels
+  int faults = 0;
+  for (int failed = 0;; failed += 31) {
+    std::optional<IterationState> kept;
+    const Checkpoint checkpoint{.load = [&](const IterationState&) { return kept; },
+                                .save = [&](const IterationState& now) { kept = now; },
+                                .is_due = [] { return true; },
+                                .is_stopping = {}};
+    test::FaultyApi api;
+    api.failing = failed;
+    Heard heard;
+    EXPECT_EQ(error_of([&] { found(one_, automatic(), heard.observer(), checkpoint); }), "no error") << failed;
+    ASSERT_TRUE(kept);
+    EXPECT_EQ(kept->updates, 2);
+    if (api.calls <= failed) break;
+    EXPECT_EQ(heard.warnings.size(), 1u) << failed;
+    ++faults;
+  }
+  EXPECT_GT(faults, 5);
+}
 #endif
 
 TEST(DescentOnNoDevice, IsAnError) {

@@ -19,12 +19,18 @@ struct DescentWork {
   double updates = 0;
 };
 
-// Every plane has its turn as often as any other; planes with pupils count as if they had none, and the panel's effects and
-// views count neither for the processor nor for the device.
+// The fraction of updates that use a plane: the planes of its wavelength have their turns equally often.
+double turns_of(const TargetPlane& plane, const TargetSet& targets, const EncodeParams& params) {
+  const auto is_of_colour = [&](const TargetPlane& other) { return other.wavelength == plane.wavelength; };
+  const auto planes = std::count_if(targets.planes.begin(), targets.planes.end(), is_of_colour);
+  return params.planes_per_update == 0 ? 1 : std::min(1.0, double(params.planes_per_update) / double(planes));
+}
+
+// Planes with pupils count as if they had none, and the panel's effects and views count neither for the processor nor for
+// the device.
 DescentWork work_of(const TargetSet& targets, const DescentSetup& setup, size_t frames, const Device* device) {
   constexpr double sample = sizeof(std::complex<float>);
   const EncodeParams& params = setup.params;
-  const size_t planes = targets.planes.size();
   const double samples = params.subpixels > 1                                                 ? 1
                          : samples_of_update(frames, params.subpixels, 0) == SampleGroup::all ? 4
                                                                                               : 2;
@@ -32,21 +38,19 @@ DescentWork work_of(const TargetSet& targets, const DescentSetup& setup, size_t 
   grid.nx *= params.subpixels;
   grid.ny *= params.subpixels;
   grid.pitch /= params.subpixels;
-  const double fraction =
-      params.planes_per_update == 0 ? 1 : std::min(1.0, double(params.planes_per_update) / double(planes));
   DescentWork work;
   work.updates = iterations_of(params);
   const double pixels = double(grid.pixels()), of_frames = double(frames) * work.updates;
   for (const TargetPlane& target : targets.planes) {
     const auto plan = plan_propagator<float>(grid, target.wavelength, target.z, {});
     // There, one transform shared by all samples and one for each; and the same back.
-    const double propagations = (1 + samples) * fraction * of_frames;
+    const double turns = turns_of(target, targets, params), propagations = (1 + samples) * turns * of_frames;
     if (!device) {
       work.on_processor += propagations * seconds_to_propagate(plan);
       continue;
     }
     const DevicePropagationCost cost = device_propagation_cost(*device, plan);
-    work.moved += propagations * cost.moved + 4 * sample * pixels * samples * fraction * of_frames;
+    work.moved += propagations * cost.moved + 4 * sample * pixels * samples * turns * of_frames;
     work.kept += cost.kept + 8 * pixels;
   }
   work.moved += 8 * sample * pixels * of_frames;  // drives, moments and slopes

@@ -33,26 +33,27 @@ namespace holotrace {
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
 /// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, each
 /// iteration also uses the views that it draws; half of their error, relative to their own light, is added to that of
-/// the iteration's planes. The loss leaves it out. With four or more frames, planes use the samples on one diagonal of the pixels in one round, and on the other in the next.
+/// the iteration's planes. The loss leaves it out. With four or more frames, planes use the samples on one diagonal of the
+/// pixels in one round, and on the other in the next.
 ///
 /// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine. With
 /// params.least_gain > 0 the iterations may end early. Losses of single updates are noisy, so the means of two windows are
 /// compared, each of two rounds of all planes and at least 10 updates. If the second one is not lower by that many
 /// decibels, the step falls from its size of now to 0 within one more window.
 ///
-/// @param targets  target planes of one wavelength or, for one hologram in several colours, of several
-/// @param slm      panel with the effects that are on
 /// **On a device** (params.device), drives, moments, light and propagations are in its memory, in single precision; the
 /// sums of the rows of each plane come back, two floats per row, and the levels at the end. If the device `auto` fails, the
 /// processor goes on from the checkpoint, or starts again, with a warning.
 ///
+/// @param targets  target planes of one wavelength or, for one hologram in several colours, of several
+/// @param slm      panel with the effects that are on
 /// @param checkpoint  keeps the state of now and then: a later call with the same job goes on from there, to the same
 ///                 levels and facts; on another device, to those of rounding
 /// @param frames   their levels M, modulation and wavelength are used; their `level` is the start, and then the result
 /// @throws Error   for a number of iterations or a step size below 0, if the memory does not suffice, for a checkpoint of
 ///                 another job, and if it says stop; as device_for_descent and Device do
-/// Facts: `iterations`, `device` (its name, on a device), `loss_first`, `loss_last` (f), and those of judge. Curve: `convergence`, the loss
-/// before each iteration, and that of the final levels. Cost for each frame and plane of an iteration: one
+/// Facts: `iterations`, `device` (its name, on a device), `loss_first`, `loss_last` (f), and those of judge. Curve:
+/// `convergence`, the loss before each iteration, and that of the final levels. Cost for each frame and plane of an iteration: one
 /// transform there and one back, and as many more as samples in a pixel (four, or two of four or more frames); as much again for
 /// views; with effects, the panel model forward and back. Memory: 60 bytes per pixel and frame (80 on a complex panel) with one
 /// plane at a time, 20 per pixel and plane.

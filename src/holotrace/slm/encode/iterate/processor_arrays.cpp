@@ -28,10 +28,14 @@ Drive drive_of(const Hologram& hologram) {
 
 ProcessorFrames::ProcessorFrames(const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames)
     : slm_(slm), params_(params) {
-  for (const Hologram& frame : frames) {
-    rounded_.push_back(drive_of(frame));
-    frames_.push_back({rounded_.back(), Drive::like(rounded_.back()), Drive::like(rounded_.back())});
-    slopes_.push_back(Drive::like(rounded_.back()));
+  for (const Hologram& frame : frames) rounded_.push_back(drive_of(frame));
+}
+
+void ProcessorFrames::prepare_steps() {
+  if (!frames_.empty()) return;
+  for (const Drive& start : rounded_) {
+    frames_.push_back({start, Drive::like(start), Drive::like(start)});
+    slopes_.push_back(Drive::like(start));
   }
 }
 
@@ -40,6 +44,7 @@ std::unique_ptr<ColourLight> ProcessorFrames::light_of(const DrivenPanel& panel,
 }
 
 void ProcessorFrames::clear_slopes() {
+  prepare_steps();
   for (Drive& slope : slopes_)
     each_array(slope, [](Array2D<float>& values) { std::fill(values.values.begin(), values.values.end(), 0.0F); });
 }
@@ -74,6 +79,7 @@ void ProcessorFrames::write(std::vector<Hologram>& frames) const {
 
 template <class Work>
 void ProcessorFrames::each_array_of_state(const Work& work) {
+  prepare_steps();
   for (size_t m = 0; m < frames_.size(); ++m)
     for (Drive* drive : {&rounded_[m], &frames_[m].drive, &frames_[m].mean, &frames_[m].square})
       each_array(*drive, work);

@@ -30,13 +30,14 @@ class ProcessorFrames : public FrameArrays {
   struct Frame {
     Drive drive, mean, square;
   };
+  void prepare_steps();
   template <class Work>
   void each_array_of_state(const Work& work);
 
   const Slm& slm_;
   const EncodeParams& params_;
-  std::vector<Frame> frames_;
   std::vector<Drive> rounded_, slopes_;  // of each frame
+  std::vector<Frame> frames_;            // empty until the first step: frames that are only judged need none
 };
 
 /// @throws Error  if the memory does not suffice for a descent on the processor
