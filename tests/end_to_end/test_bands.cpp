@@ -184,7 +184,7 @@ TEST(Bands, FinishedBandsOutliveAFullDisk) {
 }
 
 TEST(Bands, KeepToTheirMemory) {
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer's own memory is many times the program's";
 #endif
   const Workplace work;

@@ -112,7 +112,7 @@ TEST(Commands, RunMakesTheReferenceThatIsAskedFor) {
   EXPECT_FALSE(none.back().contains("psnr_db"));
   EXPECT_EQ(quick.front()["stage"], "render");
   EXPECT_EQ(quick.front()["paths_per_pixel"], 2);  // of 4: two halves of one path each
-  EXPECT_FALSE(quick.back().contains("speckle_contrast"));
+  EXPECT_TRUE(quick.back().contains("speckle_contrast"));
   EXPECT_NEAR(quick.back()["ssim"].get<double>(), full.back()["ssim"].get<double>(), 0.02);  // 2 and 4 paths a pixel
   EXPECT_NEAR(quick.back()["psnr_db"].get<double>(), full.back()["psnr_db"].get<double>(),
               quick.back()["psnr_uncertainty_db"].get<double>() + 0.1);

@@ -192,10 +192,6 @@ ViewReference reference_of(const Job& job, const std::vector<Image>& radiances, 
   return reference;
 }
 
-}  // namespace
-
-namespace {
-
 // Places that a viewer can focus on. A run is complete without them.
 std::vector<Sources> points_to_focus(const Job& job) {
   try {

@@ -1,7 +1,5 @@
 #include "holotrace/run/reference_metrics.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -46,7 +44,26 @@ double uncertainty_of_peak(const ViewReference& reference, const Noise& noise, d
   return 0;
 }
 
-void report_quick_metrics(const ViewReference& reference, const Image& view, const Observer& observer) {
+// Those of the view against a full reference. Noise of a reference changes the square of the contrast, and the others, in
+// proportion to its variance, to first order; a half has twice the variance of the mean.
+BrightMetrics bright_metrics(const ViewReference& reference, const Image& view, double threshold) {
+  Image second_half = reference.mean;
+  for (size_t i = 0; i < second_half.values.size(); ++i)
+    second_half.values[i] = 2 * reference.mean.values[i] - reference.first_half.values[i];
+  const BrightMetrics mean = compare_bright(reference.mean, view, threshold);
+  const BrightMetrics first = compare_bright(reference.first_half, view, threshold);
+  const BrightMetrics second = compare_bright(second_half, view, threshold);
+  const auto of_full = [&](const auto& metric) {
+    const double by_noise = (1 - reference.part) * ((metric(first) + metric(second)) / 2 - metric(mean));
+    return std::max(metric(mean) - by_noise, metric(mean) / 2);  // nothing is known beyond half of it
+  };
+  const auto square = [](const BrightMetrics& m) { return m.speckle_contrast * m.speckle_contrast; };
+  return {.speckle_contrast = std::sqrt(of_full(square)),
+          .bright_fraction = std::min(1.0, of_full([](const BrightMetrics& m) { return m.bright_fraction; })),
+          .uniformity = std::min(1.0, of_full([](const BrightMetrics& m) { return m.uniformity; }))};
+}
+
+BrightMetrics report_quick_metrics(const ViewReference& reference, const Image& view, const Observer& observer) {
   const Metrics metrics = compare(reference.mean, view);
   const double peak = *std::max_element(reference.image.values.begin(), reference.image.values.end());
   const Noise noise = noise_of(reference, peak);
@@ -56,32 +73,37 @@ void report_quick_metrics(const ViewReference& reference, const Image& view, con
   observer.fact("psnr_db", decibels(peak / std::sqrt(corrected)));
   const double of_peak = uncertainty_of_peak(reference, noise, peak);
   observer.fact("psnr_uncertainty_db", decibels(1 + of_peak) + 0.1 * decibels(std::sqrt(error / corrected)));
-  if (of_peak == 0)
-    observer.fact("ssim", structural_similarity(reference.mean, view, metrics.scale, peak, noise.of_values));
-  observer.fact("left_out", fmt::format("{}speckle_contrast and uniformity: they need reference = full",
-                                        of_peak == 0 ? "" : "ssim, "));
+  const auto ssim_for = [&](double peak) {
+    return structural_similarity(reference.mean, view, metrics.scale, peak, noise.of_values);
+  };
+  const double ssim = ssim_for(peak);
+  observer.fact("ssim", ssim);
+  observer.fact("ssim_uncertainty", of_peak == 0 ? 0 : std::abs(ssim_for(peak * (1 + of_peak)) - ssim));
+  return bright_metrics(reference, view, CompareParams{}.bright * peak);
 }
 
 }  // namespace
 
 void report_metrics(const ViewReference& reference, const Image& view, double efficiency, const Observer& observer) {
   const bool is_quick = !reference.first_half.values.empty();
-  const Image &image = reference.image, &compared = is_quick ? reference.mean : image;
+  const Image& compared = is_quick ? reference.mean : reference.image;
   if (std::none_of(compared.values.begin(), compared.values.end(), [](float v) { return v > 0; })) {
     observer.fact("why_no_metrics", std::string("the render is dark in the sensor's area"));
     return;
   }
-  const Metrics metrics = compare(image, view);
-  if (!is_quick) {
+  BrightMetrics bright;
+  if (is_quick) {
+    bright = report_quick_metrics(reference, view, observer);
+  } else {
+    const Metrics metrics = compare(reference.image, view);
     observer.fact("psnr_db", metrics.psnr);
     observer.fact("ssim", metrics.ssim);
-    observer.fact("speckle_contrast", metrics.speckle_contrast);
-    observer.fact("uniformity", metrics.uniformity);
-  } else {
-    report_quick_metrics(reference, view, observer);
+    bright = metrics;
   }
-  observer.fact("bright_fraction", metrics.bright_fraction);
-  observer.fact("diffraction_efficiency", metrics.bright_fraction * efficiency);
+  observer.fact("speckle_contrast", bright.speckle_contrast);
+  observer.fact("uniformity", bright.uniformity);
+  observer.fact("bright_fraction", bright.bright_fraction);
+  observer.fact("diffraction_efficiency", bright.bright_fraction * efficiency);
 }
 
 }  // namespace holotrace

@@ -26,7 +26,7 @@ std::vector<PlannedRender> plan_renders(const Job& job);
 /// job.render.eye_separation.
 std::vector<PlannedRender> plan_stereo_renders(const Job& job);
 
-/// A run has none with `reference = none`. With `quick` they have an eighth of the paths (at least 2), in two halves.
+/// A run has none with `reference = none`. With `quick` they have a quarter of the paths (at least 2), in two halves.
 /// @throws Error  as `render` does
 Image make_render(const Job& job, const RenderParams& params, const Observer& observer = {});
 

@@ -76,20 +76,12 @@ Metrics compare(const Image& reference, const Image& image, const CompareParams&
   require(peak > 0, "expected a reference with light in it, got one whose maximum is {}", peak);
 
   double image_image = 0, image_reference = 0, image_sum = 0, reference_sum = 0;
-  double bright_sum = 0, ratio_sum = 0, ratio_squares = 0, bright_count = 0;
-  std::vector<double> ratios;
   for (size_t i = 0; i < image.values.size(); ++i) {
     const double r = reference.values[i], v = image.values[i];
     image_image += v * v;
     image_reference += v * r;
     image_sum += v;
     reference_sum += r;
-    if (r < params.bright * peak) continue;
-    bright_sum += v;
-    bright_count += 1;
-    ratio_sum += v / r;
-    ratio_squares += v / r * (v / r);
-    ratios.push_back(v / r);
   }
 
   Metrics m;
@@ -100,11 +92,27 @@ Metrics compare(const Image& reference, const Image& image, const CompareParams&
   m.psnr_unscaled = 20 * std::log10(peak / rms_difference(reference, image, 1));
   m.ssim = structural_similarity(reference, image, m.scale, peak);
   m.ssim_unscaled = structural_similarity(reference, image, 1, peak);
-  m.speckle_contrast = contrast(ratio_sum, ratio_squares, bright_count);
-  m.bright_fraction = image_sum > 0 ? bright_sum / image_sum : 0;
+  static_cast<BrightMetrics&>(m) = compare_bright(reference, image, params.bright * peak);
   m.power_ratio = image_sum / reference_sum;
-  m.uniformity = uniformity_of(std::move(ratios));
   return m;
+}
+
+BrightMetrics compare_bright(const Image& reference, const Image& image, double threshold) {
+  double sum = 0, bright_sum = 0, ratio_sum = 0, ratio_squares = 0;
+  std::vector<double> ratios;
+  for (size_t i = 0; i < image.values.size(); ++i) {
+    const double r = reference.values[i], v = image.values[i];
+    sum += v;
+    if (r < threshold) continue;
+    bright_sum += v;
+    ratio_sum += v / r;
+    ratio_squares += v / r * (v / r);
+    ratios.push_back(v / r);
+  }
+  const double count = double(ratios.size());
+  return {.speckle_contrast = contrast(ratio_sum, ratio_squares, count),
+          .bright_fraction = sum > 0 ? bright_sum / sum : 0,
+          .uniformity = uniformity_of(std::move(ratios))};
 }
 
 double speckle_contrast(const Image& image) {

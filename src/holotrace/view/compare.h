@@ -13,21 +13,25 @@ struct CompareParams {
   double bright = 0.1;
 };
 
-/// How an image differs from its reference.
-struct Metrics {
-  double scale = 0;             ///< s for which s·image is nearest to the reference (least squares)
-  double rms_error = 0;         ///< root mean square of reference − s·image [unit of the reference]
-  double psnr = 0;              ///< 20·log₁₀(L/rms error) of s·image [dB], infinite if they agree
-  double psnr_amplitude = 0;    ///< the same for amplitudes √value, with their own scale, as encoders are judged
-  double psnr_unscaled = 0;     ///< psnr of the image without a scale
-  double ssim = 0;              ///< mean structural similarity of s·image, at most 1
-  double ssim_unscaled = 0;     ///< ssim of the image without a scale
+/// How an image differs from its reference in the bright region.
+struct BrightMetrics {
   double speckle_contrast = 0;  ///< σ/μ of image/reference over the bright region, without shading
   double bright_fraction = 0;   ///< diffraction efficiency: fraction of the image's light in the bright region
-  double power_ratio = 0;       ///< all light of the image over all light of the reference
   /// 1 − (b − a)/(b + a) of image/reference over the bright region, a and b its 1st and 99th percentiles. (The minimum
   /// and the maximum would depend on two pixels and their noise.) In [0, 1], 1 if all ratios are equal.
   double uniformity = 0;
+};
+
+/// How an image differs from its reference.
+struct Metrics : BrightMetrics {
+  double scale = 0;           ///< s for which s·image is nearest to the reference (least squares)
+  double rms_error = 0;       ///< root mean square of reference − s·image [unit of the reference]
+  double psnr = 0;            ///< 20·log₁₀(L/rms error) of s·image [dB], infinite if they agree
+  double psnr_amplitude = 0;  ///< the same for amplitudes √value, with their own scale, as encoders are judged
+  double psnr_unscaled = 0;   ///< psnr of the image without a scale
+  double ssim = 0;            ///< mean structural similarity of s·image, at most 1
+  double ssim_unscaled = 0;   ///< ssim of the image without a scale
+  double power_ratio = 0;     ///< all light of the image over all light of the reference
 };
 
 /// Compares an image with its reference, over all channels together. L is the reference's maximum.
@@ -38,6 +42,9 @@ struct Metrics {
 ///
 /// @throws Error  unless sizes and channels agree, values are finite and the reference has light
 Metrics compare(const Image& reference, const Image& image, const CompareParams& params = {});
+
+/// The same over the pixels whose reference is at least a threshold [unit of the reference] alone; the sizes must agree.
+BrightMetrics compare_bright(const Image& reference, const Image& image, double threshold);
 
 /// Standard deviation over mean of all values: 1 for fully developed speckle, 1/√M for the mean of M such frames; 0 for
 /// an image without light.

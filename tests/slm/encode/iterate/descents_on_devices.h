@@ -34,7 +34,7 @@ struct DescentCase {
         CounterRandom random(3, 0, uint64_t(update));
         ViewTargets views{.z = view_z, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
         views.pupils.push_back({{1e-4 * random.uniform(), 0, 0.02}, 1.5e-4});
-        views.pupils.push_back({{-1e-4, -1e-4 * random.uniform(), 0.02}, 1.5e-4});
+        views.pupils.push_back({{-1.6e-4, -1e-4 * random.uniform(), 0.02}, 1.5e-4});  // beside the first
         views.picture = picture_grid(slm.grid, views.pupils.front(), wavelength, views.z);
         for (size_t k = 0; k < views.pupils.size(); ++k) {
           views.amplitudes.emplace_back(views.picture.ny, views.picture.nx, 0.5F);
