@@ -8,6 +8,8 @@
 
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/shared/device_rates.h"
 #include "support/devices.h"
 #include "support/targets.h"
 
@@ -62,12 +64,14 @@ struct DescentCase {
 };
 
 /// A device whose memory is released at the end.
-class DescentsOnDevices : public OnEveryDevice {
+class IterationsOnDevices : public OnEveryDevice {
  protected:
-  DescentsOnDevices() : buffers_(device_.use().buffers) {}
-  ~DescentsOnDevices() override {
+  IterationsOnDevices() : buffers_(device_.use().buffers) {}
+  ~IterationsOnDevices() override {
     device_.limit_memory(0);
     EXPECT_EQ(device_.use().buffers, buffers_) << "all memory is released";
+    set_summation_rates({});
+    set_device_rates({});
   }
 
   EncodeParams on_device(EncodeParams params) const {
@@ -75,6 +79,27 @@ class DescentsOnDevices : public OnEveryDevice {
     return params;
   }
 
+  static EncodeParams automatic(EncodeParams params) {
+    params.device.kind = DeviceKind::automatic;
+    return params;
+  }
+
+  /// A processor that takes seconds for a propagation, and a device whose speed is this part of what keeps up with it.
+  void make_device_fast(double moved_bytes) const {
+    SummationRates slow;
+    slow.samples = 1e4;
+    set_summation_rates([slow] { return slow; });
+    const int number = device_.info().number;
+    set_device_rates([=](Device& device) {
+      return device.info().number == number ? DeviceRates{0, 1e15, moved_bytes} : DeviceRates();
+    });
+  }
+
+  size_t buffers_;
+};
+
+class DescentsOnDevices : public IterationsOnDevices {
+ protected:
   /// What descend makes of the start.
   static std::vector<Hologram> found(const DescentCase& one, const EncodeParams& params, const Observer& observer = {},
                                      const Checkpoint& checkpoint = {}) {
@@ -82,8 +107,6 @@ class DescentsOnDevices : public OnEveryDevice {
     descend(one.targets(), one.slm, params, observer, frames, checkpoint);
     return frames;
   }
-
-  size_t buffers_;
 };
 
 /// Whether all levels are the same.
