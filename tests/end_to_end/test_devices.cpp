@@ -96,6 +96,19 @@ TEST_F(DevicesOfTheProgram, PropagateFields) {
             0);
 }
 
+// The panel and the propagations of `show` name the device in its report.
+TEST_F(DevicesOfTheProgram, ShowHolograms) {
+  if (!has_device()) GTEST_SKIP() << "no OpenCL device here";
+  ASSERT_EQ(work_.run(field("cpu", "f.npy")).exit_code, 0);
+  ASSERT_EQ(work_.run({"encode", "f.npy", "-o", "h.png"}).exit_code, 0);
+  const Outcome made = work_.run(
+      {"show", "h.png", "--distance", "50 mm", "--device", "opencl", "--report", "report.json", "-o", "view.png"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Json report = Json::parse(work_.read("report.json"));
+  EXPECT_EQ(report.at("stages").at(0).at("stage"), "show");
+  for (const Json& stage : report.at("stages")) EXPECT_TRUE(stage.contains("device")) << stage;
+}
+
 // The stages that propagate name the device in the report; the panel's levels do not depend on it.
 TEST_F(DevicesOfTheProgram, PropagateTheLightOfHolograms) {
   if (!has_device()) GTEST_SKIP() << "no OpenCL device here";

@@ -22,6 +22,12 @@ void PanelModel::leave(const Array2D<float>& drive, Field& field, const Array2D<
   parts.leave(drive, modulus, field);
 }
 
+void PanelModel::check_pattern(const Array2D<float>& drive, const Array2D<float>* modulus) const {
+  parts_->check_pattern(drive, modulus);
+}
+
+Field PanelModel::dark_field() const { return Field(parts_->out, parts_->state.wavelength, 0); }
+
 Field PanelModel::leave(const Array2D<float>& drive, const Array2D<float>* modulus) const {
   Field field;
   leave(drive, field, modulus);

@@ -8,9 +8,7 @@
 
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
-#include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/shared/device_rates.h"
-#include "support/devices.h"
+#include "support/stages_on_devices.h"
 #include "support/targets.h"
 
 namespace holotrace::test {
@@ -63,42 +61,7 @@ struct DescentCase {
   }
 };
 
-/// A device whose memory is released at the end.
-class IterationsOnDevices : public OnEveryDevice {
- protected:
-  IterationsOnDevices() : buffers_(device_.use().buffers) {}
-  ~IterationsOnDevices() override {
-    device_.limit_memory(0);
-    EXPECT_EQ(device_.use().buffers, buffers_) << "all memory is released";
-    set_summation_rates({});
-    set_device_rates({});
-  }
-
-  EncodeParams on_device(EncodeParams params) const {
-    params.device = {DeviceKind::opencl, device_.info().number};
-    return params;
-  }
-
-  static EncodeParams automatic(EncodeParams params) {
-    params.device.kind = DeviceKind::automatic;
-    return params;
-  }
-
-  /// A processor that takes seconds for a propagation, and a device whose speed is this part of what keeps up with it.
-  void make_device_fast(double moved_bytes) const {
-    SummationRates slow;
-    slow.samples = 1e4;
-    set_summation_rates([slow] { return slow; });
-    const int number = device_.info().number;
-    set_device_rates([=](Device& device) {
-      return device.info().number == number ? DeviceRates{0, 1e15, moved_bytes} : DeviceRates();
-    });
-  }
-
-  size_t buffers_;
-};
-
-class DescentsOnDevices : public IterationsOnDevices {
+class DescentsOnDevices : public StagesOnDevices {
  protected:
   /// What descend makes of the start.
   static std::vector<Hologram> found(const DescentCase& one, const EncodeParams& params, const Observer& observer = {},

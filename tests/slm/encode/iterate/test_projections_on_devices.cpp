@@ -10,8 +10,9 @@
 #include "holotrace/slm/encode/iterate/device_projection.h"
 #include "holotrace/slm/encode/iterate/gerchberg_saxton.h"
 #include "holotrace/slm/encode/iterate/processor_projection.h"
-#include "slm/encode/iterate/descents_on_devices.h"
 #include "support/build_paths.h"
+#include "support/stages_on_devices.h"
+#include "support/targets.h"
 #if HOLOTRACE_HAS_OPENCL
 #include "support/faulty_api.h"
 #endif
@@ -84,7 +85,7 @@ double relative(const Pattern& found, const Pattern& expected) {
   return std::sqrt(error / square);
 }
 
-class ProjectionDevices : public test::IterationsOnDevices {
+class ProjectionDevices : public test::StagesOnDevices {
  protected:
   ProjectionDevices() { one_.params.iterations = 3; }
 
