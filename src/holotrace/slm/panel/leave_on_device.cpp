@@ -8,7 +8,6 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/slm/panel/device_panel.h"
-#include "holotrace/slm/panel/panel_parts.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/shared/device_rates.h"
 #include "holotrace/wave/shared/fastest_device.h"
@@ -38,23 +37,6 @@ Field leave_on(Device& device, const PanelModel& panel, const PanelPattern& patt
 }
 
 }  // namespace
-
-// Blurs count neither here nor for the device.
-PanelWork PanelModel::work() const {
-  const Parts& p = *parts_;
-  const double n = p.params.subpixels, cells = p.s, nx = p.nx(), ny = p.ny(), pixels = nx * ny;
-  const double samples = n * n * pixels, in_rows = n * pixels;
-  PanelWork work;
-  work.on_processor.fft_operations = cells * ny * (cells * fft_operations(nx) + fft_operations(n * nx)) +
-                                     n * nx * (cells * fft_operations(ny) + fft_operations(n * ny));
-  // Light of the cells, products with weights, and copies of columns.
-  work.on_processor.samples = cells * (cells * (pixels + in_rows) + in_rows) + cells * (in_rows + samples) + samples;
-  // Of each row of cells: the light of its cells and its transforms along x, two transpositions and a transform along y.
-  const double of_row = cells * (pixels + 4 * in_rows) + 3 * in_rows + 4 * samples;
-  work.moved = sample_bytes * (cells * of_row + 2 * samples + 2 * pixels);
-  work.sent = sample_bytes * (samples + pixels);
-  return work;
-}
 
 std::optional<Field> leave_on_device(const PanelModel& panel, const PanelPattern& pattern, const DeviceChoice& choice,
                                      const Observer& observer) {

@@ -19,7 +19,7 @@ struct PanelPattern {
 /// The field that leaves a panel (PanelModel::leave), on the device that `choice` names, in single precision (DevicePanel).
 ///
 /// The device `auto` is the one that is expected to be the fastest, by the rates of device_rates.h: the transforms of the
-/// panel count, and the transfers of levels, effects and field. If it fails, a warning says why.
+/// panel count, and the transfers of levels and field. If it fails, a warning says why.
 ///
 /// Fact: `device`, its name. Transfers: 4 bytes per pixel (8 for a complex modulation), and the panel's effects; 8 bytes
 /// per sample come back.
