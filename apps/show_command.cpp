@@ -104,7 +104,8 @@ void add_show_command(Command& app, const GlobalFlags& global) {
       ->type_name("LENGTH");
   o->flags.add(*command, ShowParams());
   o->flags.add(*command, CameraParams());
-  o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y"});
+  // One --device for the panel and for propagations.
+  o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y", "device"});
   command->callback([o, &global] {
     ShowParams params;
     CameraParams camera;

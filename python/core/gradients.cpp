@@ -23,6 +23,11 @@ nb::object owned(Array2D<T>&& array) {
   return view(owner, *kept);
 }
 
+void require_processor(const DeviceChoice& device, const char* instead) {
+  require(device.kind == DeviceKind::cpu, "expected the device cpu for gradients, got {}; leave out device, or use {}",
+          device_text(device), instead);
+}
+
 /// Free space over one distance as a linear operator T on arrays of samples, with its adjoint.
 template <class Real>
 class Propagation {
@@ -35,9 +40,7 @@ class Propagation {
     const double colour = to_wavelength(wavelength), metres = to_length(distance, "distance");
     PropagateParams params;
     set_params(given, params);
-    require(params.device.kind == DeviceKind::cpu,
-            "expected the device cpu for gradients, got {}; leave out device, or use ht.propagate",
-            device_text(params.device));
+    require_processor(params.device, "ht.propagate");
     const nb::gil_scoped_release release;
     forward_ = cached_propagator<Real>(grid, colour, metres, params);
     require(forward_->is_on_lattice(),
@@ -96,6 +99,7 @@ class Panel {
       : grid_(slm.grid), levels_(slm.levels), is_phase_(slm.modulation == Modulation::phase) {
     ShowParams params;
     set_params(given, params);
+    require_processor(params.device, "ht.show");
     require(slm.modulation != Modulation::complex, "expected a panel of phase or amplitude for gradients, got complex");
     const double colour = params.wavelength > 0 ? params.wavelength : to_wavelength(wavelength);
     const double design = slm.design_wavelength > 0 ? slm.design_wavelength : to_wavelength(wavelength);

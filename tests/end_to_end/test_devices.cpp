@@ -96,10 +96,23 @@ TEST_F(DevicesOfTheProgram, PropagateFields) {
             0);
 }
 
-// The stages that propagate name the device in the report; the panel's levels do not depend on it.
+// The panel and the propagations of `show` name the device in its report.
+TEST_F(DevicesOfTheProgram, ShowHolograms) {
+  if (!has_device()) GTEST_SKIP() << "no OpenCL device here";
+  ASSERT_EQ(work_.run(field("cpu", "f.npy")).exit_code, 0);
+  ASSERT_EQ(work_.run({"encode", "f.npy", "-o", "h.png"}).exit_code, 0);
+  const Outcome made = work_.run(
+      {"show", "h.png", "--distance", "50 mm", "--device", "opencl", "--report", "report.json", "-o", "view.png"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Json report = Json::parse(work_.read("report.json"));
+  EXPECT_EQ(report.at("stages").at(0).at("stage"), "show");
+  for (const Json& stage : report.at("stages")) EXPECT_TRUE(stage.contains("device")) << stage;
+}
+
+// The stages that show and propagate name the device in the report; the panel's levels do not depend on it.
 TEST_F(DevicesOfTheProgram, PropagateTheLightOfHolograms) {
   if (!has_device()) GTEST_SKIP() << "no OpenCL device here";
-  work_.write("on_device.toml", std::string(scene) + "[propagate]\ndevice = \"opencl\"\n");
+  work_.write("on_device.toml", std::string(scene) + "[show]\ndevice = \"opencl\"\n[propagate]\ndevice = \"opencl\"\n");
   for (const char* name : {"scene", "on_device"}) {
     const Outcome made = work_.run({"run", std::string(name) + ".toml", "-o", name});
     ASSERT_EQ(made.exit_code, 0) << made.err;
@@ -107,6 +120,10 @@ TEST_F(DevicesOfTheProgram, PropagateTheLightOfHolograms) {
   EXPECT_EQ(work_.read("scene/hologram.png"), work_.read("on_device/hologram.png"));
   const std::string report = work_.read("on_device/report.json");
   EXPECT_NE(report.find("\"device\": \""), std::string::npos) << report;
+  for (const Json& stage : Json::parse(report).at("stages"))
+    if (stage.at("stage") == "show") {
+      EXPECT_TRUE(stage.contains("device")) << stage;
+    }
   EXPECT_EQ(work_.read("scene/report.json").find("\"device\": \""), std::string::npos);
   std::vector<Image> views;
   for (const char* device : {"cpu", "opencl"}) {

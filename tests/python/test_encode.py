@@ -145,12 +145,13 @@ def test_calibrate_refuses_photographs_that_are_missing():
         ht.calibrate(plan, [])
 
 
-def test_encode_on_a_device_is_the_program_bit_by_bit(waves, tmp_path, program):
+@pytest.mark.parametrize("method", ["sgd", "gerchberg-saxton", "weighted-gerchberg-saxton"])
+def test_encode_on_a_device_is_the_program_bit_by_bit(method, waves, tmp_path, program):
     if len(json.loads(program("info", "--devices", "--json"))["devices"]) < 2:
         pytest.skip("no OpenCL device here")
     waves.save(tmp_path / "f.npy")
-    flags = ["--method", "sgd", "--target-distances", "90 mm", "--iterations", 3, "--device", "opencl"]
+    flags = ["--method", method, "--target-distances", "90 mm", "--iterations", 3, "--device", "opencl"]
     program("encode", "f.npy", *flags, "-o", "h.png")
-    hologram = ht.encode(waves, method="sgd", target_distances="90 mm", iterations=3, device="opencl")
+    hologram = ht.encode(waves, method=method, target_distances="90 mm", iterations=3, device="opencl")
     assert equal(hologram.level, ht.load_hologram(tmp_path / "h.png").level)
     assert "device" in hologram.facts

@@ -91,6 +91,8 @@ def test_devices_are_checked(points):
     # The core of holotrace.torch and holotrace.jax.
     with pytest.raises(ht.Error, match="expected the device cpu for gradients, got opencl; leave out device"):
         _core.Propagation32(4, 4, "8 um", "532 nm", "1 mm", {"device": "opencl"})
+    with pytest.raises(ht.Error, match="for gradients, got auto; leave out device, or use ht.show"):
+        _core.Panel(ht.Slm(columns=4, rows=4, pitch=8e-6)._core, "532 nm", {"device": "auto"})
 
 
 def test_synthesis_is_the_sum_of_spherical_waves(points):
@@ -116,6 +118,17 @@ def test_show_and_expose_are_the_program_bit_by_bit(points, tmp_path, program):
     leaving = ht.show(hologram, ht.Slm("pluto", columns=64, rows=48))
     picture = ht.expose(leaving, "100 mm", pupil="4 mm", eye=("0 m", 0, 0.2))
     assert equal(picture.pixels, ht.load_image(tmp_path / "v.exr").pixels)
+
+
+def test_show_on_a_device_is_the_processors_to_rounding():
+    hologram = ht.Hologram(np.random.default_rng(1).integers(0, 256, (24, 32)), "8 um", "532 nm")
+    here = ht.show(hologram, tilt_x="0.5 deg")
+    try:
+        there = ht.show(hologram, tilt_x="0.5 deg", device="opencl")
+    except ht.Error as error:
+        assert "OpenCL" in str(error)  # none here
+        pytest.skip(str(error))
+    assert 0 < np.linalg.norm(there.samples - here.samples) < 2e-6 * np.linalg.norm(here.samples)
 
 
 def test_show_of_a_bare_level_is_its_phase():

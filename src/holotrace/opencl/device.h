@@ -93,8 +93,8 @@ class Device {
   /// Memory with undefined content. @param what  what it is for, such as "the waves"
   DeviceBuffer make_buffer(size_t bytes, const std::string& what);
   /// Memory with a copy of `values`.
-  template <class Value>
-  DeviceBuffer upload(const std::vector<Value>& values, const std::string& what) {
+  template <class Value, class Allocator>
+  DeviceBuffer upload(const std::vector<Value, Allocator>& values, const std::string& what) {
     static_assert(std::is_trivially_copyable_v<Value>);
     DeviceBuffer buffer = make_buffer(values.size() * sizeof(Value), what);
     write(buffer, values.data(), buffer.bytes());

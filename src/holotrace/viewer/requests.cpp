@@ -15,8 +15,8 @@ namespace {
 
 const char* const own_keys[] = {"items", "draft"};
 
-// Fields of the camera that a page cannot set: it asks for one picture.
-const std::set<std::string> left_out{"sweep", "sweep_views", "sweep_from", "sweep_to", "sweep_seconds"};
+// Fields that a page cannot set: it asks for one picture, and the program's caller chooses devices.
+const std::set<std::string> left_out{"sweep", "sweep_views", "sweep_from", "sweep_to", "sweep_seconds", "device"};
 
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';

@@ -28,6 +28,7 @@ struct ShowParams {
   int illumination_states =
       0;  ///< states of partly coherent light and flicker to average; 0: as many as the views need
   std::vector<std::string> effects{};  ///< effects of the panel that are modelled; or "all"
+  DeviceChoice device{};               ///< device that computes the light that leaves the panel
 };
 
 template <class Visitor>
@@ -57,6 +58,11 @@ void describe(Visitor& v, ShowParams& p) {
   v.texts("effects", p.effects,
           "panel effects that are modelled: calibration, crosstalk, gaps, flicker, aberration, phase-map, "
           "light-map, dead-pixels; all; or none");
+  v.device(
+      "device", p.device,
+      "device that computes the light that leaves the panel (holotrace show: and propagates it): the processor (cpu); "
+      "the first OpenCL device (opencl) or device N of \"holotrace info --devices\" (opencl:N), in single precision; or "
+      "the one that is expected to be faster (auto)");
 }
 
 }  // namespace holotrace

@@ -113,9 +113,11 @@ void check_encode_params(const Slm& slm, const EncodeParams& params) {
   require(params.levels <= slm.levels,
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
-  require(params.device.kind != DeviceKind::opencl || params.method == Encoding::sgd,
-          "expected the method sgd on an OpenCL device, got \"{}\"; use sgd, or the device cpu",
-          name_of(params.method, encoding_names));
+  require(
+      params.device.kind != DeviceKind::opencl || aims_at_targets(params.method),
+      "expected gerchberg-saxton, weighted-gerchberg-saxton or sgd on an OpenCL device, got \"{}\"; use one of them, "
+      "or the device cpu",
+      name_of(params.method, encoding_names));
 }
 
 void check_encoding(const Slm& slm, const EncodeParams& params, const Observer& observer) {

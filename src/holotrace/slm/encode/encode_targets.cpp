@@ -108,14 +108,14 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   const PhaseLevels levels(known, frames.front().levels, start.wavelength);
   const bool is_amplitude = frames.front().modulation == Modulation::amplitude;
   if (!is_amplitude) tell_phase_range(known, levels.range(), start.wavelength, observer);
-  Array2D<std::complex<float>> pattern = start_pattern(start, params, frames.front().modulation);
+  const Array2D<std::complex<float>> pattern = start_pattern(start, params, frames.front().modulation);
   if (params.method == Encoding::sgd) {
     write_start(pattern, levels, frames.front());
     descend({targets}, known, params, observer, frames, checkpoint);
   } else {
-    write_phase_levels(project_in_turn(targets, std::move(pattern), slm, params, observer), false, levels,
-                       frames.front().level);
-    judge(targets, known, params, observer, frames);
+    const auto [found, device] = project_in_turn(targets, pattern, slm, params, observer);
+    write_phase_levels(found, false, levels, frames.front().level);
+    judge(targets, known, params, observer, frames, device);
   }
   observer.fact("illumination", Fact(frames.front().illumination));
   observer.progress(1);

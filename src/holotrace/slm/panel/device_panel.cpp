@@ -5,7 +5,6 @@
 #include <complex>
 #include <cstdint>
 
-#include "holotrace/base/error.h"
 #include "holotrace/slm/panel/panel_parts.h"
 
 namespace holotrace {
@@ -58,7 +57,6 @@ struct DevicePanel::Cell {
 
 DevicePanel::DevicePanel(Device& device, const PanelModel& model) : device_(device), lines_(device) {
   const PanelModel::Parts& parts = *model.parts_;
-  require(parts.light.is_even(), "expected even light on a panel on an OpenCL device, got tilted or shaped light");
   const auto lock = device_.lock();
   sizes_ = {parts.nx(), parts.ny(), parts.params.subpixels, parts.s};
   is_complex_ = parts.modulation == Modulation::complex;
@@ -85,6 +83,9 @@ DevicePanel::DevicePanel(Device& device, const PanelModel& model) : device_(devi
   weights_y_ = upload(device_, parts.column.weights());
   static_errors_ = upload(device_, parts.static_errors.values);
   gap_field_ = upload(device_, parts.gap_field.values);
+  light_x_ = upload(device_, parts.light.along_x);
+  light_y_ = upload(device_, parts.light.along_y);
+  light_ = upload(device_, parts.light.samples.values);
   const Complex whole = parts.gap * float(std::sqrt(parts.params.irradiance));
   gap_re_ = parts.gap.real();
   gap_im_ = parts.gap.imag();
@@ -146,6 +147,15 @@ void DevicePanel::respond(const DevicePattern& pattern, const Memory& memory) {
                either(memory.pixels.amplitudes, memory.pixels.cycles)});
 }
 
+// The light on the panel times the field, row by row or column by column.
+void DevicePanel::illuminate(const DeviceBuffer& u, bool is_by_columns, bool is_conjugate) {
+  if (light_x_.bytes() == 0 && light_.bytes() == 0) return;
+  const int width = sizes_.n * sizes_.nx, height = sizes_.n * sizes_.ny;
+  device_.run(kernel("illuminate"), over(size_t(width) * size_t(height)),
+              {int32_t(width), int32_t(height), int32_t(light_.bytes() > 0), int32_t(is_by_columns),
+               int32_t(is_conjugate), either(light_x_, u), either(light_y_, u), either(light_, u), u});
+}
+
 // With crosstalk: the blur along the columns to the cells of row cy of the pixels, or its adjoint.
 void DevicePanel::blur_columns(const Pixels& from, const Pixels& to, int cy, bool is_adjoint, bool adds) {
   if (!has_blur_) return;
@@ -191,10 +201,11 @@ void DevicePanel::leave(const DevicePattern& pattern, const DeviceBuffer& u, Mem
     lines_.run(along(weights_y_, height, cy, false, cy > 0), width, memory.spread, memory.turned);
   }
   lines_.transpose(width, height, memory.turned, u);
-  if (gap_re_ == 0 && gap_im_ == 0) return;
-  device_.run(
-      kernel("add_gaps"), over(samples),
-      {int32_t(samples), whole_gap_re_, whole_gap_im_, int32_t(gap_field_.bytes() > 0), either(gap_field_, u), u});
+  if (gap_re_ != 0 || gap_im_ != 0)
+    device_.run(
+        kernel("add_gaps"), over(samples),
+        {int32_t(samples), whole_gap_re_, whole_gap_im_, int32_t(gap_field_.bytes() > 0), either(gap_field_, u), u});
+  illuminate(u, false, false);
 }
 
 // The slopes by a cell's phases and amplitudes, from ∂f/∂v of its light; with crosstalk added up over the cells of a row.
@@ -228,6 +239,7 @@ void DevicePanel::add_slopes(const DevicePattern& pattern, const DeviceBuffer& g
   const int n = sizes_.n, width = n * sizes_.nx, height = n * sizes_.ny;
   const size_t in_rows = size_t(width) * size_t(sizes_.ny);
   lines_.transpose(height, width, g, memory.turned);
+  illuminate(memory.turned, true, true);
   for (int cy = 0; cy < sizes_.cells; ++cy) {
     blur_columns(memory.pixels, memory.blurred, cy, false, false);
     lines_.run(along(weights_y_, height, cy, true, false), width, memory.turned, memory.spread);

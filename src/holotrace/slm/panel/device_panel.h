@@ -22,7 +22,7 @@ struct DeviceSlopes {
   double factor = 1;
 };
 
-/// A PanelModel on an OpenCL device, in even light: the light that leaves it, and gradients back, with all effects.
+/// A PanelModel on an OpenCL device: the light that leaves it, and gradients back, with all effects.
 ///
 /// The s × s cells of the pixels are done one after the other: cell (cy, cx) of all pixels is blurred, becomes light, and is
 /// spread along the rows; the sums over cx are spread along the columns (PixelLine). For n samples per pixel, n − 1 zeros
@@ -42,7 +42,7 @@ class DevicePanel {
     DeviceBuffer turned, spread;  ///< samples of the field column by column; with n − 1 zeros between the rows
   };
 
-  /// @throws Error  for light that is not even, and as Device does
+  /// @throws Error  as Device does
   DevicePanel(Device& device, const PanelModel& model);
 
   /// Writes the field that leaves the panel to `u`, shape (n·ny, n·nx).
@@ -64,6 +64,7 @@ class DevicePanel {
   Response response(const DevicePattern& pattern) const;
   Cell cell_at(int cx) const;
   void respond(const DevicePattern& pattern, const Memory& memory);
+  void illuminate(const DeviceBuffer& u, bool is_by_columns, bool is_conjugate);
   void blur_columns(const Pixels& from, const Pixels& to, int cy, bool is_adjoint, bool adds);
   void add_cell_slopes(int cx, const Memory& memory);
   void add_pattern_slopes(const DevicePattern& pattern, const DeviceSlopes& to, const Memory& memory);
@@ -77,6 +78,7 @@ class DevicePanel {
   float cycles_per_level_, amplitude_per_level_, modulus_per_level_;
   int knots_count_;
   float gap_re_, gap_im_, whole_gap_re_, whole_gap_im_;
+  DeviceBuffer light_x_, light_y_, light_;  // none: even light
   DeviceBuffer knots_, stuck_, stuck_moduli_, taps_x_, taps_y_, weights_x_, weights_y_, static_errors_, gap_field_;
 };
 

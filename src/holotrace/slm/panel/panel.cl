@@ -139,6 +139,19 @@ __kernel void add_gaps(int count, float re, float im, int has_field, __global co
   if (i < count) u[i] += has_field ? field[i] : (float2)(re, im);
 }
 
+// u *= the light on the panel, or its conjugate: a factor of the column times one of the row, or `samples`. `u` is row by
+// row, or column by column.
+__kernel void illuminate(int width, int height, int has_samples, int is_by_columns, int is_conjugate,
+                         __global const float2* along_x, __global const float2* along_y,
+                         __global const float2* samples, __global float2* u) {
+  const int k = get_global_id(0);
+  if (k >= width * height) return;
+  const int i = is_by_columns ? k / height : k % width, j = is_by_columns ? k % height : k / width;
+  float2 light = has_samples ? samples[(size_t)j * width + i] : product(along_x[i], along_y[j]);
+  if (is_conjugate) light.y = -light.y;
+  u[k] = product(u[k], light);
+}
+
 // to[n·k] = from[k], and 0 between them; and back.
 __kernel void put_apart(int count, int n, __global const float2* from, __global float2* to) {
   const int k = get_global_id(0);

@@ -4,6 +4,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/slm/panel/panel_parts.h"
+#include "holotrace/wave/shared/cost_model.h"
 
 namespace holotrace {
 
@@ -21,6 +22,12 @@ void PanelModel::leave(const Array2D<float>& drive, Field& field, const Array2D<
   if (!fits) field.samples = Array2D<std::complex<float>>(parts.out.ny, parts.out.nx);
   parts.leave(drive, modulus, field);
 }
+
+void PanelModel::check_pattern(const Array2D<float>& drive, const Array2D<float>* modulus) const {
+  parts_->check_pattern(drive, modulus);
+}
+
+Field PanelModel::dark_field() const { return Field(parts_->out, parts_->state.wavelength, 0); }
 
 Field PanelModel::leave(const Array2D<float>& drive, const Array2D<float>* modulus) const {
   Field field;
@@ -45,6 +52,24 @@ double PanelModel::power_in() const {
   if (const auto& map = parts.slm.effects.light_map)
     mean *= std::accumulate(map->values.begin(), map->values.end(), 0.0) / double(map->size());
   return parts.params.irradiance * mean * grid.width() * grid.height();
+}
+
+// The blur of crosstalk counts neither for the processor nor for the device.
+PanelWork PanelModel::work() const {
+  const Parts& p = *parts_;
+  const double n = p.params.subpixels, cells = p.s, nx = p.nx(), ny = p.ny(), pixels = nx * ny;
+  const double samples = n * n * pixels, in_rows = n * pixels;
+  constexpr double sample_bytes = sizeof(std::complex<float>);
+  PanelWork work;
+  work.on_processor.fft_operations = cells * ny * (cells * fft_operations(nx) + fft_operations(n * nx)) +
+                                     n * nx * (cells * fft_operations(ny) + fft_operations(n * ny));
+  // Light of the cells, products with weights, and copies of columns.
+  work.on_processor.samples = cells * (cells * (pixels + in_rows) + in_rows) + cells * (in_rows + samples) + samples;
+  // Of each row of cells: the light of its cells and its transforms along x, two transpositions and a transform along y.
+  const double of_row = cells * (pixels + 4 * in_rows) + 3 * in_rows + 4 * samples;
+  work.moved = sample_bytes * (cells * of_row + 2 * samples + 2 * pixels);
+  work.sent = sample_bytes * (samples + pixels);
+  return work;
 }
 
 }  // namespace holotrace

@@ -7,9 +7,16 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/data/summation_rates.h"
 #include "holotrace/slm/panel/illumination_states.h"
 
 namespace holotrace {
+
+/// Work of a panel: operations of the processor; bytes that a device reads and writes, and that are sent to it or fetched.
+struct PanelWork {
+  SummationWork on_processor;
+  double moved = 0, sent = 0;
+};
 
 /// A panel under one illumination state, prepared for any number of patterns. It computes the field that leaves the
 /// panel from the drive of its pixels, and gradients back. Both `show` and the encoder `sgd` use it.
@@ -67,8 +74,17 @@ class PanelModel {
   Slopes pull_back(const Array2D<float>& drive, const Array2D<std::complex<float>>& gradient,
                    const Array2D<float>* modulus = nullptr) const;
 
+  /// @throws Error  for a pattern that `leave` does not take
+  void check_pattern(const Array2D<float>& drive, const Array2D<float>* modulus) const;
+
+  /// The field that leaves without any light.
+  Field dark_field() const;
+
   /// Power of the light on the panel [W].
   double power_in() const;
+
+  /// What `leave` takes, for the choice of a device.
+  PanelWork work() const;
 
  private:
   friend class DevicePanel;

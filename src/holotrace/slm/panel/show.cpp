@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/panel/checks.h"
+#include "holotrace/slm/panel/leave_on_device.h"
 #include "holotrace/slm/panel/panel_model.h"
 
 namespace holotrace {
@@ -137,13 +140,10 @@ ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams
   const Slm with = with_effects(slm, params.effects);
   const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
   const PanelModel panel(with, params, hologram.modulation, hologram.levels, design, state);
-  Field field;
-  if (hologram.modulation == Modulation::complex) {
-    const Array2D<float> modulus = drive_of(hologram.modulus_level);
-    field = panel.leave(drive_of(hologram.level), &modulus);
-  } else {
-    field = panel.leave(drive_of(hologram.level));
-  }
+  const Array2D<float> drive = drive_of(hologram.level), moduli = drive_of(hologram.modulus_level);
+  const Array2D<float>* const modulus = hologram.modulation == Modulation::complex ? &moduli : nullptr;
+  std::optional<Field> there = leave_on_device(panel, {drive, modulus}, params.device, observer);
+  Field field = there ? std::move(*there) : panel.leave(drive, modulus);
   field.image = hologram.image;
   if (hologram.filter) field.filter = under_tilt(*hologram.filter, params, state.wavelength);
 

@@ -21,14 +21,17 @@ namespace holotrace {
 /// half of the orders ±n/2. n = 1 is order 0 alone, with its roll-off (0.405 at the Nyquist frequency for F = 1). The
 /// frequency ±n/2p itself is one sample of the spectrum: it gets the mean of both signs, 0 for an even n.
 ///
+/// On a device (params.device), levels are sent there and the field comes back; it differs by rounding (leave_on_device.h).
+///
 /// @param hologram  levels, shape (ny, nx)
 /// @param slm       the panel: its grid, fill factor F and design wavelength
 /// @param params    subpixels n ≥ 1, wavelength λ [m] and irradiance E [W/m²] of the light
 /// @return          field at z = 0, shape (n·ny, n·nx), pitch p/n [√(W/m²)], with the hologram's image side and its
 ///                  filter, which moves with the orders by (sin αx, sin αy)/λ for the tilts in `params`
 /// @throws Error    if the grids differ, a level is not below M, the panel does not modulate as the hologram does, a
-///                  parameter is out of range or has no effect on this light, or the field does not fit in memory
-/// Facts: `power_in`, `power_out` [W]; `efficiency`, the fraction of the light on the panel in these orders;
+///                  parameter is out of range or has no effect on this light, or the field does not fit in memory; as
+///                  leave_on_device does
+/// Facts: `device` (its name, on a device); `power_in`, `power_out` [W]; `efficiency`, the fraction of the light on the panel in these orders;
 /// `effects` that are on; `effects_off`, the panel's other effects. Warns of named effects that the panel does not
 /// have, of amplitudes on a phase panel, and of levels that compensate other effects than those that are on. Cost: FFTs
 /// of every row of the panel and every column of the result; 8·n(n+1) bytes per pixel. Reference: J. W. Goodman,

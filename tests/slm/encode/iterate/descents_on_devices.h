@@ -8,7 +8,7 @@
 
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
-#include "support/devices.h"
+#include "support/stages_on_devices.h"
 #include "support/targets.h"
 
 namespace holotrace::test {
@@ -61,20 +61,8 @@ struct DescentCase {
   }
 };
 
-/// A device whose memory is released at the end.
-class DescentsOnDevices : public OnEveryDevice {
+class DescentsOnDevices : public StagesOnDevices {
  protected:
-  DescentsOnDevices() : buffers_(device_.use().buffers) {}
-  ~DescentsOnDevices() override {
-    device_.limit_memory(0);
-    EXPECT_EQ(device_.use().buffers, buffers_) << "all memory is released";
-  }
-
-  EncodeParams on_device(EncodeParams params) const {
-    params.device = {DeviceKind::opencl, device_.info().number};
-    return params;
-  }
-
   /// What descend makes of the start.
   static std::vector<Hologram> found(const DescentCase& one, const EncodeParams& params, const Observer& observer = {},
                                      const Checkpoint& checkpoint = {}) {
@@ -82,8 +70,6 @@ class DescentsOnDevices : public OnEveryDevice {
     descend(one.targets(), one.slm, params, observer, frames, checkpoint);
     return frames;
   }
-
-  size_t buffers_;
 };
 
 /// Whether all levels are the same.

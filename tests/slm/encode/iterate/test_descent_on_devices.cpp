@@ -5,8 +5,6 @@
 #include <cmath>
 
 #include "holotrace/slm/encode/encode.h"
-#include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/shared/device_rates.h"
 #include "slm/encode/iterate/descents_on_devices.h"
 #include "support/build_paths.h"
 #if HOLOTRACE_HAS_OPENCL
@@ -25,27 +23,8 @@ class DescentDevices : public test::DescentsOnDevices {
     one_.params.iterations = 3;
     one_.params.target_distances = {0.006};
   }
-  ~DescentDevices() override {
-    set_summation_rates({});
-    set_device_rates({});
-  }
-
-  EncodeParams automatic() const {
-    EncodeParams params = one_.params;
-    params.device.kind = DeviceKind::automatic;
-    return params;
-  }
-
-  // A processor that takes seconds for a propagation, and a device whose speed is this part of what keeps up with it.
-  void make_device_fast(double moved_bytes) const {
-    SummationRates slow;
-    slow.samples = 1e4;
-    set_summation_rates([slow] { return slow; });
-    const int number = device_.info().number;
-    set_device_rates([=](Device& device) {
-      return device.info().number == number ? DeviceRates{0, 1e15, moved_bytes} : DeviceRates();
-    });
-  }
+  using DescentsOnDevices::automatic;
+  EncodeParams automatic() const { return automatic(one_.params); }
 
   bool uses_device(const EncodeParams& params) const {
     const size_t before = device_.use().kernels;
@@ -213,8 +192,10 @@ TEST(DescentOnNoDevice, OtherMethodsRefuseOne) {
   field.samples.values[0] = 1;
   EncodeParams params{.method = Encoding::phase};
   params.device = {DeviceKind::opencl, 0};
-  EXPECT_EQ(error_of([&] { encode(field, one.slm, params); }),
-            "expected the method sgd on an OpenCL device, got \"phase\"; use sgd, or the device cpu");
+  EXPECT_EQ(
+      error_of([&] { encode(field, one.slm, params); }),
+      "expected gerchberg-saxton, weighted-gerchberg-saxton or sgd on an OpenCL device, got \"phase\"; use one of "
+      "them, or the device cpu");
   params.device.kind = DeviceKind::automatic;
   EXPECT_EQ(error_of([&] { encode(field, one.slm, params); }), "no error");
 }

@@ -106,6 +106,36 @@ TEST_F(DescentFormulas, LeaveTheResidualOfTheVectors) {
   EXPECT_NEAR(sum, error, 1e-5 * error);  // sums of floats
 }
 
+TEST_F(DescentFormulas, HaveTheUnitModulusOfTheVectors) {
+  std::vector<float> u = drawn(-1, 1, 11), d = drawn(-1, 1, 12);
+  for (size_t i = 0; i < count; i += 100) {  // sums of 0
+    d[i] = -u[i];
+    d[i + 1] = -u[i + 1];
+  }
+  std::vector<float> moved = u;
+  add_and_make_unit_modulus(reinterpret_cast<std::complex<float>*>(moved.data()),
+                            reinterpret_cast<const std::complex<float>*>(d.data()), count / 2);
+  for (size_t i = 0; i < count; i += 2) {
+    const descent_kernel::Phasor unit = descent_kernel::unit_modulus({u[i] + d[i], u[i + 1] + d[i + 1]});
+    expect_near(unit.re, moved[i], 1);
+    expect_near(unit.im, moved[i + 1], 1);
+  }
+  EXPECT_EQ(descent_kernel::unit_modulus({0, 0}).re, 1);
+  EXPECT_EQ(descent_kernel::unit_modulus({0, 0}).im, 0);
+}
+
+// asked·(1 + (s·a/A − 1)/10), by hand for s = 2, a = 3: a goal of 6.
+TEST(Strengthened, FollowsTheLackOfLight) {
+  using descent_kernel::strengthened;
+  EXPECT_FLOAT_EQ(strengthened(3, 3, 36, 2), 3);        // as wanted
+  EXPECT_FLOAT_EQ(strengthened(3, 3, 16, 2), 3.15F);    // A = 4: 6/4 − 1 = 1/2
+  EXPECT_FLOAT_EQ(strengthened(3, 3, 144, 2), 2.85F);   // A = 12: −1/2
+  EXPECT_FLOAT_EQ(strengthened(3, 3, 1, 2), 3.3F);      // A = 1: 5, limited to 1
+  EXPECT_FLOAT_EQ(strengthened(3, 3, 0, 2), 3.3F);      // no light
+  EXPECT_FLOAT_EQ(strengthened(5.9F, 3, 0, 2), 6);      // at most twice the wanted amplitude
+  EXPECT_FLOAT_EQ(strengthened(1.5F, 0, 16, 2), 1.5F);  // nothing is wanted
+}
+
 TEST_F(DescentFormulas, HaveTheSlopeOfThePhase) {
   const std::vector<float> a = drawn(-1, 1, 9), b = drawn(-1, 1, 10);
   std::vector<float> slope(count / 2);

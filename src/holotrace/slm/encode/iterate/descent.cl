@@ -1,4 +1,4 @@
-// The pixel loops of gradient descent (descent_loops.h), with the formulas of descent_kernel.h. Loops over pixels have one
+// The pixel loops of iterations (descent_loops.h), with the formulas of descent_kernel.h. Loops over pixels have one
 // work item for each; sums have one group for each row. Compiled with GROUP, the items of a group, a power of 2.
 
 // u = exp(2πi·c·ℓ), a phase panel without effects.
@@ -124,6 +124,41 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void leave_residual(
   }
   sum = sum_of_group(errors, sum);
   if (get_local_id(0) == 0) sums[get_group_id(0)] = sum;
+}
+
+// As leave_residual, for asked amplitudes, which change before; the errors are those of the target.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void leave_residual_of_asked(
+    int nx, int has_weight, float scale, __global float* power, __global const float* amplitude,
+    __global const float* weight, __global float* asked, __global float* sums) {
+  __local float errors[GROUP];
+  const size_t start = get_group_id(0) * (size_t)nx;
+  float sum = 0;
+  for (int i = get_local_id(0); i < nx; i += GROUP) {
+    const size_t at = start + i;
+    const float w = has_weight ? weight[at] : 1, light = power[at];
+    asked[at] = strengthened(asked[at], amplitude[at], light, scale);
+    sum += residual_of_pixel(light, amplitude[at], w, scale).error;
+    power[at] = residual_of_pixel(light, asked[at], w, scale).factor;
+  }
+  sum = sum_of_group(errors, sum);
+  if (get_local_id(0) == 0) sums[get_group_id(0)] = sum;
+}
+
+// to = factor·from, or += that.
+__kernel void add_part(int count, float factor, int adds, __global const float2* from, __global float2* to) {
+  const int i = get_global_id(0);
+  if (i < count) to[i] = (adds ? to[i] : (float2)(0)) + factor * from[i];
+}
+
+// u = (u + step)/|u + step|
+__kernel void add_and_make_unit_modulus(int count, __global const float2* step, __global float2* u) {
+  const int i = get_global_id(0);
+  if (i >= count) return;
+  Phasor sum;
+  sum.re = u[i].x + step[i].x;
+  sum.im = u[i].y + step[i].y;
+  sum = unit_modulus(sum);
+  u[i] = (float2)(sum.re, sum.im);
 }
 
 __kernel void clear(int count, __global float* values) {

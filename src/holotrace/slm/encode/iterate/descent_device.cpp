@@ -20,15 +20,16 @@ struct DescentWork {
 };
 
 // The fraction of updates that use a plane: the planes of its wavelength have their turns equally often.
-double turns_of(const TargetPlane& plane, const TargetSet& targets, const EncodeParams& params) {
+double turns_of(const TargetPlane& plane, const std::vector<TargetPlane>& targets, const EncodeParams& params) {
   const auto is_of_colour = [&](const TargetPlane& other) { return other.wavelength == plane.wavelength; };
-  const auto planes = std::count_if(targets.planes.begin(), targets.planes.end(), is_of_colour);
+  const auto planes = std::count_if(targets.begin(), targets.end(), is_of_colour);
   return params.planes_per_update == 0 ? 1 : std::min(1.0, double(params.planes_per_update) / double(planes));
 }
 
 // Planes with pupils count as if they had none, and the panel's effects and views count neither for the processor nor for
 // the device.
-DescentWork work_of(const TargetSet& targets, const DescentSetup& setup, size_t frames, const Device* device) {
+DescentWork work_of(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames,
+                    const Device* device) {
   constexpr double sample = sizeof(std::complex<float>);
   const EncodeParams& params = setup.params;
   const double samples = params.subpixels > 1                                                 ? 1
@@ -41,7 +42,7 @@ DescentWork work_of(const TargetSet& targets, const DescentSetup& setup, size_t 
   DescentWork work;
   work.updates = iterations_of(params);
   const double pixels = double(grid.pixels()), of_frames = double(frames) * work.updates;
-  for (const TargetPlane& target : targets.planes) {
+  for (const TargetPlane& target : targets) {
     const auto plan = plan_propagator<float>(grid, target.wavelength, target.z, {});
     // There, one transform shared by all samples and one for each; and the same back.
     const double turns = turns_of(target, targets, params), propagations = (1 + samples) * turns * of_frames;
@@ -60,7 +61,7 @@ DescentWork work_of(const TargetSet& targets, const DescentSetup& setup, size_t 
 // Starts of the kernels of an update, and waiting for its sums, on slow drivers [s].
 constexpr double seconds_to_start = 2e-3;
 
-Device* fastest_for(const TargetSet& targets, const DescentSetup& setup, size_t frames) {
+Device* fastest_for(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames) {
   return fastest_device(work_of(targets, setup, frames, nullptr).on_processor, [&](Device& device) {
     const DeviceRates rates = device_rates(device);
     const DescentWork work = work_of(targets, setup, frames, &device);
@@ -70,11 +71,18 @@ Device* fastest_for(const TargetSet& targets, const DescentSetup& setup, size_t 
 
 }  // namespace
 
-Device* device_for_descent(const TargetSet& targets, const DescentSetup& setup, size_t frames) {
+Device* device_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames) {
   const DeviceChoice& choice = setup.params.device;
   if (choice.kind == DeviceKind::cpu) return nullptr;
   if (choice.kind == DeviceKind::opencl) return &open_device(choice.number);
   return fastest_for(targets, setup, frames);
+}
+
+Device* device_for_projections(const std::vector<TargetPlane>& targets, const DescentSetup& setup) {
+  EncodeParams params = setup.params;
+  params.planes_per_update = 0;
+  params.subpixels = 1;
+  return device_for_descent(targets, {setup.slm, params}, 1);
 }
 
 }  // namespace holotrace

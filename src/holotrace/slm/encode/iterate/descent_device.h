@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "holotrace/data/target.h"
 #include "holotrace/opencl/device.h"
@@ -13,6 +14,9 @@ namespace holotrace {
 /// The device `auto` is the one that is expected to be the fastest, by the rates of device_rates.h.
 /// @param frames  their number
 /// @throws Error  for a device that is not there
-Device* device_for_descent(const TargetSet& targets, const DescentSetup& setup, size_t frames);
+Device* device_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames);
+
+/// The same for Gerchberg–Saxton, whose iterations use all planes.
+Device* device_for_projections(const std::vector<TargetPlane>& targets, const DescentSetup& setup);
 
 }  // namespace holotrace

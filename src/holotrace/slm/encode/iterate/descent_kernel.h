@@ -1,6 +1,6 @@
 #pragma once
 
-// What gradient descent does with a pixel, in the common language of C++ and OpenCL C: descent.cl is compiled together with
+// What iterations do with a pixel, in the common language of C++ and OpenCL C: descent.cl is compiled together with
 // this file. The loops of iteration_kernels.cpp say the same in vectors; a test compares both.
 
 #ifdef __OPENCL_VERSION__
@@ -32,6 +32,11 @@ typedef struct {
 typedef struct {
   float drive, rounded;
 } SettledDrive;
+
+/// A complex number.
+typedef struct {
+  float re, im;
+} Phasor;
 
 /// The factor w·(s·a − A)/A of light of the amplitude A, 0 for no light, and its error w·(A − s·a)².
 typedef struct {
@@ -66,6 +71,23 @@ HOLOTRACE_KERNEL_FUNCTION Residual residual_of_pixel(float power, float amplitud
   residual.error = weight * (lack * lack);
   residual.factor = modulus == 0 ? 0.0f : weight * lack / modulus;
   return residual;
+}
+
+/// The amplitude that the weighted method asks for next, given the wanted one a: asked·(1 + (s·a/A − 1)/10), with the
+/// bracket limited to 1, and at most 2a. The light has the power A².
+HOLOTRACE_KERNEL_FUNCTION float strengthened(float asked, float wanted, float power, float scale) {
+  const float goal = scale * wanted;
+  if (goal <= 0) return asked;
+  const float lack = fmin(goal / fmax(sqrt(power), 1e-6f * goal) - 1, 1.0f);
+  return fmin(2 * wanted, asked * (1 + 0.1f * lack));
+}
+
+/// u/|u|, and 1 where u is 0.
+HOLOTRACE_KERNEL_FUNCTION Phasor unit_modulus(Phasor u) {
+  const float square = u.re * u.re + u.im * u.im, inverse = 1 / sqrt(square == 0 ? 1.0f : square);
+  u.re = square == 0 ? 1.0f : u.re * inverse;
+  u.im = u.im * inverse;
+  return u;
 }
 
 /// Im(g·u*): the gradient by the phase of u, given g = ∂f/∂Re u + i·∂f/∂Im u.

@@ -30,13 +30,8 @@ int32_t floats_in(const DeviceBuffer& buffer) { return int32_t(buffer.bytes() / 
 
 DeviceTarget::DeviceTarget(Device& device, const Array2D<float>& amplitudes, const Array2D<float>& weights)
     : nx(amplitudes.nx), ny(amplitudes.ny) {
-  const auto upload = [&](const Array2D<float>& values) {
-    DeviceBuffer buffer = device.make_buffer(values.size() * sizeof(float), "a target plane");
-    device.write(buffer, values.values.data(), buffer.bytes());
-    return buffer;
-  };
-  amplitude = upload(amplitudes);
-  if (weights.size() > 0) weight = upload(weights);
+  amplitude = device.upload(amplitudes.values, "a target plane");
+  if (weights.size() > 0) weight = device.upload(weights.values, "a target plane");
   sums = device.make_buffer(size_t(ny) * sizeof(std::complex<float>), "a target plane");
 }
 
@@ -89,13 +84,40 @@ void take_residual(Device& device, const DeviceTarget& target, double scale, con
               has_weight ? target.weight : target.amplitude, target.sums});
 }
 
-double leave_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power) {
-  take_residual(device, target, scale, power);
+namespace {
+
+double sum_of_errors(Device& device, const DeviceTarget& target) {
   std::vector<float> rows(static_cast<size_t>(target.ny));
   device.read(target.sums, rows.data(), rows.size() * sizeof rows[0]);
   double sum = 0;
   for (const float row : rows) sum += double(row);
   return sum;
+}
+
+}  // namespace
+
+double leave_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power) {
+  take_residual(device, target, scale, power);
+  return sum_of_errors(device, target);
+}
+
+double leave_residual_of_asked(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& asked,
+                               const DeviceBuffer& power) {
+  const bool has_weight = target.weight.bytes() > 0;
+  device.run(kernel("leave_residual_of_asked"), rows_of(target),
+             {int32_t(target.nx), int32_t(has_weight), float(scale), power, target.amplitude,
+              has_weight ? target.weight : target.amplitude, asked, target.sums});
+  return sum_of_errors(device, target);
+}
+
+void add_part(Device& device, const DeviceBuffer& from, float factor, bool adds, const DeviceBuffer& to) {
+  const int32_t count = floats_in(to) / 2;
+  device.run(kernel("add_part"), over(size_t(count)), {count, factor, int32_t(adds), from, to});
+}
+
+void add_and_make_unit_modulus(Device& device, const DeviceBuffer& step, const DeviceBuffer& u) {
+  const int32_t count = floats_in(u) / 2;
+  device.run(kernel("add_and_make_unit_modulus"), over(size_t(count)), {count, step, u});
 }
 
 void leave_phases(Device& device, float cycles_per_level, const DeviceBuffer& level, const DeviceBuffer& u) {

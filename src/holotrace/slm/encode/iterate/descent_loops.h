@@ -6,7 +6,7 @@
 #include "holotrace/opencl/device.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
 
-// The pixel loops of gradient descent on an OpenCL device: those of iteration_kernels.h and target_sums.h. Buffers hold
+// The pixel loops of iterations on an OpenCL device: those of iteration_kernels.h and target_sums.h. Buffers hold
 // floats or complex floats of `pixels`; they are in use until the device has finished.
 
 namespace holotrace {
@@ -51,6 +51,17 @@ void take_residual(Device& device, const DeviceTarget& target, double scale, con
 
 /// The same, and Σw·(A − s·a)², added up as by fit_sums.
 double leave_residual(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& power);
+
+/// The same for the asked amplitudes of the weighted method (descent_kernel.h: strengthened), which change before. The sum
+/// is that of the target.
+double leave_residual_of_asked(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& asked,
+                               const DeviceBuffer& power);
+
+/// to ← factor·from, or to + factor·from.
+void add_part(Device& device, const DeviceBuffer& from, float factor, bool adds, const DeviceBuffer& to);
+
+/// u ← (u + step)/|u + step|, and 1 where the sum is 0.
+void add_and_make_unit_modulus(Device& device, const DeviceBuffer& step, const DeviceBuffer& u);
 
 /// u ← exp(2πi·c·ℓ)
 void leave_phases(Device& device, float cycles_per_level, const DeviceBuffer& level, const DeviceBuffer& u);

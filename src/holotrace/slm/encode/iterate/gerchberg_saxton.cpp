@@ -1,104 +1,102 @@
 #include "holotrace/slm/encode/iterate/gerchberg_saxton.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/iterate/iteration_kernels.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
-#include "holotrace/slm/encode/iterate/target_propagation.h"
+#include "holotrace/slm/encode/iterate/descent_device.h"
+#include "holotrace/slm/encode/iterate/device_projection.h"
+#include "holotrace/slm/encode/iterate/iteration_place.h"
+#include "holotrace/slm/encode/iterate/processor_projection.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {
 namespace {
 
-// Raises the wanted amplitude of pixels that are too dark, and lowers that of pixels that are too bright.
-void strengthen(const TargetPlane& wanted, const Array2D<float>& power, double scale, TargetPlane& target) {
-  parallel_for(0, target.amplitude.ny, [&](int64_t j) {
-    const float* a = wanted.amplitude.row(int(j));
-    const float* light = power.row(int(j));
-    float* asked = target.amplitude.row(int(j));
-    for (int i = 0; i < target.amplitude.nx; ++i) {
-      const float modulus = std::sqrt(light[i]), goal = float(scale) * a[i];
-      if (goal <= 0) continue;
-      const float lack = std::clamp(goal / std::max(modulus, 1e-6F * goal) - 1, -1.0F, 1.0F);
-      asked[i] = std::min(2 * a[i], asked[i] * (1 + 0.1F * lack));
-    }
-  });
+using Pattern = Array2D<std::complex<float>>;
+
+// A pattern that is moved toward the targets' moduli, and the scale of its light.
+class Projections {
+ public:
+  Projections(const ProjectionSetup& setup, std::unique_ptr<ProjectionArrays> arrays)
+      : arrays_(std::move(arrays)), planes_(setup.targets.size()), is_weighted_(setup.is_weighted()) {
+    for (const TargetPlane& target : setup.targets) wanted_power_ += target_power(target);
+  }
+
+  // The error of the pattern of now, as a fraction of the targets' light. Afterwards the planes have their residuals.
+  double project() {
+    for (size_t k = 0; k < planes_; ++k) arrays_->show(k);
+    if (scale_ == 0 || is_weighted_) fit_scale();
+    double error = 0;
+    for (size_t k = 0; k < planes_; ++k) error += arrays_->leave_residual(k, scale_);
+    return error / (scale_ * scale_ * wanted_power_);
+  }
+
+  void step() {
+    for (size_t k = 0; k < planes_; ++k) arrays_->add_step(k, 1 / double(planes_));
+    arrays_->take_step();
+  }
+
+  Pattern pattern() { return arrays_->pattern(); }
+
+ private:
+  void fit_scale() {
+    double cross = 0;
+    for (size_t k = 0; k < planes_; ++k) cross += arrays_->cross_sum(k);
+    scale_ = cross / wanted_power_;
+  }
+
+  std::unique_ptr<ProjectionArrays> arrays_;
+  size_t planes_;
+  bool is_weighted_;
+  double wanted_power_ = 0, scale_ = 0;  // no scale: not fitted yet
+};
+
+std::unique_ptr<ProjectionArrays> arrays_on(Device* device, const ProjectionSetup& setup, const Pattern& start) {
+  if (device) return std::make_unique<DeviceProjection>(*device, setup, start);
+  return std::make_unique<ProcessorProjection>(setup, start);
+}
+
+ProjectedPattern project_on(const IterationPlace& place, const ProjectionSetup& setup, const Pattern& start,
+                            const Observer& observer) {
+  const int iterations = iterations_of(setup.params);
+  const auto projections =
+      place.compute([&] { return std::make_unique<Projections>(setup, arrays_on(place.device, setup, start)); });
+  std::vector<double> convergence;
+  for (int iteration = 0; iteration <= iterations; ++iteration) {
+    convergence.push_back(place.compute([&] {
+      if (iteration > 0) projections->step();
+      return projections->project();
+    }));
+    observer.status(fmt::format("error {:.1f} dB", 10 * std::log10(std::max(convergence.back(), 1e-30))));
+    if (iteration > 0) observer.progress(double(iteration) / iterations);
+  }
+  ProjectedPattern found{place.compute([&] { return projections->pattern(); }), place.device};
+  observer.fact("iterations", iterations);
+  if (place.device) observer.fact("device", place.device->info().name);
+  observer.fact("error_first", Fact(convergence.front()));
+  observer.fact("error_last", Fact(convergence.back()));
+  observer.curve("convergence", convergence);
+  return found;
 }
 
 }  // namespace
 
-Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, Array2D<std::complex<float>> start,
-                                             const Slm& slm, const EncodeParams& params, const Observer& observer) {
+ProjectedPattern project_in_turn(const std::vector<TargetPlane>& targets, const Pattern& start, const Slm& slm,
+                                 const EncodeParams& params, const Observer& observer) {
   const double wavelength = targets.front().wavelength;
   for (const TargetPlane& target : targets)
     require(target.wavelength == wavelength,
             "expected targets of one wavelength for Gerchberg–Saxton, got {} and {}; use sgd, or a hologram for each",
             format_length(wavelength), format_length(target.wavelength));
-  const bool is_weighted = params.method == Encoding::weighted_gerchberg_saxton;
-  const int iterations = iterations_of(params);
-  const std::vector<TargetPlane> wanted = is_weighted ? targets : std::vector<TargetPlane>{};
-  std::vector<TargetPropagation> propagations;
-  propagations.reserve(targets.size());
-  for (const TargetPlane& target : targets)
-    propagations.emplace_back(slm, wavelength, target.z,
-                              TargetOptics{.samples = PixelSamples::four, .stop = stop_width(params)});
-
-  Field u(slm.grid, wavelength);
-  u.samples = std::move(start);
-  double wanted_power = 0, scale = 0;
-  for (const TargetPlane& target : targets) wanted_power += target_power(target);
-  std::vector<double> convergence;
-  std::vector<std::vector<Field>> shown(targets.size());
-  std::vector<Array2D<float>> light(targets.size());
-  for (int iteration = 0; iteration <= iterations; ++iteration) {
-    for (size_t k = 0; k < targets.size(); ++k) {
-      shown[k] = propagations[k].to_plane(u);
-      light[k] = power_of(shown[k], slm.grid);
-    }
-    if (iteration == 0 || is_weighted) {
-      double cross = 0;
-      for (size_t k = 0; k < targets.size(); ++k)
-        cross += fit_sums(is_weighted ? wanted[k] : targets[k], light[k]).cross;
-      scale = cross / wanted_power;
-    }
-    double error = 0;
-    Field step;
-    for (size_t k = 0; k < targets.size(); ++k) {
-      if (is_weighted) {
-        error += modulus_error(wanted[k], light[k], scale);
-        strengthen(wanted[k], light[k], scale, targets[k]);
-        leave_residual(targets[k], scale, light[k]);
-      } else {
-        error += leave_residual(targets[k], scale, light[k]);
-      }
-      if (iteration == iterations) continue;
-      multiply(light[k], shown[k]);
-      Field back = propagations[k].to_panel(shown[k]);
-      if (targets.size() > 1)
-        add_part(back, 1 / double(targets.size()), step);
-      else
-        step = std::move(back);
-    }
-    convergence.push_back(error / (scale * scale * wanted_power));
-    observer.status(fmt::format("error {:.1f} dB", 10 * std::log10(std::max(convergence.back(), 1e-30))));
-    if (iteration == iterations) break;
-    parallel_for(
-        0, slm.grid.ny,
-        [&](int64_t j) {
-          add_and_make_unit_modulus(u.samples.row(int(j)), step.samples.row(int(j)), size_t(slm.grid.nx));
-        },
-        {}, 16);
-    observer.progress((iteration + 1.0) / iterations);
-  }
-  observer.fact("iterations", iterations);
-  observer.fact("error_first", Fact(convergence.front()));
-  observer.fact("error_last", Fact(convergence.back()));
-  observer.curve("convergence", convergence);
-  return std::move(u.samples);
+  const ProjectionSetup setup{targets, slm, params};
+  return on_device_or_processor(device_for_projections(targets, {slm, params}), params.device, observer,
+                                [&](const IterationPlace& place) { return project_on(place, setup, start, observer); });
 }
 
 }  // namespace holotrace

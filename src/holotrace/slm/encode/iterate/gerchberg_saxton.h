@@ -11,6 +11,14 @@
 
 namespace holotrace {
 
+class Device;
+
+/// A pattern of modulus 1, shape (ny, nx), and the device that has found it; none: the processor.
+struct ProjectedPattern {
+  Array2D<std::complex<float>> pattern;
+  Device* device;
+};
+
 /// A phase pattern whose light has the targets' moduli, found by projections to the planes and back through free space
 /// (Gerchberg and Saxton, Optik 35, 237, 1972), for any number of planes at once:
 ///
@@ -32,13 +40,17 @@ namespace holotrace {
 /// 2aₖ⁰, and s is fitted again. Pixels that are too dark thus get a larger target (after Di Leonardo, Ianni and Ruocco,
 /// Opt. Express 15, 1913, 2007). It evens out spots, for which it was made; for pictures the plain method is better.
 ///
+/// **On a device** (params.device), the pattern, its light in all planes and the propagations are in its memory, in single
+/// precision. The sums of the rows of each plane come back, one float per row (weighted: three), and the pattern at the
+/// end. If the device `auto` fails, the processor starts again, with a warning.
+///
 /// @param targets  target planes of one wavelength
 /// @param start    pattern of modulus 1, shape (ny, nx)
 /// @return         the pattern after iterations_of(params), not yet rounded to levels
-/// @throws Error   for targets of several wavelengths, and iterations below 0
-/// Curve `convergence`: E/(s²·1/K·Σ w·a²) before each iteration and after the last.
-/// Cost: two propagations per plane and iteration.
-Array2D<std::complex<float>> project_in_turn(std::vector<TargetPlane> targets, Array2D<std::complex<float>> start,
-                                             const Slm& slm, const EncodeParams& params, const Observer& observer);
+/// @throws Error   for targets of several wavelengths, and iterations below 0; as device_for_projections and Device do
+/// Facts: `iterations`, `device` (its name, on a device), `error_first`, `error_last`. Curve `convergence`:
+/// E/(s²·1/K·Σ w·a²) before each iteration and after the last. Cost: two propagations per plane and iteration.
+ProjectedPattern project_in_turn(const std::vector<TargetPlane>& targets, const Array2D<std::complex<float>>& start,
+                                 const Slm& slm, const EncodeParams& params, const Observer& observer);
 
 }  // namespace holotrace

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "holotrace/base/error.h"
@@ -14,6 +13,7 @@
 #include "holotrace/slm/encode/iterate/descent_job.h"
 #include "holotrace/slm/encode/iterate/device_arrays.h"
 #include "holotrace/slm/encode/iterate/frame_descent.h"
+#include "holotrace/slm/encode/iterate/iteration_place.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
@@ -56,32 +56,10 @@ void tell_quality(const Colours& colours, const Observer& observer, std::vector<
   observer.fact("target_efficiency", Fact(light / double(colours.size())));
 }
 
-// A device that failed during a descent that the processor can do, too.
-struct DeviceFault {
-  std::string why;
-};
-
-// Where a descent computes: on a device or, without one, on the processor.
-struct DescentPlace {
-  Device* device = nullptr;
-  bool may_change = false;  // whether the processor does it if the device fails
-
-  // Does a part of it that uses the device.
-  template <class Work>
-  auto compute(const Work& work) const {
-    if (!may_change) return work();
-    try {
-      return work();
-    } catch (const Error& error) {
-      throw DeviceFault{error.what()};
-    }
-  }
-};
-
 // A descent and the file that keeps its state.
 class KeptDescent {
  public:
-  KeptDescent(FrameDescent& descent, const DescentPlace& place, const Checkpoint& checkpoint, IterationState job)
+  KeptDescent(FrameDescent& descent, const IterationPlace& place, const Checkpoint& checkpoint, IterationState job)
       : descent_(descent), place_(place), checkpoint_(checkpoint), job_(std::move(job)) {
     const std::optional<IterationState> state = checkpoint.load(job_);
     if (state) descent.restore(*state);
@@ -104,22 +82,10 @@ class KeptDescent {
 
  private:
   FrameDescent& descent_;
-  const DescentPlace& place_;
+  const IterationPlace& place_;
   const Checkpoint& checkpoint_;
   IterationState job_;
 };
-
-}  // namespace
-
-void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
-           const Observer& observer, std::vector<Hologram>& frames) {
-  ProcessorFrames arrays(slm, params, frames);
-  const Colours colours = colours_of(targets, {slm, params}, frames.front(), arrays);
-  for (const auto& colour : colours) colour->judge();
-  tell_quality(colours, observer, frames);
-}
-
-namespace {
 
 // What a caller wants of a descent beside its levels.
 struct Listeners {
@@ -134,7 +100,22 @@ std::unique_ptr<FrameArrays> arrays_on(Device* device, size_t planes, const Desc
   return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames);
 }
 
-void descend_on(const DescentPlace& place, const TargetSet& targets, const DescentSetup& setup,
+void judge_on(const IterationPlace& place, const std::vector<TargetPlane>& targets, const DescentSetup& setup,
+              const Observer& observer, std::vector<Hologram>& frames) {
+  std::unique_ptr<FrameArrays> arrays;
+  const Colours colours = place.compute([&] {
+    if (place.device)
+      arrays = std::make_unique<DeviceFrames>(*place.device, setup.slm, setup.params, frames);
+    else
+      arrays = std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames);
+    Colours judged = colours_of(targets, setup, frames.front(), *arrays);
+    for (const auto& colour : judged) colour->judge();
+    return judged;
+  });
+  tell_quality(colours, observer, frames);
+}
+
+void descend_on(const IterationPlace& place, const TargetSet& targets, const DescentSetup& setup,
                 std::vector<Hologram>& frames, const Listeners& listeners) {
   const auto& [observer, checkpoint] = listeners;
   const int iterations = iterations_of(setup.params);
@@ -176,15 +157,17 @@ void descend_on(const DescentPlace& place, const TargetSet& targets, const Desce
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
              std::vector<Hologram>& frames, const Checkpoint& checkpoint) {
   const DescentSetup setup{slm, params};
-  const Listeners listeners{observer, checkpoint};
-  Device* const device = device_for_descent(targets, setup, frames.size());
-  const bool may_change = device && params.device.kind == DeviceKind::automatic;
-  try {
-    descend_on({device, may_change}, targets, setup, frames, listeners);
-  } catch (const DeviceFault& fault) {
-    observer.warn(fmt::format("the device auto: the processor took over, because {}", fault.why));
-    descend_on({}, targets, setup, frames, listeners);
-  }
+  Device* const device = device_for_descent(targets.planes, setup, frames.size());
+  on_device_or_processor(device, params.device, observer, [&](const IterationPlace& place) {
+    descend_on(place, targets, setup, frames, {observer, checkpoint});
+  });
+}
+
+void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
+           const Observer& observer, std::vector<Hologram>& frames, Device* device) {
+  on_device_or_processor(device, params.device, observer, [&](const IterationPlace& place) {
+    judge_on(place, targets, {slm, params}, observer, frames);
+  });
 }
 
 }  // namespace holotrace

@@ -12,6 +12,8 @@
 
 namespace holotrace {
 
+class Device;
+
 /// Levels of one or several frames whose light has the targets' moduli. The frames are shown one after the other, and
 /// a viewer sees the mean of their irradiances. All frames are found together, by gradient descent on
 ///
@@ -62,7 +64,8 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
 
 /// Evaluates the levels of frames with the known effects of their panel. Sets the illumination that shows the
 /// targets at their own brightness, at the holograms' wavelength. Facts: `psnr_db`, `target_efficiency` (encode.h).
+/// @param device  that computes it; none: the processor. If the device `auto` fails, the processor does it, with a warning
 void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
-           const Observer& observer, std::vector<Hologram>& frames);
+           const Observer& observer, std::vector<Hologram>& frames, Device* device = nullptr);
 
 }  // namespace holotrace

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+
+#include "holotrace/base/array.h"
+#include "holotrace/base/observer.h"
+#include "holotrace/data/field.h"
+#include "holotrace/data/params/device.h"
+#include "holotrace/slm/panel/panel_model.h"
+
+namespace holotrace {
+
+/// A pattern on the panel, as PanelModel::leave takes it.
+struct PanelPattern {
+  const Array2D<float>& drive;
+  const Array2D<float>* modulus = nullptr;
+};
+
+/// The field that leaves a panel (PanelModel::leave), on the device that `choice` names, in single precision (DevicePanel).
+///
+/// The device `auto` is the one that is expected to be the fastest, by the rates of device_rates.h: the transforms of the
+/// panel count, and the transfers of levels and field. If it fails, a warning says why.
+///
+/// Fact: `device`, its name. Transfers: 4 bytes per pixel (8 for a complex modulation), and the panel's effects; 8 bytes
+/// per sample come back.
+/// @return        nothing if the processor should do it
+/// @throws Error  for a device that is not there, and as PanelModel::leave and Device do
+std::optional<Field> leave_on_device(const PanelModel& panel, const PanelPattern& pattern, const DeviceChoice& choice,
+                                     const Observer& observer = {});
+
+}  // namespace holotrace

@@ -1,0 +1,193 @@
+// Panels shown by OpenCL devices: the field and the facts of the processor, and what happens if the device fails.
+
+#include <gtest/gtest.h>
+
+#include "holotrace/slm/panel/leave_on_device.h"
+#include "holotrace/slm/panel/show.h"
+#include "support/build_paths.h"
+#include "support/fields.h"
+#include "support/panels.h"
+#include "support/stages_on_devices.h"
+#if HOLOTRACE_HAS_OPENCL
+#include "support/faulty_api.h"
+#endif
+
+namespace holotrace {
+namespace {
+
+// A hologram of random levels, and the light that it is shown in.
+struct ShownCase {
+  std::string name;
+  Slm slm = make_panel(48, 37, 200, 0.9);
+  ShowParams params{};
+  IlluminationState state{.wavelength = test_wavelength};
+  std::optional<SpectralFilter> filter{};
+
+  Hologram hologram() const {
+    CounterRandom random(1, 0, 0);
+    Hologram hologram = make_hologram(slm, slm.modulation, [](int) { return 0; });
+    for (uint16_t& level : hologram.level.values) level = uint16_t(slm.levels * random.uniform());
+    if (slm.modulation == Modulation::complex) {
+      hologram.modulus_level = hologram.level;
+      for (uint16_t& level : hologram.modulus_level.values) level = uint16_t(slm.levels * random.uniform());
+    }
+    hologram.image = ImageSide::real_image;
+    hologram.filter = filter;
+    return hologram;
+  }
+};
+
+std::vector<ShownCase> cases() {
+  ShownCase plain{"plain"}, amplitude{"amplitudes"}, complex{"complex"}, errors{"all effects in tilted light"},
+      fine{"three samples per pixel"}, state{"another state of light that flickers"};
+  amplitude.slm.modulation = Modulation::amplitude;
+  complex.slm.modulation = Modulation::complex;
+  for (ShownCase* one : {&errors, &fine, &state}) {
+    SlmEffects& effects = one->slm.effects;
+    effects.crosstalk = 0.3;
+    effects.gap_amplitude = 0.2;
+    effects.aberration = {{2, 0, 0.8}};
+    effects.dead_fraction = 0.05;
+    effects.flicker = 0.4;
+    one->params.effects = {"all"};
+    one->params.irradiance = 2;
+  }
+  errors.params.tilt_x = errors.state.tilt_x = 0.01;
+  errors.filter = SpectralFilter{1e3, 0, 2e4, 2e4};
+  fine.params.subpixels = 3;
+  fine.params.light = Wavefront::gaussian;
+  fine.params.beam_radius = 2e-4;
+  state.state.wavelength = 540e-9;
+  state.state.flicker = 0.7;
+  return {plain, amplitude, complex, errors, fine, state};
+}
+
+class ShowDevices : public test::StagesOnDevices {
+ protected:
+  static Field shown(const ShownCase& one, const ShowParams& params, const Observer& observer = {}) {
+    return show(one.hologram(), one.slm, params, one.state, observer);
+  }
+  bool uses_device(const ShowParams& params) const {
+    const size_t before = device_.use().kernels;
+    shown(one_, params);
+    return device_.use().kernels > before;
+  }
+
+  ShownCase one_{"one"};
+};
+
+HOLOTRACE_FOR_ALL_DEVICES(ShowDevices);
+
+// Phases of a few cycles in float are known to 1e-6 rad, and each of two transforms adds about 3e-7.
+TEST_P(ShowDevices, ShowTheFieldOfTheProcessor) {
+  for (const ShownCase& one : cases()) {
+    Heard expected, heard;
+    const Field here = shown(one, one.params, expected.observer());
+    const Field there = shown(one, on_device(one.params), heard.observer());
+    EXPECT_LT(testing::relative_error(there, here), 2e-6) << one.name;
+    EXPECT_NE(there.samples.values, here.samples.values) << one.name << ": by the processor?";
+    EXPECT_EQ(there.grid.nx, here.grid.nx);
+    EXPECT_EQ(there.grid.pitch, here.grid.pitch);
+    EXPECT_EQ(there.wavelength, here.wavelength);
+    EXPECT_EQ(there.image, here.image);
+    ASSERT_EQ(there.filter.has_value(), here.filter.has_value());
+    if (here.filter) {
+      EXPECT_EQ(there.filter->u0, here.filter->u0);
+    }
+    EXPECT_EQ(std::get<std::string>(heard.facts.at("device")), device_.info().name);
+    heard.facts.erase("device");
+    ASSERT_EQ(heard.facts.size(), expected.facts.size()) << one.name;
+    for (const char* fact : {"power_in", "power_out", "efficiency"})
+      EXPECT_NEAR(heard.number(fact), expected.number(fact), 4e-6 * expected.number(fact)) << one.name << fact;
+  }
+}
+
+TEST_P(ShowDevices, GiveTheSameBytesForTheSameInput) {
+  const ShowParams params = on_device(one_.params);
+  EXPECT_EQ(shown(one_, params).samples.values, shown(one_, params).samples.values);
+}
+
+// Four bytes for the level of each pixel, and eight for each sample that comes back.
+TEST_P(ShowDevices, TransferLevelsAndTheFieldOnly) {
+  one_.params.subpixels = 2;
+  const DeviceUse before = device_.use();
+  shown(one_, on_device(one_.params));
+  const DeviceUse after = device_.use();
+  const size_t pixels = size_t(one_.slm.grid.pixels()), lines = size_t(one_.slm.grid.nx + one_.slm.grid.ny);
+  EXPECT_EQ(after.bytes_out - before.bytes_out, 4 * pixels * 8);
+  EXPECT_GE(after.bytes_in - before.bytes_in, pixels * 4);
+  EXPECT_LE(after.bytes_in - before.bytes_in, pixels * 4 + 2 * lines * 2 * 8) << "weights and factors of transforms";
+}
+
+TEST_P(ShowDevices, AreTakenByAutoIfTheyAreFaster) {
+  make_device_fast(1e15);
+  EXPECT_TRUE(uses_device(automatic(one_.params)));
+  make_device_fast(1e-3);
+  EXPECT_FALSE(uses_device(automatic(one_.params)));
+  set_device_rates({});
+  EXPECT_FALSE(uses_device(automatic(one_.params))) << "not measured";
+  EXPECT_FALSE(uses_device(one_.params)) << "the processor is the default";
+}
+
+// A named device says that memory is short; `auto` warns, and does what the processor does.
+TEST_P(ShowDevices, SayThatMemoryIsShort) {
+  device_.limit_memory((double(device_.use().bytes_held) + 20e3) / 0.8);
+  const std::string error = error_of([&] { shown(one_, on_device(one_.params)); });
+  EXPECT_NE(error.find("of memory for "), std::string::npos) << error;
+  EXPECT_NE(error.find(" on the device " + device_.info().name), std::string::npos) << error;
+  make_device_fast(1e15);
+  Heard heard;
+  EXPECT_EQ(shown(one_, automatic(one_.params), heard.observer()).samples.values,
+            shown(one_, one_.params).samples.values);
+  ASSERT_EQ(heard.warnings.size(), 1u);
+  EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
+  EXPECT_EQ(heard.facts.count("device"), 0u);
+}
+
+#if HOLOTRACE_HAS_OPENCL
+// Every seventh call fails: memory, transfers and kernels.
+TEST_P(ShowDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
+  const ShownCase one = cases()[3];  // all effects
+  make_device_fast(1e15);
+  shown(one, on_device(one.params));  // compiles the kernels
+  const Field expected = shown(one, one.params);
+  int faults = 0;
+  for (int failed = 0;; failed += 7) {
+    test::FaultyApi api;
+    api.failing = failed;
+    const std::string error = error_of([&] { shown(one, on_device(one.params)); });
+    EXPECT_TRUE(api.held.empty()) << "after the failure of call " << failed;
+    EXPECT_FALSE(api.was_released_twice);
+    if (api.calls <= failed) {
+      EXPECT_EQ(error, "no error");
+      break;
+    }
+    EXPECT_NE(error, "no error");
+    ++faults;
+    api.calls = 0;
+    Heard heard;
+    EXPECT_EQ(shown(one, automatic(one.params), heard.observer()).samples.values, expected.samples.values);
+    ASSERT_EQ(heard.warnings.size(), 1u) << failed;
+    EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
+  }
+  EXPECT_GT(faults, 5);
+}
+#endif
+
+TEST_P(ShowDevices, RefuseAPatternOfAnotherSize) {
+  const PanelModel panel(one_.slm, {}, Modulation::phase, 200, 0, one_.state);
+  EXPECT_EQ(error_of([&] {
+              leave_on_device(panel, {Array2D<float>(2, 3)}, {DeviceKind::opencl, GetParam()});
+            }),
+            "expected a drive of 48 × 37 pixels, as the SLM \"test\" has, got 3 × 2");
+}
+
+TEST(ShowOnNoDevice, IsAnError) {
+  const ShownCase one{"one"};
+  ShowParams params;
+  params.device = {DeviceKind::opencl, 1000};
+  EXPECT_NE(error_of([&] { show(one.hologram(), one.slm, params); }), "no error");
+}
+
+}  // namespace
+}  // namespace holotrace
