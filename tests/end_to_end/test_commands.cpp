@@ -84,7 +84,7 @@ TEST(Commands, TheStagesOneByOneMakeTheSameFilesAsRun) {
 TEST(Commands, RenderAloneMakesTheRenderOfARun) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
-  succeed(work, {"run", "scene.toml", "-o", "out"});
+  succeed(work, {"run", "scene.toml", "-o", "out", "--reference", "full"});
   succeed(work, {"render", "scene.toml", "-o", "render.png", "--background", "false"});  // it sends no waves
   const Image alone = load_image(work.path("render.png")), of_run = load_image(work.path("out/render.png"));
   ASSERT_EQ(alone.values.size(), of_run.values.size());

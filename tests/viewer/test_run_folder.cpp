@@ -31,6 +31,7 @@ paths = 2
 columns = 80
 rows = 45
 paths = 8
+reference = "full"
 [camera]
 distances = "20 mm, 30 mm"
 [[light]]
