@@ -123,6 +123,26 @@ TEST(QuickReference, LeavesTheNoiseOfAFullReferenceInTheMetricsOfTheBrightRegion
   }
 }
 
+// One path of a half found the lamp, none of the other: then the mean alone says what is bright. If the full paths of the
+// brightest pixels are brighter than ten times the mean, nothing in the mean is bright; without their light, nothing is known.
+TEST(QuickReference, OfRarePathsHasFiniteMetrics) {
+  const Image nothing(128, 128, 1), view = noisy_ramp(0.05, 1);
+  Image first(128, 128, 1), mean(128, 128, 1), image(128, 128, 1);
+  first(64, 64) = 1;
+  mean(64, 64) = 0.5F;
+  image(64, 64) = 1;
+  const auto one_half = facts_of({image, mean, first, 0.25}, view);
+  EXPECT_NEAR(one_half.at("bright_fraction"), compare_bright(mean, view, 0.1).bright_fraction, 1e-12);
+  EXPECT_EQ(one_half.at("uniformity"), 1);  // of one pixel
+  image(64, 64) = 20;
+  image(64, 65) = 3;
+  const auto far_brighter = facts_of({image, mean, first, 0.25}, view);
+  EXPECT_NEAR(far_brighter.at("bright_fraction"), compare_bright(image, view, 2).bright_fraction, 1e-12);
+  for (const auto& [name, fact] : far_brighter) EXPECT_TRUE(std::isfinite(fact)) << name;
+  EXPECT_EQ(facts_of({nothing, mean, first, 0.25}, view).count("why_no_metrics"), 1U);
+  EXPECT_EQ(facts_of({image, nothing, nothing, 0.25}, view).count("why_no_metrics"), 1U);
+}
+
 // All pixels near the maximum have all paths, others are noisy: the maximum is certain.
 TEST(QuickReference, IsCertainOfAMaximumWithAllPaths) {
   Image reference(16, 16, 1), mean(16, 16, 1), half(16, 16, 1), view(16, 16, 1);

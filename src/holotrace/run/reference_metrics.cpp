@@ -44,13 +44,19 @@ double uncertainty_of_peak(const ViewReference& reference, const Noise& noise, d
   return 0;
 }
 
+bool has_light(const Image& image, double threshold) {
+  return std::any_of(image.values.begin(), image.values.end(), [&](float v) { return v > 0 && v >= threshold; });
+}
+
 // Those of the view against a full reference. Noise of a reference changes the square of the contrast, and the others, in
 // proportion to its variance, to first order; a half has twice the variance of the mean.
 BrightMetrics bright_metrics(const ViewReference& reference, const Image& view, double threshold) {
   Image second_half = reference.mean;
   for (size_t i = 0; i < second_half.values.size(); ++i)
     second_half.values[i] = 2 * reference.mean.values[i] - reference.first_half.values[i];
+  if (!has_light(reference.mean, threshold)) return compare_bright(reference.image, view, threshold);
   const BrightMetrics mean = compare_bright(reference.mean, view, threshold);
+  if (!has_light(reference.first_half, threshold) || !has_light(second_half, threshold)) return mean;
   const BrightMetrics first = compare_bright(reference.first_half, view, threshold);
   const BrightMetrics second = compare_bright(second_half, view, threshold);
   const auto of_full = [&](const auto& metric) {
@@ -86,9 +92,10 @@ BrightMetrics report_quick_metrics(const ViewReference& reference, const Image& 
 
 void report_metrics(const ViewReference& reference, const Image& view, double efficiency, const Observer& observer) {
   const bool is_quick = !reference.first_half.values.empty();
-  const Image& compared = is_quick ? reference.mean : reference.image;
-  if (std::none_of(compared.values.begin(), compared.values.end(), [](float v) { return v > 0; })) {
-    observer.fact("why_no_metrics", std::string("the render is dark in the sensor's area"));
+  if (!has_light(reference.image, 0) || (is_quick && !has_light(reference.mean, 0))) {
+    observer.fact("why_no_metrics",
+                  std::string(is_quick ? "the quick render has no light in the sensor's area; use reference = full"
+                                       : "the render is dark in the sensor's area"));
     return;
   }
   BrightMetrics bright;

@@ -36,6 +36,7 @@ double contrast(double sum, double sum_of_squares, double n) {
 
 // 1 − (b − a)/(b + a) = 2a/(a + b), a and b the 1st and 99th percentiles (nearest rank).
 double uniformity_of(std::vector<double> ratios) {
+  if (ratios.empty()) return 0;
   const auto percentile = [&](double part) {
     const auto rank = ratios.begin() + std::ptrdiff_t(std::ceil(part * double(ratios.size()))) - 1;
     std::nth_element(ratios.begin(), rank, ratios.end());
