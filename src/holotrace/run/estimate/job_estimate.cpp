@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <new>
+#include <numeric>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -177,9 +178,12 @@ JobEstimate estimate_job(const Job& given) {
     const double brightest =
         is_quick(job) ? 1 + 2.0 / pixels_per_brightest * job.render.paths / plan_renders(job).front().params.paths : 1;
     const RenderParams one = renders.empty() ? job.render : renders.front().params;  // none: counted 0 times
+    std::vector<double> cost_of_render(plan_renders(job).size(), brightest);         // of each, over that of `one`
+    for (size_t i = cost_of_render.size(); i < renders.size(); ++i)
+      cost_of_render.push_back(double(renders[i].params.paths) / one.paths);
+    const double cost_of_renders = std::accumulate(cost_of_render.begin(), cost_of_render.end(), 0.0);
     probes[1] = {[&](double part) {
-                   return times(brightest * double(renders.size()),
-                                probe_render(job, one, trace.prepare_seconds, part, of_render));
+                   return times(cost_of_renders, probe_render(job, one, trace.prepare_seconds, part, of_render));
                  },
                  std::min(1.0, 1024 / pixels_of(one))};
     probes[2] = {[&](double part) {
@@ -196,8 +200,8 @@ JobEstimate estimate_job(const Job& given) {
     e.method = sum.sets.empty() ? "" : sum.method;
     e.why_no_simulation = display.why_none;
     if (e.is_whole())
-      for (const PlannedRender& render : renders)
-        e.stages.push_back({render.stage, probes[1].last.predicted / double(renders.size())});
+      for (size_t i = 0; i < renders.size(); ++i)
+        e.stages.push_back({renders[i].stage, probes[1].last.predicted * cost_of_render[i] / cost_of_renders});
     e.stages.push_back({"trace", probes[0].last.predicted});
     e.stages.push_back({"synthesize", probes[2].last.predicted});
     for (const StageReport& stage : display.stages) e.stages.push_back({stage.stage, stage.seconds});

@@ -62,7 +62,7 @@ class KeptDescent {
   KeptDescent(FrameDescent& descent, const IterationPlace& place, const Checkpoint& checkpoint, IterationState job)
       : descent_(descent), place_(place), checkpoint_(checkpoint), job_(std::move(job)) {
     const std::optional<IterationState> state = checkpoint.load(job_);
-    if (state) descent.restore(*state);
+    if (state) place.compute([&] { descent.restore(*state); });
   }
 
   void save() const {
