@@ -133,7 +133,10 @@ TEST(QuickReference, OfRarePathsHasFiniteMetrics) {
   image(64, 64) = 1;
   const auto one_half = facts_of({image, mean, first, 0.25}, view);
   EXPECT_NEAR(one_half.at("bright_fraction"), compare_bright(mean, view, 0.1).bright_fraction, 1e-12);
-  EXPECT_EQ(one_half.at("uniformity"), 1);  // of one pixel
+  EXPECT_EQ(one_half.at("uniformity"), 1);                               // of one pixel
+  const auto other_half = facts_of({image, mean, nothing, 0.25}, view);  // mean − nothing: the second half has the path
+  EXPECT_EQ(other_half.at("bright_fraction"), one_half.at("bright_fraction"));
+  EXPECT_EQ(compare_bright(mean, view, 2).uniformity, 0);  // of no pixel
   image(64, 64) = 20;
   image(64, 65) = 3;
   const auto far_brighter = facts_of({image, mean, first, 0.25}, view);
@@ -183,6 +186,16 @@ TEST(QuickReference, UncertaintyIsThreeTimesTheNoiseOfBrightPixels) {
 
 TEST(QuickReference, SaysWhyThereIsNothingToCompare) {
   EXPECT_EQ(facts_of({Image(8, 8, 1)}, noisy_ramp(0.1, 1)).count("why_no_metrics"), 1U);
+}
+
+TEST(QuickReference, HasAQuarterOfThePaths) {
+  Job job;
+  job.camera.distances = {0.3};
+  for (const auto& [paths, expected] : {std::pair{64, 16}, {24, 6}, {4, 2}, {2, 2}}) {
+    job.render.paths = paths;
+    EXPECT_EQ(plan_renders(job).front().params.paths, expected) << paths;
+    EXPECT_EQ(is_quick(job), paths > 2) << paths;
+  }
 }
 
 // A lamp's light falls off across the floor: its brightest pixels are few.
