@@ -1,10 +1,9 @@
 #include "depth_image_flags.h"
 
-#include <algorithm>
-#include <filesystem>
 #include <utility>
 
 #include "holotrace/io/picture/depth_image_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/depth_image_fields.h"
 
 namespace holotrace {
@@ -13,14 +12,6 @@ namespace {
 constexpr const char* group =
     "A picture with depths (RGB-D), for example: field picture.png --depth depth.png --near \"195 mm\" "
     "--far \"205 mm\" --width \"8 mm\" --slices 100 -o f.npy";
-
-bool is_picture(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".exr" ||
-         extension == ".tif" || extension == ".tiff";
-}
 
 }  // namespace
 
@@ -38,13 +29,13 @@ bool DepthImageFlags::check(const std::vector<std::string>& inputs, bool is_doub
     for (const char* name : {"near", "far", "width", "projection", "field_of_view", "phase", "seed", "common_cone"})
       require(!flags_.has(name),
               "expected --depth with {}, which describes a picture with depths; give both or neither", dashed(name));
-    require(!is_picture(inputs.front()), "{}: expected --depth with a picture, got none; give its depth image",
+    require(!has_image_ending(inputs.front()), "{}: expected --depth with a picture, got none; give its depth image",
             inputs.front());
     return false;
   }
   require(inputs.size() == 1, "expected one picture with --depth, got {} inputs", inputs.size());
-  require(is_picture(inputs.front()), "{}: expected a picture (.png, .jpg, .tif, .exr) with --depth; leave out --depth",
-          inputs.front());
+  require(has_image_ending(inputs.front()),
+          "{}: expected a picture (.png, .jpg, .tif, .exr) with --depth; leave out --depth", inputs.front());
   require(!is_double,
           "expected --double with a scene or sources, which it sums wave by wave; got a picture with depths");
   return true;

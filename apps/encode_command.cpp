@@ -27,14 +27,6 @@
 namespace holotrace {
 namespace {
 
-// All other files count as fields; their reader reports errors.
-bool is_picture(const std::string& path) {
-  const std::string extension = extension_of(path);
-  for (const char* known : {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr"})
-    if (extension == known) return !is_field_file(path);
-  return false;
-}
-
 EncodeJob job_of_picture_file(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
                               EncodeParams params, Console& console) {
   require(!wavelengths.empty(), "{} is a picture and has no wavelength; give --wavelength", path);
@@ -110,7 +102,8 @@ void add_encode_command(Command& app, const GlobalFlags& global) {
     const Checkpoints checkpoints(o->checkpoint);
     require(!checkpoints.are_kept() || params.method == Encoding::sgd,
             "expected --checkpoint only with --method sgd; use sgd, or leave out --checkpoint");
-    const bool is_stack = is_focal_stack_file(o->input), is_field = !is_stack && !is_picture(o->input);
+    const bool is_stack = is_focal_stack_file(o->input),
+               is_field = !is_stack && (!has_image_ending(o->input) || is_field_file(o->input));
     check_flag("--frames", o->frames, range::at_least(1), Quantity::count);
     require(o->frames == 1 || is_stack || !std::filesystem::exists(o->input),
             "expected --frames only with a focal stack, got {}; leave it out", o->input);

@@ -10,15 +10,13 @@
 namespace holotrace {
 namespace {
 
-const Grid full_hd = timed_full_hd;
-
 // Waves spread over the whole panel, in 20 mm of depth around 0.2 m.
 BenchRow bench_layers(const BenchOptions& options, int count, int slices) {
-  const Sources sources = timed_waves(full_hd, count, 0.19, 0.21);
+  const Sources sources = timed_waves(timed_full_hd, count, 0.19, 0.21);
   SynthesizeParams params;
   params.slices = slices;
   const Timing timing = time_work(
-      options, [&] { sum_layers(sources, full_hd, params); }, slices);
+      options, [&] { sum_layers(sources, timed_full_hd, params); }, slices);
   return make_row("layers", fmt::format("1920x1080, {} waves, 0.19-0.21 m", short_count(count)), timing, slices,
                   "slices");
 }
@@ -27,7 +25,7 @@ BenchRow bench_triangles(const BenchOptions& options, int count, double toleranc
   const Triangles triangles = timed_half_sphere(count);
   const double amount = double(triangles.triangles.size());
   const Timing timing = time_work(
-      options, [&] { sum_triangles(triangles, full_hd, tolerance); }, amount);
+      options, [&] { sum_triangles(triangles, timed_full_hd, tolerance); }, amount);
   return make_row("triangles", fmt::format("1920x1080, {} triangles, {:g}", short_count(count), tolerance), timing,
                   amount, "triangles");
 }

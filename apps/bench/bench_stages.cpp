@@ -19,8 +19,6 @@ namespace {
 
 using namespace literals;
 
-const Grid full_hd = timed_full_hd, ultra_hd = timed_ultra_hd;
-
 std::string size_of(const Grid& grid) { return fmt::format("{}x{}", grid.nx, grid.ny); }
 
 // Two transforms of the padded field, counted in full. The transform skips parts that are known to be zero, which
@@ -87,11 +85,11 @@ std::vector<BenchStep> propagate_steps(const BenchOptions& options) {
   const auto add = [&](const Grid& panel, bool is_cached) {
     steps.push_back({"propagate", [=] { return bench_propagation<float>(options, panel, "float", is_cached); }});
   };
-  add(full_hd, true);
-  add(full_hd, false);
+  add(timed_full_hd, true);
+  add(timed_full_hd, false);
   if (options.is_quick) return steps;
-  steps.push_back({"propagate", [=] { return bench_propagation<double>(options, full_hd, "double", true); }});
-  add(ultra_hd, true);
+  steps.push_back({"propagate", [=] { return bench_propagation<double>(options, timed_full_hd, "double", true); }});
+  add(timed_ultra_hd, true);
   return steps;
 }
 

@@ -27,8 +27,6 @@ namespace {
 
 using namespace literals;
 
-const Grid full_hd = timed_full_hd, ultra_hd = timed_ultra_hd;
-
 /// Waves of random phase, spread over the panel and over a range of depths.
 struct WaveJob {
   Grid panel;
@@ -178,8 +176,8 @@ BenchStep method_step(const BenchOptions& options, const std::string& stage, Syn
 
 std::vector<BenchStep> exact_steps(const BenchOptions& options) {
   std::vector<BenchStep> steps;
-  steps.push_back({"exact", [=] { return bench_exact(options, narrow(full_hd, 16)); }});
-  if (!options.is_quick) steps.push_back({"exact", [=] { return bench_exact(options, narrow(ultra_hd, 4)); }});
+  steps.push_back({"exact", [=] { return bench_exact(options, narrow(timed_full_hd, 16)); }});
+  if (!options.is_quick) steps.push_back({"exact", [=] { return bench_exact(options, narrow(timed_ultra_hd, 4)); }});
   return steps;
 }
 
@@ -189,7 +187,7 @@ std::vector<BenchStep> tiled_steps(const BenchOptions& options) {
   const auto add = [&](const TiledKernel& kernel, const WaveJob& job, double tolerance) {
     steps.push_back(tiled_step(options, kernel, job, tolerance));
   };
-  const WaveJob usual = narrow(full_hd, options.is_quick ? 1000 : 10000);
+  const WaveJob usual = narrow(timed_full_hd, options.is_quick ? 1000 : 10000);
   for (const std::string& name : instruction_sets()) add({name, TileProducts::single}, usual, 1e-3);
   const bool is_packed = packed_unit() != PackedUnit::none;
   if (is_packed) {
@@ -198,10 +196,10 @@ std::vector<BenchStep> tiled_steps(const BenchOptions& options) {
   }
   if (options.is_quick) return steps;
   const TiledKernel kernel{best, is_packed ? TileProducts::split_bf16 : TileProducts::single};
-  for (const WaveJob& job : {narrow(full_hd, 1000), narrow(full_hd, 100000), wide(full_hd, 10000),
-                             narrow(ultra_hd, 1000), narrow(ultra_hd, 10000), wide(ultra_hd, 10000)})
+  for (const WaveJob& job : {narrow(timed_full_hd, 1000), narrow(timed_full_hd, 100000), wide(timed_full_hd, 10000),
+                             narrow(timed_ultra_hd, 1000), narrow(timed_ultra_hd, 10000), wide(timed_ultra_hd, 10000)})
     add(kernel, job, 1e-3);
-  add({best, TileProducts::single}, narrow(full_hd, 1000), 1e-4);
+  add({best, TileProducts::single}, narrow(timed_full_hd, 1000), 1e-4);
   return steps;
 }
 
@@ -212,13 +210,13 @@ std::vector<BenchStep> planes_steps(const BenchOptions& options) {
     steps.push_back(method_step(options, "planes", SynthesisMethod::planes, job, tolerance, known));
   };
   if (options.is_quick) {
-    add(narrow(full_hd, 10000), 1e-3);
+    add(narrow(timed_full_hd, 10000), 1e-3);
     return steps;
   }
   for (const double tolerance : {1e-3, 3e-3})
-    for (const int waves : {100000, 500000}) add(narrow(full_hd, waves), tolerance);
-  add(wide(full_hd, 100000), 1e-3);
-  add(narrow(ultra_hd, 100000), 3e-3);
+    for (const int waves : {100000, 500000}) add(narrow(timed_full_hd, waves), tolerance);
+  add(wide(timed_full_hd, 100000), 1e-3);
+  add(narrow(timed_ultra_hd, 100000), 3e-3);
   return steps;
 }
 
@@ -230,7 +228,7 @@ std::vector<BenchStep> auto_steps(const BenchOptions& options) {
   const auto add = [&](const WaveJob& job, double tolerance) {
     steps.push_back(method_step(options, "auto", SynthesisMethod::automatic, job, tolerance, known));
   };
-  for (const Grid& panel : options.is_quick ? std::vector{full_hd} : std::vector{full_hd, ultra_hd})
+  for (const Grid& panel : options.is_quick ? std::vector{timed_full_hd} : std::vector{timed_full_hd, timed_ultra_hd})
     for (const int waves : counts) {
       add(narrow(panel, waves), 1e-3);
       add(wide(panel, waves), 1e-3);

@@ -22,8 +22,8 @@ std::vector<Viewpoint> viewpoints_of(const ViewRecord& record) {
   return viewpoints(record.camera, eyes);
 }
 
-nb::dict view(const std::vector<const Hologram*>& holograms, const std::vector<const Slm*>& panels,
-              const nb::dict& stages, nb::handle eye_separation, Watch& watch) {
+nb::dict view_holograms(const std::vector<const Hologram*>& holograms, const std::vector<const Slm*>& panels,
+                        const nb::dict& stages, nb::handle eye_separation, Watch& watch) {
   ViewRecord record;
   ViewingParams params;
   set_params(nb::cast<nb::dict>(stages["show"]), params.show);
@@ -68,7 +68,7 @@ void save(const std::string& path, const SeriesViews& views, const ViewRecord& r
 void bind_view_verbs(nb::module_& module) {
   nb::class_<ViewRecord> record(module, "ViewRecord");
   bind_bytes<ViewRecord>(record);
-  module.def("view", &view, nb::arg("holograms"), nb::arg("panels"), nb::arg("stages"),
+  module.def("view", &view_holograms, nb::arg("holograms"), nb::arg("panels"), nb::arg("stages"),
              nb::arg("eye_separation").none(), nb::arg("watch"));
   module.def("save_views", [](const std::string& path, const nb::dict& made, const ViewRecord& record, Watch& watch) {
     save(path,

@@ -8,8 +8,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
-
 // The quotient of a decimal number and a power of ten is rounded once, so the result is the double nearest
 // to the length. The compiler makes the same double of the literal: equality is exact.
 TEST(Units, LengthsRoundOnce) {

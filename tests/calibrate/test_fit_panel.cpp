@@ -11,8 +11,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
-
 constexpr int side = 128;
 
 CalibrationPlan small_plan() {

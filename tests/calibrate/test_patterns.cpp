@@ -11,8 +11,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
-
 std::set<int> levels_of(const TestPattern& pattern) {
   return {pattern.hologram.level.values.begin(), pattern.hologram.level.values.end()};
 }

@@ -12,8 +12,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
-
 // x(i) = (i − (nx−1)/2)·pitch, row 0 on top: the conventions of the panel's frame.
 TEST(Grid, ItsPixelsAreCentredWithRowZeroOnTop) {
   const Grid grid{4, 3, 2.0};

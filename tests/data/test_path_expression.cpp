@@ -184,7 +184,7 @@ TEST(PathExpression, NoExpressionIsOneLayerOfAllPaths) {
   for (const std::string& events : between) ASSERT_EQ(automaton.accepted(walk(automaton, events)), 1u);
 }
 
-std::string error_of(const std::vector<std::string>& expressions) {
+std::string error_in(const std::vector<std::string>& expressions) {
   try {
     PathAutomaton automaton(expressions);
   } catch (const Error& error) {
@@ -241,21 +241,21 @@ TEST(PathExpression, AnErrorShowsTheExpressionAndTheCharacter) {
        "path expression 'E[(D|G)S]*(D|G)' names no path: expected one that starts with E (the eye) "
        "and ends with L (a light), such as 'E[(D|G)S]*(D|G)L'"},
   };
-  for (const auto& [expression, expected] : cases) EXPECT_EQ(error_of({expression}), expected);
+  for (const auto& [expression, expected] : cases) EXPECT_EQ(error_in({expression}), expected);
 }
 
-TEST(PathExpression, AnErrorInOneLayerNamesThatLayer) { EXPECT_EQ(error_of({"EL", "EdL"}), error_of({"EdL"})); }
+TEST(PathExpression, AnErrorInOneLayerNamesThatLayer) { EXPECT_EQ(error_in({"EL", "EdL"}), error_in({"EdL"})); }
 
 TEST(PathExpression, SizesAreBounded) {
-  EXPECT_EQ(error_of(std::vector<std::string>(32, "E.*L")), "no error");
-  EXPECT_EQ(error_of(std::vector<std::string>(33, "E.*L")), "expected at most 32 path expressions, got 33");
-  EXPECT_EQ(error_of({fmt::format("E{}L", std::string(253, 'D'))}), "no error");
-  EXPECT_EQ(error_of({fmt::format("E{}L", std::string(254, 'D'))}),
+  EXPECT_EQ(error_in(std::vector<std::string>(32, "E.*L")), "no error");
+  EXPECT_EQ(error_in(std::vector<std::string>(33, "E.*L")), "expected at most 32 path expressions, got 33");
+  EXPECT_EQ(error_in({fmt::format("E{}L", std::string(253, 'D'))}), "no error");
+  EXPECT_EQ(error_in({fmt::format("E{}L", std::string(254, 'D'))}),
             "expected a path expression of at most 255 characters, got 256");
-  EXPECT_EQ(error_of({fmt::format("E{}D{}L", std::string(120, '('), std::string(120, ')'))}), "no error");
+  EXPECT_EQ(error_in({fmt::format("E{}D{}L", std::string(120, '('), std::string(120, ')'))}), "no error");
   // Whether the n-th event from the end is D needs 2ⁿ states.
-  EXPECT_EQ(error_of({fmt::format("E.*D{}L", std::string(9, '.'))}), "no error");
-  EXPECT_EQ(error_of({fmt::format("E.*D{}L", std::string(20, '.'))}),
+  EXPECT_EQ(error_in({fmt::format("E.*D{}L", std::string(9, '.'))}), "no error");
+  EXPECT_EQ(error_in({fmt::format("E.*D{}L", std::string(20, '.'))}),
             "the path expressions need more than 10000 states together: use fewer or shorter ones");
 }
 

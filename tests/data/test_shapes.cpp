@@ -13,8 +13,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
-
 using Key = std::tuple<double, double, double>;
 Key key(Vec3 p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0}; }  // + 0.0 makes −0 a 0
 

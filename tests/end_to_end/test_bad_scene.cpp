@@ -31,14 +31,14 @@ void expect_sentence(const Workplace& work, const std::vector<std::string>& argu
   EXPECT_EQ(work.names(), before);
 }
 
-struct BadScene {
+struct BadTables {
   std::string lines, sentence;
 };
 
-void expect_sentences(const std::vector<BadScene>& cases) {
+void expect_sentences(const std::vector<BadTables>& cases) {
   const Workplace work;
   work.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
-  for (const BadScene& bad : cases) {
+  for (const BadTables& bad : cases) {
     SCOPED_TRACE(bad.lines);
     work.write("scene.toml", scene_with(bad.lines));
     for (const char* command : {"run", "trace"})  // every command that reads the scene refuses it
@@ -47,7 +47,7 @@ void expect_sentences(const std::vector<BadScene>& cases) {
   }
 }
 
-TEST(BadScene, MaterialsAndMapsAreNamedAtTheirPlace) {
+TEST(BadTables, MaterialsAndMapsAreNamedAtTheirPlace) {
   expect_sentences({
       {"[materials.m]\ntype = \"glas\"\n",
        "scene.toml:7:8: unknown material type \"glas\"; known: diffuse, conductor, dielectric, metallic-roughness"},
@@ -61,7 +61,7 @@ TEST(BadScene, MaterialsAndMapsAreNamedAtTheirPlace) {
   });
 }
 
-TEST(BadScene, PathExpressionsArePlacedByLineColumnAndCharacter) {
+TEST(BadTables, PathExpressionsArePlacedByLineColumnAndCharacter) {
   std::string many = "\"E.*L\"";
   for (int i = 1; i < 33; ++i) many += ", \"E.*L\"";
   expect_sentences({
@@ -82,7 +82,7 @@ TEST(BadScene, PathExpressionsArePlacedByLineColumnAndCharacter) {
                   "path expression 'E(D': expected ')' for the '(' at character 2, got the end");
 }
 
-TEST(BadScene, NumbersAndPlacesTellWhatCame) {
+TEST(BadTables, NumbersAndPlacesTellWhatCame) {
   expect_sentences({
       {"[trace]\nframes = 0\n", "scene.toml:7:10: expected a whole number of 1 or more for \"frames\", got 0"},
       {"[render]\neye = \"0 0 -1 mm\"\n",
@@ -97,7 +97,7 @@ TEST(BadScene, NumbersAndPlacesTellWhatCame) {
                   "expected .npy or .h5 for a field of 3 wavelengths, got f.exr; .exr holds one");
 }
 
-TEST(BadScene, ALightInsideAWallIsBlackAndNoError) {
+TEST(BadTables, ALightInsideAWallIsBlackAndNoError) {
   const Workplace work;
   work.write("scene.toml", scene_head() +
                                "[trace]\ncolumns = 16\nrows = 16\npaths = 2\n[render]\nrows = 16\npaths = 2\n"

@@ -20,9 +20,7 @@ namespace holotrace {
 namespace {
 
 using Complex = std::complex<double>;
-using testing::relative_error;
-
-constexpr double lambda = green_light;
+using test::relative_error;
 
 // --- interference ----------------------------------------------------------------------------------
 
@@ -64,7 +62,7 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
                            .paths = 1,
                            .max_depth = 1,
                            .phase = SourcePhase::laser};
-  const Sources sources = trace(scene, panel, lambda, params);
+  const Sources sources = trace(scene, panel, green_light, params);
   ASSERT_EQ(sources.waves.size(), 2u);
   // The spots are rough, each with its own phase. Without these phases only the path from the laser counts, as for two
   // slits.
@@ -77,8 +75,8 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
   const Field field = synthesize(without_surface(sources), panel, {SynthesisMethod::exact});
   std::vector<double> row;
   for (int i = 0; i < panel.nx; ++i) row.push_back(std::norm(field.samples(32, i)));
-  const Fringes fringes = measure(row, panel.pitch, lambda * distance / s);
-  EXPECT_NEAR(fringes.period / (lambda * distance / s), 1, 0.005);
+  const Fringes fringes = measure(row, panel.pitch, green_light * distance / s);
+  EXPECT_NEAR(fringes.period / (green_light * distance / s), 1, 0.005);
   EXPECT_GT(fringes.visibility, 0.98);
   // The laser is on the axis: the paths over both spots are equal, so the middle of the panel is bright.
   const double middle = std::norm(field.samples(32, 127)), mean = power(field) / (256 * 64 * 64e-12);
@@ -87,7 +85,8 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
   // Other surface phases would give the same fringes at other places. Moving the laser sideways by δ shifts them
   // by λ/s·(path difference)/λ: at 0.15 m, 50 mm in front of the spots, δ = 10 µm gives s·δ/50 mm = 200 nm.
   scene.lights = {PointLight{{10_um, 0, -0.15}, {1, 1, 1}, true}};
-  const Field moved = synthesize(without_surface(trace(scene, panel, lambda, params)), panel, {SynthesisMethod::exact});
+  const Field moved =
+      synthesize(without_surface(trace(scene, panel, green_light, params)), panel, {SynthesisMethod::exact});
   const auto phase_of = [&](const Field& f) {
     Complex sum = 0;
     for (int i = 0; i < panel.nx; ++i)
@@ -96,7 +95,7 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
     return std::arg(sum);
   };
   const double shift = std::remainder(phase_of(moved) - phase_of(field), 2 * pi);
-  EXPECT_NEAR(std::abs(shift), 2 * pi * (s * 10_um / 50_mm) / lambda, 0.02);
+  EXPECT_NEAR(std::abs(shift), 2 * pi * (s * 10_um / 50_mm) / green_light, 0.02);
 }
 
 TEST(Coherence, LloydsMirror) {
@@ -115,20 +114,20 @@ TEST(Coherence, LloydsMirror) {
                            .paths = 1,
                            .max_depth = 3,
                            .phase = SourcePhase::laser};
-  const Sources sources = trace(scene, panel, lambda, params);
+  const Sources sources = trace(scene, panel, green_light, params);
   ASSERT_EQ(sources.waves.size(), 2u);
   EXPECT_EQ(sources.phase_keys.at(0), sources.phase_keys.at(1)) << "the spot and its image have one surface's phase";
   EXPECT_NEAR(sources.waves[1].origin.y, -2 * h, 1e-9);
   const Field field = synthesize(sources, panel, {SynthesisMethod::exact});
   std::vector<double> column;
   for (int j = 0; j < panel.ny; ++j) column.push_back(std::norm(field.samples(j, 32)));
-  const Fringes fringes = measure(column, panel.pitch, lambda * distance / (2 * h));
-  EXPECT_NEAR(fringes.period / (lambda * distance / (2 * h)), 1, 0.005);
+  const Fringes fringes = measure(column, panel.pitch, green_light * distance / (2 * h));
+  EXPECT_NEAR(fringes.period / (green_light * distance / (2 * h)), 1, 0.005);
   EXPECT_GT(fringes.visibility, 0.98);
   // The mirror changes the phase by π at grazing incidence: I(y) ∝ 1 − cos(2π·y'/Λ), y' from the mirror's plane.
   for (int j = 8; j < panel.ny; j += 8) {
     const double y = panel.y(j) + h, path = std::hypot(y + h, distance) - std::hypot(y - h, distance);
-    const double expected = 2 * std::pow(std::sin(pi * path / lambda), 2);
+    const double expected = 2 * std::pow(std::sin(pi * path / green_light), 2);
     EXPECT_NEAR(column[size_t(j)] / (2 * double(sources.waves[0].amplitude) * sources.waves[0].amplitude), expected,
                 0.05);  // for a metal the phase is π − O(cosθ = 0.005), the amplitude 1 − O(0.005)
   }
@@ -149,7 +148,7 @@ double peak_at(const Field& field, double at_depth) {
 Field field_of(const Scene& scene, SourcePhase phase) {
   const Grid panel{256, 256, 8e-6};
   const TraceParams params{.columns = 1, .rows = 1, .paths = 16, .phase = phase};
-  return synthesize(trace(scene, panel, lambda, params), panel, {});
+  return synthesize(trace(scene, panel, green_light, params), panel, {});
 }
 
 // A spot 50 mm from a mirror that is 100 mm behind the panel. The depth of focus 2λz²/S² is 2.5 mm at 0.1 m and
@@ -199,7 +198,7 @@ TEST(Coherence, ANearCardHidesAFarPointFromItsHalfOfThePanel) {
                   make_test_quad({10.05_mm, 0, -0.05}, {10_mm, 0, 0}, {0, 10_mm, 0}, 1)};
   const auto peaks = [&](Strategy strategy) {
     const TraceParams params{.strategy = strategy, .columns = 1, .rows = 1, .paths = 1};
-    const Field whole = synthesize(trace(scene, panel, lambda, params), panel, {});
+    const Field whole = synthesize(trace(scene, panel, green_light, params), panel, {});
     std::pair<double, double> result;
     for (const bool is_left : {true, false}) {
       Field part = whole;

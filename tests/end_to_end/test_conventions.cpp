@@ -155,7 +155,7 @@ TEST(Conventions, AConvergingLensFocusesAtItsFocalLength) {
   const Grid grid{129, 129, 8e-6};
   const double f = 0.03, k = 2 * pi / test_wavelength, side = grid.width();
   const auto on_axis = [&](double sign) {
-    const FieldDouble lens = holotrace::testing::make_field(grid, test_wavelength, [&](double x, double y) {
+    const FieldDouble lens = holotrace::test::make_field(grid, test_wavelength, [&](double x, double y) {
       return std::polar(1.0, sign * k * (x * x + y * y) / (2 * f));
     });
     return std::norm(propagate(lens, f).samples(64, 64));

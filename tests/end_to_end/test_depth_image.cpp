@@ -40,12 +40,6 @@ std::vector<std::string> field_command(const std::vector<std::string>& more = {}
   return command;
 }
 
-void expect_success(const Workplace& work, const std::vector<std::string>& arguments) {
-  const Outcome outcome = work.run(arguments);
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, "");
-}
-
 // Ratio of the light of the bars to the light between them.
 double contrast(const Image& view, bool left) {
   double bright = 0, dark = 0;
@@ -64,7 +58,7 @@ TEST(DepthImage, ColoursShareTheConeOfTheShortestWavelength) {
   work.write("points.ply", point_file({{{0, 0, -0.02}}}));
   write_pictures(work);
   const auto cones = [&](const std::string& is_common) {
-    expect_success(work, field_command({"--wavelength", "638 nm, 450 nm", "--common-cone", is_common}));
+    expect_quiet_success(work, field_command({"--wavelength", "638 nm, 450 nm", "--common-cone", is_common}));
     std::vector<double> wavelengths;
     for (const Field& field : load_fields(work.path("f.npy"))) wavelengths.push_back(field.cone_wavelength);
     return wavelengths;
@@ -81,9 +75,9 @@ TEST(DepthImage, IsSharpAtEachOfItsDepths) {
   work.write("scene.toml", scene_head() + points_object());
   work.write("points.ply", point_file({{{0, 0, -0.02}}}));
   write_pictures(work);
-  expect_success(work, field_command());
-  expect_success(work, {"encode", "f.npy", "-o", "h.png"});
-  expect_success(work, {"show", "h.png", "-o", "v.exr", "--distance", "30 45 mm"});
+  expect_quiet_success(work, field_command());
+  expect_quiet_success(work, {"encode", "f.npy", "-o", "h.png"});
+  expect_quiet_success(work, {"show", "h.png", "-o", "v.exr", "--distance", "30 45 mm"});
   const Image near = load_image(work.path("v.exr")), far = load_image(work.path("v_2.exr"));
   EXPECT_GT(contrast(near, true), 2.5);
   EXPECT_GT(contrast(far, false), 2.5);
@@ -96,7 +90,8 @@ TEST(DepthImage, OfColoursIsAFieldForEachWavelength) {
   work.write("scene.toml", scene_head() + points_object());
   work.write("points.ply", point_file({{{0, 0, -0.02}}}));
   write_pictures(work, {1, 0, 0}, {0, 0, 1});
-  expect_success(work, field_command({"--wavelength", "630 nm, 460 nm", "--frame", "3", "--silhouettes", "true"}));
+  expect_quiet_success(work,
+                       field_command({"--wavelength", "630 nm, 460 nm", "--frame", "3", "--silhouettes", "true"}));
   const std::vector<Field> fields = load_fields(work.path("f.npy"));
   ASSERT_EQ(fields.size(), 2U);
   EXPECT_EQ(fields[0].wavelength, 630e-9);
@@ -111,7 +106,7 @@ TEST(DepthImage, OfColoursHasOneFieldOfViewForAll) {
   work.write("scene.toml", scene_head() + points_object());
   work.write("points.ply", point_file({{{0, 0, -0.02}}}));
   write_pictures(work, {1, 1, 1}, {0, 0, 0});
-  expect_success(work, field_command({"--wavelength", "638 nm, 450 nm", "--projection", "perspective"}));
+  expect_quiet_success(work, field_command({"--wavelength", "638 nm, 450 nm", "--projection", "perspective"}));
   std::vector<double> middle;  // centre of the light in the plane of the bars [m]
   for (const Field& field : load_fields(work.path("f.npy"))) {
     const Field near = propagate(field, -0.03);
@@ -164,8 +159,8 @@ TEST(DepthImage, AndScenesTakeTheMethodLayers) {
     points.push_back({{0.2e-3 * (i % 4) - 0.3e-3, 0.2e-3 * (i / 4) - 0.2e-3, i % 2 ? -0.1 : -0.11}});
   work.write("points.ply", point_file(points));
   work.write("scene.toml", scene_head() + points_object());
-  expect_success(work, {"field", "scene.toml", "-o", "exact.npy", "--method", "exact"});
-  expect_success(work, {"field", "scene.toml", "-o", "layers.npy", "--method", "layers", "--tolerance", "1e-3"});
+  expect_quiet_success(work, {"field", "scene.toml", "-o", "exact.npy", "--method", "exact"});
+  expect_quiet_success(work, {"field", "scene.toml", "-o", "layers.npy", "--method", "layers", "--tolerance", "1e-3"});
   const Outcome outcome = work.run({"compare", "exact.npy", "layers.npy", "--json"});
   EXPECT_LT(nlohmann::json::parse(outcome.out).at("relative_l2_error").get<double>(), 1e-3);
 }

@@ -62,14 +62,14 @@ TEST_F(DevicesOfTheProgram, MakeTheSameFieldWithinTheToleranceWholeAndInBands) {
   }
   EXPECT_EQ(fields[1].samples.values, fields[2].samples.values);
   // Each is within 1e-3 of the exact field.
-  EXPECT_LT(holotrace::testing::relative_error(fields[1], fields[0]), 2e-3);
+  EXPECT_LT(holotrace::test::relative_error(fields[1], fields[0]), 2e-3);
   EXPECT_NE(fields[1].samples.values, fields[0].samples.values) << "summed by the processor?";
 
   std::vector<std::string> in_bands = field("opencl", "bands.h5");
   in_bands.insert(in_bands.end(), {"--memory", "1 GB"});
   const Outcome made = work_.run(in_bands);
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_LT(holotrace::testing::relative_error(load_fields(work_.path("bands.h5")).front(), fields[0]), 2e-3);
+  EXPECT_LT(holotrace::test::relative_error(load_fields(work_.path("bands.h5")).front(), fields[0]), 2e-3);
 }
 
 // Both round 32-bit floats in transforms of 400 samples: 3e-7 apart.
@@ -84,7 +84,7 @@ TEST_F(DevicesOfTheProgram, PropagateFields) {
       return load_fields(work_.path(name)).front();
     };
     const Field here = propagated("cpu", "a.npy"), there = propagated("opencl", "b.npy");
-    EXPECT_LT(holotrace::testing::relative_error(there, here), 1e-6) << pitch;
+    EXPECT_LT(holotrace::test::relative_error(there, here), 1e-6) << pitch;
     EXPECT_NE(there.samples.values, here.samples.values) << "by the processor?";
   }
   const Outcome refused =

@@ -10,12 +10,14 @@
 namespace holotrace::test {
 namespace {
 
-std::string scene(const std::string& keys) { return scene_head() + points_object() + "[render]\npaths = 1\n" + keys; }
+std::string stack_scene(const std::string& keys) {
+  return scene_head() + points_object() + "[render]\npaths = 1\n" + keys;
+}
 
 TEST(FocalStacks, AreWrittenAsOneFileOrAsASeriesOfPictures) {
   const Workplace work;
   work.write("points.ply", point_file({{{0.0001, 0, -0.04}}}));
-  work.write("scene.toml", scene("focal_stack = \"30 mm, 40 mm\"\n"));
+  work.write("scene.toml", stack_scene("focal_stack = \"30 mm, 40 mm\"\n"));
   const Outcome outcome = work.run({"render", "scene.toml", "-o", "stack.h5"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out.find("focal stack of 2 planes of 256 x 192 pixels: traced in "), 0u) << outcome.out;
@@ -37,7 +39,7 @@ TEST(FocalStacks, AreWrittenAsOneFileOrAsASeriesOfPictures) {
 TEST(FocalStacks, AreRefusedWithASentence) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.04}}}));
-  work.write("scene.toml", scene(""));
+  work.write("scene.toml", stack_scene(""));
   const auto error = [&](const std::vector<std::string>& flags) {
     std::vector<std::string> arguments{"render", "scene.toml"};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
@@ -58,7 +60,7 @@ TEST(FocalStacks, AreRefusedWithASentence) {
 TEST(FocalStacks, BecomeFramesInColour) {
   const Workplace work;
   work.write("points.ply", point_file({{{0.0001, 0, -0.04}}}));
-  work.write("scene.toml", scene(""));
+  work.write("scene.toml", stack_scene(""));
   ASSERT_EQ(work.run({"render", "scene.toml", "-o", "stack.h5", "--focal-stack", "30 mm, 40 mm"}).exit_code, 0);
   const Outcome outcome = work.run({"encode", "stack.h5", "--slm", "scene.toml", "--method", "sgd", "--wavelength",
                                     "520 nm, 450 nm", "--frames", "2", "--iterations", "3", "-o", "h.png"});
@@ -80,8 +82,8 @@ TEST(FocalStacks, BecomeFramesInColour) {
 TEST(FocalStacks, AreTheTargetsOfARun) {
   const Workplace work;
   work.write("points.ply", point_file({{{0.0001, 0, -0.04}}}));
-  work.write("scene.toml", scene("[encode]\nmethod = \"sgd\"\ntarget = \"render\"\niterations = 4\n[camera]\n"
-                                 "distances = \"40 mm\"\n"));
+  work.write("scene.toml", stack_scene("[encode]\nmethod = \"sgd\"\ntarget = \"render\"\niterations = 4\n[camera]\n"
+                                       "distances = \"40 mm\"\n"));
   const Outcome outcome = work.run({"run", "scene.toml", "-o", "out", "--frames", "2"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   for (const char* name : {"out/hologram.png", "out/hologram_2.png", "out/view.png", "out/render.png", "out/render.exr",

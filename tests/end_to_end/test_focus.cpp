@@ -15,11 +15,6 @@
 namespace holotrace::test {
 namespace {
 
-void expect_success(const Workplace& work, const std::vector<std::string>& arguments) {
-  const Outcome outcome = work.run(arguments);
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-}
-
 struct Pixel {
   int row = 0, column = 0;
   bool operator==(const Pixel&) const = default;

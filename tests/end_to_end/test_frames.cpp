@@ -111,11 +111,6 @@ TEST(Frames, AreIndependentOfEachOtherAndReproducible) {
   EXPECT_LT(compare(third, fields_of_frame({{moved}, {}}, 2, square_panel, {}).front()).relative_error, 1e-5);
 }
 
-void expect_success(const Workplace& work, const std::vector<std::string>& arguments) {
-  const Outcome outcome = work.run(arguments);
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-}
-
 // The cone of all colours, that of 450 nm, is kept at a longer wavelength. At a shorter one the panel's own is narrower.
 TEST(Frames, SourcesAtAnotherWavelengthKeepTheirConeWhileThePanelHoldsIt) {
   const Workplace work;

@@ -19,9 +19,7 @@ namespace holotrace {
 namespace {
 
 using Complex = std::complex<double>;
-using testing::relative_error;
-
-constexpr double lambda = green_light;
+using test::relative_error;
 
 // --- Monte Carlo with phase: both strategies estimate the same mean field ------------------------
 // With one wave per ray, a field is a sum of independent waves, whose mean grows as √N.
@@ -39,10 +37,10 @@ Scene make_patch() {
 
 /// M(p) = (√L/2s)·∫ cos²θ/r²·exp(i(kr + φ)) dS, the mean of U/√N of both strategies; midpoint rule in steps of 2 µm.
 FieldDouble make_mean_field(double& irradiance) {
-  const double s = acceptance_sine(lambda, small.pitch);
+  const double s = acceptance_sine(green_light, small.pitch);
   constexpr int cells = 150;
   const double step = 2 * half / cells;
-  FieldDouble field(small, lambda);
+  FieldDouble field(small, green_light);
   irradiance = 0;
   for (int j = 0; j < small.ny; ++j)
     for (int i = 0; i < small.nx; ++i) {
@@ -53,7 +51,7 @@ FieldDouble make_mean_field(double& irradiance) {
           const double phase = random_phase(1, 0, surface_phase_key(o, grain));
           const Vec3 way = o - Vec3{small.x(i), small.y(j), 0};
           const double r2 = dot(way, way), r = std::sqrt(r2), weight = depth * depth / (r2 * r2) * step * step;
-          sum += weight * cis_cycles(r / lambda + phase / (2 * pi));
+          sum += weight * cis_cycles(r / green_light + phase / (2 * pi));
           irradiance += weight / double(small.pixels());
         }
       field.samples(j, i) = sum / (2 * s);
@@ -82,7 +80,7 @@ FieldDouble shared_estimate(int64_t samples, int64_t seed) {
                            .grain = grain,
                            .one_wave_per_cell = false,
                            .seed = seed};
-  Sources sources = trace(make_patch(), small, lambda, params);
+  Sources sources = trace(make_patch(), small, green_light, params);
   for (size_t i = 0; i < sources.waves.size(); ++i)
     sources.waves[i].phase = float(random_phase(1, 0, sources.phase_keys[i]));
   FieldDouble field = convert<double>(synthesize(sources, small, {SynthesisMethod::automatic, 5e-3}));
@@ -97,7 +95,7 @@ FieldDouble gathered_estimate(int samples) {
                            .phase = SourcePhase::surface,
                            .grain = grain,
                            .one_wave_per_cell = false};
-  FieldDouble field = convert<double>(gather(make_patch(), small, {lambda}, params).at(0));
+  FieldDouble field = convert<double>(gather(make_patch(), small, {green_light}, params).at(0));
   for (Complex& u : field.samples.values) u /= std::sqrt(double(samples));
   return field;
 }
@@ -186,7 +184,7 @@ Scene make_cells() {
 /// U(p) = Σ_c √(∫_c z²/r⁴ dA)·exp(i(k·r_c + φ_c)) over the cells, r_c from their centres: each has its irradiance.
 FieldDouble make_field_of_cells(const Grid& grid) {
   constexpr int parts = 4;  // z²/r⁴ is linear over a quarter of a cell, to (25 µm/20 mm)² = 2e-6
-  FieldDouble field(grid, lambda);
+  FieldDouble field(grid, green_light);
   for (int j = 0; j < grid.ny; ++j)
     for (int i = 0; i < grid.nx; ++i)
       for (int cell = 0; cell < 9; ++cell) {
@@ -199,7 +197,7 @@ FieldDouble make_field_of_cells(const Grid& grid) {
             light += std::pow(depth / dot(way, way), 2) * std::pow(grain / parts, 2);
           }
         const double phase = random_phase(1, 0, surface_phase_key(middle, grain));
-        field.samples(j, i) += std::sqrt(light) * cis_cycles(length(middle - pixel) / lambda + phase / (2 * pi));
+        field.samples(j, i) += std::sqrt(light) * cis_cycles(length(middle - pixel) / green_light + phase / (2 * pi));
       }
   return field;
 }
@@ -208,11 +206,11 @@ TEST(Coherence, WithOneWavePerCellBothStrategiesConvergeToTheFieldOfTheCells) {
   TraceParams params{
       .pattern = Pattern::random, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = grain};
   const FieldDouble expected = make_field_of_cells(small);
-  const double s = acceptance_sine(lambda, small.pitch), k = 2 * pi / lambda;
+  const double s = acceptance_sine(green_light, small.pitch), k = 2 * pi / green_light;
   double errors[2];
   for (const int i : {0, 1}) {
     params.samples = i ? 640000 : 40000;
-    const Sources sources = trace(make_cells(), small, lambda, params);
+    const Sources sources = trace(make_cells(), small, green_light, params);
     ASSERT_EQ(sources.waves.size(), 9u);
     errors[i] = relative_error(convert<double>(synthesize(sources, small, {SynthesisMethod::exact})), expected);
     // A cell has n hits, from its share of the étendue. The hit nearest to its centre is off by g/√(πn) rms. This
@@ -226,7 +224,7 @@ TEST(Coherence, WithOneWavePerCellBothStrategiesConvergeToTheFieldOfTheCells) {
 
   const Grid part{32, 32, 8e-6};
   params.pixel_samples = 2048;
-  const FieldDouble gathered = convert<double>(gather(make_cells(), part, {lambda}, params).at(0));
+  const FieldDouble gathered = convert<double>(gather(make_cells(), part, {green_light}, params).at(0));
   // The counts in a cell vary at most as in a Poisson law: √n/2 of √n.
   const double n = 2048 * grain * grain / (depth * depth) / (4 * s * s);
   EXPECT_LT(relative_error(gathered, make_field_of_cells(part)), 0.5 / std::sqrt(n));

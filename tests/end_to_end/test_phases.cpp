@@ -13,8 +13,6 @@
 namespace holotrace {
 namespace {
 
-constexpr double lambda = green_light;
-
 /// Irradiance at the middle of the panel from a square of radiance 1 and half-tangent t on the axis: ∫∫ cos⁴ over the
 /// tangents, from the view factors of four rectangles times π.
 double irradiance_of(double t) {
@@ -28,7 +26,7 @@ struct Brightness {
 };
 
 Brightness measure(const Scene& scene, const Grid& panel, const TraceParams& params, int frames) {
-  Sources sources = trace(scene, panel, lambda, params);
+  Sources sources = trace(scene, panel, green_light, params);
   double sum = 0, squares = 0;
   for (int frame = 0; frame < frames; ++frame) {
     set_frame(sources, uint32_t(frame));
@@ -95,8 +93,8 @@ TEST(Phases, ASurfaceInStepBringsThePowerThatItsCellsBring) {
                                .paths = 1,
                                .max_depth = 1,
                                .phase = SourcePhase::constant};
-      const double found = power(synthesize(trace(scene, panel, lambda, params), panel, {}));
-      const double expected = 4 * half * half * irradiance_of(acceptance_tangent(lambda, panel.pitch));
+      const double found = power(synthesize(trace(scene, panel, green_light, params), panel, {}));
+      const double expected = 4 * half * half * irradiance_of(acceptance_tangent(green_light, panel.pitch));
       // Waves a pixel apart are orthogonal in one box of ±asin(λ/2p). But their boxes are also a pixel of 83 or 166
       // apart, and end at whole pixels: at most 2/83 for each axis.
       EXPECT_NEAR(found / expected, 1, 0.05) << depth << " m, " << per_cell;
@@ -138,7 +136,7 @@ TEST_P(NearAndFar, PatchesOfEqualRadianceAreEquallyBrightInTheView) {
   // Cells of 1.2e-4: the squares are 100 cells wide.
   const TraceParams params{
       .columns = 400, .rows = 400, .field_of_view = std::atan(0.024), .paths = 1, .max_depth = 1, .phase = GetParam()};
-  Sources sources = trace(scene, panel, lambda, params);
+  Sources sources = trace(scene, panel, green_light, params);
   double brightness[2] = {};
   constexpr int frames = 10;
   for (int frame = 0; frame < frames; ++frame) {
@@ -178,12 +176,12 @@ TEST(Phases, NearAndFarPatchesInStepAreEquallyBrightWhereTheCameraTakesAllTheirL
                            .paths = 1,
                            .max_depth = 1,
                            .phase = SourcePhase::constant};
-  const Field field = synthesize(trace(scene, panel, lambda, params), panel, {});
+  const Field field = synthesize(trace(scene, panel, green_light, params), panel, {});
   double brightness[2] = {};
   for (int i = 0; i < 2; ++i) brightness[i] = brightness_in_view(field, depths[i], {at[i] + x0, y0}, 2 * half);
   // A box of 83 pixels to each side ends at whole pixels: 1/83 of its light for each axis. Nothing here is random.
   EXPECT_NEAR(brightness[0] / brightness[1], 1, 0.03);
-  for (const double b : brightness) EXPECT_NEAR(b / irradiance_of(acceptance_tangent(lambda, pixel)), 1, 0.03);
+  for (const double b : brightness) EXPECT_NEAR(b / irradiance_of(acceptance_tangent(green_light, pixel)), 1, 0.03);
 }
 
 TEST(Phases, APlateInALaserBeamIsLambertian) {

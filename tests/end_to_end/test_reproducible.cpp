@@ -14,11 +14,6 @@ namespace {
 const std::vector<std::string> outputs{"render.png",     "sources.ply",  "field.npy",
                                        "field.npy.json", "hologram.png", "view.png"};  // all but the report's times
 
-void expect_success(const Workplace& work, const std::vector<std::string>& arguments) {
-  const Outcome outcome = work.run(arguments);
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-}
-
 TEST(Reproducible, TheSameBytesComeFromOneTwoAndSevenThreads) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());
@@ -52,7 +47,7 @@ TEST(Reproducible, AnotherMachinesPlansChangeNoMoreThanTheRounding) {
   expect_success(work, {"propagate", "f.npy", "--distance", "30 mm", "-o", "there.npy"});
   const Field here = load_field(work.path("here.npy")), there = load_field(work.path("there.npy"));
   // Single precision is within 1e-6 of the direct sum (design, section 3.6), so two results agree to 2e-6.
-  EXPECT_LT(holotrace::testing::relative_error(here, there), 2e-6);
+  EXPECT_LT(holotrace::test::relative_error(here, there), 2e-6);
 }
 
 TEST(Reproducible, TheSameSeedGivesTheSameBytesAndAnotherSeedOthers) {

@@ -29,12 +29,6 @@ void write_scene(const Workplace& work, const std::string& more = "") {
   work.write("scene.toml", point_scene(more));
 }
 
-void expect_success(const Workplace& work, const std::vector<std::string>& arguments) {
-  const Outcome outcome = work.run(arguments);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, "");
-}
-
 void expect_error(const Workplace& work, const std::vector<std::string>& arguments, const std::string& words) {
   const Outcome outcome = work.run(arguments);
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
@@ -44,8 +38,8 @@ void expect_error(const Workplace& work, const std::vector<std::string>& argumen
 // A hologram with views at three distances.
 void make_hologram(const Workplace& work) {
   write_scene(work);
-  expect_success(work, {"field", "scene.toml", "-o", "f.npy"});
-  expect_success(work, {"encode", "f.npy", "-o", "h.png"});
+  expect_quiet_success(work, {"field", "scene.toml", "-o", "f.npy"});
+  expect_quiet_success(work, {"encode", "f.npy", "-o", "h.png"});
 }
 
 // prlimit --fsize: a write beyond that many bytes fails, as on a full disk.
@@ -55,7 +49,7 @@ TEST(SafeFiles, AFullDiskLeavesTheEarlierRunAndSaysSo) {
 #endif
   const Workplace work;
   write_scene(work);
-  expect_success(work, {"run", "scene.toml", "-o", "out"});
+  expect_quiet_success(work, {"run", "scene.toml", "-o", "out"});
   const std::set<std::string> names = work.names();
   const std::string report = work.read("out/report.json"), view = work.read("out/view.png");
   // Bytes of sources.ply, hologram.png, view.png and field.npy are some hundreds to 400 thousand.
@@ -100,7 +94,7 @@ TEST(SafeFiles, ARunKeepsTheFilesOfOthersAndRemovesItsOwn) {
             "out/view_2.png~\n");
   EXPECT_EQ(work.read("out/view_2.png~"), "mine");
   EXPECT_TRUE(work.has("out/view_3.png"));
-  expect_success(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm"});
+  expect_quiet_success(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm"});
   EXPECT_FALSE(work.has("out/view_2.png") || work.has("out/view_3.png"));
   for (const char* name : {"out/stereo_left.png", "out/convergence.png", "out/notes.txt"})
     EXPECT_EQ(work.read(name), "mine") << name;
@@ -115,11 +109,11 @@ TEST(SafeFiles, ARunKeepsTheFilesOfOthersAndRemovesItsOwn) {
 TEST(SafeFiles, ARunAfterOneThatWasKilledWhileItsFilesGotTheirNamesIsWhole) {
   const Workplace work;
   write_scene(work);
-  expect_success(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm, 30 mm, 40 mm"});
+  expect_quiet_success(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm, 30 mm, 40 mm"});
   save_incomplete_report(work.path("out/report.json"), report_record(work.path("out/report.json")));
   EXPECT_FALSE(nlohmann::json::parse(work.read("out/report.json")).at("complete"));
   std::filesystem::remove(work.path("out/field.npy"));
-  expect_success(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm, 30 mm"});
+  expect_quiet_success(work, {"run", "scene.toml", "-o", "out", "--distance", "20 mm, 30 mm"});
   EXPECT_TRUE(nlohmann::json::parse(work.read("out/report.json")).at("complete"));
   EXPECT_TRUE(work.has("out/field.npy") && work.has("out/view_2.png"));
   EXPECT_FALSE(work.has("out/view_3.png"));
@@ -130,7 +124,7 @@ TEST(SafeFiles, ShowKeepsPicturesOfTheSameName) {
   const Workplace work;
   make_hologram(work);
   for (const char* name : {"photo_2.png", "photo_3.png", "photo_sweep.gif"}) work.write(name, "mine");
-  expect_success(work, {"show", "h.png", "-o", "photo.png", "--distance", "30 mm"});
+  expect_quiet_success(work, {"show", "h.png", "-o", "photo.png", "--distance", "30 mm"});
   for (const char* name : {"photo_2.png", "photo_3.png", "photo_sweep.gif"}) EXPECT_EQ(work.read(name), "mine");
   EXPECT_EQ(image_record(work.path("photo.png")), FileRecord());
 }
@@ -175,9 +169,9 @@ TEST(SafeFiles, FieldKeepsFilesOfTheSameName) {
 TEST(SafeFiles, MetadataOfOneFileIsNotThatOfAnother) {
   const Workplace work;
   make_hologram(work);
-  expect_success(work, {"encode", "f.npy", "-o", "f.png"});
-  expect_success(work, {"encode", "f.npy", "-o", "g.png", "--report", "g.json"});
-  expect_success(work, {"field", "scene.toml", "-o", "g.npy"});
+  expect_quiet_success(work, {"encode", "f.npy", "-o", "f.png"});
+  expect_quiet_success(work, {"encode", "f.npy", "-o", "g.png", "--report", "g.json"});
+  expect_quiet_success(work, {"field", "scene.toml", "-o", "g.npy"});
   EXPECT_NO_THROW(load_field(work.path("f.npy")));
   EXPECT_EQ(load_hologram(work.path("f.png")).wavelength, test_wavelength);
   EXPECT_EQ(load_hologram(work.path("g.png")).wavelength, test_wavelength);
@@ -189,7 +183,7 @@ TEST(SafeFiles, NoCommandWritesOverItsInput) {
   const Workplace work;
   make_hologram(work);
   const std::string words = "other than the input";
-  expect_success(work, {"show", "h.png", "-o", "a.png", "--distance", "30 mm"});
+  expect_quiet_success(work, {"show", "h.png", "-o", "a.png", "--distance", "30 mm"});
   std::filesystem::copy(work.path("a.png"), work.path("b.png"));
   std::filesystem::create_symlink("a.png", work.path("link.png"));
   const std::string before = work.read("a.png");
@@ -218,20 +212,20 @@ TEST(SafeFiles, NoCommandWritesOverItsInput) {
 TEST(SafeFiles, AShorterSeriesOfHologramsLeavesNoneOfALongerOne) {
   const Workplace work;
   write_scene(work);
-  expect_success(work, {"field", "scene.toml", "-o", "three.h5", "--wavelength", "638 nm, 520 nm, 450 nm"});
-  expect_success(work, {"field", "scene.toml", "-o", "two.h5", "--wavelength", "638 nm, 520 nm"});
-  expect_success(work, {"encode", "three.h5", "-o", "h.png"});
+  expect_quiet_success(work, {"field", "scene.toml", "-o", "three.h5", "--wavelength", "638 nm, 520 nm, 450 nm"});
+  expect_quiet_success(work, {"field", "scene.toml", "-o", "two.h5", "--wavelength", "638 nm, 520 nm"});
+  expect_quiet_success(work, {"encode", "three.h5", "-o", "h.png"});
   EXPECT_EQ(series_part(work.path("h_2.png")).number, 2U);
   EXPECT_EQ(series_part(work.path("h_2.png")).count, 3U);
   const std::string third = work.read("h_3.png");
   work.write("other_3.png", third);
-  expect_success(work, {"encode", "two.h5", "-o", "h.png"});
+  expect_quiet_success(work, {"encode", "two.h5", "-o", "h.png"});
   EXPECT_FALSE(work.has("h_3.png"));
   EXPECT_TRUE(work.has("other_3.png"));
   work.write("h_3.png", third);  // as if it had been left
   expect_error(work, {"show", "h.png", "h_2.png", "h_3.png", "-o", "v.png", "--distance", "30 mm"},
                "h.png is number 1 of 2, and h_3.png number 3 of 3");
-  expect_success(work, {"show", "h.png", "h_2.png", "other_3.png", "-o", "v.png", "--distance", "30 mm"});
+  expect_quiet_success(work, {"show", "h.png", "h_2.png", "other_3.png", "-o", "v.png", "--distance", "30 mm"});
 }
 
 TEST(SafeFiles, AFolderIsForOneRunAtATime) {
@@ -243,7 +237,7 @@ TEST(SafeFiles, AFolderIsForOneRunAtATime) {
     expect_error(work, {"run", "scene.toml", "-o", "out"}, "another run writes into it");
     EXPECT_FALSE(work.has("out/report.json"));
   }
-  expect_success(work, {"run", "scene.toml", "-o", "out"});
+  expect_quiet_success(work, {"run", "scene.toml", "-o", "out"});
 }
 
 // A program that is stopped while it holds the lock of the cache.
@@ -268,7 +262,7 @@ TEST(SafeFiles, FoldersInTheCachesPlaceAreNoError) {
   for (const char* name : {"fftw_wisdom", "fftw_wisdom.lock"}) {
     std::filesystem::remove_all(work.cache_path(name));
     std::filesystem::create_directory(work.cache_path(name));
-    expect_success(work, {"propagate", "f.npy", "--distance", "10 mm", "-o", "g.npy"});
+    expect_quiet_success(work, {"propagate", "f.npy", "--distance", "10 mm", "-o", "g.npy"});
   }
 }
 

@@ -17,7 +17,7 @@ namespace holotrace::test {
 namespace {
 
 // Points 26 mm and 34 mm behind the small panel, one on the axis and one beside it.
-void make_hologram(const Workplace& work) {
+void make_two_points(const Workplace& work) {
   work.write("points.ply", point_file({{{-0.0003, 0, -0.026}}, {{0.0003, 0, -0.034}}}));
   work.write("scene.toml", scene_head() + points_object() + "[camera]\ndistances = \"30 mm\"\n[render]\nrows = 32\n");
   ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
@@ -49,7 +49,7 @@ double place_between(const Image& image, int first, int last) {
 // Each of the two points is sharpest when the camera is focused on it.
 TEST(Sweep, AFocusSweepIsSharpestWhereThePointsAre) {
   const Workplace work;
-  make_hologram(work);
+  make_two_points(work);
   const Outcome outcome =
       work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm", "--sweep", "focus", "--sweep-from",
                 "22 mm", "--sweep-to", "38 mm", "--sweep-views", "9", "--report", "show.json"});
@@ -73,7 +73,7 @@ TEST(Sweep, AFocusSweepIsSharpestWhereThePointsAre) {
 // A later call with fewer views removes those of an earlier one; holograms stay, whatever their names.
 TEST(Show, RemovesViewsOfAnEarlierCallAndNoHologram) {
   const Workplace work;
-  make_hologram(work);
+  make_two_points(work);
   for (const char* name : {"view_4.png", "view_sweep_03.png"}) work.write(name, work.read("out/hologram.png"));
   const std::vector<std::string> one{"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm"};
   std::vector<std::string> several = one, sweep = one;
@@ -93,7 +93,7 @@ TEST(Show, RemovesViewsOfAnEarlierCallAndNoHologram) {
 
 TEST(Show, ASweepOfFewerViewsLeavesNoneOfAnEarlierOne) {
   const Workplace work;
-  make_hologram(work);
+  make_two_points(work);
   const auto sweep_of = [&](const char* views) {
     const Outcome outcome = work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm", "--sweep",
                                       "focus", "--sweep-from", "26 mm", "--sweep-to", "34 mm", "--sweep-views", views});
@@ -127,7 +127,7 @@ TEST(Run, ASweepOfFewerViewsLeavesNoneOfAnEarlierOne) {
 
 TEST(Show, RefusesToWriteOverItsHologramsAndMoreThanFitsInMemory) {
   const Workplace work;
-  make_hologram(work);
+  make_two_points(work);
   const auto sentence = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"show", "out/hologram.png"});
     const Outcome outcome = work.run(more);
@@ -151,7 +151,7 @@ TEST(Show, RefusesToWriteOverItsHologramsAndMoreThanFitsInMemory) {
 
 TEST(Sweep, ASweepIsInOneExposureAndDoesNotChangeTheView) {
   const Workplace work;
-  make_hologram(work);
+  make_two_points(work);
   const std::vector<std::string> show{
       "show",  "out/hologram.png", "--distance", "30 mm",         "--sweep", "focus", "--sweep-from",
       "26 mm", "--sweep-to",       "30 mm",      "--sweep-views", "2"};
@@ -183,7 +183,7 @@ TEST(Sweep, ASweepIsInOneExposureAndDoesNotChangeTheView) {
 
 TEST(Sweep, AnAnimatedFileIsTheSweepAlone) {
   const Workplace work;
-  make_hologram(work);
+  make_two_points(work);
   const Outcome outcome =
       work.run({"show", "out/hologram.png", "-o", "view.gif", "--distance", "30 mm", "--pupil", "0.6 mm", "--sweep",
                 "parallax", "--sweep-from", "-0.5 mm", "--sweep-to", "0.5 mm", "--sweep-views", "3"});
@@ -197,7 +197,7 @@ TEST(Sweep, AnAnimatedFileIsTheSweepAlone) {
 // Each point is in its own half of the picture: the one at 26 mm moves against the eye, the one at 34 mm with it.
 TEST(Sweep, PointsBeforeAndBehindTheFocusMoveAgainstEachOther) {
   const Workplace work;
-  make_hologram(work);
+  make_two_points(work);
   const Outcome outcome =
       work.run({"show", "out/hologram.png", "-o", "view.exr", "--distance", "30 mm", "--pupil", "0.5 mm", "--sweep",
                 "parallax", "--sweep-from", "-0.4 mm", "--sweep-to", "0.4 mm", "--sweep-views", "2"});
@@ -216,7 +216,7 @@ TEST(Sweep, PointsBeforeAndBehindTheFocusMoveAgainstEachOther) {
 
 TEST(Sweep, RunWritesItBesideItsViewsAndClearsAnEarlierOne) {
   const Workplace work;
-  make_hologram(work);
+  make_two_points(work);
   const auto run = [&](const std::vector<std::string>& flags) {
     std::vector<std::string> arguments{"run", "scene.toml", "-o", "out"};
     arguments.insert(arguments.end(), flags.begin(), flags.end());

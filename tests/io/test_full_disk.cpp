@@ -144,7 +144,7 @@ TEST_P(FullDiskFor, AnyByteLeavesTheOldFileAndSaysWhy) {
     std::string error;
     {
       const FullDisk disk(at);
-      error = test::error_of([&] { GetParam().save(path); });
+      error = error_of([&] { GetParam().save(path); });
     }
     EXPECT_NE(error.find("expected"), std::string::npos) << at << ": " << error;
     EXPECT_NE(error.find(GetParam().name), std::string::npos) << at << ": " << error;

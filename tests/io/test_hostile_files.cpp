@@ -24,7 +24,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
 using test::make_file;
 
 // A pipe without a writer: opening it would wait for ever.

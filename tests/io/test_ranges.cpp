@@ -8,8 +8,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
-
 const std::string head =
     "wavelength = \"532 nm\"\n[[object]]\ntype = \"quad\"\nwidth = \"1 mm\"\nheight = \"1 mm\"\n"
     "position = \"0 0 -50 mm\"\n";

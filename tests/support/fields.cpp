@@ -7,7 +7,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 
-namespace holotrace::testing {
+namespace holotrace::test {
 
 FieldDouble make_field(const Grid& grid, double wavelength,
                        const std::function<std::complex<double>(double, double)>& f) {
@@ -80,4 +80,4 @@ FieldDouble make_disc_aperture(const Grid& grid, double wavelength, double a) {
   });
 }
 
-}  // namespace holotrace::testing
+}  // namespace holotrace::test

@@ -5,7 +5,7 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/sources.h"
 
-namespace holotrace::testing {
+namespace holotrace::test {
 
 /// Relative L2 error √(Σ|a − b|²/Σ|b|²) of fields of any precision.
 template <class A, class B>
@@ -34,4 +34,4 @@ Sources make_random_sources(int count, const Grid& panel, double wavelength, dou
 FieldDouble make_square_aperture(const Grid& grid, double wavelength, double a);
 FieldDouble make_disc_aperture(const Grid& grid, double wavelength, double a);
 
-}  // namespace holotrace::testing
+}  // namespace holotrace::test

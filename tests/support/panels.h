@@ -15,7 +15,9 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
+#include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
+#include "support/error_of.h"
 
 // Small panels, patterns on them and their diffraction, for the tests of slm/ and view/.
 
@@ -41,6 +43,14 @@ inline Hologram make_hologram(const Slm& slm, Modulation modulation, const std::
     for (int i = 0; i < slm.grid.nx; ++i) h.level(j, i) = uint16_t(level_of_column(i));
   return h;
 }
+
+/// These effects of a panel, and no others.
+inline ShowParams with_effects(const std::vector<std::string>& effects, int subpixels = 3, int fine_samples = 0) {
+  return {.subpixels = subpixels, .fine_samples = fine_samples, .effects = effects};
+}
+
+/// Of efficiencies: a field of single precision gives them to some 1e-7; 1e-6 leaves room for the sum over the samples.
+inline constexpr double efficiency_tolerance = 1e-6;
 
 /// Amplitude of the plane wave exp(2πi(a·x/width + b·y/height)) in a field, for whole a and b: a DFT at the
 /// positions of the samples.
@@ -101,16 +111,5 @@ struct Heard {
   }
   double number(const std::string& name) const { return std::get<double>(facts.at(name)); }
 };
-
-/// The sentence of the Error that `call` throws.
-template <class Call>
-std::string error_of(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 }  // namespace holotrace

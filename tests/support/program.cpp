@@ -134,6 +134,17 @@ pid_t Workplace::start_under(const std::vector<std::string>& launcher,
   return child;
 }
 
+void expect_success(const Workplace& work, const std::vector<std::string>& arguments) {
+  const Outcome outcome = work.run(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+void expect_quiet_success(const Workplace& work, const std::vector<std::string>& arguments) {
+  const Outcome outcome = work.run(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+}
+
 std::string bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   EXPECT_TRUE(file) << "expected a file at " << path;

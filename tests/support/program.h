@@ -54,6 +54,12 @@ class Workplace {
   std::filesystem::path folder_, cache_;
 };
 
+/// Runs the program; the test fails unless it succeeds.
+void expect_success(const Workplace& work, const std::vector<std::string>& arguments);
+
+/// The same; the program must not warn either.
+void expect_quiet_success(const Workplace& work, const std::vector<std::string>& arguments);
+
 /// Bytes of a file. The test fails if there is none.
 std::string bytes_of(const std::string& path);
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "holotrace/base/error.h"
+#include "support/error_of.h"
 
 namespace holotrace::test {
 
@@ -43,17 +44,6 @@ inline std::string make_file(const std::string& name, const std::string& bytes) 
   const std::string path = temporary(name);
   std::ofstream(path, std::ios::binary) << bytes;
   return path;
-}
-
-/// The sentence of the Error that `run` throws; "no error" if it throws none.
-template <class Run>
-std::string error_of(const Run& run) {
-  try {
-    run();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "no error";
 }
 
 }  // namespace holotrace::test

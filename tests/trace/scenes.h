@@ -12,6 +12,7 @@
 #include "holotrace/data/scene.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/geometry/accelerator.h"
+#include "support/error_of.h"
 
 // Small scenes with known answers, and measurements on them.
 
@@ -119,17 +120,6 @@ struct Record {
   int64_t count(const std::string& name) const { return std::get<int64_t>(facts.at(name)); }
   double number(const std::string& name) const { return std::get<double>(facts.at(name)); }
 };
-
-/// The message of the Error that `action` throws, or "".
-template <class Action>
-std::string error_of(const Action& action) {
-  try {
-    action();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "";
-}
 
 /// Mean over the panel of Σ a²·(d₀/r)² inside boxes, computed pixel by pixel.
 inline double mean_intensity(const Sources& sources, const Grid& grid) {

@@ -12,7 +12,7 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{32, 24, 8e-6};  // 0.256 mm × 0.192 mm, acceptance tangent 0.033
+const Grid stack_panel{32, 24, 8e-6};  // 0.256 mm × 0.192 mm, acceptance tangent 0.033
 
 struct Interval {
   double low, high;
@@ -26,11 +26,11 @@ const Interval panel_x{-0.128_mm, 0.128_mm}, panel_y{-0.096_mm, 0.096_mm};
 /// Fraction of the rays from `lens` through a pixel (centre X) of the plane at d that cross `object`, an interval in
 /// the plane at depth D, along one axis: a + (X − a)·D/d, where |a − X| ≤ d·T. The mean over the pixel by midpoints.
 double seen_fraction(const Interval& lens, const Interval& object, double pixel, double plane, double depth) {
-  const double reach = plane * acceptance_tangent(green_light, panel.pitch), ratio = depth / plane;
+  const double reach = plane * acceptance_tangent(green_light, stack_panel.pitch), ratio = depth / plane;
   const int points = 64;
   double seen = 0, all = 0;
   for (int i = 0; i < points; ++i) {
-    const double x = pixel + ((i + 0.5) / points - 0.5) * panel.pitch;
+    const double x = pixel + ((i + 0.5) / points - 0.5) * stack_panel.pitch;
     const Interval whole = overlap(lens, {x - reach, x + reach});
     Interval hits;
     if (std::abs(1 - ratio) < 1e-12) {
@@ -76,14 +76,15 @@ void expect_fractions(const Image& picture, int paths, const Expected& expected)
 TEST(FocalStack, EvenRadianceIsEvenInAllPlanesAndCells) {
   // Weights differ from ray to ray, but ΣwL/Σw of L = 0.75 is 0.75 whatever they are, to float rounding of the sums.
   const ScenePlanes planes{{0.02, 0.05, 1, 0.3}, LightFieldParams{4, 3, 0.1, {}}};
-  const SceneViews views = trace_scene_views(make_bright_wall(-0.3, 0.75), panel, green_light, planes, {.paths = 4});
+  const SceneViews views =
+      trace_scene_views(make_bright_wall(-0.3, 0.75), stack_panel, green_light, planes, {.paths = 4});
   ASSERT_EQ(views.stack.pictures.size(), 4u);
   ASSERT_EQ(views.light_field.views.size(), 12u);
   EXPECT_EQ(views.stack.distances, planes.distances);
-  EXPECT_EQ(views.stack.grid, panel);
+  EXPECT_EQ(views.stack.grid, stack_panel);
   for (const auto* pictures : {&views.stack.pictures, &views.light_field.views})
     for (const Image& picture : *pictures) {
-      ASSERT_EQ(picture.values.size(), size_t(3 * panel.pixels()));
+      ASSERT_EQ(picture.values.size(), size_t(3 * stack_panel.pixels()));
       for (const float value : picture.values) ASSERT_NEAR(value, 0.75, 1e-5);
     }
 }
@@ -94,12 +95,12 @@ TEST(FocalStack, ARectangleIsSharpInItsPlaneAndBlurredByTheApertureElsewhere) {
   const std::vector<double> distances{0.1, 0.05, 0.2, 0.003, 0.095};
   const int paths = 64;
   const FocalStack stack =
-      trace_focal_stack(make_rectangle(x, y, 0.1), panel, green_light, distances, {.paths = paths});
+      trace_focal_stack(make_rectangle(x, y, 0.1), stack_panel, green_light, distances, {.paths = paths});
   for (size_t k = 0; k < distances.size(); ++k) {
     SCOPED_TRACE(distances[k]);
     expect_fractions(stack.pictures[k], paths, [&](int row, int column) {
-      return seen_fraction(panel_x, x, panel.x(column), distances[k], 0.1) *
-             seen_fraction(panel_y, y, panel.y(row), distances[k], 0.1);
+      return seen_fraction(panel_x, x, stack_panel.x(column), distances[k], 0.1) *
+             seen_fraction(panel_y, y, stack_panel.y(row), distances[k], 0.1);
     });
   }
 }
@@ -111,13 +112,13 @@ TEST(FocalStack, RaysThatMissFartherWindowsHaveTheirOwnWeight) {
   const std::vector<double> distances{0.001, 0.004, 0.1};
   const int paths = 64;
   const FocalStack stack =
-      trace_focal_stack(make_rectangle(x, y, 0.005), panel, green_light, distances, {.paths = paths});
+      trace_focal_stack(make_rectangle(x, y, 0.005), stack_panel, green_light, distances, {.paths = paths});
   for (size_t k = 0; k < distances.size(); ++k) {
     SCOPED_TRACE(distances[k]);
     // At the corners of the window a pixel sees a quarter of its box: a quarter of the paths.
     expect_fractions(stack.pictures[k], paths / 2, [&](int row, int column) {
-      return seen_fraction(panel_x, x, panel.x(column), distances[k], 0.005) *
-             seen_fraction(panel_y, y, panel.y(row), distances[k], 0.005);
+      return seen_fraction(panel_x, x, stack_panel.x(column), distances[k], 0.005) *
+             seen_fraction(panel_y, y, stack_panel.y(row), distances[k], 0.005);
     });
   }
 }
@@ -131,18 +132,18 @@ TEST(FocalStack, ANearCardHidesTheFarWallFromPartOfTheAperture) {
   const LightFieldParams cells{4, 2, 0.2, {}};
   const int paths = 64;
   const SceneViews views =
-      trace_scene_views(scene, panel, green_light, {distances, cells}, {.paths = paths, .seed = 3});
+      trace_scene_views(scene, stack_panel, green_light, {distances, cells}, {.paths = paths, .seed = 3});
   for (size_t k = 0; k < distances.size(); ++k) {
     SCOPED_TRACE(distances[k]);
     expect_fractions(views.stack.pictures[k], paths, [&](int, int column) {
-      return seen_fraction(panel_x, bright, panel.x(column), distances[k], 0.1);
+      return seen_fraction(panel_x, bright, stack_panel.x(column), distances[k], 0.1);
     });
   }
   for (int cell = 0; cell < 8; ++cell) {
     SCOPED_TRACE(cell);
-    const double width = panel.width() / 4, left = panel_x.low + cell % 4 * width;
+    const double width = stack_panel.width() / 4, left = panel_x.low + cell % 4 * width;
     expect_fractions(views.light_field.views[size_t(cell)], paths / 8, [&](int, int column) {
-      return seen_fraction({left, left + width}, bright, panel.x(column), 0.2, 0.1);
+      return seen_fraction({left, left + width}, bright, stack_panel.x(column), 0.2, 0.1);
     });
   }
 }
@@ -154,11 +155,12 @@ TEST(FocalStack, RowsOfCellsRunFromTheTop) {
   scene.meshes.push_back(make_test_quad({0, -5_mm, -0.1}, {5_mm, 0, 0}, {0, 5_mm, 0}, 1));
   const int paths = 64;
   const LightField field =
-      trace_scene_views(scene, panel, green_light, {{}, LightFieldParams{2, 4, 0.2, {}}}, {.paths = paths}).light_field;
+      trace_scene_views(scene, stack_panel, green_light, {{}, LightFieldParams{2, 4, 0.2, {}}}, {.paths = paths})
+          .light_field;
   for (int cell = 0; cell < 8; ++cell) {
-    const double height = panel.height() / 4, top = panel_y.high - cell / 2 * height;
+    const double height = stack_panel.height() / 4, top = panel_y.high - cell / 2 * height;
     expect_fractions(field.views[size_t(cell)], paths / 8, [&](int row, int) {
-      return seen_fraction({top - height, top}, {0, 1}, panel.y(row), 0.2, 0.1);
+      return seen_fraction({top - height, top}, {0, 1}, stack_panel.y(row), 0.2, 0.1);
     });
   }
 }
@@ -170,12 +172,12 @@ TEST(FocalStack, EachPlaneHasTheSameEnergy) {
   const std::vector<double> distances{0.097, 0.1, 0.104};
   const int paths = 64;
   const FocalStack stack =
-      trace_focal_stack(make_rectangle(side, side, 0.1), panel, green_light, distances, {.paths = paths});
+      trace_focal_stack(make_rectangle(side, side, 0.1), stack_panel, green_light, distances, {.paths = paths});
   const double flux = side.size() * side.size() / (0.1 * 0.1);
   for (size_t k = 0; k < distances.size(); ++k) {
     double sum = 0;
     for (const float value : stack.pictures[k].values) sum += value / 3.0;
-    const double side_of_pixel = panel.pitch / distances[k];
+    const double side_of_pixel = stack_panel.pitch / distances[k];
     // Pixels on the rim, at most 4 × 20 of them, have a variance of at most ¼/N each: 4 standard errors.
     const double pixels = flux / (side_of_pixel * side_of_pixel);
     EXPECT_NEAR(sum, pixels, 4 * std::sqrt(80 * 0.25 / paths)) << distances[k];
@@ -202,17 +204,18 @@ TEST(FocalStack, OneTracingGivesTheRendersFocusedOneByOne) {
   std::vector<std::vector<Statistics>> stacks(distances.size(), std::vector<Statistics>(12)), renders = stacks;
   for (int seed = 1; seed <= seeds; ++seed) {
     const ScenePlanes planes{distances, LightFieldParams{2, 2, 0.05, {}}};
-    const FocalStack stack = trace_scene_views(scene, panel, green_light, planes, {.paths = paths, .seed = seed}).stack;
+    const FocalStack stack =
+        trace_scene_views(scene, stack_panel, green_light, planes, {.paths = paths, .seed = seed}).stack;
     for (size_t k = 0; k < distances.size(); ++k) {
-      const RenderParams params{.columns = panel.nx,
-                                .rows = panel.ny,
-                                .field_of_view = std::atan(panel.height() / 2 / distances[k]),
+      const RenderParams params{.columns = stack_panel.nx,
+                                .rows = stack_panel.ny,
+                                .field_of_view = std::atan(stack_panel.height() / 2 / distances[k]),
                                 .lens = Lens::panel,
                                 .focus = distances[k],
                                 .paths = paths,
                                 .seed = seed + 100};
       const auto mine = block_means(stack.pictures[k]);
-      const auto reference = block_means(render(scene, panel, green_light, params));
+      const auto reference = block_means(render(scene, stack_panel, green_light, params));
       for (size_t b = 0; b < 12; ++b) stacks[k][b].add(mine[b]), renders[k][b].add(reference[b]);
     }
   }
@@ -236,11 +239,11 @@ TEST(FocalStack, AddsFewPathsForPlanesThatAreNear) {
   // 1 − (d/d′)² of its rays.
   const auto rays_of = [](const ScenePlanes& planes) {
     Record record;
-    trace_scene_views(make_bright_wall(), panel, green_light, planes, {.paths = 64}, record.observer);
+    trace_scene_views(make_bright_wall(), stack_panel, green_light, planes, {.paths = 64}, record.observer);
     return double(record.count("rays"));
   };
   const auto step = [](double near, double far) { return 1 - near * near / (far * far); };
-  const double render = 64.0 * double(panel.pixels());
+  const double render = 64.0 * double(stack_panel.pixels());
   // 2 %: the numbers of paths in the border pixels are random.
   EXPECT_NEAR(rays_of({{0.29, 0.3, 0.31}, {}}) / render, 1 + step(0.29, 0.3) + step(0.3, 0.31), 0.02);
   EXPECT_NEAR(rays_of({{0.29, 0.31}, LightFieldParams{8, 8, 0.3, {}}}) / render, 1 + step(0.3, 0.31) + step(0.29, 0.3),
@@ -253,7 +256,8 @@ TEST(FocalStack, TheCellsOfAPixelHaveAnEqualNumberOfPaths) {
   // in the edge of a card at the panel: each cell's light through the pixel is exactly 0 or 1 away from the edge.
   const Scene scene = make_rectangle({0, 1_mm}, {-1_mm, 1_mm}, 1e-6);  // covers the right half of the panel's front
   const LightField field =
-      trace_scene_views(scene, panel, green_light, {{}, LightFieldParams{8, 8, 0.2, {}}}, {.paths = 64}).light_field;
+      trace_scene_views(scene, stack_panel, green_light, {{}, LightFieldParams{8, 8, 0.2, {}}}, {.paths = 64})
+          .light_field;
   for (int cell = 0; cell < 64; ++cell)
     for (const float value : field.views[size_t(cell)].values) ASSERT_EQ(value, cell % 8 >= 4) << cell;
 }
@@ -261,13 +265,13 @@ TEST(FocalStack, TheCellsOfAPixelHaveAnEqualNumberOfPaths) {
 TEST(FocalStack, PixelsThatNoPathReachedTakeTheLightOfTheirNeighbours) {
   // One path per pixel reaches one of 64 cells. The card of the test above: the nearest cells with paths are near or
   // far, but their mean is never below 0 or above 1, and even light stays even.
-  const LightField field =
-      trace_scene_views(make_bright_wall(), panel, green_light, {{}, LightFieldParams{8, 8, 0.2, {}}}, {.paths = 1})
-          .light_field;
+  const LightField field = trace_scene_views(make_bright_wall(), stack_panel, green_light,
+                                             {{}, LightFieldParams{8, 8, 0.2, {}}}, {.paths = 1})
+                               .light_field;
   for (const Image& view : field.views)
     for (const float value : view.values) ASSERT_EQ(value, 1);
   // A plane whose rays come from another plane's pixels has pixels without paths, about exp(−1) of them.
-  const FocalStack stack = trace_focal_stack(make_bright_wall(), panel, green_light, {0.2, 0.15}, {.paths = 1});
+  const FocalStack stack = trace_focal_stack(make_bright_wall(), stack_panel, green_light, {0.2, 0.15}, {.paths = 1});
   for (const Image& picture : stack.pictures)
     for (const float value : picture.values) ASSERT_EQ(value, 1);
 }
@@ -275,14 +279,14 @@ TEST(FocalStack, PixelsThatNoPathReachedTakeTheLightOfTheirNeighbours) {
 TEST(FocalStack, APointInFocusIsAsInTheRender) {
   Scene scene;
   scene.points = {{{0.0301_mm, -0.0217_mm, -0.1}, 2.0f, 0}, {{-0.1_mm, 0.05_mm, -0.1}, 1.0f, 0}};
-  const FocalStack stack = trace_focal_stack(scene, panel, green_light, {0.1}, {.paths = 1});
-  const RenderParams params{.columns = panel.nx,
-                            .rows = panel.ny,
-                            .field_of_view = std::atan(panel.height() / 0.2),
+  const FocalStack stack = trace_focal_stack(scene, stack_panel, green_light, {0.1}, {.paths = 1});
+  const RenderParams params{.columns = stack_panel.nx,
+                            .rows = stack_panel.ny,
+                            .field_of_view = std::atan(stack_panel.height() / 0.2),
                             .lens = Lens::panel,
                             .focus = 0.1,
                             .paths = 1};
-  const Image image = render(scene, panel, green_light, params);
+  const Image image = render(scene, stack_panel, green_light, params);
   const float largest = *std::max_element(image.values.begin(), image.values.end());
   EXPECT_GT(largest, 0);
   for (size_t i = 0; i < image.values.size(); ++i)
@@ -293,19 +297,20 @@ TEST(FocalStack, APointOutOfFocusIsTheImageOfTheAperture) {
   Scene scene;
   const Vec3 at{0.02_mm, -0.01_mm, -0.1};
   scene.points = {{at, 1.0f, 0}};
-  const FocalStack stack = trace_focal_stack(scene, panel, green_light, {0.1, 0.08, 0.15}, {.paths = 1});
+  const FocalStack stack = trace_focal_stack(scene, stack_panel, green_light, {0.1, 0.08, 0.15}, {.paths = 1});
   const auto sum = [](const Image& image) { return std::accumulate(image.values.begin(), image.values.end(), 0.0); };
   for (const size_t k : {1, 2}) {
     const double d = stack.distances[k], ratio = d / 0.1, size = std::abs(1 - ratio);
     // Irradiance is radiance times the pixel's area over d²: the sum of radiance grows as d². Floats.
     EXPECT_NEAR(sum(stack.pictures[k]) / sum(stack.pictures[0]), ratio * ratio, 1e-5);
-    const Interval x{at.x * ratio - panel.width() / 2 * size, at.x * ratio + panel.width() / 2 * size};
-    const Interval y{at.y * ratio - panel.height() / 2 * size, at.y * ratio + panel.height() / 2 * size};
-    for (int j = 0; j < panel.ny; ++j)
-      for (int i = 0; i < panel.nx; ++i) {
-        const double half = panel.pitch / 2;
-        const double covered = overlap(x, {panel.x(i) - half, panel.x(i) + half}).size() *
-                               overlap(y, {panel.y(j) - half, panel.y(j) + half}).size() / (x.size() * y.size());
+    const Interval x{at.x * ratio - stack_panel.width() / 2 * size, at.x * ratio + stack_panel.width() / 2 * size};
+    const Interval y{at.y * ratio - stack_panel.height() / 2 * size, at.y * ratio + stack_panel.height() / 2 * size};
+    for (int j = 0; j < stack_panel.ny; ++j)
+      for (int i = 0; i < stack_panel.nx; ++i) {
+        const double half = stack_panel.pitch / 2;
+        const double covered = overlap(x, {stack_panel.x(i) - half, stack_panel.x(i) + half}).size() *
+                               overlap(y, {stack_panel.y(j) - half, stack_panel.y(j) + half}).size() /
+                               (x.size() * y.size());
         ASSERT_NEAR(stack.pictures[k](j, i) / (sum(stack.pictures[k]) / 3), covered, 1e-6) << j << " " << i;
       }
   }
@@ -315,15 +320,16 @@ TEST(FocalStack, APointThatOnlyPartOfThePanelSeesKeepsItsFlux) {
   // Flux through the panel: Σ L·pitch²/d²·(part of the panel that the pixel sees). From 3 mm the cone has 0.2 mm.
   Scene scene;
   scene.points = {{{0.01_mm, 0, -0.003}, 1.0f, 0}};
-  const FocalStack stack = trace_focal_stack(scene, panel, green_light, {0.003, 0.002, 0.005}, {.paths = 1});
+  const FocalStack stack = trace_focal_stack(scene, stack_panel, green_light, {0.003, 0.002, 0.005}, {.paths = 1});
   std::vector<double> fluxes;
   for (size_t k = 0; k < 3; ++k) {
-    const double d = stack.distances[k], reach = d * acceptance_tangent(green_light, panel.pitch);
+    const double d = stack.distances[k], reach = d * acceptance_tangent(green_light, stack_panel.pitch);
     double flux = 0;
-    for (int j = 0; j < panel.ny; ++j)
-      for (int i = 0; i < panel.nx; ++i)
-        flux += stack.pictures[k](j, i) / (d * d) * overlap(panel_x, {panel.x(i) - reach, panel.x(i) + reach}).size() *
-                overlap(panel_y, {panel.y(j) - reach, panel.y(j) + reach}).size();
+    for (int j = 0; j < stack_panel.ny; ++j)
+      for (int i = 0; i < stack_panel.nx; ++i)
+        flux += stack.pictures[k](j, i) / (d * d) *
+                overlap(panel_x, {stack_panel.x(i) - reach, stack_panel.x(i) + reach}).size() *
+                overlap(panel_y, {stack_panel.y(j) - reach, stack_panel.y(j) + reach}).size();
     fluxes.push_back(flux);
   }
   EXPECT_GT(fluxes[0], 0);
@@ -338,26 +344,27 @@ TEST(FocalStack, EachCellSeesAPointFromItsOwnPlace) {
   scene.points = {{{0, 0, -0.1}, 1.0f, 0}};
   scene.meshes = {make_test_quad({-0.5_mm, 0, -0.05}, {0.5_mm, 0, 0}, {0, 5_mm, 0})};
   const LightField field =
-      trace_scene_views(scene, panel, green_light, {{}, LightFieldParams{4, 1, 0.12, {}}}, {.paths = 1}).light_field;
+      trace_scene_views(scene, stack_panel, green_light, {{}, LightFieldParams{4, 1, 0.12, {}}}, {.paths = 1})
+          .light_field;
   for (int cell = 0; cell < 4; ++cell) {
     double sum = 0, moment = 0;
-    for (int j = 0; j < panel.ny; ++j)
-      for (int i = 0; i < panel.nx; ++i) {
+    for (int j = 0; j < stack_panel.ny; ++j)
+      for (int i = 0; i < stack_panel.nx; ++i) {
         sum += field.views[size_t(cell)](j, i);
-        moment += field.views[size_t(cell)](j, i) * panel.x(i);
+        moment += field.views[size_t(cell)](j, i) * stack_panel.x(i);
       }
     EXPECT_EQ(sum > 0, cell >= 2) << cell;
-    const double a = panel.width() * (cell - 1.5) / 4;
+    const double a = stack_panel.width() * (cell - 1.5) / 4;
     if (sum > 0) {
       // The image of a cell is 12.8 µm wide. Light counts at a pixel's centre: each end moves it by up to pitch²/8.
-      EXPECT_NEAR(moment / sum, a * (1 - 1.2), panel.pitch * panel.pitch / 8 / 12.8e-6);
+      EXPECT_NEAR(moment / sum, a * (1 - 1.2), stack_panel.pitch * stack_panel.pitch / 8 / 12.8e-6);
     }
   }
 }
 
 TEST(FocalStack, TheNumberOfThreadsChangesNoByte) {
   const auto trace = [] {
-    return trace_scene_views(make_corner(), panel, green_light, {{0.28, 0.3}, LightFieldParams{2, 2, 0.29, {}}},
+    return trace_scene_views(make_corner(), stack_panel, green_light, {{0.28, 0.3}, LightFieldParams{2, 2, 0.29, {}}},
                              {.paths = 4});
   };
   const SceneViews many = trace();
@@ -371,7 +378,8 @@ TEST(FocalStack, ThePlaneOfALightFieldMayHaveItsOwnPixels) {
   const Grid coarse{20, 10, 40e-6, 0.1_mm, -0.05_mm};  // wider than the panel, off its axis
   const Interval x{0.1_mm, 0.3_mm}, y{-0.2_mm, 0.02_mm};
   const ScenePlanes planes{{0.1}, LightFieldParams{1, 1, 0.1, coarse}};
-  const SceneViews views = trace_scene_views(make_rectangle(x, y, 0.1), panel, green_light, planes, {.paths = 64});
+  const SceneViews views =
+      trace_scene_views(make_rectangle(x, y, 0.1), stack_panel, green_light, planes, {.paths = 64});
   const auto expect_sharp = [&](const Image& picture, const Grid& grid) {
     expect_fractions(picture, 32, [&](int row, int column) {
       const double half = grid.pitch / 2;
@@ -380,12 +388,12 @@ TEST(FocalStack, ThePlaneOfALightFieldMayHaveItsOwnPixels) {
     });
   };
   expect_sharp(views.light_field.views[0], coarse);
-  expect_sharp(views.stack.pictures[0], panel);
+  expect_sharp(views.stack.pictures[0], stack_panel);
 }
 
 TEST(FocalStack, RefusesPlanesThatCannotBe) {
   const auto error = [](const ScenePlanes& planes) {
-    return error_of([&] { trace_scene_views(make_bright_wall(), panel, green_light, planes, {.paths = 1}); });
+    return error_of([&] { trace_scene_views(make_bright_wall(), stack_panel, green_light, planes, {.paths = 1}); });
   };
   EXPECT_EQ(error({}),
             "expected at least one plane for a focal stack, got none; give distances, such as \"290 mm, 300 mm\"");

@@ -14,7 +14,7 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{64, 48, 8e-6};
+const Grid gathered_panel{64, 48, 8e-6};
 const std::vector<double> green{green_light};
 
 double mean_intensity(const Field& field) { return power(field) / (double(field.grid.pixels()) * 64e-12); }
@@ -23,19 +23,21 @@ TEST(Gather, IndependentPhasesBringTheIrradianceOfTheAcceptance) {
   // Cells of 1 nm: every ray has its own phase.
   const TraceParams params{
       .pixel_samples = 16, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = 1e-9};
-  const double s = acceptance_sine(green_light, panel.pitch), expected = 4 * s * s * (1 - s * s / 3);
+  const double s = acceptance_sine(green_light, gathered_panel.pitch), expected = 4 * s * s * (1 - s * s / 3);
   // Intensity of 16 unit waves: its variance is 1 − 1/16 of its square; 3072 pixels, 4 standard errors: 7 %.
   const double error = 4 / std::sqrt(3072.0);
-  EXPECT_NEAR(mean_intensity(gather(make_bright_wall(-20_mm), panel, green, params).at(0)) / expected, 1, error);
+  EXPECT_NEAR(mean_intensity(gather(make_bright_wall(-20_mm), gathered_panel, green, params).at(0)) / expected, 1,
+              error);
 }
 
 TEST(Gather, LinearAmplitudeIsProportionalToRadiance) {
   TraceParams params{.pixel_samples = 4, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface};
   params.amplitude = AmplitudeLaw::linear;
-  const double once = power(gather(make_bright_wall(-20_mm, 1), panel, green, params).at(0));
-  EXPECT_NEAR(power(gather(make_bright_wall(-20_mm, 3), panel, green, params).at(0)) / once, 9, 1e-5);  // floats
+  const double once = power(gather(make_bright_wall(-20_mm, 1), gathered_panel, green, params).at(0));
+  EXPECT_NEAR(power(gather(make_bright_wall(-20_mm, 3), gathered_panel, green, params).at(0)) / once, 9,
+              1e-5);  // floats
   params.amplitude = AmplitudeLaw::sqrt;
-  EXPECT_NEAR(power(gather(make_bright_wall(-20_mm, 3), panel, green, params).at(0)) / once, 3, 1e-5);
+  EXPECT_NEAR(power(gather(make_bright_wall(-20_mm, 3), gathered_panel, green, params).at(0)) / once, 3, 1e-5);
 }
 
 TEST(Gather, PointsAreExactAndHiddenPixelByPixel) {
@@ -43,12 +45,14 @@ TEST(Gather, PointsAreExactAndHiddenPixelByPixel) {
   scene.materials = {grey(0)};
   scene.meshes = {make_test_quad({5.004_mm, 0, -0.05}, {5_mm, 0, 0}, {0, 5_mm, 0})};  // covers x > 4 µm
   scene.points = {{{0, 0, -0.1}, 2.0f, 0.5f}};
-  scene.lights = {PointLight{{0, 0, -10_mm}, {1, 1, 1}, true}};                 // black card; phases are the laser's
-  const double unit = green_light / std::sqrt(panel.width() * panel.height());  // for a point of 1 W/m²/sr
-  const Field field = gather(scene, panel, green, {.pixel_samples = 1, .paths = 1, .phase = SourcePhase::laser}).at(0);
-  for (int j = 0; j < panel.ny; ++j)
-    for (int i = 0; i < panel.nx; ++i) {
-      const double x = panel.x(i), y = panel.y(j), r = std::sqrt(x * x + y * y + 0.01);
+  scene.lights = {PointLight{{0, 0, -10_mm}, {1, 1, 1}, true}};  // black card; phases are the laser's
+  const double unit =
+      green_light / std::sqrt(gathered_panel.width() * gathered_panel.height());  // for a point of 1 W/m²/sr
+  const Field field =
+      gather(scene, gathered_panel, green, {.pixel_samples = 1, .paths = 1, .phase = SourcePhase::laser}).at(0);
+  for (int j = 0; j < gathered_panel.ny; ++j)
+    for (int i = 0; i < gathered_panel.nx; ++i) {
+      const double x = gathered_panel.x(i), y = gathered_panel.y(j), r = std::sqrt(x * x + y * y + 0.01);
       // The line to the point passes the card's plane at x/2.
       const auto expected =
           x / 2 > 4_um ? 0.0 : cis_cycles(cycle_fraction(r, green_light) + 0.5 / (2 * pi)) * (0.2 / r);
@@ -119,9 +123,9 @@ TEST(Gather, GivesTheSameBytesOnAnyNumberOfThreads) {
   std::vector<Field> results;
   for (const size_t threads : {1, 3}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    results.push_back(
-        gather(make_bright_wall(-20_mm), panel, green, {.pixel_samples = 3, .paths = 1, .phase = SourcePhase::path})
-            .at(0));
+    results.push_back(gather(make_bright_wall(-20_mm), gathered_panel, green,
+                             {.pixel_samples = 3, .paths = 1, .phase = SourcePhase::path})
+                          .at(0));
   }
   EXPECT_EQ(results[0].samples.values, results[1].samples.values);
 }
@@ -141,10 +145,10 @@ TEST(Gather, CellsWiderThanTheRaysAreNoBrighter) {
 }
 
 TEST(Gather, RandomAndConstantPhasesAreGathered) {
-  const double s = acceptance_sine(green_light, panel.pitch), expected = 4 * s * s * (1 - s * s / 3);
+  const double s = acceptance_sine(green_light, gathered_panel.pitch), expected = 4 * s * s * (1 - s * s / 3);
   Record record;
   TraceParams params{.pixel_samples = 16, .paths = 1, .max_depth = 1};
-  const Field random = gather(make_bright_wall(-20_mm), panel, green, params, record.observer).at(0);
+  const Field random = gather(make_bright_wall(-20_mm), gathered_panel, green, params, record.observer).at(0);
   EXPECT_NEAR(mean_intensity(random) / expected, 1, 4 / std::sqrt(3072.0));  // as with independent phases above
   ASSERT_EQ(record.warnings.size(), 1u);
   EXPECT_NE(record.warnings[0].find("is noise: the 16 rays of a pixel"), std::string::npos);
@@ -202,12 +206,12 @@ TEST(Gather, TheHemisphereBringsItsWholeIrradiance) {
                            .grain = 1e-9};
   // 3072 pixels of contrast 1, and the strata of 64 rays that the disc cuts: less than √(π/4·(1−π/4)/(64·3072)) = 1e-3.
   const double error = 4 / std::sqrt(3072.0);
-  EXPECT_NEAR(mean_intensity(gather(scene, panel, green, params).at(0)) / pi, 1, error);
+  EXPECT_NEAR(mean_intensity(gather(scene, gathered_panel, green, params).at(0)) / pi, 1, error);
 }
 
 TEST(Gather, ParametersOutOfRangeAreErrors) {
   const auto sentence = [](TraceParams params) {
-    return error_of([&] { gather(make_bright_wall(-20_mm), panel, green, params); });
+    return error_of([&] { gather(make_bright_wall(-20_mm), gathered_panel, green, params); });
   };
   EXPECT_EQ(sentence({.pixel_samples = 0, .phase = SourcePhase::surface}),
             "expected a whole number of 1 or more for \"pixel_samples\", got 0");

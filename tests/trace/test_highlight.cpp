@@ -13,7 +13,7 @@ namespace holotrace {
 namespace {
 
 // A glossy ball seen from the tiles of a panel, and by an eye with a pinhole at the same places.
-const Grid panel{512, 384, 8e-6};
+const Grid highlight_panel{512, 384, 8e-6};
 const Vec3 ball{0, 0, -60_mm};
 constexpr double radius = 5e-3;
 
@@ -49,13 +49,13 @@ TEST(Highlight, MovesOverABallFromTileToTileAsPicturesTakenThereShow) {
                            .field_of_view = view,
                            .paths = 1,
                            .max_depth = 1};
-  const Sources sources = trace(scene, panel, green_light, params);
+  const Sources sources = trace(scene, highlight_panel, green_light, params);
   const size_t waves = sources.waves.size();
   ASSERT_GT(waves, 5000u);
   const double focus = 55_mm, cell = 2 * std::tan(view) * focus / side;  // 43 µm
   Vec2 first, last;
   for (int tile = 0; tile < 6; ++tile) {
-    const Vec3 eye = centre_of(panel, tile_box(panel, params.tile_columns, params.tile_rows, tile));
+    const Vec3 eye = centre_of(highlight_panel, tile_box(highlight_panel, params.tile_columns, params.tile_rows, tile));
     // The highlight: the centroid of all that is brighter than half the maximum.
     const float* amplitude = sources.tiles.values.data() + size_t(tile) * waves;
     const float most = *std::max_element(amplitude, amplitude + waves);
@@ -65,7 +65,7 @@ TEST(Highlight, MovesOverABallFromTileToTileAsPicturesTakenThereShow) {
       if (light > 0.5 * most * most) on_waves.add(sources.waves[i].origin, light);
     }
     const Image picture =
-        render(scene, panel, green_light,
+        render(scene, highlight_panel, green_light,
                {.rows = side, .field_of_view = view, .eye = eye, .focus = focus, .paths = 4, .max_depth = 1});
     const auto brightness = [&](int j, int i) { return double(picture(j, i, 0)); };
     double brightest = 0;

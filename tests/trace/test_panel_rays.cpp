@@ -7,11 +7,11 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{40, 20, 10e-6};  // 0.4 mm × 0.2 mm
+const Grid rays_panel{40, 20, 10e-6};  // 0.4 mm × 0.2 mm
 
 TEST(PanelRays, StartEvenlyOnThePartOfThePanelThatThePlaceSees) {
   // Slopes up to 0.01: at 10 mm the reach is 0.1 mm, less than half of the width and all of the height's half.
-  const PanelRays near(panel, 0.01, {{panel, 0.01}}, 16);
+  const PanelRays near(rays_panel, 0.01, {{rays_panel, 0.01}}, 16);
   const Vec2 middle{20, 10};  // in pixels: the axis
   for (const double u : {0.0, 0.25, 0.5, 1.0}) {
     const auto ray = near.ray(0, middle, {u, 0.5});
@@ -24,7 +24,7 @@ TEST(PanelRays, StartEvenlyOnThePartOfThePanelThatThePlaceSees) {
   EXPECT_FALSE(near.ray(0, {0, 10}, {0.49, 0.5}));
   EXPECT_TRUE(near.ray(0, {0, 10}, {0.51, 0.5}));
   // At 30 mm the reach is 0.3 mm: places are even over the panel, and those beyond the reach are left out.
-  const PanelRays far(panel, 0.01, {{panel, 0.03}}, 16);
+  const PanelRays far(rays_panel, 0.01, {{rays_panel, 0.03}}, 16);
   for (const double u : {0.0, 0.3, 0.7}) {
     const auto ray = far.ray(0, {0, 10}, {u, 0.25});
     ASSERT_TRUE(ray);
@@ -36,7 +36,7 @@ TEST(PanelRays, StartEvenlyOnThePartOfThePanelThatThePlaceSees) {
 
 TEST(PanelRays, AreKeptWithTheDensityThatEarlierPlanesLack) {
   // The whole panel is seen from all planes: ρ grows as d².
-  const PanelRays rays(panel, 1, {{panel, 0.2}, {panel, 0.3}, {panel, 0.19}}, 100);
+  const PanelRays rays(rays_panel, 1, {{rays_panel, 0.2}, {rays_panel, 0.3}, {rays_panel, 0.19}}, 100);
   const PanelRay central{{0, 0}, {0, 0}};
   const double lacking = 1 - 0.2 * 0.2 / (0.3 * 0.3);
   EXPECT_EQ(rays.candidates(0, 10, 20), 100);

@@ -17,7 +17,7 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{256, 192, 8e-6};
+const Grid render_panel{256, 192, 8e-6};
 
 TEST(Texture, BilinearBetweenPixelCentresWithVUpAndRepeat) {
   Image image(2, 2, 1);
@@ -44,7 +44,7 @@ TEST(Render, TexturesStandUpright) {
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   scene.background = {1, 1, 1};
   const RenderParams params{.columns = 10, .rows = 10, .field_of_view = std::atan(10.0 / 300), .paths = 1024};
-  const Image image = render(scene, panel, green_light, params);
+  const Image image = render(scene, render_panel, green_light, params);
   // Pixels 2 and 7 are at the centres of texels and span a fifth of one: bilinear weights of 0.95 per axis, on
   // average. Under a white sky the radiance is the albedo, and a path gives 0 or 1: 4 standard errors are at most
   // 4·½/√1024.
@@ -64,7 +64,7 @@ TEST(Render, APictureOfAnEmissiveWallIsItsRadianceAndBesideItTheBackground) {
   scene.background = {0.5, 0.25, 0.125};
   Record record;
   const RenderParams params{.columns = 0, .rows = 10, .paths = 9};
-  const Image image = render(scene, panel, green_light, params, record.observer);
+  const Image image = render(scene, render_panel, green_light, params, record.observer);
   ASSERT_EQ(image.nx, 10);
   ASSERT_EQ(image.ny, 10);
   ASSERT_EQ(image.channels, 3);
@@ -84,7 +84,7 @@ TEST(Render, EdgesAreAntialiased) {
   Scene scene;
   scene.materials = {grey(0, 1)};
   scene.meshes = {make_test_quad({-10_mm, 0, -0.1}, {10_mm, 0, 0}, {0, 20_mm, 0})};  // its edge halves the only pixel
-  const Image image = render(scene, panel, green_light, {.columns = 1, .rows = 1, .paths = 1024});
+  const Image image = render(scene, render_panel, green_light, {.columns = 1, .rows = 1, .paths = 1024});
   // 32 × 32 strata, with the edge between strata.
   EXPECT_NEAR(image(0, 0), 0.5, 1e-6);
 }
@@ -97,7 +97,7 @@ TEST(Render, APointAtAKnownPlaceLandsInItsPixel) {
     const double depth = 0.25, half = 0.05;
     scene.points = {{{(2 * x + half) * t * depth, (2 * y - half) * t * depth, -depth}, 3.0f, 0}};
     const RenderParams params{.columns = 40, .rows = 20, .field_of_view = 10_deg, .paths = 1};
-    const Image image = render(scene, panel, green_light, params);
+    const Image image = render(scene, render_panel, green_light, params);
     for (int j = 0; j < 20; ++j)
       for (int i = 0; i < 40; ++i)  // 1e-6: rounding of the place moves a little light
         EXPECT_EQ(image(j, i) > 1e-6 * image(row, column), j == row && i == column) << j << " " << i;
@@ -109,7 +109,7 @@ TEST(Render, APointBetweenPixelsSharesItsLight) {
   const double pixel = std::tan(10_deg) / 10 * 0.25;  // 20 rows span 2T
   scene.points = {{{0.25 * pixel, 0.5 * pixel, -0.25}, 1.0f, 0}};
   const RenderParams params{.columns = 20, .rows = 20, .field_of_view = 10_deg, .paths = 1};
-  const Image image = render(scene, panel, green_light, params);
+  const Image image = render(scene, render_panel, green_light, params);
   // The corner of four pixels is on the axis: 3/4 of a pixel to the right of the left one's middle, at a row's middle.
   EXPECT_NEAR(image(9, 10) / image(9, 9), 3, 1e-5);
   EXPECT_LT(image(10, 10) / image(9, 10), 1e-5);
@@ -119,12 +119,12 @@ TEST(Render, APointHasTheLightOfACellWithItsAmplitude) {
   Scene scene;
   scene.points = {{{10_mm, -7_mm, -0.2}, 3.0f, 0}};
   const RenderParams params{.columns = 16, .rows = 16, .field_of_view = 10_deg, .paths = 1};
-  const Image image = render(scene, panel, green_light, params);
+  const Image image = render(scene, render_panel, green_light, params);
   double sum = 0;
   for (float value : image.values) sum += value;
   // a²·cos²θ = L·dA·cos⁴θ at the panel's centre, where a² is 9 W/m²/sr times λ²/(W·H); floats.
   const double side = 2 * std::tan(10_deg) / 16, squared = 0.2 * 0.2 / (0.2 * 0.2 + 1e-4 + 0.49e-4);
-  const double solid_angle = green_light * green_light / (panel.width() * panel.height());
+  const double solid_angle = green_light * green_light / (render_panel.width() * render_panel.height());
   EXPECT_NEAR(sum / 3 / (9 * solid_angle / (side * side * squared)), 1, 1e-6);
 }
 
@@ -134,10 +134,10 @@ TEST(Render, MeshesHidePointsBehindThemAndNotBeforeThem) {
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   const RenderParams params{.columns = 1, .rows = 1, .paths = 1};
   scene.points = {{{0, 0, -0.31}, 1.0f, 0}};
-  EXPECT_EQ(render(scene, panel, green_light, params)(0, 0), 0);
+  EXPECT_EQ(render(scene, render_panel, green_light, params)(0, 0), 0);
   for (double z : {-0.29, -0.3}) {
     scene.points = {{{0, 0, z}, 1.0f, 0}};
-    EXPECT_GT(render(scene, panel, green_light, params)(0, 0), 0);
+    EXPECT_GT(render(scene, render_panel, green_light, params)(0, 0), 0);
   }
 }
 
@@ -147,12 +147,12 @@ TEST(Render, ThePictureAndTheWavesHoldTheSameLight) {
   scene.meshes = {make_wall(-0.3, 12_mm, 12_mm), make_test_quad({0, -6_mm, -0.29}, {12_mm, 0, 0}, {0, 2_mm, 10_mm}, 1)};
   scene.lights = {RectangleLight{{-5_mm, 15_mm, -0.29}, {10_mm, 0, 0}, {0, 0, 10_mm}, {40, 40, 40}}};
   const int side = 32;
-  const double pixel = 2 * acceptance_tangent(green_light, panel.pitch) / side;
+  const double pixel = 2 * acceptance_tangent(green_light, render_panel.pitch) / side;
   Statistics difference, radiance;
   for (int64_t seed = 1; seed <= 10; ++seed) {
-    const Image image = render(scene, panel, green_light, {.rows = side, .paths = 16, .seed = seed});
+    const Image image = render(scene, render_panel, green_light, {.rows = side, .paths = 16, .seed = seed});
     const TraceParams params{.columns = side, .rows = side, .paths = 16, .seed = seed + 100};
-    const Sources sources = trace(scene, panel, green_light, params);
+    const Sources sources = trace(scene, render_panel, green_light, params);
     double picture = 0, waves = 0;
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) picture += image(j, i, 1) / double(side * side);
@@ -174,8 +174,8 @@ TEST(Render, ThroughAPinholeOnTheAxisTheFocusDoesNotMatter) {
   scene.materials = {grey(0.7, 0.5)};
   scene.meshes = {make_wall(-0.3, 3_mm, 3_mm)};
   scene.background = {0.2, 0.2, 0.2};
-  EXPECT_EQ(render(scene, panel, green_light, {.rows = 16, .focus = 0.2, .paths = 4}).values,
-            render(scene, panel, green_light, {.rows = 16, .focus = 0.5, .paths = 4}).values);
+  EXPECT_EQ(render(scene, render_panel, green_light, {.rows = 16, .focus = 0.2, .paths = 4}).values,
+            render(scene, render_panel, green_light, {.rows = 16, .focus = 0.5, .paths = 4}).values);
 }
 
 /// An emitting wall at that depth, left of the axis.
@@ -196,7 +196,7 @@ TEST(Render, ARoundLensBlursAnEdgeToTheDiscOfGeometry) {
                             .pupil = 4_mm,
                             .focus = focus,
                             .paths = 1024};
-  const Image image = render(half_plane(2 * focus), panel, green_light, params);
+  const Image image = render(half_plane(2 * focus), render_panel, green_light, params);
   // The share of a disc left of the chord at s radii is acos(s)/π − s√(1−s²)/π; a pixel of 0.2 mm is the mean over it.
   const auto share = [](double s) {
     return s <= -1 ? 1.0 : s >= 1 ? 0.0 : (std::acos(s) - s * std::sqrt(1 - s * s)) / pi;
@@ -209,7 +209,7 @@ TEST(Render, ARoundLensBlursAnEdgeToTheDiscOfGeometry) {
     for (int row = 0; row < 20; ++row) mean += image(row, column) / 20;
     EXPECT_NEAR(mean, expected, 4 * std::sqrt(std::abs(expected * (1 - expected)) / (20 * 1024)) + 1e-5) << column;
   }
-  const Image sharp = render(half_plane(focus), panel, green_light, params);
+  const Image sharp = render(half_plane(focus), render_panel, green_light, params);
   for (int row = 0; row < 20; ++row)
     for (int column = 0; column < 20; ++column)
       EXPECT_NEAR(sharp(row, column), column < 10 ? 1 : 0, 2.0 / 1024)
@@ -219,14 +219,14 @@ TEST(Render, ARoundLensBlursAnEdgeToTheDiscOfGeometry) {
 TEST(Render, ThePanelAsALensBlursByItsOwnWidth) {
   // 256 pixels of 8 µm: 2.048 mm wide. At f = 0.2 m its boxes extend 6.7 mm, so all of it lights the whole window. An
   // edge at depth 2f is blurred evenly over a width of 2.048 mm·|d − f|/d.
-  const double focus = 0.2, width = panel.width() / 2, half = 2_mm;
+  const double focus = 0.2, width = render_panel.width() / 2, half = 2_mm;
   const RenderParams params{.columns = 20,
                             .rows = 20,
                             .field_of_view = std::atan(half / focus),
                             .lens = Lens::panel,
                             .focus = focus,
                             .paths = 1024};
-  const Image image = render(half_plane(2 * focus), panel, green_light, params);
+  const Image image = render(half_plane(2 * focus), render_panel, green_light, params);
   for (int column = 0; column < 20; ++column) {
     double expected = 0, mean = 0;
     for (int i = 0; i < 100; ++i)
@@ -240,15 +240,15 @@ TEST(Render, ThePanelAsALensIsBlackWhereNoneOfItsPixelsSendsLight) {
   Scene scene;
   scene.materials = {grey(0, 1)};
   scene.meshes = {make_wall(-0.2, 50_mm, 50_mm)};
-  const double focus = 0.2, tangent = acceptance_tangent(green_light, panel.pitch);
-  const double limit = panel.width() / 2 + focus * tangent, half = 2 * limit;  // of the light; of the window
+  const double focus = 0.2, tangent = acceptance_tangent(green_light, render_panel.pitch);
+  const double limit = render_panel.width() / 2 + focus * tangent, half = 2 * limit;  // of the light; of the window
   const RenderParams params{.columns = 40,
                             .rows = 1,
                             .field_of_view = std::atan(half / 40 / focus),
                             .lens = Lens::panel,
                             .focus = focus,
                             .paths = 16};
-  const Image image = render(scene, panel, green_light, params);
+  const Image image = render(scene, render_panel, green_light, params);
   for (int column = 0; column < 40; ++column)
     EXPECT_NEAR(image(0, column), column >= 10 && column < 30 ? 1 : 0, 1e-6) << column;
 }
@@ -269,7 +269,7 @@ TEST(Render, AnEyeOffTheAxisSeesParallax) {
                               .pupil = 1_mm,
                               .focus = focus,
                               .paths = 256};
-    const Image image = render(scene, panel, green_light, params);
+    const Image image = render(scene, render_panel, green_light, params);
     double sum = 0, x = 0, y = 0;
     for (int row = 0; row < 40; ++row)
       for (int column = 0; column < 40; ++column) {
@@ -292,7 +292,7 @@ TEST(Render, APointIsWhereTheEyeSeesItWithTheIrradianceOfItsWave) {
   const Vec3 eye{2_mm, 1_mm, 0.3};
   const double focus = 0.2, half = 4_mm;
   const Image image = render(
-      scene, panel, green_light,
+      scene, render_panel, green_light,
       {.columns = 40, .rows = 40, .field_of_view = std::atan(half / focus), .eye = eye, .focus = focus, .paths = 1});
   double sum = 0, x = 0;
   for (int row = 0; row < 40; ++row)
@@ -303,7 +303,7 @@ TEST(Render, APointIsWhereTheEyeSeesItWithTheIrradianceOfItsWave) {
   EXPECT_NEAR(x / sum, eye.x + (1_mm - eye.x) * 0.5 / 0.7, 1e-8);  // floats
   // A pixel of 0.2 mm at 0.5 m before the eye, under cosθ, is dΩ·cosθ = (0.2 mm/0.5 m)²·cos⁴θ.
   const double squared = 1e-6 + 1.5_mm * 1.5_mm + 0.49, cosine = 0.7 / std::sqrt(squared);
-  const double solid_angle = green_light * green_light / (panel.width() * panel.height());
+  const double solid_angle = green_light * green_light / (render_panel.width() * render_panel.height());
   EXPECT_NEAR(sum * std::pow(0.2e-3 / 0.5, 2) * std::pow(cosine, 4) / (4 * solid_angle * 0.16 / squared), 1, 1e-6);
 }
 
@@ -313,7 +313,8 @@ TEST(Render, PathGroupsLeaveOutTheBackgroundToo) {
   scene.meshes = {make_test_quad({-50_mm, 0, -0.3}, {50_mm, 0, 0}, {0, 50_mm, 0})};
   scene.background = {1, 1, 1};
   const auto picture = [&](const std::vector<std::string>& path_groups) {
-    return render(scene, panel, green_light, {.columns = 2, .rows = 1, .paths = 256, .path_expressions = path_groups});
+    return render(scene, render_panel, green_light,
+                  {.columns = 2, .rows = 1, .paths = 256, .path_expressions = path_groups});
   };
   EXPECT_EQ(picture({"EDL"})(0, 1), 0);
   EXPECT_EQ(picture({"EL"})(0, 0), 0);
@@ -347,7 +348,7 @@ TEST(Render, TheSamePictureComesFromAnyNumberOfThreads) {
       another.notify_all();
       another.wait_for(lock, std::chrono::minutes(1), [&] { return workers.size() >= std::min<size_t>(threads, 2); });
     };
-    images.push_back(render(scene, panel, green_light, {.rows = 32, .paths = 4}, observer));
+    images.push_back(render(scene, render_panel, green_light, {.rows = 32, .paths = 4}, observer));
     EXPECT_GE(workers.size(), std::min<size_t>(threads, 2));
   }
   EXPECT_EQ(images[0].values, images[1].values);
@@ -361,24 +362,24 @@ TEST(RenderPixels, AreThoseOfTheWholePictureAndTheOthersStay) {
   scene.background = {1, 1, 1};
   scene.points = {{{1_mm, 2_mm, -0.2}, 1}};
   RenderParams params{.columns = 12, .rows = 8, .field_of_view = std::atan(10.0 / 300), .paths = 8};
-  const Image whole = render(scene, panel, green_light, params);
+  const Image whole = render(scene, render_panel, green_light, params);
   PixelMask mask(96, 0);
   for (size_t i = 0; i < mask.size(); i += 5) mask[i] = 1;
   Image image(8, 12, 3);
   std::fill(image.values.begin(), image.values.end(), 7.0F);
-  render_pixels(scene, panel, green_light, params, mask, image);
+  render_pixels(scene, render_panel, green_light, params, mask, image);
   for (size_t i = 0; i < image.values.size(); ++i)
     EXPECT_EQ(image.values[i], mask[i / 3] ? whole.values[i] : 7.0F) << "value " << i;
-  EXPECT_THROW(render_pixels(scene, panel, green_light, params, PixelMask(95), image), Error);
+  EXPECT_THROW(render_pixels(scene, render_panel, green_light, params, PixelMask(95), image), Error);
   params.rows = 9;
-  EXPECT_THROW(render_pixels(scene, panel, green_light, params, mask, image), Error);
+  EXPECT_THROW(render_pixels(scene, render_panel, green_light, params, mask, image), Error);
 }
 
 TEST(Render, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   Scene scene;
   scene.points = {{{0, 0, -0.3}, 1.0f, 0}};
   const auto sentence = [&](const RenderParams& params) {
-    return error_of([&] { render(scene, panel, green_light, params); });
+    return error_of([&] { render(scene, render_panel, green_light, params); });
   };
   EXPECT_EQ(sentence({.rows = 0}), "expected a whole number of 1 or more for \"rows\", got 0");
   EXPECT_EQ(sentence({.paths = -1}), "expected a whole number of 1 or more for \"paths\", got -1");

@@ -10,12 +10,12 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{64, 48, 8e-6};
+const Grid shaded_panel{64, 48, 8e-6};
 const TraceParams direct{.paths = 1, .max_depth = 1};
 
 Triangles shade(const Scene& scene, Shading shading = Shading::flat, TrianglePhase phase = TrianglePhase::random,
                 const TraceParams& params = direct) {
-  return shade_triangles(scene, panel, {green_light}, params, shading, phase).front();
+  return shade_triangles(scene, shaded_panel, {green_light}, params, shading, phase).front();
 }
 
 // A wall of radiance 1 that fills the panel's view sends it the panel's étendue, area·(λ/p)². Triangles send a² times
@@ -29,7 +29,7 @@ TEST(ShadeTriangles, ABrightWallSendsThePanelItsEtendue) {
       EXPECT_EQ(t.amplitudes[0], t.amplitudes[1]);  // equal at all corners on an even wall
       power += double(t.amplitudes[0]) * t.amplitudes[0] * area_along_direction(t);
     }
-    const double etendue = panel.width() * panel.height() * std::pow(green_light / panel.pitch, 2);
+    const double etendue = shaded_panel.width() * shaded_panel.height() * std::pow(green_light / shaded_panel.pitch, 2);
     EXPECT_NEAR(power / etendue, 1, 5e-3);
   }
 }
@@ -37,7 +37,7 @@ TEST(ShadeTriangles, ABrightWallSendsThePanelItsEtendue) {
 // The longest side is at most 1/64 of the view's height, and more than half of that for the mean triangle.
 TEST(ShadeTriangles, LargeFacesAreCut) {
   const Triangles triangles = shade(make_bright_wall(-0.05));
-  const double most = 2 * acceptance_tangent(green_light, panel.pitch) * 0.05 / 64;
+  const double most = 2 * acceptance_tangent(green_light, shaded_panel.pitch) * 0.05 / 64;
   double area = 0;
   for (const Triangle& t : triangles.triangles) {
     for (size_t j = 0; j < 3; ++j) EXPECT_LE(length(t.corners[j] - t.corners[(j + 1) % 3]), most * 1.0000001);
@@ -116,7 +116,7 @@ TEST(ShadeTriangles, OneSidedFacesAreDarkFromBehind) {
 // part within their box, away from its ends by an eighth of it or by the width of the beam.
 TEST(ShadeTriangles, LightGoesToThePanel) {
   // Triangles of 52 µm, 1/64 of the view of 3.3 mm; beams of 0.7 mm; a panel of 4.1 mm: all cases occur.
-  const Grid wide{512, 16, panel.pitch};
+  const Grid wide{512, 16, shaded_panel.pitch};
   const double depth = 0.05, radius = depth * acceptance_tangent(green_light, wide.pitch), half = wide.width() / 2;
   int straight = 0, aside = 0;
   const auto sets =
@@ -158,7 +158,8 @@ TEST(ShadeTriangles, PhasesAreThoseOfTheirKeysOrConstant) {
 TEST(ShadeTriangles, EachWavelengthHasItsColour) {
   Scene scene = make_bright_wall(-0.05);
   scene.materials[0].emission = {1, 0, 0};
-  const auto sets = shade_triangles(scene, panel, {638e-9, 450e-9}, direct, Shading::flat, TrianglePhase::random);
+  const auto sets =
+      shade_triangles(scene, shaded_panel, {638e-9, 450e-9}, direct, Shading::flat, TrianglePhase::random);
   ASSERT_EQ(sets.size(), 2U);
   EXPECT_EQ(sets[0].wavelength, 638e-9);
   EXPECT_FALSE(sets[0].triangles.empty());
@@ -192,7 +193,7 @@ TEST(ShadeTriangles, WhatHasNoTrianglesIsRefusedOrWarnedOf) {
   Scene both = make_bright_wall(-0.05);
   both.points = points.points;
   Record heard;
-  shade_triangles(both, panel, {green_light}, direct, Shading::flat, TrianglePhase::random, heard.observer);
+  shade_triangles(both, shaded_panel, {green_light}, direct, Shading::flat, TrianglePhase::random, heard.observer);
   ASSERT_FALSE(heard.warnings.empty());
   EXPECT_EQ(heard.warnings[0].substr(0, 33), "1 luminous points are left out: t");
 }

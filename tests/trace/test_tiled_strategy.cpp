@@ -13,11 +13,11 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{256, 192, 8e-6};
+const Grid tiled_panel{256, 192, 8e-6};
 const std::vector<double> green{green_light};
 
 Vec3 tile_centre(const TraceParams& params, int tile) {
-  return centre_of(panel, tile_box(panel, params.tile_columns, params.tile_rows, tile));
+  return centre_of(tiled_panel, tile_box(tiled_panel, params.tile_columns, params.tile_rows, tile));
 }
 
 TEST(TiledStrategy, AnOpenDiffuseSceneHasTheAmplitudesOfTheSharedOneInEveryTile) {
@@ -30,9 +30,9 @@ TEST(TiledStrategy, AnOpenDiffuseSceneHasTheAmplitudesOfTheSharedOneInEveryTile)
     params.pattern = pattern;
     params.samples = 300;
     params.strategy = Strategy::shared;
-    const Sources shared = trace(scene, panel, green_light, params);
+    const Sources shared = trace(scene, tiled_panel, green_light, params);
     params.strategy = Strategy::tiled;
-    const Sources tiled = trace(scene, panel, green_light, params);
+    const Sources tiled = trace(scene, tiled_panel, green_light, params);
     ASSERT_EQ(tiled.waves.size(), shared.waves.size());
     EXPECT_EQ(tiled.tiles.columns, 3);
     EXPECT_EQ(tiled.tiles.rows, 2);
@@ -43,11 +43,12 @@ TEST(TiledStrategy, AnOpenDiffuseSceneHasTheAmplitudesOfTheSharedOneInEveryTile)
       // The power over the panel is summed tile by tile: 1e-9 of the quadrature, and a float's rounding. Tiles that the
       // wave reaches only at angles beyond the panel's acceptance get no light.
       const Vec3 origin = shared.waves[i].origin;
-      const double radius = box_radius(-origin.z, green_light, panel.pitch);
+      const double radius = box_radius(-origin.z, green_light, tiled_panel.pitch);
       for (size_t t = 0; t < 6; ++t) {
-        const PixelBox box = tile_box(panel, 3, 2, int(t));
-        const bool is_in_reach = origin.x > panel.x(box.x0) - radius && origin.x < panel.x(box.x1 - 1) + radius &&
-                                 origin.y < panel.y(box.y0) + radius && origin.y > panel.y(box.y1 - 1) - radius;
+        const PixelBox box = tile_box(tiled_panel, 3, 2, int(t));
+        const bool is_in_reach =
+            origin.x > tiled_panel.x(box.x0) - radius && origin.x < tiled_panel.x(box.x1 - 1) + radius &&
+            origin.y < tiled_panel.y(box.y0) + radius && origin.y > tiled_panel.y(box.y1 - 1) - radius;
         EXPECT_NEAR(tiled.tiles.values[t * shared.waves.size() + i] / shared.waves[i].amplitude, is_in_reach, 1e-6);
       }
     }
@@ -63,7 +64,7 @@ TEST(TiledStrategy, AFloorAtGrazingIncidenceDoesNotHideItself) {
   TraceParams params{.strategy = Strategy::tiled, .columns = 16, .rows = 64, .tile_columns = 2, .tile_rows = 2};
   params.paths = 1;
   params.field_of_view = 0.3_deg;
-  const Sources sources = trace(scene, panel, green_light, params);
+  const Sources sources = trace(scene, tiled_panel, green_light, params);
   ASSERT_GT(sources.waves.size(), 40u);
   EXPECT_EQ(std::count(sources.tiles.values.begin(), sources.tiles.values.end(), 0.0F), 0);
 }
@@ -87,7 +88,7 @@ TEST(TiledStrategy, ACardHidesWhatIsBehindItFromTheTilesThatItCovers) {
                      .tile_rows = 4,
                      .paths = 1,
                      .max_depth = 1};
-  const Sources tiled = trace(make_half_hidden_scene(), panel, green_light, params);
+  const Sources tiled = trace(make_half_hidden_scene(), tiled_panel, green_light, params);
   ASSERT_EQ(tiled.waves.size(), 2u);  // the point and the spot
   for (int t = 0; t < 32; ++t) {
     const bool is_hidden = tile_centre(params, t).x > 67_um;
@@ -112,15 +113,15 @@ TEST(TiledStrategy, RandomRaysBringHiddenWavesTheirPowerToTheTilesThatSeeThem) {
                            .tile_rows = 12,
                            .paths = 1,
                            .max_depth = 1};
-  const Sources sources = trace(scene, panel, green_light, params);
-  const double tangent = acceptance_tangent(green_light, panel.pitch);
+  const Sources sources = trace(scene, tiled_panel, green_light, params);
+  const double tangent = acceptance_tangent(green_light, tiled_panel.pitch);
   double total = 0, total_expected = 0, worst = 0;
   for (int t = 0; t < 192; ++t) {
     const Vec3 centre = tile_centre(params, t);
     double irradiance = 0;
     for (size_t i = 0; i < sources.waves.size(); ++i) {
       const Vec3 o = sources.waves[i].origin;
-      const double reach = box_radius(-o.z, green_light, panel.pitch);
+      const double reach = box_radius(-o.z, green_light, tiled_panel.pitch);
       if (std::abs(o.x - centre.x) > reach || std::abs(o.y - centre.y) > reach) continue;
       const double a = sources.tiles.values[size_t(t) * sources.waves.size() + i];
       irradiance += a * a * o.z * o.z / dot(o - centre, o - centre);
@@ -165,7 +166,7 @@ TEST(TiledStrategy, AHighlightMovesAcrossTheTiles) {
                            .field_of_view = 5_deg,
                            .paths = 1,
                            .max_depth = 1};
-  const Sources sources = trace(scene, panel, green_light, params);
+  const Sources sources = trace(scene, tiled_panel, green_light, params);
   const auto centroid = [&](int tile) {
     Vec3 sum;
     double weight = 0;
@@ -199,7 +200,7 @@ TEST(TiledStrategy, ABallInAMirrorIsSeenByTheTilesWhoseWayOverTheMirrorIsOpen) {
                            .tile_rows = 1,
                            .paths = 1,
                            .phase = SourcePhase::path};
-  const Sources tiled = trace(scene, panel, green_light, params);
+  const Sources tiled = trace(scene, tiled_panel, green_light, params);
   ASSERT_EQ(tiled.waves.size(), 1u);
   EXPECT_NEAR(tiled.waves[0].origin.z, -0.25, 1e-9);
   int seen = 0;
@@ -241,19 +242,19 @@ TEST(TiledStrategy, GlassAndMirrorsHideNothingOfWhatACardCloseToAWallCovers) {
                  make_test_quad({5.004_mm, 0, -0.2975}, {5_mm, 0, 0}, {0, 5_mm, 0}, 1)};
   Scene pane = open;
   pane.meshes.push_back(make_wall(-0.25, 10_mm, 10_mm, 2));
-  EXPECT_EQ(tiles_that_see(trace(pane, panel, green_light, params)), "++++++--");
+  EXPECT_EQ(tiles_that_see(trace(pane, tiled_panel, green_light, params)), "++++++--");
 
   Scene slab = open;
   slab.meshes.push_back(make_wall(-0.245, 10_mm, 10_mm, 3));
   slab.meshes.push_back(make_test_quad({0, 0, -0.255}, {0, 10_mm, 0}, {10_mm, 0, 0}, 3));
-  EXPECT_EQ(tiles_that_see(trace(slab, panel, green_light, params)), "++++++--");
+  EXPECT_EQ(tiles_that_see(trace(slab, tiled_panel, green_light, params)), "++++++--");
 
   // A mirror at 45° at z = −0.25 shows the spot at x = −50 mm; z = x mirrors the card's edge to z = −0.25 + 4 µm.
   Scene mirror = open;
   mirror.meshes = {make_test_quad({-50_mm, 0, -0.25}, {0, 0, 20_um}, {0, 20_um, 0}, 0),
                    make_test_quad({-47.5_mm, 0, -0.25 + 5.004_mm}, {0, 0, 5_mm}, {0, 5_mm, 0}, 1),
                    make_test_quad({0, 0, -0.25}, {10_mm, 0, 10_mm}, {0, 10_mm, 0}, 4)};
-  EXPECT_EQ(tiles_that_see(trace(mirror, panel, green_light, params)), "++++++--");
+  EXPECT_EQ(tiles_that_see(trace(mirror, tiled_panel, green_light, params)), "++++++--");
 }
 
 TEST(TiledStrategy, ACurvedMirrorShowsAWallToAllTiles) {
@@ -272,7 +273,7 @@ TEST(TiledStrategy, ACurvedMirrorShowsAWallToAllTiles) {
                            .field_of_view = 1_deg,
                            .paths = 1,
                            .phase = SourcePhase::path};
-  const Sources tiled = trace(scene, panel, green_light, params);
+  const Sources tiled = trace(scene, tiled_panel, green_light, params);
   EXPECT_GT(tiled.waves.size(), 100u);
   for (const float amplitude : tiled.tiles.values) EXPECT_GT(amplitude, 0);
 }
@@ -289,7 +290,7 @@ TEST(TiledStrategy, TheSameSourcesComeFromAnyNumberOfThreads) {
   std::vector<Sources> results;
   for (const size_t threads : {1, 2, 7}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    results.push_back(trace(scene, panel, green_light, params));
+    results.push_back(trace(scene, tiled_panel, green_light, params));
   }
   EXPECT_GT(results[0].waves.size(), 100u);
   for (const size_t i : {1, 2}) {
@@ -302,7 +303,7 @@ TEST(TiledStrategy, TheSameSourcesComeFromAnyNumberOfThreads) {
 TEST(TiledStrategy, TilesThatThePanelCannotHoldAreErrors) {
   const auto sentence = [](int columns, int rows) {
     return error_of([&] {
-      trace(make_half_hidden_scene(), panel, green_light,
+      trace(make_half_hidden_scene(), tiled_panel, green_light,
             {.strategy = Strategy::tiled, .tile_columns = columns, .tile_rows = rows});
     });
   };

@@ -13,7 +13,7 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{256, 192, 8e-6};
+const Grid traced_panel{256, 192, 8e-6};
 
 TEST(Trace, RasterOfFirstHitsBringsThePanelsCentreItsIrradiance) {
   // ∫∫ cos⁴ dt over the square of tangents: the cosine-weighted solid angle of a parallel square, π times the
@@ -22,14 +22,14 @@ TEST(Trace, RasterOfFirstHitsBringsThePanelsCentreItsIrradiance) {
   for (double field_of_view : {0.0, 0.5}) {
     params.field_of_view = field_of_view;
     const Scene scene = make_bright_wall(-0.05);
-    const Sources sources = trace(scene, panel, green_light, params);
+    const Sources sources = trace(scene, traced_panel, green_light, params);
     ASSERT_EQ(sources.waves.size(), 64u * 48u);
     double irradiance = 0;
     for (const Source& wave : sources.waves) {
       const double ratio = -wave.origin.z / length(wave.origin);
       irradiance += double(wave.amplitude) * wave.amplitude * ratio * ratio;
     }
-    const double t = field_of_view > 0 ? std::tan(field_of_view) : acceptance_tangent(green_light, panel.pitch);
+    const double t = field_of_view > 0 ? std::tan(field_of_view) : acceptance_tangent(green_light, traced_panel.pitch);
     const double s = std::sqrt(1 + t * t), expected = 4 * t / s * std::atan(t / s);
     // The midpoint rule has an error of (2T/48)²/24·|∂²cos⁴| ≤ 4/24·(2T/48)², relative: 1e-4 at T = 0.55, less at 0.03.
     EXPECT_NEAR(irradiance / expected, 1, 1e-4);
@@ -38,8 +38,8 @@ TEST(Trace, RasterOfFirstHitsBringsThePanelsCentreItsIrradiance) {
 
 TEST(Trace, RasterStartsAtTheTopLeftAndGoesThroughTheCellCentres) {
   const TraceParams params{.columns = 4, .rows = 2, .paths = 1, .max_depth = 1};
-  const Sources sources = trace(make_bright_wall(), panel, green_light, params);
-  const double t = acceptance_tangent(green_light, panel.pitch);
+  const Sources sources = trace(make_bright_wall(), traced_panel, green_light, params);
+  const double t = acceptance_tangent(green_light, traced_panel.pitch);
   ASSERT_EQ(sources.waves.size(), 8u);
   const Vec3 first = sources.waves[0].origin, second = sources.waves[1].origin, last = sources.waves[7].origin;
   // The tangents −3/4, 1/2 and so on, to double rounding.
@@ -88,7 +88,7 @@ TEST(Trace, LinearAmplitudeIsProportionalToRadianceAndSqrtToItsRoot) {
     Scene scene = make_bright_wall();
     scene.materials = {grey(0, radiance)};
     params.amplitude = law;
-    return double(trace(scene, panel, green_light, params).waves.at(0).amplitude);
+    return double(trace(scene, traced_panel, green_light, params).waves.at(0).amplitude);
   };
   // Amplitudes are floats: 1e-6 is ten of their roundings.
   EXPECT_NEAR(amplitude(4, AmplitudeLaw::sqrt) / amplitude(1, AmplitudeLaw::sqrt), 2, 1e-6);
@@ -110,7 +110,7 @@ TEST(Trace, AMeshHidesThePointsBehindItAsInTheRender) {
   scene.materials = {grey(0)};
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   scene.points = {{{0, 0, -0.31}, 1.0f, 0}, {{0, 0, -0.29}, 2.0f, 0}, {{50_mm, 0, -0.31}, 3.0f, 0}};
-  const Sources sources = trace(scene, panel, green_light, {.columns = 4, .rows = 4, .paths = 1});
+  const Sources sources = trace(scene, traced_panel, green_light, {.columns = 4, .rows = 4, .paths = 1});
   ASSERT_EQ(sources.waves.size(), 2u);  // the wall is black; the first point is behind it
   EXPECT_FLOAT_EQ(sources.waves[1].amplitude / sources.waves[0].amplitude, 1.5f);
 }
@@ -122,7 +122,7 @@ TEST(Trace, DarkHitsAndMissesMakeNoWave) {
                   make_test_quad({2.5_mm, 0, -0.3}, {2.5_mm, 0, 0}, {0, 5_mm, 0}, 1)};
   Record record;
   const TraceParams params{.columns = 40, .rows = 40, .paths = 2, .max_depth = 2};
-  const Sources sources = trace(scene, panel, green_light, params, record.observer);
+  const Sources sources = trace(scene, traced_panel, green_light, params, record.observer);
   for (const Source& wave : sources.waves) {
     EXPECT_LT(wave.origin.x, 0);
     EXPECT_GT(wave.amplitude, 0);
@@ -142,7 +142,7 @@ TEST(Trace, AdviceOnAnUnseenSceneFitsThePattern) {
   scene.meshes = {make_test_quad({0.2, 0, -0.3}, {5_mm, 0, 0}, {0, 5_mm, 0})};
   const auto warning = [&](const TraceParams& params) {
     Record record;
-    trace(scene, panel, green_light, params, record.observer);
+    trace(scene, traced_panel, green_light, params, record.observer);
     EXPECT_EQ(record.warnings.size(), 1u);
     return record.warnings.empty() ? "" : record.warnings[0];
   };
@@ -162,7 +162,7 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   scene.materials = {grey(0.5)};
   scene.meshes = {make_test_quad({0.2, 0, -0.3}, {5_mm, 0, 0}, {0, 5_mm, 0})};
   Record unseen;
-  EXPECT_TRUE(trace(scene, panel, green_light, params, unseen.observer).waves.empty());
+  EXPECT_TRUE(trace(scene, traced_panel, green_light, params, unseen.observer).waves.empty());
   ASSERT_EQ(unseen.warnings.size(), 1u);
   EXPECT_EQ(
       unseen.warnings[0],
@@ -171,13 +171,13 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
 
   scene.meshes = {make_wall(-0.3, 50_mm, 50_mm)};
   Record dark;
-  EXPECT_TRUE(trace(scene, panel, green_light, params, dark.observer).waves.empty());
+  EXPECT_TRUE(trace(scene, traced_panel, green_light, params, dark.observer).waves.empty());
   ASSERT_EQ(dark.warnings.size(), 1u);
   EXPECT_EQ(dark.warnings[0], "every first hit is dark; add lights, emission or a background to the scene");
 
   scene.lights = {PointLight{{0, 0, -0.4}, {1, 1, 1}}};
   Record behind;
-  trace(scene, panel, green_light, params, behind.observer);
+  trace(scene, traced_panel, green_light, params, behind.observer);
   ASSERT_EQ(behind.warnings.size(), 1u);
   EXPECT_EQ(behind.warnings[0],
             "every first hit is dark: the scene's lights do not reach the surfaces that the panel sees; move "
@@ -187,7 +187,7 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   scene.meshes.push_back(make_wall(-0.2, 50_mm, 50_mm, 1));
   scene.lights = {PointLight{{0, 0, -0.1}, {1, 1, 1}}};
   Record behind_glass;
-  trace(scene, panel, green_light, params, behind_glass.observer);
+  trace(scene, traced_panel, green_light, params, behind_glass.observer);
   ASSERT_EQ(behind_glass.warnings.size(), 1u);
   EXPECT_EQ(behind_glass.warnings[0],
             "every first hit is dark: the scene's lights do not reach the surfaces that the panel sees; solid "
@@ -200,10 +200,11 @@ TEST(Trace, LuminousPointsBecomeSourcesOfTheirRadiance) {
   Scene scene = make_bright_wall();
   scene.points = {{{1_mm, 2_mm, -0.25}, 0.5f, 0.25f}, {{0, 0, -0.2}, 2.0f, 0}};
   TraceParams params{.columns = 3, .rows = 3, .paths = 1, .phase = SourcePhase::constant};
-  Sources sources = trace(scene, panel, green_light, params);
+  Sources sources = trace(scene, traced_panel, green_light, params);
   ASSERT_EQ(sources.waves.size(), 2u + 9u);
   EXPECT_EQ(sources.wavelength, green_light);
-  const double solid_angle = green_light * green_light / (panel.nx * panel.pitch * panel.ny * panel.pitch);
+  const double solid_angle =
+      green_light * green_light / (traced_panel.nx * traced_panel.pitch * traced_panel.ny * traced_panel.pitch);
   EXPECT_EQ(sources.waves[0].origin, (Vec3{1_mm, 2_mm, -0.25}));
   EXPECT_EQ(sources.waves[0].phase, 0.25f);
   EXPECT_FLOAT_EQ(sources.waves[0].amplitude, float(0.5 * std::sqrt(solid_angle)));
@@ -212,7 +213,7 @@ TEST(Trace, LuminousPointsBecomeSourcesOfTheirRadiance) {
   EXPECT_EQ(sources.waves[2].phase, 0);
 
   params.phase = SourcePhase::random;
-  sources = trace(scene, panel, green_light, params);
+  sources = trace(scene, traced_panel, green_light, params);
   CounterRandom first(1, 0, 0);
   EXPECT_EQ(sources.waves[0].phase, float(2 * pi * first.uniform() + 0.25));
 }
@@ -222,7 +223,7 @@ TEST(Trace, LuminousPointsOfOneCellAreNotInStep) {
   Scene scene;
   for (int i = 0; i < 4; ++i) scene.points.push_back({{i * 1e-6, 0, -0.2}, 1, 0});
   for (const SourcePhase phase : {SourcePhase::surface, SourcePhase::path, SourcePhase::laser}) {
-    const Sources sources = trace(scene, panel, green_light, {.phase = phase, .grain = 100e-6});
+    const Sources sources = trace(scene, traced_panel, green_light, {.phase = phase, .grain = 100e-6});
     ASSERT_EQ(sources.waves.size(), 4U);
     EXPECT_EQ(std::set<uint64_t>(sources.phase_keys.begin(), sources.phase_keys.end()).size(), 4U);
   }
@@ -233,7 +234,7 @@ TEST(Trace, LuminousPointsAreWhite) {
   // smaller than the box): amplitudes are proportional to the wavelength.
   Scene scene;
   scene.points = {{{0, 0, -0.2}, 1, 0}};
-  const std::vector<Sources> sets = trace(scene, panel, std::vector<double>{630e-9, 450e-9}, {});
+  const std::vector<Sources> sets = trace(scene, traced_panel, std::vector<double>{630e-9, 450e-9}, {});
   EXPECT_FLOAT_EQ(sets[0].waves[0].amplitude / sets[1].waves[0].amplitude, 630.0F / 450.0F);
 }
 
@@ -246,7 +247,7 @@ TEST(Trace, PointsAndSurfacesThatOutshineEachOtherAreWarnedOf) {
     scene.points = {{{0, 0, -0.2}, amplitude, 0}};
     Record record;
     const TraceParams params{.strategy = strategy, .columns = 8, .rows = 8, .paths = 1};
-    trace(scene, panel, green_light, params, record.observer);
+    trace(scene, traced_panel, green_light, params, record.observer);
     return record.warnings;
   };
   for (const Strategy strategy : {Strategy::shared, Strategy::tiled}) {
@@ -270,7 +271,7 @@ TEST(Trace, TheSameSourcesComeFromAnyNumberOfThreads) {
     std::vector<Sources> results;
     for (size_t threads : {1, 2, 7}) {
       tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-      results.push_back(trace(make_corner(), panel, green_light, params));
+      results.push_back(trace(make_corner(), traced_panel, green_light, params));
     }
     EXPECT_GT(results[0].waves.size(), 500u);
     EXPECT_EQ(results[0].waves, results[1].waves);
@@ -280,10 +281,10 @@ TEST(Trace, TheSameSourcesComeFromAnyNumberOfThreads) {
 
 TEST(Trace, SeedsDrawOtherPhasesAndTheSameSeedTheSame) {
   TraceParams params{.columns = 16, .rows = 16, .paths = 1, .max_depth = 1};
-  const Sources first = trace(make_bright_wall(), panel, green_light, params);
-  EXPECT_EQ(first.waves, trace(make_bright_wall(), panel, green_light, params).waves);
+  const Sources first = trace(make_bright_wall(), traced_panel, green_light, params);
+  EXPECT_EQ(first.waves, trace(make_bright_wall(), traced_panel, green_light, params).waves);
   params.seed = 2;
-  const Sources second = trace(make_bright_wall(), panel, green_light, params);
+  const Sources second = trace(make_bright_wall(), traced_panel, green_light, params);
   Statistics cosine;
   for (size_t i = 0; i < first.waves.size(); ++i) {
     EXPECT_EQ(first.waves[i].origin, second.waves[i].origin);
@@ -313,9 +314,9 @@ TEST(Trace, MoreRaysLeaveTheRandomPatternsMeanAsItIs) {
 TEST(Trace, PathsCutByMaxDepthAreWarnedOf) {
   const TraceParams params{.columns = 8, .rows = 8, .paths = 16, .max_depth = 1};
   Record open, record;
-  trace(make_bright_wall(), panel, green_light, params, open.observer);
+  trace(make_bright_wall(), traced_panel, green_light, params, open.observer);
   EXPECT_TRUE(open.warnings.empty()) << "beyond a wall alone there is nothing to miss";
-  trace(make_corner(), panel, green_light, params, record.observer);
+  trace(make_corner(), traced_panel, green_light, params, record.observer);
   ASSERT_EQ(record.warnings.size(), 1u);
   EXPECT_NE(record.warnings[0].find("% of the light paths were cut after 1 surfaces"), std::string::npos);
 }
@@ -338,7 +339,7 @@ TEST(Trace, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   EXPECT_EQ(sentence({.field_of_view = 30_deg, .paths = 1}, 266_nm), "");
   EXPECT_EQ(sentence({}, -1), "expected a pixel pitch above 0 m, got -1 m");
   EXPECT_EQ(sentence({}, 8e-6, 0), "expected a wavelength above 0 m, got 0 m");
-  EXPECT_EQ(error_of([] { trace({}, panel, green_light, {}); }),
+  EXPECT_EQ(error_of([] { trace({}, traced_panel, green_light, {}); }),
             "expected at least one object in the scene, or a visible rectangle light, got none");
 }
 
@@ -350,7 +351,7 @@ TEST(Trace, ProgressReachesOne) {
     const std::lock_guard lock(mutex);
     most = std::max(most, fraction);
   };
-  trace(make_bright_wall(), panel, green_light, {.columns = 16, .rows = 16, .paths = 1}, observer);
+  trace(make_bright_wall(), traced_panel, green_light, {.columns = 16, .rows = 16, .paths = 1}, observer);
   EXPECT_EQ(most, 1);
 }
 

@@ -13,15 +13,15 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{64, 48, 8e-6};  // 0.512 mm × 0.384 mm
+const Grid pupil_panel{64, 48, 8e-6};  // 0.512 mm × 0.384 mm
 
 /// A light field of even pictures: cell (column, row) has radiance value(column, row).
 template <class Value>
 LightField even_field(int columns, int rows, const Value& value, double distance = 0.3) {
-  LightField field{panel, columns, rows, panel, distance, {}};
+  LightField field{pupil_panel, columns, rows, pupil_panel, distance, {}};
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
-      field.views.emplace_back(panel.ny, panel.nx, 1);
+      field.views.emplace_back(pupil_panel.ny, pupil_panel.nx, 1);
       for (float& v : field.views.back().values) v = float(value(i, j));
     }
   return field;
@@ -59,7 +59,7 @@ TEST(PupilPicture, EvenLightStaysEvenForCellsSmallAndLarge) {
   for (const int cells : {1, 3, 8, 40})
     for (const double diameter : {1e-6, 0.1e-3, 0.2e-3, 2e-3}) {
       const LightField field = even_field(cells, cells, [](int, int) { return 0.75; });
-      const PupilPicture picture = picture_through(field, green_light, panel, 0.2, {{0, 0, 0.3}, diameter});
+      const PupilPicture picture = picture_through(field, green_light, pupil_panel, 0.2, {{0, 0, 0.3}, diameter});
       for (const float value : picture.radiance.values)
         ASSERT_NEAR(value, 0.75, 5e-5) << "up to 1600 floats, 2^-25 each";
     }
@@ -72,9 +72,9 @@ TEST(PupilPicture, CellsCountByTheirPartOfTheFootprint) {
   for (const int cells : {2, 7}) {
     const LightField field = even_field(cells, cells, value);
     for (const Pupil& pupil : {Pupil{{0.05e-3, -0.08e-3, 0.4}, 0.3e-3}, Pupil{{0.3e-3, 0.2e-3, 0.1}, 0.5e-3}}) {
-      const PupilPicture picture = picture_through(field, green_light, panel, distance, pupil);
+      const PupilPicture picture = picture_through(field, green_light, pupil_panel, distance, pupil);
       for (const auto& [row, column] : {std::pair{0, 0}, {10, 50}, {24, 32}, {47, 3}, {40, 63}}) {
-        const Vec3 p{panel.x(column), panel.y(row), -distance};
+        const Vec3 p{pupil_panel.x(column), pupil_panel.y(row), -distance};
         double sum = 0, count = 0, all = 0;
         const int points = 400;
         for (int j = 0; j < points; ++j)
@@ -84,7 +84,7 @@ TEST(PupilPicture, CellsCountByTheirPartOfTheFootprint) {
             ++all;
             const Vec3 q = pupil.centre + Vec3{x, y, 0} * (pupil.diameter / 2);
             const Vec3 a = p + (q - p) * (distance / (distance + q.z));  // on the panel
-            const double c = (a.x / panel.width() + 0.5) * cells, r = (0.5 - a.y / panel.height()) * cells;
+            const double c = (a.x / pupil_panel.width() + 0.5) * cells, r = (0.5 - a.y / pupil_panel.height()) * cells;
             if (c < 0 || c >= cells || r < 0 || r >= cells) continue;
             ++count;
             sum += value(int(c), int(r));
@@ -106,16 +106,17 @@ TEST(PupilPicture, CellsCountByTheirPartOfTheFootprint) {
 
 TEST(PupilPicture, TheConeOfEachPixelClosesPartOfThePupil) {
   // At 4 mm the box of a pixel reaches 0.133 mm to each side: a wide pupil is open over the box, where the panel is.
-  const double distance = 4e-3, reach = box_radius(distance, green_light, panel.pitch), diameter = 4e-3;
+  const double distance = 4e-3, reach = box_radius(distance, green_light, pupil_panel.pitch), diameter = 4e-3;
   const LightField field = even_field(
       4, 4, [](int, int) { return 1; }, distance);
-  const PupilPicture picture = picture_through(field, green_light, panel, distance, {{0, 0, 4e-3}, diameter});
+  const PupilPicture picture = picture_through(field, green_light, pupil_panel, distance, {{0, 0, 4e-3}, diameter});
   const auto side = [&](double place, double half) {
     return std::min(place + reach, half) - std::max(place - reach, -half);
   };
   const double footprint = pi * diameter * diameter / 16;  // half as wide as the pupil: the panel is halfway
   for (const auto& [row, column] : {std::pair{0, 0}, {24, 32}, {10, 60}}) {
-    const double open = side(panel.x(column), panel.width() / 2) * side(panel.y(row), panel.height() / 2) / footprint;
+    const double open = side(pupil_panel.x(column), pupil_panel.width() / 2) *
+                        side(pupil_panel.y(row), pupil_panel.height() / 2) / footprint;
     EXPECT_NEAR(picture.open(row, column) / open, 1, 1e-5) << "floats";
   }
 }
@@ -127,19 +128,21 @@ TEST(PupilPicture, CellsAreShiftedForAnotherPlane) {
   const int cells = 4;
   LightField field = even_field(
       cells, cells, [](int, int) { return 0; }, distance);
-  const double px = panel.x(40), py = panel.y(12);
+  const double px = pupil_panel.x(40), py = pupil_panel.y(12);
   for (int j = 0; j < cells; ++j)
     for (int i = 0; i < cells; ++i) {
-      const double ax = panel.width() * ((i + 0.5) / cells - 0.5), ay = panel.height() * (0.5 - (j + 0.5) / cells);
+      const double ax = pupil_panel.width() * ((i + 0.5) / cells - 0.5),
+                   ay = pupil_panel.height() * (0.5 - (j + 0.5) / cells);
       const double x = ax + (px - ax) * distance / depth, y = ay + (py - ay) * distance / depth;
-      const double column = x / panel.pitch + (panel.nx - 1) / 2.0, row = (panel.ny - 1) / 2.0 - y / panel.pitch;
+      const double column = x / pupil_panel.pitch + (pupil_panel.nx - 1) / 2.0,
+                   row = (pupil_panel.ny - 1) / 2.0 - y / pupil_panel.pitch;
       // Gaussian spots of 2 pixels
       Image& view = field.views[size_t(j * cells + i)];
-      for (int r = 0; r < panel.ny; ++r)
-        for (int c = 0; c < panel.nx; ++c)
+      for (int r = 0; r < pupil_panel.ny; ++r)
+        for (int c = 0; c < pupil_panel.nx; ++c)
           view(r, c) = float(std::exp(-(std::pow(c - column, 2) + std::pow(r - row, 2)) / 8));
     }
-  const PupilPicture picture = picture_through(field, green_light, panel, depth, {{0, 0, 0.3}, 0.4e-3});
+  const PupilPicture picture = picture_through(field, green_light, pupil_panel, depth, {{0, 0, 0.3}, 0.4e-3});
   // Read between pixels, a spot loses up to h²/8·f″ = 1/8·2/4 = 6 % per two axes; misplaced by a pixel it would lose
   // much more beside its centre: e^(−1/8) on one side and e^(+…) on the other.
   EXPECT_NEAR(picture.radiance(12, 40), 1, 0.07);
@@ -181,7 +184,7 @@ TEST(PupilPicture, IsTheRenderThroughARoundLens) {
       add_blocks(picture.radiance, mine[k]);
       const RenderParams params{.columns = coarse.nx,
                                 .rows = coarse.ny,
-                                .field_of_view = std::atan(panel.height() / 2 / 0.3),
+                                .field_of_view = std::atan(pupil_panel.height() / 2 / 0.3),
                                 .eye = pupils[k].centre,
                                 .lens = Lens::round,
                                 .pupil = pupils[k].diameter,
@@ -210,7 +213,7 @@ TEST(PupilPicture, IsTheRenderThroughARoundLens) {
 TEST(PupilPicture, RefusesWhatCannotBe) {
   const LightField field = even_field(2, 2, [](int, int) { return 1; });
   const auto error = [&](const LightField& f, double distance, const Pupil& pupil) {
-    return error_of([&] { picture_through(f, green_light, panel, distance, pupil); });
+    return error_of([&] { picture_through(f, green_light, pupil_panel, distance, pupil); });
   };
   EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 2e-3}), "");
   EXPECT_EQ(error(field, 0, {{0, 0, 0.3}, 2e-3}), "expected a length above 0 m for the plane of the picture, got 0 m");

@@ -6,7 +6,7 @@
 #include "holotrace/wave/propagate/direct_sum.h"
 #include "holotrace/wave/propagate/propagate.h"
 
-namespace holotrace::testing {
+namespace holotrace::test {
 
 /// Relative L2 error of a propagation against the direct Rayleigh–Sommerfeld sum, at 60 pixels drawn from the output.
 template <class Real>
@@ -30,4 +30,4 @@ double error_against_direct_sum(const FieldDouble& input, double z, const Propag
   return std::sqrt(error / energy);
 }
 
-}  // namespace holotrace::testing
+}  // namespace holotrace::test

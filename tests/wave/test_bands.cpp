@@ -13,7 +13,7 @@
 namespace holotrace {
 namespace {
 
-constexpr Grid panel{96, 400, 8e-6};
+constexpr Grid bands_panel{96, 400, 8e-6};
 
 // Waves with random phases above and around the panel, near enough that their boxes end on it.
 Sources make_waves(int count, uint64_t seed = 1) {
@@ -97,64 +97,68 @@ TEST(Bands, FitTheMemoryOrSayWhatIsNeeded) {
 }
 
 TEST(Bands, LieWhereTheirRowsLie) {
-  const Grid band = band_of(panel, 128, 300);
+  const Grid band = band_of(bands_panel, 128, 300);
   // The centre is rounded once more: 1e-18 m for 3 mm.
-  for (const int row : {0, 5, 171}) EXPECT_NEAR(band.y(row), panel.y(128 + row), 1e-17);
-  EXPECT_EQ(band.x(7), panel.x(7));
+  for (const int row : {0, 5, 171}) EXPECT_NEAR(band.y(row), bands_panel.y(128 + row), 1e-17);
+  EXPECT_EQ(band.x(7), bands_panel.x(7));
 }
 
 TEST(Bands, OfExactAreTheRowsOfTheWholeToRounding) {
   const Sources sources = make_waves(40);
-  const std::vector<Band> bands = plan_bands({sources}, panel, {}, 1e9);
+  const std::vector<Band> bands = plan_bands({sources}, bands_panel, {}, 1e9);
   ASSERT_EQ(bands.size(), 4u);
   // Samples are rounded to float once: 6e-8 of each sample.
-  EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::exact), bands, sum_exact(sources, panel)), 6e-8);
+  EXPECT_LT(difference(sources, bands_panel, params_of(SynthesisMethod::exact), bands, sum_exact(sources, bands_panel)),
+            6e-8);
 }
 
 TEST(Bands, OfTiledAndAutoHoldTheTolerance) {
   const Sources sources = make_waves(200);
-  const FieldDouble whole = sum_exact(sources, panel);
-  const std::vector<Band> bands = plan_bands({sources}, panel, {}, 1e9);
+  const FieldDouble whole = sum_exact(sources, bands_panel);
+  const std::vector<Band> bands = plan_bands({sources}, bands_panel, {}, 1e9);
   for (const double tolerance : {1e-2, 1e-3})  // not 1e-4: it would need tiles smaller than any here
-    EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::tiled, tolerance), bands, whole), tolerance);
+    EXPECT_LT(difference(sources, bands_panel, params_of(SynthesisMethod::tiled, tolerance), bands, whole), tolerance);
   // 1e-6 is below the rounding of single precision: auto sums these bands wave by wave.
-  EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::automatic, 1e-6), bands, whole), 1e-6);
+  EXPECT_LT(difference(sources, bands_panel, params_of(SynthesisMethod::automatic, 1e-6), bands, whole), 1e-6);
   for (const double tolerance : {1e-2, 1e-3, 1e-4})
-    EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::automatic, tolerance), bands, whole), tolerance);
+    EXPECT_LT(difference(sources, bands_panel, params_of(SynthesisMethod::automatic, tolerance), bands, whole),
+              tolerance);
 }
 
 TEST(Bands, KeepTheAmplitudesOfThePanelsTiles) {
   Sources sources = make_waves(60);
   give_tiles(sources, 3, 7);  // 400 rows of pixels in 7 rows of tiles: none ends at a multiple of 128
-  const std::vector<Band> bands = plan_bands({sources}, panel, {}, 1e9);
+  const std::vector<Band> bands = plan_bands({sources}, bands_panel, {}, 1e9);
   for (const Band& band : bands)
     for (int tile = 1; tile < 7; ++tile) {
-      const int start = tile_start(tile, 7, panel.ny);
+      const int start = tile_start(tile, 7, bands_panel.ny);
       EXPECT_TRUE(start <= band.first_row || start >= band.end_row) << "a band in two rows of tiles";
     }
-  EXPECT_LT(difference(sources, panel, params_of(SynthesisMethod::exact), bands, sum_exact(sources, panel)), 6e-8);
+  EXPECT_LT(difference(sources, bands_panel, params_of(SynthesisMethod::exact), bands, sum_exact(sources, bands_panel)),
+            6e-8);
 }
 
 TEST(Bands, WithoutLightAreDark) {
   // The wave's box ends 15 mm·tan(1.9°) = 0.5 mm from the axis, in the first band.
   Sources sources{.wavelength = 532e-9, .waves = {{{0, 1.5e-3, -0.015}, 1, 0}}};
   for (const SynthesisMethod method : {SynthesisMethod::tiled, SynthesisMethod::automatic, SynthesisMethod::exact}) {
-    EXPECT_GT(power(synthesize_band(sources, panel, {0, 0, 128}, params_of(method))), 0);
-    EXPECT_EQ(power(synthesize_band(sources, panel, {0, 256, 384}, params_of(method))), 0);
+    EXPECT_GT(power(synthesize_band(sources, bands_panel, {0, 0, 128}, params_of(method))), 0);
+    EXPECT_EQ(power(synthesize_band(sources, bands_panel, {0, 256, 384}, params_of(method))), 0);
   }
-  EXPECT_EQ(missed_waves(sources, panel), 0);
+  EXPECT_EQ(missed_waves(sources, bands_panel), 0);
   sources.waves[0].origin.y = 1;
-  EXPECT_EQ(missed_waves(sources, panel), 1);
+  EXPECT_EQ(missed_waves(sources, bands_panel), 1);
 }
 
 TEST(Bands, ShareTheWorkAsTheirWavesDo) {
   const std::vector<Sources> sets{make_waves(4000), make_waves(1)};
-  const std::vector<Band> bands = plan_bands(sets, panel, {}, 1e9);
-  const std::vector<double> shares = band_shares(sets, panel, bands);
+  const std::vector<Band> bands = plan_bands(sets, bands_panel, {}, 1e9);
+  const std::vector<double> shares = band_shares(sets, bands_panel, bands);
   double sum = 0, work_of_all = 0;
-  for (const Sources& set : sets) work_of_all += double(waves_pixels(set, panel)) + 300.0 * double(panel.pixels());
+  for (const Sources& set : sets)
+    work_of_all += double(waves_pixels(set, bands_panel)) + 300.0 * double(bands_panel.pixels());
   for (size_t i = 0; i < bands.size(); ++i) {
-    const Grid grid = band_of(panel, bands[i].first_row, bands[i].end_row);
+    const Grid grid = band_of(bands_panel, bands[i].first_row, bands[i].end_row);
     const double work = double(waves_pixels(sets[size_t(bands[i].set)], grid)) + 300.0 * double(grid.pixels());
     EXPECT_NEAR(shares[i], work / work_of_all, 1e-12) << "rounding of sums below 1e10";
     sum += shares[i];
@@ -165,7 +169,7 @@ TEST(Bands, ShareTheWorkAsTheirWavesDo) {
 TEST(Bands, AreOfMethodsThatSumWaves) {
   const Sources sources = make_waves(1);
   EXPECT_EQ(error_of([&] {
-              synthesize_band(sources, panel, {0, 0, 128}, params_of(SynthesisMethod::layers));
+              synthesize_band(sources, bands_panel, {0, 0, 128}, params_of(SynthesisMethod::layers));
             }),
             "expected the method auto, exact, tiled or planes for a field made in bands, got layers; choose one of "
             "them, or make the field whole, without --memory and without mpirun");
@@ -174,13 +178,13 @@ TEST(Bands, AreOfMethodsThatSumWaves) {
 // All colours of a job share the cone of the shortest wavelength, which lights fewer pixels than the waves' own.
 TEST(Bands, KeepTheConeOfTheColours) {
   Sources sources = make_waves(40);
-  const FieldDouble own = sum_exact(sources, panel);
+  const FieldDouble own = sum_exact(sources, bands_panel);
   sources.cone_wavelength = 450e-9;
-  const FieldDouble whole = sum_exact(sources, panel);
-  ASSERT_GT(testing::relative_error(own, whole), 0.1);
+  const FieldDouble whole = sum_exact(sources, bands_panel);
+  ASSERT_GT(test::relative_error(own, whole), 0.1);
   const SynthesizeParams params = params_of(SynthesisMethod::exact);
   // Sums in double, rounded to single precision.
-  EXPECT_LT(difference(sources, panel, params, plan_bands({sources}, panel, params, 1e9), whole), 1e-7);
+  EXPECT_LT(difference(sources, bands_panel, params, plan_bands({sources}, bands_panel, params, 1e9), whole), 1e-7);
 }
 
 }  // namespace

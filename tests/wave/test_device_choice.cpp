@@ -20,7 +20,7 @@ namespace {
 
 using namespace literals;
 
-constexpr Grid panel{256, 192, 8e-6};
+constexpr Grid chosen_panel{256, 192, 8e-6};
 
 class AutomaticDevice : public ::testing::Test {
  protected:
@@ -43,9 +43,9 @@ class AutomaticDevice : public ::testing::Test {
   static void give_devices(const DeviceRates& rates) {
     set_device_rates([rates](Device&) { return rates; });
   }
-  DeviceKind chosen() const { return chosen_device(sources_, panel, params_).kind; }
+  DeviceKind chosen() const { return chosen_device(sources_, chosen_panel, params_).kind; }
 
-  const Sources sources_ = testing::make_random_sources(50, panel, 532_nm, 0.1_m, 0.2_m);
+  const Sources sources_ = test::make_random_sources(50, chosen_panel, 532_nm, 0.1_m, 0.2_m);
   SynthesizeParams params_;
 };
 
@@ -76,7 +76,7 @@ TEST_F(AutomaticDevice, IsTheProcessorForShortSumsAndDevicesThatWereNotMeasured)
 
 TEST_F(AutomaticDevice, LeavesOtherChoicesAlone) {
   params_.device = {DeviceKind::opencl, 3};
-  EXPECT_EQ(chosen_device(sources_, panel, params_), params_.device);
+  EXPECT_EQ(chosen_device(sources_, chosen_panel, params_), params_.device);
 }
 
 // Opening takes 0.3 s. ctest runs each test in a process of its own, where no device is open.
@@ -101,14 +101,14 @@ TEST_F(AutomaticDevice, IsTheFastestOfThose) {
 
 TEST_F(AutomaticDevice, IsReplacedByTheProcessorIfItFails) {
   slow_down_the_processor();
-  const Field expected = synthesize(sources_, panel, {SynthesisMethod::tiled});
+  const Field expected = synthesize(sources_, chosen_panel, {SynthesisMethod::tiled});
   give_devices({1e12, 1e10});
   std::string warning;
   Observer observer;
   observer.on_warning = [&](const std::string& text) { warning = text; };
   test::FaultyApi api;
   api.failing = 0;
-  EXPECT_EQ(synthesize(sources_, panel, params_, observer).samples.values, expected.samples.values);
+  EXPECT_EQ(synthesize(sources_, chosen_panel, params_, observer).samples.values, expected.samples.values);
   EXPECT_EQ(warning.rfind("the device auto: the processor took over, because expected ", 0), 0U) << warning;
   EXPECT_TRUE(api.held.empty());
 }

@@ -14,15 +14,14 @@
 #include "holotrace/wave/tiles/tile_error.h"
 #include "support/devices.h"
 #include "support/fields.h"
+#include "support/wavelengths.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::make_random_sources;
-using testing::relative_error;
-
-constexpr double green = 532_nm;
+using test::make_random_sources;
+using test::relative_error;
 
 // Eq. 5–7 in long double, from the formula alone: without splitting r, and without code of the library.
 FieldDouble closed_form(const Sources& sources, const Grid& grid) {

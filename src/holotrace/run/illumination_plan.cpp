@@ -12,7 +12,7 @@
 namespace holotrace {
 namespace {
 
-constexpr int most_states = 256, of_flicker = 16, least_of_spectrum = 8;
+constexpr int most_planned = 256, of_flicker = 16, least_of_spectrum = 8;
 constexpr int most_given = 65536;  // upper limit of ShowParams::illumination_states
 
 int counted(double number) { return int(std::ceil(std::clamp(number, 1.0, 1e6))); }
@@ -83,7 +83,7 @@ IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, dou
 
   const bool is_given = params.illumination_states > 0;
   ShowParams taken = params;
-  taken.illumination_states = is_given ? params.illumination_states : std::min(plan.needed, most_states);
+  taken.illumination_states = is_given ? params.illumination_states : std::min(plan.needed, most_planned);
   // With one part each state has the whole source, unless the user set the states and only the source is averaged.
   const bool is_shared = parts > 1 || (is_given && params.bandwidth == 0 && !has_flicker);
   if (!is_shared) taken.source_angle = 0;
@@ -108,7 +108,7 @@ std::string doubt_of(const IlluminationPlan& plan, const ShowParams& params) {
   std::string advice = params.source_angle > 0 && params.bandwidth > 0 ? "use a smaller source and a narrower spectrum"
                        : params.source_angle > 0                       ? "use a smaller source"
                                                                        : "use a narrower spectrum";
-  if (params.illumination_states > 0 && plan.needed <= most_states)
+  if (params.illumination_states > 0 && plan.needed <= most_planned)
     advice = fmt::format("set illumination_states to {}, or to 0 for as many as the view needs", plan.needed);
   else if (plan.needed <= most_given)
     advice += fmt::format(", or set illumination_states to {}", plan.needed);

@@ -22,9 +22,9 @@
 namespace holotrace {
 namespace {
 
-constexpr double view_part = 1.0 / 64;  // largest side of a triangle, over the view's height
-constexpr double inset = 0.01;          // sampling point, over the way from a corner to the centroid
-constexpr int64_t block_size = 64;      // triangles per task
+constexpr double view_part = 1.0 / 64;   // largest side of a triangle, over the view's height
+constexpr double inset = 0.01;           // sampling point, over the way from a corner to the centroid
+constexpr int64_t block_triangles = 64;  // per task
 constexpr size_t most_pieces = size_t(1) << 24;
 
 using Corners = std::array<Vec3, 3>;
@@ -179,13 +179,13 @@ Vec3 direction_from(const Shade& s, const Corners& corners, double cone_waveleng
 }
 
 /// Results of one task: triangles and keys of each set.
-struct Block {
+struct ShadedBlock {
   std::vector<std::vector<Triangle>> triangles;
   std::vector<std::vector<uint64_t>> keys;
   PathCounts counts;
 };
 
-void shade_piece(const Shade& s, const Piece& piece, uint64_t index, Block& block) {
+void shade_piece(const Shade& s, const Piece& piece, uint64_t index, ShadedBlock& block) {
   const Vec3 centre = (piece.corners[0] + piece.corners[1] + piece.corners[2]) / 3;
   std::array<std::optional<LeafLight>, 3> lights;
   if (s.shading == Shading::flat)
@@ -257,22 +257,22 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
     require_memory(2 * double(sizeof(Triangle) + 8) * double(pieces.size()) * double(sets.size()),
                    fmt::format("{} sets of {} triangles", sets.size(), pieces.size()));
     const Shade shade{path_scene, params, panel, sets, shading, longest};
-    std::vector<Block> blocks((pieces.size() + block_size - 1) / block_size);
+    std::vector<ShadedBlock> blocks((pieces.size() + block_triangles - 1) / block_triangles);
     parallel_for(
         0, int64_t(blocks.size()),
         [&](int64_t b) {
-          Block& block = blocks[size_t(b)];
+          ShadedBlock& block = blocks[size_t(b)];
           block.triangles.resize(sets.size());
           block.keys.resize(sets.size());
-          const int64_t end = std::min(int64_t(pieces.size()), (b + 1) * block_size);
-          for (int64_t i = b * block_size; i < end; ++i) shade_piece(shade, pieces[size_t(i)], uint64_t(i), block);
+          const int64_t end = std::min(int64_t(pieces.size()), (b + 1) * block_triangles);
+          for (int64_t i = b * block_triangles; i < end; ++i) shade_piece(shade, pieces[size_t(i)], uint64_t(i), block);
         },
         part_of(observer, int(g), int(groups.size())));
-    for (const Block& block : blocks) counts += block.counts;
+    for (const ShadedBlock& block : blocks) counts += block.counts;
     for (size_t i = 0; i < sets.size(); ++i) {
       Triangles set{sets[i].wavelength, {}, sets[i].name, {}, uint64_t(params.seed), 0};
       set.cone_wavelength = sets[i].cone_wavelength;
-      for (const Block& block : blocks) {
+      for (const ShadedBlock& block : blocks) {
         set.triangles.insert(set.triangles.end(), block.triangles[i].begin(), block.triangles[i].end());
         if (phase == TrianglePhase::random)
           set.phase_keys.insert(set.phase_keys.end(), block.keys[i].begin(), block.keys[i].end());

@@ -26,7 +26,7 @@ namespace holotrace {
 
 namespace {
 
-constexpr int64_t block_size = 64;  // rays per task
+constexpr int64_t block_rays = 64;  // per task
 
 /// Facts of all tracings in a call.
 struct Totals {
@@ -87,15 +87,15 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
   std::atomic<int64_t> found{0};  // a ray finds several waves behind mirrors and glass
   std::vector<TracedWaves> points(t.sets.size());
   add_points(t, points, totals.points);
-  std::vector<Block> blocks(size_t((count + block_size - 1) / block_size));
+  std::vector<Block> blocks(size_t((count + block_rays - 1) / block_rays));
   std::atomic<int64_t> done{0};
   const auto trace_block = [&](int64_t b) {
     Block& block = blocks[size_t(b)];
     block.sets.resize(t.sets.size());
-    const int64_t end = std::min(count, (b + 1) * block_size);
+    const int64_t end = std::min(count, (b + 1) * block_rays);
     constexpr int64_t often =
         16;  // rays between reports: a block of many paths takes long, and a caller may want to stop
-    for (int64_t first = b * block_size; first < end; first += often) {
+    for (int64_t first = b * block_rays; first < end; first += often) {
       const int64_t last = std::min(end, first + often);
       for (int64_t i = first; i < last; ++i) trace_sample(t, i, block);
       const int64_t rays = done += last - first;

@@ -68,7 +68,7 @@ TEST(PanelFile, OfAPanelWithoutEffectsHasNoOtherFiles) {
   EXPECT_EQ(again.fill_y, 0.8);
   EXPECT_EQ(effects_of(again), std::vector<std::string>{});
   EXPECT_EQ(panel_paths(path, slm).size(), 1u);
-  EXPECT_EQ(test::error_of([&] { save_panel("panel.json", slm); }),
+  EXPECT_EQ(error_of([&] { save_panel("panel.json", slm); }),
             "expected a panel file .toml, got panel.json; change its extension");
 }
 

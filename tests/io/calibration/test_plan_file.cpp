@@ -26,7 +26,7 @@ CalibrationPlan make_plan(int level_patterns = 2) {
 // An error's sentence without the folder.
 template <class Call>
 std::string sentence_in(const std::string& folder, const Call& call) {
-  std::string sentence = test::error_of(call);
+  std::string sentence = error_of(call);
   for (size_t at; (at = sentence.find(folder + "/")) != std::string::npos;) sentence.erase(at, folder.size() + 1);
   return sentence;
 }
@@ -88,7 +88,7 @@ TEST(PlanFile, PhotographsAreFoundByName) {
   save_image(folder + "/01_spots.exr", image, 1, 8);
   save_image(folder + "/02_levels.png", image, 1, 8);
   save_image(folder + "/03_levels.png", image, 1, 16);
-  const std::string missing = test::error_of([&] { load_photographs(folder, plan); });
+  const std::string missing = error_of([&] { load_photographs(folder, plan); });
   EXPECT_EQ(missing, "expected a photograph of each pattern in " + folder +
                          ", got none of 04_focus; name it as its pattern, with .png, .tif, .jpg or .exr");
   save_image(folder + "/04_focus.exr", image, 1, 8);

@@ -11,7 +11,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
 using test::make_file;
 using test::temporary;
 

@@ -14,7 +14,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
 using test::make_file;
 using test::temporary;
 

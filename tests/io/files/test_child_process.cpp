@@ -11,8 +11,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
-
 // The sentence of the Error of a child that does this.
 std::string error_in_child(const std::function<void(ToParent&)>& read) {
   return error_of([&] { read_in_child("f.h5", read, [](FromChild& from) { from.value<int>(); }); });

@@ -10,7 +10,6 @@ namespace holotrace {
 namespace {
 
 namespace fs = std::filesystem;
-using test::error_of;
 using test::temporary;
 
 size_t files_in(const fs::path& folder) {

@@ -7,8 +7,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
-
 std::string repeated(const std::string& text, size_t n) {
   std::string out;
   for (size_t i = 0; i < n; ++i) out += text;

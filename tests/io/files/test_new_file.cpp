@@ -15,7 +15,6 @@ namespace holotrace {
 namespace {
 
 namespace fs = std::filesystem;
-using test::error_of;
 
 std::string fresh_folder() {
   const std::string folder = test::temporary("folder");

@@ -15,7 +15,6 @@ namespace holotrace {
 namespace {
 
 namespace fs = std::filesystem;
-using test::error_of;
 
 class OutputSetIn : public ::testing::Test {
  protected:

@@ -30,7 +30,7 @@ TEST(TemporaryFolder, SaysWhereItCannotBe) {
   const std::string kept = before ? before : "";
   const std::string file = test::make_file("no_folder", "");
   setenv("TMPDIR", "/proc", 1);  // a folder in which nobody can make one
-  EXPECT_EQ(test::error_of([] { TemporaryFolder("holotrace_test"); }),
+  EXPECT_EQ(error_of([] { TemporaryFolder("holotrace_test"); }),
             "expected a folder for temporary files, but /proc cannot be written");
   before ? setenv("TMPDIR", kept.c_str(), 1) : unsetenv("TMPDIR");
 }

@@ -13,7 +13,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
 using test::GltfTriangle;
 using test::make_file;
 

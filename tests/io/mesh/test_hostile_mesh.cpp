@@ -14,7 +14,6 @@ namespace holotrace {
 namespace {
 
 using test::area;
-using test::error_of;
 using test::GltfTriangle;
 using test::make_file;
 

@@ -14,7 +14,6 @@ namespace {
 
 using test::area;
 using test::data_file;
-using test::error_of;
 using test::make_file;
 
 const DiffuseMaterial& diffuse(const LoadedModel& model, size_t mesh = 0) {

@@ -13,7 +13,6 @@ namespace holotrace {
 namespace {
 
 using test::area;
-using test::error_of;
 using test::make_file;
 
 constexpr const char* off_triangle = "OFF\n3 1 0\n0 0 0\n2 0 0\n0 1 0\n3 0 1 2\n";

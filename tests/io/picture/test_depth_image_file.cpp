@@ -7,7 +7,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
 using test::temporary;
 
 std::string picture_file(const std::string& name, int ny, int nx, int channels, float value = 0.5F) {

@@ -12,7 +12,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
 using test::make_file;
 using test::temporary;
 

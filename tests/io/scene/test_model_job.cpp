@@ -62,7 +62,7 @@ TEST(ModelJob, TheLampShinesOnTheModel) {
 
 TEST(ModelJob, AModelWithoutAnExtentIsRefused) {
   const std::string path = test::make_file("m.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
-  EXPECT_EQ(test::error_of([&] { load_job(path); }), path + ": expected a model with an extent, got a single point");
+  EXPECT_EQ(error_of([&] { load_job(path); }), path + ": expected a model with an extent, got a single point");
 }
 
 TEST(ModelJob, EveryKindOfModelLoadsThroughASceneAndAlone) {

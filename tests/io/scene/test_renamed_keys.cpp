@@ -10,7 +10,7 @@ namespace holotrace {
 namespace {
 
 // A scene with these tables after a first line with the wavelength.
-std::string scene(const std::string& tables) {
+std::string scene_with(const std::string& tables) {
   return "wavelength = \"532 nm\"\n" + tables +
          "[[object]]\ntype = \"wireframe_cube\"\nsize = \"5 mm\"\npoints_per_edge = 2\nposition = \"0 0 -300 mm\"\n";
 }
@@ -19,8 +19,8 @@ using Texts = std::vector<std::string>;
 
 TEST(RenamedKeys, AreReadWithOneWarningEachThatNamesThePlace) {
   const std::string path =
-      test::make_file("scene.toml", scene("[trace]\nlayers = [\"EL\", \"EDL\"]\nseparate_layers = "
-                                          "true\n[render]\nlayers = \"EDL\"\n[show]\nmoments = 5\n"));
+      test::make_file("scene.toml", scene_with("[trace]\nlayers = [\"EL\", \"EDL\"]\nseparate_layers = "
+                                               "true\n[render]\nlayers = \"EDL\"\n[show]\nmoments = 5\n"));
   const Job job = load_job(path);
   EXPECT_EQ(job.show.illumination_states, 5);
   EXPECT_EQ(job.trace.path_expressions, (Texts{"EL", "EDL"}));
@@ -35,23 +35,23 @@ TEST(RenamedKeys, AreReadWithOneWarningEachThatNamesThePlace) {
 }
 
 TEST(RenamedKeys, ByTheirNewNamesWarnOfNothing) {
-  const Job job = load_job(test::make_file("scene.toml", scene("[trace]\npath_expressions = \"EDL\"\n"
-                                                               "[show]\nillumination_states = 7\n")));
+  const Job job = load_job(test::make_file("scene.toml", scene_with("[trace]\npath_expressions = \"EDL\"\n"
+                                                                    "[show]\nillumination_states = 7\n")));
   EXPECT_EQ(job.show.illumination_states, 7);
   EXPECT_EQ(job.warnings, Texts{});
 }
 
 // The key with the new name replaces the value of the key with the old name.
 TEST(RenamedKeys, OfAnExtendedSceneAreOverruledByTheirNewNames) {
-  test::make_file("base.toml", scene("[show]\nmoments = 5\nbandwidth = \"1 nm\"\n"));
+  test::make_file("base.toml", scene_with("[show]\nmoments = 5\nbandwidth = \"1 nm\"\n"));
   const Job job = load_job(test::make_file("scene.toml", "extends = \"base.toml\"\n[show]\nillumination_states = 9\n"));
   EXPECT_EQ(job.show.illumination_states, 9);
   EXPECT_EQ(job.warnings.size(), 1U);
 }
 
 TEST(RenamedKeys, GivenTwiceAreAnError) {
-  const std::string path = test::make_file("scene.toml", scene("[show]\nmoments = 5\nillumination_states = 9\n"));
-  EXPECT_EQ(test::error_of([&] { load_job(path); }),
+  const std::string path = test::make_file("scene.toml", scene_with("[show]\nmoments = 5\nillumination_states = 9\n"));
+  EXPECT_EQ(error_of([&] { load_job(path); }),
             path +
                 ":3:11: expected one of `illumination_states` and its old name `moments`, got both; leave out the "
                 "old one");
@@ -59,8 +59,8 @@ TEST(RenamedKeys, GivenTwiceAreAnError) {
 
 // An old name is only valid in its own section: [synthesize] never had one.
 TEST(RenamedKeys, AreUnknownInOtherSections) {
-  const std::string path = test::make_file("scene.toml", scene("[synthesize]\nlayers = \"EDL\"\n"));
-  EXPECT_NE(test::error_of([&] { load_job(path); }).find("unknown key \"layers\""), std::string::npos);
+  const std::string path = test::make_file("scene.toml", scene_with("[synthesize]\nlayers = \"EDL\"\n"));
+  EXPECT_NE(error_of([&] { load_job(path); }).find("unknown key \"layers\""), std::string::npos);
 }
 
 TEST(RenamedKeys, TheListHasEachNewNameWithOneOldName) {

@@ -11,7 +11,6 @@ namespace holotrace {
 namespace {
 
 using test::cube;
-using test::error_of;
 using test::error_with;
 using test::make_file;
 using test::scene_error;

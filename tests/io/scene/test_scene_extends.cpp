@@ -54,18 +54,18 @@ position = "0 0 -200 mm"
 TEST(SceneExtends, AnErrorNamesTheFileThatHoldsIt) {
   const std::string base = test::make_file("base.toml", base_scene);
   const std::string scene = test::make_file("scene.toml", "extends = \"base.toml\"\n[trace]\ncolumns = 2.5\n");
-  EXPECT_EQ(test::error_of([&] { load_job(scene); }).find(scene + ":3:11: expected"), 0u);
+  EXPECT_EQ(error_of([&] { load_job(scene); }).find(scene + ":3:11: expected"), 0u);
 
   test::make_file("base.toml", std::string(base_scene) + "colour = 1\n");  // line 16, in [[object]]
   test::make_file("scene.toml", "extends = \"base.toml\"\n");
-  EXPECT_EQ(test::error_of([&] { load_job(scene); }).find(base + ":16:1: "), 0u);
+  EXPECT_EQ(error_of([&] { load_job(scene); }).find(base + ":16:1: "), 0u);
 }
 
 TEST(SceneExtends, AMissingFileAndACircleAreRefused) {
   const std::string scene = test::make_file("scene.toml", "extends = \"other.toml\"\n");
-  EXPECT_EQ(test::error_of([&] { load_job(scene); }).find(scene + ":1:11: "), 0u);
+  EXPECT_EQ(error_of([&] { load_job(scene); }).find(scene + ":1:11: "), 0u);
   test::make_file("other.toml", "\nextends = \"scene.toml\"\n");
-  const std::string error = test::error_of([&] { load_job(scene); });
+  const std::string error = error_of([&] { load_job(scene); });
   EXPECT_NE(error.find("other.toml:2:11: expected a scene that does not extend itself"), std::string::npos) << error;
 }
 

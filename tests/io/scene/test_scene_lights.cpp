@@ -12,7 +12,6 @@ namespace holotrace {
 namespace {
 
 using test::cube;
-using test::error_of;
 using test::make_file;
 
 Scene scene(const std::string& lines) {
@@ -25,13 +24,13 @@ Kind light(const std::string& lines) {
 }
 
 // The error without the folder: "3:9: expected …".
-std::string scene_error(const std::string& text) {
+std::string error_before_cube(const std::string& text) {
   const std::string path = make_file("scene.toml", text + "\n" + cube);
   const std::string sentence = error_of([&] { load_job(path); });
   return sentence.starts_with(path + ":") ? sentence.substr(path.size() + 1) : sentence;
 }
 
-std::string error(const std::string& lines) { return scene_error("wavelength = \"532 nm\"\n" + lines); }
+std::string error_of_light(const std::string& lines) { return error_before_cube("wavelength = \"532 nm\"\n" + lines); }
 
 TEST(SceneLights, ASpotPointsAlongADirectionOrToATarget) {
   const auto spot = light<SpotLight>(
@@ -65,7 +64,7 @@ TEST(SceneLights, ParallelLightAndLasersAreRead) {
 
 TEST(SceneLights, WrongDirectionsArePlaced) {
   const auto directional = [](const std::string& direction) {
-    return error("[[light]]\ntype = \"directional\"\nirradiance = 1\n" + direction);
+    return error_of_light("[[light]]\ntype = \"directional\"\nirradiance = 1\n" + direction);
   };
   EXPECT_EQ(directional("direction = [0, 0, 0]"),
             "5:13: expected a direction for \"direction\", got [0, 0, 0], which points nowhere");
@@ -83,8 +82,8 @@ TEST(SceneLights, WrongDirectionsArePlaced) {
 
 TEST(SceneLights, AnglesOfASpotAreInOrder) {
   const auto spot = [](const std::string& angles) {
-    return error("[[light]]\ntype = \"spot\"\nposition = \"0 0 0 m\"\ndirection = [0, 0, -1]\nintensity = 1\n" +
-                 angles);
+    return error_of_light(
+        "[[light]]\ntype = \"spot\"\nposition = \"0 0 0 m\"\ndirection = [0, 0, -1]\nintensity = 1\n" + angles);
   };
   EXPECT_EQ(spot("outer_angle = \"10 deg\"\ninner_angle = \"20 deg\""),
             "8:15: expected an inner angle from 0 deg to the outer angle of 10°, got 20°");
@@ -94,10 +93,10 @@ TEST(SceneLights, AnglesOfASpotAreInOrder) {
 }
 
 TEST(SceneLights, UnknownTypesAndKeysSuggestTheNearest) {
-  EXPECT_EQ(error("[[light]]\ntype = \"spott\""), "3:8: unknown light type \"spott\"; did you mean \"spot\"?");
-  EXPECT_EQ(error("[[light]]\ntype = \"laser-beem\""),
+  EXPECT_EQ(error_of_light("[[light]]\ntype = \"spott\""), "3:8: unknown light type \"spott\"; did you mean \"spot\"?");
+  EXPECT_EQ(error_of_light("[[light]]\ntype = \"laser-beem\""),
             "3:8: unknown light type \"laser-beem\"; did you mean \"laser-beam\"?");
-  EXPECT_EQ(error("[[light]]\ntype = \"directional\"\ndirection = [0, 0, -1]\nirradience = 1"),
+  EXPECT_EQ(error_of_light("[[light]]\ntype = \"directional\"\ndirection = [0, 0, -1]\nirradience = 1"),
             "5:1: unknown key \"irradience\"; did you mean \"irradiance\"?");
 }
 
@@ -125,20 +124,21 @@ TEST(SceneLights, AnEnvironmentIsAMapWithAScaleAndATurn) {
 
 TEST(SceneLights, AMapThatIsNoneIsNamed) {
   save_map("square.png", 4, 4, 3);
-  EXPECT_EQ(error("[environment]\nmap = \"square.png\""),
+  EXPECT_EQ(error_of_light("[environment]\nmap = \"square.png\""),
             "3:7: " + (std::filesystem::path(make_file("scene.toml", "")).parent_path() / "square.png").string() +
                 ": expected an environment map, equirectangular and so twice as wide as high, got 4 × 4 pixels");
   save_map("dark.exr", 1, 2, 3, -1);
-  EXPECT_NE(error("[environment]\nmap = \"dark.exr\"")
+  EXPECT_NE(error_of_light("[environment]\nmap = \"dark.exr\"")
                 .find("dark.exr: expected an environment map with light of 0 or more, got -1 at row 0, column 0"),
             std::string::npos);
   const std::string text = make_file("text.png", "only text");
-  EXPECT_EQ(error("[environment]\nmap = \"text.png\""),
+  EXPECT_EQ(error_of_light("[environment]\nmap = \"text.png\""),
             "3:7: " + text +
                 ": expected an image, but it is not an image in a format known here; convert it to PNG, JPEG or EXR");
-  EXPECT_EQ(error("[environment]\nmap = \"none.exr\"").substr(0, 24), "3:7: expected an image a");
-  EXPECT_EQ(error("[environment]\nscale = 2"), "2:1: expected the key \"map\" in [environment], which is missing");
-  EXPECT_EQ(error("[environment]\nmap = \"square.png\"\nturn = 90"),
+  EXPECT_EQ(error_of_light("[environment]\nmap = \"none.exr\"").substr(0, 24), "3:7: expected an image a");
+  EXPECT_EQ(error_of_light("[environment]\nscale = 2"),
+            "2:1: expected the key \"map\" in [environment], which is missing");
+  EXPECT_EQ(error_of_light("[environment]\nmap = \"square.png\"\nturn = 90"),
             "4:8: expected an angle with its unit, such as \"15 deg\", for \"turn\", got the bare number 90");
 }
 
@@ -151,33 +151,34 @@ TEST(SceneWavelengths, OneOrSeveralInTheOrderOfTheFile) {
 }
 
 TEST(SceneWavelengths, WrongListsArePlaced) {
-  EXPECT_EQ(scene_error("wavelength = []"), "1:14: expected one length or more for \"wavelength\", got none");
-  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"0.52 um\"]"),
+  EXPECT_EQ(error_before_cube("wavelength = []"), "1:14: expected one length or more for \"wavelength\", got none");
+  EXPECT_EQ(error_before_cube("wavelength = [\"520 nm\", \"0.52 um\"]"),
             "1:14: expected each wavelength once, got 520 nm twice");
-  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"0 nm\"]"),
+  EXPECT_EQ(error_before_cube("wavelength = [\"520 nm\", \"0 nm\"]"),
             "1:14: expected a length above 0 m for \"wavelength\", got 0 m");
-  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", 450]"),
+  EXPECT_EQ(error_before_cube("wavelength = [\"520 nm\", 450]"),
             "1:25: expected a length with its unit, such as \"300 mm\", for \"wavelength\", got the bare number 450");
-  EXPECT_EQ(scene_error("wavelength = [\"520 nm\", \"-450 nm\"]"),
+  EXPECT_EQ(error_before_cube("wavelength = [\"520 nm\", \"-450 nm\"]"),
             "1:14: expected a length above 0 m for \"wavelength\", got -450 nm");
 }
 
 TEST(SceneParameters, OutOfRangeOnesArePlaced) {
-  EXPECT_EQ(error("[trace]\nframes = 0"), "3:10: expected a whole number of 1 or more for \"frames\", got 0");
-  EXPECT_EQ(error("[trace]\ntile_columns = 0"),
+  EXPECT_EQ(error_of_light("[trace]\nframes = 0"), "3:10: expected a whole number of 1 or more for \"frames\", got 0");
+  EXPECT_EQ(error_of_light("[trace]\ntile_columns = 0"),
             "3:16: expected a whole number of 1 or more for \"tile_columns\", got 0");
-  EXPECT_EQ(error("[trace]\ntile_rows = 0"), "3:13: expected a whole number of 1 or more for \"tile_rows\", got 0");
-  EXPECT_EQ(error("[trace]\npixel_samples = 0"),
+  EXPECT_EQ(error_of_light("[trace]\ntile_rows = 0"),
+            "3:13: expected a whole number of 1 or more for \"tile_rows\", got 0");
+  EXPECT_EQ(error_of_light("[trace]\npixel_samples = 0"),
             "3:17: expected a whole number of 1 or more for \"pixel_samples\", got 0");
-  EXPECT_EQ(error("[trace]\nclamp = -1"), "3:9: expected a number of 0 or more for \"clamp\", got -1");
-  EXPECT_EQ(error("[trace]\nfield_of_view = \"90 deg\""),
+  EXPECT_EQ(error_of_light("[trace]\nclamp = -1"), "3:9: expected a number of 0 or more for \"clamp\", got -1");
+  EXPECT_EQ(error_of_light("[trace]\nfield_of_view = \"90 deg\""),
             "3:17: expected an angle from 0 deg to less than 90 deg for \"field_of_view\", got 90 deg");
-  EXPECT_EQ(error("[trace]\npath_expressions = [\"EDL\", 3]"),
+  EXPECT_EQ(error_of_light("[trace]\npath_expressions = [\"EDL\", 3]"),
             "3:28: expected a text in quotes, or a list of them, for \"path_expressions\", got the bare number 3");
-  EXPECT_EQ(error("[render]\neye = \"0 0 -1 mm\""),
+  EXPECT_EQ(error_of_light("[render]\neye = \"0 0 -1 mm\""),
             "3:7: expected a length of 0 m or more for z of \"eye\", got -1 mm");
-  EXPECT_EQ(error("[render]\npupil = \"0 mm\""), "3:9: expected a length above 0 m for \"pupil\", got 0 m");
-  EXPECT_EQ(error("[render]\nfocus = \"0 mm\""), "3:9: expected a length above 0 m for \"focus\", got 0 m");
+  EXPECT_EQ(error_of_light("[render]\npupil = \"0 mm\""), "3:9: expected a length above 0 m for \"pupil\", got 0 m");
+  EXPECT_EQ(error_of_light("[render]\nfocus = \"0 mm\""), "3:9: expected a length above 0 m for \"focus\", got 0 m");
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
 using test::make_file;
 
 constexpr double green = 532e-9;
@@ -30,7 +29,7 @@ Surface surface(const std::string& lines) {
 }
 
 // The error without the folder: "3:9: expected …".
-std::string error(const std::string& lines) {
+std::string error_of_material(const std::string& lines) {
   const std::string path = make_file("scene.toml", "wavelength = \"532 nm\"\n[materials.m]\n" + lines + "\n" + cube);
   const std::string sentence = error_of([&] { load_job(path); });
   return sentence.starts_with(path + ":") ? sentence.substr(path.size() + 1) : sentence;
@@ -51,7 +50,7 @@ TEST(SceneMaterials, ADiffuseMaterialReflectsAndTransmits) {
   // Without a reflectance, the default is limited to 1 − transmittance.
   EXPECT_EQ(surface<DiffuseMaterial>("transmittance = 0.75").reflectance, (Vec3{0.25, 0.25, 0.25}));
   EXPECT_EQ(surface<DiffuseMaterial>("transmittance = 0.1").reflectance, (Vec3{0.8, 0.8, 0.8}));
-  EXPECT_EQ(error("reflectance = 0.75\ntransmittance = [0, 0, 0.5]"),
+  EXPECT_EQ(error_of_material("reflectance = 0.75\ntransmittance = [0, 0, 0.5]"),
             "4:17: expected a reflectance and a transmittance of at most 1 together, got 1.25");
 }
 
@@ -105,47 +104,51 @@ TEST(SceneMaterials, TexturesOfColourAreDecodedAndThoseOfNumbersAreNot) {
 }
 
 TEST(SceneMaterials, UnknownNamesSuggestTheNearest) {
-  EXPECT_EQ(error("type = \"dielectrik\""), "3:8: unknown material type \"dielectrik\"; did you mean \"dielectric\"?");
-  EXPECT_EQ(error("type = \"principled\""),
+  EXPECT_EQ(error_of_material("type = \"dielectrik\""),
+            "3:8: unknown material type \"dielectrik\"; did you mean \"dielectric\"?");
+  EXPECT_EQ(error_of_material("type = \"principled\""),
             "3:8: unknown material type \"principled\"; known: diffuse, conductor, dielectric, metallic-roughness");
-  EXPECT_EQ(error("type = \"conductor\"\nmetal = \"Agg\""), "4:9: unknown metal \"Agg\"; did you mean \"Ag\"?");
-  EXPECT_EQ(error("type = \"dielectric\"\nglass = \"BK8\""), "4:9: unknown glass \"BK8\"; did you mean \"BK7\"?");
-  EXPECT_EQ(error("type = \"dielectric\"\nrougness = 1"), "4:1: unknown key \"rougness\"; did you mean \"roughness\"?");
+  EXPECT_EQ(error_of_material("type = \"conductor\"\nmetal = \"Agg\""),
+            "4:9: unknown metal \"Agg\"; did you mean \"Ag\"?");
+  EXPECT_EQ(error_of_material("type = \"dielectric\"\nglass = \"BK8\""),
+            "4:9: unknown glass \"BK8\"; did you mean \"BK7\"?");
+  EXPECT_EQ(error_of_material("type = \"dielectric\"\nrougness = 1"),
+            "4:1: unknown key \"rougness\"; did you mean \"roughness\"?");
   // Each type has its own keys.
-  EXPECT_EQ(error("type = \"dielectric\"\nmetallic = 1").substr(0, 29), "4:1: unknown key \"metallic\"; ");
+  EXPECT_EQ(error_of_material("type = \"dielectric\"\nmetallic = 1").substr(0, 29), "4:1: unknown key \"metallic\"; ");
 }
 
 TEST(SceneMaterials, NumbersOutOfRangeArePlaced) {
-  EXPECT_EQ(error("type = \"conductor\"\nroughness = 1.5"),
+  EXPECT_EQ(error_of_material("type = \"conductor\"\nroughness = 1.5"),
             "4:13: expected a number from 0 to 1 for \"roughness\", got 1.5");
-  EXPECT_EQ(error("type = \"metallic-roughness\"\nmetallic = -1"),
+  EXPECT_EQ(error_of_material("type = \"metallic-roughness\"\nmetallic = -1"),
             "4:12: expected a number from 0 to 1 for \"metallic\", got -1");
-  EXPECT_EQ(error("type = \"dielectric\"\nindex = 0"), "4:9: expected an index n above 0, got 0");
-  EXPECT_EQ(error("type = \"conductor\"\nindex = { k = 2 }"),
+  EXPECT_EQ(error_of_material("type = \"dielectric\"\nindex = 0"), "4:9: expected an index n above 0, got 0");
+  EXPECT_EQ(error_of_material("type = \"conductor\"\nindex = { k = 2 }"),
             "4:9: expected the key \"n\" in [index], which is missing");
-  EXPECT_EQ(error("type = \"conductor\"\nmetal = \"Ag\"\nindex = { n = 1, k = 2 }"),
+  EXPECT_EQ(error_of_material("type = \"conductor\"\nmetal = \"Ag\"\nindex = { n = 1, k = 2 }"),
             "5:9: expected either \"metal\" or \"index\", got both");
-  EXPECT_EQ(error("type = \"dielectric\"\nindex = [[\"500 nm\", 1.5], [\"500 nm\", 1.6]]"),
+  EXPECT_EQ(error_of_material("type = \"dielectric\"\nindex = [[\"500 nm\", 1.5], [\"500 nm\", 1.6]]"),
             "4:9: expected each wavelength once, got 500 nm twice");
   EXPECT_EQ(
-      error("type = \"dielectric\"\nindex = [[500, 1.5]]"),
+      error_of_material("type = \"dielectric\"\nindex = [[500, 1.5]]"),
       "4:11: expected a number such as 1.5, a list [[\"450 nm\", 1.526], …] or a table file for \"index\", got the "
       "bare number 500");
-  EXPECT_EQ(error("type = \"dielectric\"\nindex = [[\"500 nm\", 1.5, 0.1]]"),
+  EXPECT_EQ(error_of_material("type = \"dielectric\"\nindex = [[\"500 nm\", 1.5, 0.1]]"),
             "4:9: expected a glass without absorption (k = 0), got k = 0.1; a metal is a \"conductor\"");
-  EXPECT_EQ(error("emission = -1"), "3:12: expected finite numbers of 0 or more for \"emission\", got -1");
+  EXPECT_EQ(error_of_material("emission = -1"), "3:12: expected finite numbers of 0 or more for \"emission\", got -1");
 }
 
 TEST(SceneMaterials, FilesThatAreMissingOrOfAnotherKindAreNamed) {
   const std::string none = test::temporary("none.png"), grey = texture("grey.png", 1);
   for (const char* key : {"texture", "emission_texture", "normal_map"})
-    EXPECT_EQ(error(std::string(key) + " = \"none.png\""),
+    EXPECT_EQ(error_of_material(std::string(key) + " = \"none.png\""),
               fmt::format("3:{}: expected an image at {}, but there is no such file; check the path",
                           std::string(key).size() + 4, none));
-  EXPECT_EQ(error("normal_map = \"grey.png\""),
+  EXPECT_EQ(error_of_material("normal_map = \"grey.png\""),
             "3:14: expected an image of red, green and blue for \"normal_map\", got the grey one " + grey);
   const std::string table = make_file("index.txt", "500 nm 1.5\n\n600 1.6\n");
-  EXPECT_EQ(error("type = \"dielectric\"\nindex = \"index.txt\""),
+  EXPECT_EQ(error_of_material("type = \"dielectric\"\nindex = \"index.txt\""),
             "4:9: " + table +
                 ":3: expected a wavelength with its unit, n and k, such as \"450 nm 0.04 2.6\", got \"600 1.6\"");
 }
@@ -154,15 +157,16 @@ TEST(SceneMaterials, ATextureNeedsTextureCoordinatesAndNoLightBelowZero) {
   texture("t.png");
   make_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(
-      error("texture = \"t.png\"\n[[object]]\ntype = \"mesh\"\nfile = \"m.obj\"\nfit = \"1 mm\"\n"
-            "distance = \"1 m\"\nname = \"leaf\"\nmaterial = \"m\""),
+      error_of_material("texture = \"t.png\"\n[[object]]\ntype = \"mesh\"\nfile = \"m.obj\"\nfit = \"1 mm\"\n"
+                        "distance = \"1 m\"\nname = \"leaf\"\nmaterial = \"m\""),
       "10:12: expected a mesh with texture coordinates for a material with a texture, got \"leaf\" without; export "
       "it with them, or use a material without a texture");
   Image dark(1, 1, 3);
   dark.values = {1, -2, 1};
   const std::string path = test::temporary("dark.exr");
   save_image(path, dark, 1, 8);
-  EXPECT_EQ(error("texture = \"dark.exr\""), "3:11: " + path + ": expected a texture of values of 0 or more, got -2");
+  EXPECT_EQ(error_of_material("texture = \"dark.exr\""),
+            "3:11: " + path + ": expected a texture of values of 0 or more, got -2");
 }
 
 TEST(SceneMaterials, AnObjectsOwnMaterialTakesThePlaceOfItsFiles) {

@@ -122,7 +122,7 @@ TEST_P(DevicePanels, LeaveTheLightAndPullBackTheSlopesOfTheProcessor) {
     const DeviceBuffer u = device_.make_buffer(bytes, "a test");
     panel.leave(pattern, u, memory);
     device_.read(u, found.samples.values.data(), bytes);
-    EXPECT_LT(testing::relative_error(found, expected), 2e-6) << one.name << one.subpixels;
+    EXPECT_LT(test::relative_error(found, expected), 2e-6) << one.name << one.subpixels;
 
     CounterRandom random(3, 0, 0);
     for (auto& g : found.samples.values) g = {float(random.uniform()) - 0.5F, float(random.uniform()) - 0.5F};

@@ -8,24 +8,20 @@
 namespace holotrace {
 namespace {
 
-ShowParams with(const std::vector<std::string>& effects, int subpixels = 3, int fine_samples = 0) {
-  return {.subpixels = subpixels, .fine_samples = fine_samples, .effects = effects};
-}
-
 TEST(Effects, AreToldOnAndOff) {
   Slm slm = make_panel(8, 8, 4, 0.8);
   slm.effects.gap_amplitude = 0.6;
   slm.effects.flicker = 0.1;
   const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 1; });
   Heard heard;
-  show(h, slm, with({"gaps"}), heard.observer());
+  show(h, slm, with_effects({"gaps"}), heard.observer());
   EXPECT_EQ(std::get<std::string>(heard.facts.at("effects")), "gaps");
   EXPECT_EQ(std::get<std::string>(heard.facts.at("effects_off")), "flicker");
   EXPECT_TRUE(heard.warnings.empty());
-  show(h, slm, with({"crosstalk"}), heard.observer());
+  show(h, slm, with_effects({"crosstalk"}), heard.observer());
   ASSERT_EQ(heard.warnings.size(), 1u);
   EXPECT_EQ(heard.warnings[0], "the SLM \"test\" has no data for crosstalk; add them to [slm] or to the panel's file");
-  EXPECT_EQ(error_of([&] { show(h, slm, with({"crostalk"})); }),
+  EXPECT_EQ(error_of([&] { show(h, slm, with_effects({"crostalk"})); }),
             "unknown effect \"crostalk\"; did you mean \"crosstalk\"?");
 }
 

@@ -7,16 +7,10 @@
 #include "support/panels.h"
 
 // The panel's effects one by one, each compared with its closed form or a quadrature. Efficiencies are fractions of the
-// light on the panel. A field of single precision gives them to some 1e-7; 1e-6 leaves room for the sum over samples.
+// light on the panel.
 
 namespace holotrace {
 namespace {
-
-constexpr double tolerance = 1e-6;
-
-ShowParams with(const std::vector<std::string>& effects, int subpixels = 3, int fine_samples = 0) {
-  return {.subpixels = subpixels, .fine_samples = fine_samples, .effects = effects};
-}
 
 // --- calibration --------------------------------------------------------------------------------
 
@@ -26,17 +20,18 @@ TEST(Calibration, IsWhatAPixelShows) {
   for (int level = 0; level < 4; ++level) {
     const Hologram h = make_hologram(slm, Modulation::phase, [&](int) { return level; });
     const CalibrationPoint& point = slm.effects.calibration[size_t(level)];
-    const std::complex<double> u(show(h, slm, with({"calibration"}, 1)).samples(0, 0));
-    EXPECT_LT(std::abs(u - std::polar(point.amplitude, point.phase)), tolerance) << level;
-    const std::complex<double> ideal(show(h, slm, with({}, 1)).samples(0, 0));
-    EXPECT_LT(std::abs(ideal - std::polar(1.0, 2 * pi * level / 4)), tolerance) << level;
+    const std::complex<double> u(show(h, slm, with_effects({"calibration"}, 1)).samples(0, 0));
+    EXPECT_LT(std::abs(u - std::polar(point.amplitude, point.phase)), efficiency_tolerance) << level;
+    const std::complex<double> ideal(show(h, slm, with_effects({}, 1)).samples(0, 0));
+    EXPECT_LT(std::abs(ideal - std::polar(1.0, 2 * pi * level / 4)), efficiency_tolerance) << level;
   }
   // The pixel delays by a length: at two thirds of the wavelength the phase is 1.5 times as large.
   slm.design_wavelength = test_wavelength;
   const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 2; });
-  ShowParams params = with({"calibration"}, 1);
+  ShowParams params = with_effects({"calibration"}, 1);
   params.wavelength = test_wavelength / 1.5;
-  EXPECT_LT(std::abs(std::complex<double>(show(h, slm, params).samples(0, 0)) - std::polar(0.8, 2.5 * 1.5)), tolerance);
+  EXPECT_LT(std::abs(std::complex<double>(show(h, slm, params).samples(0, 0)) - std::polar(0.8, 2.5 * 1.5)),
+            efficiency_tolerance);
 }
 
 TEST(Calibration, OfAnAmplitudePanelIsWhatAPixelShows) {
@@ -46,16 +41,16 @@ TEST(Calibration, OfAnAmplitudePanelIsWhatAPixelShows) {
   const auto shown = [&](int level, int levels) {
     Hologram h = make_hologram(slm, Modulation::amplitude, [&](int) { return level; });
     h.levels = levels;
-    return std::complex<double>(show(h, slm, with({"calibration"}, 1)).samples(0, 0));
+    return std::complex<double>(show(h, slm, with_effects({"calibration"}, 1)).samples(0, 0));
   };
   const auto of_level = [&](size_t level) {
     return std::polar(slm.effects.calibration[level].amplitude, slm.effects.calibration[level].phase);
   };
   for (int level = 0; level < 4; ++level)
-    EXPECT_LT(std::abs(shown(level, 4) - of_level(size_t(level))), tolerance) << level;
+    EXPECT_LT(std::abs(shown(level, 4) - of_level(size_t(level))), efficiency_tolerance) << level;
   // Fewer levels spread over the panel's: black and white stay its first and last level.
-  EXPECT_LT(std::abs(shown(0, 2) - of_level(0)), tolerance);
-  EXPECT_LT(std::abs(shown(1, 2) - of_level(3)), tolerance);
+  EXPECT_LT(std::abs(shown(0, 2) - of_level(0)), efficiency_tolerance);
+  EXPECT_LT(std::abs(shown(1, 2) - of_level(3)), efficiency_tolerance);
 }
 
 TEST(Calibration, OfARangeAsideOf2PiIsARampOfThatDepth) {
@@ -64,7 +59,7 @@ TEST(Calibration, OfARangeAsideOf2PiIsARampOfThatDepth) {
   for (const double e : {-0.1, 0.05}) {
     Slm slm = make_panel(steps, 2, steps);
     slm.phase_range = 2 * pi * (1 + e);
-    const Field f = show(make_hologram(slm, Modulation::phase, [](int i) { return i; }), slm, with({}));
+    const Field f = show(make_hologram(slm, Modulation::phase, [](int i) { return i; }), slm, with_effects({}));
     EXPECT_NEAR(efficiency_of(f, 1), std::pow(sinc(e), 2), 1e-4);  // π²/3P² = 5e-5 from the smooth ramp's
     EXPECT_NEAR(efficiency_of(f, 0), std::pow(sinc(1 + e), 2), 1e-4);
   }
@@ -100,12 +95,12 @@ TEST(Crosstalk, LowersABinaryGratingAsItsQuadratureSays) {
     const double expected = blurred_binary_efficiency(sigma);
     // 32 cells per pixel: φ falls by up to π/(√(2π)·σ) per pixel. Cells of 1/32 pixel, each of one phase, err by its
     // square over 24 per cell in the edge's width 2σ: (π/2.5σ)²·2σ/(24·32²) < 1.3e-3/σ·1e-1 = 5e-4 for all σ ≥ 0.05.
-    const double fine = efficiency_of(show(h, slm, with({"crosstalk"}, 3, 32)), 8);
+    const double fine = efficiency_of(show(h, slm, with_effects({"crosstalk"}, 3, 32)), 8);
     EXPECT_NEAR(fine, expected, 5e-4) << sigma;
     // The default number of cells is exact to 2 % of the light for this pattern, the worst case. If cells are narrower
     // than the edge, the error falls as 1/s²: by 4 for twice the cells, by 3 with terms of higher order.
     const auto error = [&](int s) {
-      return std::abs(efficiency_of(show(h, slm, with({"crosstalk"}, 3, s)), 8) - expected);
+      return std::abs(efficiency_of(show(h, slm, with_effects({"crosstalk"}, 3, s)), 8) - expected);
     };
     if (sigma > 0.15) {
       EXPECT_LT(error(8), error(4) / 3) << sigma;
@@ -113,18 +108,19 @@ TEST(Crosstalk, LowersABinaryGratingAsItsQuadratureSays) {
     EXPECT_LT(error(0), 0.02) << sigma;
     EXPECT_LT(fine, last) << sigma;
     last = fine;
-    EXPECT_NEAR(efficiency_of(show(h, slm, with({})), 8), 4 / (pi * pi), tolerance);  // effect off: unchanged
+    EXPECT_NEAR(efficiency_of(show(h, slm, with_effects({})), 8), 4 / (pi * pi),
+                efficiency_tolerance);  // effect off: unchanged
   }
 }
 
 TEST(Crosstalk, VanishesWithItsWidthAndLeavesEvenPhasesAlone) {
   Slm slm = make_panel(12, 10, 256, 0.9);
   const Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return i * i * 37 % 256; });
-  const Field sharp = show(h, slm, with({}));
+  const Field sharp = show(h, slm, with_effects({}));
   double last = 1;
   for (const double sigma : {0.2, 0.05, 0.01}) {
     slm.effects.crosstalk = sigma;
-    const Field blurred = show(h, slm, with({"crosstalk"}, 3, 8));
+    const Field blurred = show(h, slm, with_effects({"crosstalk"}, 3, 8));
     double difference = 0;
     for (size_t i = 0; i < sharp.samples.size(); ++i)
       difference = std::max(difference, double(std::abs(sharp.samples.values[i] - blurred.samples.values[i])));
@@ -135,7 +131,7 @@ TEST(Crosstalk, VanishesWithItsWidthAndLeavesEvenPhasesAlone) {
   EXPECT_LT(last, 2e-6);
   slm.effects.crosstalk = 0.4;
   const Hologram even = make_hologram(slm, Modulation::phase, [](int) { return 77; });
-  const Field a = show(even, slm, with({"crosstalk"})), b = show(even, slm, with({}));
+  const Field a = show(even, slm, with_effects({"crosstalk"})), b = show(even, slm, with_effects({}));
   for (size_t i = 0; i < a.samples.size(); ++i)
     EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of 4 × 4 cells
 }
@@ -159,8 +155,8 @@ TEST(Crosstalk, IsLightOfTheLitPartOfAPixel) {
       sum += std::polar(1.0, pi * wave - pi * x);
     }
     // The cells' midpoint rule has an error of 5e-4 as above; cells for a fully lit pixel would see more of the edges.
-    EXPECT_NEAR(efficiency_of(show(h, slm, with({"crosstalk"}, 3, 32)), 8), std::norm(sum / double(points)) * w * w,
-                5e-4)
+    EXPECT_NEAR(efficiency_of(show(h, slm, with_effects({"crosstalk"}, 3, 32)), 8),
+                std::norm(sum / double(points)) * w * w, 5e-4)
         << sigma;
   }
 }
@@ -177,10 +173,10 @@ TEST(Gaps, ShineOnWhatPixelsLeave) {
   for (const double sigma : {0.0, 0.2}) {
     slm.effects.crosstalk = sigma;
     const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 1; });
-    const Field f = show(h, slm, with({"gaps", "crosstalk"}, 5));
-    EXPECT_LT(std::abs(wave_in(f, 0, 0) - (0.8 * t + 0.2 * gap)), tolerance);
-    EXPECT_LT(std::abs(wave_in(f, 9, 0) - w * sinc(w) * w * (t - gap)), tolerance);
-    EXPECT_LT(std::abs(wave_in(f, 9, -18) - w * sinc(w) * w * sinc(2 * w) * (t - gap)), tolerance);
+    const Field f = show(h, slm, with_effects({"gaps", "crosstalk"}, 5));
+    EXPECT_LT(std::abs(wave_in(f, 0, 0) - (0.8 * t + 0.2 * gap)), efficiency_tolerance);
+    EXPECT_LT(std::abs(wave_in(f, 9, 0) - w * sinc(w) * w * (t - gap)), efficiency_tolerance);
+    EXPECT_LT(std::abs(wave_in(f, 9, -18) - w * sinc(w) * w * sinc(2 * w) * (t - gap)), efficiency_tolerance);
   }
 }
 
@@ -191,8 +187,8 @@ TEST(Gaps, OfFullAmplitudeKeepAllEnergy) {
   slm.effects.gap_amplitude = 1;
   const Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return 40 * i; });
   Heard heard;
-  show(h, slm, with({"gaps"}, 65), heard.observer());
-  EXPECT_LT(heard.number("efficiency"), 1 + tolerance);
+  show(h, slm, with_effects({"gaps"}, 65), heard.observer());
+  EXPECT_LT(heard.number("efficiency"), 1 + efficiency_tolerance);
   EXPECT_GT(heard.number("efficiency"), 1 - 2 * 4 * 0.013);
   EXPECT_EQ(std::get<std::string>(heard.facts.at("effects")), "gaps");
 }
@@ -225,7 +221,7 @@ TEST(StaticErrors, TurnTheFieldPixelByPixel) {
   slm.effects.phase_map = map;
   const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
   // 21 samples per pixel: the middle one shows the pixel. The ringing of the edges is small for weak phase steps.
-  const Field f = show(h, slm, with({"aberration", "phase-map"}, 21));
+  const Field f = show(h, slm, with_effects({"aberration", "phase-map"}, 21));
   const double radius = std::hypot(slm.grid.width(), slm.grid.height()) / 2;
   for (int j = 0; j < 7; ++j)
     for (int i = 1; i < 8; ++i) {
@@ -248,7 +244,7 @@ TEST(StaticErrors, DelayByALength) {
   slm.effects.aberration = {{2, 0, 0.3}, {1, -1, 0.2}};
   larger.effects.aberration = {{2, 0, 1.5 * 0.3}, {1, -1, 1.5 * 0.2}};
   const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
-  ShowParams params = with({"aberration", "phase-map"});
+  ShowParams params = with_effects({"aberration", "phase-map"});
   params.wavelength = test_wavelength / 1.5;
   slm.design_wavelength = test_wavelength;
   larger.design_wavelength = params.wavelength;
@@ -268,7 +264,7 @@ TEST(StaticErrors, MoveTheGapsToo) {
   Slm full = slm;
   full.fill_factor = 1;
   slm.effects.gap_amplitude = 1;
-  const Field a = show(h, slm, with({"all"})), b = show(h, full, with({"all"}));
+  const Field a = show(h, slm, with_effects({"all"})), b = show(h, full, with_effects({"all"}));
   for (size_t i = 0; i < a.samples.size(); ++i)
     EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of two transforms
 }
@@ -288,8 +284,8 @@ TEST(LightMap, IsTheIrradianceOnEachPixelAndItsGaps) {
   Slm full = slm;
   full.fill_factor = 1;
   Heard heard;
-  const Field a = show(h, slm, with({"all"}, 1), heard.observer()), b = show(h, full, with({"all"}, 1));
-  const Field off = show(h, slm, with({"gaps"}, 1)), even = show(h, full, with({}, 1));
+  const Field a = show(h, slm, with_effects({"all"}, 1), heard.observer()), b = show(h, full, with_effects({"all"}, 1));
+  const Field off = show(h, slm, with_effects({"gaps"}, 1)), even = show(h, full, with_effects({}, 1));
   for (size_t i = 0; i < a.samples.size(); ++i) {
     EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of two transforms
     EXPECT_LT(std::abs(off.samples.values[i] - even.samples.values[i]), 2e-6);
@@ -298,7 +294,7 @@ TEST(LightMap, IsTheIrradianceOnEachPixelAndItsGaps) {
   EXPECT_NEAR(heard.number("power_in"), sum / 30 * slm.grid.width() * slm.grid.height(),
               1e-6 * heard.number("power_in"));
   // A sample in the middle of a pixel, of 21 per side, shows its √m; the ringing of the edges is 1/21π of a step.
-  const Field fine = show(h, full, with({"light-map"}, 21));
+  const Field fine = show(h, full, with_effects({"light-map"}, 21));
   for (int j = 0; j < 5; ++j)
     for (int i = 0; i < 6; ++i)
       EXPECT_NEAR(std::abs(fine.samples(21 * j + 10, 21 * i + 10)), std::sqrt(map(j, i)), 0.03) << j << ", " << i;
@@ -313,7 +309,8 @@ TEST(DeadPixels, ShowTheirLevelWhateverTheyAreSent) {
   Hologram stuck = h;
   stuck.level(3, 4) = 5;
   stuck.level(0, 0) = 2;
-  EXPECT_EQ(show(h, slm, with({"dead-pixels"})).samples.values, show(stuck, slm, with({})).samples.values);
+  EXPECT_EQ(show(h, slm, with_effects({"dead-pixels"})).samples.values,
+            show(stuck, slm, with_effects({})).samples.values);
 }
 
 TEST(DeadPixels, ShowTheirLevelOfThePanelInHologramsOfFewerLevels) {
@@ -324,10 +321,10 @@ TEST(DeadPixels, ShowTheirLevelOfThePanelInHologramsOfFewerLevels) {
     const auto shown = [&](Modulation modulation) {
       Hologram h = make_hologram(slm, modulation, [](int) { return 0; });
       h.levels = levels;
-      return std::complex<double>(show(h, slm, with({"dead-pixels"}, 1)).samples(0, 0));
+      return std::complex<double>(show(h, slm, with_effects({"dead-pixels"}, 1)).samples(0, 0));
     };
-    EXPECT_LT(std::abs(shown(Modulation::amplitude) - 5.0 / 7), tolerance) << levels;
-    EXPECT_LT(std::abs(shown(Modulation::phase) - std::polar(1.0, 2 * pi * 5 / 8)), tolerance) << levels;
+    EXPECT_LT(std::abs(shown(Modulation::amplitude) - 5.0 / 7), efficiency_tolerance) << levels;
+    EXPECT_LT(std::abs(shown(Modulation::phase) - std::polar(1.0, 2 * pi * 5 / 8)), efficiency_tolerance) << levels;
   }
 }
 
@@ -352,13 +349,13 @@ TEST(DeadPixels, TakeTheirFractionFromTheImageAndScatterIt) {
   const double dead = double(stuck_pixels(slm).size());
   EXPECT_NEAR(dead, f * pixels, 4 * std::sqrt(pixels * f * (1 - f)));  // 4 σ
   const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 0; });
-  const Field field = show(h, slm, with({"dead-pixels"}, 1));
+  const Field field = show(h, slm, with_effects({"dead-pixels"}, 1));
   EXPECT_LT(std::abs(wave_in(field, 0, 0) - (1 - dead / pixels)), 4 * std::sqrt(dead) / pixels);
   // Another seed gives other pixels, the same seed the same ones.
   Slm other = slm;
   other.effects.dead_seed = 2;
-  EXPECT_EQ(show(h, slm, with({"dead-pixels"}, 1)).samples.values, field.samples.values);
-  EXPECT_NE(show(h, other, with({"dead-pixels"}, 1)).samples.values, field.samples.values);
+  EXPECT_EQ(show(h, slm, with_effects({"dead-pixels"}, 1)).samples.values, field.samples.values);
+  EXPECT_NE(show(h, other, with_effects({"dead-pixels"}, 1)).samples.values, field.samples.values);
 }
 
 // --- flicker ------------------------------------------------------------------------------------
@@ -370,7 +367,7 @@ TEST(Flicker, AveragesARampOverItsDepths) {
   Slm slm = make_panel(steps, 1, steps);
   slm.effects.flicker = 0.2;
   const Hologram h = make_hologram(slm, Modulation::phase, [](int i) { return i; });
-  const ShowParams params = with({"flicker"});
+  const ShowParams params = with_effects({"flicker"});
   double mean = 0, expected = 0;
   const std::vector<IlluminationState> all =
       illumination_states(with_effects(slm, params.effects), params, test_wavelength);
@@ -384,7 +381,7 @@ TEST(Flicker, AveragesARampOverItsDepths) {
   EXPECT_LT(expected, 0.94);  // the loss is large enough to measure: π²q²/6 = 6.6 %
   EXPECT_NEAR(mean, expected * std::pow(sinc(1.0 / steps), 2), 1e-4);
   // The mean state has no ripple.
-  EXPECT_NEAR(efficiency_of(show(h, slm, params), 1), std::pow(sinc(1.0 / steps), 2), tolerance);
+  EXPECT_NEAR(efficiency_of(show(h, slm, params), 1), std::pow(sinc(1.0 / steps), 2), efficiency_tolerance);
 }
 
 // --- complex modulation -------------------------------------------------------------------------
@@ -395,7 +392,7 @@ TEST(ComplexModulation, ShowsPhaseAndAmplitudeIndependently) {
   Hologram h = make_hologram(slm, Modulation::complex, [](int i) { return i * 31 % 256; });
   h.modulus_level = Array2D<uint16_t>(6, 8);
   for (size_t i = 0; i < h.modulus_level.size(); ++i) h.modulus_level.values[i] = uint16_t(i * 53 % 256);
-  const Field f = show(h, slm, with({}, 1));
+  const Field f = show(h, slm, with_effects({}, 1));
   // Expected: the sum of one hologram per pixel, because the field is linear in a·exp(iφ).
   Field sum(f.grid, f.wavelength);
   Hologram one = h;
@@ -403,14 +400,14 @@ TEST(ComplexModulation, ShowsPhaseAndAmplitudeIndependently) {
     for (int i = 0; i < 8; ++i) {
       std::fill(one.modulus_level.values.begin(), one.modulus_level.values.end(), uint16_t(0));
       one.modulus_level(j, i) = 255;
-      const Field pixel = show(one, slm, with({}, 1));
+      const Field pixel = show(one, slm, with_effects({}, 1));
       for (size_t k = 0; k < sum.samples.size(); ++k)
         sum.samples.values[k] += pixel.samples.values[k] * (float(h.modulus_level(j, i)) / 255.0F);
     }
   for (size_t k = 0; k < sum.samples.size(); ++k)
     EXPECT_LT(std::abs(sum.samples.values[k] - f.samples.values[k]), 1e-5);  // 48 terms of rounding 1e-7
   h.modulus_level = {};
-  EXPECT_EQ(error_of([&] { show(h, slm, with({}, 1)); }),
+  EXPECT_EQ(error_of([&] { show(h, slm, with_effects({}, 1)); }),
             "expected levels of amplitude beside those of phase in a complex hologram of 8 × 6 pixels, got 0 × 0");
 }
 

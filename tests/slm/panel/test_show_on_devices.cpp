@@ -37,7 +37,7 @@ struct ShownCase {
   }
 };
 
-std::vector<ShownCase> cases() {
+std::vector<ShownCase> shown_cases() {
   ShownCase plain{"plain"}, amplitude{"amplitudes"}, complex{"complex"}, errors{"all effects in tilted light"},
       fine{"three samples per pixel"}, state{"another state of light that flickers"};
   amplitude.slm.modulation = Modulation::amplitude;
@@ -80,11 +80,11 @@ HOLOTRACE_FOR_ALL_DEVICES(ShowDevices);
 
 // Phases of a few cycles in float are known to 1e-6 rad, and each of two transforms adds about 3e-7.
 TEST_P(ShowDevices, ShowTheFieldOfTheProcessor) {
-  for (const ShownCase& one : cases()) {
+  for (const ShownCase& one : shown_cases()) {
     Heard expected, heard;
     const Field here = shown(one, one.params, expected.observer());
     const Field there = shown(one, on_device(one.params), heard.observer());
-    EXPECT_LT(testing::relative_error(there, here), 2e-6) << one.name;
+    EXPECT_LT(test::relative_error(there, here), 2e-6) << one.name;
     EXPECT_NE(there.samples.values, here.samples.values) << one.name << ": by the processor?";
     EXPECT_EQ(there.grid.nx, here.grid.nx);
     EXPECT_EQ(there.grid.pitch, here.grid.pitch);
@@ -147,7 +147,7 @@ TEST_P(ShowDevices, SayThatMemoryIsShort) {
 #if HOLOTRACE_HAS_OPENCL
 // Every seventh call fails: memory, transfers and kernels.
 TEST_P(ShowDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
-  const ShownCase one = cases()[3];  // all effects
+  const ShownCase one = shown_cases()[3];  // all effects
   make_device_fast(1e15);
   shown(one, on_device(one.params));  // compiles the kernels
   const Field expected = shown(one, one.params);

@@ -14,7 +14,7 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{64, 48, 8e-6};
+const Grid merged_panel{64, 48, 8e-6};
 constexpr double grain = 50e-6;
 
 double light_of(const Sources& sources) {
@@ -54,7 +54,7 @@ TEST(MergeWaves, RastersOfAnyFinenessMakeOneWavePerCellAndTheSameLight) {
   double light = 0;
   for (const int columns : {128, 256}) {  // 10 and 5 µm apart: 5 and 10 in a cell, along an axis
     params.columns = params.rows = columns;
-    const Sources sources = trace(scene, panel, green_light, params);
+    const Sources sources = trace(scene, merged_panel, green_light, params);
     const std::set<uint64_t> keys(sources.phase_keys.begin(), sources.phase_keys.end());
     EXPECT_EQ(keys.size(), sources.waves.size());
     // ±0.67 mm are 26.7 cells: 27 or 28 along an axis.
@@ -66,7 +66,7 @@ TEST(MergeWaves, RastersOfAnyFinenessMakeOneWavePerCellAndTheSameLight) {
     light = light_of(sources);
   }
   params.one_wave_per_cell = false;
-  const Sources each = trace(scene, panel, green_light, params);
+  const Sources each = trace(scene, merged_panel, green_light, params);
   EXPECT_EQ(each.waves.size(), 256u * 256);
   EXPECT_NEAR(light_of(each) / light, 1, 1e-5);  // floats
 }
@@ -75,7 +75,7 @@ TEST(MergeWaves, ALittleMoreOrLessLightOfACellIsItsArea) {
   // Each whole cell is 50 µm wide; the raster has steps of 5.2 µm. Its light is that of its hits, (9 or 10)² of them.
   const TraceParams params{
       .columns = 256, .rows = 256, .paths = 1, .max_depth = 1, .phase = SourcePhase::surface, .grain = grain};
-  const Sources sources = trace(make_bright_wall(-20_mm), panel, green_light, params);
+  const Sources sources = trace(make_bright_wall(-20_mm), merged_panel, green_light, params);
   const double area = grain * grain / (0.02 * 0.02);  // as tangents: L·dA
   int whole = 0;
   for (const Source& wave : sources.waves) {
@@ -99,7 +99,7 @@ TEST(MergeWaves, ConstantPhasesHaveCellsOfAPixelWhateverTheGrain) {
                              .max_depth = 1,
                              .phase = SourcePhase::constant,
                              .grain = any};
-    const Sources sources = trace(make_bright_wall(-20_mm), panel, green_light, params);
+    const Sources sources = trace(make_bright_wall(-20_mm), merged_panel, green_light, params);
     // ±175 µm in steps of 1.7 µm are 43.6 pixels: 44 or 45 along an axis.
     EXPECT_GE(sources.waves.size(), 44u * 44);
     EXPECT_LE(sources.waves.size(), 45u * 45);
@@ -109,7 +109,7 @@ TEST(MergeWaves, ConstantPhasesHaveCellsOfAPixelWhateverTheGrain) {
 
 TEST(MergeWaves, RandomPhasesShareNoWave) {
   const TraceParams params{.columns = 64, .rows = 64, .paths = 1, .max_depth = 1, .grain = 1.0};
-  EXPECT_EQ(trace(make_bright_wall(-20_mm), panel, green_light, params).waves.size(), 64u * 64);
+  EXPECT_EQ(trace(make_bright_wall(-20_mm), merged_panel, green_light, params).waves.size(), 64u * 64);
 }
 
 TEST(MergeWaves, MirrorsShowACellOnceEach) {
@@ -132,7 +132,7 @@ TEST(MergeWaves, MirrorsShowACellOnceEach) {
                            .grain = 1e-4};
   // 801 columns over ±40.5/1000: the wall is seen at ±0.2/1000, its images at ±40/1000 (±4 mm at 0.1 m), 0.1/1000
   // apart.
-  const Sources sources = trace(scene, panel, green_light, params);
+  const Sources sources = trace(scene, merged_panel, green_light, params);
   std::map<int, int> places;
   for (const Source& wave : sources.waves) ++places[int(std::lround(wave.origin.x / 1_mm))];
   EXPECT_EQ(places, (std::map<int, int>{{-4, 1}, {0, 1}, {4, 1}}));
@@ -152,7 +152,7 @@ TEST(MergeWaves, TheSameBytesComeFromAnyNumberOfThreads) {
   std::vector<Sources> results;
   for (const size_t threads : {1, 2, 7}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    results.push_back(trace(make_corner(), panel, green_light, params));
+    results.push_back(trace(make_corner(), merged_panel, green_light, params));
   }
   EXPECT_GT(results[0].waves.size(), 100u);
   for (const size_t i : {1, 2}) {

@@ -12,7 +12,7 @@
 namespace holotrace {
 namespace {
 
-const Grid panel{256, 192, 8e-6};
+const Grid sets_panel{256, 192, 8e-6};
 
 double squared_amplitudes(const Sources& sources) {
   double sum = 0;
@@ -22,10 +22,10 @@ double squared_amplitudes(const Sources& sources) {
 
 TEST(WaveSets, PathGroupsOfAPartitionAddUpToTheWhole) {
   TraceParams params{.columns = 24, .rows = 24, .paths = 8, .path_expressions = {"EL", "EDL", "EDD.*L"}};
-  const Sources all = trace(make_corner(), panel, green_light, {.columns = 24, .rows = 24, .paths = 8});
-  const Sources summed = trace(make_corner(), panel, green_light, params);
+  const Sources all = trace(make_corner(), sets_panel, green_light, {.columns = 24, .rows = 24, .paths = 8});
+  const Sources summed = trace(make_corner(), sets_panel, green_light, params);
   params.separate_path_groups = true;
-  const std::vector<Sources> path_groups = trace(make_corner(), panel, std::vector<double>{green_light}, params);
+  const std::vector<Sources> path_groups = trace(make_corner(), sets_panel, std::vector<double>{green_light}, params);
   ASSERT_EQ(path_groups.size(), 2u) << "nothing that shines is seen directly: EL has no wave and is left out";
   EXPECT_EQ(path_groups[0].name, "EDL");
   EXPECT_EQ(path_groups[1].name, "EDD.*L");
@@ -42,9 +42,9 @@ TEST(WaveSets, LightsOfTheirOwnAddUpToTheWholeAndEmptyOnesAreLeftOut) {
   scene.lights.push_back(PointLight{{5_mm, 5_mm, -0.5}, {1, 1, 1}});  // behind the wall
   scene.points = {{{0, 0, -0.2}, 1.0f, 0}};
   TraceParams params{.columns = 24, .rows = 24, .paths = 8};
-  const Sources all = trace(scene, panel, green_light, params);
+  const Sources all = trace(scene, sets_panel, green_light, params);
   params.separate_lights = true;
-  const std::vector<Sources> lights = trace(scene, panel, std::vector<double>{green_light}, params);
+  const std::vector<Sources> lights = trace(scene, sets_panel, std::vector<double>{green_light}, params);
   ASSERT_EQ(lights.size(), 3u);
   EXPECT_EQ(lights[0].name, "light 0");
   EXPECT_EQ(lights[1].name, "light 1");
@@ -55,7 +55,7 @@ TEST(WaveSets, LightsOfTheirOwnAddUpToTheWholeAndEmptyOnesAreLeftOut) {
   EXPECT_NEAR(sum / squared_amplitudes(all), 1, 1e-6);
   params.path_expressions = {"EDL", "EDD.*L"};
   params.separate_path_groups = true;
-  const std::vector<Sources> both = trace(scene, panel, std::vector<double>{green_light}, params);
+  const std::vector<Sources> both = trace(scene, sets_panel, std::vector<double>{green_light}, params);
   ASSERT_EQ(both.size(), 4u) << "a point is the path EL, which is in neither path group";
   EXPECT_EQ(both[0].name, "EDL, light 0");
   EXPECT_EQ(both[3].name, "EDD.*L, light 1");
@@ -66,10 +66,10 @@ TEST(WaveSets, AListOfWavelengthsIsEachByItselfFromTheFirstHitsOfTheLongestWitho
   for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
     const TraceParams params{
         .pattern = pattern, .columns = 16, .rows = 16, .samples = 400, .has_common_cone = false, .paths = 2};
-    const std::vector<Sources> sets = trace(make_corner(), panel, colours, params);
+    const std::vector<Sources> sets = trace(make_corner(), sets_panel, colours, params);
     ASSERT_EQ(sets.size(), 4u);
     for (size_t i = 0; i < 4; ++i) EXPECT_EQ(sets[i].wavelength, colours[i]);
-    const Sources red = trace(make_corner(), panel, 630_nm, params);
+    const Sources red = trace(make_corner(), sets_panel, 630_nm, params);
     EXPECT_EQ(sets[1].waves, red.waves);
     // All colours of the raster are at the same places. Shorter wavelengths of the random pattern leave out directions
     // beyond their acceptance.
@@ -87,8 +87,8 @@ TEST(WaveSets, WithACommonConeAllWavelengthsHaveTheFirstHitsOfTheShortest) {
   const std::vector<double> colours{460_nm, 630_nm, 532_nm, 450_nm};
   for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
     const TraceParams params{.pattern = pattern, .columns = 16, .rows = 16, .samples = 400, .paths = 2};
-    const std::vector<Sources> sets = trace(make_corner(), panel, colours, params);
-    const Sources blue = trace(make_corner(), panel, 450_nm, params);
+    const std::vector<Sources> sets = trace(make_corner(), sets_panel, colours, params);
+    const Sources blue = trace(make_corner(), sets_panel, 450_nm, params);
     ASSERT_EQ(sets.size(), 4u);
     for (const Sources& set : sets) {
       EXPECT_EQ(set.cone_wavelength, 450_nm);
@@ -114,7 +114,7 @@ TEST(WaveSets, FramesAreIndependentDrawsOfThePhasesAlone) {
   TraceParams params{.columns = 32, .rows = 32, .paths = 1, .max_depth = 1};
   for (const SourcePhase phase : {SourcePhase::random, SourcePhase::surface, SourcePhase::path}) {
     params.phase = phase;
-    const Sources first = trace(make_bright_wall(), panel, green_light, params);
+    const Sources first = trace(make_bright_wall(), sets_panel, green_light, params);
     Sources second = first;
     set_frame(second, 1);
     ASSERT_EQ(first.phase_keys.size(), first.waves.size());
@@ -130,7 +130,7 @@ TEST(WaveSets, FramesAreIndependentDrawsOfThePhasesAlone) {
       EXPECT_NEAR(first.waves[i].phase, second.waves[i].phase, 2e-6);
   }
   params.phase = SourcePhase::constant;
-  EXPECT_TRUE(trace(make_bright_wall(), panel, green_light, params).phase_keys.empty());
+  EXPECT_TRUE(trace(make_bright_wall(), sets_panel, green_light, params).phase_keys.empty());
 }
 
 TEST(WaveSets, SurfacePhaseIsAFunctionOfThePlaceAlone) {
@@ -141,7 +141,7 @@ TEST(WaveSets, SurfacePhaseIsAFunctionOfThePlaceAlone) {
                      .phase = SourcePhase::surface,
                      .grain = 0.4_mm,
                      .one_wave_per_cell = false};
-  const Sources sources = trace(make_bright_wall(-0.05), panel, green_light, params);
+  const Sources sources = trace(make_bright_wall(-0.05), sets_panel, green_light, params);
   // Panel and cone see some 5.3 mm × 4.9 mm of the wall: 13 × 12 cells, so there are no more phases than these plus the
   // rims.
   std::map<uint64_t, float> phases;
@@ -152,7 +152,7 @@ TEST(WaveSets, SurfacePhaseIsAFunctionOfThePlaceAlone) {
   EXPECT_GT(phases.size(), 100u);
   EXPECT_LE(phases.size(), 15u * 14u);
   params.seed = 2;  // other rays, the same places: the phase belongs to place and seed
-  const Sources other = trace(make_bright_wall(-0.05), panel, green_light, params);
+  const Sources other = trace(make_bright_wall(-0.05), sets_panel, green_light, params);
   size_t shared_keys = 0;
   for (const uint64_t key : other.phase_keys) shared_keys += phases.contains(key);
   EXPECT_GT(double(shared_keys), 0.98 * double(other.phase_keys.size()));
@@ -160,15 +160,15 @@ TEST(WaveSets, SurfacePhaseIsAFunctionOfThePlaceAlone) {
 
 TEST(WaveSets, SetsThatAreSeveralAreNoAnswerForOneWavelength) {
   EXPECT_EQ(
-      error_of([] { trace(make_corner(), panel, green_light, {.separate_lights = true}); }),
+      error_of([] { trace(make_corner(), sets_panel, green_light, {.separate_lights = true}); }),
       "expected parameters that make one set of waves, got separate_path_groups = false, separate_lights = true; trace "
       "a list of wavelengths, which returns all sets");
-  EXPECT_EQ(error_of([] { trace(make_corner(), panel, std::vector<double>{}, {}); }),
+  EXPECT_EQ(error_of([] { trace(make_corner(), sets_panel, std::vector<double>{}, {}); }),
             "expected at least one wavelength, got none");
-  EXPECT_EQ(error_of([] { trace(make_corner(), panel, green_light, {.strategy = Strategy::gather}); }),
+  EXPECT_EQ(error_of([] { trace(make_corner(), sets_panel, green_light, {.strategy = Strategy::gather}); }),
             "expected the strategy shared or tiled, got gather, which makes no waves but the field itself: use "
             "the command field or run, or call gather");
-  EXPECT_EQ(error_of([] { trace(make_corner(), panel, green_light, {.grain = -1}); }),
+  EXPECT_EQ(error_of([] { trace(make_corner(), sets_panel, green_light, {.grain = -1}); }),
             "expected a length of 0 m or more for \"grain\", got -1 m");
 }
 

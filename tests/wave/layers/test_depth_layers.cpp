@@ -9,14 +9,13 @@
 #include "holotrace/wave/propagate/propagate.h"
 #include "support/fields.h"
 #include "support/panels.h"
+#include "support/wavelengths.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::relative_error;
-
-constexpr double green = 532_nm;
+using test::relative_error;
 
 DepthImage make_depth_image(int nx, int ny, double depth, int channels = 1) {
   DepthImage image{Image(ny, nx, channels), Array2D<float>(ny, nx, float(depth))};

@@ -13,16 +13,15 @@
 #include "holotrace/wave/synthesize.h"
 #include "support/fields.h"
 #include "support/panels.h"
+#include "support/wavelengths.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::make_disc_aperture;
-using testing::make_random_sources;
-using testing::relative_error;
-
-constexpr double green = 532_nm;
+using test::make_disc_aperture;
+using test::make_random_sources;
+using test::relative_error;
 
 // Random waves at three depths: each slice is at its waves' own depth.
 Sources make_waves_on_layers(int count, const Grid& panel, double depth) {
@@ -197,7 +196,7 @@ Slice as_slice(const FieldDouble& light, double depth) {
 // are floats, as are the factors of free space (2e-7).
 TEST(LayersOfSamples, AreFreeSpaceSliceBySlice) {
   const Grid grid{160, 120, 8_um};
-  const FieldDouble light = testing::make_band_limited_noise(grid, green, 8e3);
+  const FieldDouble light = test::make_band_limited_noise(grid, green, 8e3);
   for (const double depth : {0.01_m, 0.1_m, 0.7_m})
     EXPECT_LT(relative_error(sum_layers({green, {as_slice(light, depth)}}, grid), propagate(light, depth)), 2e-6)
         << depth;
@@ -213,7 +212,7 @@ TEST(LayersOfSamples, MayBePartsOfThePanelsRaster) {
   Grid part{48, 36, 8_um};
   part.centre_x = 20 * 8_um, part.centre_y = -11 * 8_um;  // sizes of one parity: whole samples
   Slice small{Field(part, green, -0.05_m), {}}, whole{Field(grid, green, -0.05_m), {}};
-  const FieldDouble light = testing::make_band_limited_noise({48, 36, 8_um}, green, 8e3);
+  const FieldDouble light = test::make_band_limited_noise({48, 36, 8_um}, green, 8e3);
   for (int j = 0; j < part.ny; ++j)
     for (int i = 0; i < part.nx; ++i)
       small.light.samples(j, i) = whole.light.samples(42 + 11 + j, 56 + 20 + i) =
@@ -244,7 +243,7 @@ TEST(LayersThatHide, PassAHoleAsTheClosedFormSays) {
 // Babinet: the light through a screen and the light through its complement add up to all light, at any depth.
 TEST(LayersThatHide, AndTheirComplementsPassAllLight) {
   const Grid grid{120, 100, 8_um};
-  const FieldDouble light = testing::make_band_limited_noise(grid, green, 8e3);
+  const FieldDouble light = test::make_band_limited_noise(grid, green, 8e3);
   const FieldDouble disc = make_disc_aperture(grid, green, 0.2_mm);
   Layers screen{green, {as_slice(light, 0.1_m), {Field(grid, green, -0.06_m), Array2D<float>(100, 120)}}};
   Layers complement = screen, open = screen;

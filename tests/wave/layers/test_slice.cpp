@@ -12,14 +12,13 @@
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "support/fields.h"
 #include "support/panels.h"
+#include "support/wavelengths.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::make_random_sources;
-
-constexpr double green = 532_nm;
+using test::make_random_sources;
 
 TEST(SliceDepths, AreTheFewestNoneThickerThanAsked) {
   const DepthSlices s = slice_depths({0.21, 0.2, 0.205, 0.1951, 0.2101}, 0.0051);

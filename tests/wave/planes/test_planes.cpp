@@ -15,6 +15,7 @@
 #include "holotrace/wave/synthesize.h"
 #include "support/fields.h"
 #include "support/panels.h"
+#include "support/wavelengths.h"
 
 // Waves by planes of fixed curvature, tile by tile, compared with the sum one by one.
 
@@ -22,10 +23,8 @@ namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::make_random_sources;
-using testing::relative_error;
-
-constexpr double green = 532_nm;
+using test::make_random_sources;
+using test::relative_error;
 
 // ∫φ(x)cos(2πξx)dx and its use on a grid: the widths' errors as the kernel's authors give them for a grid twice as
 // fine, about 10^(1−w), less two digits for the narrowest.

@@ -16,7 +16,6 @@ namespace holotrace {
 namespace {
 
 using namespace literals;
-using test::error_of;
 using test::PropagationOnDevices;
 
 class AutomaticPropagation : public PropagationOnDevices {

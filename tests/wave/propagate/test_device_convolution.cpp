@@ -9,25 +9,21 @@
 #include "support/devices.h"
 #include "support/fields.h"
 #include "support/targets.h"
+#include "wave/propagate/displaced_windows.h"
 
 namespace holotrace {
 namespace {
 
-using testing::relative_error;
+using test::relative_error;
 using Link = ConvolutionLink<float>;
 
 // Two propagations in single precision, each within 1e-6 of the exact one.
-constexpr double rounding = 2e-6;
+constexpr double convolution_rounding = 2e-6;
 
-const std::vector<Vec2> shifts{{0, 0}, {-0.25, -0.25}, {0.25, 0}, {0, 0.4}, {-1.3, 0.7}};
 const Grid input{66, 49, test_pitch};
 // As large as the input; larger, on the axis; of odd sizes beside the axis.
 const Grid outputs[] = {{66, 49, test_pitch}, {80, 50, test_pitch}, {51, 70, test_pitch, 3.3e-5, -6.1e-5}};
 constexpr double distances[] = {0, 0.002, -0.1};  // bands of several widths, and a kernel
-
-PropagateParams window(const Grid& grid) {
-  return {.columns = grid.nx, .rows = grid.ny, .centre_x = grid.centre_x, .centre_y = grid.centre_y};
-}
 
 class DeviceConvolutions : public test::OnEveryDevice {
  protected:
@@ -63,7 +59,8 @@ TEST_P(DeviceConvolutions, DisplaceWindowsAsTheProcessorDoes) {
       convolution.to_many(upload(field), to, convolution.make_work());
       const std::vector<Field> expected = convolve_to_many(field, links);
       for (size_t i = 0; i < shifts.size(); ++i)
-        EXPECT_LT(relative_error(fetch(there[i], output), expected[i]), rounding) << z << " " << i << " " << output.nx;
+        EXPECT_LT(relative_error(fetch(there[i], output), expected[i]), convolution_rounding)
+            << z << " " << i << " " << output.nx;
     }
 }
 
@@ -100,9 +97,10 @@ TEST_P(DeviceConvolutions, SumAdjointsAsTheProcessorDoes) {
       }
       // Random fields are nearly orthogonal, |Σ⟨g, Tu⟩| is about 1/√samples of the norms' product: 1e-2; a float's
       // rounding of the fields is 1e-6 of the norms.
-      EXPECT_LT(std::abs(inner(found, u) - expected), rounding * std::sqrt(of_g * of_light)) << z << " " << output.nx;
+      EXPECT_LT(std::abs(inner(found, u) - expected), convolution_rounding * std::sqrt(of_g * of_light))
+          << z << " " << output.nx;
       if (output != input) continue;
-      EXPECT_LT(relative_error(found, convolve_to_sum(pointers, adjoint)), rounding) << z;
+      EXPECT_LT(relative_error(found, convolve_to_sum(pointers, adjoint)), convolution_rounding) << z;
     }
 }
 

@@ -12,7 +12,7 @@ namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::relative_error;
+using test::relative_error;
 
 class DevicePropagation : public test::OnEveryDevice {
  protected:
@@ -37,7 +37,7 @@ HOLOTRACE_FOR_ALL_DEVICES(DevicePropagation);
 
 // Floats, as the processor's: about ten roundings of 3e-8 in quadrature in each of four transforms, and 1e-6 of the smooth
 // edges of kernels between two pitches. The processor's tests have the same bound.
-constexpr double rounding = 2e-6;
+constexpr double propagation_rounding = 2e-6;
 
 const PropagateParams windows[] = {
     {},                                                                // on the axis: an even transfer function
@@ -53,9 +53,9 @@ const PropagateParams windows[] = {
 TEST_P(DevicePropagation, AgreesWithTheProcessorForAllWindowsAndMethods) {
   for (const double distance : {0.03_m, -0.05_m, 2_mm})
     for (PropagateParams params : windows) {
-      EXPECT_LT(error_for(distance, params), rounding) << distance << ", " << params.columns;
+      EXPECT_LT(error_for(distance, params), propagation_rounding) << distance << ", " << params.columns;
       params.method = PropagationMethod::fresnel;
-      EXPECT_LT(error_for(distance, params), rounding) << "Fresnel, " << distance << ", " << params.columns;
+      EXPECT_LT(error_for(distance, params), propagation_rounding) << "Fresnel, " << distance << ", " << params.columns;
     }
 }
 
@@ -63,16 +63,16 @@ TEST_P(DevicePropagation, AgreesWithTheProcessorForAllWindowsAndMethods) {
 TEST_P(DevicePropagation, AgreesWithTheProcessorForPeriodicWindows) {
   PropagateParams params;
   params.is_periodic = true;
-  EXPECT_LT(error_for(0.3_m, params), rounding);
+  EXPECT_LT(error_for(0.3_m, params), propagation_rounding);
   params.columns = 100;
   params.centre_x = 40_um;
-  EXPECT_LT(error_for(-0.01_m, params), rounding);
+  EXPECT_LT(error_for(-0.01_m, params), propagation_rounding);
 }
 
 // A padded period of 2 · 4320 samples: lines in global memory.
 TEST_P(DevicePropagation, AgreesWithTheProcessorForLongLines) {
   grid_ = {4200, 6, 8_um};
-  EXPECT_LT(error_for(0.02_m, {PropagationMethod::fresnel}), rounding);
+  EXPECT_LT(error_for(0.02_m, {PropagationMethod::fresnel}), propagation_rounding);
 }
 
 TEST_P(DevicePropagation, TransfersTheFieldsAndKeepsTheRest) {

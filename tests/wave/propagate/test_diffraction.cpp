@@ -9,16 +9,16 @@
 #include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/propagate/propagation_kernel.h"
 #include "support/fields.h"
+#include "support/wavelengths.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::make_disc_aperture;
-using testing::make_field;
-using testing::make_square_aperture;
+using test::make_disc_aperture;
+using test::make_field;
+using test::make_square_aperture;
 
-constexpr double green = 532_nm;
 constexpr double a = 0.5_mm;  // radius, or half of the side
 
 double aperture_on_axis(double z) {  // Rayleigh–Sommerfeld I, a plane wave on a disc

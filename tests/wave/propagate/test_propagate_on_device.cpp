@@ -14,7 +14,6 @@ namespace holotrace {
 namespace {
 
 using namespace literals;
-using test::error_of;
 using test::PropagationOnDevices;
 
 constexpr size_t sample = sizeof(std::complex<float>);

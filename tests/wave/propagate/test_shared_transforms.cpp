@@ -10,34 +10,22 @@
 #include "support/fields.h"
 #include "support/panels.h"
 #include "support/targets.h"
+#include "wave/propagate/displaced_windows.h"
 
 namespace holotrace {
 namespace {
 
-using testing::relative_error;
+using test::relative_error;
 using Link = ConvolutionLink<float>;
 
 // A field that is limited in space and in its band; 1/8p leaves nothing at the edge of the band.
 Field smooth_field(const Grid& grid) {
-  const FieldDouble noise = testing::make_band_limited_noise(grid, test_wavelength, 1 / (12 * grid.pitch));
+  const FieldDouble noise = test::make_band_limited_noise(grid, test_wavelength, 1 / (12 * grid.pitch));
   Field field(grid, test_wavelength);
   for (size_t i = 0; i < field.samples.size(); ++i)
     field.samples.values[i] = std::complex<float>(noise.samples.values[i]);
   return field;
 }
-
-PropagateParams window(const Grid& grid) {
-  PropagateParams params;
-  params.columns = grid.nx;
-  params.rows = grid.ny;
-  params.centre_x = grid.centre_x;
-  params.centre_y = grid.centre_y;
-  params.pitch = grid.pitch;
-  return params;
-}
-
-// Displacements right and down, in samples.
-const std::vector<Vec2> shifts{{0, 0}, {-0.25, -0.25}, {0.25, 0}, {0, 0.4}, {-1.3, 0.7}};
 
 std::vector<Link> displaced_links(const Propagator<float>& propagator, bool is_adjoint = false) {
   std::vector<Link> links;

@@ -24,10 +24,10 @@ namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::error_against_direct_sum;
-using testing::make_band_limited_noise;
-using testing::make_field;
-using testing::relative_error;
+using test::error_against_direct_sum;
+using test::make_band_limited_noise;
+using test::make_field;
+using test::relative_error;
 
 FieldDouble make_white_noise(const Grid& grid, uint32_t seed) {
   FieldDouble field(grid, 532_nm);

@@ -9,15 +9,14 @@
 #include "holotrace/wave/tiles/device_wave.h"
 #include "support/devices.h"
 #include "support/fields.h"
+#include "support/wavelengths.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::make_random_sources;
-using testing::relative_error;
-
-constexpr double green = 532_nm;
+using test::make_random_sources;
+using test::relative_error;
 
 class DeviceTiles : public test::OnEveryDevice {};
 

@@ -13,6 +13,7 @@
 #include "holotrace/wave/tiles/packed_product.h"
 #include "holotrace/wave/tiles/tile_sum.h"
 #include "support/fields.h"
+#include "support/wavelengths.h"
 
 // The kernels of the fast sums, for every instruction set and every kind of product of this machine.
 
@@ -20,10 +21,8 @@ namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::make_random_sources;
-using testing::relative_error;
-
-constexpr double green = 532_nm;
+using test::make_random_sources;
+using test::relative_error;
 
 // Sums and fused multiply-adds differ in order: rounding of a float, 6e-8, in √waves terms that mostly cancel.
 constexpr double bound_between_sets = 5e-6;

@@ -12,14 +12,13 @@
 #include "holotrace/wave/triangles/triangle_part.h"
 #include "support/fields.h"
 #include "support/panels.h"
+#include "support/wavelengths.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
-using testing::relative_error;
-
-constexpr double green = 532_nm;
+using test::relative_error;
 
 // Tilted, with different amplitudes and a phase, 60 mm behind the panel: its box (R = 1.3 mm at 12 µm) contains all of
 // a panel of 0.6 mm.
@@ -196,7 +195,7 @@ TEST(Triangles, MakeASquareAperture) {
   // The phase of a triangle is its phase on the panel; the aperture's is smaller by k·z.
   lower.phase = upper.phase = float(2 * pi * cycle_fraction(z, green));
   const FieldDouble square = sum_triangles_exact({green, {lower, upper}}, panel);
-  const FieldDouble aperture = propagate(testing::make_square_aperture(panel, green, a), z);
+  const FieldDouble aperture = propagate(test::make_square_aperture(panel, green, a), z);
   EXPECT_LT(relative_error(square, aperture), 4e-4);
 }
 

@@ -14,10 +14,7 @@
 namespace holotrace {
 namespace {
 
-constexpr const char* filter_names[] = {"filter_u0_per_m", "filter_v0_per_m", "filter_half_u_per_m",
-                                        "filter_half_v_per_m"};
-
-double read_number(const PictureHeader& header, const char* name, const std::string& path) {
+double header_number(const PictureHeader& header, const char* name, const std::string& path) {
   const auto found = header.numbers.find(name);
   require(found != header.numbers.end() || header.texts.count(name) == 0,
           "{}: expected a number for \"{}\", got another kind", path, name);
@@ -42,7 +39,7 @@ void save_field_exr(const std::string& path, const Field& field) {
   if (field.cone_wavelength > 0) put("cone_wavelength_m", field.cone_wavelength);
   if (field.filter) {
     const double values[] = {field.filter->u0, field.filter->v0, field.filter->half_u, field.filter->half_v};
-    for (int i = 0; i < 4; ++i) put(filter_names[i], values[i]);
+    for (int i = 0; i < 4; ++i) put(filter_attributes[i], values[i]);
   }
   write_exr(path, header, reinterpret_cast<const float*>(field.samples.values.data()));
 }
@@ -70,19 +67,19 @@ Field read_field_exr(const std::string& path) {
     field.samples.values[i] = {sample[real], sample[imag]};
   }
   const auto has = [&](const char* name) { return picture->numbers.count(name) + picture->texts.count(name) > 0; };
-  field.grid.pitch = read_number(*picture, "pitch_m", path);
-  field.wavelength = read_number(*picture, "wavelengths_m", path);
-  if (has("z_m")) field.z = read_number(*picture, "z_m", path);
-  if (has("centre_x_m")) field.grid.centre_x = read_number(*picture, "centre_x_m", path);
-  if (has("centre_y_m")) field.grid.centre_y = read_number(*picture, "centre_y_m", path);
+  field.grid.pitch = header_number(*picture, "pitch_m", path);
+  field.wavelength = header_number(*picture, "wavelengths_m", path);
+  if (has("z_m")) field.z = header_number(*picture, "z_m", path);
+  if (has("centre_x_m")) field.grid.centre_x = header_number(*picture, "centre_x_m", path);
+  if (has("centre_y_m")) field.grid.centre_y = header_number(*picture, "centre_y_m", path);
   if (has("image")) field.image = image_side_from(picture->text("image"), path);
   field.name = printable(picture->text("name"));
-  if (has("frame")) field.frame = frame_from(read_number(*picture, "frame", path), path);
-  if (has("cone_wavelength_m")) field.cone_wavelength = read_number(*picture, "cone_wavelength_m", path);
-  if (has(filter_names[0]))
-    field.filter =
-        SpectralFilter{read_number(*picture, filter_names[0], path), read_number(*picture, filter_names[1], path),
-                       read_number(*picture, filter_names[2], path), read_number(*picture, filter_names[3], path)};
+  if (has("frame")) field.frame = frame_from(header_number(*picture, "frame", path), path);
+  if (has("cone_wavelength_m")) field.cone_wavelength = header_number(*picture, "cone_wavelength_m", path);
+  if (has(filter_attributes[0]))
+    field.filter = SpectralFilter{
+        header_number(*picture, filter_attributes[0], path), header_number(*picture, filter_attributes[1], path),
+        header_number(*picture, filter_attributes[2], path), header_number(*picture, filter_attributes[3], path)};
   return field;
 }
 

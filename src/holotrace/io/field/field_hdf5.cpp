@@ -9,9 +9,6 @@
 namespace holotrace {
 namespace {
 
-constexpr const char* filter_names[] = {"filter_u0_per_m", "filter_v0_per_m", "filter_half_u_per_m",
-                                        "filter_half_v_per_m"};
-
 template <class Real>
 hid_t native_real() {
   return sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
@@ -43,7 +40,7 @@ hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid
   if (field.filter) {
     const SpectralFilter& f = *field.filter;
     const double values[] = {f.u0, f.v0, f.half_u, f.half_v};
-    for (int i = 0; i < 4; ++i) write_number(data, filter_names[i], values[i], path);
+    for (int i = 0; i < 4; ++i) write_number(data, filter_attributes[i], values[i], path);
   }
   return data;
 }

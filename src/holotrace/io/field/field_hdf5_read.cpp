@@ -17,9 +17,6 @@
 namespace holotrace {
 namespace {
 
-constexpr const char* filter_names[] = {"filter_u0_per_m", "filter_v0_per_m", "filter_half_u_per_m",
-                                        "filter_half_v_per_m"};
-
 // What precedes the samples in the pipe, beside texts and wavelengths.
 struct Head {
   hsize_t count = 1, ny = 0, nx = 0;
@@ -61,8 +58,8 @@ Head read_head(hid_t data, const std::string& path) {
   head.centre_y = number("centre_y_m");
   head.frame = number("frame");
   head.cone_wavelength = number("cone_wavelength_m");
-  head.has_filter = H5Aexists(data, filter_names[0]) > 0;
-  for (size_t i = 0; head.has_filter && i < 4; ++i) head.filter[i] = read_number(data, filter_names[i], path);
+  head.has_filter = H5Aexists(data, filter_attributes[0]) > 0;
+  for (size_t i = 0; head.has_filter && i < 4; ++i) head.filter[i] = read_number(data, filter_attributes[i], path);
   return head;
 }
 

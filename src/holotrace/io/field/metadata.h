@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -40,6 +41,10 @@ Modulation modulation_from(const std::string& name, const std::string& path);  /
 
 /// A number as the index of a frame. @throws Error naming the file unless it is whole and 0 … 2³²−1
 uint32_t frame_from(double number, const std::string& path);
+
+/// Attributes of a spectral filter in HDF5 and EXR [1/m]: its centre (u, v) and half widths (u, v).
+inline constexpr std::array filter_attributes{"filter_u0_per_m", "filter_v0_per_m", "filter_half_u_per_m",
+                                              "filter_half_v_per_m"};
 
 nlohmann::json filter_to_json(const SpectralFilter& filter);
 

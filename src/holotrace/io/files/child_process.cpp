@@ -23,7 +23,7 @@
 namespace holotrace {
 namespace {
 
-constexpr double first_seconds = 2, first_bytes = double(1 << 30);
+constexpr double granted_seconds = 2, granted_bytes = double(1 << 30);  // before the child asks for more
 constexpr int longest_silence = 120;  // seconds without a byte from the child: it waits for something
 
 // The sanitizers reserve terabytes of addresses, which a limit would forbid.
@@ -98,7 +98,7 @@ double addresses_in_use() {
   dup2(nowhere, STDERR_FILENO);
   set_limit(RLIMIT_CORE, 0);
   ToParent out(data);
-  out.allow(first_seconds, first_bytes);
+  out.allow(granted_seconds, granted_bytes);
   std::string sentence;
   try {
     read(out);

@@ -196,6 +196,11 @@ std::vector<uint8_t> srgb_codes(const Image& image, double white) {
   return codes;
 }
 
+bool has_image_ending(const std::string& path) {
+  constexpr std::array endings{".png", ".jpg", ".jpeg", ".exr", ".hdr", ".tif", ".tiff", ".webp", ".bmp", ".tga"};
+  return std::find(endings.begin(), endings.end(), extension_of(path)) != endings.end();
+}
+
 std::string text_in_image(const std::string& path, const char* name) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return "";

@@ -14,6 +14,9 @@ namespace holotrace {
 /// in [0, 1] that are not decoded, such as the directions of a normal map.
 enum class ImageContent { colour, data };
 
+/// Whether the ending is that of a picture that load_image reads.
+bool has_image_ending(const std::string& path);
+
 /// Reads an image file as linear light: 8- and 16-bit values are decoded from sRGB to [0, 1] unless they are data;
 /// floating-point values (EXR) are not changed. Alpha is dropped. Grey images have one channel, all others three.
 /// @throws Error naming the file if it is missing, not an image, truncated, a field (channels real

@@ -20,7 +20,6 @@ namespace {
 using Complex = std::complex<float>;
 
 constexpr double depth_share = 0.8;  // fraction of the tolerance
-constexpr size_t many_slices = 1000;
 
 // A picture's light at a wavelength, as a summed-area table: the mean over any rectangle takes four look-ups.
 struct Light {

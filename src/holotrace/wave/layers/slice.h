@@ -15,6 +15,9 @@ struct DepthSlice {
   std::vector<uint32_t> members;  ///< indices of waves, ascending
 };
 
+/// A tolerance that needs more slices than this is warned of.
+inline constexpr size_t many_slices = 1000;
+
 /// Depths put into slices.
 struct DepthSlices {
   std::vector<DepthSlice> slices;  ///< from far to near; no slice is empty

@@ -23,8 +23,7 @@ namespace {
 using Complex = std::complex<float>;
 
 // Shares of the tolerance: moving the depths causes most of the error.
-constexpr double depth_share = 0.8, spread_share = 0.1;
-constexpr size_t many_slices = 1000;
+constexpr double slicing_share = 0.8, spread_share = 0.1;
 
 // Everything that is computed before the first slice is summed.
 struct Plan {
@@ -83,7 +82,7 @@ void check_memory(const Plan& plan, const Grid& panel, size_t waves, bool is_car
 Plan make_plan(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool keeps_band,
                const Observer& observer) {
   Plan plan;
-  plan.sliced = slice_sources(sources, grid, params.slices, depth_share * params.tolerance);
+  plan.sliced = slice_sources(sources, grid, params.slices, slicing_share * params.tolerance);
   const std::vector<DepthSlice>& slices = plan.sliced.depth.slices;
   observer.fact("slices", slices.size());
   observer.fact("slice_thickness_m", plan.sliced.depth.thickness);
@@ -169,7 +168,7 @@ void add_points(LayerSpectrum& spectrum, const std::vector<PointOnSlice>& points
 }  // namespace
 
 size_t slice_count(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
-  return slice_sources(sources, grid, params.slices, depth_share * params.tolerance).depth.slices.size();
+  return slice_sources(sources, grid, params.slices, slicing_share * params.tolerance).depth.slices.size();
 }
 
 Field sum_layers(const Sources& sources, const Grid& grid, const SynthesizeParams& params, const Observer& observer) {

@@ -51,7 +51,7 @@ bool operator==(const Result& a, const Result& b) {
 }
 
 // A job of gradient descent.
-struct DescentCase {
+struct CheckpointCase {
   std::string name;
   Slm slm = make_panel(48, 32);
   int frames = 3;
@@ -93,8 +93,8 @@ struct DescentCase {
   }
 };
 
-std::vector<DescentCase> cases() {
-  DescentCase plain{.name = "planes"}, many{.name = "diagonals"}, complex{.name = "complex"},
+std::vector<CheckpointCase> checkpoint_cases() {
+  CheckpointCase plain{.name = "planes"}, many{.name = "diagonals"}, complex{.name = "complex"},
       colours{.name = "colours"}, views{.name = "views"}, two{.name = "two planes per update"},
       soft{.name = "soft levels"}, early{.name = "ends early"};
   many.frames = 4;
@@ -113,7 +113,7 @@ std::vector<DescentCase> cases() {
 
 // Stopped after any number of updates, in the middle of a round of planes and at its end, and once more later.
 TEST(DescentCheckpoint, GoesOnToTheSameBytes) {
-  for (const DescentCase& c : cases()) {
+  for (const CheckpointCase& c : checkpoint_cases()) {
     const Result whole = c.run();
     for (const int stop : c.stops) {
       Kept kept;
@@ -125,7 +125,7 @@ TEST(DescentCheckpoint, GoesOnToTheSameBytes) {
       EXPECT_EQ(kept.state->updates, stop);
       kept.stop_after = stop < 5 ? stop + 3 : -1;
       if (stop < 5) {
-        EXPECT_NE(error_of([&] { c.run(kept.checkpoint()); }), "");
+        EXPECT_NE(error_of([&] { c.run(kept.checkpoint()); }), "no error");
       }
       kept.stop_after = -1;
       EXPECT_TRUE(c.run(kept.checkpoint()) == whole) << c.name << ", stopped after " << stop;
@@ -137,60 +137,60 @@ TEST(DescentCheckpoint, GoesOnToTheSameBytes) {
 
 TEST(DescentCheckpoint, IsSavedBeforeTheFirstUpdateWhenItIsDueAndAtTheEnd) {
   Kept kept;
-  DescentCase{}.run(kept.checkpoint());
+  CheckpointCase{}.run(kept.checkpoint());
   EXPECT_EQ(kept.saved, (std::vector<int>{0, 3, 6, 9, 10}));
 }
 
 TEST(DescentCheckpoint, KnowsEverythingThatTheResultDependsOn) {
-  const auto job = [](const DescentCase& c, int level = 0) {
+  const auto job = [](const CheckpointCase& c, int level = 0) {
     std::vector<Hologram> frames(size_t(c.frames), make_hologram(c.slm, c.slm.modulation, [&](int) { return level; }));
     return descent_job(c.targets(), c.slm, c.params, frames).job;
   };
-  const DescentCase plain;
-  using Change = std::function<void(DescentCase&)>;
+  const CheckpointCase plain;
+  using Change = std::function<void(CheckpointCase&)>;
   const std::map<std::string, Change> changes{
-      {"frames", [](DescentCase& c) { c.frames = 2; }},
-      {"iterations", [](DescentCase& c) { c.params.iterations = 11; }},
-      {"step", [](DescentCase& c) { c.params.step = 0.3; }},
-      {"least gain", [](DescentCase& c) { c.params.least_gain = 0.1; }},
-      {"stop", [](DescentCase& c) { c.params.stop = 0.5; }},
-      {"seed", [](DescentCase& c) { c.params.seed = 2; }},
-      {"subpixels", [](DescentCase& c) { c.params.subpixels = 3; }},
-      {"planes per update", [](DescentCase& c) { c.params.planes_per_update = 2; }},
-      {"distances", [](DescentCase& c) { c.params.target_distances.back() = 0.0121; }},
-      {"part of the plane", [](DescentCase& c) { c.params.target_columns = 24; }},
-      {"colours", [](DescentCase& c) { c.has_two_colours = true; }},
-      {"views", [](DescentCase& c) { c.has_views = true; }},
-      {"fill factor", [](DescentCase& c) { c.slm.fill_factor = 0.9; }},
-      {"levels", [](DescentCase& c) { c.slm.levels = 128; }},
-      {"phase range", [](DescentCase& c) { c.slm.phase_range = 6; }},
-      {"crosstalk", [](DescentCase& c) { c.slm.effects.crosstalk = 0.2; }},
+      {"frames", [](CheckpointCase& c) { c.frames = 2; }},
+      {"iterations", [](CheckpointCase& c) { c.params.iterations = 11; }},
+      {"step", [](CheckpointCase& c) { c.params.step = 0.3; }},
+      {"least gain", [](CheckpointCase& c) { c.params.least_gain = 0.1; }},
+      {"stop", [](CheckpointCase& c) { c.params.stop = 0.5; }},
+      {"seed", [](CheckpointCase& c) { c.params.seed = 2; }},
+      {"subpixels", [](CheckpointCase& c) { c.params.subpixels = 3; }},
+      {"planes per update", [](CheckpointCase& c) { c.params.planes_per_update = 2; }},
+      {"distances", [](CheckpointCase& c) { c.params.target_distances.back() = 0.0121; }},
+      {"part of the plane", [](CheckpointCase& c) { c.params.target_columns = 24; }},
+      {"colours", [](CheckpointCase& c) { c.has_two_colours = true; }},
+      {"views", [](CheckpointCase& c) { c.has_views = true; }},
+      {"fill factor", [](CheckpointCase& c) { c.slm.fill_factor = 0.9; }},
+      {"levels", [](CheckpointCase& c) { c.slm.levels = 128; }},
+      {"phase range", [](CheckpointCase& c) { c.slm.phase_range = 6; }},
+      {"crosstalk", [](CheckpointCase& c) { c.slm.effects.crosstalk = 0.2; }},
       {"aberration",
-       [](DescentCase& c) {
+       [](CheckpointCase& c) {
          c.slm.effects.aberration = {{2, 0, 0.3}};
        }},
       {"dead pixels",
-       [](DescentCase& c) {
+       [](CheckpointCase& c) {
          c.slm.effects.dead_pixels = {{3, 4, 5}};
        }},
       {"phase map",
-       [](DescentCase& c) { c.slm.effects.phase_map = std::make_shared<const Array2D<float>>(32, 48, 0.1F); }}};
+       [](CheckpointCase& c) { c.slm.effects.phase_map = std::make_shared<const Array2D<float>>(32, 48, 0.1F); }}};
   EXPECT_EQ(job(plain), job(plain));
   EXPECT_NE(job(plain, 1), job(plain)) << "start";
   // The same map as another effect is another job.
   const auto map = std::make_shared<const Array2D<float>>(32, 48, 0.1F);
-  DescentCase with_phase, with_light;
+  CheckpointCase with_phase, with_light;
   with_phase.slm.effects.phase_map = with_light.slm.effects.light_map = map;
   EXPECT_NE(job(with_phase), job(with_light));
   for (const auto& [name, change] : changes) {
-    DescentCase other;
+    CheckpointCase other;
     change(other);
     EXPECT_NE(job(other), job(plain)) << name;
   }
 }
 
 TEST(DescentCheckpoint, SaysWhatIsWrong) {
-  const DescentCase c;
+  const CheckpointCase c;
   Kept kept;
   c.run(kept.checkpoint());
   using Damage = std::function<void(IterationState&)>;

@@ -13,7 +13,7 @@ namespace {
 
 using test::DescentCase;
 
-std::vector<DescentCase> cases() {
+std::vector<DescentCase> descent_cases() {
   DescentCase one{"one frame"}, three{"three frames", 3}, diagonals{"four frames", 4},
       stop{"a stop and a part that counts"}, pupil{"a pupil"}, two{"two levels", 2, 2}, few{"three levels", 1, 3},
       colours{"two colours"}, odd{"an odd size"};
@@ -97,7 +97,7 @@ HOLOTRACE_FOR_ALL_DEVICES(DeviceDescents);
 // Propagations agree to 1e-6 of their norm; sums of 2000 positive terms agree better, and slopes, which are differences
 // of light, worse.
 TEST_P(DeviceDescents, HaveTheSumsAndSlopesOfTheProcessor) {
-  for (const DescentCase& one : cases())
+  for (const DescentCase& one : descent_cases())
     for (const PanelDetail& detail : {PanelDetail{}, {.is_hard = false, .is_fine = false}}) {
       const std::vector<Hologram> start = one.start();
       ProcessorFrames on_processor(one.slm, one.params, start);
@@ -114,7 +114,7 @@ TEST_P(DeviceDescents, HaveTheSumsAndSlopesOfTheProcessor) {
 
 // Adam scales up slopes near 0, whose rounding differs, so levels part from the processor's. The loss does not.
 TEST_P(DeviceDescents, ReachTheLossOfTheProcessor) {
-  for (DescentCase one : cases())
+  for (DescentCase one : descent_cases())
     for (const int iterations : {1, 20}) {
       if (iterations > 1 && one.frames < 3 && one.levels > 2 && !one.has_two_colours)
         continue;  // the others have the same updates

@@ -10,7 +10,7 @@
 namespace holotrace {
 namespace {
 
-struct Case {
+struct GradientCase {
   std::string name;
   Slm slm;
   EncodeParams params{};
@@ -28,7 +28,7 @@ Slm uneven_panel(Slm slm) {
   return slm;
 }
 
-std::vector<Case> cases() {
+std::vector<GradientCase> gradient_cases() {
   const Slm plain = make_panel(64, 40, 256, 0.9);
   Slm uneven = plain, amplitude = plain, calibrated = plain, complex = uneven_panel(plain);
   uneven = uneven_panel(plain);
@@ -61,7 +61,7 @@ std::vector<Case> cases() {
 
 TEST(Gradient, IsThatOfFiniteDifferences) {
   // Central differences along the gradient: the error is of third order in the step; 1 % covers it and the floats.
-  for (const Case& c : cases())
+  for (const GradientCase& c : gradient_cases())
     for (const int frames : {1, 3}) {
       const EncodeParams picture{.target_distances = {0.004}, .target_columns = 40, .target_rows = 24};
       TargetPlane target = picture_targets(c.slm, picture).front();

@@ -37,7 +37,7 @@ struct ProjectionCase {
   }
 };
 
-std::vector<ProjectionCase> cases() {
+std::vector<ProjectionCase> projection_cases() {
   ProjectionCase one{"one plane"}, several{"three planes"}, part{"a stop and a part that counts"}, odd{"an odd size"},
       weighted{"weighted"}, weighted_part{"weighted, a part of two planes"};
   several.params.target_distances = {0.006, 0.009, 0.012};
@@ -109,7 +109,7 @@ HOLOTRACE_FOR_ALL_DEVICES(ProjectionDevices);
 // Propagations agree to 1e-6 of their norm, sums of 2000 positive terms better. A pixel of the pattern is the sum of two
 // such parts; where they nearly cancel, its phase is less certain.
 TEST_P(ProjectionDevices, HaveTheSumsAndPatternOfTheProcessor) {
-  for (const ProjectionCase& one : cases()) {
+  for (const ProjectionCase& one : projection_cases()) {
     const std::vector<TargetPlane> targets = one.targets();
     const ProjectionSetup setup{targets, one.slm, one.params};
     ProcessorProjection on_processor(setup, one.start().samples);
@@ -124,7 +124,7 @@ TEST_P(ProjectionDevices, HaveTheSumsAndPatternOfTheProcessor) {
 
 // The whole way to the hologram: the curve of errors, and what the levels show.
 TEST_P(ProjectionDevices, ReachTheErrorOfTheProcessor) {
-  for (const ProjectionCase& one : cases()) {
+  for (const ProjectionCase& one : projection_cases()) {
     std::vector<double> curves[2];
     Heard heard[2];
     for (const int i : {0, 1}) {

@@ -180,7 +180,7 @@ TEST(TargetPropagation, APupilIsADiscInItsPlane) {
       const Field expected = propagate(there, z - pupil.centre.z, back);
       const Field found = propagation.to_plane(u).front();
       EXPECT_GT(power(found), 1e-6 * power(u));
-      EXPECT_LT(testing::relative_error(found, expected), 1e-5) << z;
+      EXPECT_LT(test::relative_error(found, expected), 1e-5) << z;
     }
 }
 

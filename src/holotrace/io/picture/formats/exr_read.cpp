@@ -23,9 +23,9 @@
 namespace holotrace {
 namespace {
 
-class Stream : public Imf::IStream {
+class SourceStream : public Imf::IStream {
  public:
-  explicit Stream(ByteSource& source) : IStream(source.name().c_str()), source_(source) {}
+  explicit SourceStream(ByteSource& source) : IStream(source.name().c_str()), source_(source) {}
 
   bool read(char to[], int size) override {
     if (!source_.read_all(to, size_t(std::max(size, 0)))) throw std::runtime_error("end of file");
@@ -88,7 +88,7 @@ void read_samples(Imf::MultiPartInputFile& file, Picture& picture) {
 }  // namespace
 
 std::optional<Picture> read_exr(ByteSource& source, const HeaderCheck& wants) {
-  Stream stream(source);
+  SourceStream stream(source);
   std::unique_ptr<Imf::MultiPartInputFile> file;
   Picture picture;
   picture.type = SampleType::floats;

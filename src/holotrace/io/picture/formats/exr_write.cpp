@@ -18,9 +18,9 @@
 namespace holotrace {
 namespace {
 
-class Stream : public Imf::OStream {
+class FileStream : public Imf::OStream {
  public:
-  Stream(const std::string& path, NewFile& file) : OStream(path.c_str()), file_(file) {}
+  FileStream(const std::string& path, NewFile& file) : OStream(path.c_str()), file_(file) {}
 
   void write(const char bytes[], int size) override {
     if (!file_.put(bytes, size_t(size))) throw std::runtime_error("cannot write");
@@ -32,7 +32,7 @@ class Stream : public Imf::OStream {
   NewFile& file_;
 };
 
-void write_pixels(Stream& stream, const ExrHeader& picture, const float* samples) {
+void write_pixels(FileStream& stream, const ExrHeader& picture, const float* samples) {
   Imf::Header header(picture.columns, picture.rows);
   header.compression() = Imf::ZIP_COMPRESSION;
   for (const auto& [name, text] : picture.texts) header.insert(name, Imf::StringAttribute(text));
@@ -54,7 +54,7 @@ void write_pixels(Stream& stream, const ExrHeader& picture, const float* samples
 
 void write_exr(const std::string& path, const ExrHeader& header, const float* samples) {
   NewFile file(path);
-  Stream stream(path, file);
+  FileStream stream(path, file);
   bool is_written = false;
   try {
     start_exr_threads();
