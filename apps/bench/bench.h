@@ -67,6 +67,7 @@ std::vector<BenchStep> triangles_steps(const BenchOptions& options);
 std::vector<BenchStep> auto_steps(const BenchOptions& options);
 std::vector<BenchStep> device_steps(const BenchOptions& options);
 std::vector<BenchStep> trace_steps(const BenchOptions& options);
+std::vector<BenchStep> render_steps(const BenchOptions& options);
 std::vector<BenchStep> accelerators_steps(const BenchOptions& options);
 std::vector<BenchStep> propagate_steps(const BenchOptions& options);
 std::vector<BenchStep> show_steps(const BenchOptions& options);

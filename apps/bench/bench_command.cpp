@@ -31,12 +31,12 @@ struct BenchGroup {
 };
 
 // Groups in the order of the table. To add a stage, add a line here and its steps in bench.h.
-const BenchGroup groups[] = {{"trace", trace_steps},         {"accelerators", accelerators_steps},
-                             {"exact", exact_steps},         {"tiled", tiled_steps},
-                             {"planes", planes_steps},       {"layers", layers_steps},
-                             {"triangles", triangles_steps}, {"auto", auto_steps},
-                             {"propagate", propagate_steps}, {"show", show_steps},
-                             {"quality", quality_steps},     {"device", device_steps}};
+const BenchGroup groups[] = {
+    {"trace", trace_steps},         {"render", render_steps},       {"accelerators", accelerators_steps},
+    {"exact", exact_steps},         {"tiled", tiled_steps},         {"planes", planes_steps},
+    {"layers", layers_steps},       {"triangles", triangles_steps}, {"auto", auto_steps},
+    {"propagate", propagate_steps}, {"show", show_steps},           {"quality", quality_steps},
+    {"device", device_steps}};
 
 std::vector<std::string> group_names() {
   std::vector<std::string> names{"ceilings"};

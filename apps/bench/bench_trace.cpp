@@ -5,9 +5,9 @@
 #include <atomic>
 
 #include "bench/bench.h"
+#include "bench/bench_scenes.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/data/shapes.h"
 #include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/trace/geometry/first_hits.h"
@@ -18,53 +18,6 @@ namespace holotrace {
 namespace {
 
 using namespace literals;
-
-/// A board with 32 lathe-turned pieces of 48 segments, tilted, 0.3 m behind the panel: about 65 000 triangles, lit by
-/// two rectangles and a point.
-Scene make_board_scene() {
-  Scene scene;
-  for (const double albedo : {0.7, 0.2, 0.1}) scene.materials.push_back({DiffuseMaterial{Vec3{1, 1, 1} * albedo}});
-  const Frame place =
-      compose({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -0.38_mm, -300_mm}}, compose(rotation_x(0.5), rotation_y(-0.42)));
-  const auto add = [&](Mesh mesh, Vec3 at, int material) {
-    mesh.material = material;
-    transform_mesh(compose(place, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, at}), mesh);
-    scene.meshes.push_back(std::move(mesh));
-  };
-  add(make_box({10.5_mm, 0.4_mm, 10.5_mm}), {0, -0.22_mm, 0}, 2);
-  const std::vector<Vec2> profile{{0, 0},
-                                  {0.32_mm, 0},
-                                  {0.33_mm, 0.06_mm},
-                                  {0.31_mm, 0.12_mm},
-                                  {0.27_mm, 0.15_mm},
-                                  {0.28_mm, 0.18_mm},
-                                  {0.2_mm, 0.27_mm},
-                                  {0.16_mm, 0.36_mm},
-                                  {0.13_mm, 0.46_mm},
-                                  {0.12_mm, 0.57_mm},
-                                  {0.13_mm, 0.6_mm},
-                                  {0.2_mm, 0.63_mm},
-                                  {0.21_mm, 0.65_mm},
-                                  {0.2_mm, 0.68_mm},
-                                  {0.13_mm, 0.7_mm},
-                                  {0.15_mm, 0.75_mm},
-                                  {0.17_mm, 0.81_mm},
-                                  {0.18_mm, 0.86_mm},
-                                  {0.17_mm, 0.91_mm},
-                                  {0.14_mm, 0.97_mm},
-                                  {0.09_mm, 1.02_mm},
-                                  {0, 1.04_mm}};
-  const Mesh piece = make_lathe(profile, 48);
-  for (int file = 0; file < 8; ++file)
-    for (const int rank : {0, 1, 6, 7})
-      add(piece, {(file - 3.5) * 1.15_mm, 0, (rank - 3.5) * 1.15_mm}, rank < 2 ? 0 : 1);
-  scene.lights = {
-      RectangleLight{
-          {-43_mm, 32.46_mm, -299.06_mm}, {2.64_mm, 0, -15.78_mm}, {11.38_mm, 11.07_mm, 1.9_mm}, Vec3{1, 1, 1} * 20},
-      RectangleLight{{15_mm, 5_mm, -260_mm}, {20_mm, 0, 0}, {0, -20_mm, 0}, Vec3{1, 1, 1} * 2.6},
-      PointLight{{18_mm, 22_mm, -330_mm}, Vec3{1, 1, 1} * 6e-4}};
-  return scene;
-}
 
 /// The rays of `trace`; each of its first hits is followed again.
 std::vector<LoggedRay> log_rays(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params) {

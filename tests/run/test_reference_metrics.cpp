@@ -191,7 +191,7 @@ TEST(QuickReference, SaysWhyThereIsNothingToCompare) {
 TEST(QuickReference, HasAQuarterOfThePaths) {
   Job job;
   job.camera.distances = {0.3};
-  for (const auto& [paths, expected] : {std::pair{64, 16}, {24, 6}, {4, 2}, {2, 2}}) {
+  for (const auto& [paths, expected] : {std::pair{64, 16}, {24, 6}, {15, 4}, {9, 4}, {8, 2}, {2, 2}}) {
     job.render.paths = paths;
     EXPECT_EQ(plan_renders(job).front().params.paths, expected) << paths;
     EXPECT_EQ(is_quick(job), paths > 2) << paths;

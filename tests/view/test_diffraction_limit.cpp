@@ -106,7 +106,7 @@ TEST(DiffractionLimit, RefusesStacksThatAreNone) {
     return error_of([&] { limit_to_panel(stack, limit_panel, green_light); });
   };
   const FocalStack good = stack_of({4, 3, 8e-6}, 0.3);
-  EXPECT_EQ(error(good), "");
+  EXPECT_EQ(error(good), "no error");
   FocalStack bad = good;
   bad.distances = {}, bad.pictures = {};
   EXPECT_EQ(error(bad), "expected a focal stack of at least one plane, got none");

@@ -215,7 +215,7 @@ TEST(PupilPicture, RefusesWhatCannotBe) {
   const auto error = [&](const LightField& f, double distance, const Pupil& pupil) {
     return error_of([&] { picture_through(f, green_light, pupil_panel, distance, pupil); });
   };
-  EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 2e-3}), "");
+  EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 2e-3}), "no error");
   EXPECT_EQ(error(field, 0, {{0, 0, 0.3}, 2e-3}), "expected a length above 0 m for the plane of the picture, got 0 m");
   EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 0}), "expected a length above 0 m for the pupil's diameter, got 0 m");
   EXPECT_EQ(error(field, 0.3, {{0, 0, -0.3}, 2e-3}),

@@ -14,7 +14,7 @@ namespace holotrace {
 namespace {
 
 // Paths of a quick reference: an even number.
-int quick_paths(int paths) { return 2 * std::max(1, paths / 8); }
+int quick_paths(int paths) { return 2 * (paths / 8 + (paths % 8 > 0)); }
 
 float brightest_channel(const Image& image, size_t pixel) {
   return *std::max_element(&image.values[3 * pixel], &image.values[3 * pixel] + 3);

@@ -160,6 +160,15 @@ TEST_P(DevicePanels, TakeTheSlopesHalfwayBetweenTwoLevels) {
   EXPECT_LT(relative(fetch(slope, slm.grid), expected), 5e-6);
 }
 
+// The kernels count in integers of 32 bits.
+TEST_P(DevicePanels, RefuseMoreSamplesThanTheyCanCount) {
+  const PanelModel host(make_panel(32768, 16384), {.subpixels = 2}, Modulation::phase, 256, 0, {});
+  EXPECT_EQ(
+      error_of([&] { DevicePanel(device_, host); }),
+      "expected fewer than 2³¹ samples of the light of a panel on a device, got 2.15e+09; use fewer subpixels, or "
+      "the processor");
+}
+
 TEST_P(DevicePanels, WriteNothingPastTheirBuffers) {
   const size_t before = device_.broken_guards();
   device_.guard_buffers(true);

@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstdint>
 
+#include "holotrace/base/error.h"
 #include "holotrace/slm/panel/panel_parts.h"
 
 namespace holotrace {
@@ -57,6 +58,11 @@ struct DevicePanel::Cell {
 
 DevicePanel::DevicePanel(Device& device, const PanelModel& model) : device_(device), lines_(device) {
   const PanelModel::Parts& parts = *model.parts_;
+  require(
+      double(parts.out.pixels()) < 0x1p31,
+      "expected fewer than 2³¹ samples of the light of a panel on a device, got {:.3g}; use fewer subpixels, or the "
+      "processor",
+      double(parts.out.pixels()));
   const auto lock = device_.lock();
   sizes_ = {parts.nx(), parts.ny(), parts.params.subpixels, parts.s};
   is_complex_ = parts.modulation == Modulation::complex;

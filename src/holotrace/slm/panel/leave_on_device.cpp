@@ -21,7 +21,6 @@ constexpr double sample_bytes = sizeof(std::complex<float>);
 constexpr double seconds_to_start = 1e-3;
 
 Field leave_on(Device& device, const PanelModel& panel, const PanelPattern& pattern, const Observer& observer) {
-  panel.check_pattern(pattern.drive, pattern.modulus);
   const auto lock = device.lock();
   DevicePanel there(device, panel);
   DevicePanel::Memory memory;
@@ -41,6 +40,7 @@ Field leave_on(Device& device, const PanelModel& panel, const PanelPattern& patt
 std::optional<Field> leave_on_device(const PanelModel& panel, const PanelPattern& pattern, const DeviceChoice& choice,
                                      const Observer& observer) {
   if (choice.kind == DeviceKind::cpu) return std::nullopt;
+  panel.check_pattern(pattern.drive, pattern.modulus);
   if (choice.kind == DeviceKind::opencl) return leave_on(open_device(choice.number), panel, pattern, observer);
   const PanelWork work = panel.work();
   const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
