@@ -51,7 +51,6 @@ std::vector<BenchStep> render_steps(const BenchOptions& options) {
   RenderParams params{.rows = options.is_quick ? 64 : 256, .paths = options.is_quick ? 16 : 64};
   RenderParams of_box = params;
   params.field_of_view = 1.1_deg;
-  of_box.eye = {0, 0, 1.3};
   of_box.field_of_view = 20.3_deg;
   return {{"render board", [=] { return bench_render("board", make_board_scene(), params); }},
           {"render box", [=] { return bench_render("box", make_box_scene(), of_box); }}};

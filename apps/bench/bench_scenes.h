@@ -8,7 +8,7 @@ namespace holotrace {
 /// two rectangles and a point.
 Scene make_board_scene();
 
-/// A Cornell box with two blocks under a rectangle, in 1 m³ behind the plane z = −0.05 m: mostly light from walls.
+/// A Cornell box with two blocks under a rectangle, 1 m wide, open toward the panel at 1.4 m: mostly light from walls.
 Scene make_box_scene();
 
 }  // namespace holotrace

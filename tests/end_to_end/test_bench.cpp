@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -48,6 +49,24 @@ TEST(Bench, JsonHasTheCeilingsAndEachStageAsAPartOfItsOwn) {
     EXPECT_GT(rate * seconds, 0.3 * 1e3 * 1920 * 1080) << "at 0.2 m most waves light most of the panel";
   }
   EXPECT_GE(tiled, ceilings["multiply_adds_per_s"].size()) << "a line for each instruction set, and for bf16";
+}
+
+// Noise falls as 1/√paths, so the time to a given noise is that of the picture × (its noise / the given one)².
+TEST(Bench, TellsTheTimeOfARenderToAGivenNoise) {
+  const test::Outcome outcome = Workplace().run({"bench", "--quick", "--only", "render", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  ASSERT_EQ(json["stages"].size(), 2U);
+  for (const auto& stage : json["stages"]) {
+    SCOPED_TRACE(stage.dump());
+    const double error = stage["error"], seconds = stage["seconds"], paths = stage["facts"]["paths"];
+    // Pictures of 16 paths: a path's light varies by about its mean, and less where lights are sampled.
+    EXPECT_GT(error, 0.01);
+    EXPECT_LT(error, 1 / std::sqrt(paths));
+    EXPECT_NEAR(stage["facts"]["seconds_to_noise_of_1_percent"].get<double>(), seconds * error * error * 1e4,
+                1e-9 * seconds * error * error * 1e4);
+    EXPECT_NEAR(stage["rate_per_s"].get<double>() * seconds, 64 * 64 * paths, 1e-6);
+  }
 }
 
 TEST(Bench, TimesADeviceAgainstItsOwnPeaks) {

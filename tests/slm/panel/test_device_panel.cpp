@@ -161,12 +161,14 @@ TEST_P(DevicePanels, TakeTheSlopesHalfwayBetweenTwoLevels) {
 }
 
 // The kernels count in integers of 32 bits.
-TEST_P(DevicePanels, RefuseMoreSamplesThanTheyCanCount) {
-  const PanelModel host(make_panel(32768, 16384), {.subpixels = 2}, Modulation::phase, 256, 0, {});
+TEST(CheckCountable, RefusesMoreSamplesThanTheKernelsCount) {
+  check_countable({32767, 65536, test_pitch});  // 2³¹ − 65536
   EXPECT_EQ(
-      error_of([&] { DevicePanel(device_, host); }),
-      "expected fewer than 2³¹ samples of the light of a panel on a device, got 2.15e+09; use fewer subpixels, or "
-      "the processor");
+      error_of([] {
+        check_countable({32768, 65536, test_pitch});
+      }),
+      "expected fewer than 2³¹ samples of the light of a panel on a device, got 32768 × 65536; use fewer subpixels, "
+      "or the processor");
 }
 
 TEST_P(DevicePanels, WriteNothingPastTheirBuffers) {

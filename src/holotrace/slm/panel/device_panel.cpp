@@ -45,6 +45,14 @@ std::vector<float> stuck_levels(const std::vector<StuckPixel>& stuck, size_t pix
 
 }  // namespace
 
+void check_countable(const Grid& samples) {
+  require(
+      samples.pixels() < int64_t(1) << 31,
+      "expected fewer than 2³¹ samples of the light of a panel on a device, got {} × {}; use fewer subpixels, or the "
+      "processor",
+      samples.nx, samples.ny);
+}
+
 // As panel.cl declares them.
 struct DevicePanel::Response {
   int32_t count, knots;
@@ -58,11 +66,7 @@ struct DevicePanel::Cell {
 
 DevicePanel::DevicePanel(Device& device, const PanelModel& model) : device_(device), lines_(device) {
   const PanelModel::Parts& parts = *model.parts_;
-  require(
-      double(parts.out.pixels()) < 0x1p31,
-      "expected fewer than 2³¹ samples of the light of a panel on a device, got {:.3g}; use fewer subpixels, or the "
-      "processor",
-      double(parts.out.pixels()));
+  check_countable(parts.out);
   const auto lock = device_.lock();
   sizes_ = {parts.nx(), parts.ny(), parts.params.subpixels, parts.s};
   is_complex_ = parts.modulation == Modulation::complex;

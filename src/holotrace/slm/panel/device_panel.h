@@ -22,6 +22,9 @@ struct DeviceSlopes {
   double factor = 1;
 };
 
+/// @throws Error  for 2³¹ samples and more, which the kernels cannot count
+void check_countable(const Grid& samples);
+
 /// A PanelModel on an OpenCL device: the light that leaves it, and gradients back, with all effects.
 ///
 /// The s × s cells of the pixels are done one after the other: cell (cy, cx) of all pixels is blurred, becomes light, and is
@@ -42,7 +45,7 @@ class DevicePanel {
     DeviceBuffer turned, spread;  ///< samples of the field column by column; with n − 1 zeros between the rows
   };
 
-  /// @throws Error  as Device does
+  /// @throws Error  as Device and, for the samples of the light, check_countable do
   DevicePanel(Device& device, const PanelModel& model);
 
   /// Writes the field that leaves the panel to `u`, shape (n·ny, n·nx).
