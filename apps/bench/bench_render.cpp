@@ -9,6 +9,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/estimate/machine/timed_jobs.h"
+#include "holotrace/estimate/picture_noise.h"
 #include "holotrace/trace/render.h"
 
 namespace holotrace {
@@ -18,17 +19,6 @@ using namespace literals;
 
 constexpr double compared_noise = 0.01;  // of pictures in whose time two path tracers can be compared
 
-/// Relative L2 noise of one of two pictures with independent noise: √(Σ(a − b)²/2 / Σ((a + b)/2)²).
-double noise_of(const Image& a, const Image& b) {
-  double error = 0, light = 0;
-  for (size_t i = 0; i < a.values.size(); ++i) {
-    const double difference = double(a.values[i]) - b.values[i], mean = (double(a.values[i]) + b.values[i]) / 2;
-    error += difference * difference / 2;
-    light += mean * mean;
-  }
-  return std::sqrt(error / light);
-}
-
 BenchRow bench_render(const char* name, const Scene& scene, RenderParams params) {
   std::vector<Image> pictures;
   BenchRow row{.stage = fmt::format("render {}", name), .runs = 3, .unit = "paths"};
@@ -37,7 +27,7 @@ BenchRow bench_render(const char* name, const Scene& scene, RenderParams params)
     pictures.push_back(render(scene, timed_full_hd, timed_wavelength, params));
   });
   row.rate = double(params.rows) * params.rows * params.paths / row.seconds;
-  row.error = noise_of(pictures[0], pictures[1]);
+  row.error = picture_noise(pictures[0], pictures[1]);
   // The noise of n times as many paths is 1/√n of it.
   const double seconds = row.seconds * std::pow(row.error / compared_noise, 2);
   row.job = fmt::format("{0}x{0}, {1} paths; noise of 1 % takes {2:.3g} s", params.rows, params.paths, seconds);

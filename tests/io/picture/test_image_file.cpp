@@ -22,6 +22,12 @@ Image ramp(int channels) {
   return image;
 }
 
+TEST(ImageEnding, IsThatOfAFormatThatCanBeRead) {
+  for (const char* name : {"a.png", "a.jpg", "A.JPEG", "a.exr", "a.hdr", "a.tif", "a.tiff", "a.webp", "a.bmp", "a.tga"})
+    EXPECT_TRUE(has_image_ending(name)) << name;
+  for (const char* name : {"a.npy", "a.h5", "a.toml", "png", "a.png/b"}) EXPECT_FALSE(has_image_ending(name)) << name;
+}
+
 TEST(ImageFile, SrgbHasItsStandardValues) {
   // IEC 61966-2-1: linear 0.18 has the code 0.4614, code 0.5 is linear 0.2140, to the digits given.
   EXPECT_NEAR(srgb_encode(0.18), 0.4614, 5e-5);
