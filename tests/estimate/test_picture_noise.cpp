@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "holotrace/base/random.h"
 #include "holotrace/estimate/picture_noise.h"
 #include "support/error_of.h"
