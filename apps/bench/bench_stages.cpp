@@ -64,17 +64,16 @@ BenchRow bench_show(const BenchOptions& options, int subpixels) {
                   "FFT in cache, float");
 }
 
-// All effects of a panel with the orders 3×3, on 4 × 4 cells per pixel.
+// All effects of a panel with the orders 3×3, on 5 × 5 points per pixel.
 BenchRow bench_effects(const BenchOptions& options) {
   const Slm slm = slm_preset("pluto");
   const Hologram hologram = encode(timed_field(slm.grid), slm, {});
-  const ShowParams params{
-      .subpixels = 3, .fine_samples = 4, .effects = {"calibration", "crosstalk", "gaps", "aberration"}};
+  const ShowParams params{.subpixels = 3, .effects = {"calibration", "crosstalk", "gaps", "aberration"}};
   show(hologram, slm, params);  // plans are made here
   const double amount = fft_operations(double(slm.grid.pixels()) * 9);
   const Timing timing = time_work(
       options, [&] { show(hologram, slm, params); }, amount, measure_fft_in_cache);
-  return make_row("show", size_of(slm.grid) + ", subpixels 3, 4x4 cells, effects", timing, amount, "operations",
+  return make_row("show", size_of(slm.grid) + ", subpixels 3, 5x5 points, effects", timing, amount, "operations",
                   "FFT in cache, float");
 }
 

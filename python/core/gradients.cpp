@@ -120,12 +120,12 @@ class Panel {
   nb::object pull_back(const In2<float>& drive, const In2<std::complex<float>>& gradient) const {
     const Array2D<float> levels = checked(drive);
     Array2D<std::complex<float>> light = to_array(gradient, "a gradient");
-    PanelModel::Slopes slopes;
+    Array2D<float> slopes(levels.ny, levels.nx);
     {
       const nb::gil_scoped_release release;
-      slopes = model_->pull_back(levels, light);
+      model_->add_slopes({levels}, light, 1, {slopes});
     }
-    return owned(std::move(slopes.drive));
+    return owned(std::move(slopes));
   }
 
   int levels() const { return levels_; }

@@ -17,6 +17,7 @@
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/slm/panel/panel_model.h"
 #include "support/error_of.h"
 
 // Small panels, patterns on them and their diffraction, for the tests of slm/ and view/.
@@ -47,6 +48,19 @@ inline Hologram make_hologram(const Slm& slm, Modulation modulation, const std::
 /// These effects of a panel, and no others.
 inline ShowParams with_effects(const std::vector<std::string>& effects, int subpixels = 3, int fine_samples = 0) {
   return {.subpixels = subpixels, .fine_samples = fine_samples, .effects = effects};
+}
+
+/// Gradients by what drives a panel (PanelModel::add_slopes).
+struct PatternSlopes {
+  Array2D<float> drive, modulus;
+};
+
+inline PatternSlopes slopes_of(const PanelModel& model, const Array2D<float>& drive,
+                               const Array2D<std::complex<float>>& gradient, const Array2D<float>* modulus = nullptr) {
+  PatternSlopes slopes{Array2D<float>(drive.ny, drive.nx), {}};
+  if (modulus) slopes.modulus = slopes.drive;
+  model.add_slopes({drive, modulus}, gradient, 1, {slopes.drive, modulus ? &slopes.modulus : nullptr});
+  return slopes;
 }
 
 /// Of efficiencies: a field of single precision gives them to some 1e-7; 1e-6 leaves room for the sum over the samples.

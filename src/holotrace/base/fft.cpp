@@ -48,9 +48,9 @@ struct Fftw<float> {
     return fftwf_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned, planning));
   }
   static Plan make(int n, const FftLayout& l, std::complex<float>* in, std::complex<float>* out, FftDirection direction,
-                   Planning planning) {
+                   bool aligned, Planning planning) {
     return fftwf_plan_many_dft(1, &n, l.count, raw(in), nullptr, l.input_stride, l.input_distance, raw(out), nullptr,
-                               l.output_stride, l.output_distance, sign(direction), flags(true, planning));
+                               l.output_stride, l.output_distance, sign(direction), flags(aligned, planning));
   }
   static void execute(Plan plan, std::complex<float>* in, std::complex<float>* out) {
     fftwf_execute_dft(plan, raw(in), raw(out));
@@ -66,9 +66,9 @@ struct Fftw<double> {
     return fftw_plan_dft_1d(n, raw(data), raw(data), sign(direction), flags(aligned, planning));
   }
   static Plan make(int n, const FftLayout& l, std::complex<double>* in, std::complex<double>* out,
-                   FftDirection direction, Planning planning) {
+                   FftDirection direction, bool aligned, Planning planning) {
     return fftw_plan_many_dft(1, &n, l.count, raw(in), nullptr, l.input_stride, l.input_distance, raw(out), nullptr,
-                              l.output_stride, l.output_distance, sign(direction), flags(true, planning));
+                              l.output_stride, l.output_distance, sign(direction), flags(aligned, planning));
   }
   static void execute(Plan plan, std::complex<double>* in, std::complex<double>* out) {
     fftw_execute_dft(plan, raw(in), raw(out));
@@ -132,10 +132,11 @@ const void* shared_plan(int length, FftDirection direction, bool aligned) {
 }
 
 template <class Real>
-const void* shared_batch(int length, const FftLayout& layout, FftDirection direction) {
-  static auto& plans = *new std::map<std::tuple<int, FftLayout, FftDirection>, PlanOf<Real>>;  // also never destroyed
+const void* shared_batch(int length, const FftLayout& layout, FftDirection direction, bool aligned) {
+  static auto& plans =
+      *new std::map<std::tuple<int, FftLayout, FftDirection, bool>, PlanOf<Real>>;  // also never destroyed
   const std::lock_guard lock(planner);
-  PlanOf<Real>& plan = plans[{length, layout, direction}];
+  PlanOf<Real>& plan = plans[{length, layout, direction, aligned}];
   if (!plan) {
     const auto extent = [&](int stride, int distance) {
       return 1 + size_t(length - 1) * size_t(stride) + size_t(layout.count - 1) * size_t(distance);
@@ -143,7 +144,7 @@ const void* shared_batch(int length, const FftLayout& layout, FftDirection direc
     AlignedVector<std::complex<Real>> in(extent(layout.input_stride, layout.input_distance)),
         out(extent(layout.output_stride, layout.output_distance));
     plan = with_store([&](Planning planning) {
-      return Fftw<Real>::make(length, layout, in.data(), out.data(), direction, planning);
+      return Fftw<Real>::make(length, layout, in.data(), out.data(), direction, aligned, planning);
     });
   }
   return plan;
@@ -203,16 +204,19 @@ void Fft<Real>::operator()(std::complex<Real>* data) const {
 }
 
 template <class Real>
-FftBatch<Real>::FftBatch(int length, const FftLayout& layout, FftDirection direction) {
+FftBatch<Real>::FftBatch(int length, const FftLayout& layout, FftDirection direction)
+    : length_(length), layout_(layout), direction_(direction) {
   require(length >= 1 && layout.count >= 1, "expected 1 or more transforms of at least 1 sample, got {} of {}",
           layout.count, length);
-  plan_ = shared_batch<Real>(length, layout, direction);
+  plan_ = shared_batch<Real>(length, layout, direction, true);
 }
 
 template <class Real>
 void FftBatch<Real>::operator()(const std::complex<Real>* input, std::complex<Real>* output) const {
-  Fftw<Real>::execute(static_cast<PlanOf<Real>>(const_cast<void*>(plan_)), const_cast<std::complex<Real>*>(input),
-                      output);
+  auto* in = const_cast<std::complex<Real>*>(input);
+  const bool aligned = Fftw<Real>::is_aligned(in) && Fftw<Real>::is_aligned(output);
+  const void* plan = aligned ? plan_ : shared_batch<Real>(length_, layout_, direction_, false);
+  Fftw<Real>::execute(static_cast<PlanOf<Real>>(const_cast<void*>(plan)), in, output);
 }
 
 template <class Real>

@@ -50,11 +50,14 @@ class FftBatch {
   /// @throws Error unless length and count ≥ 1.
   FftBatch(int length, const FftLayout& layout, FftDirection direction);
 
-  /// Both arrays are aligned to 64 bytes and do not overlap. The input is not changed.
+  /// The arrays do not overlap; it is faster if both are aligned to 64 bytes. The input is not changed.
   void operator()(const std::complex<Real>* input, std::complex<Real>* output) const;
 
  private:
-  const void* plan_;
+  int length_;
+  FftLayout layout_;
+  FftDirection direction_;
+  const void* plan_;  // for aligned data
 };
 
 /// Transforms a row-major array of ny × nx samples in place, rows then columns, on all threads.

@@ -126,7 +126,7 @@ TEST_P(DevicePanels, LeaveTheLightAndPullBackTheSlopesOfTheProcessor) {
 
     CounterRandom random(3, 0, 0);
     for (auto& g : found.samples.values) g = {float(random.uniform()) - 0.5F, float(random.uniform()) - 0.5F};
-    const PanelModel::Slopes slopes = host.pull_back(drive, found.samples, is_complex ? &modulus : nullptr);
+    const PatternSlopes slopes = slopes_of(host, drive, found.samples, is_complex ? &modulus : nullptr);
     Array2D<float> before(one.slm.grid.ny, one.slm.grid.nx);
     const DeviceBuffer g = upload(found.samples.values.data(), bytes), slope = upload(before),
                        of_modulus = upload(before);
@@ -152,7 +152,7 @@ TEST_P(DevicePanels, TakeTheSlopesHalfwayBetweenTwoLevels) {
   DevicePanel panel(device_, host);
   Field g = host.leave(drawn(slm, 3, 1));
   Array2D<float> halfway(slm.grid.ny, slm.grid.nx, 0.5F);
-  const Array2D<float> expected = host.pull_back(halfway, g.samples).drive, zeros(slm.grid.ny, slm.grid.nx);
+  const Array2D<float> expected = slopes_of(host, halfway, g.samples).drive, zeros(slm.grid.ny, slm.grid.nx);
   DevicePanel::Memory memory;
   const DeviceBuffer level = upload(drawn(slm, 2, 4)), slope = upload(zeros),
                      of_light = upload(g.samples.values.data(), g.samples.size() * sizeof g.samples.values[0]);

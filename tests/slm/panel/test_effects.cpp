@@ -2,6 +2,8 @@
 
 #include "holotrace/slm/panel/dead_pixels.h"
 #include "holotrace/slm/panel/illumination_states.h"
+#include "holotrace/slm/panel/panel_model.h"
+#include "holotrace/slm/panel/pixel_expansion.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/slm/panel/static_errors.h"
 #include "support/panels.h"
@@ -93,19 +95,20 @@ TEST(Crosstalk, LowersABinaryGratingAsItsQuadratureSays) {
     Slm slm = plain;
     slm.effects.crosstalk = sigma;
     const double expected = blurred_binary_efficiency(sigma);
-    // 32 cells per pixel: φ falls by up to π/(√(2π)·σ) per pixel. Cells of 1/32 pixel, each of one phase, err by its
-    // square over 24 per cell in the edge's width 2σ: (π/2.5σ)²·2σ/(24·32²) < 1.3e-3/σ·1e-1 = 5e-4 for all σ ≥ 0.05.
+    // 32 points per pixel resolve edges 2σ wide from σ = 0.05. Of the polynomials that are left out, the first order, at
+    // half a cycle per pixel, sees most of the sixth (the pattern is even or odd in each pixel): j₅(π/2) = 6e-4 of its factor,
+    // which is less than 0.05 for the sharpest edge.
     const double fine = efficiency_of(show(h, slm, with_effects({"crosstalk"}, 3, 32)), 8);
-    EXPECT_NEAR(fine, expected, 5e-4) << sigma;
-    // The default number of cells is exact to 2 % of the light for this pattern, the worst case. If cells are narrower
-    // than the edge, the error falls as 1/s²: by 4 for twice the cells, by 3 with terms of higher order.
+    EXPECT_NEAR(fine, expected, 6e-5) << sigma;
+    // The default number of points is exact to 1 % of the light for this pattern, the worst case. If points are closer
+    // than the edge is wide, the error falls exponentially: by more than 10 from 4 points to 8.
     const auto error = [&](int s) {
       return std::abs(efficiency_of(show(h, slm, with_effects({"crosstalk"}, 3, s)), 8) - expected);
     };
     if (sigma > 0.15) {
-      EXPECT_LT(error(8), error(4) / 3) << sigma;
+      EXPECT_LT(error(8), error(4) / 10) << sigma;
     }
-    EXPECT_LT(error(0), 0.02) << sigma;
+    EXPECT_LT(error(0), 0.01) << sigma;
     EXPECT_LT(fine, last) << sigma;
     last = fine;
     EXPECT_NEAR(efficiency_of(show(h, slm, with_effects({})), 8), 4 / (pi * pi),
@@ -127,13 +130,73 @@ TEST(Crosstalk, VanishesWithItsWidthAndLeavesEvenPhasesAlone) {
     EXPECT_LT(difference, last);
     last = difference;
   }
-  // Cells end w/2·(1 − 1/8) = 0.415 from the centre, 8.5 σ from the neighbour: nothing is left but rounding.
-  EXPECT_LT(last, 2e-6);
+  // The last of 8 points is 0.96·w/2 = 0.455 from the centre, 4.5 σ from the neighbour, and counts a tenth: nothing is left
+  // but rounding.
+  EXPECT_LT(last, 4e-6);
   slm.effects.crosstalk = 0.4;
   const Hologram even = make_hologram(slm, Modulation::phase, [](int) { return 77; });
   const Field a = show(even, slm, with_effects({"crosstalk"})), b = show(even, slm, with_effects({}));
   for (size_t i = 0; i < a.samples.size(); ++i)
-    EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of 4 × 4 cells
+    EXPECT_LT(std::abs(a.samples.values[i] - b.samples.values[i]), 2e-6);  // rounding of 5 × 5 points
+}
+
+// Random phases, against the blurred light summed up in double on 48 points per pixel and axis. The errors are those of pixel_expansion.h:
+// −43 dB of the light with one sample per pixel, −35 dB with three, −26 dB coarsely and for one sample. They are larger at the
+// edges of the orders, where half of these frequencies are.
+TEST(Crosstalk, IsTheBlurredLightOfRandomPhases) {
+  Slm slm = make_panel(15, 9, 256, 0.9);
+  slm.effects.crosstalk = 0.2;
+  const int nx = slm.grid.nx, ny = slm.grid.ny, points = 48;
+  const double w = std::sqrt(0.9), sigma = 0.2;
+  Array2D<float> drive(ny, nx);
+  CounterRandom random(5, 0, 0);
+  for (float& level : drive.values) level = float(256 * random.uniform());
+  const auto kernel = [&](double x) {
+    return 0.5 * (std::erf((x + 0.5) / std::sqrt(2.0) / sigma) - std::erf((x - 0.5) / std::sqrt(2.0) / sigma));
+  };
+  const auto place = [&](int k) { return k / points + w * ((k % points + 0.5) / points - 0.5); };  // [pixels]
+  const auto line_of = [&](int count, const auto& value, int k) {  // of the blurred values
+    double sum = 0;
+    for (int d = -3; d <= 3; ++d)
+      sum += kernel(place(k) - k / points - d) * value(((k / points + d) % count + count) % count);
+    return sum;
+  };
+  Array2D<float> along_x(ny, nx * points), cycles(ny * points, nx * points);
+  for (int j = 0; j < ny; ++j)
+    for (int k = 0; k < nx * points; ++k)
+      along_x(j, k) = float(line_of(
+          nx, [&](int i) { return drive(j, i) / 256; }, k));
+  for (int k = 0; k < nx * points; ++k)
+    for (int m = 0; m < ny * points; ++m)
+      cycles(m, k) = float(line_of(
+          ny, [&](int j) { return along_x(j, k); }, m));
+  const auto spectrum = [&](int a, int b) {  // û(a/nx, b/ny)
+    std::complex<double> sum = 0;
+    for (int m = 0; m < ny * points; ++m)
+      for (int k = 0; k < nx * points; ++k)
+        sum += std::polar(1.0, 2 * pi * (cycles(m, k) - a * place(k) / nx - b * place(m) / ny));
+    return sum * w * w / double(points * points) / double(nx * ny);
+  };
+  // Frequencies in the middle, at the edge of order 0, and beyond it.
+  const std::vector<std::pair<int, int>> frequencies{{1, -2}, {7, 4}, {-7, 1}, {3, -4}, {12, 2}, {-20, -11}};
+  for (const int n : {1, 3})
+    for (const bool is_coarse : {false, true}) {
+      const ShowParams params{.subpixels = n};
+      const PixelExpansion expansion = is_coarse ? coarse_pixel_expansion(slm, params) : pixel_expansion(slm, params);
+      const PanelModel model(slm, params, Modulation::phase, 256, 0, {test_wavelength}, expansion);
+      const Field field = model.leave(drive);
+      double error = 0, light = 0;
+      for (const auto& [a, b] : frequencies) {
+        if (2 * std::abs(a) > n * nx || 2 * std::abs(b) > n * ny) continue;
+        const std::complex<double> expected = spectrum(a, b);
+        // Pixels are about their middles, samples about the middle of the panel.
+        const std::complex<double> found =
+            wave_in(field, a, -b) * std::polar(1.0, pi * (-a * (nx - 1.0) / nx - b * (ny - 1.0) / ny));
+        error += std::norm(found - expected);
+        light += std::norm(expected);
+      }
+      EXPECT_LT(10 * std::log10(error / light), is_coarse ? -20 : n == 1 ? -34 : -28) << n;
+    }
 }
 
 // The same for pixels lit on a part w of their pitch, about their middles. The light is that of the blurred phase
@@ -154,9 +217,10 @@ TEST(Crosstalk, IsLightOfTheLitPartOfAPixel) {
         wave += 2 / pi * std::sin(pi * m * x) / m * std::exp(-std::pow(pi * m * sigma, 2) / 2);
       sum += std::polar(1.0, pi * wave - pi * x);
     }
-    // The cells' midpoint rule has an error of 5e-4 as above; cells for a fully lit pixel would see more of the edges.
+    // The sum's places miss the edges of the lit parts by up to half a step of 1/10000; points of a fully lit pixel would see
+    // more of the blurred edges.
     EXPECT_NEAR(efficiency_of(show(h, slm, with_effects({"crosstalk"}, 3, 32)), 8),
-                std::norm(sum / double(points)) * w * w, 5e-4)
+                std::norm(sum / double(points)) * w * w, 5e-5)
         << sigma;
   }
 }

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "holotrace/slm/panel/panel_model.h"
+#include "holotrace/slm/panel/pixel_expansion.h"
 #include "holotrace/slm/panel/show.h"
 #include "support/panels.h"
 
@@ -77,7 +78,7 @@ double real_product(const Array2D<Complex>& a, const Array2D<Complex>& b) {
   return sum;
 }
 
-TEST(PanelModel, PullsBackWhatFiniteDifferencesSay) {
+TEST(PanelModel, HasTheSlopesOfFiniteDifferences) {
   // f(u) = Re⟨g, u⟩ is linear in u: its gradient is g, and ∂f/∂ℓ along a direction d is [f(ℓ + hd) − f(ℓ − hd)]/2h. A
   // level is up to 0.7 rad, and h stays within it. (4·f(h/2) − f(h))/3 leaves (0.7·h)⁴/30 of each pixel's part, 3e-5 at
   // h = 1/4. Rounding: 1e-7 for each of up to 648 samples, in total 1e-7·√648·|u|·|g|/2h or 6e-6.
@@ -87,7 +88,7 @@ TEST(PanelModel, PullsBackWhatFiniteDifferencesSay) {
     const Array2D<float> drive = random_drive(s.slm, 7);
     const Field field = model.leave(drive);
     const Array2D<Complex> g = random_field(field.grid.ny, field.grid.nx, 8);
-    const Array2D<float> gradient = model.pull_back(drive, g).drive;
+    const Array2D<float> gradient = slopes_of(model, drive, g).drive;
     CounterRandom random(9, 0, 0);
     Array2D<float> direction(drive.ny, drive.nx);
     double predicted = 0, size = 0;
@@ -110,7 +111,7 @@ TEST(PanelModel, PullsBackWhatFiniteDifferencesSay) {
   }
 }
 
-TEST(PanelModel, AmplitudePanelsAreLinearAndPullBackTheirAdjoint) {
+TEST(PanelModel, AmplitudePanelsAreLinearAndHaveTheirAdjoint) {
   // Without a calibration u = A·ℓ: then ⟨y, A·x⟩ = ⟨Aᴴ·y, x⟩ to rounding, here some hundred terms of 6e-8.
   for (const int n : {1, 2, 3})
     for (const double sigma : {0.0, 0.25}) {
@@ -121,11 +122,54 @@ TEST(PanelModel, AmplitudePanelsAreLinearAndPullBackTheirAdjoint) {
       const Array2D<float> x = random_drive(slm, 1);
       const Field field = model.leave(x);
       const Array2D<Complex> y = random_field(field.grid.ny, field.grid.nx, 2);
-      const Array2D<float> back = model.pull_back(x, y).drive;
+      const Array2D<float> back = slopes_of(model, x, y).drive;
       double right = 0;
       for (size_t i = 0; i < x.size(); ++i) right += double(back.values[i]) * x.values[i];
       const double norm = std::sqrt(real_product(y, y) * real_product(field.samples, field.samples));
       EXPECT_NEAR(real_product(y, field.samples), right, 1e-6 * norm) << n << ", " << sigma;
+    }
+}
+
+// Rows of 15 pixels are not aligned in memory, and their 30 samples are not whole blocks of columns.
+TEST(PanelModel, TakesOddWidths) {
+  for (const double sigma : {0.0, 0.25}) {
+    Slm slm = make_panel(15, 9, 64, 0.7);
+    slm.effects.crosstalk = sigma;
+    const PanelModel model(slm, {.subpixels = 2}, Modulation::amplitude, 64, 0, {test_wavelength});
+    const Array2D<float> x = random_drive(slm, 1);
+    const Field field = model.leave(x);
+    const Array2D<Complex> y = random_field(field.grid.ny, field.grid.nx, 2);
+    const Array2D<float> back = slopes_of(model, x, y).drive;
+    double right = 0;
+    for (size_t i = 0; i < x.size(); ++i) right += double(back.values[i]) * x.values[i];
+    const double norm = std::sqrt(real_product(y, y) * real_product(field.samples, field.samples));
+    EXPECT_NEAR(real_product(y, field.samples), right, 1e-6 * norm) << sigma;  // as above
+  }
+}
+
+// j₀ = sin a/a, j₁ = sin a/a² − cos a/a and j₂ = (3/a² − 1)·sin a/a − 3·cos a/a², to rounding of their largest part.
+TEST(PixelExpansion, KnowsTheSpectraOfPolynomials) {
+  for (const double a : {1e-9, 0.3, 1.0, 2.5, 40.0, 1e5}) {
+    const double j0 = a < 1e-6 ? 1 : std::sin(a) / a, j1 = a < 1e-6 ? a / 3 : std::sin(a) / (a * a) - std::cos(a) / a;
+    const double j2 = a < 1e-6 ? 0 : (3 / (a * a) - 1) * std::sin(a) / a - 3 * std::cos(a) / (a * a);
+    EXPECT_NEAR(legendre_spectrum(0, a), j0, 1e-15);
+    EXPECT_NEAR(legendre_spectrum(1, a), j1, 1e-14);
+    EXPECT_NEAR(legendre_spectrum(1, -a), -j1, 1e-14);
+    EXPECT_NEAR(legendre_spectrum(2, a), j2, 1e-13);
+  }
+}
+
+// Gauss–Legendre: exact for polynomials up to P₇ with 4 points, so each P_k is found, and no other.
+TEST(PixelExpansion, FindsTheFactorsOfPolynomials) {
+  const LegendrePoints points(4, 4);
+  EXPECT_NEAR(points.places[0], -0.861136311594053, 1e-14);
+  EXPECT_NEAR(points.places[2], 0.339981043584856, 1e-14);
+  for (unsigned k = 0; k < 4; ++k)
+    for (unsigned other = 0; other < 4; ++other) {
+      double factor = 0;
+      for (size_t c = 0; c < 4; ++c)
+        factor += double(points.projections[k * 4 + c]) * std::legendre(other, points.places[c]);
+      EXPECT_NEAR(factor, k == other, 1e-6);  // projections are floats
     }
 }
 
@@ -157,7 +201,7 @@ TEST(PanelModel, SaysWhatIsWrong) {
   const PanelModel model(slm, {.subpixels = 2}, Modulation::phase, 256, 0, {test_wavelength});
   EXPECT_EQ(error_of([&] { model.leave(Array2D<float>(3, 5)); }),
             "expected a drive of 4 × 3 pixels, as the SLM \"test\" has, got 5 × 3");
-  EXPECT_EQ(error_of([&] { model.pull_back(Array2D<float>(3, 4), Array2D<Complex>(3, 4)); }),
+  EXPECT_EQ(error_of([&] { slopes_of(model, Array2D<float>(3, 4), Array2D<Complex>(3, 4)); }),
             "expected a gradient of 8 × 6 samples, as the field has, got 4 × 3");
 }
 

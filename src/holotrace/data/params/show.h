@@ -16,7 +16,7 @@ enum class Wavefront { plane, spherical, gaussian };
 /// The light on the panel, the panel effects that are modelled, and the sampling of the field that leaves the panel.
 struct ShowParams {
   int subpixels = 1;      ///< samples per pixel and axis; n samples hold the orders |m| ≤ (n−1)/2
-  int fine_samples = 0;   ///< samples per pixel and axis for crosstalk; 0: as many as it needs
+  int fine_samples = 0;   ///< points per pixel and axis for crosstalk; 0: as many as it needs
   double wavelength = 0;  ///< wavelength of the illumination [m]; 0: the hologram's
   double irradiance = 1;  ///< irradiance of the illumination on the axis [W/m²]
   Wavefront light = Wavefront::plane;
@@ -36,7 +36,7 @@ void describe(Visitor& v, ShowParams& p) {
   v.count("subpixels", p.subpixels, range::from_to(1, 65536),
           "samples of the field per pixel and axis; 1 shows order 0 only, 3 the orders -1, 0, 1");
   v.count("fine_samples", p.fine_samples, range::from_to(0, 64),
-          "samples per pixel and axis for crosstalk; 0: as many as it needs");
+          "points per pixel and axis for crosstalk; 0: as many as it needs");
   v.length("wavelength", p.wavelength, range::not_negative, "wavelength of the illumination; 0 m: the hologram's own");
   v.number("irradiance", p.irradiance, range::not_negative, "irradiance of the illumination on the axis in W/m2");
   v.choice("light", p.light,

@@ -13,10 +13,10 @@ namespace holotrace {
 namespace HWY_NAMESPACE {
 namespace {
 
-void blur(const float* from, const float* factors, size_t taps, size_t count, float* to) {
+void blur(const float* from, const float* factors, size_t taps, size_t count, bool adds, float* to) {
   each_vector<float>(count, [&](auto d, size_t i) {
-    auto sum = hn::Mul(hn::Set(d, factors[0]), hn::LoadU(d, from + i));
-    for (size_t k = 1; k < taps; ++k) sum = hn::MulAdd(hn::Set(d, factors[k]), hn::LoadU(d, from + i + k), sum);
+    auto sum = adds ? hn::LoadU(d, to + i) : hn::Zero(d);
+    for (size_t k = 0; k < taps; ++k) sum = hn::MulAdd(hn::Set(d, factors[k]), hn::LoadU(d, from + i + k), sum);
     hn::StoreU(sum, d, to + i);
   });
 }
@@ -56,8 +56,8 @@ HWY_EXPORT(lines_sum);
 HWY_EXPORT(turned_back);
 }  // namespace
 
-void blur_line(const float* from, const float* factors, size_t taps, size_t count, float* to) {
-  HWY_DYNAMIC_DISPATCH(blur)(from, factors, taps, count, to);
+void blur_line(const float* from, const float* factors, size_t taps, size_t count, bool adds, float* to) {
+  HWY_DYNAMIC_DISPATCH(blur)(from, factors, taps, count, adds, to);
 }
 
 void sum_lines(const float* const* lines, const float* factors, size_t number, size_t count, float* to) {

@@ -7,8 +7,8 @@
 
 namespace holotrace {
 
-/// to[i] = Σ_d factors[d]·from[i + d] over `taps` factors; from has count + taps − 1 values.
-void blur_line(const float* from, const float* factors, size_t taps, size_t count, float* to);
+/// to[i] = Σ_d factors[d]·from[i + d] over `taps` factors, or += that; from has count + taps − 1 values.
+void blur_line(const float* from, const float* factors, size_t taps, size_t count, bool adds, float* to);
 
 /// to[i] = Σ_r factors[r]·lines[r][i].
 void sum_lines(const float* const* lines, const float* factors, size_t number, size_t count, float* to);

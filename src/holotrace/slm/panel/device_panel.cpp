@@ -1,5 +1,7 @@
 #include "holotrace/slm/panel/device_panel.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -19,7 +21,6 @@ constexpr const char* source =
 
 constexpr size_t group = 64;
 
-Kernel kernel(const char* name) { return {name, {source}}; }
 WorkSize over(size_t count) { return {(count + group - 1) / group, 1, group, 1}; }
 WorkSize over(int nx, int ny) { return {(size_t(nx) + group - 1) / group, size_t(ny), group, 1}; }
 
@@ -59,8 +60,8 @@ struct DevicePanel::Response {
   float cycles_per_level, amplitude_per_level, modulus_per_level;
   int32_t has_amplitude, is_complex, has_stuck, is_halfway;
 };
-struct DevicePanel::Cell {
-  int32_t nx, ny, n, reach, first, has_amplitude, has_static;
+struct DevicePanel::Pixel {
+  int32_t nx, ny, n, reach, points, has_amplitude, has_static;
   float gap_re, gap_im;
 };
 
@@ -68,10 +69,10 @@ DevicePanel::DevicePanel(Device& device, const PanelModel& model) : device_(devi
   const PanelModel::Parts& parts = *model.parts_;
   check_countable(parts.out);
   const auto lock = device_.lock();
-  sizes_ = {parts.nx(), parts.ny(), parts.params.subpixels, parts.s};
+  sizes_ = {parts.nx(), parts.ny(), parts.params.subpixels, parts.expansion};
   is_complex_ = parts.modulation == Modulation::complex;
   has_amplitude_ = parts.response.has_amplitude() || is_complex_;
-  const PixelResponse::Table table = parts.response.table();
+  const PixelResponse::Table& table = parts.response.table();
   cycles_per_level_ = table.cycles_per_level;
   amplitude_per_level_ = table.amplitude_per_level;
   modulus_per_level_ = 1 / float(parts.levels - 1);
@@ -89,6 +90,7 @@ DevicePanel::DevicePanel(Device& device, const PanelModel& model) : device_(devi
     taps_x_ = upload(device_, parts.blur.along_x().values);
     taps_y_ = upload(device_, parts.blur.along_y().values);
   }
+  projections_ = upload(device_, parts.points.projections);
   weights_x_ = upload(device_, parts.row.weights());
   weights_y_ = upload(device_, parts.column.weights());
   static_errors_ = upload(device_, parts.static_errors.values);
@@ -115,12 +117,13 @@ void DevicePanel::make_memory(Memory& memory) {
     make(values->cycles, pixels);
     if (has_amplitude_) make(values->amplitudes, pixels);
   }
-  for (Pixels* values : {&memory.blurred, &memory.of_cells, &memory.of_rows}) {
+  for (Pixels* values : {&memory.blurred, &memory.of_points, &memory.of_rows}) {
     if (!has_blur_) break;
     make(values->cycles, pixels);
     if (has_amplitude_) make(values->amplitudes, pixels);
   }
-  for (DeviceBuffer* buffer : {&memory.cells, &memory.rows, &memory.columns}) make(*buffer, 2 * n * pixels);
+  make(memory.terms, 2 * size_t(sizes_.expansion.pairs()) * pixels);
+  for (DeviceBuffer* buffer : {&memory.term, &memory.rows, &memory.columns}) make(*buffer, 2 * n * pixels);
   for (DeviceBuffer* buffer : {&memory.turned, &memory.spread}) make(*buffer, 2 * n * n * pixels);
 }
 
@@ -136,16 +139,20 @@ DevicePanel::Response DevicePanel::response(const DevicePattern& pattern) const 
           .is_halfway = pattern.is_halfway};
 }
 
-DevicePanel::Cell DevicePanel::cell_at(int cx) const {
+DevicePanel::Pixel DevicePanel::pixel() const {
   return {.nx = sizes_.nx,
           .ny = sizes_.ny,
           .n = sizes_.n,
           .reach = has_blur_ ? reach_x_ : -1,
-          .first = cx * (2 * reach_x_ + 1),
+          .points = sizes_.expansion.points,
           .has_amplitude = has_amplitude_,
           .has_static = static_errors_.bytes() > 0,
           .gap_re = gap_re_,
           .gap_im = gap_im_};
+}
+
+Kernel DevicePanel::kernel(const char* name) const {
+  return {name, {source}, fmt::format("-D TERMS={}", sizes_.expansion.terms)};
 }
 
 // Phases and amplitudes of all pixels.
@@ -166,7 +173,7 @@ void DevicePanel::illuminate(const DeviceBuffer& u, bool is_by_columns, bool is_
                int32_t(is_conjugate), either(light_x_, u), either(light_y_, u), either(light_, u), u});
 }
 
-// With crosstalk: the blur along the columns to the cells of row cy of the pixels, or its adjoint.
+// With crosstalk: the blur along the columns to row cy of the points of all pixels, or its adjoint.
 void DevicePanel::blur_columns(const Pixels& from, const Pixels& to, int cy, bool is_adjoint, bool adds) {
   if (!has_blur_) return;
   const int32_t first = cy * (2 * reach_y_ + 1), sign = is_adjoint ? -1 : 1;
@@ -177,13 +184,13 @@ void DevicePanel::blur_columns(const Pixels& from, const Pixels& to, int cy, boo
                    from.*values, to.*values});
 }
 
-// The spectrum of a line of samples, times the weights of a cell, or their conjugates, and back.
-LineTransform DevicePanel::along(const DeviceBuffer& weights, int samples, int cell, bool is_adjoint, bool adds) const {
+// The spectrum of a line of samples, times the weights of a term, or their conjugates, and back.
+LineTransform DevicePanel::along(const DeviceBuffer& weights, int samples, int term, bool is_adjoint, bool adds) const {
   LineTransform line;
   line.length = samples;
   line.in.count = line.out.count = samples;
   line.filter.values = &weights;
-  line.filter.offset = cell * samples;
+  line.filter.offset = term * samples;
   line.filter.is_conjugate = is_adjoint;
   line.adds = adds;
   return line;
@@ -193,22 +200,26 @@ void DevicePanel::leave(const DevicePattern& pattern, const DeviceBuffer& u, Mem
   const auto lock = device_.lock();
   make_memory(memory);
   respond(pattern, memory);
-  const int n = sizes_.n, width = n * sizes_.nx, height = n * sizes_.ny;
+  const int n = sizes_.n, width = n * sizes_.nx, height = n * sizes_.ny, terms = sizes_.expansion.terms;
   const size_t samples = size_t(width) * size_t(height), in_rows = size_t(width) * size_t(sizes_.ny);
   const Pixels& shown = has_blur_ ? memory.blurred : memory.pixels;
-  if (n > 1) device_.run(kernel("clear_samples"), over(in_rows), {int32_t(in_rows), memory.cells});
-  for (int cy = 0; cy < sizes_.cells; ++cy) {
+  for (int cy = 0; cy < sizes_.expansion.points; ++cy) {
     blur_columns(memory.pixels, memory.blurred, cy, false, false);
-    for (int cx = 0; cx < sizes_.cells; ++cx) {
-      device_.run(kernel("cell_light"), over(sizes_.nx, sizes_.ny),
-                  {cell_at(cx), shown.cycles, either(shown.amplitudes, shown.cycles), either(taps_x_, shown.cycles),
-                   either(static_errors_, shown.cycles), memory.cells});
-      lines_.run(along(weights_x_, width, cx, false, cx > 0), sizes_.ny, memory.cells, memory.rows);
+    device_.run(kernel("add_terms"), over(sizes_.nx, sizes_.ny),
+                {pixel(), int32_t(cy), shown.cycles, either(shown.amplitudes, shown.cycles),
+                 either(taps_x_, shown.cycles), projections_, either(static_errors_, shown.cycles), memory.terms});
+  }
+  if (n > 1) device_.run(kernel("clear_samples"), over(in_rows), {int32_t(in_rows), memory.term});
+  for (int q = 0, pair = 0; q < terms; ++q) {
+    for (int p = 0; p < terms - q; ++p, ++pair) {
+      device_.run(kernel("take_term"), over(sizes_.pixels()),
+                  {int32_t(sizes_.pixels()), int32_t(n), int32_t(pair), memory.terms, memory.term});
+      lines_.run(along(weights_x_, width, p, false, p > 0), sizes_.ny, memory.term, memory.rows);
     }
     lines_.transpose(sizes_.ny, width, memory.rows, n > 1 ? memory.columns : memory.spread);
     if (n > 1)
       device_.run(kernel("put_apart"), over(samples), {int32_t(samples), int32_t(n), memory.columns, memory.spread});
-    lines_.run(along(weights_y_, height, cy, false, cy > 0), width, memory.spread, memory.turned);
+    lines_.run(along(weights_y_, height, q, false, q > 0), width, memory.spread, memory.turned);
   }
   lines_.transpose(width, height, memory.turned, u);
   if (gap_re_ != 0 || gap_im_ != 0)
@@ -218,18 +229,19 @@ void DevicePanel::leave(const DevicePattern& pattern, const DeviceBuffer& u, Mem
   illuminate(u, false, false);
 }
 
-// The slopes by a cell's phases and amplitudes, from ∂f/∂v of its light; with crosstalk added up over the cells of a row.
-void DevicePanel::add_cell_slopes(int cx, const Memory& memory) {
+// The slopes by the phases and amplitudes of a point of all pixels, from the terms'; with crosstalk added up over the
+// points of a row.
+void DevicePanel::add_point_slopes(int cx, int cy, const Memory& memory) {
   const Pixels& shown = has_blur_ ? memory.blurred : memory.pixels;
-  const Pixels& to = has_blur_ ? memory.of_cells : memory.of_pixels;
-  device_.run(kernel("cell_slopes"), over(sizes_.nx, sizes_.ny),
-              {cell_at(cx), shown.cycles, either(shown.amplitudes, shown.cycles), either(taps_x_, shown.cycles),
-               either(static_errors_, shown.cycles), memory.cells, to.cycles, either(to.amplitudes, to.cycles)});
+  const Pixels& to = has_blur_ ? memory.of_points : memory.of_pixels;
+  device_.run(kernel("point_slopes"), over(sizes_.nx, sizes_.ny),
+              {pixel(), int32_t(cx), int32_t(cy), shown.cycles, either(shown.amplitudes, shown.cycles),
+               either(taps_x_, shown.cycles), projections_, memory.terms, to.cycles, either(to.amplitudes, to.cycles)});
   if (!has_blur_) return;
   for (DeviceBuffer Pixels::*values : {&Pixels::cycles, &Pixels::amplitudes})
     if (values == &Pixels::cycles || has_amplitude_)
       device_.run(kernel("blur_rows_back"), over(sizes_.nx, sizes_.ny),
-                  {cell_at(cx), int32_t(cx > 0), taps_x_, to.*values, memory.of_rows.*values});
+                  {pixel(), int32_t(cx), taps_x_, to.*values, memory.of_rows.*values});
 }
 
 void DevicePanel::add_pattern_slopes(const DevicePattern& pattern, const DeviceSlopes& to, const Memory& memory) {
@@ -246,20 +258,25 @@ void DevicePanel::add_slopes(const DevicePattern& pattern, const DeviceBuffer& g
   const auto lock = device_.lock();
   make_memory(memory);
   respond(pattern, memory);
-  const int n = sizes_.n, width = n * sizes_.nx, height = n * sizes_.ny;
+  const int n = sizes_.n, width = n * sizes_.nx, height = n * sizes_.ny, terms = sizes_.expansion.terms;
   const size_t in_rows = size_t(width) * size_t(sizes_.ny);
   lines_.transpose(height, width, g, memory.turned);
   illuminate(memory.turned, true, true);
-  for (int cy = 0; cy < sizes_.cells; ++cy) {
-    blur_columns(memory.pixels, memory.blurred, cy, false, false);
-    lines_.run(along(weights_y_, height, cy, true, false), width, memory.turned, memory.spread);
+  for (int q = 0, pair = 0; q < terms; ++q) {
+    lines_.run(along(weights_y_, height, q, true, false), width, memory.turned, memory.spread);
     if (n > 1)
       device_.run(kernel("put_together"), over(in_rows), {int32_t(in_rows), int32_t(n), memory.spread, memory.columns});
     lines_.transpose(width, sizes_.ny, n > 1 ? memory.columns : memory.spread, memory.rows);
-    for (int cx = 0; cx < sizes_.cells; ++cx) {
-      lines_.run(along(weights_x_, width, cx, true, false), sizes_.ny, memory.rows, memory.cells);
-      add_cell_slopes(cx, memory);
+    for (int p = 0; p < terms - q; ++p, ++pair) {
+      lines_.run(along(weights_x_, width, p, true, false), sizes_.ny, memory.rows, memory.term);
+      device_.run(kernel("put_term"), over(sizes_.pixels()),
+                  {int32_t(sizes_.pixels()), int32_t(n), int32_t(pair), int32_t(static_errors_.bytes() > 0),
+                   either(static_errors_, memory.term), memory.term, memory.terms});
     }
+  }
+  for (int cy = 0; cy < sizes_.expansion.points; ++cy) {
+    blur_columns(memory.pixels, memory.blurred, cy, false, false);
+    for (int cx = 0; cx < sizes_.expansion.points; ++cx) add_point_slopes(cx, cy, memory);
     blur_columns(memory.of_rows, memory.of_pixels, cy, true, cy > 0);
   }
   add_pattern_slopes(pattern, to, memory);

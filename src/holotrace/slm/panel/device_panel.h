@@ -4,6 +4,7 @@
 
 #include "holotrace/opencl/device.h"
 #include "holotrace/slm/panel/panel_model.h"
+#include "holotrace/slm/panel/pixel_expansion.h"
 #include "holotrace/wave/transform/line_transform.h"
 
 namespace holotrace {
@@ -27,9 +28,9 @@ void check_countable(const Grid& samples);
 
 /// A PanelModel on an OpenCL device: the light that leaves it, and gradients back, with all effects.
 ///
-/// The s × s cells of the pixels are done one after the other: cell (cy, cx) of all pixels is blurred, becomes light, and is
-/// spread along the rows; the sums over cx are spread along the columns (PixelLine). For n samples per pixel, n − 1 zeros
-/// between the pixels repeat their spectrum n times.
+/// The light of all pixels is expanded in Legendre polynomials (PixelExpansion), one row of points after the other. Then the
+/// terms are done one after the other: those of one q are spread along the rows, and their sums along the columns
+/// (PixelLine). For n samples per pixel, n − 1 zeros between the pixels repeat their spectrum n times.
 class DevicePanel {
  public:
   /// Arrays of a call. Panels of one grid may use the same ones, one after the other.
@@ -38,10 +39,10 @@ class DevicePanel {
     struct Pixels {
       DeviceBuffer cycles, amplitudes;
     };
-    Pixels pixels, blurred;               ///< of the pattern, and of its cells before the blur along the rows
-    Pixels of_cells, of_rows, of_pixels;  ///< slopes
-    DeviceBuffer cells;                   ///< light of a cell of all pixels, n samples apart
-    DeviceBuffer rows, columns;           ///< after the transforms of rows: row by row, and column by column
+    Pixels pixels, blurred;  ///< of the pattern, and of a row of its points before the blur along the rows
+    Pixels of_points, of_rows, of_pixels;  ///< slopes
+    DeviceBuffer terms, term;              ///< of all pixels; one of them, n samples apart
+    DeviceBuffer rows, columns;            ///< after the transforms of rows: row by row, and column by column
     DeviceBuffer turned, spread;  ///< samples of the field column by column; with n − 1 zeros between the rows
   };
 
@@ -51,27 +52,29 @@ class DevicePanel {
   /// Writes the field that leaves the panel to `u`, shape (n·ny, n·nx).
   void leave(const DevicePattern& pattern, const DeviceBuffer& u, Memory& memory);
 
-  /// Adds factor·∂f/∂drive to the slopes, given g = ∂f/∂Re u + i·∂f/∂Im u (PanelModel::pull_back).
+  /// Adds factor·∂f/∂drive to the slopes, given g = ∂f/∂Re u + i·∂f/∂Im u (PanelModel::add_slopes).
   void add_slopes(const DevicePattern& pattern, const DeviceBuffer& g, const DeviceSlopes& to, Memory& memory);
 
  private:
   struct Sizes {
-    int nx, ny, n, cells;
+    int nx, ny, n;
+    PixelExpansion expansion;
     size_t pixels() const { return size_t(nx) * size_t(ny); }
   };
   using Pixels = Memory::Pixels;
   struct Response;
-  struct Cell;
+  struct Pixel;
   void make(DeviceBuffer& buffer, size_t floats);
   void make_memory(Memory& memory);
   Response response(const DevicePattern& pattern) const;
-  Cell cell_at(int cx) const;
+  Pixel pixel() const;
+  Kernel kernel(const char* name) const;
   void respond(const DevicePattern& pattern, const Memory& memory);
   void illuminate(const DeviceBuffer& u, bool is_by_columns, bool is_conjugate);
   void blur_columns(const Pixels& from, const Pixels& to, int cy, bool is_adjoint, bool adds);
-  void add_cell_slopes(int cx, const Memory& memory);
+  void add_point_slopes(int cx, int cy, const Memory& memory);
   void add_pattern_slopes(const DevicePattern& pattern, const DeviceSlopes& to, const Memory& memory);
-  LineTransform along(const DeviceBuffer& weights, int samples, int cell, bool is_adjoint, bool adds) const;
+  LineTransform along(const DeviceBuffer& weights, int samples, int term, bool is_adjoint, bool adds) const;
 
   Device& device_;
   LineTransforms lines_;
@@ -82,7 +85,8 @@ class DevicePanel {
   int knots_count_;
   float gap_re_, gap_im_, whole_gap_re_, whole_gap_im_;
   DeviceBuffer light_x_, light_y_, light_;  // none: even light
-  DeviceBuffer knots_, stuck_, stuck_moduli_, taps_x_, taps_y_, weights_x_, weights_y_, static_errors_, gap_field_;
+  DeviceBuffer knots_, stuck_, stuck_moduli_, taps_x_, taps_y_, projections_, weights_x_, weights_y_, static_errors_,
+      gap_field_;
 };
 
 }  // namespace holotrace

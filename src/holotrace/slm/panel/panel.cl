@@ -7,12 +7,14 @@ typedef struct {
   int has_amplitude, is_complex, has_stuck, is_halfway;
 } Response;
 
+// The expansion of the light over a pixel (pixel_expansion.h) has TERMS terms along each axis. Pairs (p, q) of them are in the
+// order of q: all p < TERMS − q for q = 0, and so on.
 typedef struct {
-  int nx, ny, n;          // pixels, and samples per pixel and axis
-  int reach, first;       // of the blur along x, −1 for none; the first of the cell's taps
+  int nx, ny, n;      // pixels, and samples per pixel and axis
+  int reach, points;  // of the blur along x, −1 for none; of the expansion along each axis
   int has_amplitude, has_static;
   float gap_re, gap_im;
-} Cell;
+} Pixel;
 
 int wrapped(int i, int n) {
   const int rest = i % n;
@@ -69,10 +71,10 @@ float blurred_in_row(__global const float* row, __global const float* taps, int 
   return sum;
 }
 
-// The value of a cell, from the values of the pixels of its row.
-float of_cell(Cell c, __global const float* values, __global const float* taps, int j, int i) {
-  __global const float* const row = values + (size_t)j * c.nx;
-  return c.reach < 0 ? row[i] : blurred_in_row(row, taps, c.nx, c.reach, c.first, 1, i);
+// The value at point cx, from the values of the pixels of its row.
+float at_point(Pixel p, __global const float* values, __global const float* taps, int cx, int j, int i) {
+  __global const float* const row = values + (size_t)j * p.nx;
+  return p.reach < 0 ? row[i] : blurred_in_row(row, taps, p.nx, p.reach, cx * (2 * p.reach + 1), 1, i);
 }
 
 float2 phasor(float cycles) {
@@ -82,41 +84,74 @@ float2 phasor(float cycles) {
 
 float2 product(float2 a, float2 b) { return (float2)(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x); }
 
-// a·exp(iφ) − γ, times the static error.
-__kernel void cell_light(Cell c, __global const float* cycles, __global const float* amplitudes,
-                         __global const float* taps, __global const float2* static_errors, __global float2* to) {
+// Adds the light a·exp(iφ) of row cy of the points to the terms of all pixels: of each pair an array of (ny, nx). With the
+// last row comes −γ, and all is multiplied by the static errors.
+__kernel void add_terms(Pixel p, int cy, __global const float* cycles, __global const float* amplitudes,
+                        __global const float* taps, __global const float* projections,
+                        __global const float2* static_errors, __global float2* terms) {
   const int i = get_global_id(0), j = get_global_id(1);
-  if (i >= c.nx) return;
-  const size_t at = (size_t)j * c.nx + i;
-  float2 v = phasor(of_cell(c, cycles, taps, j, i));
-  if (c.has_amplitude) v *= of_cell(c, amplitudes, taps, j, i);
-  v -= (float2)(c.gap_re, c.gap_im);
-  to[at * c.n] = c.has_static ? product(v, static_errors[at]) : v;
+  if (i >= p.nx) return;
+  const size_t at = (size_t)j * p.nx + i, pixels = (size_t)p.nx * p.ny;
+  float2 along_x[TERMS];
+  for (int k = 0; k < TERMS; ++k) along_x[k] = (float2)(0.0f);
+  for (int cx = 0; cx < p.points; ++cx) {
+    float2 v = phasor(at_point(p, cycles, taps, cx, j, i));
+    if (p.has_amplitude) v *= at_point(p, amplitudes, taps, cx, j, i);
+    for (int k = 0; k < TERMS; ++k) along_x[k] += projections[k * p.points + cx] * v;
+  }
+  const int is_last = cy == p.points - 1;
+  __global float2* to = terms + at;
+  for (int q = 0; q < TERMS; ++q)
+    for (int k = 0; k < TERMS - q; ++k, to += pixels) {
+      float2 sum = projections[q * p.points + cy] * along_x[k];
+      if (cy > 0) sum += *to;
+      if (is_last && q == 0 && k == 0) sum -= (float2)(p.gap_re, p.gap_im);
+      *to = is_last && p.has_static ? product(sum, static_errors[at]) : sum;
+    }
 }
 
-// 2π·a·Im(q·u*) and Re(q·u*), u the light of amplitude 1 (turn_back).
-__kernel void cell_slopes(Cell c, __global const float* cycles, __global const float* amplitudes,
-                          __global const float* taps, __global const float2* static_errors, __global const float2* q,
-                          __global float* of_cycles, __global float* of_amplitudes) {
+// A term of all pixels, to[n·k] = its value of pixel k; and back, with the conjugate static errors, for gradients.
+__kernel void take_term(int count, int n, int pair, __global const float2* terms, __global float2* to) {
+  const int k = get_global_id(0);
+  if (k < count) to[(size_t)k * n] = terms[(size_t)pair * count + k];
+}
+
+__kernel void put_term(int count, int n, int pair, int has_static, __global const float2* static_errors,
+                       __global const float2* from, __global float2* terms) {
+  const int k = get_global_id(0);
+  if (k >= count) return;
+  const float2 value = from[(size_t)k * n];
+  terms[(size_t)pair * count + k] =
+      has_static ? product(value, (float2)(static_errors[k].x, -static_errors[k].y)) : value;
+}
+
+// 2π·a·Im(q·u*) and Re(q·u*), u the light of amplitude 1 at point (cx, cy) and q the slope by it (turn_back).
+__kernel void point_slopes(Pixel p, int cx, int cy, __global const float* cycles, __global const float* amplitudes,
+                           __global const float* taps, __global const float* projections,
+                           __global const float2* terms, __global float* of_cycles, __global float* of_amplitudes) {
   const int i = get_global_id(0), j = get_global_id(1);
-  if (i >= c.nx) return;
-  const size_t at = (size_t)j * c.nx + i;
-  float2 u = phasor(of_cell(c, cycles, taps, j, i));
-  if (c.has_static) u = product(u, static_errors[at]);
-  const float2 g = q[at * c.n];
-  const float a = c.has_amplitude ? of_cell(c, amplitudes, taps, j, i) : 1;
+  if (i >= p.nx) return;
+  const size_t at = (size_t)j * p.nx + i, pixels = (size_t)p.nx * p.ny;
+  const float2 u = phasor(at_point(p, cycles, taps, cx, j, i));
+  __global const float2* from = terms + at;
+  float2 g = (float2)(0.0f);
+  for (int q = 0; q < TERMS; ++q)
+    for (int k = 0; k < TERMS - q; ++k, from += pixels)
+      g += projections[q * p.points + cy] * projections[k * p.points + cx] * *from;
+  const float a = p.has_amplitude ? at_point(p, amplitudes, taps, cx, j, i) : 1;
   of_cycles[at] = 6.28318531f * a * (g.y * u.x - g.x * u.y);
-  if (c.has_amplitude) of_amplitudes[at] = g.x * u.x + g.y * u.y;
+  if (p.has_amplitude) of_amplitudes[at] = g.x * u.x + g.y * u.y;
 }
 
-// The adjoint of the blur of a cell along its row: to[i] = Σ_d taps[first + d + reach]·from[i − d], or += that.
-__kernel void blur_rows_back(Cell c, int adds, __global const float* taps, __global const float* from,
+// The adjoint of the blur along a row to point cx: to[i] = Σ_d taps[first + d + reach]·from[i − d], or += that.
+__kernel void blur_rows_back(Pixel p, int cx, __global const float* taps, __global const float* from,
                              __global float* to) {
   const int i = get_global_id(0), j = get_global_id(1);
-  if (i >= c.nx) return;
-  const size_t at = (size_t)j * c.nx + i;
-  const float sum = blurred_in_row(from + (size_t)j * c.nx, taps, c.nx, c.reach, c.first, -1, i);
-  to[at] = adds ? to[at] + sum : sum;
+  if (i >= p.nx) return;
+  const size_t at = (size_t)j * p.nx + i;
+  const int first = cx * (2 * p.reach + 1);
+  const float sum = blurred_in_row(from + (size_t)j * p.nx, taps, p.nx, p.reach, first, -1, i);
+  to[at] = cx > 0 ? to[at] + sum : sum;
 }
 
 __kernel void pattern_slopes(Response r, float factor, __global const float* drive, __global const float* modulus,

@@ -1,5 +1,7 @@
 // Gradients by the drive of a panel, from gradients by the light that leaves it.
 
+#include <algorithm>
+
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/slm/panel/blur_kernels.h"
@@ -17,20 +19,21 @@ Complex product_conjugate(Complex a, Complex b) {  // a·conj(b)
 
 }  // namespace
 
-// The adjoint of spread_columns, applied to the gradient times conj(light): [cell][row of pixels][column of samples].
+// The adjoint of spread_columns, applied to the gradient times conj(light).
 void PanelModel::Parts::gather_columns(const Array2D<Complex>& gradient, Complex* rows) const {
-  const size_t height = size_t(s) * size_t(ny()), length = size_t(out.ny);
-  parallel_for(0, (out.nx + column_block - 1) / column_block, [&](int64_t b) {
-    const int first = int(b) * column_block, count = std::min(column_block, out.nx - first);
-    AlignedVector<Complex> cells(size_t(count) * height), samples(size_t(count) * length);
+  constexpr int block = PixelLine::block;
+  const size_t height = size_t(expansion.terms) * size_t(ny()), length = size_t(out.ny);
+  parallel_for(0, int64_t(blocks()), [&](int64_t b) {
+    const int first = int(b) * block, count = std::min(block, out.nx - first);
+    AlignedVector<Complex> samples(block * length);
     for (size_t j = 0; j < length; ++j) {
       const Complex* from = gradient.row(int(j)) + first;
-      for (int c = 0; c < count; ++c)
-        samples[size_t(c) * length + j] = light.is_even() ? from[c] : unlit(from[c], int(j), first + c);
+      if (light.is_even())
+        std::copy_n(from, count, &samples[j * block]);
+      else
+        for (int c = 0; c < count; ++c) samples[j * block + size_t(c)] = unlit(from[c], int(j), first + c);
     }
-    for (int c = 0; c < count; ++c) column.gather(&samples[size_t(c) * length], &cells[size_t(c) * height]);
-    for (size_t r = 0; r < height; ++r)
-      for (int c = 0; c < count; ++c) rows[r * row_stride() + size_t(first + c)] = cells[size_t(c) * height + r];
+    column.gather_block(expansion.terms, samples.data(), rows + size_t(b) * height * block);
   });
 }
 
@@ -40,80 +43,129 @@ Complex PanelModel::Parts::unlit(Complex g, int j, int i) const {
   return product_conjugate(product_conjugate(g, light.along_x[size_t(i)]), light.along_y[size_t(j)]);
 }
 
-// ∂f/∂cycles and ∂f/∂amplitude of the cells of one row, from q = ∂f/∂v of the light v·exp(iψ) that they send:
-// Re(conj(q)·∂v), v = a·exp(iφ). Without amplitudes a is 1. Changes the values of the cells.
-void PanelModel::Parts::gradient_of_cells(const Complex* q, int j, Cells& cells, float* of_cycles,
-                                          float* of_amplitudes) const {
-  for (int cx = 0; cx < s && static_errors.size() > 0; ++cx) {
-    Complex* line = cells.values.data() + size_t(cx) * size_t(nx());
-    multiply(line, line, static_errors.row(j), size_t(nx()));
+// ∂f/∂cycles and ∂f/∂amplitude of all points, from those of the factors of P_p·P_q: Re(conj(q)·∂v), v = a·exp(iφ). Without
+// amplitudes a is 1. They replace the phases and amplitudes.
+void PanelModel::Parts::gradient_of_chunk(size_t first, size_t count, bool has_amplitudes, RowSpace& space) const {
+  const int terms = expansion.terms, points_count = expansion.points;
+  const size_t width = size_t(nx());
+  const auto sum_to = [&](Complex* to) {
+    sum_lines(space.lines.data(), space.factors.data(), space.lines.size(), 2 * count, floats(to));
+  };
+  const auto clear = [&] {
+    space.lines.clear();
+    space.factors.clear();
+  };
+  for (int cy = 0; cy < points_count; ++cy)
+    for (int p = 0; p < terms; ++p) {
+      clear();
+      for (int q = 0; q < terms - p; ++q) {
+        space.lines.push_back(floats(space.terms(q) + size_t(p) * width + first));
+        space.factors.push_back(projection(q, cy));
+      }
+      sum_to(space.along_x + size_t(cy * terms + p) * RowSpace::chunk);
+    }
+  Complex *of_light = space.light, *light_of_point = space.light + RowSpace::chunk;
+  for (int point = 0; point < points_count * points_count; ++point) {
+    const int cy = point / points_count, cx = point % points_count;
+    clear();
+    for (int p = 0; p < terms; ++p) {
+      space.lines.push_back(floats(space.along_x + size_t(cy * terms + p) * RowSpace::chunk));
+      space.factors.push_back(projection(p, cx));
+    }
+    sum_to(of_light);
+    float* cycles = space.cycles + size_t(point) * width + first;
+    float* amplitudes = has_amplitudes ? space.amplitudes + size_t(point) * width + first : nullptr;
+    phasors(cycles, nullptr, count, light_of_point);
+    turn_back(of_light, light_of_point, amplitudes, count, cycles, amplitudes);
   }
-  turn_back(q, cells.values.data(), of_amplitudes ? cells.amplitudes.data() : nullptr, cells.values.size(), of_cycles,
-            of_amplitudes);
+}
+
+// The same of the points of row j, whose terms hold the gradient.
+void PanelModel::Parts::gradient_of_points(const DrivenPixels& pixels, int j, RowSpace& space) const {
+  const size_t width = size_t(nx());
+  const bool has_a = has_amplitude(pixels.modulus);
+  for (int pair = 0; pair < expansion.pairs() && static_errors.size() > 0; ++pair) {
+    Complex* line = space.terms(0) + size_t(pair) * width;
+    multiply_conjugate(line, line, static_errors.row(j), width);
+  }
+  points_of_row(pixels, j, space);
+  if (expansion.points > 1) {
+    for (size_t first = 0; first < width; first += RowSpace::chunk)
+      gradient_of_chunk(first, std::min(RowSpace::chunk, width - first), has_a, space);
+    return;
+  }
+  AlignedVector<Complex> shown(width);
+  phasors(space.cycles, nullptr, width, shown.data());
+  float* amplitudes = has_a ? space.amplitudes : nullptr;
+  turn_back(space.terms(0), shown.data(), amplitudes, width, space.cycles, amplitudes);
 }
 
 // From ∂f/∂cycles and ∂f/∂amplitude of the pixels of row j to ∂f/∂drive and ∂f/∂modulus. With a modulus μ, a pixel's
 // amplitude is a(ℓ)·μ/(M−1).
-void PanelModel::Parts::gradient_of_pattern(const DrivenPixels& pixels, int j, const float* of_cycles,
-                                            const float* of_amplitudes, Slopes& to) const {
+void PanelModel::Parts::add_slopes_of_row(const DrivenPixels& pixels, int j, const float* of_cycles,
+                                          const float* of_amplitudes, double factor, const Slopes& to) const {
+  const size_t width = size_t(nx());
   const float* level = pixels.drive.row(j);
   const float* modulus = pixels.modulus ? pixels.modulus->row(j) : nullptr;
   const float scale = modulus ? 1.0F / float(levels - 1) : 1;
-  float* of_drive = to.drive.row(j);
-  AlignedVector<float> of_level(modulus ? size_t(nx()) : 0);  // a(ℓ)
-  if (modulus) response.amplitudes(level, nx(), of_level.data());
-  for (int i = 0; i < nx(); ++i) {
-    float cycles_slope = 0, amplitude_slope = 0;
-    response.slopes(level[i], cycles_slope, amplitude_slope);
-    of_drive[i] = cycles_slope * of_cycles[i];
-    if (of_amplitudes) of_drive[i] += (modulus ? scale * modulus[i] : 1) * amplitude_slope * of_amplitudes[i];
-    if (modulus) to.modulus(j, i) = scale * of_level[size_t(i)] * of_amplitudes[i];
+  AlignedVector<float> of_drive(width), of_modulus(modulus ? width : 0);
+  response.pull_back(level, nx(), of_cycles, of_amplitudes, modulus, scale, of_drive.data());
+  if (modulus) {
+    response.amplitudes(level, nx(), of_modulus.data());  // a(ℓ)
+    for (size_t i = 0; i < width; ++i) of_modulus[i] *= scale * of_amplitudes[i];
   }
   for (size_t k = stuck_of_row[size_t(j)]; k < stuck_of_row[size_t(j) + 1]; ++k) {
-    const int i = int(stuck[k].pixel - int64_t(j) * nx());
+    const size_t i = size_t(stuck[k].pixel - int64_t(j) * nx());
     of_drive[i] = 0;
-    if (modulus) to.modulus(j, i) = 0;
+    if (modulus) of_modulus[i] = 0;
   }
+  const auto add = [&](const AlignedVector<float>& from, float* sum) {
+    for (size_t i = 0; i < width; ++i) sum[i] += float(factor) * from[i];
+  };
+  add(of_drive, to.drive.row(j));
+  if (modulus) add(of_modulus, to.modulus->row(j));
 }
 
-PanelModel::Slopes PanelModel::Parts::pull_back(const Array2D<float>& drive, const Array2D<float>* modulus,
-                                                const Array2D<Complex>& gradient) const {
-  const bool has_a = has_amplitude(modulus);
+void PanelModel::Parts::add_slopes(const Pattern& at, const Array2D<Complex>& gradient, double factor,
+                                   const Slopes& to) const {
+  const bool has_a = has_amplitude(at.modulus);
   const size_t pixels = size_t(nx()) * size_t(ny());
-  Workspace::Loan lent(workspace, blur_floats(modulus));
-  const DrivenPixels pattern = driven(drive, modulus, lent.data());
+  Workspace::Loan lent(workspace, blur_floats(at.modulus));
+  const DrivenPixels pattern = driven(at.drive, at.modulus, lent.data());
 
-  Workspace::Loan space(workspace, 2 * size_t(s) * size_t(ny()) * row_stride());
+  const int terms = expansion.terms, rows_of_points = expansion.points;
+  Workspace::Loan space(workspace, floats_in_rows(terms));
   Complex* rows = reinterpret_cast<Complex*>(space.data());
   gather_columns(gradient, rows);
 
-  Slopes result{Array2D<float>(ny(), nx()), modulus ? Array2D<float>(ny(), nx()) : Array2D<float>()};
-  // With crosstalk: gradients of the rows of cells after the adjoint blur along x, [phase, amplitude][cell][row].
-  Workspace::Loan unblurred(workspace, has_crosstalk ? pixels * size_t(s) * (has_a ? 2 : 1) : 0);
-  parallel_for(0, int64_t(s) * ny(), [&](int64_t r) {
-    const int cy = int(r / ny()), j = int(r % ny());
-    Cells cells(*this);
-    cells_of_row(pattern, j, cy, cells);
-    phasors(cells.cycles.data(), nullptr, cells.values.size(), cells.values.data());
-    AlignedVector<Complex> q(cells.values.size());
-    row.gather(rows + size_t(r) * row_stride(), q.data());
-    AlignedVector<float> of_cycles(q.size()), of_amplitudes(has_a ? q.size() : 0);
-    gradient_of_cells(q.data(), j, cells, of_cycles.data(), has_a ? of_amplitudes.data() : nullptr);
+  // With crosstalk: gradients of the rows of points after the adjoint blur along x, [phase, amplitude][cy][row].
+  const size_t in_points = pixels * size_t(rows_of_points);
+  Workspace::Loan unblurred(workspace, has_crosstalk ? in_points * (has_a ? 2 : 1) : 0);
+  parallel_for(0, ny(), [&](int64_t j) {
+    RowSpace work(*this);
+    for (int q = 0; q < terms; ++q) {
+      take_row(rows, q, int(j), work.samples);
+      row.gather(terms - q, work.samples, work.terms(q));
+    }
+    gradient_of_points(pattern, int(j), work);
     if (!has_crosstalk) {
-      gradient_of_pattern(pattern, j, of_cycles.data(), has_a ? of_amplitudes.data() : nullptr, result);
+      add_slopes_of_row(pattern, int(j), work.cycles, has_a ? work.amplitudes : nullptr, factor, to);
       return;
     }
-    blur.from_cells(of_cycles.data(), unblurred.data() + size_t(r) * size_t(nx()));
-    if (has_a) blur.from_cells(of_amplitudes.data(), unblurred.data() + pixels * size_t(s) + size_t(r) * size_t(nx()));
+    for (int cy = 0; cy < rows_of_points; ++cy) {
+      const size_t from = size_t(cy * rows_of_points) * size_t(nx());
+      float* row_of_points = unblurred.data() + size_t(cy) * pixels + size_t(j) * size_t(nx());
+      blur.from_points(work.cycles + from, row_of_points);
+      if (has_a) blur.from_points(work.amplitudes + from, row_of_points + in_points);
+    }
   });
-  if (!has_crosstalk) return result;
+  if (!has_crosstalk) return;
   parallel_for(0, ny(), [&](int64_t j) {
     AlignedVector<float> of_cycles(static_cast<size_t>(nx())), of_amplitudes(has_a ? size_t(nx()) : 0);
     blur.from_rows(unblurred.data(), int(j), of_cycles.data());
-    if (has_a) blur.from_rows(unblurred.data() + pixels * size_t(s), int(j), of_amplitudes.data());
-    gradient_of_pattern(pattern, int(j), of_cycles.data(), has_a ? of_amplitudes.data() : nullptr, result);
+    if (has_a) blur.from_rows(unblurred.data() + in_points, int(j), of_amplitudes.data());
+    add_slopes_of_row(pattern, int(j), of_cycles.data(), has_a ? of_amplitudes.data() : nullptr, factor, to);
   });
-  return result;
 }
 
 }  // namespace holotrace

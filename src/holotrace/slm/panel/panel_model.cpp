@@ -10,7 +10,11 @@ namespace holotrace {
 
 PanelModel::PanelModel(const Slm& slm, const ShowParams& params, Modulation modulation, int levels,
                        double design_wavelength, const IlluminationState& state)
-    : parts_(std::make_shared<const Parts>(slm, params, modulation, levels, design_wavelength, state)) {}
+    : PanelModel(slm, params, modulation, levels, design_wavelength, state, pixel_expansion(slm, params)) {}
+
+PanelModel::PanelModel(const Slm& slm, const ShowParams& params, Modulation modulation, int levels,
+                       double design_wavelength, const IlluminationState& state, const PixelExpansion& expansion)
+    : parts_(std::make_shared<const Parts>(slm, params, modulation, levels, design_wavelength, state, expansion)) {}
 
 void PanelModel::leave(const Array2D<float>& drive, Field& field, const Array2D<float>* modulus) const {
   const Parts& parts = *parts_;
@@ -35,14 +39,15 @@ Field PanelModel::leave(const Array2D<float>& drive, const Array2D<float>* modul
   return field;
 }
 
-PanelModel::Slopes PanelModel::pull_back(const Array2D<float>& drive, const Array2D<std::complex<float>>& gradient,
-                                         const Array2D<float>* modulus) const {
+void PanelModel::add_slopes(const Pattern& pattern, const Array2D<std::complex<float>>& gradient, double factor,
+                            const Slopes& to) const {
   const Parts& parts = *parts_;
-  parts.check_pattern(drive, modulus);
+  parts.check_pattern(pattern.drive, pattern.modulus);
   require(gradient.nx == parts.out.nx && gradient.ny == parts.out.ny,
           "expected a gradient of {} × {} samples, as the field has, got {} × {}", parts.out.nx, parts.out.ny,
           gradient.nx, gradient.ny);
-  return parts.pull_back(drive, modulus, gradient);
+  parts.check_pattern(to.drive, to.modulus);
+  parts.add_slopes(pattern, gradient, factor, to);
 }
 
 double PanelModel::power_in() const {
@@ -57,17 +62,20 @@ double PanelModel::power_in() const {
 // The blur of crosstalk counts neither for the processor nor for the device.
 PanelWork PanelModel::work() const {
   const Parts& p = *parts_;
-  const double n = p.params.subpixels, cells = p.s, nx = p.nx(), ny = p.ny(), pixels = nx * ny;
+  const double n = p.params.subpixels, nx = p.nx(), ny = p.ny(), pixels = nx * ny;
+  const double points = p.expansion.points, terms = p.expansion.terms, pairs = p.expansion.pairs();
   const double samples = n * n * pixels, in_rows = n * pixels;
   constexpr double sample_bytes = sizeof(std::complex<float>);
   PanelWork work;
-  work.on_processor.fft_operations = cells * ny * (cells * fft_operations(nx) + fft_operations(n * nx)) +
-                                     n * nx * (cells * fft_operations(ny) + fft_operations(n * ny));
-  // Light of the cells, products with weights, and copies of columns.
-  work.on_processor.samples = cells * (cells * (pixels + in_rows) + in_rows) + cells * (in_rows + samples) + samples;
-  // Of each row of cells: the light of its cells and its transforms along x, two transpositions and a transform along y.
-  const double of_row = cells * (pixels + 4 * in_rows) + 3 * in_rows + 4 * samples;
-  work.moved = sample_bytes * (cells * of_row + 2 * samples + 2 * pixels);
+  work.on_processor.fft_operations = ny * (pairs * fft_operations(nx) + terms * fft_operations(n * nx)) +
+                                     n * nx * (terms * fft_operations(ny) + fft_operations(n * ny));
+  // Light of the points and its projections, products with weights, and copies of columns.
+  work.on_processor.samples =
+      pixels * points * (points + terms) + pairs * (pixels + in_rows) + terms * (2 * in_rows + samples) + samples;
+  // Of each row of points: their light, added to the terms. Of each pair of terms: its copy and transforms along x; of each
+  // row of terms two transpositions and a transform along y.
+  work.moved = sample_bytes * (points * (pixels + 2 * pairs * pixels) + pairs * 5 * in_rows +
+                               terms * (3 * in_rows + 4 * samples) + 2 * samples + 2 * pixels);
   work.sent = sample_bytes * (samples + pixels);
   return work;
 }

@@ -12,6 +12,8 @@
 
 namespace holotrace {
 
+struct PixelExpansion;
+
 /// Work of a panel: operations of the processor; bytes that a device reads and writes, and that are sent to it or fetched.
 struct PanelWork {
   SummationWork on_processor;
@@ -25,7 +27,7 @@ struct PanelWork {
 /// between them the calibration is taken as linear. The light is a function of the drive alone:
 ///
 ///     drive, except of dead pixels → phase φ(ℓ), amplitude a(ℓ), flicker                pixel_response.h
-///           → blur of both (crosstalk) → a·exp(iφ)                                        crosstalk.h
+///           → blur of both (crosstalk) → a·exp(iφ)                       crosstalk.h, pixel_expansion.h
 ///           → light on lit areas, γ in the gaps between them → static errors √m·exp(iψ)   static_errors.h
 ///           → band limited to n/2p                                                        pixel_line.h
 ///           → times the illumination √E·e(x, y)                                           illumination.h
@@ -48,6 +50,10 @@ class PanelModel {
   PanelModel(const Slm& slm, const ShowParams& params, Modulation modulation, int levels, double design_wavelength,
              const IlluminationState& state);
 
+  /// The same with another expansion of the light over a pixel.
+  PanelModel(const Slm& slm, const ShowParams& params, Modulation modulation, int levels, double design_wavelength,
+             const IlluminationState& state, const PixelExpansion& expansion);
+
   /// The field that leaves the panel: at z = 0, shape (n·ny, n·nx), n = params.subpixels.
   /// @param drive    shape (ny, nx), finite
   /// @param modulus  amplitudes in levels, same shape, for a complex modulation: a = modulus/(M−1)
@@ -56,23 +62,29 @@ class PanelModel {
   /// The same into `field`, whose memory is reused.
   void leave(const Array2D<float>& drive, Field& field, const Array2D<float>* modulus = nullptr) const;
 
-  /// The gradient by the drive and, for a complex modulation, by the modulus; shape (ny, nx).
-  struct Slopes {
-    Array2D<float> drive, modulus;
+  /// What drives the pixels: shape (ny, nx).
+  struct Pattern {
+    const Array2D<float>& drive;
+    const Array2D<float>* modulus = nullptr;  ///< amplitudes in levels, for a complex modulation
   };
 
-  /// The gradient ∂f/∂drive of a real function f of the field u that leaves, given g = ∂f/∂Re u + i·∂f/∂Im u:
+  /// Gradients by the drive and, for a complex modulation, by the modulus; shape (ny, nx).
+  struct Slopes {
+    Array2D<float>& drive;
+    Array2D<float>* modulus = nullptr;
+  };
+
+  /// Adds factor times the gradient ∂f/∂drive of a real function f of the field u that leaves, given
+  /// g = ∂f/∂Re u + i·∂f/∂Im u:
   ///
   ///     ∂f/∂ℓ = Re Σ conj(g)·∂u/∂ℓ
   ///
   /// At whole levels of a calibration it is the slope toward the level above; for dead pixels it is 0.
   ///
-  /// @param drive     drive at which u was computed
+  /// @param pattern   at which u was computed
   /// @param gradient  g, shape (n·ny, n·nx)
-  /// @param modulus   amplitudes in levels, for a complex modulation
-  /// @return          ∂f/∂drive and, for a complex modulation, ∂f/∂modulus: shape (ny, nx)
-  Slopes pull_back(const Array2D<float>& drive, const Array2D<std::complex<float>>& gradient,
-                   const Array2D<float>* modulus = nullptr) const;
+  void add_slopes(const Pattern& pattern, const Array2D<std::complex<float>>& gradient, double factor,
+                  const Slopes& to) const;
 
   /// @throws Error  for a pattern that `leave` does not take
   void check_pattern(const Array2D<float>& drive, const Array2D<float>* modulus) const;

@@ -4,6 +4,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
+#include "holotrace/base/thread_count.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/slm/panel/checks.h"
@@ -12,12 +13,13 @@
 namespace holotrace {
 namespace {
 
-const Slm& checked(const Slm& slm, const ShowParams& params, int levels) {
+const Slm& checked(const Slm& slm, const ShowParams& params, int levels, const PixelExpansion& expansion) {
   check_slm(slm);
   check_levels(levels);
   check_ranges(params);
-  const double n = params.subpixels, s = crosstalk_cells(slm, params);
-  require_memory(8.0 * double(slm.grid.pixels()) * n * (n + std::max(s, 1.0)),
+  const double n = params.subpixels, points = expansion.points;
+  const double in_rows = 8.0 * slm.grid.nx * (points * points + expansion.pairs() + n);  // of each thread
+  require_memory(8.0 * double(slm.grid.pixels()) * n * (n + expansion.terms) + thread_count() * in_rows,
                  fmt::format("a panel of {} × {} pixels at {} samples per pixel and axis", slm.grid.nx, slm.grid.ny,
                              params.subpixels));
   return slm;
@@ -31,8 +33,8 @@ double stretch_of(double design, const IlluminationState& m) {
 }  // namespace
 
 PanelModel::Parts::Parts(const Slm& panel, const ShowParams& p, Modulation modulation_, int levels_, double design,
-                         const IlluminationState& m)
-    : slm(checked(panel, p, levels_)),
+                         const IlluminationState& m, const PixelExpansion& e)
+    : slm(checked(panel, p, levels_, e)),
       params(p),
       modulation(modulation_),
       levels(levels_),
@@ -40,10 +42,11 @@ PanelModel::Parts::Parts(const Slm& panel, const ShowParams& p, Modulation modul
       out{p.subpixels * panel.grid.nx, p.subpixels * panel.grid.ny, panel.grid.pitch / p.subpixels},
       response(slm, modulation, levels, stretch_of(design, m), slm.effects.flicker * m.flicker),
       has_crosstalk(slm.effects.crosstalk > 0),
-      s(crosstalk_cells(slm, p)),
-      blur(slm, s),
-      row(panel.grid.nx, p.subpixels, s, slm.lit_x(), std::sqrt(p.irradiance)),
-      column(panel.grid.ny, p.subpixels, s, slm.lit_y(), 1),
+      expansion(e),
+      points(e.points, e.terms),
+      blur(slm, points.places),
+      row(panel.grid.nx, p.subpixels, e.terms, slm.lit_x(), std::sqrt(p.irradiance)),
+      column(panel.grid.ny, p.subpixels, e.terms, slm.lit_y(), 1),
       light(illuminate(out, p, m)),
       static_errors(static_phasors(slm, stretch_of(design, m))),
       gap(std::polar(float(slm.effects.gap_amplitude), float(slm.effects.gap_phase))),
@@ -115,13 +118,31 @@ DrivenPixels PanelModel::Parts::driven(const Array2D<float>& drive, const Array2
   return {drive, modulus, cycles, amplitudes};
 }
 
-void PanelModel::Parts::cells_of_row(const DrivenPixels& pixels, int j, int cy, Cells& cells) const {
-  if (has_crosstalk) {
-    blur.to_cells(pixels.cycles, j, cy, cells.cycles.data());
-    if (pixels.amplitudes) blur.to_cells(pixels.amplitudes, j, cy, cells.amplitudes.data());
-  } else {
-    phases_of_row(pixels.drive, j, true, cells.cycles.data());
-    if (has_amplitude(pixels.modulus)) amplitudes_of_row(pixels.drive, pixels.modulus, j, cells.amplitudes.data());
+PanelModel::Parts::RowSpace::RowSpace(const Parts& parts)
+    : pixels_(size_t(parts.nx())), count_(parts.expansion.terms), loan_(parts.workspace, [&] {
+        const size_t points = size_t(parts.expansion.points), terms = size_t(count_);
+        return 2 * (pixels_ * (points * points + size_t(parts.expansion.pairs()) + size_t(parts.params.subpixels)) +
+                    chunk * points * (1 + terms));
+      }()) {
+  const size_t points = size_t(parts.expansion.points);
+  light = reinterpret_cast<Complex*>(loan_.data());
+  along_x = light + points * chunk;
+  terms_ = along_x + points * size_t(count_) * chunk;
+  samples = terms_ + size_t(parts.expansion.pairs()) * pixels_;
+  cycles = reinterpret_cast<float*>(samples + size_t(parts.out.nx));
+  amplitudes = cycles + points * points * pixels_;
+}
+
+void PanelModel::Parts::points_of_row(const DrivenPixels& pixels, int j, RowSpace& space) const {
+  if (!has_crosstalk) {
+    phases_of_row(pixels.drive, j, true, space.cycles);
+    if (has_amplitude(pixels.modulus)) amplitudes_of_row(pixels.drive, pixels.modulus, j, space.amplitudes);
+    return;
+  }
+  for (int cy = 0; cy < expansion.points; ++cy) {
+    const size_t at = size_t(cy * expansion.points) * size_t(nx());
+    blur.to_points(pixels.cycles, j, cy, space.cycles + at);
+    if (pixels.amplitudes) blur.to_points(pixels.amplitudes, j, cy, space.amplitudes + at);
   }
 }
 

@@ -7,37 +7,56 @@
 
 namespace holotrace {
 
-/// From one row or column of pixels to the light that leaves it, on n samples per pixel. The lit part w of each pixel
-/// is divided into s equal cells, each of one complex amplitude v:
+/// From one row or column of pixels to the light that leaves it, on n samples per pixel. The light over the lit part w of
+/// each pixel is a sum of Legendre polynomials, Σ_k v(k, i)·P_k(2q/w) at q from the centre of pixel i (PixelExpansion):
 ///
-///     û(f) = Σ_c [Σᵢ v(c, i)·exp(−2πi·f·i)]·(w/s)·sinc(w·f/s)·exp(−2πi·f·q_c),   q_c = w·((c + ½)/s − ½)
+///     û(f) = Σ_k [Σᵢ v(k, i)·exp(−2πi·f·i)]·w·(−i)ᵏ·j_k(π·w·f),   j₀(πx) = sinc(x)
 ///
 /// f is in cycles per pixel, limited to |f| ≤ n/2; n/2 itself gets the mean of both signs. The pixels' spectrum repeats
-/// at every whole f, so s transforms of the pixels give all of it. A panel is computed along rows, then columns.
+/// at every whole f, so one transform of the pixels per term gives all of it. A panel is computed along rows, then columns.
 class PixelLine {
  public:
-  /// @param pixels, samples_per_pixel, cells  length of the line [pixels], n and s, all ≥ 1
+  /// @param pixels, samples_per_pixel, terms  length of the line [pixels], n and number of polynomials, all ≥ 1
   /// @param lit    w, lit fraction of a pixel's side, in (0, 1]
   /// @param scale  factor on the light
-  PixelLine(int pixels, int samples_per_pixel, int cells, double lit, double scale);
+  PixelLine(int pixels, int samples_per_pixel, int terms, double lit, double scale);
 
   int pixels() const { return pixels_; }
   int samples() const { return samples_; }
-  int cells() const { return cells_; }
-  /// The factors of the spectrum, [cell][sample frequency].
+  /// The factors of the spectrum, [term][sample frequency].
   const AlignedVector<std::complex<float>>& weights() const { return weights_; }
 
-  /// @param cell  s × pixels values, [cell][pixel]; overwritten
-  /// @param out   n·pixels samples; must not overlap `cell`
-  void spread(std::complex<float>* cell, std::complex<float>* out) const;
+  /// Light of one row.
+  ///
+  /// @param count  number of terms that are given: the first ones
+  /// @param terms  count × pixels values, [term][pixel]
+  /// @param out    n·pixels samples
+  void spread(int count, const std::complex<float>* terms, std::complex<float>* out) const;
 
-  /// The adjoint of spread: Σ conj(out)·spread(cell) = Σ conj(gather(out))·cell. `out` is overwritten.
-  void gather(std::complex<float>* out, std::complex<float>* cell) const;
+  /// The adjoint of spread: Σ conj(out)·spread(terms) = Σ conj(gather(out))·terms.
+  void gather(int count, const std::complex<float>* out, std::complex<float>* terms) const;
+
+  /// The same for a block of columns, which are side by side: [term][pixel][column] and [sample][column].
+  void spread_block(int count, const std::complex<float>* terms, std::complex<float>* out) const;
+  void gather_block(int count, const std::complex<float>* out, std::complex<float>* terms) const;
+
+  static constexpr int block = 16;  ///< columns of a block: whole cache lines
 
  private:
-  int pixels_, samples_, cells_;
-  Fft<float> pixels_forward_, pixels_backward_, samples_forward_, samples_backward_;
-  AlignedVector<std::complex<float>> weights_, conjugate_weights_;  // [cell][sample frequency]
+  // Transforms of as many lines as are done together.
+  struct Transforms {
+    Transforms(int pixels, int samples, int lines);
+    int lines;
+    FftBatch<float> pixels_forward, pixels_backward, samples_forward, samples_backward;
+  };
+  void spread(const Transforms& transforms, int count, const std::complex<float>* terms,
+              std::complex<float>* out) const;
+  void gather(const Transforms& transforms, int count, const std::complex<float>* out,
+              std::complex<float>* terms) const;
+
+  int pixels_, samples_;
+  Transforms of_row_, of_block_;
+  AlignedVector<std::complex<float>> weights_;  // [term][sample frequency]
 };
 
 }  // namespace holotrace

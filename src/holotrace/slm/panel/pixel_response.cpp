@@ -38,14 +38,10 @@ PixelResponse::PixelResponse(const Slm& slm, Modulation modulation, int levels, 
   } else {
     amplitude_per_level_ = 1.0 / (levels - 1);
   }
-}
-
-PixelResponse::Table PixelResponse::table() const {
-  Table table{float(cycles_per_level_), float(amplitude_per_level_), {}};
+  table_ = {float(cycles_per_level_), float(amplitude_per_level_), {}};
   for (const Knot& knot : knots_)
-    table.knots.push_back(
+    table_.knots.push_back(
         {float(knot.cycles), float(knot.amplitude), float(knot.cycles_slope), float(knot.amplitude_slope)});
-  return table;
 }
 
 const PixelResponse::Knot& PixelResponse::knot_at(double& drive) const {
@@ -55,15 +51,8 @@ const PixelResponse::Knot& PixelResponse::knot_at(double& drive) const {
 }
 
 void PixelResponse::cycles(const float* drive, int count, float* to) const {
-  if (knots_.empty()) {
-    for (int i = 0; i < count; ++i) to[i] = float(cycles_per_level_ * drive[i]);
-    return;
-  }
-  for (int i = 0; i < count; ++i) {
-    double rest = drive[i];
-    const Knot& knot = knot_at(rest);
-    to[i] = float(knot.cycles + rest * knot.cycles_slope);
-  }
+  if (!knots_.empty()) return respond(knots(), drive, size_t(count), to, nullptr);
+  for (int i = 0; i < count; ++i) to[i] = float(cycles_per_level_ * drive[i]);
 }
 
 double PixelResponse::cycles_at(double drive) const {
@@ -85,27 +74,19 @@ void PixelResponse::wrapped_cycles(const float* drive, int count, float* to) con
 }
 
 void PixelResponse::amplitudes(const float* drive, int count, float* to) const {
-  for (int i = 0; i < count; ++i) {
-    if (!knots_.empty()) {
-      double rest = drive[i];
-      const Knot& knot = knot_at(rest);
-      to[i] = float(knot.amplitude + rest * knot.amplitude_slope);
-    } else {
-      to[i] = has_amplitude_ ? float(amplitude_per_level_ * drive[i]) : 1.0F;
-    }
-  }
+  if (!knots_.empty()) return respond(knots(), drive, size_t(count), nullptr, to);
+  for (int i = 0; i < count; ++i) to[i] = has_amplitude_ ? float(amplitude_per_level_ * drive[i]) : 1.0F;
 }
 
-void PixelResponse::slopes(float drive, float& cycles, float& amplitude) const {
-  if (knots_.empty()) {
-    cycles = float(cycles_per_level_);
-    amplitude = float(amplitude_per_level_);
-    return;
+void PixelResponse::pull_back(const float* drive, int count, const float* of_cycles, const float* of_amplitudes,
+                              const float* modulus, float factor, float* of_drive) const {
+  if (!knots_.empty())
+    return respond_back(knots(), drive, size_t(count), of_cycles, of_amplitudes, modulus, factor, of_drive);
+  const float per_level = factor * table_.amplitude_per_level;
+  for (int i = 0; i < count; ++i) {
+    of_drive[i] = table_.cycles_per_level * of_cycles[i];
+    if (of_amplitudes) of_drive[i] += (modulus ? modulus[i] : 1) * per_level * of_amplitudes[i];
   }
-  double rest = drive;
-  const Knot& knot = knot_at(rest);
-  cycles = float(knot.cycles_slope);
-  amplitude = float(knot.amplitude_slope);
 }
 
 }  // namespace holotrace

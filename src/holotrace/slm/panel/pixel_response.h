@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/data/slm.h"
+#include "holotrace/slm/panel/response_kernels.h"
 
 namespace holotrace {
 
@@ -30,7 +31,7 @@ class PixelResponse {
     float cycles_per_level, amplitude_per_level;
     std::vector<std::array<float, 4>> knots;
   };
-  Table table() const;
+  const Table& table() const { return table_; }
 
   /// Whether the phase, or the amplitude, depends on the drive.
   bool has_phase() const { return has_phase_; }
@@ -47,18 +48,25 @@ class PixelResponse {
   /// Cycles less the nearest whole number, so that a float holds the phase to its last digit.
   void wrapped_cycles(const float* drive, int count, float* to) const;
 
-  /// Slopes at a drive [cycles per level, 1 per level]; at whole levels, those toward the level above.
-  void slopes(float drive, float& cycles, float& amplitude) const;
+  /// The gradient by `count` drives, from that by their cycles and amplitudes: ∂cycles/∂drive·of_cycles +
+  /// factor·modulus·∂amplitude/∂drive·of_amplitudes. At whole levels the slopes are those toward the level above.
+  ///
+  /// @param of_amplitudes  nullptr: 0
+  /// @param modulus        nullptr: 1
+  void pull_back(const float* drive, int count, const float* of_cycles, const float* of_amplitudes,
+                 const float* modulus, float factor, float* of_drive) const;
 
  private:
   struct Knot {
     double cycles = 0, amplitude = 0, cycles_slope = 0, amplitude_slope = 0;
   };
+  ResponseKnots knots() const { return {table_.knots.data(), table_.knots.size()}; }
   const Knot& knot_at(double& drive) const;  // changes `drive` to the rest above the knot
 
   bool has_phase_, has_amplitude_;
   double cycles_per_level_ = 0, amplitude_per_level_ = 0;
   std::vector<Knot> knots_;  // one per whole level; empty without a calibration
+  Table table_;              // the same in single precision
 };
 
 }  // namespace holotrace

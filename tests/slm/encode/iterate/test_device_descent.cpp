@@ -66,7 +66,7 @@ Gradient gradient_of(const DescentCase& one, FrameArrays& arrays, const PanelDet
     size_t planes = 0;
     for (const TargetPlane& target : set.planes)
       if (target.wavelength == test_wavelength) light->add(target), ++planes;
-    const SampleGroup group = samples_of_update(start.size(), one.params.subpixels, 1);
+    const SampleGroup group = samples_of_update(start.size(), one.params.subpixels, 1, !detail.is_fine);
     arrays.clear_slopes();
     light->leave(detail);
     for (size_t k = 0; k < planes; ++k)

@@ -6,8 +6,10 @@
 #include <set>
 #include <vector>
 
+#include "holotrace/slm/encode/iterate/descent_arrays.h"
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/slm/encode/iterate/target_sums.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/sensor.h"
@@ -72,6 +74,35 @@ TEST(JointFrames, FourReachWhatOneCannot) {
     return std::min(look(targets[0], holograms, slm).psnr, look(targets[1], holograms, slm).psnr);
   };
   EXPECT_GT(psnr(4), psnr(1) + 8);
+}
+
+// A ramp of one part in n per pixel is up to n/4 of its step from its samples: rms 1/4n along one axis.
+TEST(JointFrames, TakeOneSampleOfAPixelOnlyIfTheTargetsAreSmooth) {
+  const auto ramp = [](double step) {
+    TargetPlane target;
+    target.amplitude = Array2D<float>(40, 60);
+    for (int j = 0; j < 40; ++j)
+      for (int i = 0; i < 60; ++i) target.amplitude(j, i) = float(1 - step * i);
+    return target;
+  };
+  EXPECT_TRUE(is_smooth(ramp(0.0)));
+  EXPECT_TRUE(is_smooth(ramp(1.0 / 26)) &&
+              !is_smooth(ramp(1.0 / 24)));  // 1/4n is 1 %, less the last column's rest of 1 %
+  TargetPlane part = ramp(0.0);             // pixels that do not count do not make it smoother
+  part.amplitude(3, 3) = 0.2F;              // four steps of 0.8: 2.6/16 over 2400 pixels is 0.7e-4, over 800 it is 2e-4
+  EXPECT_TRUE(is_smooth(part));
+  part.weight = Array2D<float>(40, 60);
+  for (int j = 0; j < 40; ++j)
+    for (int i = 0; i < 20; ++i) part.weight(j, i) = 1;
+  EXPECT_FALSE(is_smooth(part));
+  EXPECT_EQ(samples_of(samples_of_update(4, 1, 0, true), 4).size(), 1u);
+  EXPECT_EQ(samples_of(samples_of_update(4, 1, 0, false), 4).size(), 2u);
+  EXPECT_EQ(samples_of_update(3, 1, 0, true), SampleGroup::all);
+  std::set<size_t> taken;
+  for (uint64_t round = 0; round < 4; ++round)
+    for (const size_t sample : samples_of(samples_of_update(8, 1, round, true), 4)) taken.insert(sample);
+  EXPECT_EQ(taken.size(), 4u);
+  EXPECT_EQ(part_of_light(SampleGroup::third), 4);
 }
 
 TEST(JointFrames, ShowPlanesBetweenTheTargets) {

@@ -1,11 +1,15 @@
 #include "holotrace/slm/encode/iterate/colour.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {
+namespace {
+
+constexpr double not_known = -1;  // the error of a plane
+
+}  // namespace
 
 Colour::Colour(const Slm& slm, const Hologram& hologram, double wavelength, const EncodeParams& params,
                FrameArrays& frames)
@@ -16,11 +20,21 @@ Colour::Colour(const Slm& slm, const Hologram& hologram, double wavelength, cons
 void Colour::add(const TargetPlane& target) {
   frames_light_->add(target);
   targets_.push_back(&target);
-  errors_.push_back(0);
-  power_ += target_power(target);
+  errors_.push_back(not_known);
+  powers_.push_back(target_power(target));
+  power_ += powers_.back();
+  are_smooth_ = are_smooth_ && is_smooth(target);
 }
 
-double Colour::error() const { return std::accumulate(errors_.begin(), errors_.end(), 0.0); }
+double Colour::error() const {
+  double error = 0, power = 0;
+  for (size_t k = 0; k < errors_.size(); ++k)
+    if (errors_[k] != not_known) {
+      error += errors_[k];
+      power += powers_[k];
+    }
+  return power > 0 ? error * power_ / power : power_;
+}
 
 void Colour::judge() {
   leave();
@@ -34,7 +48,7 @@ void Colour::judge() {
   fit_scale(all, 0);
   light_ = all.square;
   for (size_t k = 0; k < targets_.size(); ++k)
-    errors_[k] = target_power(*targets_[k]) - 2 * scale_ * sums[k].cross + scale_ * scale_ * sums[k].square;
+    errors_[k] = powers_[k] - 2 * scale_ * sums[k].cross + scale_ * scale_ * sums[k].square;
 }
 
 // The scale that fits the planes of the latest turns: the sums of each earlier update count `memory` times those of

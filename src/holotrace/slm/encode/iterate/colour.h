@@ -27,7 +27,11 @@ class Colour {
   const std::vector<const TargetPlane*>& targets() const { return targets_; }
   double power() const { return power_; }  ///< light of the targets
   double scale() const { return scale_; }  ///< the scale s of the light that fits the targets
-  double error() const;                    ///< sum of the errors of all planes, each from its last turn
+
+  /// Sum of the errors of all planes, each from its last turn. Those that had none yet count as much, relative to their light,
+  /// as those that had one; before the first turn, it is their light.
+  double error() const;
+  bool has_smooth_targets() const { return are_smooth_; }  ///< one sample of each pixel can stand for its mean
   double light() const { return light_; }  ///< sum of the light in all planes when they were last judged
 
   /// Light of all frames on the panel.
@@ -59,9 +63,10 @@ class Colour {
   DrivenPanel panel_;
   std::unique_ptr<ColourLight> frames_light_;
   std::vector<const TargetPlane*> targets_;
-  std::vector<double> errors_;  // of each plane, from its last turn
+  std::vector<double> errors_, powers_;  // of each plane: error from its last turn, and light of the target
   ModulusSums recent_;
   double scale_ = 1, power_ = 0, light_ = 0;
+  bool are_smooth_ = true;
 };
 
 }  // namespace holotrace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -73,17 +74,22 @@ inline size_t arrays_of_state(const std::vector<Hologram>& frames) {
   return frames.size() * 4 * (frames.front().modulation == Modulation::complex ? 2 : 1);
 }
 
-/// The samples of a plane's pixels that an update takes. Many frames take the diagonals of the pixels in turn: the update
-/// then takes 0.6 of the time, and the frames lose less than 1 dB; few frames lose more.
-/// @param round  rounds of all planes that have begun
-inline SampleGroup samples_of_update(size_t frames, int subpixels, uint64_t round) {
+/// The samples of a plane's pixels that an update takes. With many frames it takes a diagonal of the pixels or, on request, a
+/// single sample, in turn: that needs 0.6 or 0.4 of the time, and the frames lose less than 1 dB. Few frames lose more.
+/// @param round      rounds of all planes that have begun
+/// @param takes_one  whether one sample is enough
+inline SampleGroup samples_of_update(size_t frames, int subpixels, uint64_t round, bool takes_one) {
   constexpr size_t many = 4;
   if (frames < many || subpixels > 1) return SampleGroup::all;
-  return round % 2 == 0 ? SampleGroup::falling : SampleGroup::rising;
+  if (!takes_one) return round % 2 == 0 ? SampleGroup::falling : SampleGroup::rising;
+  constexpr std::array in_turn{SampleGroup::first, SampleGroup::fourth, SampleGroup::second, SampleGroup::third};
+  return in_turn[round % in_turn.size()];
 }
 
 /// What the power of some samples is multiplied by to give the mean irradiance of a pixel.
-inline double part_of_light(SampleGroup group) { return group == SampleGroup::all ? 1 : 2; }
+inline double part_of_light(SampleGroup group) {
+  return group == SampleGroup::all ? 1 : 4 / double(samples_of(group, 4).size());
+}
 
 /// Whether the mean over a pixel counts its neighbours' samples (pixel_means): all four samples and those of the
 /// neighbours give it better than the pixel's own samples do.

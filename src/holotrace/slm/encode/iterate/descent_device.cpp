@@ -26,15 +26,14 @@ double turns_of(const TargetPlane& plane, const std::vector<TargetPlane>& target
   return params.planes_per_update == 0 ? 1 : std::min(1.0, double(params.planes_per_update) / double(planes));
 }
 
-// Planes with pupils count as if they had none, and the panel's effects and views count neither for the processor nor for
+// Planes with pupils count as if they had none, updates take as many samples as the last ones, and the panel's effects and views count neither for the processor nor for
 // the device.
 DescentWork work_of(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames,
                     const Device* device) {
   constexpr double sample = sizeof(std::complex<float>);
   const EncodeParams& params = setup.params;
-  const double samples = params.subpixels > 1                                                 ? 1
-                         : samples_of_update(frames, params.subpixels, 0) == SampleGroup::all ? 4
-                                                                                              : 2;
+  const SampleGroup group = samples_of_update(frames, params.subpixels, 0, false);
+  const double samples = double(samples_of(group, params.subpixels > 1 ? 1 : 4).size());
   Grid grid = setup.slm.grid;
   grid.nx *= params.subpixels;
   grid.ny *= params.subpixels;

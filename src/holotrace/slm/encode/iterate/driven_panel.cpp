@@ -8,8 +8,8 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
-#include "holotrace/slm/panel/crosstalk.h"
 #include "holotrace/slm/panel/phasors.h"
+#include "holotrace/slm/panel/pixel_expansion.h"
 #include "holotrace/slm/panel/pixel_response.h"
 
 namespace holotrace {
@@ -28,10 +28,9 @@ double drive_of_turn(const PixelResponse& response, int levels) {
   return std::abs(high - levels) < 1e-5 * levels ? levels : high;
 }
 
-const Array2D<float>* modulus_of(const Drive& drive) { return drive.modulus.size() > 0 ? &drive.modulus : nullptr; }
-
-void add_times(double factor, const Array2D<float>& part, Array2D<float>& sum) {
-  for (size_t i = 0; i < sum.size(); ++i) sum.values[i] += float(factor) * part.values[i];
+template <class AnyDrive>
+auto modulus_of(AnyDrive& drive) {
+  return drive.modulus.size() > 0 ? &drive.modulus : nullptr;
 }
 
 }  // namespace
@@ -51,8 +50,8 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
   params.subpixels = subpixels;
   model_.emplace(slm, params, hologram.modulation, hologram.levels, design, state);
   if (!(slm.effects.crosstalk > 0)) return;
-  params.fine_samples = crosstalk_cells(slm, params) * 3 / 4;
-  coarse_.emplace(slm, params, hologram.modulation, hologram.levels, design, state);
+  coarse_.emplace(slm, params, hologram.modulation, hologram.levels, design, state,
+                  coarse_pixel_expansion(slm, params));
 }
 
 const PanelModel& DrivenPanel::model_of(const PanelDetail& detail) const {
@@ -85,10 +84,8 @@ void DrivenPanel::add_slope(const Drive& drive, const Field& u, const Field& g, 
       halfway = Array2D<float>(ny, nx);
       std::fill(halfway.values.begin(), halfway.values.end(), 0.5F);
     }
-    const PanelModel::Slopes part =
-        model_of(detail).pull_back(is_halfway ? halfway : drive.level, g.samples, modulus_of(drive));
-    add_times(factor, part.drive, slope.level);
-    add_times(factor, part.modulus, slope.modulus);
+    model_of(detail).add_slopes({is_halfway ? halfway : drive.level, modulus_of(drive)}, g.samples, factor,
+                                {slope.level, modulus_of(slope)});
     return;
   }
   const float radians_per_level = float(factor * 2 * pi * cycles_per_level_);

@@ -32,8 +32,7 @@ void each_array(Drive& drive, const Work& work) {
 /// How an update takes a panel. Early updates need not be exact.
 struct PanelDetail {
   bool is_hard = true;  ///< whether drives are whole levels: between them, two levels have their own slopes
-  bool is_fine =
-      true;  ///< whether crosstalk is computed on as many cells as `show` takes, or on three quarters of them per axis
+  bool is_fine = true;  ///< whether crosstalk is computed as `show` does, or coarsely (coarse_pixel_expansion)
 };
 
 /// A panel at one wavelength, for gradient descent: levels give light, and gradients go back.

@@ -48,6 +48,9 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
     lit_ += colour->power() > 0;
     turns_.emplace_back(colour->targets().size(), params_.planes_per_update, uint64_t(params_.seed));
   }
+  const bool are_smooth =
+      std::all_of(colours_.begin(), colours_.end(), [](const auto& colour) { return colour->has_smooth_targets(); });
+  has_single_samples_ = samples_of(samples_of_update(frames_, params_.subpixels, 0, are_smooth), 4).size() == 1;
   const DrivenPanel& panel = colours_.front()->panel();
   turn_ = colours_.size() == 1 ? float(panel.turn()) : 0;
   const double step = params_.step > 0 ? params_.step : sgd_step;
@@ -82,7 +85,9 @@ void FrameDescent::update() {
     if (colour.power() == 0) continue;
     colour.leave(detail(updates()));
     const std::vector<size_t> planes = turns_[c].take();
-    colour.add_planes(planes, samples_of_update(frames_, params_.subpixels, turns_[c].round()), part(colour));
+    const bool takes_one = has_single_samples_ && !is_late(updates());
+    colour.add_planes(planes, samples_of_update(frames_, params_.subpixels, turns_[c].round(), takes_one),
+                      part(colour));
     if (!targets_.draw_views) continue;
     const double share = double(planes.size()) / double(colour.targets().size());  // of the planes' light
     colour.add_views(targets_.draw_views(updates(), colour.wavelength()), view_weight * share / lit_);
@@ -107,20 +112,29 @@ float FrameDescent::hardness(int updates) const {
   return float(std::min(1.0, place(updates) / hard_from));
 }
 
-// How an update takes the panel. Most of the schedule need not know crosstalk exactly: its last part corrects what that
-// spoils. The start has whole levels.
-PanelDetail FrameDescent::detail(int updates) const {
-  constexpr double fine_from = 0.75;
-  const bool has_coarse = colours_.front()->panel().has_coarse();
-  return {.is_hard = updates == 0 || hardness(updates) == 1, .is_fine = !has_coarse || place(updates) >= fine_from};
+// Most of the schedule need neither know crosstalk exactly nor take more than one sample of each pixel of smooth targets: its
+// last part corrects what that spoils.
+bool FrameDescent::is_late(int updates) const { return place(updates) >= 0.75; }
+
+// Whether losses from `first` to `last` cannot be compared.
+bool FrameDescent::has_change(int first, int last) const {
+  const bool differs_late = has_single_samples_ || colours_.front()->panel().has_coarse();
+  return differs_late && is_late(first) != is_late(last);
 }
 
-// Compares the mean losses of two windows of updates, each of two rounds of all planes or more. If the second one is not
-// lower by params.least_gain, the rest of the schedule passes within one more window.
+// How an update takes the panel. The start has whole levels.
+PanelDetail FrameDescent::detail(int updates) const {
+  return {.is_hard = updates == 0 || hardness(updates) == 1, .is_fine = is_late(updates)};
+}
+
+// Compares the mean losses of two windows of updates. Each has all planes and samples in equal parts: two rounds of all
+// planes or more, four if each takes a single sample. If the second one is not lower by params.least_gain, the rest of the
+// schedule passes within one more window.
 void FrameDescent::end_if_little_is_gained() {
-  const int window = std::max(10, 2 * updates_per_round()), now = updates();
+  const int rounds = has_single_samples_ ? 4 : 2, whole = rounds * updates_per_round(), now = updates();
+  const int window = (9 + whole) / whole * whole;  // 10 updates or more
   if (!(params_.least_gain > 0) || ending_from_ >= 0 || now < 2 * window || now + window >= iterations_) return;
-  if (hardness(now - 2 * window) < 1 || !detail(now - 2 * window).is_fine) return;  // these change the loss
+  if (hardness(now - 2 * window) < 1 || has_change(now - 2 * window, now - 1)) return;
   const auto mean = [&](int end) {
     return std::accumulate(losses_.begin() + (end - window), losses_.begin() + end, 0.0) / window;
   };

@@ -44,7 +44,7 @@ class FrameDescent {
   /// Number of updates after which it is finished: as many as asked for, or fewer if they gain too little.
   int last_update() const { return last_update_; }
 
-  /// Evaluates all planes for the levels of now. Before the first update, planes count for the loss from the start.
+  /// Evaluates all planes for the levels of now.
   void judge();
 
   void update();
@@ -65,6 +65,8 @@ class FrameDescent {
   double part(const Colour& colour) const;
   double place(int updates) const;
   float hardness(int updates) const;
+  bool is_late(int updates) const;
+  bool has_change(int first, int last) const;
   PanelDetail detail(int updates) const;
   void step();
   void end_if_little_is_gained();
@@ -83,6 +85,7 @@ class FrameDescent {
   float turn_ = 0;            // levels of a whole turn of phase; 0 for none
   double level_step_, modulus_step_;
   std::vector<double> losses_;
+  bool has_single_samples_ = false;  // until the last part
   int last_update_;
   int ending_from_ = -1;  // number of updates after which it began to end early; −1: it did not
 };

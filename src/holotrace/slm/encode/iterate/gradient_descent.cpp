@@ -126,8 +126,6 @@ void descend_on(const IterationPlace& place, const TargetSet& targets, const Des
   FrameDescent& descent = *made;
   std::optional<KeptDescent> kept;
   if (checkpoint) kept.emplace(descent, place, checkpoint, descent_job(targets, setup.slm, setup.params, frames));
-  if (descent.updates() == 0 && iterations > 0)
-    place.compute([&] { descent.judge(); });         // planes count before their first turn
   if (kept && descent.updates() == 0) kept->save();  // a file that cannot be written is refused now
   if (descent.updates() > 0)
     observer.progress(double(descent.updates()) / descent.last_update());  // time left is from here

@@ -29,18 +29,19 @@ class Device;
 /// of drive + h·(level − drive), and h grows evenly from 0 to 1 over the first 0.7 of the iterations, of two levels over
 /// the first 0.15.
 ///
-/// With crosstalk, the first three quarters of the iterations compute the panel on three quarters of the cells per axis
-/// that `show` takes, and the rest on all of them. Figures and the loss at the end are those of all cells.
+/// With crosstalk, the first three quarters of the iterations compute the panel coarsely (coarse_pixel_expansion), and the
+/// rest as `show` does. Figures and the loss at the end are those of `show`'s panel.
 ///
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
 /// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, each
 /// iteration also uses the views that it draws; half of their error, relative to their own light, is added to that of
 /// the iteration's planes. The loss leaves it out. With four or more frames, planes use the samples on one diagonal of the
-/// pixels in one round, and on the other in the next.
+/// pixels in one round, and on the other in the next; of smooth targets (is_smooth) a single sample in turn, in the first three
+/// quarters of the iterations.
 ///
 /// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine. With
 /// params.least_gain > 0 the iterations may end early. Losses of single updates are noisy, so the means of two windows are
-/// compared, each of two rounds of all planes and at least 10 updates. If the second one is not lower by that many
+/// compared, each of two rounds of all planes, four with single samples, and at least 10 updates. If the second one is not lower by that many
 /// decibels, the step falls from its size of now to 0 within one more window.
 ///
 /// **On a device** (params.device), drives, moments, light and propagations are in its memory, in single precision; the
@@ -55,8 +56,9 @@ class Device;
 /// @throws Error   for a number of iterations or a step size below 0, if the memory does not suffice, for a checkpoint of
 ///                 another job, and if it says stop; as device_for_descent and Device do
 /// Facts: `iterations`, `device` (its name, on a device), `loss_first`, `loss_last` (f), and those of judge. Curve:
-/// `convergence`, the loss before each iteration, and that of the final levels. Cost for each frame and plane of an iteration: one
-/// transform there and one back, and as many more as samples in a pixel (four, or two of four or more frames); as much again for
+/// `convergence`, the loss of each iteration before its step, where planes that had no turn yet count as the others, and that of
+/// the final levels. Cost for each frame and plane of an iteration: one
+/// transform there and one back, and as many more as samples in a pixel (four; two of four or more frames; one of smooth targets); as much again for
 /// views; with effects, the panel model forward and back. Memory: 60 bytes per pixel and frame (80 on a complex panel) with one
 /// plane at a time, 20 per pixel and plane.
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,

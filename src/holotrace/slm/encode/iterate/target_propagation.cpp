@@ -95,7 +95,9 @@ std::vector<size_t> samples_of(SampleGroup group, size_t count) {
   std::iota(all.begin(), all.end(), size_t(0));
   if (group == SampleGroup::all) return all;
   require(count == 4, "expected four samples per pixel for a group of them, got {}", count);
-  return group == SampleGroup::falling ? std::vector<size_t>{0, 3} : std::vector<size_t>{1, 2};
+  if (group == SampleGroup::falling) return {0, 3};
+  if (group == SampleGroup::rising) return {1, 2};
+  return {size_t(group) - size_t(SampleGroup::first)};
 }
 
 std::vector<Vec2> TargetPropagation::shifts_of(SampleGroup group) const {

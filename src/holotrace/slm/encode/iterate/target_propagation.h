@@ -25,12 +25,11 @@ enum class PixelSamples {
   four       ///< four, at (±p/4, ±p/4) and (±p/4, ∓p/4): with those of all pixels a grid of pitch p/2
 };
 
-/// Which of the samples of PixelSamples::four are taken: all of them, or those on one diagonal of the pixel. Σ|v|² over a
-/// diagonal is half of the mean irradiance.
-enum class SampleGroup { all, falling, rising };
+/// Which of the samples of PixelSamples::four are taken: all of them, those on one diagonal of the pixel, or a single one.
+enum class SampleGroup { all, falling, rising, first, second, third, fourth };
 
 /// The places of those samples in the order of PixelSamples, of `count` samples.
-/// @throws Error  for a diagonal, unless there are four
+/// @throws Error  for a group that is not all of them, unless there are four
 std::vector<size_t> samples_of(SampleGroup group, size_t count);
 
 /// What the light passes between the panel and the samples of a target plane.

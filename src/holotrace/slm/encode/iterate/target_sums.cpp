@@ -195,4 +195,20 @@ double target_peak(const TargetPlane& target) {
   return peak;
 }
 
+bool is_smooth(const TargetPlane& target) {
+  const Array2D<float>& a = target.amplitude;
+  const auto counts = [&](int j, int i) { return target.weight.size() == 0 || target.weight(j, i) > 0; };
+  double steps = 0, pixels = 0;
+  for (int j = 0; j < a.ny; ++j)
+    for (int i = 0; i < a.nx; ++i) {
+      if (!counts(j, i)) continue;
+      const double to_right = i + 1 < a.nx && counts(j, i + 1) ? a(j, i + 1) - a(j, i) : 0;
+      const double below = j + 1 < a.ny && counts(j + 1, i) ? a(j + 1, i) - a(j, i) : 0;
+      steps += to_right * to_right + below * below;
+      pixels += 1;
+    }
+  const double peak = target_peak(target);
+  return steps / 16 <= 1e-4 * peak * peak * pixels;
+}
+
 }  // namespace holotrace
