@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "holotrace/slm/panel/crosstalk.h"
 #include "holotrace/slm/panel/dead_pixels.h"
 #include "holotrace/slm/panel/illumination_states.h"
 #include "holotrace/slm/panel/panel_model.h"
@@ -85,6 +86,17 @@ double blurred_binary_efficiency(double sigma) {
     sum += std::polar(1.0, pi * wave - pi * x);
   }
   return std::norm(sum / double(points));
+}
+
+TEST(Crosstalk, ReachesAllNeighboursThatCount) {
+  const LegendrePoints points(6, 1);
+  for (const double sigma : {0.05, 0.2, 0.35, 1.0}) {
+    const PixelBlur::Taps taps(sigma, 0.95, points.places);
+    for (const double place : points.places) {
+      const double x = taps.reach + 1 - 0.95 / 2 * std::abs(place);  // to the first one that is left out
+      EXPECT_LT(0.5 * std::erfc((x - 0.5) / (std::sqrt(2.0) * sigma)), 3e-7) << sigma;  // 5 σ from its edge
+    }
+  }
 }
 
 TEST(Crosstalk, LowersABinaryGratingAsItsQuadratureSays) {
