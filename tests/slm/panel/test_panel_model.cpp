@@ -113,9 +113,9 @@ TEST(PanelModel, HasTheSlopesOfFiniteDifferences) {
 
 TEST(PanelModel, AmplitudePanelsAreLinearAndHaveTheirAdjoint) {
   // Without a calibration u = A·ℓ: then ⟨y, A·x⟩ = ⟨Aᴴ·y, x⟩ to rounding, here some hundred terms of 6e-8.
-  for (const int n : {1, 2, 3})
+  for (const auto& [n, width] : {std::pair{1, 12}, {2, 12}, {3, 12}, {2, 15}})  // odd rows are not aligned in memory
     for (const double sigma : {0.0, 0.25}) {
-      Slm slm = make_panel(12, 9, 64, 0.7);
+      Slm slm = make_panel(width, 9, 64, 0.7);
       slm.effects.crosstalk = sigma;
       const PanelModel model(slm, {.subpixels = n, .tilt_x = 0}, Modulation::amplitude, 64, 0,
                              {test_wavelength, 0.01, 0.005});
@@ -126,25 +126,8 @@ TEST(PanelModel, AmplitudePanelsAreLinearAndHaveTheirAdjoint) {
       double right = 0;
       for (size_t i = 0; i < x.size(); ++i) right += double(back.values[i]) * x.values[i];
       const double norm = std::sqrt(real_product(y, y) * real_product(field.samples, field.samples));
-      EXPECT_NEAR(real_product(y, field.samples), right, 1e-6 * norm) << n << ", " << sigma;
+      EXPECT_NEAR(real_product(y, field.samples), right, 1e-6 * norm) << n << ", " << width << ", " << sigma;
     }
-}
-
-// Rows of 15 pixels are not aligned in memory, and their 30 samples are not whole blocks of columns.
-TEST(PanelModel, TakesOddWidths) {
-  for (const double sigma : {0.0, 0.25}) {
-    Slm slm = make_panel(15, 9, 64, 0.7);
-    slm.effects.crosstalk = sigma;
-    const PanelModel model(slm, {.subpixels = 2}, Modulation::amplitude, 64, 0, {test_wavelength});
-    const Array2D<float> x = random_drive(slm, 1);
-    const Field field = model.leave(x);
-    const Array2D<Complex> y = random_field(field.grid.ny, field.grid.nx, 2);
-    const Array2D<float> back = slopes_of(model, x, y).drive;
-    double right = 0;
-    for (size_t i = 0; i < x.size(); ++i) right += double(back.values[i]) * x.values[i];
-    const double norm = std::sqrt(real_product(y, y) * real_product(field.samples, field.samples));
-    EXPECT_NEAR(real_product(y, field.samples), right, 1e-6 * norm) << sigma;  // as above
-  }
 }
 
 // j₀ = sin a/a, j₁ = sin a/a² − cos a/a and j₂ = (3/a² − 1)·sin a/a − 3·cos a/a², to rounding of their largest part.

@@ -8,9 +8,9 @@
 namespace holotrace {
 
 /// The light over the lit part w of a pixel as a sum of products of Legendre polynomials P_p(2x/w)·P_q(2y/w) with
-/// p + q < terms, from its values at points × points places. Only low frequencies, |f| ≤ n/2 cycles per pixel, are wanted
-/// of it, and the spectrum of P_k hardly reaches them for large k: few terms are enough, where cells of one
-/// amplitude each would have to be many. The error falls exponentially with both numbers.
+/// p + q < terms. Their factors follow from the light at points × points places. Only low frequencies, |f| ≤ n/2 cycles per
+/// pixel, are needed, where the spectrum of P_k is small for large k, so few terms are enough. The error falls exponentially
+/// with both numbers.
 ///
 /// Without crosstalk the light over a pixel is even: one point, one term.
 struct PixelExpansion {
@@ -21,12 +21,13 @@ struct PixelExpansion {
   int pairs() const { return terms * (terms + 1) / 2; }
 };
 
-/// What `show` takes. With crosstalk, params.fine_samples points; if that is 0, n + 2 for n samples per pixel, and at
-/// least 4, or 8 for σ below 0.2 pixels, and at most 64. n + 2 terms, if there are so many points: for random phases and σ = 0.2, the light is exact to −43 dB for n = 1
-/// and −35 dB for n = 3 (docs/explanation/slm.md).
+/// The expansion that `show` takes, for n samples per pixel. With crosstalk it has params.fine_samples points; if that is 0,
+/// n + 2, but at least 4, or 8 for σ below 0.2 pixels, and at most 64. It has n + 2 terms, but not more than points. For random
+/// phases and σ = 0.2 the error of the light is −43 dB for n = 1 and −35 dB for n = 3 (docs/explanation/slm.md).
 PixelExpansion pixel_expansion(const Slm& slm, const ShowParams& params);
 
-/// Less, for iterations that need not be exact: n + 1 terms, which are exact to −26 dB for n = 1 at a third of the work.
+/// A smaller expansion, for iterations that need not be exact: n + 1 terms. For n = 1 it takes about half of the time, and its
+/// error is −26 dB.
 PixelExpansion coarse_pixel_expansion(const Slm& slm, const ShowParams& params);
 
 /// Places and projections of an expansion along one axis.

@@ -105,6 +105,25 @@ TEST(JointFrames, TakeOneSampleOfAPixelOnlyIfTheTargetsAreSmooth) {
   EXPECT_EQ(part_of_light(SampleGroup::third), 4);
 }
 
+// A gain of 100 dB is never reached, so the iterations end one window after the first two. A window has each of four samples
+// equally often, and 10 updates or more: 12 for one plane.
+TEST(JointFrames, CompareWindowsOfAllSamplesToEndEarly) {
+  const Slm slm = make_panel(32, 24);
+  EncodeParams params = descent({0.01}, 100);
+  params.least_gain = 100;
+  TargetPlane even;
+  even.z = 0.01;
+  even.amplitude = Array2D<float>(24, 32, 1);
+  even.wavelength = test_wavelength;
+  const auto iterations = [&](int frames) {
+    Heard heard;
+    encode_frames({{even}}, test_wavelength, frames, slm, params, heard.observer());
+    return std::get<int64_t>(heard.facts.at("iterations"));
+  };
+  EXPECT_EQ(iterations(4), 3 * 12);
+  EXPECT_EQ(iterations(1), 3 * 10);
+}
+
 TEST(JointFrames, ShowPlanesBetweenTheTargets) {
   // The light of the panel's band has a depth of focus of λ/NA² = 4p²/λ = 0.48 mm. A plane in the middle of two targets
   // 0.2 mm apart is as good as they are: 39 dB measured. Aimed at one of them alone, it is not: 30 dB.

@@ -26,8 +26,8 @@ double turns_of(const TargetPlane& plane, const std::vector<TargetPlane>& target
   return params.planes_per_update == 0 ? 1 : std::min(1.0, double(params.planes_per_update) / double(planes));
 }
 
-// Planes with pupils count as if they had none, updates take as many samples as the last ones, and the panel's effects and views count neither for the processor nor for
-// the device.
+// Planes with pupils count as if they had none, and all updates take as many samples as the last ones. The panel's effects
+// and views count neither for the processor nor for the device.
 DescentWork work_of(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames,
                     const Device* device) {
   constexpr double sample = sizeof(std::complex<float>);

@@ -41,8 +41,8 @@ class Device;
 ///
 /// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine. With
 /// params.least_gain > 0 the iterations may end early. Losses of single updates are noisy, so the means of two windows are
-/// compared, each of two rounds of all planes, four with single samples, and at least 10 updates. If the second one is not lower by that many
-/// decibels, the step falls from its size of now to 0 within one more window.
+/// compared, each of two rounds of all planes (four with single samples) and at least 10 updates. If the second one is not
+/// lower by that many decibels, the step falls from its size of now to 0 within one more window.
 ///
 /// **On a device** (params.device), drives, moments, light and propagations are in its memory, in single precision; the
 /// sums of the rows of each plane come back, two floats per row, and the levels at the end. If the device `auto` fails, the
@@ -57,8 +57,8 @@ class Device;
 ///                 another job, and if it says stop; as device_for_descent and Device do
 /// Facts: `iterations`, `device` (its name, on a device), `loss_first`, `loss_last` (f), and those of judge. Curve:
 /// `convergence`, the loss of each iteration before its step, where planes that had no turn yet count as the others, and that of
-/// the final levels. Cost for each frame and plane of an iteration: one
-/// transform there and one back, and as many more as samples in a pixel (four; two of four or more frames; one of smooth targets); as much again for
+/// the final levels. Cost for each frame and plane of an iteration: one transform there and one back, and as many more as
+/// samples in a pixel (four; two of four or more frames; one of smooth targets); as much again for
 /// views; with effects, the panel model forward and back. Memory: 60 bytes per pixel and frame (80 on a complex panel) with one
 /// plane at a time, 20 per pixel and plane.
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,

@@ -56,8 +56,9 @@ void add_part(const Field& from, double factor, Field& to);
 /// The largest a where w is not 0: the peak of the PSNR.
 double target_peak(const TargetPlane& target);
 
-/// Whether one sample of a pixel can stand for its mean: a sample is a quarter of a pixel from its middle, so it should differ
-/// from a by a quarter of the step to the next pixel. True if that is less than 1 % of the peak (40 dB), rms over the pixels that count.
+/// Whether one sample of a pixel can stand for its mean. A sample is a quarter of a pixel from the middle, so it differs from
+/// the mean by about a quarter of the step to the next pixel. True if that is at most 1 % of the peak (40 dB), rms over the
+/// pixels that count.
 bool is_smooth(const TargetPlane& target);
 
 }  // namespace holotrace
