@@ -70,6 +70,20 @@ TEST(FftBatch, TransformsColumnsAsOneByOne) {
   }
 }
 
+// A plan for aligned data would crash for some of these lengths.
+TEST(FftBatch, TakesDataThatAreNotAligned) {
+  for (const int n : {6, 20, 30, 36, 45, 50, 60, 84, 90, 126, 150, 200, 250, 270, 300, 450, 750, 1350}) {
+    const auto data = noise<float>(n + 1);
+    AlignedVector<std::complex<float>> aligned(data.begin() + 1, data.end()), expected(aligned.size()),
+        out(data.size());
+    const FftBatch<float> transform(n, {}, FftDirection::forward);
+    transform(aligned.data(), expected.data());
+    transform(data.data() + 1, out.data() + 1);
+    for (int k = 0; k < n; ++k)
+      EXPECT_LT(std::abs(out[size_t(k + 1)] - expected[size_t(k)]), 1e-5 * std::sqrt(n)) << n;  // rounding of floats
+  }
+}
+
 TEST(Fft, TransformsRowsAndColumns) {
   const int ny = 9, nx = 20;
   auto data = noise<double>(ny * nx);
