@@ -192,10 +192,10 @@ TEST(Crosstalk, IsTheBlurredLightOfRandomPhases) {
   // Frequencies in the middle, at the edge of order 0, and beyond it.
   const std::vector<std::pair<int, int>> frequencies{{1, -2}, {7, 4}, {-7, 1}, {3, -4}, {12, 2}, {-20, -11}};
   for (const int n : {1, 3})
-    for (const bool is_coarse : {false, true}) {
+    for (const PixelDetail detail : {PixelDetail::as_shown, PixelDetail::coarse}) {
       const ShowParams params{.subpixels = n};
-      const PixelExpansion expansion = is_coarse ? coarse_pixel_expansion(slm, params) : pixel_expansion(slm, params);
-      const PanelModel model(slm, params, Modulation::phase, 256, 0, {test_wavelength}, expansion);
+      const PanelModel model(slm, params, Modulation::phase, 256, 0, {test_wavelength},
+                             pixel_expansion(slm, params, detail));
       const Field field = model.leave(drive);
       double error = 0, light = 0;
       for (const auto& [a, b] : frequencies) {
@@ -207,7 +207,7 @@ TEST(Crosstalk, IsTheBlurredLightOfRandomPhases) {
         error += std::norm(found - expected);
         light += std::norm(expected);
       }
-      EXPECT_LT(10 * std::log10(error / light), is_coarse ? -20 : n == 1 ? -34 : -28) << n;
+      EXPECT_LT(10 * std::log10(error / light), detail == PixelDetail::coarse ? -20 : n == 1 ? -34 : -28) << n;
     }
 }
 

@@ -25,7 +25,8 @@ void PanelModel::Parts::gather_columns(const Array2D<Complex>& gradient, Complex
   const size_t height = size_t(expansion.terms) * size_t(ny()), length = size_t(out.ny);
   parallel_for(0, int64_t(blocks()), [&](int64_t b) {
     const int first = int(b) * block, count = std::min(block, out.nx - first);
-    AlignedVector<Complex> samples(block * length);
+    Workspace::Loan space(workspace, 2 * block * length);
+    Complex* samples = reinterpret_cast<Complex*>(space.data());
     for (size_t j = 0; j < length; ++j) {
       const Complex* from = gradient.row(int(j)) + first;
       if (light.is_even())
@@ -33,7 +34,7 @@ void PanelModel::Parts::gather_columns(const Array2D<Complex>& gradient, Complex
       else
         for (int c = 0; c < count; ++c) samples[j * block + size_t(c)] = unlit(from[c], int(j), first + c);
     }
-    column.gather_block(expansion.terms, samples.data(), rows + size_t(b) * height * block);
+    column.gather_block(expansion.terms, samples, rows + size_t(b) * height * block);
   });
 }
 

@@ -99,8 +99,9 @@ void PanelModel::Parts::spread_columns(const PixelLine& line, int terms, const C
   const size_t height = size_t(terms) * size_t(line.pixels()), length = size_t(line.samples());
   parallel_for(0, int64_t(blocks()), [&](int64_t b) {
     const int first = int(b) * block, count = std::min(block, out.nx - first);
-    AlignedVector<Complex> samples(block * length);
-    line.spread_block(terms, rows + size_t(b) * height * block, samples.data());
+    Workspace::Loan space(workspace, 2 * block * length);
+    Complex* samples = reinterpret_cast<Complex*>(space.data());
+    line.spread_block(terms, rows + size_t(b) * height * block, samples);
     for (size_t j = 0; j < length; ++j) std::copy_n(&samples[j * block], count, to.row(int(j)) + first);
   });
 }

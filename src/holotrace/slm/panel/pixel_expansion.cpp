@@ -24,17 +24,14 @@ LegendreValue legendre(int n, double t) {
 
 }  // namespace
 
-PixelExpansion pixel_expansion(const Slm& slm, const ShowParams& params) {
+PixelExpansion pixel_expansion(const Slm& slm, const ShowParams& params, PixelDetail detail) {
   if (!(slm.effects.crosstalk > 0)) return {};
+  if (detail == PixelDetail::even) return {2, 1};
   const int wanted = std::clamp(params.subpixels, 0, most_points) + 2, least = slm.effects.crosstalk < 0.2 ? 8 : 4;
   const int points = params.fine_samples > 0 ? params.fine_samples : std::clamp(wanted, least, most_points);
-  return {points, std::min(points, wanted)};
-}
-
-PixelExpansion coarse_pixel_expansion(const Slm& slm, const ShowParams& params) {
-  const PixelExpansion fine = pixel_expansion(slm, params);
-  const int terms = std::min(fine.terms, std::clamp(params.subpixels, 0, most_points) + 1);
-  return {std::max(terms, fine.points / 2), terms};
+  if (detail == PixelDetail::as_shown) return {points, std::min(points, wanted)};
+  const int terms = std::min(points, wanted - 1);
+  return {std::max(terms, points / 2), terms};
 }
 
 LegendrePoints::LegendrePoints(int count, int terms) {

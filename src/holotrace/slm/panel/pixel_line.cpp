@@ -40,8 +40,8 @@ PixelLine::Transforms::Transforms(int pixels, int samples, int lines)
 
 void PixelLine::spread(const Transforms& transforms, int count, const Complex* terms, Complex* out) const {
   const size_t length = size_t(pixels_), samples = size_t(samples_), lines = size_t(transforms.lines);
-  AlignedVector<Complex> space(lines * (length + samples));
-  Complex *of_pixels = space.data() + lines * samples, *of_samples = space.data();
+  Workspace::Loan space(workspace_, 2 * lines * (length + samples));
+  Complex *of_samples = reinterpret_cast<Complex*>(space.data()), *of_pixels = of_samples + lines * samples;
   for (size_t c = 0; c < size_t(count); ++c) {
     transforms.pixels_forward(terms + c * lines * length, of_pixels);
     for (size_t line = 0; line < lines; ++line)
@@ -59,8 +59,8 @@ void PixelLine::spread(const Transforms& transforms, int count, const Complex* t
 
 void PixelLine::gather(const Transforms& transforms, int count, const Complex* out, Complex* terms) const {
   const size_t length = size_t(pixels_), samples = size_t(samples_), lines = size_t(transforms.lines);
-  AlignedVector<Complex> space(lines * (length + samples));
-  Complex *of_pixels = space.data() + lines * samples, *of_samples = space.data();
+  Workspace::Loan space(workspace_, 2 * lines * (length + samples));
+  Complex *of_samples = reinterpret_cast<Complex*>(space.data()), *of_pixels = of_samples + lines * samples;
   transforms.samples_forward(out, of_samples);
   for (size_t c = 0; c < size_t(count); ++c) {
     for (size_t line = 0; line < lines; ++line)

@@ -4,6 +4,7 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/fft.h"
+#include "holotrace/base/workspace.h"
 
 namespace holotrace {
 
@@ -57,6 +58,7 @@ class PixelLine {
   int pixels_, samples_;
   Transforms of_row_, of_block_;
   AlignedVector<std::complex<float>> weights_;  // [term][sample frequency]
+  mutable Workspace workspace_;
 };
 
 }  // namespace holotrace

@@ -66,7 +66,8 @@ Gradient gradient_of(const DescentCase& one, FrameArrays& arrays, const PanelDet
     size_t planes = 0;
     for (const TargetPlane& target : set.planes)
       if (target.wavelength == test_wavelength) light->add(target), ++planes;
-    const SampleGroup group = samples_of_update(start.size(), one.params.subpixels, 1, !detail.is_fine);
+    const SampleGroup group =
+        samples_of_update(start.size(), one.params.subpixels, 1, detail.light == PixelDetail::coarse);
     arrays.clear_slopes();
     light->leave(detail);
     for (size_t k = 0; k < planes; ++k)
@@ -98,7 +99,8 @@ HOLOTRACE_FOR_ALL_DEVICES(DeviceDescents);
 // of light, worse.
 TEST_P(DeviceDescents, HaveTheSumsAndSlopesOfTheProcessor) {
   for (const DescentCase& one : descent_cases())
-    for (const PanelDetail& detail : {PanelDetail{}, {.is_hard = false, .is_fine = false}}) {
+    for (const PanelDetail& detail :
+         {PanelDetail{}, {.is_hard = false, .light = PixelDetail::coarse, .slopes = PixelDetail::even}}) {
       const std::vector<Hologram> start = one.start();
       ProcessorFrames on_processor(one.slm, one.params, start);
       DeviceFrames there(device_, one.slm, one.params, start);

@@ -17,24 +17,28 @@ DevicePattern pattern_of(const DeviceFrame& frame, bool is_halfway) {
 }  // namespace
 
 DeviceDrivenPanel::DeviceDrivenPanel(Device& device, const DrivenPanel& panel) : device_(device), panel_(panel) {
-  if (const PanelModel* fine = panel.model({})) fine_.emplace(device, *fine);
-  if (panel.has_coarse()) coarse_.emplace(device, *panel.model({.is_fine = false}));
+  if (const PanelModel* model = panel.model(PixelDetail::as_shown)) model_.emplace(device, *model);
+  if (!panel.has_details()) return;
+  coarse_.emplace(device, *panel.model(PixelDetail::coarse));
+  even_.emplace(device, *panel.model(PixelDetail::even));
 }
 
-DevicePanel* DeviceDrivenPanel::model(const PanelDetail& detail) {
-  if (coarse_ && !detail.is_fine) return &*coarse_;
-  return fine_ ? &*fine_ : nullptr;
+DevicePanel* DeviceDrivenPanel::model(PixelDetail detail) {
+  if (panel_.has_details() && detail != PixelDetail::as_shown)
+    return detail == PixelDetail::coarse ? &*coarse_ : &*even_;
+  return model_ ? &*model_ : nullptr;
 }
 
 void DeviceDrivenPanel::leave(const DeviceFrame& frame, const PanelDetail& detail, const DevicePanelLight& u) {
-  if (DevicePanel* const there = model(detail)) return there->leave(pattern_of(frame, false), u.samples, u.memory);
+  if (DevicePanel* const there = model(detail.light))
+    return there->leave(pattern_of(frame, false), u.samples, u.memory);
   leave_phases(device_, float(panel_.cycles_per_level()), frame.level.rounded, u.samples);
 }
 
 void DeviceDrivenPanel::add_slope(const DeviceFrame& frame, const PanelDetail& detail, const DeviceBuffer& u,
                                   const DevicePanelLight& g, double factor) {
   const bool is_halfway = panel_.takes_middle(detail);
-  if (DevicePanel* const there = model(detail)) {
+  if (DevicePanel* const there = model(detail.slopes)) {
     const DeviceSlopes to{frame.level.slope, moduli_of(frame, &DeviceDrive::slope), factor};
     return there->add_slopes(pattern_of(frame, is_halfway), g.samples, to, g.memory);
   }

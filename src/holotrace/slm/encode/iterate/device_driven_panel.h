@@ -34,11 +34,11 @@ class DeviceDrivenPanel {
                  double factor);
 
  private:
-  DevicePanel* model(const PanelDetail& detail);
+  DevicePanel* model(PixelDetail detail);
 
   Device& device_;
   const DrivenPanel& panel_;
-  std::optional<DevicePanel> fine_, coarse_;
+  std::optional<DevicePanel> model_, coarse_, even_;  // PixelDetail
 };
 
 }  // namespace holotrace

@@ -9,7 +9,6 @@
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
 #include "holotrace/slm/panel/phasors.h"
-#include "holotrace/slm/panel/pixel_expansion.h"
 #include "holotrace/slm/panel/pixel_response.h"
 
 namespace holotrace {
@@ -50,17 +49,22 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
   params.subpixels = subpixels;
   model_.emplace(slm, params, hologram.modulation, hologram.levels, design, state);
   if (!(slm.effects.crosstalk > 0)) return;
-  coarse_.emplace(slm, params, hologram.modulation, hologram.levels, design, state,
-                  coarse_pixel_expansion(slm, params));
+  const auto make = [&](std::optional<PanelModel>& model, PixelDetail detail) {
+    model.emplace(slm, params, hologram.modulation, hologram.levels, design, state,
+                  pixel_expansion(slm, params, detail));
+  };
+  make(coarse_, PixelDetail::coarse);
+  make(even_, PixelDetail::even);
 }
 
-const PanelModel& DrivenPanel::model_of(const PanelDetail& detail) const {
-  return coarse_ && !detail.is_fine ? *coarse_ : *model_;
+const PanelModel* DrivenPanel::model(PixelDetail detail) const {
+  if (has_details() && detail != PixelDetail::as_shown) return detail == PixelDetail::coarse ? &*coarse_ : &*even_;
+  return model_ ? &*model_ : nullptr;
 }
 
 void DrivenPanel::leave(const Drive& drive, Field& u, const PanelDetail& detail) const {
-  if (model_) {
-    model_of(detail).leave(drive.level, u, modulus_of(drive));
+  if (const PanelModel* const panel = model(detail.light)) {
+    panel->leave(drive.level, u, modulus_of(drive));
     return;
   }
   parallel_for(
@@ -78,14 +82,14 @@ void DrivenPanel::add_slope(const Drive& drive, const Field& u, const Field& g, 
                             const PanelDetail& detail) const {
   const int nx = drive.level.nx, ny = drive.level.ny;
   const bool is_halfway = takes_middle(detail);
-  if (model_) {
+  if (const PanelModel* const panel = model(detail.slopes)) {
     Array2D<float> halfway;
     if (is_halfway) {
       halfway = Array2D<float>(ny, nx);
       std::fill(halfway.values.begin(), halfway.values.end(), 0.5F);
     }
-    model_of(detail).add_slopes({is_halfway ? halfway : drive.level, modulus_of(drive)}, g.samples, factor,
-                                {slope.level, modulus_of(slope)});
+    panel->add_slopes({is_halfway ? halfway : drive.level, modulus_of(drive)}, g.samples, factor,
+                      {slope.level, modulus_of(slope)});
     return;
   }
   const float radians_per_level = float(factor * 2 * pi * cycles_per_level_);

@@ -8,6 +8,7 @@
 #include "holotrace/data/slm.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/slm/panel/panel_model.h"
+#include "holotrace/slm/panel/pixel_expansion.h"
 
 namespace holotrace {
 
@@ -29,10 +30,11 @@ void each_array(Drive& drive, const Work& work) {
   if (drive.modulus.size() > 0) work(drive.modulus);
 }
 
-/// How an update takes a panel. Early updates need not be exact.
+/// How an update takes a panel. With crosstalk neither early light nor slopes need be exact.
 struct PanelDetail {
   bool is_hard = true;  ///< whether drives are whole levels: between them, two levels have their own slopes
-  bool is_fine = true;  ///< whether crosstalk is computed as `show` does, or coarsely (coarse_pixel_expansion)
+  PixelDetail light = PixelDetail::as_shown;
+  PixelDetail slopes = PixelDetail::as_shown;  ///< as_shown and coarse: the exact slopes of such light
 };
 
 /// A panel at one wavelength, for gradient descent: levels give light, and gradients go back.
@@ -60,13 +62,13 @@ class DrivenPanel {
   double cycles_per_level() const { return cycles_per_level_; }
 
   /// The model of a panel with effects, of several samples per pixel, or that modulates more than the phase; otherwise none.
-  const PanelModel* model(const PanelDetail& detail) const { return model_ ? &model_of(detail) : nullptr; }
+  const PanelModel* model(PixelDetail detail) const;
 
   /// Whether slopes are those halfway between two levels (add_slope).
   bool takes_middle(const PanelDetail& detail) const { return has_two_levels_ && detail.is_hard; }
 
-  /// Whether coarse updates differ from fine ones: with crosstalk.
-  bool has_coarse() const { return coarse_.has_value(); }
+  /// Whether details of the light over a pixel differ: with crosstalk.
+  bool has_details() const { return coarse_.has_value(); }
 
   /// Writes the light that leaves the panel to `u`.
   void leave(const Drive& drive, Field& u, const PanelDetail& detail = {}) const;
@@ -81,9 +83,7 @@ class DrivenPanel {
  private:
   double cycles_per_level_, turn_, levels_per_radian_;
   bool has_two_levels_;
-  const PanelModel& model_of(const PanelDetail& detail) const;
-
-  std::optional<PanelModel> model_, coarse_;
+  std::optional<PanelModel> model_, coarse_, even_;  // PixelDetail
 };
 
 }  // namespace holotrace

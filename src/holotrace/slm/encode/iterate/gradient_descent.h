@@ -29,8 +29,9 @@ class Device;
 /// of drive + h·(level − drive), and h grows evenly from 0 to 1 over the first 0.7 of the iterations, of two levels over
 /// the first 0.15.
 ///
-/// With crosstalk, the first three quarters of the iterations compute the panel coarsely (coarse_pixel_expansion), and the
-/// rest as `show` does. Figures and the loss at the end are those of `show`'s panel.
+/// With crosstalk, the first three quarters of the iterations compute the light over each pixel coarsely (PixelDetail), and the
+/// rest as `show` does. Slopes take the light over a pixel as even throughout: the picture is as good with exact ones. Figures
+/// and the loss at the end are those of `show`'s panel.
 ///
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
 /// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, each
