@@ -103,14 +103,24 @@ class DevicePanels : public test::OnEveryDevice {
 
 HOLOTRACE_FOR_ALL_DEVICES(DevicePanels);
 
+// With crosstalk, details of the light over a pixel differ.
+std::vector<std::pair<PanelCase, PixelDetail>> with_all_details(const std::vector<PanelCase>& cases) {
+  std::vector<std::pair<PanelCase, PixelDetail>> all;
+  for (const PanelCase& one : cases)
+    for (const PixelDetail detail : {PixelDetail::as_shown, PixelDetail::coarse, PixelDetail::mean})
+      if (detail == PixelDetail::as_shown || one.slm.effects.crosstalk > 0) all.emplace_back(one, detail);
+  return all;
+}
+
 // Phases of a few cycles in float are known to 1e-6 rad, and each of two transforms adds about 3e-7; slopes of the panel are
 // differences of light.
 TEST_P(DevicePanels, LeaveTheLightAndPullBackTheSlopesOfTheProcessor) {
   const auto lock = device_.lock();
   DevicePanel::Memory memory;
-  for (const PanelCase& one : cases()) {
+  for (const auto& [one, detail] : with_all_details(cases())) {
     const int levels = 100;
-    const PanelModel host(one.slm, one.params(), one.modulation, levels, 633e-9, one.state());
+    const PanelModel host(one.slm, one.params(), one.modulation, levels, 633e-9, one.state(),
+                          pixel_expansion(one.slm, one.params(), detail));
     DevicePanel panel(device_, host);
     const bool is_complex = one.modulation == Modulation::complex;
     const Array2D<float> drive = drawn(one.slm, levels, 1), modulus = drawn(one.slm, levels, 2);

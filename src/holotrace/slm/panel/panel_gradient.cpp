@@ -33,6 +33,8 @@ void PanelModel::Parts::gather_columns(const Array2D<Complex>& gradient, Complex
         std::copy_n(from, count, &samples[j * block]);
       else
         for (int c = 0; c < count; ++c) samples[j * block + size_t(c)] = unlit(from[c], int(j), first + c);
+      std::fill(&samples[j * block + size_t(count)], &samples[(j + 1) * block],
+                Complex());  // transformed with the others
     }
     column.gather_block(expansion.terms, samples, rows + size_t(b) * height * block);
   });

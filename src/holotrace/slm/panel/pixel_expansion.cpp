@@ -26,7 +26,7 @@ LegendreValue legendre(int n, double t) {
 
 PixelExpansion pixel_expansion(const Slm& slm, const ShowParams& params, PixelDetail detail) {
   if (!(slm.effects.crosstalk > 0)) return {};
-  if (detail == PixelDetail::even) return {2, 1};
+  if (detail == PixelDetail::mean) return {2, 1};
   const int wanted = std::clamp(params.subpixels, 0, most_points) + 2, least = slm.effects.crosstalk < 0.2 ? 8 : 4;
   const int points = params.fine_samples > 0 ? params.fine_samples : std::clamp(wanted, least, most_points);
   if (detail == PixelDetail::as_shown) return {points, std::min(points, wanted)};

@@ -21,16 +21,20 @@ struct PixelExpansion {
   int pairs() const { return terms * (terms + 1) / 2; }
 };
 
-/// How exactly the light over a pixel is expanded. Iterations need not be exact.
-enum class PixelDetail { as_shown, coarse, even };
+/// How exactly the light over a pixel is expanded.
+enum class PixelDetail {
+  as_shown,  ///< as `show` takes it
+  coarse,    ///< about half of the time of that
+  mean       ///< the mean over the pixel: for slopes only
+};
 
 /// The expansion of the light for n samples per pixel. Without crosstalk it is one point and one term.
 ///
-/// - as_shown: what `show` takes. It has params.fine_samples points; if that is 0, n + 2, but at least 4, or 8 for σ below 0.2
-///   pixels, and at most 64. It has n + 2 terms, but not more than points. For random phases and σ = 0.2 the error of the
+/// - as_shown: params.fine_samples points; if that is 0, n + 2, but at least 4, or 8 for σ below 0.2
+///   pixels, and at most 64. There are n + 2 terms, but not more than points. For random phases and σ = 0.2 the error of the
 ///   light is −43 dB for n = 1 and −35 dB for n = 3 (docs/explanation/slm.md).
-/// - coarse: n + 1 terms on fewer points. For n = 1 it takes about half of the time, and its error is −26 dB.
-/// - even: the mean of 2 × 2 points, one term. Good enough for slopes (gradient_descent.h), not for light.
+/// - coarse: n + 1 terms on fewer points. For n = 1 the error is −26 dB.
+/// - mean: the mean of 2 × 2 points, one term.
 PixelExpansion pixel_expansion(const Slm& slm, const ShowParams& params, PixelDetail detail = PixelDetail::as_shown);
 
 /// Places and projections of an expansion along one axis.

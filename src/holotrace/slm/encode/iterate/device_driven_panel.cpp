@@ -18,14 +18,14 @@ DevicePattern pattern_of(const DeviceFrame& frame, bool is_halfway) {
 
 DeviceDrivenPanel::DeviceDrivenPanel(Device& device, const DrivenPanel& panel) : device_(device), panel_(panel) {
   if (const PanelModel* model = panel.model(PixelDetail::as_shown)) model_.emplace(device, *model);
-  if (!panel.has_details()) return;
+  if (!panel.has_crosstalk()) return;
   coarse_.emplace(device, *panel.model(PixelDetail::coarse));
-  even_.emplace(device, *panel.model(PixelDetail::even));
+  mean_.emplace(device, *panel.model(PixelDetail::mean));
 }
 
 DevicePanel* DeviceDrivenPanel::model(PixelDetail detail) {
-  if (panel_.has_details() && detail != PixelDetail::as_shown)
-    return detail == PixelDetail::coarse ? &*coarse_ : &*even_;
+  if (panel_.has_crosstalk() && detail != PixelDetail::as_shown)
+    return detail == PixelDetail::coarse ? &*coarse_ : &*mean_;
   return model_ ? &*model_ : nullptr;
 }
 

@@ -29,7 +29,8 @@ class DeviceDrivenPanel {
   /// Writes the light that leaves the panel, for the frame's rounded levels.
   void leave(const DeviceFrame& frame, const PanelDetail& detail, const DevicePanelLight& u);
 
-  /// Adds factor·∂f/∂level to the frame's slopes, given g = ∂f/∂Re u + i·∂f/∂Im u (DrivenPanel::add_slope).
+  /// Adds factor·∂f/∂level to the frame's slopes, given g = ∂f/∂Re u + i·∂f/∂Im u, with the detail of the slopes
+  /// (DrivenPanel::add_slope).
   void add_slope(const DeviceFrame& frame, const PanelDetail& detail, const DeviceBuffer& u, const DevicePanelLight& g,
                  double factor);
 
@@ -38,7 +39,7 @@ class DeviceDrivenPanel {
 
   Device& device_;
   const DrivenPanel& panel_;
-  std::optional<DevicePanel> model_, coarse_, even_;  // PixelDetail
+  std::optional<DevicePanel> model_, coarse_, mean_;  // for each PixelDetail
 };
 
 }  // namespace holotrace

@@ -54,11 +54,11 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
                   pixel_expansion(slm, params, detail));
   };
   make(coarse_, PixelDetail::coarse);
-  make(even_, PixelDetail::even);
+  make(mean_, PixelDetail::mean);
 }
 
 const PanelModel* DrivenPanel::model(PixelDetail detail) const {
-  if (has_details() && detail != PixelDetail::as_shown) return detail == PixelDetail::coarse ? &*coarse_ : &*even_;
+  if (has_crosstalk() && detail != PixelDetail::as_shown) return detail == PixelDetail::coarse ? &*coarse_ : &*mean_;
   return model_ ? &*model_ : nullptr;
 }
 

@@ -30,11 +30,11 @@ void each_array(Drive& drive, const Work& work) {
   if (drive.modulus.size() > 0) work(drive.modulus);
 }
 
-/// How an update takes a panel. With crosstalk neither early light nor slopes need be exact.
+/// How an update takes a panel. With crosstalk, light and slopes may be approximate.
 struct PanelDetail {
   bool is_hard = true;  ///< whether drives are whole levels: between them, two levels have their own slopes
   PixelDetail light = PixelDetail::as_shown;
-  PixelDetail slopes = PixelDetail::as_shown;  ///< as_shown and coarse: the exact slopes of such light
+  PixelDetail slopes = PixelDetail::as_shown;  ///< exact if it is the same as that of the light
 };
 
 /// A panel at one wavelength, for gradient descent: levels give light, and gradients go back.
@@ -67,13 +67,13 @@ class DrivenPanel {
   /// Whether slopes are those halfway between two levels (add_slope).
   bool takes_middle(const PanelDetail& detail) const { return has_two_levels_ && detail.is_hard; }
 
-  /// Whether details of the light over a pixel differ: with crosstalk.
-  bool has_details() const { return coarse_.has_value(); }
+  /// Only then details of the light over a pixel differ.
+  bool has_crosstalk() const { return coarse_.has_value(); }
 
   /// Writes the light that leaves the panel to `u`.
   void leave(const Drive& drive, Field& u, const PanelDetail& detail = {}) const;
 
-  /// Adds factor·∂f/∂drive to `slope`, given g = ∂f/∂Re u + i·∂f/∂Im u.
+  /// Adds factor·∂f/∂drive to `slope`, given g = ∂f/∂Re u + i·∂f/∂Im u, as if the panel's light had the detail of the slopes.
   ///
   /// Of two levels the slope is that halfway between them, where the phase moves the light from one level's toward the
   /// other's; at a level itself, it moves it across that direction and says nothing about the other level.
@@ -83,7 +83,7 @@ class DrivenPanel {
  private:
   double cycles_per_level_, turn_, levels_per_radian_;
   bool has_two_levels_;
-  std::optional<PanelModel> model_, coarse_, even_;  // PixelDetail
+  std::optional<PanelModel> model_, coarse_, mean_;  // for each PixelDetail; the last two only with crosstalk
 };
 
 }  // namespace holotrace
