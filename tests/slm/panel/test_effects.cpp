@@ -153,7 +153,8 @@ TEST(Crosstalk, VanishesWithItsWidthAndLeavesEvenPhasesAlone) {
 }
 
 // Random phases, against the blurred light summed up in double on 48 points per pixel and axis. pixel_expansion.h has the
-// errors: −43 dB of the light with one sample per pixel, −35 dB with three, −26 dB coarsely with one sample. They are larger at
+// errors: −43 dB of the light with one sample per pixel, −35 dB with three, −26 dB coarsely with one sample. The mean
+// over each pixel lacks all that differs within it: −12 dB here, and −7 dB if it were only the light at the middle. Errors are larger at
 // the edges of the orders, where half of these frequencies are.
 TEST(Crosstalk, IsTheBlurredLightOfRandomPhases) {
   Slm slm = make_panel(15, 9, 256, 0.9);
@@ -192,7 +193,7 @@ TEST(Crosstalk, IsTheBlurredLightOfRandomPhases) {
   // Frequencies in the middle, at the edge of order 0, and beyond it.
   const std::vector<std::pair<int, int>> frequencies{{1, -2}, {7, 4}, {-7, 1}, {3, -4}, {12, 2}, {-20, -11}};
   for (const int n : {1, 3})
-    for (const PixelDetail detail : {PixelDetail::as_shown, PixelDetail::coarse}) {
+    for (const PixelDetail detail : {PixelDetail::as_shown, PixelDetail::coarse, PixelDetail::mean}) {
       const ShowParams params{.subpixels = n};
       const PanelModel model(slm, params, Modulation::phase, 256, 0, {test_wavelength},
                              pixel_expansion(slm, params, detail));
@@ -207,7 +208,8 @@ TEST(Crosstalk, IsTheBlurredLightOfRandomPhases) {
         error += std::norm(found - expected);
         light += std::norm(expected);
       }
-      EXPECT_LT(10 * std::log10(error / light), detail == PixelDetail::coarse ? -20 : n == 1 ? -34 : -28) << n;
+      const double bound = detail == PixelDetail::mean ? -10 : detail == PixelDetail::coarse ? -20 : n == 1 ? -34 : -28;
+      EXPECT_LT(10 * std::log10(error / light), bound) << n;
     }
 }
 
