@@ -6,7 +6,7 @@ if(CMAKE_CXX_COMPILER_LAUNCHER OR CMAKE_CXX_CLANG_TIDY)
   set(fresh OFF)
 endif()
 option(HOLOTRACE_PRECOMPILED_HEADERS "Precompile the headers that most files include" ${fresh})
-option(HOLOTRACE_COMPILE_TOGETHER "Compile the files of a folder together, up to eight at a time" ${fresh})
+option(HOLOTRACE_COMPILE_TOGETHER "Compile the files of a folder together, some at a time" ${fresh})
 
 set(HOLOTRACE_COMMON_HEADERS
   <algorithm> <array> <cmath> <complex> <cstdint> <filesystem> <fstream> <functional> <map> <memory> <optional> <random>
@@ -20,9 +20,10 @@ function(precompile_headers target)
   endif()
 endfunction()
 
-# compile_together(TARGET): the files of each folder, so their anonymous namespaces share names. Files with compiler options
-# of their own stay alone, and so do those that define macros, as files for several instruction sets do.
-function(compile_together target)
+# compile_together(TARGET MOST): the files of each folder, up to MOST of them at a time, so their anonymous namespaces share
+# names. Files with compiler options of their own stay alone, and so do those that define macros, as files for several
+# instruction sets do.
+function(compile_together target most)
   if(NOT HOLOTRACE_COMPILE_TOGETHER)
     return()
   endif()
@@ -44,9 +45,9 @@ function(compile_together target)
   endforeach()
   list(REMOVE_DUPLICATES folders)
   foreach(folder ${folders})
-    set(in_group 8)
+    set(in_group ${most})
     foreach(source ${files_of_${folder}})
-      if(in_group EQUAL 8)
+      if(in_group EQUAL most)
         math(EXPR group "${group} + 1")
         set(in_group 0)
       endif()

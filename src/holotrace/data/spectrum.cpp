@@ -1,8 +1,7 @@
 #include "holotrace/data/spectrum.h"
 
-#include <Eigen/SVD>
-
 #include "holotrace/base/error.h"
+#include "holotrace/base/pseudo_inverse.h"
 #include "holotrace/data/grid.h"
 
 namespace holotrace {
@@ -16,9 +15,7 @@ std::vector<Vec3> colour_matrix(const std::vector<double>& wavelengths) {
     const Vec3 w = channel_weights(wavelengths[size_t(n)]);
     weights.row(n) << w.x, w.y, w.z;
   }
-  Eigen::JacobiSVD<Eigen::MatrixXd> decomposition(weights, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  decomposition.setThreshold(1e-5);  // smaller singular values, as parts of the largest, count as 0
-  const Eigen::MatrixXd inverse = decomposition.solve(Eigen::MatrixXd::Identity(count, count));  // W⁺
+  const Eigen::Matrix3Xd inverse = pseudo_inverse(weights, 1e-5);  // W⁺
   std::vector<Vec3> columns;
   for (Eigen::Index n = 0; n < count; ++n) columns.push_back({inverse(0, n), inverse(1, n), inverse(2, n)});
   return columns;

@@ -1,12 +1,12 @@
 #include "holotrace/estimate/grid_cost.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "holotrace/base/pseudo_inverse.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 
@@ -47,7 +47,7 @@ GridCost counted_grid_cost(const GridCounts& counts, const GridRates& rates) {
 GridRates calibrate_grid() {
   constexpr int counts_of_triangles[] = {200, 2000, 20000};
   constexpr double densities[] = {0.5, 4.0, 30.0};
-  Eigen::Matrix<double, 9, 3> rows;  // counts over seconds: rows·(cell, test, ray) = 1
+  Eigen::MatrixX3d rows(9, 3);  // counts over seconds: rows·(cell, test, ray) = 1
   int row = 0;
   const std::vector<Ray> rays = cloud_rays(8000);  // too many for branch prediction to learn
   for (const int triangles : counts_of_triangles)
@@ -66,7 +66,7 @@ GridRates calibrate_grid() {
       }
       rows.row(row++) << double(counts.cells) / best, double(counts.tests) / best, double(counts.rays) / best;
     }
-  const Eigen::Vector3d seconds = rows.colPivHouseholderQr().solve(Eigen::Matrix<double, 9, 1>::Ones());
+  const Eigen::Vector3d seconds = pseudo_inverse(rows).rowwise().sum();
   return {std::max(seconds[0], 0.0), std::max(seconds[1], 0.0), std::max(seconds[2], 0.0)};
 }
 

@@ -68,9 +68,9 @@ void add_rays(const std::vector<std::vector<TracedRay>>& blocks, const Grid& pan
   });
 }
 
-class Tracing {
+class StackTracing {
  public:
-  Tracing(const PathScene& scene, const PanelRays& rays, const RenderParams& params)
+  StackTracing(const PathScene& scene, const PanelRays& rays, const RenderParams& params)
       : scene_(scene), rays_(rays), params_(params) {}
 
   /// Traces the paths of some pixels of a plane, [first, last) row by row, and adds them to `found`.
@@ -109,7 +109,7 @@ PathCounts fill_targets(const PathScene& scene, const Grid& panel, double tangen
   std::vector<PixelPlane> planes;
   for (const Target& target : targets) planes.push_back(target.plane);
   const PanelRays rays(panel, tangent, planes, params.paths);
-  const Tracing tracing(scene, rays, params);
+  const StackTracing tracing(scene, rays, params);
   constexpr int64_t pixels_per_block = 64, rays_per_band = int64_t(1) << 21;
   const int64_t blocks_per_band = std::max<int64_t>(1, rays_per_band / (pixels_per_block * params.paths));
   PathCounts total;

@@ -15,12 +15,12 @@ namespace {
 
 constexpr const char* dataset_name = "focal_stack";
 
-using Shape = std::array<hsize_t, 4>;  // planes, rows, columns, channels
+using StackShape = std::array<hsize_t, 4>;  // planes, rows, columns, channels
 
 /// Calls transfer(shape in memory, place in the file) for plane k. @return whether it succeeded
 template <class Transfer>
-bool for_plane(hid_t data, const Shape& shape, size_t k, const Transfer& transfer) {
-  const Shape start{k, 0, 0, 0}, block{1, shape[1], shape[2], shape[3]};
+bool for_plane(hid_t data, const StackShape& shape, size_t k, const Transfer& transfer) {
+  const StackShape start{k, 0, 0, 0}, block{1, shape[1], shape[2], shape[3]};
   const Handle memory(H5Screate_simple(3, block.data() + 1, nullptr), H5Sclose);
   const Handle place(H5Dget_space(data), H5Sclose);
   H5Sselect_hyperslab(place, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
@@ -31,7 +31,7 @@ void write_stack(const std::string& path, const FocalStack& stack) {
   const Silence silence;
   const Grid& grid = stack.grid;
   const int channels = stack.pictures.front().channels;
-  const Shape shape{stack.pictures.size(), hsize_t(grid.ny), hsize_t(grid.nx), hsize_t(channels)};
+  const StackShape shape{stack.pictures.size(), hsize_t(grid.ny), hsize_t(grid.nx), hsize_t(channels)};
   Handle file(create_hdf5(path), H5Fclose);
   {
     const Handle space(H5Screate_simple(channels == 1 ? 3 : 4, shape.data(), nullptr), H5Sclose);
@@ -55,10 +55,10 @@ void write_stack(const std::string& path, const FocalStack& stack) {
 }
 
 /// The shape of a stack's dataset. @throws Error, naming the file, for another one
-Shape shape_of(hid_t data, const std::string& path) {
+StackShape shape_of(hid_t data, const std::string& path) {
   const Handle space(H5Dget_space(data), H5Sclose);
   const int rank = H5Sget_simple_extent_ndims(space);
-  Shape shape{0, 0, 0, 1};
+  StackShape shape{0, 0, 0, 1};
   if (rank == 3 || rank == 4) H5Sget_simple_extent_dims(space, shape.data(), nullptr);
   constexpr hsize_t limit = 1u << 30;
   require((rank == 3 || rank == 4) && shape[1] > 0 && shape[2] > 0 && (shape[3] == 1 || shape[3] == 3) &&
@@ -70,11 +70,11 @@ Shape shape_of(hid_t data, const std::string& path) {
   return shape;
 }
 
-double samples_of(const Shape& shape) {
+double samples_of(const StackShape& shape) {
   return double(shape[0]) * double(shape[1]) * double(shape[2]) * double(shape[3]);
 }
 
-void send_pictures(const Hdf5Dataset& data, const Shape& shape, const std::string& path, ToParent& out) {
+void send_pictures(const Hdf5Dataset& data, const StackShape& shape, const std::string& path, ToParent& out) {
   const double plane = samples_of(shape) / double(shape[0]) * sizeof(float), slowest = 1e7;  // [bytes], [bytes/s]
   out.allow(10 + double(shape[0]) * plane / slowest, plane + 2 * data.chunk_bytes() + double(1 << 28));
   std::vector<float> values(size_t(plane) / sizeof(float));
@@ -107,7 +107,7 @@ FocalStack load_focal_stack(const std::string& path, Outside outside) {
     const H5T_class_t kind = H5Tget_class(type);
     require(kind == H5T_FLOAT || kind == H5T_INTEGER,
             "{}: expected real numbers in \"{}\", got another kind; convert them to float32", path, dataset_name);
-    const Shape shape = shape_of(data, path);
+    const StackShape shape = shape_of(data, path);
     require_all_samples(data, samples_of(shape), path);
     out.value(shape);
     out.value(read_number(data, "pitch_m", path));
@@ -115,7 +115,7 @@ FocalStack load_focal_stack(const std::string& path, Outside outside) {
     send_pictures(data, shape, path, out);
   };
   read_in_child(path, read, [&](FromChild& from) {
-    const auto shape = from.value<Shape>();
+    const auto shape = from.value<StackShape>();
     constexpr hsize_t limit = 1u << 30;  // a child whose memory is damaged may send any numbers
     require(shape[0] < limit && shape[1] < limit && shape[2] < limit && (shape[3] == 1 || shape[3] == 3),
             "{}: expected a focal stack, but it is damaged", path);

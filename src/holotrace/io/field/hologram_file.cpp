@@ -87,7 +87,7 @@ Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& pa
 constexpr size_t longest_text = 7'000'000;
 
 // The metadata beside a PNG without text, under its name or the one of earlier versions; empty if there is none.
-std::string sidecar_of(const std::string& path) {
+std::string hologram_sidecar(const std::string& path) {
   std::error_code ignored;
   for (const std::string& sidecar : {sidecar_path(path), old_sidecar_path(path)})
     if (std::filesystem::exists(sidecar, ignored)) return sidecar;
@@ -206,7 +206,7 @@ bool is_hologram_file(const std::string& path) {
   std::error_code ignored;
   if (extension_of(path) != ".png" || !std::filesystem::is_regular_file(path, ignored)) return false;
   if (!metadata_in(path).empty()) return true;
-  const std::string sidecar = sidecar_of(path);
+  const std::string sidecar = hologram_sidecar(path);
   return !sidecar.empty() && parse_json_if_sound(read_text(sidecar)).contains("modulation");
 }
 
@@ -231,7 +231,7 @@ Hologram load_hologram(const std::string& path) {
   hologram.grid.nx = greys.nx;
   hologram.grid.ny = greys.ny;
   const bool is_inside = !greys.metadata.empty();
-  const std::string beside = is_inside ? "" : sidecar_of(path), sidecar = beside.empty() ? path : beside;
+  const std::string beside = is_inside ? "" : hologram_sidecar(path), sidecar = beside.empty() ? path : beside;
   if (is_inside || !beside.empty()) {
     const nlohmann::json json = is_inside ? parse_metadata(greys.metadata, path) : read_metadata(beside);
     hologram.grid.pitch = metadata_number(json, sidecar, "pitch_m");

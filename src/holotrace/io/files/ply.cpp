@@ -15,13 +15,13 @@
 namespace holotrace {
 namespace {
 
-enum class Kind { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+enum class PlyKind { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 enum class Format { ascii, little_endian, big_endian };
 
 struct Property {
   std::string name;
-  Kind kind = Kind::float32;
-  std::optional<Kind> list_count;  // type of a list's length
+  PlyKind kind = PlyKind::float32;
+  std::optional<PlyKind> list_count;  // type of a list's length
 };
 
 struct Element {
@@ -30,18 +30,18 @@ struct Element {
   std::vector<Property> properties;
 };
 
-size_t size_of(Kind kind) {
+size_t size_of(PlyKind kind) {
   constexpr std::array<size_t, 8> sizes{1, 1, 2, 2, 4, 4, 4, 8};
   return sizes[size_t(kind)];
 }
 
 // The largest value of an integer type; for floating-point types 1, the largest value of a colour.
-double largest_of(Kind kind) {
+double largest_of(PlyKind kind) {
   constexpr std::array<double, 8> values{127, 255, 32767, 65535, 2147483647, 4294967295, 1, 1};
   return values[size_t(kind)];
 }
 
-std::optional<Kind> kind_from(std::string_view name) {
+std::optional<PlyKind> kind_from(std::string_view name) {
   struct Name {
     std::string_view old_name, name;
   };
@@ -54,7 +54,7 @@ std::optional<Kind> kind_from(std::string_view name) {
                                        {"float", "float32"},
                                        {"double", "float64"}}};
   for (size_t i = 0; i < names.size(); ++i)
-    if (name == names[i].old_name || name == names[i].name) return Kind(i);
+    if (name == names[i].old_name || name == names[i].name) return PlyKind(i);
   return std::nullopt;
 }
 
@@ -150,7 +150,7 @@ class Numbers {
         line_(header.lines + 1),
         path_(path) {}
 
-  double next(Kind kind) { return format_ == Format::ascii ? next_word() : next_bytes(kind); }
+  double next(PlyKind kind) { return format_ == Format::ascii ? next_word() : next_bytes(kind); }
   size_t bytes_left() const { return size_t(end_ - at_); }
 
  private:
@@ -182,7 +182,7 @@ class Numbers {
     return double(value);
   }
 
-  double next_bytes(Kind kind) {
+  double next_bytes(PlyKind kind) {
     const size_t size = size_of(kind);
     if (bytes_left() < size) fail_truncated();
     std::array<unsigned char, 8> bytes{};
@@ -190,21 +190,21 @@ class Numbers {
     for (size_t i = 0; i < size; ++i) bytes[swap ? size - 1 - i : i] = static_cast<unsigned char>(at_[i]);
     at_ += size;
     switch (kind) {
-      case Kind::int8:
+      case PlyKind::int8:
         return as<int8_t>(bytes.data());
-      case Kind::uint8:
+      case PlyKind::uint8:
         return as<uint8_t>(bytes.data());
-      case Kind::int16:
+      case PlyKind::int16:
         return as<int16_t>(bytes.data());
-      case Kind::uint16:
+      case PlyKind::uint16:
         return as<uint16_t>(bytes.data());
-      case Kind::int32:
+      case PlyKind::int32:
         return as<int32_t>(bytes.data());
-      case Kind::uint32:
+      case PlyKind::uint32:
         return as<uint32_t>(bytes.data());
-      case Kind::float32:
+      case PlyKind::float32:
         return as<float>(bytes.data());
-      case Kind::float64:
+      case PlyKind::float64:
         return as<double>(bytes.data());
     }
     return 0;

@@ -40,7 +40,7 @@ Kept& kept_on(const Device& device) {
   return *kept;
 }
 
-std::atomic<double> given_limit = std::numeric_limits<double>::infinity();
+std::atomic<double> given_device_limit = std::numeric_limits<double>::infinity();
 
 // Drops those beyond the limit on every device.
 void drop_beyond(double bytes) {
@@ -163,10 +163,12 @@ void refuse_device_for_double(const PropagateParams& params) {
           "device cpu, or leave out --double (in Python: a complex64 array)");
 }
 
-double device_propagator_bytes(const Device& device) { return std::min(device.info().memory / 4, given_limit.load()); }
+double device_propagator_bytes(const Device& device) {
+  return std::min(device.info().memory / 4, given_device_limit.load());
+}
 
 void limit_device_propagators(double bytes) {
-  given_limit = bytes;
+  given_device_limit = bytes;
   drop_beyond(bytes);
 }
 

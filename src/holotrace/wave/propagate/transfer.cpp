@@ -15,7 +15,7 @@
 namespace holotrace {
 namespace {
 
-using Complex = std::complex<double>;
+using ComplexDouble = std::complex<double>;
 
 template <class Real>
 void make_table(Propagator<Real>& p) {
@@ -37,10 +37,10 @@ int frequency_of_slot(const Propagator<Real>& p, int slot) {
 
 // On a lattice, the factor that shifts outputs by a fraction of a pitch, exp(i2πu·rest). In an even spectrum the two
 // frequencies ±1/2p share one sample, which gets their mean.
-Complex part_of_pitch(const PropagationAxis& axis, int k) {
+ComplexDouble part_of_pitch(const PropagationAxis& axis, int k) {
   if (axis.rest == 0 || !axis.is_on_lattice()) return 1;
-  const Complex turn = cis_cycles(k * axis.rest / axis.period());
-  return 2 * std::abs(k) == axis.padded ? Complex(turn.real()) : turn;
+  const ComplexDouble turn = cis_cycles(k * axis.rest / axis.period());
+  return 2 * std::abs(k) == axis.padded ? ComplexDouble(turn.real()) : turn;
 }
 
 // Transmission of the smooth edges of the band.
@@ -53,16 +53,16 @@ double passing(const PropagationAxis& axis, int k) {
 }
 
 // Further factors of one axis, apart from the transfer function, at the frequencies in use.
-std::vector<Complex> beside_transfer(const PropagationAxis& axis) {
-  std::vector<Complex> factors;
+std::vector<ComplexDouble> beside_transfer(const PropagationAxis& axis) {
+  std::vector<ComplexDouble> factors;
   for (int k = axis.first; k <= axis.last; ++k) factors.push_back(passing(axis, k) * part_of_pitch(axis, k));
   return factors;
 }
 
 // One factor of the paraxial kernel, at the frequencies in use.
-std::vector<Complex> fresnel_axis(const PropagationAxis& axis) {
+std::vector<ComplexDouble> fresnel_axis(const PropagationAxis& axis) {
   const double lambda = axis.wavelength, z = axis.z, du = 1 / axis.period();
-  std::vector<Complex> factor;
+  std::vector<ComplexDouble> factor;
   if (!takes_fresnel_kernel(axis)) {
     factor = beside_transfer(axis);
     for (int k = axis.first; k <= axis.last; ++k)
@@ -72,8 +72,9 @@ std::vector<Complex> fresnel_axis(const PropagationAxis& axis) {
   const KernelSamples samples = kernel_samples(axis);
   const int n = std::max(1, samples.size());
   const double inverse = 1 / (lambda * z), ratio = double(axis.padded) / n;
-  const Complex scale = std::polar(ratio * axis.input_pitch * std::sqrt(std::abs(inverse)), -std::copysign(pi / 4, z));
-  AlignedVector<Complex> kernel;
+  const ComplexDouble scale =
+      std::polar(ratio * axis.input_pitch * std::sqrt(std::abs(inverse)), -std::copysign(pi / 4, z));
+  AlignedVector<ComplexDouble> kernel;
   for (size_t i = 0; i < size_t(n); ++i)
     kernel.push_back(scale * samples.weight[i] * cis_cycles(samples.place[i] * samples.place[i] * inverse / 2));
   Fft<double>(n, FftDirection::forward)(kernel.data());
@@ -113,10 +114,10 @@ struct Column {
   double u, wavelength, z, start;
   const std::vector<double>&v, &v2;  // v and v² [1/m]
 
-  void fill(const Complex& factor, std::vector<std::complex<double>>& to) const {
+  void fill(const ComplexDouble& factor, std::vector<std::complex<double>>& to) const {
     for (size_t j = 0; j < v.size(); ++j) to[j] = factor * angular_spectrum_transfer(u, v[j], wavelength, z, start);
   }
-  void fill(const Complex& factor, std::vector<std::complex<float>>& to) const {
+  void fill(const ComplexDouble& factor, std::vector<std::complex<float>>& to) const {
     const double k = 1 / wavelength;
     if (u * u + v2.back() > k * k) {  // evanescent waves decay
       for (size_t j = 0; j < v.size(); ++j)
@@ -135,8 +136,9 @@ template <class Real>
 void fill_angular_spectrum(Propagator<Real>& p) {
   const double z = p.distance, du = 1 / p.x.period(), dv = 1 / p.y.period();
   const double start = cycle_fraction(z, p.wavelength);
-  const std::vector<Complex> beside = beside_transfer(p.y);
-  const bool is_plain = std::all_of(beside.begin(), beside.end(), [](const Complex& factor) { return factor == 1.0; });
+  const std::vector<ComplexDouble> beside = beside_transfer(p.y);
+  const bool is_plain =
+      std::all_of(beside.begin(), beside.end(), [](const ComplexDouble& factor) { return factor == 1.0; });
   // The function is even in v: each |v| is computed once.
   const int least = p.y.first <= 0 && p.y.last >= 0 ? 0 : std::min(std::abs(p.y.first), std::abs(p.y.last));
   const int most = std::max(std::abs(p.y.first), std::abs(p.y.last));
@@ -153,7 +155,7 @@ void fill_angular_spectrum(Propagator<Real>& p) {
     std::complex<Real>* row = p.transfer.row(int(slot));
     for (size_t n = 0; n < places.size(); ++n) {
       const std::complex<Real>& h = column[size_t(std::abs(p.y.first + int(n)) - least)];
-      row[places[n]] = is_plain ? h : std::complex<Real>(beside[n] * Complex(h));
+      row[places[n]] = is_plain ? h : std::complex<Real>(beside[n] * ComplexDouble(h));
     }
   });
 }
@@ -170,7 +172,7 @@ void fill_rayleigh_sommerfeld(Propagator<Real>& p) {
       [&](double x, double y) {
         return scale * rayleigh_sommerfeld_kernel(x * x + y * y, p.wavelength, p.distance, start);
       },
-      [&](int slot, const Complex* column) {
+      [&](int slot, const ComplexDouble* column) {
         std::complex<Real>* row = p.transfer.row(slot);
         for (int k = p.y.first; k <= p.y.last; ++k) row[place(p, k)] = std::complex<Real>(column[wrapped(k, ny)]);
       });
@@ -178,8 +180,8 @@ void fill_rayleigh_sommerfeld(Propagator<Real>& p) {
 
 template <class Real>
 void fill_fresnel(Propagator<Real>& p) {
-  const std::vector<Complex> along_x = fresnel_axis(p.x), along_y = fresnel_axis(p.y);
-  const Complex axial = cis_cycles(cycle_fraction(p.distance, p.wavelength));
+  const std::vector<ComplexDouble> along_x = fresnel_axis(p.x), along_y = fresnel_axis(p.y);
+  const ComplexDouble axial = cis_cycles(cycle_fraction(p.distance, p.wavelength));
   make_table(p);
   for (int slot = 0; slot < p.x.slots(); ++slot) {
     // On an even axis frequency −slot is always in use; +slot is not, if it is the middle of the spectrum.

@@ -15,7 +15,7 @@ enum Compression : uint32_t { none = 0, runs_8 = 1, runs_4 = 2, masks = 3 };
 
 using Colour = std::array<uint8_t, 3>;  // R, G, B
 
-struct Header {
+struct BmpHeader {
   int bits = 0;
   uint32_t compression = none;
   bool is_top_down = false;
@@ -25,7 +25,7 @@ struct Header {
   bool is_grey = false;
 };
 
-bool read_palette(ByteSource& source, bool is_old, uint32_t colours, Header& header) {
+bool read_palette(ByteSource& source, bool is_old, uint32_t colours, BmpHeader& header) {
   const size_t entry = is_old ? 3 : 4, most = size_t(1) << header.bits;
   const size_t count = colours == 0 ? most : std::min<size_t>(colours, most);
   std::vector<uint8_t> bytes(count * entry);
@@ -42,7 +42,7 @@ bool read_palette(ByteSource& source, bool is_old, uint32_t colours, Header& hea
   return true;
 }
 
-bool read_header(ByteSource& source, Header& header, PictureHeader& picture) {
+bool read_bmp_header(ByteSource& source, BmpHeader& header, PictureHeader& picture) {
   std::array<uint8_t, 14 + 40> bytes{};
   if (!source.read_all(bytes.data(), 18)) return false;
   header.pixels_at = number_of_4(bytes.data() + 10);
@@ -76,7 +76,7 @@ bool read_header(ByteSource& source, Header& header, PictureHeader& picture) {
          (header.compression == runs_8 && header.bits == 8) || (header.compression == runs_4 && header.bits == 4);
 }
 
-Colour colour_of(const Header& header, const uint8_t* row, size_t i) {
+Colour colour_of(const BmpHeader& header, const uint8_t* row, size_t i) {
   const int bits = header.bits;
   if (bits == 24) return {row[3 * i + 2], row[3 * i + 1], row[3 * i]};
   if (bits <= 8) {
@@ -93,7 +93,8 @@ Colour colour_of(const Header& header, const uint8_t* row, size_t i) {
 }
 
 // Indices in runs, one in each byte of `indices`; row 0 is the lowest. What no run names stays 0.
-bool read_runs(ByteSource& source, const Header& header, const PictureHeader& picture, std::vector<uint8_t>& indices) {
+bool read_runs(ByteSource& source, const BmpHeader& header, const PictureHeader& picture,
+               std::vector<uint8_t>& indices) {
   const auto columns = size_t(picture.columns), rows = size_t(picture.rows);
   const bool has_two = header.compression == runs_4;
   size_t x = 0, y = 0;
@@ -127,7 +128,7 @@ bool read_runs(ByteSource& source, const Header& header, const PictureHeader& pi
   }
 }
 
-bool read_pixels(ByteSource& source, const Header& header, Picture& picture) {
+bool read_bmp_pixels(ByteSource& source, const BmpHeader& header, Picture& picture) {
   const auto columns = size_t(picture.columns), rows = size_t(picture.rows), channels = picture.channels.size();
   auto& values = std::get<std::vector<uint8_t>>(picture.samples);
   const bool has_runs = header.compression == runs_8 || header.compression == runs_4;
@@ -148,14 +149,14 @@ bool read_pixels(ByteSource& source, const Header& header, Picture& picture) {
 }  // namespace
 
 std::optional<Picture> read_bmp(ByteSource& source, const HeaderCheck& wants) {
-  Header header;
+  BmpHeader header;
   Picture picture;
-  if (!read_header(source, header, picture)) return std::nullopt;
+  if (!read_bmp_header(source, header, picture)) return std::nullopt;
   if (header.bits > 8 && header.bits != 16 && header.bits != 24 && header.bits != 32) return std::nullopt;
   if (!wants(picture)) return picture;
   picture.samples = samples_for(picture);
   source.seek(header.pixels_at);
-  picture.is_complete = read_pixels(source, header, picture);
+  picture.is_complete = read_bmp_pixels(source, header, picture);
   return picture;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 enum Kind { with_palette = 1, with_colours = 2, with_greys = 3 };
 
-struct Header {
+struct TgaHeader {
   int kind = 0, bytes = 0;  // of a pixel in the file
   bool has_runs = false, is_bottom_up = false, is_mirrored = false;
   int first_index = 0;
@@ -27,7 +27,7 @@ Samples4 colour_from(const uint8_t* bytes, int size) {
   return {as_8_bits(value >> 10 & 31, 5), as_8_bits(value >> 5 & 31, 5), as_8_bits(value & 31, 5), 255};
 }
 
-bool read_header(ByteSource& source, Header& header, PictureHeader& picture) {
+bool read_tga_header(ByteSource& source, TgaHeader& header, PictureHeader& picture) {
   std::array<uint8_t, 18> bytes{};
   if (!source.read_all(bytes.data(), bytes.size())) return false;
   header.has_runs = bytes[2] >= 8;
@@ -62,7 +62,7 @@ bool read_header(ByteSource& source, Header& header, PictureHeader& picture) {
 }
 
 // The samples of a pixel; false for an index without a colour.
-bool convert(const Header& header, const uint8_t* pixel, Samples4& to) {
+bool convert_tga(const TgaHeader& header, const uint8_t* pixel, Samples4& to) {
   if (header.kind == with_colours) {
     to = colour_from(pixel, header.bytes);
   } else if (header.kind == with_greys) {
@@ -75,7 +75,7 @@ bool convert(const Header& header, const uint8_t* pixel, Samples4& to) {
   return true;
 }
 
-bool read_pixels(ByteSource& source, const Header& header, Picture& picture) {
+bool read_tga_pixels(ByteSource& source, const TgaHeader& header, Picture& picture) {
   const auto columns = size_t(picture.columns), rows = size_t(picture.rows), channels = picture.channels.size();
   auto& values = std::get<std::vector<uint8_t>>(picture.samples);
   std::array<uint8_t, 4> pixel{};
@@ -91,7 +91,7 @@ bool read_pixels(ByteSource& source, const Header& header, Picture& picture) {
       left = code % 128 + 1;
       is_new = true;
     }
-    if (is_new && (!source.read_all(pixel.data(), size_t(header.bytes)) || !convert(header, pixel.data(), samples)))
+    if (is_new && (!source.read_all(pixel.data(), size_t(header.bytes)) || !convert_tga(header, pixel.data(), samples)))
       return false;
     if (header.has_runs) --left;
     const size_t row = i / columns, column = i % columns;
@@ -105,12 +105,12 @@ bool read_pixels(ByteSource& source, const Header& header, Picture& picture) {
 }  // namespace
 
 std::optional<Picture> read_tga(ByteSource& source, const HeaderCheck& wants) {
-  Header header;
+  TgaHeader header;
   Picture picture;
-  if (!read_header(source, header, picture)) return std::nullopt;
+  if (!read_tga_header(source, header, picture)) return std::nullopt;
   if (!wants(picture)) return picture;
   picture.samples = samples_for(picture);
-  picture.is_complete = read_pixels(source, header, picture);
+  picture.is_complete = read_tga_pixels(source, header, picture);
   return picture;
 }
 
