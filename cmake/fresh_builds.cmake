@@ -6,7 +6,7 @@ if(CMAKE_CXX_COMPILER_LAUNCHER OR CMAKE_CXX_CLANG_TIDY)
   set(fresh OFF)
 endif()
 option(HOLOTRACE_PRECOMPILED_HEADERS "Precompile the headers that most files include" ${fresh})
-option(HOLOTRACE_COMPILE_TOGETHER "Compile the files of a folder together, some at a time" ${fresh})
+option(HOLOTRACE_COMPILE_TOGETHER "Compile the files of a folder together, up to 16 at a time" ${fresh})
 
 set(HOLOTRACE_COMMON_HEADERS
   <algorithm> <array> <cmath> <complex> <cstdint> <filesystem> <fstream> <functional> <map> <memory> <optional> <random>
