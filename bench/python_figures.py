@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Figures of the Python package on a full-HD panel, as medians and ratios of alternating runs.
 
-Usage: python_figures.py [ROUNDS]     in a Python with holotrace (PYTHONPATH=build/release/python) and, for two lines, PyTorch
+Usage: python_figures.py [ROUNDS]     in a Python with holotrace (PYTHONPATH=build/release/python) and, for some lines, SciPy and PyTorch
 
     propagate   time of np.asarray(ht.propagate(ht.Field(array))) less that of the C++ verb (build/release/bench/holotrace_bench)
+    pocketfft   ht.propagate against the same by SciPy's transforms (pocketfft), without those of lines that are known to be zero
+                and with the transfer function kept, for sizes that are padded to smooth numbers and one that is not
     import      time of `import holotrace` in a new interpreter, NumPy included
     sgd         an iteration of ht.encode(method="sgd"), which takes the mean over four samples of each pixel, against loops of
                 plain PyTorch (exp(i phase), zero-padded FFTs, Adam) with the same four samples and with one
@@ -73,11 +75,47 @@ def measure_import(rounds):
         state(module, times, 1)
 
 
-def transfer_function(torch):
-    """Of the padded window, as the packages have it."""
-    fy, fx = np.fft.fftfreq(2 * ROWS, PITCH)[:, None], np.fft.fftfreq(2 * COLUMNS, PITCH)
+def transfer_function(rows=2 * ROWS, columns=2 * COLUMNS):
+    """Of the padded window of rows × columns samples, as the packages have it: complex64."""
+    fy, fx = np.fft.fftfreq(rows, PITCH)[:, None], np.fft.fftfreq(columns, PITCH)
     kz = np.sqrt(np.maximum(0, 1 / WAVELENGTH**2 - fx**2 - fy**2))
-    return torch.from_numpy(np.exp(2j * np.pi * DISTANCE * kz).astype(np.complex64))
+    return np.exp(2j * np.pi * DISTANCE * kz).astype(np.complex64)
+
+
+def measure_pocketfft(rounds):
+    import scipy
+    import scipy.fft
+
+    print(f"propagate against SciPy {scipy.__version__} [ms]")
+    workers = os.cpu_count() or 1
+    rng = np.random.default_rng(1)
+    for rows, columns in ((ROWS, COLUMNS), (1087, 2003)):
+        # A field near the axis that fades towards its edges: no band limit matters, and both ways give the same.
+        fy, fx = np.fft.fftfreq(rows)[:, None], np.fft.fftfreq(columns)
+        spectrum = np.fft.fft2(np.exp(2j * np.pi * rng.uniform(size=(rows, columns)))) * (np.maximum(abs(fx), abs(fy)) < 0.2)
+        array = (np.fft.ifft2(spectrum) * np.outer(np.hanning(rows), np.hanning(columns))).astype(np.complex64)
+        padded = [scipy.fft.next_fast_len(2 * length) for length in (rows, columns)]
+        kernel = transfer_function(*padded)
+
+        def by_scipy():
+            lines = scipy.fft.fft(array, padded[1], axis=1, workers=workers)
+            spectrum = scipy.fft.fft(lines, padded[0], axis=0, workers=workers, overwrite_x=True)
+            spectrum *= kernel
+            lines = scipy.fft.ifft(spectrum, axis=0, workers=workers, overwrite_x=True)[:rows]
+            return scipy.fft.ifft(lines, axis=1, workers=workers, overwrite_x=True)[:, :columns]
+
+        def by_us():
+            return np.asarray(ht.propagate(ht.Field(array, PITCH, WAVELENGTH), DISTANCE, progress=False))
+
+        near = np.linalg.norm(by_scipy() - by_us()) / np.linalg.norm(by_us())
+        ours, theirs = [], []
+        for _ in range(rounds):
+            ours += [seconds(by_us) for _ in range(5)]
+            theirs += [seconds(by_scipy) for _ in range(5)]
+        state(f"holotrace, {columns}×{rows}", ours)
+        state(f"SciPy, padded to {padded[1]}×{padded[0]}", theirs)
+        print(f"  ratio of processor time {cost(theirs) / cost(ours):.2f}, of the clock "
+              f"{statistics.median(one[0] for one in theirs) / statistics.median(one[0] for one in ours):.2f}; fields differ by {near:.1e}")
 
 
 def by_torch(torch, kernel):
@@ -121,7 +159,7 @@ def measure_torch(rounds):
 
     torch.set_num_threads(os.cpu_count() or 1)
     picture = np.random.default_rng(2).uniform(size=(ROWS, COLUMNS)).astype(np.float32)
-    kernel = transfer_function(torch)
+    kernel = torch.from_numpy(transfer_function())
     space = htt.Propagation((ROWS, COLUMNS), PITCH, WAVELENGTH, DISTANCE)
     target = torch.from_numpy(picture)
     steps = {
@@ -159,10 +197,11 @@ def main():
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors, Python {sys.version.split()[0]}")
     measure_import(rounds)
     measure_propagate(rounds)
-    try:
-        measure_torch(rounds)
-    except ImportError:
-        print("PyTorch is not installed: its lines are left out")
+    for package, measure in {"SciPy": measure_pocketfft, "PyTorch": measure_torch}.items():
+        try:
+            measure(rounds)
+        except ImportError:
+            print(f"{package} is not installed: its lines are left out")
     print(f"load {os.getloadavg()[0]:.1f}")
 
 
