@@ -30,8 +30,8 @@ std::optional<FftWisdomStore> store;
 enum class Planning { measured, known };
 
 // Measuring leaves out FFTW's candidates that rearrange samples in a step of its own. They take half to two thirds of the
-// planning, and the plans without them are as fast (docs/explanation/performance.md). A time limit is no help: what runs out of it gets
-// FFTW's estimate, whose plans took 1.1 to 2.2 times as long.
+// planning, and the plans without them are as fast (docs/explanation/performance.md). A time limit is no help: a plan that
+// runs out of it is FFTW's estimate, which takes 1.1 to 2.2 times as long.
 unsigned flags(bool aligned, Planning planning) {
   return (store ? FFTW_MEASURE | FFTW_NO_INDIRECT_OP : FFTW_ESTIMATE) |
          (planning == Planning::known ? FFTW_WISDOM_ONLY : 0U) | (aligned ? 0U : unsigned(FFTW_UNALIGNED));
