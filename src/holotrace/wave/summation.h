@@ -15,7 +15,7 @@ class Device;
 /// one that is expected to take less work.
 enum class Approach { tiled, planes, cheapest };
 
-/// The way in which waves are summed, and the device that sums them. On a device every sum is by tiles, whatever the approach.
+/// The way in which waves are summed, and the device that sums them.
 struct SumWay {
   Approach approach;
   Device* device;  ///< none: the processor

@@ -14,7 +14,6 @@
 #include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_planes.h"
 #include "holotrace/wave/summation.h"
 
 namespace holotrace {
@@ -57,13 +56,18 @@ void report_boxes(const Sources& sources, const Grid& grid, const Observer& obse
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 bool runs_on_devices(SynthesisMethod method) {
-  return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled;
+  return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled || method == SynthesisMethod::planes;
+}
+
+Approach approach_of(SynthesisMethod method) {
+  if (method == SynthesisMethod::tiled) return Approach::tiled;
+  return method == SynthesisMethod::planes ? Approach::planes : Approach::cheapest;
 }
 
 // The device that is expected to sum the waves faster than the processor and the other devices; none: the processor is.
 Device* fastest_device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   if (!runs_on_devices(params.method)) return nullptr;
-  const Approach approach = params.method == SynthesisMethod::tiled ? Approach::tiled : Approach::cheapest;
+  const Approach approach = approach_of(params.method);
   const auto seconds = [&](Device* device) {
     const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device});
     return forecast.method.empty() ? infinite : forecast.seconds;
@@ -78,7 +82,7 @@ Device* device_for(const Sources& sources, const Grid& grid, const SynthesizePar
   if (params.device.kind == DeviceKind::cpu) return nullptr;
   if (params.device.kind == DeviceKind::opencl) {
     require(runs_on_devices(params.method),
-            "expected the method auto or tiled on an OpenCL device, got {}; use one of them, or the device cpu",
+            "expected the method auto, tiled or planes on an OpenCL device, got {}; use one of them, or the device cpu",
             method_name(params.method));
     return &open_device(params.device.number);
   }
@@ -96,9 +100,8 @@ Field sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams
     case SynthesisMethod::exact:
       return exact();
     case SynthesisMethod::tiled:
-      return sum_within(sources, grid, params.tolerance, {Approach::tiled, device}, observer);
     case SynthesisMethod::planes:
-      return sum_planes(sources, grid, params.tolerance, observer);
+      return sum_within(sources, grid, params.tolerance, {approach_of(params.method), device}, observer);
     case SynthesisMethod::layers:
       observer.fact("method", std::string("layers"));
       return sum_layers(sources, grid, params, observer);
@@ -115,9 +118,7 @@ Field sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams
                                      params.tolerance));
     return exact();
   }
-  observer.fact("why", fmt::format("{} to meet the tolerance of {:.1e}",
-                                   device ? "the method of devices, expected" : "the fastest that is expected",
-                                   params.tolerance));
+  observer.fact("why", fmt::format("the fastest that is expected to meet the tolerance of {:.1e}", params.tolerance));
   return std::move(*field);
 }
 

@@ -60,7 +60,7 @@ size_t tiles_along(int pixels, int step) { return size_t((pixels + step - 1) / s
 
 std::vector<DeviceWave> device_waves(const std::vector<PreparedWave>& waves, size_t first, size_t end,
                                      double wavelength, const PixelBox& bounds) {
-  std::vector<DeviceWave> some(end - first);
+  std::vector<DeviceWave> some(std::min(end, waves.size()) - first);
   parallel_for(
       0, int64_t(some.size()),
       [&](int64_t i) { some[size_t(i)] = device_wave(waves[first + size_t(i)], wavelength, bounds); }, {}, 4096);
@@ -88,7 +88,7 @@ struct DevicePlan {
   size_t launch() const { return slices * share; }
 };
 
-DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds, TileShape shape) {
+DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds, TileShape shape, double reserved) {
   DevicePlan plan;
   const size_t tiles =
       tiles_along(bounds.x1 - bounds.x0, shape.columns) * tiles_along(bounds.y1 - bounds.y0, shape.rows);
@@ -102,7 +102,8 @@ DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds,
   plan.slices = std::min(plan.slices, parts_of(waves, plan.share));
 
   constexpr double spare = 1e5;  // for the places of tiles
-  const double free = device.free_memory() - spare, columns = bounds.x1 - bounds.x0, rows = bounds.y1 - bounds.y0;
+  const double free = std::min(device.memory_left() - reserved, device.info().largest_buffer) - spare;
+  const double columns = bounds.x1 - bounds.x0, rows = bounds.y1 - bounds.y0;
   const double row_bytes = double(sizeof(std::complex<float>) * plan.slices) * columns;
   const double all_waves = double(sizeof(DeviceWave) * waves);
   const double for_waves = std::min(all_waves, std::max(free / 2, free - row_bytes * rows));
@@ -124,11 +125,22 @@ void add_slices(Device& device, TileShape shape, const DeviceBuffer& sums, int64
 
 }  // namespace
 
+const char* tile_factor_source() { return factor_source; }
+
 Kernel tile_kernel(TileShape shape, const char* function) {
   return {function,
           {factor_source, sum_source},
           fmt::format("-D TILE_COLUMNS={} -D TILE_ROWS={} -D BLOCK_ROWS={} -D BATCH={}", shape.columns, shape.rows,
                       block_rows(shape), batch_of(shape))};
+}
+
+double pixels_of_tiles(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds) {
+  double tiles = 0;
+  const auto met = [](int first, int end, int step) { return double((end - 1) / step - first / step + 1); };
+  for (const PreparedWave& w : waves)
+    tiles += met(w.box.x0 - bounds.x0, w.box.x1 - bounds.x0, shape.columns) *
+             met(w.box.y0 - bounds.y0, w.box.y1 - bounds.y0, shape.rows);
+  return tiles * shape.columns * shape.rows;
 }
 
 double transferred_bytes(size_t waves, const PixelBox& bounds) {
@@ -156,33 +168,35 @@ TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel
 }
 
 void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel, TileShape shape,
-                         const PixelBox& bounds, Array2D<std::complex<float>>& samples, const Observer& observer) {
+                         const PixelBox& bounds, Array2D<std::complex<float>>& samples, const Observer& observer,
+                         const LightOnDevice& more) {
   const auto lock = device.lock();
   const Grid& grid = panel.grid;
   const int columns = bounds.x1 - bounds.x0;
-  const DevicePlan plan = make_plan(device, waves.size(), bounds, shape);
+  const size_t count = std::max<size_t>(waves.size(), 1);  // without waves, a launch sets the samples to 0
+  const DevicePlan plan = make_plan(device, count, bounds, shape, more.bytes);
   const DeviceBuffer column_centres = device.upload(
       tile_centres(columns, shape.columns, panel.wavelength, [&](double i) { return grid.x(bounds.x0 + i); }),
       "places of tiles");
   const Kernel kernel = tile_kernel(shape, "sum_tiles");
   DeviceBuffer on_device;
-  const double work = double(waves.size()) * (bounds.y1 - bounds.y0);
-  double done = 0;
-  for (int top = bounds.y0; top < bounds.y1; top += plan.rows) {
-    const int rows = std::min(plan.rows, bounds.y1 - top);
+  const int bands = (bounds.y1 - bounds.y0 + plan.rows - 1) / plan.rows;
+  for (int b = 0; b < bands; ++b) {
+    const int top = bounds.y0 + b * plan.rows, rows = std::min(plan.rows, bounds.y1 - top);
+    const Observer of_band = part_of(observer, b, bands), of_waves = part_of(of_band, 0, more.add ? 2 : 1);
     const DeviceBuffer row_centres = device.upload(
         tile_centres(rows, shape.rows, panel.wavelength, [&](double j) { return grid.y(top + j); }), "places of tiles");
     const PixelBox band{bounds.x0, bounds.x1, top, top + rows};
     const DeviceBuffer sums =
         device.make_buffer(sizeof(std::complex<float>) * size_t(band.pixels()) * plan.slices, "a field");
-    for (size_t part = 0; part < waves.size(); part += plan.waves) {
-      const size_t end = std::min(part + plan.waves, waves.size());
-      if (top == bounds.y0 || plan.waves < waves.size()) {
+    for (size_t part = 0; part < count; part += plan.waves) {
+      const size_t end = std::min(part + plan.waves, count);
+      if (b == 0 || plan.waves < count) {
         on_device = DeviceBuffer();  // released before the next is made
         on_device = device.upload(device_waves(waves, part, end, panel.wavelength, bounds), "the waves");
       }
       for (size_t first = part; first < end; first += plan.launch()) {
-        const size_t last = std::min(first + plan.launch(), end);
+        const size_t last = std::min({first + plan.launch(), end, waves.size()});
         const TileJob job{int32_t(first - part),
                           int32_t(last - part),
                           int32_t(plan.share),
@@ -196,10 +210,11 @@ void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves,
                     size_t(shape.columns / block_columns), size_t(shape.rows / block_rows(shape)), plan.slices},
                    {on_device, column_centres, row_centres, job, sums});
         device.finish();
-        observer.progress((done += double(last - first) * rows) / work);
+        of_waves.progress(double(std::min(first + plan.launch(), end)) / double(count));
       }
     }
     add_slices(device, shape, sums, band.pixels(), plan.slices);
+    if (more.add) more.add(band, sums, part_of(of_band, 1, 2));
     fetch(device, sums, band, samples);
   }
 }
