@@ -39,14 +39,16 @@ constexpr double seconds_of_start = 1e-3;
 
 bool is_measured(const DeviceRates& rates) { return rates.multiply_adds > 0 && rates.bytes > 0; }
 
-double seconds_on_device(const PartPlan& plan, const PixelBox& bounds, Device& device) {
-  const DeviceRates rates = device_rates(device);
+double seconds_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices) {
+  const DeviceRates rates = device_rates(*devices.front());
   if (!is_measured(rates)) return infinite;
   const TileShape shape = plan.tiles.plan.shape;
-  // Far waves are sent twice: for their whole tiles, and for what they light of others.
-  return (plan.far.empty() ? 0 : plan.planes.seconds) +
-         pixels_of_tiles(plan.near, shape, bounds) * multiply_adds_per_wave_pixel(shape) / rates.multiply_adds +
-         transferred_bytes(plan.near.size() + 2 * plan.far.size(), bounds) / rates.bytes + seconds_of_start;
+  const double work = (plan.far.empty() ? 0 : plan.planes.seconds) + pixels_of_tiles(plan.near, shape, bounds) *
+                                                                         multiply_adds_per_wave_pixel(shape) /
+                                                                         rates.multiply_adds;
+  // Far waves are sent twice: for their whole tiles, and for what they light of others. Each device gets all waves.
+  const size_t sent = devices.size() * (plan.near.size() + 2 * plan.far.size());
+  return work / double(devices.size()) + transferred_bytes(sent, bounds) / rates.bytes + seconds_of_start;
 }
 
 // Of plans for `planes` on a device. An edge of a box leaves about half of a tile of the plan to the sum in tiles, whose own
@@ -100,40 +102,43 @@ std::string name_of(TileProducts products) {
 }  // namespace
 
 PartPlan make_part_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, const SumWay& way) {
-  if (way.approach == Approach::planes) return plan_planes(waves, goal, way.device, 1e300);
-  PartPlan tiles = plan_tiles(waves, goal, way.device);
-  if (way.approach == Approach::tiled || (way.device && !is_measured(device_rates(*way.device)))) return tiles;
+  if (way.approach == Approach::planes) return plan_planes(waves, goal, way.device(), 1e300);
+  PartPlan tiles = plan_tiles(waves, goal, way.device());
+  if (way.approach == Approach::tiled || (way.device() && !is_measured(device_rates(*way.device())))) return tiles;
   const auto seconds = [&](const PartPlan& plan) {
-    return way.device ? seconds_on_device(plan, goal.bounds, *way.device) : seconds_on_processor(plan);
+    return way.device() ? seconds_on_devices(plan, goal.bounds, way.devices) : seconds_on_processor(plan);
   };
   const double by_tiles = tiles.meets_tolerance() ? seconds(tiles) : 1e300;
   if (by_tiles < seconds_to_plan) return tiles;
-  PartPlan planes = plan_planes(waves, goal, way.device, by_tiles);
+  PartPlan planes = plan_planes(waves, goal, way.device(), by_tiles);
   if (planes.far.empty() || !planes.meets_tolerance()) return tiles;
-  return (way.device ? 1 : from_memory) * seconds(planes) + seconds_to_plan < by_tiles ? planes : tiles;
+  return (way.device() ? 1 : from_memory) * seconds(planes) + seconds_to_plan < by_tiles ? planes : tiles;
 }
 
-double seconds_of(const PartPlan& plan, const PixelBox& bounds, Device* device) {
-  if (device) return seconds_on_device(plan, bounds, *device);
+double seconds_of(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices) {
+  if (!devices.empty()) return seconds_on_devices(plan, bounds, devices);
   return (plan.far.empty() ? 1 : from_memory) * seconds_on_processor(plan) / thread_count();
 }
 
-std::string describe(const PartPlan& plan, const Device* device) {
-  const std::string where = device ? "single precision on " + device->info().name : "";
+std::string describe(const PartPlan& plan, const std::vector<Device*>& devices) {
+  std::string where;
+  if (!devices.empty())
+    where = fmt::format("single precision on {}{}", devices.size() > 1 ? fmt::format("{} × ", devices.size()) : "",
+                        devices.front()->info().name);
   const TilePlan& tiles = plan.tiles.plan;
   std::string text;
   if (!plan.far.empty()) {
     const PlanesPlan& p = plan.planes.plan;
     text = fmt::format("tiles of {0}x{0}, {1} slab(s) of {2} nodes, kernel of {3} cells{4}", p.tile, p.slabs, p.nodes,
                        p.width, p.is_corrected ? ", corrected" : "");
-    if (device)
+    if (!devices.empty())
       text += fmt::format("; where edges of boxes cut these, tiles of {}x{}; {}", tiles.shape.columns, tiles.shape.rows,
                           where);
   }
   if (!plan.near.empty())
-    text += fmt::format("{}tiles of {}x{} in {}",
-                        text.empty() ? "" : fmt::format("; {} near waves by ", plan.near.size()), tiles.shape.columns,
-                        tiles.shape.rows, device ? where : name_of(tiles.products));
+    text +=
+        fmt::format("{}tiles of {}x{} in {}", text.empty() ? "" : fmt::format("; {} near waves by ", plan.near.size()),
+                    tiles.shape.columns, tiles.shape.rows, devices.empty() ? name_of(tiles.products) : where);
   return text;
 }
 

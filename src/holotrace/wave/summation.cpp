@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
@@ -36,24 +37,26 @@ void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, con
 }
 
 // Far waves by planes in the tiles that they light wholly, and all other light by tiles.
-void run_on_device(const PartPlan& plan, const PixelBox& bounds, Device& device, Field& field,
-                   const Observer& observer) {
+void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, Field& field,
+                    const Observer& observer) {
   const LitGrid panel{field.grid, field.wavelength};
   const TileShape shape = plan.tiles.plan.shape;
-  if (plan.far.empty()) return sum_tiles_on_device(device, plan.near, panel, shape, bounds, field.samples, observer);
+  if (plan.far.empty()) return sum_tiles_on_devices(devices, plan.near, panel, shape, bounds, field.samples, observer);
   const PlanesTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
   const SortedWaves far = sort_waves(plan.far, tables.plan, field.wavelength, field.grid.pitch);
   std::vector<PreparedWave> in_tiles = plan.near;
   for (const PreparedWave& wave : far.waves)
     append_rest(wave, {field.grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
-  DevicePlanes planes(device, far, tables, field.grid, bounds);
-  sum_tiles_on_device(device, in_tiles, panel, shape, bounds, field.samples, observer,
-                      {[&](const auto&... band) { planes.add(band...); }, planes.least_memory()});
+  sum_tiles_on_devices(devices, in_tiles, panel, shape, bounds, field.samples, observer, [&](Device& device) {
+    const auto planes = std::make_shared<DevicePlanes>(device, far, tables, field.grid, bounds);
+    return LightOnDevice{[=](const auto&... band) { planes->add(band...); }, planes->least_memory()};
+  });
 }
 
 // Computes the pixels of `bounds`; their old values are overwritten.
-void run_plan(const PartPlan& plan, const PixelBox& bounds, Device* device, Field& field, const Observer& observer) {
-  if (device) return run_on_device(plan, bounds, *device, field, observer);
+void run_plan(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, Field& field,
+              const Observer& observer) {
+  if (!devices.empty()) return run_on_devices(plan, bounds, devices, field, observer);
   for (int j = bounds.y0; j < bounds.y1; ++j)
     std::fill_n(field.samples.row(j) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
   const int parts = !plan.far.empty() + !plan.near.empty();
@@ -98,11 +101,11 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const Sum
   PartSum part;
   for (int round = 0; round < 3; ++round) {
     const PartPlan plan = make_part_plan(waves, goal, way);
-    part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan, way.device),
+    part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan, way.devices),
             part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
-    part.predicted_seconds += seconds_of(plan, bounds, way.device);
-    run_plan(plan, bounds, way.device, field, observer);
+    part.predicted_seconds += seconds_of(plan, bounds, way.devices);
+    run_plan(plan, bounds, way.devices, field, observer);
     // A part of a few pixels may be dark by chance. It has little weight in the whole, to which the tolerance applies.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
     const double met = std::clamp(coherence_of(field, bounds, plan.energy()), least, 1.0);
@@ -168,7 +171,7 @@ SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolera
     const PixelBox bounds = panel_part(sources, grid, part);
     const PartPlan plan = make_part_plan(waves, {grid, bounds, sources.wavelength, tolerance}, way);
     if (!plan.meets_tolerance()) return {};
-    forecast.seconds += seconds_of(plan, bounds, way.device);
+    forecast.seconds += seconds_of(plan, bounds, way.devices);
     forecast.method = plan.far.empty() ? "tiled" : "planes";
   }
   return forecast;

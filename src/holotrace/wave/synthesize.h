@@ -19,7 +19,8 @@ namespace holotrace {
 ///   neither meets it. Never `layers`, which cannot limit waves to their boxes.
 ///
 /// On an OpenCL device (SynthesizeParams::device), `auto`, `tiled` and `planes` sum within the same tolerance
-/// (tiles/device_tiles.h, planes/device_planes.h); the other methods are for the processor. The bytes differ from the processor's and between devices. The
+/// (tiles/device_tiles.h, planes/device_planes.h); the other methods are for the processor. All devices at once share the rows
+/// of the panel; the bytes are those of one of them. The bytes differ from the processor's and between devices. The
 /// device `auto` is the one that is expected to be fastest by measured rates (shared/device_rates.h), transfers counted, or
 /// the processor if that is. If the device fails, the processor takes over, with a warning.
 ///

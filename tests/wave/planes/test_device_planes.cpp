@@ -58,8 +58,9 @@ Field sum_on(Device& device, const Sources& sources, const PlanesPlan& plan) {
   const PlanesJob job(sources, plan);
   Field field(panel, green);
   DevicePlanes planes(device, job.waves, job.tables, panel, whole_panel);
-  sum_tiles_on_device(device, {}, {panel, green}, {32, 32}, whole_panel, field.samples, {},
-                      {[&](const auto&... band) { planes.add(band...); }, planes.least_memory()});
+  sum_tiles_on_device(device, {}, {panel, green}, {32, 32}, whole_panel, field.samples, {}, [&](Device&) {
+    return LightOnDevice{[&](const auto&... band) { planes.add(band...); }, planes.least_memory()};
+  });
   return field;
 }
 
