@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/wave/propagate/banded_propagation.h"
 #include "holotrace/wave/propagate/device_propagator.h"
+#include "holotrace/wave/propagate/irradiance.h"
 #include "holotrace/wave/propagate/kept_propagators.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
@@ -52,13 +54,6 @@ void drop_beyond(double bytes) {
   for (Kept* const kept : all) kept->drop_beyond(bytes);
 }
 
-// Sends a propagator to the device. If memory is short, all others are dropped.
-void send(Device& device, const Propagator<float>& host, KeptPropagator<DevicePropagator>& to) {
-  const DevicePropagationCost cost = device_propagation_cost(device, host);
-  if (cost.kept + cost.work > device.memory_left()) kept_on(device).drop_beyond(0);
-  to.propagator = std::make_shared<DevicePropagator>(device, host);
-}
-
 // The propagator as it is on the device, or as it will be sent there.
 struct Prepared {
   KeptPropagator<DevicePropagator> kept;
@@ -74,19 +69,23 @@ Prepared prepare(const Device& device, const PropagationQuestion& q) {
   return prepared;
 }
 
-// The propagator on the device, with memory left for a field.
-DevicePropagator& ready_propagator(Device& device, const PropagationQuestion& question, Prepared& prepared) {
+// The propagator on the device, with memory left for a field; none if the device's memory is too small for it, also without
+// all others.
+DevicePropagator* ready_propagator(Device& device, const PropagationQuestion& question, Prepared& prepared) {
   Kept& kept = kept_on(device);
   KeptPropagator<DevicePropagator>& ready = prepared.kept;
   if (!ready.propagator)
     if (const auto found = kept.find(question)) ready = *found;  // another thread has sent it meanwhile
+  const DevicePropagationCost cost =
+      ready.propagator ? ready.propagator->cost() : device_propagation_cost(device, *prepared.host);
+  const double needed = cost.work + (ready.propagator ? 0 : cost.kept);
+  if (needed > device.memory_left()) kept.drop_beyond(ready.propagator ? cost.kept : 0);  // this one was used last
+  if (needed > device.memory_left() || cost.largest > device.info().largest_buffer) return nullptr;
   if (!ready.propagator) {
-    send(device, *prepared.host, ready);
-    kept.keep(question, ready, ready.propagator->cost().kept, device_propagator_bytes(device));
-  } else if (const DevicePropagationCost cost = ready.propagator->cost(); cost.work > device.memory_left()) {
-    kept.drop_beyond(cost.kept);  // all others: this is the one that was used last
+    ready.propagator = std::make_shared<DevicePropagator>(device, *prepared.host);
+    kept.keep(question, ready, cost.kept, device_propagator_bytes(device));
   }
-  return *ready.propagator;
+  return ready.propagator.get();
 }
 
 // A start of kernels and waiting for them, on slow drivers [s].
@@ -96,8 +95,13 @@ Device* fastest_for(const PropagationQuestion& question) {
   const auto plan = plan_propagator<float>(question.grid, question.wavelength, question.distance, question.params);
   return fastest_device(seconds_to_propagate(plan), [&](Device& device) {
     const DeviceRates rates = device_rates(device);
-    const DevicePropagationCost cost = device_propagation_cost(device, plan);
-    const double sent = kept_on(device).find(question) ? 0 : cost.kept;
+    DevicePropagationCost cost = device_propagation_cost(device, plan);
+    double sent = kept_on(device).find(question) ? 0 : cost.kept;
+    const double memory = device.memory_left() + double(device.use().bytes_held);  // once all others are dropped
+    if (cost.kept + cost.work > memory || cost.largest > device.info().largest_buffer) {
+      cost = banded_propagation_cost(device, plan, memory);
+      sent = cost.kept;
+    }
     return cost.moved / rates.moved_bytes + (cost.fields + sent) / rates.bytes + seconds_to_start;
   });
 }
@@ -109,21 +113,43 @@ struct Task {
   double distance;
   const PropagateParams& params;
   Result (DevicePropagator::*result)(const Field&, const Observer&);
+  Result (*of_field)(Field);  // the same from the field
 
   PropagationQuestion question() const { return {field.grid, field.wavelength, distance, params}; }
 };
 
+// Band by band, on a device whose memory is too small for the whole.
+template <class Result>
+Result run_in_bands(Device& device, const Task<Result>& task, Prepared& prepared, const Observer& observer) {
+  if (!prepared.host) {
+    const PropagationQuestion q = task.question();
+    prepared.host = cached_propagator<float>(q.grid, q.wavelength, q.distance, q.params, {});
+    prepared.kept.propagator.reset();
+  }
+  const auto lock = device.lock();
+  kept_on(device).drop_beyond(0);
+  return task.of_field(BandedPropagation(device, prepared.host)(task.field, observer));
+}
+
+template <class Result>
+std::optional<Result> run_whole(Device& device, const Task<Result>& task, Prepared& prepared,
+                                const Observer& observer) {
+  const auto lock = device.lock();
+  DevicePropagator* const ready = ready_propagator(device, task.question(), prepared);
+  if (!ready) return std::nullopt;
+  return (ready->*task.result)(task.field, observer);
+}
+
 template <class Result>
 Result run_on(Device& device, const Task<Result>& task, const Observer& observer) {
-  const PropagationQuestion question = task.question();
   // Before the device is locked: it runs on many threads, which may be waiting for the device.
-  Prepared prepared = prepare(device, question);
+  Prepared prepared = prepare(device, task.question());
   prepared.kept.tell(observer);
-  const auto lock = device.lock();
   try {
-    Result there = (ready_propagator(device, question, prepared).*task.result)(task.field, observer);
+    std::optional<Result> there = run_whole(device, task, prepared, observer);
+    if (!there) there = run_in_bands(device, task, prepared, observer);
     observer.fact("device", device.info().name);
-    return there;
+    return std::move(*there);
   } catch (const Error&) {
     kept_on(device).drop_beyond(0);
     throw;
@@ -150,12 +176,15 @@ std::optional<Result> run_on_chosen(const Task<Result>& task, const Observer& ob
 
 std::optional<Field> propagate_on_device(const Field& field, double distance, const PropagateParams& params,
                                          const Observer& observer) {
-  return run_on_chosen<Field>({field, distance, params, &DevicePropagator::operator()}, observer);
+  return run_on_chosen<Field>(
+      {field, distance, params, &DevicePropagator::operator(), [](Field there) { return there; }}, observer);
 }
 
 std::optional<Array2D<float>> irradiance_on_device(const Field& field, double distance, const PropagateParams& params,
                                                    const Observer& observer) {
-  return run_on_chosen<Array2D<float>>({field, distance, params, &DevicePropagator::irradiance}, observer);
+  return run_on_chosen<Array2D<float>>(
+      {field, distance, params, &DevicePropagator::irradiance, [](Field there) { return irradiance_of(there); }},
+      observer);
 }
 
 void refuse_device_for_double(const PropagateParams& params) {
