@@ -45,8 +45,7 @@ void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vec
   const PlanesTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
   const SortedWaves far = sort_waves(plan.far, tables.plan, field.wavelength, field.grid.pitch);
   std::vector<PreparedWave> in_tiles = plan.near;
-  for (const PreparedWave& wave : far.waves)
-    append_rest(wave, {field.grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
+  append_rest(far.waves, {field.grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
   sum_tiles_on_devices(devices, in_tiles, panel, shape, bounds, field.samples, observer, [&](Device& device) {
     const auto planes = std::make_shared<DevicePlanes>(device, far, tables, field.grid, bounds);
     return LightOnDevice{[=](const auto&... band) { planes->add(band...); }, planes->least_memory()};
