@@ -4,6 +4,7 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/wave/propagate/banded_propagation.h"
+#include "holotrace/wave/propagate/convolution_parts.h"
 #include "holotrace/wave/propagate/irradiance.h"
 #include "support/build_paths.h"
 #include "support/error_of.h"
@@ -71,6 +72,41 @@ TEST_P(BandedPropagationTest, AgreesWithTheProcessorForLinesInGlobalMemory) {
   const Result result = result_in(900e3, wide, 0.02_m, {PropagationMethod::fresnel});
   EXPECT_LT(result.error, propagation_rounding);
   EXPECT_GE(result.plan.bands.size(), 3U);  // and two parts
+}
+
+// The steps of a convolution, for two bands of each part of the spectrum, give what it gives as a whole: also at a window that
+// is displaced by parts of a sample.
+TEST_P(BandedPropagationTest, StepsOfAConvolutionAddUp) {
+  const auto p = make_propagator<float>(field_.grid, 532_nm, 0.03_m);
+  DeviceConvolution convolution(device_, p, {{0.3, -0.45}});
+  const auto lock = device_.lock();
+  const DeviceConvolution::Work work = convolution.make_work();
+  const DeviceBuffer from = device_.upload(field_.samples.values, "a field"),
+                     whole = device_.make_buffer(from.bytes(), "a field"),
+                     sum = device_.make_buffer(from.bytes(), "a field");
+  convolution.to_many(from, {{0, &whole}}, work);
+  LineTransforms lines(device_);
+  bool adds = false;
+  for (int part = 0; part < p.x.parts; ++part) {
+    const int all = part_frequencies(p.x, part).count, half = all / 3;
+    for (const ColumnBand& band : {ColumnBand{size_t(part), 0, half}, ColumnBand{size_t(part), half, all - half}}) {
+      std::vector<std::complex<float>> rows;
+      for (const int row : convolution.transfer_rows(band))
+        rows.insert(rows.end(), p.transfer.row(row), p.transfer.row(row) + p.transfer.nx);
+      const DeviceBuffer transfer = device_.upload(rows, "a transfer function");
+      convolution.enter(band, p.y.inputs, from, work.rows);
+      lines.transpose(p.y.inputs, band.count, work.rows, work.columns);
+      convolution.filter(band, {&transfer, 0, 1, p.transfer.nx}, work.columns, work.filtered);
+      lines.transpose(band.count, p.y.outputs, work.filtered, work.rows);
+      convolution.leave(band, p.y.outputs, adds, work.rows, sum);
+      adds = true;
+      device_.finish();
+    }
+  }
+  Field a(field_.grid, 532_nm), b = a;
+  device_.read(whole, a.samples.values.data(), whole.bytes());
+  device_.read(sum, b.samples.values.data(), sum.bytes());
+  EXPECT_LT(relative_error(b, a), propagation_rounding);
 }
 
 // `opencl` runs whatever its memory; the fields are those of the processor, and nothing stays on the device.
