@@ -183,7 +183,8 @@ TEST_F(DevicesOfTheProgram, ComputeOtherStagesOneByOne) {
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"propagate", "f.npy", "--distance", "10 mm", "-o", "g.npy"},
         {"show", "h.png", "--distance", "50 mm", "-o", "v.png"},
-        {"encode", "f.npy", "--method", "gerchberg-saxton", "--iterations", "1", "-o", "h2.png"}}) {
+        {"encode", "f.npy", "--method", "gerchberg-saxton", "--target-distances", "50 mm", "--iterations", "1", "-o",
+         "h2.png"}}) {
     std::vector<std::string> all = command;
     all.insert(all.end(), {"--device", "opencl:all"});
     const Outcome refused = work_.run(all);
