@@ -256,6 +256,8 @@ void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observ
     return a.waves.size() < b.waves.size();
   });
   field.params.device = chosen_device(*largest, field.panel, field.params);  // one for all bands and ranks
+  if (ranks.size() > 1 && field.params.device.kind == DeviceKind::all)
+    field.params.device = {DeviceKind::opencl};  // ranks take one of all devices each
   const auto work = std::make_shared<Work>();
   work->bands = plan_bands(field.sets, field.panel, field.params, field.memory);
   work->job = std::move(field);

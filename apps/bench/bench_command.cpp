@@ -233,8 +233,9 @@ void add_bench_command(Command& app, const GlobalFlags& global) {
     if (o->is_quick) options = {.is_quick = true, .seconds_per_row = 0.2, .longest_seconds = 1};
     if (o->is_full) options.longest_seconds = 1e9;
     if (!o->device.empty()) options.device = read_flag("--device", [&] { return parse_device(o->device); });
-    require(options.device.kind != DeviceKind::automatic,
-            "--device: expected cpu, opencl or opencl:N, got auto; name the device to measure");
+    require(options.device.kind == DeviceKind::cpu || options.device.kind == DeviceKind::opencl,
+            "--device: expected cpu, opencl or opencl:N, got {}; name the device to measure",
+            device_text(options.device));
     Console console(global.is_quiet);
     run_bench(options, o->only, o->is_json, o->plot, console);
   });

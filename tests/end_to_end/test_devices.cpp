@@ -165,13 +165,40 @@ TEST_F(DevicesOfTheProgram, AreSharedByRanksWithTheSameBytes) {
   EXPECT_EQ(samples("second.h5"), samples("alone.h5"));
 }
 
+TEST_F(DevicesOfTheProgram, ShareAFieldIfTheyAreEqual) {
+  if (!has_device()) GTEST_SKIP() << "no OpenCL device here";
+  const std::vector<std::string> split{"env", "HOLOTRACE_SPLIT_DEVICES=2"};  // where a device can be
+  for (const auto& [device, name] : {std::pair("opencl", "one.npy"), std::pair("opencl:all", "all.npy")}) {
+    const Outcome made = work_.run_under(split, field(device, name));
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+  EXPECT_EQ(work_.read("one.npy"), work_.read("all.npy"));
+  const Outcome bad = work_.run_under({"env", "HOLOTRACE_SPLIT_DEVICES=none"}, field("opencl", "f.npy"));
+  EXPECT_EQ(bad.err, "holotrace: expected a number from 1 in HOLOTRACE_SPLIT_DEVICES, got \"none\"\n");
+}
+
+TEST_F(DevicesOfTheProgram, ComputeOtherStagesOneByOne) {
+  ASSERT_EQ(work_.run(field("cpu", "f.npy")).exit_code, 0);
+  ASSERT_EQ(work_.run({"encode", "f.npy", "-o", "h.png"}).exit_code, 0);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"propagate", "f.npy", "--distance", "10 mm", "-o", "g.npy"},
+        {"show", "h.png", "--distance", "50 mm", "-o", "v.png"},
+        {"encode", "f.npy", "--method", "gerchberg-saxton", "--iterations", "1", "-o", "h2.png"}}) {
+    std::vector<std::string> all = command;
+    all.insert(all.end(), {"--device", "opencl:all"});
+    const Outcome refused = work_.run(all);
+    EXPECT_EQ(refused.exit_code, 1) << command.front();
+    EXPECT_NE(refused.err.find("expected one device"), std::string::npos) << refused.err;
+  }
+}
+
 TEST_F(DevicesOfTheProgram, ThatAreMissingAreNamedInOneSentence) {
   const Outcome unknown = work_.run(field("gpu", "f.npy"));
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_EQ(
       unknown.err,
-      "holotrace: --device: expected a device: cpu, auto, opencl or opencl:N with the number of a device, from 0; "
-      "got \"gpu\"\n");
+      "holotrace: --device: expected a device: cpu, auto, opencl, opencl:N with the number of a device, from 0, or "
+      "opencl:all; got \"gpu\"\n");
   const Outcome none = work_.run_under(without_drivers, field("opencl", "f.npy"));
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_EQ(none.err,

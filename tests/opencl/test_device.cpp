@@ -209,6 +209,9 @@ TEST(DeviceList, SharesDevicesOfOneModelAmongRanks) {
   EXPECT_EQ(of_ranks(1), (std::vector<int>{1, 1, 1, 1}));
   EXPECT_EQ(of_ranks(3), (std::vector<int>{3, 3, 3, 3}));
   EXPECT_EQ(equal_device(devices, 9, 1), 9);  // refused when it is opened
+  EXPECT_EQ(equal_devices(devices, 2), (std::vector<int>{0, 2, 4}));
+  EXPECT_EQ(equal_devices(devices, 3), std::vector<int>{3});
+  EXPECT_NE(error_of([&] { equal_devices(devices, 9); }).find("from 0 to 4, got 9"), std::string::npos);
 }
 
 TEST(DeviceList, RefusesNumbersOfNoDevice) {

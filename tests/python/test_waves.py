@@ -86,7 +86,7 @@ def test_propagate_on_a_device_is_the_program_bit_by_bit(points, tmp_path, progr
 
 
 def test_devices_are_checked(points):
-    with pytest.raises(ht.Error, match="expected a device: cpu, auto, opencl or opencl:N .* got \"gpu\""):
+    with pytest.raises(ht.Error, match="expected a device: cpu, auto, opencl, opencl:N .* or opencl:all; got \"gpu\""):
         ht.synthesize(points, device="gpu")
     # The core of holotrace.torch and holotrace.jax.
     with pytest.raises(ht.Error, match="expected the device cpu for gradients, got opencl; leave out device"):

@@ -70,7 +70,7 @@ TEST_F(AutomaticDevice, IsTheProcessorForShortSumsAndDevicesThatWereNotMeasured)
   set_device_rates({});
   EXPECT_EQ(chosen(), DeviceKind::cpu);
   give_devices({1e15, 1e15});
-  params_.method = SynthesisMethod::planes;
+  params_.method = SynthesisMethod::exact;
   EXPECT_EQ(chosen(), DeviceKind::cpu) << "a method of the processor";
 }
 

@@ -14,7 +14,7 @@ namespace holotrace {
   call(clGetPlatformIDs) call(clGetPlatformInfo) call(clGetDeviceIDs) call(clGetDeviceInfo) call(clCreateContext)  \
       call(clReleaseContext) call(clCreateCommandQueue) call(clReleaseCommandQueue) call(clCreateBuffer)           \
           call(clCreateSubBuffer) call(clReleaseMemObject) call(clEnqueueWriteBuffer) call(clEnqueueReadBuffer)    \
-              call(clEnqueueNDRangeKernel) call(clFinish) call(clCreateProgramWithSource)                          \
+              call(clEnqueueNDRangeKernel) call(clFinish) call(clCreateSubDevices) call(clCreateProgramWithSource) \
                   call(clCreateProgramWithBinary) call(clBuildProgram) call(clGetProgramInfo)                      \
                       call(clGetProgramBuildInfo) call(clReleaseProgram) call(clCreateKernel) call(clSetKernelArg) \
                           call(clReleaseKernel)

@@ -208,16 +208,19 @@ OpenDevices& all_open() {
 
 Device& open_device(int number) {
   const std::vector<DeviceInfo>& devices = list_devices();
-  require(!devices.empty(),
-          "expected a device for OpenCL, got none: no driver is installed; install that of your card, or PoCL "
-          "(pocl-opencl-icd), or use the device cpu");
-  require(number >= 0 && size_t(number) < devices.size(),
-          "expected the number of a device from 0 to {}, got {}; holotrace info --devices lists them",
-          devices.size() - 1, number);
+  equal_devices(devices, number);  // there is a device with that number
   const std::lock_guard lock(all_open().mutex);
   std::unique_ptr<Device>& device = all_open().by_number[number];
   if (!device) device = std::make_unique<Device>(devices[size_t(number)]);
   return *device;
+}
+
+std::vector<Device*> open_equal_devices(int number) {
+  std::vector<int> numbers = equal_devices(list_devices(), number);
+  std::rotate(numbers.begin(), std::find(numbers.begin(), numbers.end(), number), numbers.end());
+  std::vector<Device*> devices;
+  for (const int equal : numbers) devices.push_back(&open_device(equal));
+  return devices;
 }
 
 std::vector<int> open_devices() {

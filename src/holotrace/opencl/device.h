@@ -135,6 +135,10 @@ class Device {
 /// @throws Error  if this build or this machine has no OpenCL, or no such device
 Device& open_device(int number);
 
+/// All devices that are equal to that one (equal_devices), itself first.
+/// @throws Error  as open_device does
+std::vector<Device*> open_equal_devices(int number);
+
 /// The numbers of the devices that are open.
 std::vector<int> open_devices();
 

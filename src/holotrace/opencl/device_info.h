@@ -22,10 +22,15 @@ struct DeviceInfo {
   bool has_compiler = true;   ///< whether it compiles kernels
 };
 
-/// All devices of this machine: those of the first platform, then of the second, and so on. Empty without drivers.
+/// All devices of this machine: those of the first platform, then of the second, and so on. Empty without drivers. With
+/// HOLOTRACE_SPLIT_DEVICES=N in the environment, which is for tests, devices that can be are split into N equal ones.
 /// Cost: the first call loads the drivers, up to a second; other calls do nothing.
 /// @throws Error  if this build or this machine has no OpenCL
 const std::vector<DeviceInfo>& list_devices();
+
+/// The numbers of the devices with the name, platform and driver of device `number`, itself among them.
+/// @throws Error  unless there is a device with that number
+std::vector<int> equal_devices(const std::vector<DeviceInfo>& devices, int number);
 
 /// The number of the device that is `step` places further in the circle of those with the name, platform and driver of
 /// device `number`: processes that share a machine take one each. The same kernels give the same bytes on all of them.

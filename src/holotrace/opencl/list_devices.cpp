@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <mutex>
 
 #include "holotrace/base/error.h"
@@ -37,6 +38,25 @@ DeviceInfo describe_device(cl_platform_id platform, cl_device_id device) {
   return info;
 }
 
+// The equal parts of a device; the device itself if it cannot be split so.
+std::vector<cl_device_id> split(cl_device_id device, int parts) {
+  const auto units = cl_device_partition_property(number_from<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS));
+  const cl_device_partition_property equally[] = {CL_DEVICE_PARTITION_EQUALLY, units / parts, 0};
+  std::vector<cl_device_id> made(static_cast<size_t>(parts));
+  if (parts < 2 || units % parts != 0 ||
+      opencl_api().clCreateSubDevices(device, equally, cl_uint(parts), made.data(), nullptr) != CL_SUCCESS)
+    return {device};
+  return made;
+}
+
+int wanted_parts() {
+  const char* const text = std::getenv("HOLOTRACE_SPLIT_DEVICES");
+  if (!text) return 1;
+  const int parts = std::atoi(text);
+  require(parts >= 1, "expected a number from 1 in HOLOTRACE_SPLIT_DEVICES, got \"{}\"", text);
+  return parts;
+}
+
 struct Found {
   std::vector<DeviceInfo> infos;
   std::vector<DeviceHandles> handles;
@@ -45,6 +65,7 @@ struct Found {
 Found find_devices() {
   const OpenClApi& api = opencl_api();
   Found found;
+  const int parts = wanted_parts();
   cl_uint count = 0;
   // Without drivers, loaders report an error of their own instead of 0 platforms.
   if (api.clGetPlatformIDs(0, nullptr, &count) != CL_SUCCESS) return found;
@@ -54,11 +75,12 @@ Found find_devices() {
     if (api.clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS) continue;
     std::vector<cl_device_id> devices(count);
     if (api.clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, devices.data(), nullptr) != CL_SUCCESS) continue;
-    for (const cl_device_id device : devices) {
-      found.infos.push_back(describe_device(platform, device));
-      found.infos.back().number = int(found.handles.size());
-      found.handles.push_back({platform, device});
-    }
+    for (const cl_device_id whole : devices)
+      for (const cl_device_id device : split(whole, parts)) {
+        found.infos.push_back(describe_device(platform, device));
+        found.infos.back().number = int(found.handles.size());
+        found.handles.push_back({platform, device});
+      }
   }
   return found;
 }

@@ -4,103 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/thread_count.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/wave/planes/plane_plan.h"
-#include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/part_plan.h"
+#include "holotrace/wave/planes/device_planes.h"
 #include "holotrace/wave/tiles/device_tiles.h"
-#include "holotrace/wave/tiles/packed_product.h"
 #include "holotrace/wave/tiles/tile_sum.h"
 
 namespace holotrace {
 namespace {
 
-constexpr double from_memory = 1.6;        // the rates hold for a tile in the caches; `planes` reads all waves per tile
-constexpr double seconds_to_plan = 0.2;    // for `planes`; it pays for many waves only
 constexpr double bytes_per_wave = 340;     // prepared, split into far and near, sorted
 constexpr double bytes_per_thread = 15e6;  // grids of a tile of 240 pixels at 4 nodes, and its transforms
-
-// The waves of one part of the panel, split into those for `planes` (far) and for tiles (near), and both plans.
-struct PartPlan {
-  std::vector<PreparedWave> far, near;
-  PlanesChoice planes;
-  TileChoice tiles;
-
-  bool meets_tolerance() const {
-    return (far.empty() || planes.meets_tolerance) && tiles.meets_tolerance;  // `planes` also uses tiles
-  }
-  double error() const { return std::max(far.empty() ? 0 : planes.error, near.empty() ? 0 : tiles.error); }
-  double energy() const { return planes.energies.waves + (near.empty() ? 0 : tiles.energies.waves); }
-};
-
-SummationWork work_of_tiles(const std::vector<PreparedWave>& waves, const TilePlan& plan) {
-  double pixels = 0;
-  for (const PreparedWave& wave : waves) pixels += double(wave.box.pixels());
-  return pixels * tile_work(plan);
-}
-
-SummationWork work_of(const PartPlan& plan) {
-  return (plan.far.empty() ? SummationWork() : plan.planes.work) + work_of_tiles(plan.near, plan.tiles.plan);
-}
-
-PartPlan plan_tiles(std::vector<PreparedWave> waves, const SumGoal& goal) {
-  PartPlan plan;
-  plan.tiles = choose_tile(draw_pixels(waves), goal);
-  plan.near = std::move(waves);
-  return plan;
-}
-
-PartPlan plan_planes(const std::vector<PreparedWave>& waves, const SumGoal& goal, double most_seconds) {
-  PartPlan plan;
-  for (const PreparedWave& wave : waves)
-    (suits_planes(wave, goal.wavelength, goal.grid.pitch) ? plan.far : plan.near).push_back(wave);
-  const std::vector<PreparedWave>& in_tiles = plan.near.empty() ? waves : plan.near;  // or the corners of boxes
-  plan.tiles = choose_tile(draw_pixels(in_tiles), goal);
-  if (!plan.far.empty()) plan.planes = choose_planes(plan.far, plan.tiles.plan, goal, most_seconds);
-  return plan;
-}
-
-PartPlan plan_on_device(std::vector<PreparedWave> waves, const SumGoal& goal, const Device& device) {
-  PartPlan plan;
-  plan.tiles = choose_device_tile(device, draw_pixels(waves), goal);
-  plan.near = std::move(waves);
-  return plan;
-}
-
-PartPlan make_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, const SumWay& way) {
-  if (way.device) return plan_on_device(waves, goal, *way.device);
-  const Approach approach = way.approach;
-  if (approach == Approach::planes) return plan_planes(waves, goal, 1e300);
-  PartPlan tiles = plan_tiles(waves, goal);
-  if (approach == Approach::tiled) return tiles;
-  const auto seconds = [](const PartPlan& plan) { return predict_seconds(work_of(plan), summation_rates(), 1); };
-  const double by_tiles = tiles.meets_tolerance() ? seconds(tiles) : 1e300;
-  if (by_tiles < seconds_to_plan) return tiles;
-  PartPlan planes = plan_planes(waves, goal, by_tiles);
-  if (planes.far.empty() || !planes.meets_tolerance()) return tiles;
-  return from_memory * seconds(planes) + seconds_to_plan < by_tiles ? planes : tiles;
-}
-
-// What one sum on a device takes besides its work: the start of kernels, and waiting for them.
-constexpr double seconds_of_start = 1e-3;
-
-double seconds_on_device(const PartPlan& plan, const PixelBox& bounds, Device& device) {
-  const DeviceRates rates = device_rates(device);
-  double pixels = 0;
-  for (const PreparedWave& wave : plan.near) pixels += double(wave.box.pixels());
-  return pixels * multiply_adds_per_wave_pixel(plan.tiles.plan.shape) / rates.multiply_adds +
-         transferred_bytes(plan.near.size(), bounds) / rates.bytes + seconds_of_start;
-}
-
-// Predicted seconds, with all threads; infinite for a device that was not measured.
-double seconds_of(const PartPlan& plan, const PixelBox& bounds, Device* device) {
-  if (device) return seconds_on_device(plan, bounds, *device);
-  return (plan.far.empty() ? 1 : from_memory) * predict_seconds(work_of(plan), summation_rates(), thread_count());
-}
 
 // Calls work(box, buffers) for the tiles that cover `bounds`, from its top left corner on.
 template <class Buffers, class Work>
@@ -117,11 +36,27 @@ void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, con
       observer);
 }
 
+// Far waves by planes in the tiles that they light wholly, and all other light by tiles.
+void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, Field& field,
+                    const Observer& observer) {
+  const LitGrid panel{field.grid, field.wavelength};
+  const TileShape shape = plan.tiles.plan.shape;
+  if (plan.far.empty()) return sum_tiles_on_devices(devices, plan.near, panel, shape, bounds, field.samples, observer);
+  const PlanesTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
+  const SortedWaves far = sort_waves(plan.far, tables.plan, field.wavelength, field.grid.pitch);
+  std::vector<PreparedWave> in_tiles = plan.near;
+  for (const PreparedWave& wave : far.waves)
+    append_rest(wave, {field.grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
+  sum_tiles_on_devices(devices, in_tiles, panel, shape, bounds, field.samples, observer, [&](Device& device) {
+    const auto planes = std::make_shared<DevicePlanes>(device, far, tables, field.grid, bounds);
+    return LightOnDevice{[=](const auto&... band) { planes->add(band...); }, planes->least_memory()};
+  });
+}
+
 // Computes the pixels of `bounds`; their old values are overwritten.
-void run_plan(const PartPlan& plan, const PixelBox& bounds, Device* device, Field& field, const Observer& observer) {
-  if (device)
-    return sum_tiles_on_device(*device, plan.near, {field.grid, field.wavelength}, plan.tiles.plan.shape, bounds,
-                               field.samples, observer);
+void run_plan(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, Field& field,
+              const Observer& observer) {
+  if (!devices.empty()) return run_on_devices(plan, bounds, devices, field, observer);
   for (int j = bounds.y0; j < bounds.y1; ++j)
     std::fill_n(field.samples.row(j) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
   const int parts = !plan.far.empty() + !plan.near.empty();
@@ -151,27 +86,6 @@ double coherence_of(const Field& field, const PixelBox& bounds, double energy_of
   return energy_of_waves > 0 ? sum / energy_of_waves : 1;
 }
 
-std::string name_of(TileProducts products) {
-  if (products == TileProducts::single) return "single precision on " + tile_sum_instruction_set();
-  return (products == TileProducts::bf16 ? "bf16 on " : "bf16 in two parts on ") + packed_unit_name();
-}
-
-std::string describe(const PartPlan& plan, const Device* device) {
-  std::string text;
-  if (!plan.far.empty()) {
-    const PlanesPlan& p = plan.planes.plan;
-    text = fmt::format("tiles of {0}x{0}, {1} slab(s) of {2} nodes, kernel of {3} cells{4}", p.tile, p.slabs, p.nodes,
-                       p.width, p.is_corrected ? ", corrected" : "");
-  }
-  if (!plan.near.empty()) {
-    const TilePlan& p = plan.tiles.plan;
-    text += fmt::format("{}tiles of {}x{} in {}",
-                        text.empty() ? "" : fmt::format("; {} near waves by ", plan.near.size()), p.shape.columns,
-                        p.shape.rows, device ? "single precision on " + device->info().name : name_of(p.products));
-  }
-  return text;
-}
-
 // The result for one part of the panel: how it was summed, or which tolerance could be met.
 struct PartSum {
   bool meets_tolerance = false;
@@ -186,12 +100,12 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const Sum
   // If the waves cancel, the second round knows their coherence; a field that nearly vanishes may need a third round.
   PartSum part;
   for (int round = 0; round < 3; ++round) {
-    const PartPlan plan = make_plan(waves, goal, way);
-    part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan, way.device),
+    const PartPlan plan = make_part_plan(waves, goal, way);
+    part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan, way.devices),
             part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
-    part.predicted_seconds += seconds_of(plan, bounds, way.device);
-    run_plan(plan, bounds, way.device, field, observer);
+    part.predicted_seconds += seconds_of(plan, bounds, way.devices);
+    run_plan(plan, bounds, way.devices, field, observer);
     // A part of a few pixels may be dark by chance. It has little weight in the whole, to which the tolerance applies.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
     const double met = std::clamp(coherence_of(field, bounds, plan.energy()), least, 1.0);
@@ -243,7 +157,7 @@ Field sum_within(const Sources& sources, const Grid& grid, double tolerance, con
   std::optional<Field> field = try_sum(sources, grid, tolerance, way, reachable, observer);
   require(field.has_value(),
           "expected a tolerance that {} can meet, {:.1e} or more for these sources, got {:.1e}; use the method exact",
-          way.device || way.approach == Approach::tiled ? "tiles" : "planes", reachable, tolerance);
+          way.approach == Approach::tiled ? "tiles" : "planes", reachable, tolerance);
   return std::move(*field);
 }
 
@@ -255,9 +169,9 @@ SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolera
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
     if (waves.empty()) continue;
     const PixelBox bounds = panel_part(sources, grid, part);
-    const PartPlan plan = make_plan(waves, {grid, bounds, sources.wavelength, tolerance}, way);
+    const PartPlan plan = make_part_plan(waves, {grid, bounds, sources.wavelength, tolerance}, way);
     if (!plan.meets_tolerance()) return {};
-    forecast.seconds += seconds_of(plan, bounds, way.device);
+    forecast.seconds += seconds_of(plan, bounds, way.devices);
     forecast.method = plan.far.empty() ? "tiled" : "planes";
   }
   return forecast;

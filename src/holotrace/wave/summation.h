@@ -2,6 +2,8 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
@@ -15,12 +17,18 @@ class Device;
 /// one that is expected to take less work.
 enum class Approach { tiled, planes, cheapest };
 
-/// The way in which waves are summed, and the device that sums them. On a device every sum is by tiles, whatever the approach.
+/// The way in which waves are summed, and the devices that sum them.
 struct SumWay {
   Approach approach;
-  Device* device;  ///< none: the processor
+  std::vector<Device*> devices;  ///< equal ones, which share the rows of the panel; none: the processor
 
-  SumWay(Approach approach, Device* device = nullptr) : approach(approach), device(device) {}
+  SumWay(Approach approach, Device* device = nullptr) : approach(approach) {
+    if (device) devices.push_back(device);
+  }
+  SumWay(Approach approach, std::vector<Device*> devices) : approach(approach), devices(std::move(devices)) {}
+
+  /// The device by which plans are made.
+  Device* device() const { return devices.empty() ? nullptr : devices.front(); }
 };
 
 /// Common core of sum_tiled.h and sum_planes.h. For the panel (or for each of its tiles, if waves have tile amplitudes)

@@ -14,7 +14,6 @@
 #include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_planes.h"
 #include "holotrace/wave/summation.h"
 
 namespace holotrace {
@@ -57,13 +56,18 @@ void report_boxes(const Sources& sources, const Grid& grid, const Observer& obse
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 bool runs_on_devices(SynthesisMethod method) {
-  return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled;
+  return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled || method == SynthesisMethod::planes;
+}
+
+Approach approach_of(SynthesisMethod method) {
+  if (method == SynthesisMethod::tiled) return Approach::tiled;
+  return method == SynthesisMethod::planes ? Approach::planes : Approach::cheapest;
 }
 
 // The device that is expected to sum the waves faster than the processor and the other devices; none: the processor is.
 Device* fastest_device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   if (!runs_on_devices(params.method)) return nullptr;
-  const Approach approach = params.method == SynthesisMethod::tiled ? Approach::tiled : Approach::cheapest;
+  const Approach approach = approach_of(params.method);
   const auto seconds = [&](Device* device) {
     const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device});
     return forecast.method.empty() ? infinite : forecast.seconds;
@@ -73,21 +77,23 @@ Device* fastest_device_for(const Sources& sources, const Grid& grid, const Synth
   return fastest_device(on_processor, [&](Device& device) { return seconds(&device); });
 }
 
-// The device that sums the waves; none: the processor does.
-Device* device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
-  if (params.device.kind == DeviceKind::cpu) return nullptr;
-  if (params.device.kind == DeviceKind::opencl) {
-    require(runs_on_devices(params.method),
-            "expected the method auto or tiled on an OpenCL device, got {}; use one of them, or the device cpu",
-            method_name(params.method));
-    return &open_device(params.device.number);
+// The devices that sum the waves; none: the processor does.
+std::vector<Device*> devices_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+  if (params.device.kind == DeviceKind::cpu) return {};
+  if (params.device.kind == DeviceKind::automatic) {
+    Device* const device = fastest_device_for(sources, grid, params);
+    return device ? std::vector<Device*>{device} : std::vector<Device*>();
   }
-  return fastest_device_for(sources, grid, params);
+  require(runs_on_devices(params.method),
+          "expected the method auto, tiled or planes on an OpenCL device, got {}; use one of them, or the device cpu",
+          method_name(params.method));
+  if (params.device.kind == DeviceKind::all) return open_equal_devices(0);
+  return {&open_device(params.device.number)};
 }
 
 // By the method that the parameters name, which is one that sums waves.
-Field sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams& params, Device* device,
-                const Observer& observer) {
+Field sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
+                const std::vector<Device*>& devices, const Observer& observer) {
   const auto exact = [&] {
     observer.fact("method", std::string("exact"));
     return convert<float>(sum_exact(sources, grid, observer));
@@ -96,9 +102,8 @@ Field sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams
     case SynthesisMethod::exact:
       return exact();
     case SynthesisMethod::tiled:
-      return sum_within(sources, grid, params.tolerance, {Approach::tiled, device}, observer);
     case SynthesisMethod::planes:
-      return sum_planes(sources, grid, params.tolerance, observer);
+      return sum_within(sources, grid, params.tolerance, {approach_of(params.method), devices}, observer);
     case SynthesisMethod::layers:
       observer.fact("method", std::string("layers"));
       return sum_layers(sources, grid, params, observer);
@@ -109,15 +114,13 @@ Field sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams
   }
   double reachable = 0;
   std::optional<Field> field =
-      try_sum(sources, grid, params.tolerance, {Approach::cheapest, device}, reachable, observer);
+      try_sum(sources, grid, params.tolerance, {Approach::cheapest, devices}, reachable, observer);
   if (!field) {
     observer.fact("why", fmt::format("the other methods reach {:.1e} at best, the tolerance is {:.1e}", reachable,
                                      params.tolerance));
     return exact();
   }
-  observer.fact("why", fmt::format("{} to meet the tolerance of {:.1e}",
-                                   device ? "the method of devices, expected" : "the fastest that is expected",
-                                   params.tolerance));
+  observer.fact("why", fmt::format("the fastest that is expected to meet the tolerance of {:.1e}", params.tolerance));
   return std::move(*field);
 }
 
@@ -158,14 +161,15 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   check_sources(sources);
   require(!sources.waves.empty(), "expected at least one source, got none; is the scene lit and in view?");
   check_ranges(params);
-  Device* const device = device_for(sources, grid, params);
+  const std::vector<Device*> devices = devices_for(sources, grid, params);
   report_boxes(sources, grid, observer);
-  if (!device || params.device.kind == DeviceKind::opencl) return sum_waves(sources, grid, params, device, observer);
+  if (devices.empty() || params.device.kind != DeviceKind::automatic)
+    return sum_waves(sources, grid, params, devices, observer);
   try {
-    return sum_waves(sources, grid, params, device, observer);
+    return sum_waves(sources, grid, params, devices, observer);
   } catch (const Error& error) {
     observer.warn(fmt::format("the device auto: the processor took over, because {}", error.what()));
-    return sum_waves(sources, grid, params, nullptr, observer);
+    return sum_waves(sources, grid, params, {}, observer);
   }
 }
 

@@ -18,8 +18,9 @@ namespace holotrace {
 /// - `auto`: `tiled` or `planes`, whichever the cost model predicts to be faster within the tolerance; `exact` if
 ///   neither meets it. Never `layers`, which cannot limit waves to their boxes.
 ///
-/// On an OpenCL device (SynthesizeParams::device), `auto` and `tiled` sum tile by tile (tiles/device_tiles.h), within the
-/// same tolerance; the other methods are for the processor. The bytes differ from the processor's and between devices. The
+/// On an OpenCL device (SynthesizeParams::device), `auto`, `tiled` and `planes` sum within the same tolerance
+/// (tiles/device_tiles.h, planes/device_planes.h); the other methods are for the processor. All devices at once share the rows
+/// of the panel; the bytes are those of one of them. The bytes differ from the processor's and between devices. The
 /// device `auto` is the one that is expected to be fastest by measured rates (shared/device_rates.h), transfers counted, or
 /// the processor if that is. If the device fails, the processor takes over, with a warning.
 ///

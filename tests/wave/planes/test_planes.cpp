@@ -11,13 +11,14 @@
 #include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/shared/gridding_kernel.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_planes.h"
 #include "holotrace/wave/synthesize.h"
+#include "support/devices.h"
 #include "support/fields.h"
 #include "support/panels.h"
 #include "support/wavelengths.h"
 
-// Waves by planes of fixed curvature, tile by tile, compared with the sum one by one.
+// Waves by planes of fixed curvature, tile by tile, compared with the sum one by one, on the processor and on every OpenCL
+// device of this machine.
 
 namespace holotrace {
 namespace {
@@ -53,16 +54,24 @@ struct PlanesCase {
   int nx, ny, waves;
   double nearest, farthest, pitch, tolerance;
 };
-class SumPlanes : public ::testing::TestWithParam<PlanesCase> {};
+
+Field sum_planes_on(const DeviceChoice& device, const Sources& sources, const Grid& grid, double tolerance,
+                    const Observer& observer = {}) {
+  SynthesizeParams params{SynthesisMethod::planes, tolerance};
+  params.device = device;
+  return synthesize(sources, grid, params, observer);
+}
+
+class SumPlanes : public ::testing::TestWithParam<std::tuple<PlanesCase, DeviceChoice>> {};
 
 // Sources all over and around the panel: tiles that boxes cover, cut along one axis, cut at a corner, and miss.
 TEST_P(SumPlanes, IsWithinItsTolerance) {
-  const PlanesCase& c = GetParam();
+  const auto& [c, device] = GetParam();
   const Grid grid{c.nx, c.ny, c.pitch};
   const Sources sources = make_random_sources(c.waves, grid, green, c.nearest, c.farthest, 0.4);
   Heard heard;
   const double error =
-      relative_error(sum_planes(sources, grid, c.tolerance, heard.observer()), sum_exact(sources, grid));
+      relative_error(sum_planes_on(device, sources, grid, c.tolerance, heard.observer()), sum_exact(sources, grid));
   EXPECT_LT(error, c.tolerance);
   // The error foretold is that of some 128 of the waves' pixels, a few percent off for many waves, and of gridding at
   // its worst: a term of the expansion that is wrong shows here. One wave's error is where few of those pixels fall.
@@ -70,22 +79,33 @@ TEST_P(SumPlanes, IsWithinItsTolerance) {
   EXPECT_GT(error, c.tolerance / 100) << "a plan that much finer than asked for would be a waste";
 }
 
+constexpr std::array planes_cases{
+    PlanesCase{300, 250, 60, 0.19, 0.21, 8e-6, 1e-2},    PlanesCase{300, 250, 60, 0.19, 0.21, 8e-6, 1e-3},
+    PlanesCase{300, 250, 60, 0.19, 0.21, 8e-6, 1e-4},    PlanesCase{500, 131, 30, 0.15, 0.25, 8e-6, 3e-3},
+    PlanesCase{131, 500, 30, 0.05, 0.5, 8e-6, 1e-3},     PlanesCase{64, 64, 1, 0.2, 0.2, 8e-6, 1e-3},
+    PlanesCase{241, 119, 40, 0.01, 0.3, 8e-6, 1e-3},  // near ones go to tiles
+    PlanesCase{360, 240, 30, 0.05, 0.07, 3.74e-6, 3e-3}, PlanesCase{300, 200, 30, 1.0, 3.0, 8e-6, 1e-4},
+    PlanesCase{360, 240, 30, 0.19, 0.21, 8e-6, 1e-5}};
+
+std::string case_and_device(const ::testing::TestParamInfo<std::tuple<PlanesCase, DeviceChoice>>& info) {
+  const auto& [c, device] = info.param;
+  return fmt::format("{}x{}_{}_waves_{:.0f}_to_{:.0f}_mm_{:.0f}_ppm_{}", c.nx, c.ny, c.waves, 1e3 * c.nearest,
+                     1e3 * c.farthest, 1e6 * c.tolerance, test::device_name(device));
+}
+
 INSTANTIATE_TEST_SUITE_P(Jobs, SumPlanes,
-                         ::testing::Values(PlanesCase{300, 250, 60, 0.19, 0.21, 8e-6, 1e-2},
-                                           PlanesCase{300, 250, 60, 0.19, 0.21, 8e-6, 1e-3},
-                                           PlanesCase{300, 250, 60, 0.19, 0.21, 8e-6, 1e-4},
-                                           PlanesCase{500, 131, 30, 0.15, 0.25, 8e-6, 3e-3},
-                                           PlanesCase{131, 500, 30, 0.05, 0.5, 8e-6, 1e-3},
-                                           PlanesCase{64, 64, 1, 0.2, 0.2, 8e-6, 1e-3},
-                                           PlanesCase{241, 119, 40, 0.01, 0.3, 8e-6, 1e-3},  // near ones go to tiles
-                                           PlanesCase{360, 240, 30, 0.05, 0.07, 3.74e-6, 3e-3},
-                                           PlanesCase{300, 200, 30, 1.0, 3.0, 8e-6, 1e-4},
-                                           PlanesCase{360, 240, 30, 0.19, 0.21, 8e-6, 1e-5}),
-                         [](const auto& info) {
-                           const PlanesCase& c = info.param;
-                           return fmt::format("{}x{}_{}_waves_{:.0f}_to_{:.0f}_mm_{:.0f}_ppm", c.nx, c.ny, c.waves,
-                                              1e3 * c.nearest, 1e3 * c.farthest, 1e6 * c.tolerance);
-                         });
+                         ::testing::Combine(::testing::ValuesIn(planes_cases),
+                                            ::testing::ValuesIn(test::processor_and_devices())),
+                         case_and_device);
+
+class SumPlanesBox : public ::testing::TestWithParam<DeviceChoice> {
+ protected:
+  static Field sum_planes(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer = {}) {
+    return sum_planes_on(GetParam(), sources, grid, tolerance, observer);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(On, SumPlanesBox, ::testing::ValuesIn(test::processor_and_devices()), test::device_name_of);
 
 // Planes of a slab are interpolated, and must hold between them the curvatures of all light in the waves' boxes: along
 // y that is ∂²r/∂y²/λ = (1 − y²/r²)/λr, from 1/λd on the axis to the least at the corner of the box of the farthest
@@ -116,7 +136,7 @@ TEST(PlaneSlabs, HoldTheCurvaturesOfAllLightInTheirBoxes) {
 }
 
 // A wave whose box ends inside the panel on every side, by the four kinds of tiles: the sharp edge is exact's own.
-TEST(SumPlanesBox, EndsWhereTheBoxOfExactEnds) {
+TEST_P(SumPlanesBox, EndsWhereTheBoxOfExactEnds) {
   const Grid grid{640, 600, 8_um};
   const Sources sources{green, {{{0.313_mm, -0.207_mm, -60_mm}, 1, 0.7F}}};  // a box of 499 pixels
   const Field planes = sum_planes(sources, grid, 1e-3);
@@ -136,7 +156,7 @@ TEST(SumPlanesBox, EndsWhereTheBoxOfExactEnds) {
 // Every tile of a narrow panel is cut by boxes' edges: strips make them up, or take away what a wave lights too much,
 // which leaves errors where it is dark. The plan has to count them, and the coarse one shows it (1.5 of what it was
 // said to be, and 1.28e-3 at 1e-3, where only lit pixels were counted).
-TEST(SumPlanesBox, ErrorOfStripsIsForetold) {
+TEST_P(SumPlanesBox, ErrorOfStripsIsForetold) {
   const Grid grid{60, 300, 8_um};
   Sources sources = make_random_sources(60, {40, 300, 8_um}, green, 0.19_m, 0.21_m);
   for (Source& wave : sources.waves) wave.origin.x += -wave.origin.z * acceptance_tangent(green, grid.pitch);
@@ -151,7 +171,7 @@ TEST(SumPlanesBox, ErrorOfStripsIsForetold) {
   }
 }
 
-TEST(SumPlanesBox, CoincidentWavesAreOneOfTheirSum) {
+TEST_P(SumPlanesBox, CoincidentWavesAreOneOfTheirSum) {
   const Grid grid{256, 200, 8_um};
   const Source one{{0.2_mm, 0.1_mm, -0.2_m}, 1, 0.3F}, three{{0.2_mm, 0.1_mm, -0.2_m}, 3, 0.3F};
   const Field thrice = sum_planes({green, {one, one, one}}, grid, 1e-4),
@@ -160,7 +180,7 @@ TEST(SumPlanesBox, CoincidentWavesAreOneOfTheirSum) {
 }
 
 // The sum is linear in the amplitudes by the same plan: floats keep 24 bits.
-TEST(SumPlanesBox, IsLinear) {
+TEST_P(SumPlanesBox, IsLinear) {
   const Grid grid{256, 200, 8_um};
   Sources all = make_random_sources(40, grid, green, 0.19_m, 0.21_m), even = all, odd = all;
   for (size_t i = 0; i < all.waves.size(); ++i) (i % 2 ? even : odd).waves[i].amplitude = 0;
@@ -170,7 +190,7 @@ TEST(SumPlanesBox, IsLinear) {
   EXPECT_LT(relative_error(sum, convert<double>(sum_planes(all, grid, 1e-3))), 1.5e-3);  // plans may differ
 }
 
-TEST(SumPlanesBox, BytesDoNotDependOnThreads) {
+TEST_P(SumPlanesBox, BytesDoNotDependOnThreads) {
   const Grid grid{400, 300, 8_um};
   const Sources sources = make_random_sources(200, grid, green, 0.19_m, 0.21_m, 0.2);
   std::vector<Field> fields;
@@ -182,7 +202,7 @@ TEST(SumPlanesBox, BytesDoNotDependOnThreads) {
   EXPECT_EQ(fields[0].samples.values, fields[2].samples.values);
 }
 
-TEST(SumPlanesBox, KeepsItsToleranceForWavesThatCancel) {
+TEST_P(SumPlanesBox, KeepsItsToleranceForWavesThatCancel) {
   const Grid grid{512, 384, 8_um};
   const Sources sources{green,
                         {{{1_mm, 0.5_mm, -0.2_m}, 1, 0},
@@ -193,7 +213,7 @@ TEST(SumPlanesBox, KeepsItsToleranceForWavesThatCancel) {
 }
 
 // Pairs in antiphase, half a cell apart: the field has a sixth of its waves' energy, which the plan has to find out.
-TEST(SumPlanesBox, KnowHowMuchTheirWavesCancel) {
+TEST_P(SumPlanesBox, KnowHowMuchTheirWavesCancel) {
   const Grid grid{60, 60, 8_um};
   Sources sources{green, {}};
   const Sources random = make_random_sources(200, grid, green, 0.2_m, 0.2_m);
@@ -207,7 +227,7 @@ TEST(SumPlanesBox, KnowHowMuchTheirWavesCancel) {
   const auto waves = prepare_waves(sources, grid);
   const PixelBox all{0, grid.nx, 0, grid.ny};
   const TileChoice tiles = choose_tile(waves, grid, green, 1e-3);
-  const PlanesChoice planes = choose_planes(waves, tiles.plan, {grid, all, green, 1e-3});
+  const PlanesChoice planes = choose_planes(waves, planes_cost_on_processor(tiles.plan), {grid, all, green, 1e-3});
   EXPECT_NEAR(planes.energies.waves / tiles.energies.waves, 1, 0.1);  // an eighth of the draws, 1,024 of them
   const FieldDouble exact = sum_exact(sources, grid);
   for (const double tolerance : {1.5e-4, 1.2e-4})
@@ -215,7 +235,7 @@ TEST(SumPlanesBox, KnowHowMuchTheirWavesCancel) {
 }
 
 // Many waves: auto takes planes, and their error is that of some of the pixels.
-TEST(SumPlanesBox, AutoTakesThemForManyWaves) {
+TEST(SumPlanesOfManyWaves, AreWhatAutoTakes) {
   const Grid grid{600, 400, 8_um};
   const Sources sources = make_random_sources(100000, grid, green, 0.19_m, 0.21_m);
   std::string method;
@@ -229,7 +249,7 @@ TEST(SumPlanesBox, AutoTakesThemForManyWaves) {
   EXPECT_LT(sampled_error(field, sources, 50), 4.2e-3);  // 50 pixels tell the error to about 1/√(2·50), 4 σ: 40 %
 }
 
-TEST(SumPlanesBox, RefusesAToleranceThatFloatsCannotHold) {
+TEST_P(SumPlanesBox, RefusesAToleranceThatFloatsCannotHold) {
   const Grid grid{64, 64, 8_um};
   try {
     sum_planes(make_random_sources(3, grid, green, 0.2_m, 0.2_m), grid, 1e-7);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <complex>
 
@@ -120,16 +121,19 @@ TEST_P(DeviceTransforms, MultiplyAndShiftWhatEntersAndLeaves) {
 }
 
 TEST_P(DeviceTransforms, TransposeAnyNumberOfRowsAndColumns) {
-  for (const auto& [rows, columns] : {std::pair(1, 1), {16, 16}, {37, 50}, {3, 129}}) {
-    const Line from = drawn(size_t(rows * columns), 6);
+  for (const auto& [rows, columns, matrices] :
+       {std::array{1, 1, 1}, std::array{16, 16, 2}, std::array{37, 50, 3}, std::array{3, 129, 1}}) {
+    const Line from = drawn(size_t(rows * columns * matrices), 6);
     const auto lock = device_.lock();
     const DeviceBuffer there = device_.upload(from, "lines"), to = device_.make_buffer(there.bytes(), "lines");
-    LineTransforms(device_).transpose(rows, columns, there, to);
+    LineTransforms(device_).transpose(rows, columns, there, to, matrices);
     Line found(from.size());
     device_.read(to, found.data(), to.bytes());
-    for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < columns; ++column)
-        ASSERT_EQ(found[size_t(column * rows + row)], from[size_t(row * columns + column)]);
+    for (int m = 0; m < matrices; ++m)
+      for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column)
+          ASSERT_EQ(found[size_t((m * columns + column) * rows + row)],
+                    from[size_t((m * rows + row) * columns + column)]);
   }
 }
 

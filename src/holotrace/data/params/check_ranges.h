@@ -6,11 +6,14 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/device.h"
 
 namespace holotrace {
 
 /// A visitor of `describe` that checks each value against the range of its parameter.
 struct RangeChecker {
+  bool may_take_all_devices = false;
+
   static std::string about(const char* name) { return std::string(" for \"") + name + "\""; }
 
   template <class Integer>
@@ -36,7 +39,9 @@ struct RangeChecker {
   }
   void flag(const char*, bool&, const char*) {}
   void texts(const char*, std::vector<std::string>&, const char*) {}
-  void device(const char*, DeviceChoice&, const char*) {}
+  void device(const char* name, DeviceChoice& value, const char*) {
+    if (!may_take_all_devices) require_one_device(value, about(name));
+  }
   template <class Enum>
   void choice(const char*, Enum&, std::initializer_list<std::type_identity_t<Choice<Enum>>>, const char*) {}
 };
@@ -45,7 +50,7 @@ struct RangeChecker {
 /// @throws Error, naming the first parameter outside its range
 template <class Params>
 void check_ranges(Params params) {
-  RangeChecker checker;
+  RangeChecker checker{runs_on_all_devices<Params>};
   describe(checker, params);
 }
 

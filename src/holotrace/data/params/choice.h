@@ -15,7 +15,7 @@
 //   flag                     (name, value, help)     true or false
 //   choice                   (name, value, names, help)   one of a few names
 //   texts                    (name, value, help)     a list of texts
-//   device                   (name, value, help)     where the stage computes: cpu, opencl, opencl:N, auto
+//   device                   (name, value, help)     where the stage computes: cpu, opencl, opencl:N, opencl:all, auto
 // The range is never left out: a parameter that may have any value says range::any.
 
 namespace holotrace {

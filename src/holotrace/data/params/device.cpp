@@ -10,6 +10,7 @@ DeviceChoice parse_device(const std::string& text) {
   if (text == "cpu") return {DeviceKind::cpu};
   if (text == "auto") return {DeviceKind::automatic};
   if (text == "opencl") return {DeviceKind::opencl};
+  if (text == "opencl:all") return {DeviceKind::all};
   const std::string before = "opencl:";
   int number = -1;
   if (text.starts_with(before)) {
@@ -17,13 +18,22 @@ DeviceChoice parse_device(const std::string& text) {
     const auto [read, error] = std::from_chars(begin, end, number);
     if (error == std::errc() && read == end && number >= 0) return {DeviceKind::opencl, number};
   }
-  fail("expected a device: cpu, auto, opencl or opencl:N with the number of a device, from 0; got \"{}\"", text);
+  fail("expected a device: cpu, auto, opencl, opencl:N with the number of a device, from 0, or opencl:all; got \"{}\"",
+       text);
 }
 
 std::string device_text(const DeviceChoice& choice) {
   if (choice.kind == DeviceKind::cpu) return "cpu";
   if (choice.kind == DeviceKind::automatic) return "auto";
+  if (choice.kind == DeviceKind::all) return "opencl:all";
   return choice.number == 0 ? "opencl" : fmt::format("opencl:{}", choice.number);
+}
+
+void require_one_device(const DeviceChoice& choice, const std::string& about) {
+  require(choice.kind != DeviceKind::all,
+          "expected one device{}, got opencl:all; only the sum of waves runs on all devices at once; use opencl or "
+          "opencl:N",
+          about);
 }
 
 }  // namespace holotrace

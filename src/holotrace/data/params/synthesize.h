@@ -54,7 +54,11 @@ void describe(Visitor& v, SynthesizeParams& p) {
   v.device(
       "device", p.device,
       "device that sums the waves: the processor (cpu); the first OpenCL device (opencl) or device N of \"holotrace "
-      "info --devices\" (opencl:N), by the method tiled; or the one that is expected to be faster (auto)");
+      "info --devices\" (opencl:N), by tiled or planes; all devices that are equal to the first one (opencl:all); or the one "
+      "that is expected to be faster (auto)");
 }
+
+template <>
+inline constexpr bool runs_on_all_devices<SynthesizeParams> = true;
 
 }  // namespace holotrace

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "holotrace/base/units.h"
-#include "holotrace/wave/planes/plane_correction.h"
+#include "holotrace/wave/planes/plane_correction_kernel.h"
 
 namespace holotrace {
 namespace {
@@ -46,7 +46,8 @@ std::complex<double> in_tile(const PixelOfWave& pixel, const Slab& slab, const P
   std::complex<double> model = interpolate(slab, t, kappa, square) * (r / r0) * std::polar(1.0, -2 * pi * exact);
   if (t.plan.is_corrected) {
     const double f = x / (t.wavelength * r0), g = y / (t.wavelength * r0);
-    model *= 1.0 + Correction<double>(t.wavelength, 1 / r0, linear).of({f, g, f * g, f * f - g * g}, u, v);
+    const CorrectionTerms<double> terms{f, g, f * g, f * f - g * g};
+    model *= 1.0 + correction_at(correction_for<double>(t.wavelength, 1 / r0, linear), terms, u, v);
   }
   return model;
 }

@@ -13,13 +13,9 @@ namespace {
 
 constexpr std::array<int, 3> tiles{240, 120, 60};  // sides that divide 1080p and 4K panels and suit FFTs
 
-// Numbers of tiles: a box's area in tiles, tiles that its edges cut, and tiles that contain its corners.
-struct TileCounts {
-  double whole = 0, partial = 0, corners = 0;
-};
-
-TileCounts count_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, int tile) {
-  TileCounts counts;
+PlanesCounts count_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, int tile) {
+  PlanesCounts counts;
+  counts.tiles = double(bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0) / (double(tile) * tile);
   for (const PreparedWave& w : waves) {
     const double width = w.box.x1 - w.box.x0, height = w.box.y1 - w.box.y0;
     counts.whole += width * height / (double(tile) * tile);
@@ -31,15 +27,15 @@ TileCounts count_tiles(const std::vector<PreparedWave>& waves, const PixelBox& b
   return counts;
 }
 
-SummationWork work_of(const PlanesPlan& plan, const TileCounts& counts, double tiles_of_panel, const TilePlan& direct) {
+SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const TilePlan& direct) {
   const double nodes = plan.nodes, m = 2 * plan.tile, cells = m + 2 * PlanesTables::margin;
   // Grids too large for the second-level cache take three times as long to add to.
   const double cache = nodes * cells * cells * 8 < 2e6 ? 1 : 3;
   const double per_wave = cache * nodes * plan.width * (plan.width <= 4 ? 4 : GriddingKernel::greatest_width);
   // At most half of a tile's strips need an entry, a quarter on average, and one more partly lit strip.
   const double entries = !plan.has_strips ? 0 : counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
-  const double transforms = tiles_of_panel * plan.slabs * nodes * (plan.is_corrected ? 5 : 1);
-  const double strips = std::min(entries, tiles_of_panel * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
+  const double transforms = counts.tiles * plan.slabs * nodes * (plan.is_corrected ? 5 : 1);
+  const double strips = std::min(entries, counts.tiles * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
   const double lines = transforms * 1.5 * m + strips * nodes * strip_width;  // lines to transform
   SummationWork work{.plane_waves = counts.whole + entries,
                      .spreads = counts.whole * per_wave + entries * nodes * plan.width * strip_width,
@@ -64,15 +60,14 @@ double both_axes(int width) {
 // Evaluates plans and keeps the fastest that meets the goal, or else the most accurate.
 class PlanSearch {
  public:
-  PlanSearch(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal, double most_seconds)
+  PlanSearch(const std::vector<PreparedWave>& waves, const PlanesCost& cost, const SumGoal& goal, double most_seconds)
       : waves_(waves),
-        direct_(direct),
+        cost_(cost),
         grid_(goal.grid),
         bounds_(goal.bounds),
         wavelength_(goal.wavelength),
         goal_(goal.tolerance * std::sqrt(goal.coherence) / 1.25),
         most_seconds_(most_seconds),
-        rates_(summation_rates()),
         depths_(depths_of(waves)) {
     // Many plans are compared; an eighth of the pixels gives their errors to a few percent.
     const std::vector<DrawnPixel> drawn = draw_pixels(waves);
@@ -88,8 +83,9 @@ class PlanSearch {
 
   void look_at_tiles(int tile) {
     counts_ = count_tiles(waves_, bounds_, tile);
-    tiles_of_panel_ = double(bounds_.x1 - bounds_.x0) * (bounds_.y1 - bounds_.y0) / (double(tile) * tile);
-    for (const auto& [is_corrected, has_strips] : {std::pair{false, true}, {true, true}, {true, false}}) {
+    using Kinds = std::vector<std::pair<bool, bool>>;  // is_corrected, has_strips
+    for (const auto& [is_corrected, has_strips] :
+         cost_.has_strips ? Kinds{{false, true}, {true, true}, {true, false}} : Kinds{{false, false}, {true, false}}) {
       PlanesPlan plan{tile, 2, 1, 1, is_corrected, has_strips};
       if (!is_worth(plan)) continue;
       // If the error stays above the goal with the most nodes, it does not come from their number: skip these plans.
@@ -105,8 +101,7 @@ class PlanSearch {
     return seconds(plan) < (best_.meets_tolerance ? best_.seconds : most_seconds_);
   }
 
-  SummationWork work(const PlanesPlan& plan) const { return work_of(plan, counts_, tiles_of_panel_, direct_); }
-  double seconds(const PlanesPlan& plan) const { return predict_seconds(work(plan), rates_, 1); }
+  double seconds(const PlanesPlan& plan) const { return cost_.seconds(plan, counts_); }
 
   void look_at_nodes(PlanesPlan plan) {
     for (plan.nodes = 1; plan.nodes <= most_nodes_; ++plan.nodes) {
@@ -123,7 +118,7 @@ class PlanSearch {
       return std::hypot(without_gridding, both_axes(plan.width), rounding_error(TileProducts::single));
     };
     while (plan.width < GriddingKernel::greatest_width && error() > goal_) ++plan.width;
-    const PlanesChoice choice{plan, error(), work(plan), seconds(plan), energies, error() <= goal_};
+    const PlanesChoice choice{plan, error(), seconds(plan), energies, error() <= goal_};
     const bool is_better = choice.meets_tolerance != best_.meets_tolerance
                                ? choice.meets_tolerance
                                : (choice.meets_tolerance ? choice.seconds < best_.seconds : choice.error < best_.error);
@@ -132,15 +127,13 @@ class PlanSearch {
   }
 
   const std::vector<PreparedWave>& waves_;
-  const TilePlan direct_;
+  const PlanesCost& cost_;
   const Grid grid_;
   const PixelBox bounds_;
   const double wavelength_, goal_, most_seconds_;
-  const SummationRates rates_;
   const DepthRange depths_;
   std::vector<DrawnPixel> pixels_;
-  TileCounts counts_;
-  double tiles_of_panel_ = 0;
+  PlanesCounts counts_;
   int most_nodes_ = most_nodes;
   PlanesChoice best_;
 };
@@ -152,9 +145,15 @@ bool suits_planes(const PreparedWave& wave, double wavelength, double pitch) {
   return tangent < 0.25 && 2 * wave.depth * tangent >= 4 * tiles.back() * pitch;
 }
 
-PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal,
+PlanesCost planes_cost_on_processor(const TilePlan& direct) {
+  return {[direct, rates = summation_rates()](const PlanesPlan& plan, const PlanesCounts& counts) {
+    return predict_seconds(work_of(plan, counts, direct), rates, 1);
+  }};
+}
+
+PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const PlanesCost& cost, const SumGoal& goal,
                            double most_seconds) {
-  PlanSearch search(waves, direct, goal, most_seconds);
+  PlanSearch search(waves, cost, goal, most_seconds);
   for (const int tile : tiles) search.look_at_tiles(tile);
   PlanesChoice best = search.best();
   best.error /= std::sqrt(goal.coherence);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "holotrace/wave/planes/plane_slabs.h"
@@ -7,12 +8,25 @@
 
 namespace holotrace {
 
+/// What a plan has to sum: numbers of pairs of a wave and a tile, and of tiles.
+struct PlanesCounts {
+  double whole = 0;    ///< the area of the waves' boxes in tiles
+  double partial = 0;  ///< tiles that edges of boxes cut
+  double corners = 0;  ///< tiles that contain corners of boxes
+  double tiles = 0;    ///< of the panel
+};
+
+/// Where plans are carried out: the seconds that they are expected to take there, and whether strips are known there.
+struct PlanesCost {
+  std::function<double(const PlanesPlan& plan, const PlanesCounts& counts)> seconds;
+  bool has_strips = true;
+};
+
 /// A plan, the relative L2 error expected of it and the work that it needs.
 struct PlanesChoice {
   PlanesPlan plan;
   double error = 0;
-  SummationWork work;
-  double seconds = 0;  ///< predicted for one thread
+  double seconds = 0;  ///< predicted; on the processor for one thread
   SplitEnergies energies;
   bool meets_tolerance = false;
 };
@@ -22,12 +36,15 @@ struct PlanesChoice {
 /// the expansion in sum_planes.h is not valid in tiles of that size.
 bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 
-/// The fastest plan on this machine (cost_model.h) whose expected error, with a margin of 25 %, is below the
+/// The fastest plan whose expected error, with a margin of 25 %, is below the
 /// tolerance; the most accurate one if none is.
 /// @param waves      waves that suit the method (suits_planes), at least one
-/// @param direct     plan for the direct sum in tiles that contain a corner of a wave's box
-/// @param most_seconds  plans that take one thread longer than this are skipped [s]
-PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const TilePlan& direct, const SumGoal& goal,
+/// @param most_seconds  plans that take longer than this are skipped [s]
+PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const PlanesCost& cost, const SumGoal& goal,
                            double most_seconds = 1e300);
+
+/// One thread of the processor (cost_model.h).
+/// @param direct  plan for the direct sum in tiles that contain a corner of a wave's box
+PlanesCost planes_cost_on_processor(const TilePlan& direct);
 
 }  // namespace holotrace

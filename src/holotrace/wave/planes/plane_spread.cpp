@@ -2,7 +2,7 @@
 
 #include "holotrace/wave/planes/plane_spread.h"
 
-#include "holotrace/wave/planes/plane_correction.h"
+#include "holotrace/wave/planes/plane_correction_kernel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "holotrace/wave/planes/plane_spread.cpp"

@@ -7,22 +7,12 @@
 #include "holotrace/base/fft.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/wave/planes/plane_correction.h"
+#include "holotrace/wave/planes/plane_correction_kernel.h"
 
 namespace holotrace {
 namespace {
 
 using Complex = std::complex<float>;
-
-// exp(iπκu²)/φ̂ at the tile's pixels along one axis: the curvature of a node, and the correction of the kernel.
-std::vector<Complex> chirp(const PlanesTables& t, double kappa) {
-  std::vector<Complex> values;
-  for (int i = 0; i < t.plan.tile; ++i) {
-    const double u = (i - t.plan.tile / 2) * t.pitch;
-    values.push_back(Complex(cis_cycles(kappa * u * u / 2) * double(t.inverse_phi[size_t(i)])));
-  }
-  return values;
-}
 
 // Index of `pixel` in the output of a transform: outputs are counted from the reference pixel, and wrap around.
 int output_at(int pixel, const PlanesTables& t) {
@@ -96,14 +86,15 @@ void transform(const float* grid, Term term, const PlanesTables& t, PlanesWorksp
 void add_node(const float* grid, double kappa, const PlanesTables& t, PlanesWorkspace& w) {
   const int tile = t.plan.tile;
   const size_t pixels = size_t(tile) * size_t(tile);
-  const std::vector<Complex> bend = chirp(t, kappa);
+  const std::vector<Complex> bend = plane_chirp(t, kappa);
   w.terms.resize(pixels * (t.plan.is_corrected ? 5 : 1));
   transform(grid, Term::wave, t, w, w.terms.data());
   if (t.plan.is_corrected)
     for (const Term term : {Term::cross, Term::difference, Term::along_x, Term::along_y})
       transform(grid, term, t, w, w.terms.data() + size_t(term) * pixels);
   const double half = tile * t.pitch / 2;
-  const Correction<float> correction(t.wavelength, t.wavelength * kappa, linear_of_cubic * half * half);  // 1/r₀ ≈ λκ
+  const auto correction =
+      correction_for<float>(t.wavelength, t.wavelength * kappa, linear_of_cubic * half * half);  // 1/r₀ ≈ λκ
   for (int i = 0; i < tile; ++i) {
     const float u = float((i - tile / 2) * t.pitch), s_u = t.first[size_t(i)], q_u = t.second[size_t(i)];
     const Complex* const term = w.terms.data() + size_t(i) * size_t(tile);
@@ -113,12 +104,10 @@ void add_node(const float* grid, double kappa, const PlanesTables& t, PlanesWork
       const size_t at = size_t(j);
       Complex sum = term[at];
       if (t.plan.is_corrected) {
-        // The terms were weighted by the frequency of the cells; the kernel's moments convert them to the waves' own.
-        const float s_v = t.first[at], q_v = t.second[at];
-        const Complex f = term[at + 3 * pixels] - times_i(s_u * sum), g = term[at + 4 * pixels] - times_i(s_v * sum);
-        const Complex cross = term[at + pixels] - times_i(s_u * g + s_v * f) + s_u * s_v * sum;
-        const Complex difference = term[at + 2 * pixels] - 2.0f * times_i(s_u * f - s_v * g) - (q_u - q_v) * sum;
-        sum += correction.of({f, g, cross, difference}, u, float((j - tile / 2) * t.pitch));
+        const CorrectionTerms<float> cells{term[at + 3 * pixels], term[at + 4 * pixels], term[at + pixels],
+                                           term[at + 2 * pixels]};
+        const auto terms = terms_of_waves(cells, sum, s_u, t.first[at], q_u, t.second[at]);
+        sum += correction_at(correction, terms, u, float((j - tile / 2) * t.pitch));
       }
       to[j] += product(product(bend_u, bend[at]), sum);
     }
@@ -131,7 +120,7 @@ void add_strip(const Slab& slab, const PlanesTables& t, bool is_across_rows, int
   const Fft<float> backward(m, FftDirection::backward);
   w.folded.resize(size_t(m));
   for (int q = 0; q < t.plan.nodes; ++q) {
-    const std::vector<Complex> bend = chirp(t, slab.centre + slab.half * t.nodes[size_t(q)]);
+    const std::vector<Complex> bend = plane_chirp(t, slab.centre + slab.half * t.nodes[size_t(q)]);
     const float* const node = w.strip.data() + size_t(q) * size_t(t.cells) * 2 * strip_width;
     for (int l = 0; l < lines; ++l) {
       std::fill_n(w.folded.begin(), m, Complex());
@@ -174,6 +163,15 @@ void sum_direct(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& w, A
 }
 
 }  // namespace
+
+std::vector<std::complex<float>> plane_chirp(const PlanesTables& t, double kappa) {
+  std::vector<std::complex<float>> values;
+  for (int i = 0; i < t.plan.tile; ++i) {
+    const double u = (i - t.plan.tile / 2) * t.pitch;
+    values.emplace_back(cis_cycles(kappa * u * u / 2) * double(t.inverse_phi[size_t(i)]));
+  }
+  return values;
+}
 
 PlanesModel::PlanesModel(const PlanesPlan& plan, double wavelength, double pitch)
     : plan(plan), wavelength(wavelength), pitch(pitch), tangent(1.005 * acceptance_tangent(wavelength, pitch)) {

@@ -18,6 +18,10 @@ struct PlanesSum {
   const Grid& grid;
 };
 
+/// exp(iπκu²)/φ̂ at the tile's pixels along an axis: the curvature κ of a node [cycles/m²], and the correction of the
+/// gridding kernel.
+std::vector<std::complex<float>> plane_chirp(const PlanesTables& tables, double kappa);
+
 /// Adds the waves to the samples of the tile `box` of the panel.
 void sum_planes_tile(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& workspace,
                      Array2D<std::complex<float>>& samples);

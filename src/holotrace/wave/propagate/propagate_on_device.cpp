@@ -133,6 +133,7 @@ Result run_on(Device& device, const Task<Result>& task, const Observer& observer
 template <class Result>
 std::optional<Result> run_on_chosen(const Task<Result>& task, const Observer& observer) {
   const DeviceChoice& choice = task.params.device;
+  require_one_device(choice, " for a propagation");
   if (choice.kind == DeviceKind::cpu) return std::nullopt;
   if (choice.kind == DeviceKind::opencl) return run_on(open_device(choice.number), task, observer);
   Device* const device = fastest_for(task.question());
@@ -158,6 +159,7 @@ std::optional<Array2D<float>> irradiance_on_device(const Field& field, double di
 }
 
 void refuse_device_for_double(const PropagateParams& params) {
+  require_one_device(params.device, " for a propagation");
   require(params.device.kind != DeviceKind::opencl,
           "expected a field in single precision to propagate on an OpenCL device, got one in double precision; use the "
           "device cpu, or leave out --double (in Python: a complex64 array)");

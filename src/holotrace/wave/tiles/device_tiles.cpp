@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "holotrace/base/run_together.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/tiles/device_wave.h"
 
@@ -60,7 +61,7 @@ size_t tiles_along(int pixels, int step) { return size_t((pixels + step - 1) / s
 
 std::vector<DeviceWave> device_waves(const std::vector<PreparedWave>& waves, size_t first, size_t end,
                                      double wavelength, const PixelBox& bounds) {
-  std::vector<DeviceWave> some(end - first);
+  std::vector<DeviceWave> some(std::min(end, waves.size()) - first);
   parallel_for(
       0, int64_t(some.size()),
       [&](int64_t i) { some[size_t(i)] = device_wave(waves[first + size_t(i)], wavelength, bounds); }, {}, 4096);
@@ -88,7 +89,9 @@ struct DevicePlan {
   size_t launch() const { return slices * share; }
 };
 
-DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds, TileShape shape) {
+// `rows_to_do` rows of the bounds are computed, beside something that needs `reserved` bytes of the device's memory.
+DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds, TileShape shape, int rows_to_do,
+                     double reserved) {
   DevicePlan plan;
   const size_t tiles =
       tiles_along(bounds.x1 - bounds.x0, shape.columns) * tiles_along(bounds.y1 - bounds.y0, shape.rows);
@@ -102,12 +105,13 @@ DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds,
   plan.slices = std::min(plan.slices, parts_of(waves, plan.share));
 
   constexpr double spare = 1e5;  // for the places of tiles
-  const double free = device.free_memory() - spare, columns = bounds.x1 - bounds.x0, rows = bounds.y1 - bounds.y0;
+  const double free = std::min(device.memory_left() - reserved, device.info().largest_buffer) - spare;
+  const double columns = bounds.x1 - bounds.x0, rows = rows_to_do;
   const double row_bytes = double(sizeof(std::complex<float>) * plan.slices) * columns;
   const double all_waves = double(sizeof(DeviceWave) * waves);
   const double for_waves = std::min(all_waves, std::max(free / 2, free - row_bytes * rows));
   const double band = std::min((free - for_waves) / row_bytes, most_samples / columns);
-  plan.rows = band >= rows ? int(rows) : std::max(int(band) / shape.rows, 1) * shape.rows;
+  plan.rows = band >= rows ? rows_to_do : std::max(int(band) / shape.rows, 1) * shape.rows;
   const size_t launch = std::max(plan.launch(), size_t(1));
   plan.waves = std::max(size_t(for_waves) / sizeof(DeviceWave) / launch, size_t(1)) * launch;
   if (all_waves <= for_waves) plan.waves = waves;
@@ -122,13 +126,83 @@ void add_slices(Device& device, TileShape shape, const DeviceBuffer& sums, int64
              {sums, int32_t(samples), int32_t(slices)});
 }
 
+// What all devices of a sum share.
+struct TileSum {
+  const std::vector<PreparedWave>& waves;
+  const LitGrid& panel;
+  TileShape shape;
+  PixelBox bounds;
+  Array2D<std::complex<float>>& samples;
+};
+
+// Computes the rows [first_row, end_row) of the bounds, band by band.
+void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, const LightOnDevice& more,
+              const Observer& observer, const std::atomic<bool>& is_stopped) {
+  const std::vector<PreparedWave>& waves = sum.waves;
+  const Grid& grid = sum.panel.grid;
+  const double wavelength = sum.panel.wavelength;
+  const TileShape shape = sum.shape;
+  const PixelBox& bounds = sum.bounds;
+  const auto lock = device.lock();
+  const int columns = bounds.x1 - bounds.x0;
+  const size_t count = std::max<size_t>(waves.size(), 1);  // without waves, a launch sets the samples to 0
+  const DevicePlan plan = make_plan(device, count, bounds, shape, end_row - first_row, more.bytes);
+  const DeviceBuffer column_centres =
+      device.upload(tile_centres(columns, shape.columns, wavelength, [&](double i) { return grid.x(bounds.x0 + i); }),
+                    "places of tiles");
+  const Kernel kernel = tile_kernel(shape, "sum_tiles");
+  DeviceBuffer on_device;
+  const int bands = (end_row - first_row + plan.rows - 1) / plan.rows;
+  for (int b = 0; b < bands && !is_stopped; ++b) {
+    const int top = first_row + b * plan.rows, rows = std::min(plan.rows, end_row - top);
+    const Observer of_band = part_of(observer, b, bands), of_waves = part_of(of_band, 0, more.add ? 2 : 1);
+    const DeviceBuffer row_centres = device.upload(
+        tile_centres(rows, shape.rows, wavelength, [&](double j) { return grid.y(top + j); }), "places of tiles");
+    const PixelBox band{bounds.x0, bounds.x1, top, top + rows};
+    const DeviceBuffer sums =
+        device.make_buffer(sizeof(std::complex<float>) * size_t(band.pixels()) * plan.slices, "a field");
+    for (size_t part = 0; part < count; part += plan.waves) {
+      const size_t end = std::min(part + plan.waves, count);
+      if (b == 0 || plan.waves < count) {
+        on_device = DeviceBuffer();  // released before the next is made
+        on_device = device.upload(device_waves(waves, part, end, wavelength, bounds), "the waves");
+      }
+      for (size_t first = part; first < end; first += plan.launch()) {
+        const size_t last = std::min({first + plan.launch(), end, waves.size()});
+        const TileJob job{int32_t(first - part), int32_t(last - part), int32_t(plan.share),           columns, rows,
+                          top - bounds.y0,       first == 0,           float(grid.pitch / wavelength)};
+        device.run(kernel,
+                   {tiles_along(columns, shape.columns), tiles_along(rows, shape.rows),
+                    size_t(shape.columns / block_columns), size_t(shape.rows / block_rows(shape)), plan.slices},
+                   {on_device, column_centres, row_centres, job, sums});
+        device.finish();
+        of_waves.progress(double(std::min(first + plan.launch(), end)) / double(count));
+      }
+    }
+    add_slices(device, shape, sums, band.pixels(), plan.slices);
+    if (more.add) more.add(band, sums, part_of(of_band, 1, 2));
+    fetch(device, sums, band, sum.samples);
+  }
+}
+
 }  // namespace
+
+const char* tile_factor_source() { return factor_source; }
 
 Kernel tile_kernel(TileShape shape, const char* function) {
   return {function,
           {factor_source, sum_source},
           fmt::format("-D TILE_COLUMNS={} -D TILE_ROWS={} -D BLOCK_ROWS={} -D BATCH={}", shape.columns, shape.rows,
                       block_rows(shape), batch_of(shape))};
+}
+
+double pixels_of_tiles(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds) {
+  double tiles = 0;
+  const auto met = [](int first, int end, int step) { return double((end - 1) / step - first / step + 1); };
+  for (const PreparedWave& w : waves)
+    tiles += met(w.box.x0 - bounds.x0, w.box.x1 - bounds.x0, shape.columns) *
+             met(w.box.y0 - bounds.y0, w.box.y1 - bounds.y0, shape.rows);
+  return tiles * shape.columns * shape.rows;
 }
 
 double transferred_bytes(size_t waves, const PixelBox& bounds) {
@@ -155,53 +229,20 @@ TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel
   return choice;
 }
 
-void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel, TileShape shape,
-                         const PixelBox& bounds, Array2D<std::complex<float>>& samples, const Observer& observer) {
-  const auto lock = device.lock();
-  const Grid& grid = panel.grid;
-  const int columns = bounds.x1 - bounds.x0;
-  const DevicePlan plan = make_plan(device, waves.size(), bounds, shape);
-  const DeviceBuffer column_centres = device.upload(
-      tile_centres(columns, shape.columns, panel.wavelength, [&](double i) { return grid.x(bounds.x0 + i); }),
-      "places of tiles");
-  const Kernel kernel = tile_kernel(shape, "sum_tiles");
-  DeviceBuffer on_device;
-  const double work = double(waves.size()) * (bounds.y1 - bounds.y0);
-  double done = 0;
-  for (int top = bounds.y0; top < bounds.y1; top += plan.rows) {
-    const int rows = std::min(plan.rows, bounds.y1 - top);
-    const DeviceBuffer row_centres = device.upload(
-        tile_centres(rows, shape.rows, panel.wavelength, [&](double j) { return grid.y(top + j); }), "places of tiles");
-    const PixelBox band{bounds.x0, bounds.x1, top, top + rows};
-    const DeviceBuffer sums =
-        device.make_buffer(sizeof(std::complex<float>) * size_t(band.pixels()) * plan.slices, "a field");
-    for (size_t part = 0; part < waves.size(); part += plan.waves) {
-      const size_t end = std::min(part + plan.waves, waves.size());
-      if (top == bounds.y0 || plan.waves < waves.size()) {
-        on_device = DeviceBuffer();  // released before the next is made
-        on_device = device.upload(device_waves(waves, part, end, panel.wavelength, bounds), "the waves");
-      }
-      for (size_t first = part; first < end; first += plan.launch()) {
-        const size_t last = std::min(first + plan.launch(), end);
-        const TileJob job{int32_t(first - part),
-                          int32_t(last - part),
-                          int32_t(plan.share),
-                          columns,
-                          rows,
-                          top - bounds.y0,
-                          first == 0,
-                          float(grid.pitch / panel.wavelength)};
-        device.run(kernel,
-                   {tiles_along(columns, shape.columns), tiles_along(rows, shape.rows),
-                    size_t(shape.columns / block_columns), size_t(shape.rows / block_rows(shape)), plan.slices},
-                   {on_device, column_centres, row_centres, job, sums});
-        device.finish();
-        observer.progress((done += double(last - first) * rows) / work);
-      }
-    }
-    add_slices(device, shape, sums, band.pixels(), plan.slices);
-    fetch(device, sums, band, samples);
-  }
+void sum_tiles_on_devices(const std::vector<Device*>& devices, const std::vector<PreparedWave>& waves,
+                          const LitGrid& panel, TileShape shape, const PixelBox& bounds,
+                          Array2D<std::complex<float>>& samples, const Observer& observer, const MakeLight& make_more) {
+  const TileSum sum{waves, panel, shape, bounds, samples};
+  const size_t tiles = tiles_along(bounds.y1 - bounds.y0, shape.rows);
+  const int share = int((tiles + devices.size() - 1) / devices.size()) * shape.rows;  // rows of a device
+  run_together(int(devices.size()), [&](int i, const std::atomic<bool>& is_stopped) {
+    const int first = bounds.y0 + i * share, end = std::min(first + share, bounds.y1);
+    if (first >= end) return;
+    Device& device = *devices[size_t(i)];
+    const LightOnDevice more = make_more ? make_more(device) : LightOnDevice();
+    // All devices have about the same number of rows, so the progress of one is that of all.
+    sum_rows(device, sum, first, end, more, i == 0 ? observer : Observer(), is_stopped);
+  });
 }
 
 }  // namespace holotrace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,18 +19,40 @@ namespace holotrace {
 /// accurate one if none is.
 TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel>& pixels, const SumGoal& goal);
 
+/// Light that is added to the sums of bands on a device, beside that of the waves.
+struct LightOnDevice {
+  std::function<void(const PixelBox& band, const DeviceBuffer& samples, const Observer& observer)> add;  ///< if any
+  double bytes = 0;  ///< memory that it needs at least
+};
+/// Makes that light for a device. It is called on a thread of that device.
+using MakeLight = std::function<LightOnDevice(Device& device)>;
+
 /// Computes the pixels of `bounds`; their old values are overwritten.
 ///
 /// If the panel has too few tiles for a large device, slices of the waves are summed at once, and added up on the device.
 /// If memory for all waves or all samples is short, the samples are computed in bands of rows and the waves sent in
-/// parts. The sum does not depend on that: same device, waves and bounds, same bytes.
+/// parts. Several devices compute rows of their own at the same time, each on a thread of its own. The sum does not depend on that: same
+/// kind of device, waves and bounds, same bytes.
 ///
-/// @param waves   at least one, all with boxes within `bounds`
+/// @param devices  at least one; they must be equal (equal_devices)
+/// @param waves   all with boxes within `bounds`
 /// @throws Error  as Device does
 ///
-/// Transfers: 48 bytes per wave to the device, 8 bytes per sample back. Cost: see multiply_adds_per_wave_pixel.
-void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel, TileShape shape,
-                         const PixelBox& bounds, Array2D<std::complex<float>>& samples, const Observer& observer);
+/// Transfers: 48 bytes per wave to each device, 8 bytes per sample back. Cost: see multiply_adds_per_wave_pixel.
+void sum_tiles_on_devices(const std::vector<Device*>& devices, const std::vector<PreparedWave>& waves,
+                          const LitGrid& panel, TileShape shape, const PixelBox& bounds,
+                          Array2D<std::complex<float>>& samples, const Observer& observer,
+                          const MakeLight& make_more = {});
+
+/// The same on one device.
+inline void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel,
+                                TileShape shape, const PixelBox& bounds, Array2D<std::complex<float>>& samples,
+                                const Observer& observer, const MakeLight& make_more = {}) {
+  sum_tiles_on_devices({&device}, waves, panel, shape, bounds, samples, observer, make_more);
+}
+
+/// Pixels of all tiles that waves light, added up over the waves: a tile that a wave lights partly counts as a whole.
+double pixels_of_tiles(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds);
 
 /// Bytes that a sum sends to a device and fetches from it, if its memory holds all waves.
 double transferred_bytes(size_t waves, const PixelBox& bounds);
@@ -40,5 +63,8 @@ double multiply_adds_per_wave_pixel(TileShape shape);
 
 /// The kernel of that shape. @param function  "sum_tiles" or "multiply_factors"
 Kernel tile_kernel(TileShape shape, const char* function);
+
+/// The text of tile_factor_kernel.h, for kernels that are compiled together with it.
+const char* tile_factor_source();
 
 }  // namespace holotrace

@@ -15,6 +15,11 @@
 #define HOLOTRACE_KERNEL_FUNCTION
 float inverse_square_root(float x) { return rsqrt(x); }
 float flip_if_odd(float value, float number) { return as_float(as_uint(value) ^ (as_uint(number) << 31)); }
+#ifdef FP_FAST_FMAF
+#define MULTIPLY_ADD fma
+#else
+#define MULTIPLY_ADD mad
+#endif
 #else
 #include <bit>
 #include <cmath>

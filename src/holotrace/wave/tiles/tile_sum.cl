@@ -11,12 +11,6 @@
 #define GROUP_ROWS (TILE_ROWS / BLOCK_ROWS)
 #define GROUP (GROUP_COLUMNS * GROUP_ROWS)
 
-#ifdef FP_FAST_FMAF
-#define MULTIPLY_ADD fma
-#else
-#define MULTIPLY_ADD mad
-#endif
-
 // The waves [first, end) and the tiles of a band: its size [samples], and the first of its rows on the panel. Each of
 // get_num_groups(2) slices sums `share` of the waves, to samples of its own: a panel of few tiles keeps a large device busy.
 typedef struct {

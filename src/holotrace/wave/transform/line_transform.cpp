@@ -150,9 +150,11 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
   device_.finish();  // before the work space is released
 }
 
-void LineTransforms::transpose(int rows, int columns, const DeviceBuffer& from, const DeviceBuffer& to) {
+void LineTransforms::transpose(int rows, int columns, const DeviceBuffer& from, const DeviceBuffer& to,
+                               int matrices) {
   device_.run(kernel_for("transpose_lines", 1024),
-              {size_t((columns + tile - 1) / tile), size_t((rows + tile - 1) / tile), size_t(tile), size_t(tile)},
+              {size_t((columns + tile - 1) / tile), size_t((rows + tile - 1) / tile), size_t(tile), size_t(tile),
+               size_t(matrices)},
               {rows, columns, from, to});
 }
 

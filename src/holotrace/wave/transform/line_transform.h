@@ -45,8 +45,8 @@ class LineTransforms {
   explicit LineTransforms(Device& device) : device_(device) {}
 
   void run(const LineTransform& transform, int lines, const DeviceBuffer& from, const DeviceBuffer& to);
-  /// to[column][row] = from[row][column]
-  void transpose(int rows, int columns, const DeviceBuffer& from, const DeviceBuffer& to);
+  /// to[column][row] = from[row][column], for matrices that lie one after the other
+  void transpose(int rows, int columns, const DeviceBuffer& from, const DeviceBuffer& to, int matrices = 1);
 
  private:
   const DeviceBuffer& twiddles(int length);

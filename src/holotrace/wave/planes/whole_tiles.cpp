@@ -1,0 +1,52 @@
+#include "holotrace/wave/planes/whole_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace holotrace {
+namespace {
+
+struct Range {
+  int first, end;
+};
+
+// The tiles within pixels [from, to) along an axis of `size` pixels, of which the last tile may be cut. distance_of(pixel)
+// is that of a tile's reference pixel from the wave's origin, and `reach` what it may be.
+template <class Distance>
+Range within(int from, int to, int size, int side, double reach, const Distance& distance_of) {
+  Range tiles{(from + side - 1) / side, to >= size ? (size + side - 1) / side : to / side};
+  const auto is_reached = [&](int tile) { return std::abs(distance_of(tile * side + side / 2)) <= reach; };
+  while (tiles.first < tiles.end && !is_reached(tiles.first)) ++tiles.first;
+  while (tiles.first < tiles.end && !is_reached(tiles.end - 1)) --tiles.end;
+  return tiles;
+}
+
+}  // namespace
+
+PixelBox whole_tiles(const PreparedWave& wave, const PlaneTiles& t) {
+  const PixelBox &box = wave.box, &bounds = t.bounds;
+  const double reach = t.tangent * wave.depth;
+  const Range x = within(box.x0 - bounds.x0, box.x1 - bounds.x0, bounds.x1 - bounds.x0, t.side, reach,
+                         [&](int column) { return t.grid.x(bounds.x0 + column) - wave.x; });
+  const Range y = within(box.y0 - bounds.y0, box.y1 - bounds.y0, bounds.y1 - bounds.y0, t.side, reach,
+                         [&](int row) { return t.grid.y(bounds.y0 + row) - wave.y; });
+  return {x.first, x.end, y.first, y.end};
+}
+
+void append_rest(const PreparedWave& wave, const PlaneTiles& t, std::vector<PreparedWave>& waves) {
+  const PixelBox tiles = whole_tiles(wave, t), &all = wave.box;
+  const auto append = [&](const PixelBox& box) {
+    if (box.is_empty()) return;
+    waves.push_back(wave);
+    waves.back().box = box;
+  };
+  if (tiles.is_empty()) return append(all);
+  const int x0 = t.bounds.x0 + tiles.x0 * t.side, x1 = std::min(t.bounds.x0 + tiles.x1 * t.side, t.bounds.x1);
+  const int y0 = t.bounds.y0 + tiles.y0 * t.side, y1 = std::min(t.bounds.y0 + tiles.y1 * t.side, t.bounds.y1);
+  append({all.x0, all.x1, all.y0, y0});
+  append({all.x0, all.x1, y1, all.y1});
+  append({all.x0, x0, y0, y1});
+  append({x1, all.x1, y0, y1});
+}
+
+}  // namespace holotrace
