@@ -9,6 +9,7 @@
 
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
+#include "holotrace/view/device_camera.h"
 #include "holotrace/view/order_stop.h"
 #include "holotrace/view/pupil_light.h"
 #include "holotrace/wave/propagate/propagate_on_device.h"
@@ -138,6 +139,27 @@ TEST_P(DeviceChains, ShowThePicturesOfTheProcessor) {
   }
 }
 
+// Values with a rim that no pixel needs, and bright places, beside which an integral below 0 is set to 0.
+TEST_P(DeviceChains, IntegrateOverPixelsAsTheProcessor) {
+  Array2D<float> values(41, 67);
+  CounterRandom random(3, 0, 0);
+  for (float& value : values.values) value = random.uniform() < 0.02 ? 100.0F : float(random.uniform());
+  const DeviceBuffer there = device_.upload(values.values, "a test");
+  for (const int n : {1, 2, 3})
+    for (const auto& [rim, is_integrated] : {std::pair{0, false}, {3, false}, {2, true}, {5, true}}) {
+      const Image here = mean_over_pixels(values, n, rim, is_integrated);
+      const Image image =
+          mean_over_pixels(device_, there, values.nx, pixel_sums(values.ny, values.nx, n, rim, is_integrated));
+      ASSERT_EQ(image.nx, here.nx);
+      ASSERT_EQ(image.ny, here.ny);
+      // Two sums of up to 7 floats of up to 100.
+      for (size_t i = 0; i < here.values.size(); ++i) ASSERT_NEAR(image.values[i], here.values[i], 1e-4) << n << rim;
+      if (n == 1 && is_integrated) {
+        EXPECT_GT(std::count(image.values.begin(), image.values.end(), 0.0F), 5) << "below 0";
+      }
+    }
+}
+
 TEST_P(DeviceChains, GiveTheSameBytesForTheSameInput) {
   for (const Chain& chain : chains()) EXPECT_EQ(picture(there(chain)).values, picture(there(chain)).values);
 }
@@ -209,6 +231,7 @@ TEST_P(DeviceChains, AreChosenByWhereTheLightIs) {
     EXPECT_FALSE(uses_device(fresh, automatic_everywhere(chain))) << has_pupil;
     EXPECT_TRUE(uses_device(light, automatic_everywhere(chain))) << has_pupil;
     set_device_rates({});
+    EXPECT_FALSE(uses_device(light, automatic_everywhere(chain))) << "not measured";
     set_summation_rates({});
   }
 }

@@ -177,8 +177,8 @@ double PropagationForecast::on_device(Device& device) const {
   if (!plan_) return 0;
   const DeviceRates rates = device_rates(device);
   const DevicePropagationCost cost = device_propagation_cost(device, *plan_);
-  const double sent = kept_on(device).find(question_) ? 0 : cost.kept;
-  return cost.moved / rates.moved_bytes + sent / rates.bytes + seconds_to_start;
+  const double sending = kept_on(device).find(question_) ? 0 : cost.kept / rates.bytes;
+  return cost.moved / rates.moved_bytes + sending + seconds_to_start;
 }
 
 double PropagationForecast::bytes_out() const { return bytes_out_; }
