@@ -9,6 +9,7 @@
 #include "holotrace/run/view_holograms.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
+#include "support/stages_on_devices.h"
 
 namespace holotrace::test {
 namespace {
@@ -134,6 +135,38 @@ TEST(ViewHolograms, EyesAndSweepsHaveAnExposureOfTheirOwn) {
 TEST(ViewHolograms, NoHologramIsAnError) {
   Report report;
   EXPECT_THROW(view_holograms({}, params_at({10_mm}), report), Error);
+}
+
+class ViewHologramsOnDevices : public StagesOnDevices {};
+
+HOLOTRACE_FOR_ALL_DEVICES(ViewHologramsOnDevices);
+
+// Two pictures of 24 × 16 pixels, and 16 rows for the power that leaves the panel. For the orders of three samples per pixel the
+// field of the first hologram comes back.
+TEST_P(ViewHologramsOnDevices, KeepTheLightThere) {
+  const std::vector<PanelHologram> two{hologram_of(green, 7), hologram_of(green, 5)};
+  ViewingParams params = params_at({10_mm, 20_mm});
+  const SeriesViews expected = view(two, params);
+  params.show = on_device(params.show);
+  params.propagation = on_device(params.propagation);
+  for (const int subpixels : {1, 3}) {
+    params.show.subpixels = subpixels;
+    const size_t before = device_.use().bytes_out;
+    const SeriesViews views = view(two, params);
+    const size_t pictures = 2 * 2 * 4 * 24 * 16, powers = 2 * 4 * 16 * size_t(subpixels);
+    EXPECT_EQ(device_.use().bytes_out - before, pictures + powers + (subpixels == 3 ? 8 * 9 * 24 * 16 : 0));
+    if (subpixels == 3) continue;
+    for (size_t i = 0; i < expected.views.images.size(); ++i)
+      for (size_t k = 0; k < expected.views.images[i].values.size(); ++k)
+        ASSERT_NEAR(views.views.images[i].values[k], expected.views.images[i].values[k], 1e-4)
+            << "floats, of about 1 W/m²";
+  }
+  // The camera on the processor gets the field.
+  params.show.subpixels = 1;
+  params.propagation.device = {};
+  const size_t before = device_.use().bytes_out;
+  view(two, params);
+  EXPECT_EQ(device_.use().bytes_out - before, 2U * 8 * 24 * 16);
 }
 
 }  // namespace

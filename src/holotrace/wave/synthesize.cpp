@@ -12,6 +12,7 @@
 #include "holotrace/opencl/device.h"
 #include "holotrace/wave/layers/sum_layers.h"
 #include "holotrace/wave/shared/fastest_device.h"
+#include "holotrace/wave/shared/on_chosen_device.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/summation.h"
@@ -168,7 +169,7 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   try {
     return sum_waves(sources, grid, params, devices, observer);
   } catch (const Error& error) {
-    observer.warn(fmt::format("the device auto: the processor took over, because {}", error.what()));
+    warn_of_takeover(observer, error.what());
     return sum_waves(sources, grid, params, {}, observer);
   }
 }

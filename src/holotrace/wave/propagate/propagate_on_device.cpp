@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <complex>
 #include <limits>
 #include <map>
 #include <memory>
@@ -11,11 +12,13 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/wave/propagate/device_propagator.h"
-#include "holotrace/wave/propagate/kept_propagators.h"
+#include "holotrace/wave/propagate/device_samples.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
+#include "holotrace/wave/propagate/whole_shift.h"
 #include "holotrace/wave/shared/device_rates.h"
 #include "holotrace/wave/shared/fastest_device.h"
+#include "holotrace/wave/shared/on_chosen_device.h"
 
 namespace holotrace {
 namespace {
@@ -53,9 +56,9 @@ void drop_beyond(double bytes) {
 }
 
 // Sends a propagator to the device. If memory is short, all others are dropped.
-void send(Device& device, const Propagator<float>& host, KeptPropagator<DevicePropagator>& to) {
+void send(Device& device, const Propagator<float>& host, double present, KeptPropagator<DevicePropagator>& to) {
   const DevicePropagationCost cost = device_propagation_cost(device, host);
-  if (cost.kept + cost.work > device.memory_left()) kept_on(device).drop_beyond(0);
+  make_room(device, cost.kept + cost.work - present);
   to.propagator = std::make_shared<DevicePropagator>(device, host);
 }
 
@@ -74,16 +77,17 @@ Prepared prepare(const Device& device, const PropagationQuestion& q) {
   return prepared;
 }
 
-// The propagator on the device, with memory left for a field.
-DevicePropagator& ready_propagator(Device& device, const PropagationQuestion& question, Prepared& prepared) {
+// The propagator on the device, with memory left for a field, of which so many bytes are there already.
+DevicePropagator& ready_propagator(Device& device, const PropagationQuestion& question, Prepared& prepared,
+                                   double present) {
   Kept& kept = kept_on(device);
   KeptPropagator<DevicePropagator>& ready = prepared.kept;
   if (!ready.propagator)
     if (const auto found = kept.find(question)) ready = *found;  // another thread has sent it meanwhile
   if (!ready.propagator) {
-    send(device, *prepared.host, ready);
+    send(device, *prepared.host, present, ready);
     kept.keep(question, ready, ready.propagator->cost().kept, device_propagator_bytes(device));
-  } else if (const DevicePropagationCost cost = ready.propagator->cost(); cost.work > device.memory_left()) {
+  } else if (const DevicePropagationCost cost = ready.propagator->cost(); cost.work - present > device.memory_left()) {
     kept.drop_beyond(cost.kept);  // all others: this is the one that was used last
   }
   return *ready.propagator;
@@ -92,70 +96,96 @@ DevicePropagator& ready_propagator(Device& device, const PropagationQuestion& qu
 // A start of kernels and waiting for them, on slow drivers [s].
 constexpr double seconds_to_start = 1e-3;
 
-Device* fastest_for(const PropagationQuestion& question) {
-  const auto plan = plan_propagator<float>(question.grid, question.wavelength, question.distance, question.params);
-  return fastest_device(seconds_to_propagate(plan), [&](Device& device) {
-    const DeviceRates rates = device_rates(device);
-    const DevicePropagationCost cost = device_propagation_cost(device, plan);
-    const double sent = kept_on(device).find(question) ? 0 : cost.kept;
-    return cost.moved / rates.moved_bytes + (cost.fields + sent) / rates.bytes + seconds_to_start;
-  });
-}
-
-// A propagation, and how its result comes from a prepared propagator.
-template <class Result>
-struct Task {
-  const Field& field;
-  double distance;
-  const PropagateParams& params;
-  Result (DevicePropagator::*result)(const Field&, const Observer&);
-
-  PropagationQuestion question() const { return {field.grid, field.wavelength, distance, params}; }
-};
-
-template <class Result>
-Result run_on(Device& device, const Task<Result>& task, const Observer& observer) {
-  const PropagationQuestion question = task.question();
+// What work(propagator) returns on a device. @param present  bytes of the input that are there already
+template <class Work>
+auto with_propagator(Device& device, const PropagationQuestion& question, double present, const Observer& observer,
+                     const Work& work) {
   // Before the device is locked: it runs on many threads, which may be waiting for the device.
   Prepared prepared = prepare(device, question);
   prepared.kept.tell(observer);
   const auto lock = device.lock();
   try {
-    Result there = (ready_propagator(device, question, prepared).*task.result)(task.field, observer);
-    observer.fact("device", device.info().name);
-    return there;
+    return work(ready_propagator(device, question, prepared, present));
   } catch (const Error&) {
     kept_on(device).drop_beyond(0);
     throw;
   }
 }
 
+// A field of the processor that is to be propagated.
+struct Task {
+  const Field& field;
+  double distance;
+  const PropagateParams& params;
+};
+
+// What result(field at the output window, on a device) returns.
 template <class Result>
-std::optional<Result> run_on_chosen(const Task<Result>& task, const Observer& observer) {
-  const DeviceChoice& choice = task.params.device;
-  require_one_device(choice, " for a propagation");
-  if (choice.kind == DeviceKind::cpu) return std::nullopt;
-  if (choice.kind == DeviceKind::opencl) return run_on(open_device(choice.number), task, observer);
-  Device* const device = fastest_for(task.question());
-  if (!device) return std::nullopt;
-  try {
-    return run_on(*device, task, observer);
-  } catch (const Error& error) {
-    observer.warn(fmt::format("the device auto: the processor took over, because {}", error.what()));
-    return std::nullopt;
-  }
+auto run_on_chosen(const Task& task, const Observer& observer, const Result& result) {
+  const auto& [field, distance, params] = task;
+  require_one_device(params.device, " for a propagation");
+  const PropagationQuestion question(field.grid, field.wavelength, distance, params);
+  const auto fastest = [&] {
+    const PropagationForecast forecast(field.grid, field.wavelength, distance, params);
+    const double in = double(field.samples.size()) * sizeof(std::complex<float>);
+    return fastest_device(forecast.on_processor(), [&](Device& device) {
+      return (in + forecast.bytes_out()) / device_rates(device).bytes + forecast.on_device(device);
+    });
+  };
+  return on_chosen_device(params.device, observer, fastest, [&](Device& device) {
+    return with_propagator(device, question, 0, observer, [&](DevicePropagator& propagator) {
+      return result(propagator(send(device, field, "a propagation"), observer));
+    });
+  });
 }
 
 }  // namespace
 
+DeviceField propagate(const DeviceField& field, double distance, const PropagateParams& params,
+                      const Observer& observer) {
+  const Field& head = field.head;
+  if (const auto shift = whole_shift(head.grid, head.wavelength, distance, params)) return on_window(field, *shift);
+  return with_propagator(*field.device, {head.grid, head.wavelength, distance, params}, double(field.samples.bytes()),
+                         observer, [&](DevicePropagator& propagator) { return propagator(field, observer); });
+}
+
 std::optional<Field> propagate_on_device(const Field& field, double distance, const PropagateParams& params,
                                          const Observer& observer) {
-  return run_on_chosen<Field>({field, distance, params, &DevicePropagator::operator()}, observer);
+  return run_on_chosen({field, distance, params}, observer, [](const DeviceField& there) { return fetch(there); });
 }
 
 std::optional<Array2D<float>> irradiance_on_device(const Field& field, double distance, const PropagateParams& params,
                                                    const Observer& observer) {
-  return run_on_chosen<Array2D<float>>({field, distance, params, &DevicePropagator::irradiance}, observer);
+  return run_on_chosen({field, distance, params}, observer, [](const DeviceField& there) {
+    const DeviceBuffer irradiance = irradiance_of(there);
+    Array2D<float> here(there.head.grid.ny, there.head.grid.nx);
+    there.device->read(irradiance, here.values.data(), irradiance.bytes());
+    return here;
+  });
+}
+
+PropagationForecast::PropagationForecast(const Grid& grid, double wavelength, double distance,
+                                         const PropagateParams& params)
+    : question_(grid, wavelength, distance, params),
+      bytes_out_(double(propagation_output(grid, params).pixels()) * sizeof(std::complex<float>)) {
+  if (!whole_shift(grid, wavelength, distance, params))
+    plan_ = plan_propagator<float>(grid, wavelength, distance, params);
+}
+
+double PropagationForecast::on_processor() const { return plan_ ? seconds_to_propagate(*plan_) : 0; }
+
+double PropagationForecast::on_device(Device& device) const {
+  if (!plan_) return 0;
+  const DeviceRates rates = device_rates(device);
+  const DevicePropagationCost cost = device_propagation_cost(device, *plan_);
+  const double sending = kept_on(device).find(question_) ? 0 : cost.kept / rates.bytes;
+  return cost.moved / rates.moved_bytes + sending + seconds_to_start;
+}
+
+double PropagationForecast::bytes_out() const { return bytes_out_; }
+
+void make_room(Device& device, double bytes) {
+  if (device.memory_left() < bytes) kept_on(device).drop_beyond(0);
 }
 
 void refuse_device_for_double(const PropagateParams& params) {

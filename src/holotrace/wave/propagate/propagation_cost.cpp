@@ -118,8 +118,7 @@ DevicePropagationCost device_propagation_cost(const Device& device, const Propag
   DevicePropagationCost cost;
   cost.fields = sample_bytes * (double(x.inputs) * y.inputs + double(x.outputs) * y.outputs);
   cost.kept = sample_bytes * (transfer + samples_of_factors(plan));
-  cost.work =
-      cost.fields + sample_bytes * spectrum + line_bytes(device, plan) + double(sizeof(float)) * x.outputs * y.outputs;
+  cost.work = cost.fields + sample_bytes * spectrum + line_bytes(device, plan);
   cost.moved = sample_bytes * moved_samples(plan);
   return cost;
 }
