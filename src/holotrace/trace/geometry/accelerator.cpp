@@ -60,6 +60,15 @@ std::vector<TrianglePlane> planes_of(const Mesh& mesh, const ScenePrecision& pre
   return planes;
 }
 
+/// Whether any normal of a vertex differs from the plane of its triangle. Many files have normals for flat meshes, too.
+bool has_own_normals(const Mesh& mesh, const std::vector<TrianglePlane>& planes) {
+  if (mesh.normals.empty()) return false;
+  for (size_t t = 0; t < planes.size(); ++t)
+    for (const uint32_t vertex : mesh.triangles[t])
+      if (!(length(mesh.normals[vertex] - planes[t].normal) < 1e-9)) return true;
+  return false;
+}
+
 }  // namespace
 
 struct Accelerator::Implementation {
@@ -67,6 +76,7 @@ struct Accelerator::Implementation {
   struct Surface {
     const Mesh* mesh;
     int light;            // index into Scene::lights, or -1
+    bool is_smooth;       // vertices have normals of their own
     bool needs_tangents;  // the material has a normal map
     std::vector<TrianglePlane> planes;
   };
@@ -84,10 +94,12 @@ struct Accelerator::Implementation {
   void list_surfaces() {
     for (const Mesh& mesh : scene.meshes) {
       const bool has_normal_map = scene.materials[size_t(mesh.material)].normal_map != nullptr;
-      surfaces.push_back({&mesh, -1, has_normal_map, planes_of(mesh, precision)});
+      std::vector<TrianglePlane> planes = planes_of(mesh, precision);
+      const bool is_smooth = has_own_normals(mesh, planes);
+      surfaces.push_back({&mesh, -1, is_smooth, has_normal_map, std::move(planes)});
     }
     for (const LightSurface& lamp : lamps)
-      surfaces.push_back({&lamp.mesh, lamp.light, false, planes_of(lamp.mesh, precision)});
+      surfaces.push_back({&lamp.mesh, lamp.light, false, false, planes_of(lamp.mesh, precision)});
   }
 
   RTCScene tree_for(Aim aim) const { return aim == Aim::random && split ? split.get() : watertight.get(); }
@@ -182,7 +194,7 @@ struct Accelerator::Implementation {
     point.uv = {};
     point.tangent_u = point.tangent_v = {};
     point.colour = {1, 1, 1};
-    if (!mesh.normals.empty() || !mesh.texture_coordinates.empty() || !mesh.colours.empty())
+    if (surface.is_smooth || !mesh.texture_coordinates.empty() || !mesh.colours.empty())
       interpolate(surface, found, point);
     point.material = mesh.material;
     point.light = surface.light;
@@ -196,12 +208,23 @@ struct Accelerator::Implementation {
     return a + (mesh.positions[j] - a) * found.b1 + (mesh.positions[k] - a) * found.b2;
   }
 
+  static void add_tangents(const Mesh& mesh, uint32_t triangle, SurfacePoint& point) {
+    const auto [i, j, k] = mesh.triangles[triangle];
+    const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
+    const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
+    const double u1 = q.x - p.x, v1 = q.y - p.y, u2 = r.x - p.x, v2 = r.y - p.y;
+    const double size = u1 * v2 - u2 * v1;
+    if (size == 0) return;
+    point.tangent_u = (ab * v2 - ac * v1) / size;
+    point.tangent_v = (ac * u1 - ab * u2) / size;
+  }
+
   /// What the corners of the triangle have between them: normal, texture coordinates, colour.
   static void interpolate(const Surface& surface, const GridHit& found, SurfacePoint& point) {
     const Mesh& mesh = *surface.mesh;
     const auto [i, j, k] = mesh.triangles[found.triangle];
     const double b1 = found.b1, b2 = found.b2, b0 = 1 - b1 - b2;
-    if (!mesh.normals.empty()) {
+    if (surface.is_smooth) {
       const Vec3 smooth = mesh.normals[i] * b0 + mesh.normals[j] * b1 + mesh.normals[k] * b2;
       if (const double squared = dot(smooth, smooth); squared > 0)
         point.normal = smooth * (std::copysign(1.0, dot(smooth, point.geometric_normal)) / std::sqrt(squared));
@@ -209,12 +232,7 @@ struct Accelerator::Implementation {
     if (!mesh.texture_coordinates.empty()) {
       const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
       point.uv = {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
-      const double u1 = q.x - p.x, v1 = q.y - p.y, u2 = r.x - p.x, v2 = r.y - p.y;
-      if (const double size = u1 * v2 - u2 * v1; surface.needs_tangents && size != 0) {
-        const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
-        point.tangent_u = (ab * v2 - ac * v1) / size;
-        point.tangent_v = (ac * u1 - ab * u2) / size;
-      }
+      if (surface.needs_tangents) add_tangents(mesh, found.triangle, point);
     }
     if (!mesh.colours.empty()) point.colour = mesh.colours[i] * b0 + mesh.colours[j] * b1 + mesh.colours[k] * b2;
   }
