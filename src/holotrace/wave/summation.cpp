@@ -88,17 +88,17 @@ PartPlan make_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, 
 // What one sum on a device takes besides its work: the start of kernels, and waiting for them.
 constexpr double seconds_of_start = 1e-3;
 
-double seconds_on_device(const PartPlan& plan, const PixelBox& bounds, Device& device) {
-  const DeviceRates rates = device_rates(device);
+double seconds_on_device(const PartPlan& plan, const PixelBox& bounds, const SumWay& way) {
+  const DeviceRates rates = device_rates(*way.device);
   double pixels = 0;
   for (const PreparedWave& wave : plan.near) pixels += double(wave.box.pixels());
   return pixels * multiply_adds_per_wave_pixel(plan.tiles.plan.shape) / rates.multiply_adds +
-         transferred_bytes(plan.near.size(), bounds) / rates.bytes + seconds_of_start;
+         transferred_bytes(plan.near.size(), way.stays ? PixelBox{} : bounds) / rates.bytes + seconds_of_start;
 }
 
 // Predicted seconds, with all threads; infinite for a device that was not measured.
-double seconds_of(const PartPlan& plan, const PixelBox& bounds, Device* device) {
-  if (device) return seconds_on_device(plan, bounds, *device);
+double seconds_of(const PartPlan& plan, const PixelBox& bounds, const SumWay& way) {
+  if (way.device) return seconds_on_device(plan, bounds, way);
   return (plan.far.empty() ? 1 : from_memory) * predict_seconds(work_of(plan), summation_rates(), thread_count());
 }
 
@@ -118,7 +118,10 @@ void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, con
 }
 
 // Computes the pixels of `bounds`; their old values are overwritten.
-void run_plan(const PartPlan& plan, const PixelBox& bounds, Device* device, Field& field, const Observer& observer) {
+void run_plan(const PartPlan& plan, const PixelBox& bounds, Device* device, SummedField& sum,
+              const Observer& observer) {
+  if (sum.there) return sum_tiles_on_device(plan.near, plan.tiles.plan.shape, bounds, *sum.there, observer);
+  Field& field = sum.field;
   if (device)
     return sum_tiles_on_device(*device, plan.near, {field.grid, field.wavelength}, plan.tiles.plan.shape, bounds,
                                field.samples, observer);
@@ -144,11 +147,26 @@ void run_plan(const PartPlan& plan, const PixelBox& bounds, Device* device, Fiel
 }
 
 // Energy of the field in the bounds over the sum of its waves' energies there.
-double coherence_of(const Field& field, const PixelBox& bounds, double energy_of_waves) {
-  double sum = 0;
+double coherence_of(const SummedField& sum, const PixelBox& bounds, double energy_of_waves) {
+  if (!(energy_of_waves > 0)) return 1;
+  if (sum.there) return energy(*sum.there, bounds) / energy_of_waves;
+  double energy = 0;
   for (int j = bounds.y0; j < bounds.y1; ++j)
-    for (int i = bounds.x0; i < bounds.x1; ++i) sum += std::norm(std::complex<double>(field.samples(j, i)));
-  return energy_of_waves > 0 ? sum / energy_of_waves : 1;
+    for (int i = bounds.x0; i < bounds.x1; ++i) energy += std::norm(std::complex<double>(sum.field.samples(j, i)));
+  return energy / energy_of_waves;
+}
+
+// A dark field where it is to be summed. It stays on a device if that has as much memory again for the sum.
+SummedField dark_field(const Grid& grid, double wavelength, const SumWay& way) {
+  const double bytes = double(grid.pixels()) * sizeof(std::complex<float>);
+  if (!way.device || !way.stays || 2 * bytes > way.device->memory_left() || bytes > way.device->free_memory())
+    return {Field(grid, wavelength)};
+  SummedField sum;
+  sum.field.grid = grid;
+  sum.field.wavelength = wavelength;
+  sum.there = make_device_field(*way.device, sum.field);
+  clear(*sum.there);
+  return sum;
 }
 
 std::string name_of(TileProducts products) {
@@ -180,8 +198,8 @@ struct PartSum {
   double predicted_seconds = 0;  // sum over all rounds
 };
 
-PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const SumWay& way, bool is_whole, Field& field,
-                 const Observer& observer) {
+PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const SumWay& way, bool is_whole,
+                 SummedField& field, const Observer& observer) {
   const PixelBox& bounds = goal.bounds;
   // If the waves cancel, the second round knows their coherence; a field that nearly vanishes may need a third round.
   PartSum part;
@@ -190,7 +208,7 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const Sum
     part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan, way.device),
             part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
-    part.predicted_seconds += seconds_of(plan, bounds, way.device);
+    part.predicted_seconds += seconds_of(plan, bounds, way);
     run_plan(plan, bounds, way.device, field, observer);
     // A part of a few pixels may be dark by chance. It has little weight in the whole, to which the tolerance applies.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
@@ -207,14 +225,14 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const Sum
 
 }  // namespace
 
-std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
-                             double& reachable, const Observer& observer) {
+std::optional<SummedField> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
+                                   double& reachable, const Observer& observer) {
   check_grid(grid);
   check_sources(sources);
   require_memory(sizeof(std::complex<float>) * double(grid.pixels()) + bytes_per_wave * double(sources.waves.size()) +
                      bytes_per_thread * thread_count(),
                  fmt::format("a field of {} × {} samples", grid.nx, grid.ny));
-  Field field(grid, sources.wavelength);
+  SummedField field = dark_field(grid, sources.wavelength, way);
   // If every part has an error of at most the tolerance times its own energy, so has the whole.
   PartSum worst;
   double predicted = 0;
@@ -237,10 +255,10 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   return field;
 }
 
-Field sum_within(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
-                 const Observer& observer) {
+SummedField sum_within(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
+                       const Observer& observer) {
   double reachable = 0;
-  std::optional<Field> field = try_sum(sources, grid, tolerance, way, reachable, observer);
+  std::optional<SummedField> field = try_sum(sources, grid, tolerance, way, reachable, observer);
   require(field.has_value(),
           "expected a tolerance that {} can meet, {:.1e} or more for these sources, got {:.1e}; use the method exact",
           way.device || way.approach == Approach::tiled ? "tiles" : "planes", reachable, tolerance);
@@ -257,7 +275,7 @@ SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolera
     const PixelBox bounds = panel_part(sources, grid, part);
     const PartPlan plan = make_plan(waves, {grid, bounds, sources.wavelength, tolerance}, way);
     if (!plan.meets_tolerance()) return {};
-    forecast.seconds += seconds_of(plan, bounds, way.device);
+    forecast.seconds += seconds_of(plan, bounds, way);
     forecast.method = plan.far.empty() ? "tiled" : "planes";
   }
   return forecast;

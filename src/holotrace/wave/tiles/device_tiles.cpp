@@ -122,41 +122,10 @@ void add_slices(Device& device, TileShape shape, const DeviceBuffer& sums, int64
              {sums, int32_t(samples), int32_t(slices)});
 }
 
-}  // namespace
-
-Kernel tile_kernel(TileShape shape, const char* function) {
-  return {function,
-          {factor_source, sum_source},
-          fmt::format("-D TILE_COLUMNS={} -D TILE_ROWS={} -D BLOCK_ROWS={} -D BATCH={}", shape.columns, shape.rows,
-                      block_rows(shape), batch_of(shape))};
-}
-
-double transferred_bytes(size_t waves, const PixelBox& bounds) {
-  return double(sizeof(DeviceWave)) * double(waves) + double(sizeof(std::complex<float>)) * double(bounds.pixels());
-}
-
-double multiply_adds_per_wave_pixel(TileShape shape) {
-  // Counted in tile_factor_kernel.h and tile_sum.cl, a division or a root as 4.
-  const double factor = 38, wave = 190 + 2.0 * group_size(shape), pixels = double(shape.columns) * shape.rows;
-  return 3 + (factor * (shape.columns + shape.rows) + wave) / pixels;
-}
-
-TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel>& pixels, const SumGoal& goal) {
-  TileChoice choice;
-  for (const TileShape shape : device_shapes) {
-    if (size_t(group_size(shape)) > device.info().largest_group) continue;
-    choice.plan = {shape};
-    choice.energies = measure_split(pixels, goal.grid, goal.bounds, goal.wavelength, shape);
-    const double split = choice.energies.waves > 0 ? std::sqrt(choice.energies.error / choice.energies.waves) : 0;
-    choice.error = std::hypot(split, rounding_error(TileProducts::single)) / std::sqrt(goal.coherence);
-    choice.meets_tolerance = 1.25 * choice.error <= goal.tolerance;
-    if (choice.meets_tolerance) break;
-  }
-  return choice;
-}
-
-void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel, TileShape shape,
-                         const PixelBox& bounds, Array2D<std::complex<float>>& samples, const Observer& observer) {
+// Calls take(band, sums) for each band of rows, whose sums are on the device.
+template <class Take>
+void sum_bands(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel, TileShape shape,
+               const PixelBox& bounds, const Observer& observer, const Take& take) {
   const auto lock = device.lock();
   const Grid& grid = panel.grid;
   const int columns = bounds.x1 - bounds.x0;
@@ -200,8 +169,53 @@ void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves,
       }
     }
     add_slices(device, shape, sums, band.pixels(), plan.slices);
-    fetch(device, sums, band, samples);
+    take(band, sums);
   }
+}
+
+}  // namespace
+
+Kernel tile_kernel(TileShape shape, const char* function) {
+  return {function,
+          {factor_source, sum_source},
+          fmt::format("-D TILE_COLUMNS={} -D TILE_ROWS={} -D BLOCK_ROWS={} -D BATCH={}", shape.columns, shape.rows,
+                      block_rows(shape), batch_of(shape))};
+}
+
+double transferred_bytes(size_t waves, const PixelBox& bounds) {
+  return double(sizeof(DeviceWave)) * double(waves) + double(sizeof(std::complex<float>)) * double(bounds.pixels());
+}
+
+double multiply_adds_per_wave_pixel(TileShape shape) {
+  // Counted in tile_factor_kernel.h and tile_sum.cl, a division or a root as 4.
+  const double factor = 38, wave = 190 + 2.0 * group_size(shape), pixels = double(shape.columns) * shape.rows;
+  return 3 + (factor * (shape.columns + shape.rows) + wave) / pixels;
+}
+
+TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel>& pixels, const SumGoal& goal) {
+  TileChoice choice;
+  for (const TileShape shape : device_shapes) {
+    if (size_t(group_size(shape)) > device.info().largest_group) continue;
+    choice.plan = {shape};
+    choice.energies = measure_split(pixels, goal.grid, goal.bounds, goal.wavelength, shape);
+    const double split = choice.energies.waves > 0 ? std::sqrt(choice.energies.error / choice.energies.waves) : 0;
+    choice.error = std::hypot(split, rounding_error(TileProducts::single)) / std::sqrt(goal.coherence);
+    choice.meets_tolerance = 1.25 * choice.error <= goal.tolerance;
+    if (choice.meets_tolerance) break;
+  }
+  return choice;
+}
+
+void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel, TileShape shape,
+                         const PixelBox& bounds, Array2D<std::complex<float>>& samples, const Observer& observer) {
+  sum_bands(device, waves, panel, shape, bounds, observer,
+            [&](const PixelBox& band, const DeviceBuffer& sums) { fetch(device, sums, band, samples); });
+}
+
+void sum_tiles_on_device(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds,
+                         DeviceField& field, const Observer& observer) {
+  sum_bands(*field.device, waves, {field.head.grid, field.head.wavelength}, shape, bounds, observer,
+            [&](const PixelBox& band, const DeviceBuffer& sums) { put(sums, band, field); });
 }
 
 }  // namespace holotrace

@@ -7,6 +7,7 @@
 #include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/opencl/device.h"
+#include "holotrace/wave/shared/device_field.h"
 #include "holotrace/wave/tiles/tile_error.h"
 
 namespace holotrace {
@@ -30,6 +31,10 @@ TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel
 /// Transfers: 48 bytes per wave to the device, 8 bytes per sample back. Cost: see multiply_adds_per_wave_pixel.
 void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel, TileShape shape,
                          const PixelBox& bounds, Array2D<std::complex<float>>& samples, const Observer& observer);
+
+/// The same into a field on its device, where the samples stay.
+void sum_tiles_on_device(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds,
+                         DeviceField& field, const Observer& observer);
 
 /// Bytes that a sum sends to a device and fetches from it, if its memory holds all waves.
 double transferred_bytes(size_t waves, const PixelBox& bounds);
