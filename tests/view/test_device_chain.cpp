@@ -371,6 +371,19 @@ TEST_P(DeviceChains, ShowTheLightAgainIfItsDeviceIsLost) {
   ASSERT_EQ(heard.warnings.size(), 1u);
   EXPECT_EQ(heard.warnings[0].find("the device auto: the processor took over, because the device "), 0u);
 }
+
+TEST_P(DeviceChains, PassThePupilAgainIfTheirDeviceIsLost) {
+  Chain chain = automatic_everywhere(chains()[5]);
+  make_device_fast(1e15);
+  const PlacedField light(show(chain.hologram(), chain.slm, {}));
+  const PlacedField passed = light_in_pupil(light, chain.slm, chain.propagation, chain.camera);
+  const PlacedField expected = light_in_pupil(light, chain.slm, {}, chain.camera);
+  test::FaultyApi api;
+  api.failing = 0;
+  Heard heard;
+  EXPECT_EQ(passed.on_processor(heard.observer())->samples.values, expected.on_processor()->samples.values);
+  EXPECT_EQ(heard.warnings.size(), 1u);
+}
 #endif
 
 }  // namespace

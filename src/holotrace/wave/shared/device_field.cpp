@@ -11,11 +11,13 @@
 namespace holotrace {
 namespace {
 
-constexpr const char* row_energies_source =
+constexpr const char* field_source =
 #include "kernels/device_field.cl.inc"
     ;
 
 constexpr size_t items_of_row = 64;
+
+Kernel kernel_of_fields(const char* name) { return {name, {field_source}, fmt::format("-D GROUP={}", items_of_row)}; }
 
 }  // namespace
 
@@ -62,16 +64,35 @@ Field fetch(const DeviceField& field) {
   return here;
 }
 
-double power(const DeviceField& field) {
+void clear(DeviceField& field) {
+  const auto lock = field.device->lock();
+  const size_t count = size_t(field.head.grid.pixels());
+  field.device->run(kernel_of_fields("clear"), {(count + items_of_row - 1) / items_of_row, 1, items_of_row, 1},
+                    {int32_t(count), field.samples});
+}
+
+void put(const DeviceBuffer& from, const PixelBox& box, DeviceField& to) {
+  const auto lock = to.device->lock();
+  const int32_t columns = box.x1 - box.x0;
+  to.device->run(kernel_of_fields("put_box"),
+                 {(size_t(columns) + items_of_row - 1) / items_of_row, size_t(box.y1 - box.y0), items_of_row, 1},
+                 {from, columns, int32_t(to.head.grid.nx), int32_t(box.x0), int32_t(box.y0), to.samples});
+}
+
+double energy(const DeviceField& field, const PixelBox& box) {
   Device& device = *field.device;
   const auto lock = device.lock();
-  const Grid& grid = field.head.grid;
-  std::vector<float> sums(size_t(grid.ny));
-  const DeviceBuffer there = device.make_buffer(sums.size() * sizeof(float), "the power of a field");
-  device.run({"row_energies", {row_energies_source}, fmt::format("-D GROUP={}", items_of_row)},
-             {1, sums.size(), items_of_row, 1}, {field.samples, int32_t(grid.nx), there});
+  std::vector<float> sums(size_t(box.y1 - box.y0));
+  const DeviceBuffer there = device.make_buffer(sums.size() * sizeof(float), "the energy of a field");
+  device.run(kernel_of_fields("row_energies"), {1, sums.size(), items_of_row, 1},
+             {field.samples, int32_t(field.head.grid.nx), int32_t(box.x0), int32_t(box.x1), int32_t(box.y0), there});
   device.read(there, sums.data(), there.bytes());
-  return std::accumulate(sums.begin(), sums.end(), 0.0) * grid.pitch * grid.pitch;
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+double power(const DeviceField& field) {
+  const Grid& grid = field.head.grid;
+  return energy(field, {0, grid.nx, 0, grid.ny}) * grid.pitch * grid.pitch;
 }
 
 }  // namespace holotrace

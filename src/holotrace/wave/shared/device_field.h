@@ -3,6 +3,7 @@
 #include <string>
 
 #include "holotrace/data/field.h"
+#include "holotrace/data/panel_tiles.h"
 #include "holotrace/opencl/device.h"
 
 namespace holotrace {
@@ -31,7 +32,16 @@ DeviceField send(Device& device, const Field& field, const std::string& what = "
 /// A copy on the processor. Transfer: 8 bytes per sample.
 Field fetch(const DeviceField& field);
 
-/// Optical power Σ|u|²·pitch² [W], within 1e-6 of it. Transfer: 4 bytes per row.
+/// Sets all samples to 0.
+void clear(DeviceField& field);
+
+/// Copies complex floats, row by row those of a box, into the field, on its device.
+void put(const DeviceBuffer& from, const PixelBox& box, DeviceField& to);
+
+/// Σ|u|² of the samples in a box, within 1e-6 of it. Transfer: 4 bytes per row.
+double energy(const DeviceField& field, const PixelBox& box);
+
+/// Optical power Σ|u|²·pitch² [W], with the same error and transfer.
 double power(const DeviceField& field);
 
 }  // namespace holotrace

@@ -20,14 +20,18 @@ double seconds_to_move(const Field& head, Device& device) {
 struct PlacedField::State {
   Field head;
   std::function<Field()> again{};
-  std::mutex mutex{};  // of the pointers below
+  std::mutex mutex{};            // of the pointers below
+  std::shared_ptr<Field> own{};  // here, if it was computed or fetched for this one
   std::shared_ptr<const Field> here{};
   std::shared_ptr<const DeviceField> there{};
 
   explicit State(Field head) : head(std::move(head)) {}
+  void keep(Field field) { here = own = std::make_shared<Field>(std::move(field)); }
 };
 
-PlacedField::PlacedField(Field field) : PlacedField(std::make_shared<const Field>(std::move(field))) {}
+PlacedField::PlacedField(Field field) : state_(std::make_shared<State>(head_of(field))) {
+  state_->keep(std::move(field));
+}
 
 PlacedField::PlacedField(std::shared_ptr<const Field> field) : state_(std::make_shared<State>(head_of(*field))) {
   state_->here = std::move(field);
@@ -49,11 +53,11 @@ std::shared_ptr<const Field> PlacedField::on_processor(const Observer& observer)
   const std::lock_guard lock(state_->mutex);
   if (state_->here) return state_->here;
   try {
-    state_->here = std::make_shared<const Field>(fetch(*state_->there));
+    state_->keep(fetch(*state_->there));
   } catch (const Error& error) {
     if (!state_->again) throw;
     warn_of_takeover(observer, error.what());
-    state_->here = std::make_shared<const Field>(state_->again());
+    state_->keep(state_->again());
   }
   return state_->here;
 }
@@ -79,6 +83,14 @@ double PlacedField::seconds_to(Device& device) const {
     if (state_->there && state_->there->device == &device) return 0;
   }
   return seconds_to_processor() + seconds_to_move(state_->head, device);
+}
+
+Field into_field(PlacedField field, const Observer& observer) {
+  field.on_processor(observer);
+  PlacedField::State& state = *field.state_;
+  // `own` and `here` are the two that hold it.
+  if (field.state_.use_count() == 1 && state.own && state.own.use_count() == 2) return std::move(*state.own);
+  return *state.here;
 }
 
 }  // namespace holotrace

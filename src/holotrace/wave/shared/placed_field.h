@@ -43,8 +43,12 @@ class PlacedField {
   double seconds_to(Device& device) const;
 
  private:
+  friend Field into_field(PlacedField field, const Observer& observer);
   struct State;
   std::shared_ptr<State> state_;
 };
+
+/// The field on the processor; it is not copied if no other copy of the placed field is left.
+Field into_field(PlacedField field, const Observer& observer = {});
 
 }  // namespace holotrace
