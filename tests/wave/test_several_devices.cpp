@@ -59,6 +59,26 @@ TEST_F(SeveralDevices, GiveTheBytesOfOne) {
   }
 }
 
+// Devices of 100 units sum slices of the waves at once, in an order that depends on the whole panel.
+TEST_F(SeveralDevices, GiveTheBytesOfOneInSlicesOfTheWaves) {
+  const auto with_many_units = [&](size_t i) {
+    DeviceInfo info = devices_[i]->info();
+    info.compute_units = 100;
+    return info;
+  };
+  Device first(with_many_units(0)), second(with_many_units(1));
+  const Sources many = make_random_sources(3000, panel, green, 0.19_m, 0.21_m);
+  const auto sum = [&](const std::vector<Device*>& devices) {
+    Field field(panel, green);
+    sum_tiles_on_devices(devices, prepare_waves(many, panel), {panel, green}, {32, 32}, {0, panel.nx, 0, panel.ny},
+                         field.samples, {});
+    return field.samples.values;
+  };
+  const auto one = sum({&first});
+  EXPECT_EQ(sum({&first, &second}), one);
+  EXPECT_NE(sum({devices_[0]}), one) << "without slices";
+}
+
 // A device with less memory than the other computes its rows in more bands.
 TEST_F(SeveralDevices, GiveTheSameBytesIfOneHasLittleMemory) {
   const Field one = sum_on({DeviceKind::opencl}, SynthesisMethod::tiled);

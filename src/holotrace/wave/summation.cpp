@@ -50,8 +50,7 @@ void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vec
   const PlanesTables tables(plan.planes.plan, wavelength, grid.pitch);
   const SortedWaves far = sort_waves(plan.far, tables.plan, wavelength, grid.pitch);
   std::vector<PreparedWave> in_tiles = plan.near;
-  for (const PreparedWave& wave : far.waves)
-    append_rest(wave, {grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
+  append_rest(far.waves, {grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
   by_tiles(in_tiles, [&](Device& device) {
     const auto planes = std::make_shared<DevicePlanes>(device, far, tables, grid, bounds);
     return LightOnDevice{[=](const auto&... band) { planes->add(band...); }, planes->least_memory()};

@@ -19,6 +19,22 @@ using namespace literals;
 
 inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 
+// Floats, as the processor's: about ten roundings of 3e-8 in quadrature in each of four transforms, and 1e-6 of the smooth
+// edges of kernels between two pitches. The processor's tests have the same bound.
+inline constexpr double propagation_rounding = 2e-6;
+
+/// Windows for a field of 66 x 49 samples of 8 µm.
+inline const PropagateParams all_kinds_of_windows[] = {
+    {},                                                                // on the axis: an even transfer function
+    {PropagationMethod::automatic, 75, 58, 0, 24.3_um, -16_um},        // other sizes
+    {PropagationMethod::automatic, 64, 47, 0, 120_um, -64_um},         // shifted
+    {PropagationMethod::automatic, 80, 61, 0, 3.7_um, -51.3_um},       // by parts of a sample
+    {PropagationMethod::automatic, 40, 40, 0, 300_um, 0.25_mm},        // beside the input
+    {PropagationMethod::automatic, 31, 40, 16_um, 0, 0},               // plain transforms
+    {PropagationMethod::automatic, 44, 51, 12_um, -33_um, 7_um},       // the same
+    {PropagationMethod::automatic, 101, 64, 5.3217_um, 40_um, -90_um}  // chirps
+};
+
 /// A field, and a device where no propagator is kept. Rates and limits are reset at the end.
 class PropagationOnDevices : public OnEveryDevice {
  protected:

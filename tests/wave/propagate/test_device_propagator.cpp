@@ -7,6 +7,7 @@
 #include "holotrace/wave/propagate/device_propagator.h"
 #include "support/devices.h"
 #include "support/fields.h"
+#include "wave/propagate/propagation_on_devices.h"
 
 namespace holotrace {
 namespace {
@@ -35,27 +36,13 @@ class DevicePropagation : public test::OnEveryDevice {
 
 HOLOTRACE_FOR_ALL_DEVICES(DevicePropagation);
 
-// Floats, as the processor's: about ten roundings of 3e-8 in quadrature in each of four transforms, and 1e-6 of the smooth
-// edges of kernels between two pitches. The processor's tests have the same bound.
-constexpr double propagation_rounding = 2e-6;
-
-const PropagateParams windows[] = {
-    {},                                                                // on the axis: an even transfer function
-    {PropagationMethod::automatic, 75, 58, 0, 24.3_um, -16_um},        // other sizes
-    {PropagationMethod::automatic, 64, 47, 0, 120_um, -64_um},         // shifted
-    {PropagationMethod::automatic, 80, 61, 0, 3.7_um, -51.3_um},       // by parts of a sample
-    {PropagationMethod::automatic, 40, 40, 0, 300_um, 0.25_mm},        // beside the input
-    {PropagationMethod::automatic, 31, 40, 16_um, 0, 0},               // plain transforms
-    {PropagationMethod::automatic, 44, 51, 12_um, -33_um, 7_um},       // the same
-    {PropagationMethod::automatic, 101, 64, 5.3217_um, 40_um, -90_um}  // chirps
-};
-
 TEST_P(DevicePropagation, AgreesWithTheProcessorForAllWindowsAndMethods) {
   for (const double distance : {0.03_m, -0.05_m, 2_mm})
-    for (PropagateParams params : windows) {
-      EXPECT_LT(error_for(distance, params), propagation_rounding) << distance << ", " << params.columns;
+    for (PropagateParams params : test::all_kinds_of_windows) {
+      EXPECT_LT(error_for(distance, params), test::propagation_rounding) << distance << ", " << params.columns;
       params.method = PropagationMethod::fresnel;
-      EXPECT_LT(error_for(distance, params), propagation_rounding) << "Fresnel, " << distance << ", " << params.columns;
+      EXPECT_LT(error_for(distance, params), test::propagation_rounding)
+          << "Fresnel, " << distance << ", " << params.columns;
     }
 }
 
@@ -63,16 +50,16 @@ TEST_P(DevicePropagation, AgreesWithTheProcessorForAllWindowsAndMethods) {
 TEST_P(DevicePropagation, AgreesWithTheProcessorForPeriodicWindows) {
   PropagateParams params;
   params.is_periodic = true;
-  EXPECT_LT(error_for(0.3_m, params), propagation_rounding);
+  EXPECT_LT(error_for(0.3_m, params), test::propagation_rounding);
   params.columns = 100;
   params.centre_x = 40_um;
-  EXPECT_LT(error_for(-0.01_m, params), propagation_rounding);
+  EXPECT_LT(error_for(-0.01_m, params), test::propagation_rounding);
 }
 
 // A padded period of 2 · 4320 samples: lines in global memory.
 TEST_P(DevicePropagation, AgreesWithTheProcessorForLongLines) {
   grid_ = {4200, 6, 8_um};
-  EXPECT_LT(error_for(0.02_m, {PropagationMethod::fresnel}), propagation_rounding);
+  EXPECT_LT(error_for(0.02_m, {PropagationMethod::fresnel}), test::propagation_rounding);
 }
 
 TEST_P(DevicePropagation, TransfersTheFieldsAndKeepsTheRest) {
@@ -119,7 +106,7 @@ TEST_P(DevicePropagation, RefusesFieldsOfAnotherGrid) {
 TEST_P(DevicePropagation, WritesNothingPastItsBuffers) {
   const size_t before = device_.broken_guards();
   device_.guard_buffers(true);
-  for (const PropagateParams& params : windows) error_for(0.03_m, params);
+  for (const PropagateParams& params : test::all_kinds_of_windows) error_for(0.03_m, params);
   device_.guard_buffers(false);
   EXPECT_EQ(device_.broken_guards(), before);
 }

@@ -37,7 +37,8 @@ struct AddJob {
 };
 
 Kernel plane_kernel(const char* name, int nodes) {
-  return {name, {tile_factor_source(), wave_source, correction_source, plane_source}, fmt::format("-D NODES={}", nodes)};
+  return {
+      name, {tile_factor_source(), wave_source, correction_source, plane_source}, fmt::format("-D NODES={}", nodes)};
 }
 
 size_t groups_for(int items, int group) { return size_t((items + group - 1) / group); }

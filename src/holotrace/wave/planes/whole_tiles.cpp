@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "holotrace/base/threads.h"
+
 namespace holotrace {
 namespace {
 
@@ -21,19 +23,7 @@ Range within(int from, int to, int size, int side, double reach, const Distance&
   return tiles;
 }
 
-}  // namespace
-
-PixelBox whole_tiles(const PreparedWave& wave, const PlaneTiles& t) {
-  const PixelBox &box = wave.box, &bounds = t.bounds;
-  const double reach = t.tangent * wave.depth;
-  const Range x = within(box.x0 - bounds.x0, box.x1 - bounds.x0, bounds.x1 - bounds.x0, t.side, reach,
-                         [&](int column) { return t.grid.x(bounds.x0 + column) - wave.x; });
-  const Range y = within(box.y0 - bounds.y0, box.y1 - bounds.y0, bounds.y1 - bounds.y0, t.side, reach,
-                         [&](int row) { return t.grid.y(bounds.y0 + row) - wave.y; });
-  return {x.first, x.end, y.first, y.end};
-}
-
-void append_rest(const PreparedWave& wave, const PlaneTiles& t, std::vector<PreparedWave>& waves) {
+void append_rest_of(const PreparedWave& wave, const PlaneTiles& t, std::vector<PreparedWave>& waves) {
   const PixelBox tiles = whole_tiles(wave, t), &all = wave.box;
   const auto append = [&](const PixelBox& box) {
     if (box.is_empty()) return;
@@ -47,6 +37,31 @@ void append_rest(const PreparedWave& wave, const PlaneTiles& t, std::vector<Prep
   append({all.x0, all.x1, y1, all.y1});
   append({all.x0, x0, y0, y1});
   append({x1, all.x1, y0, y1});
+}
+
+}  // namespace
+
+PixelBox whole_tiles(const PreparedWave& wave, const PlaneTiles& t) {
+  const PixelBox &box = wave.box, &bounds = t.bounds;
+  const double reach = t.tangent * wave.depth;
+  const Range x = within(box.x0 - bounds.x0, box.x1 - bounds.x0, bounds.x1 - bounds.x0, t.side, reach,
+                         [&](int column) { return t.grid.x(bounds.x0 + column) - wave.x; });
+  const Range y = within(box.y0 - bounds.y0, box.y1 - bounds.y0, bounds.y1 - bounds.y0, t.side, reach,
+                         [&](int row) { return t.grid.y(bounds.y0 + row) - wave.y; });
+  return {x.first, x.end, y.first, y.end};
+}
+
+void append_rest(const std::vector<PreparedWave>& some, const PlaneTiles& tiles, std::vector<PreparedWave>& waves) {
+  constexpr size_t at_once = 4096;
+  std::vector<std::vector<PreparedWave>> parts((some.size() + at_once - 1) / at_once);
+  parallel_for(0, int64_t(parts.size()), [&](int64_t part) {
+    const size_t first = size_t(part) * at_once, end = std::min(first + at_once, some.size());
+    for (size_t i = first; i < end; ++i) append_rest_of(some[i], tiles, parts[size_t(part)]);
+  });
+  size_t count = waves.size();
+  for (const auto& part : parts) count += part.size();
+  waves.reserve(count);
+  for (const auto& part : parts) waves.insert(waves.end(), part.begin(), part.end());
 }
 
 }  // namespace holotrace

@@ -21,7 +21,8 @@ struct PlaneTiles {
 /// acceptance, so that its frequency is on their grids. They are a rectangle, which may be empty.
 PixelBox whole_tiles(const PreparedWave& wave, const PlaneTiles& tiles);
 
-/// Appends the light of a wave in all other tiles: up to four waves, with the boxes that are left around whole_tiles.
-void append_rest(const PreparedWave& wave, const PlaneTiles& tiles, std::vector<PreparedWave>& waves);
+/// Appends the light of `some` waves in all other tiles to `waves`: for each up to four waves, with the boxes that are left
+/// around whole_tiles.
+void append_rest(const std::vector<PreparedWave>& some, const PlaneTiles& tiles, std::vector<PreparedWave>& waves);
 
 }  // namespace holotrace

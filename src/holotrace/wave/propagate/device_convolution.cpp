@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <complex>
+#include <cstdlib>
 
 #include "holotrace/base/error.h"
 #include "holotrace/wave/propagate/convolution_parts.h"
@@ -29,12 +30,15 @@ DeviceBuffer upload_factors(Device& device, const std::vector<Complex>& values) 
 
 }  // namespace
 
-DeviceConvolution::DeviceConvolution(Device& device, const Propagator<float>& p, const std::vector<Vec2>& shifts)
+DeviceConvolution::DeviceConvolution(Device& device, const Propagator<float>& p, const std::vector<Vec2>& shifts,
+                                     TransferFunction transfer)
     : device_(device), along_x_(p.x), along_y_(p.y), lines_(device), transfer_columns_(p.transfer.nx) {
   require(p.is_on_lattice(), "expected a propagation between windows of one pitch, got two pitches");
   const auto lock = device_.lock();
-  transfer_ = device_.make_buffer(p.transfer.size() * sizeof(Complex), "a transfer function");
-  device_.write(transfer_, p.transfer.values.data(), transfer_.bytes());
+  if (transfer == TransferFunction::on_device) {
+    transfer_ = device_.make_buffer(p.transfer.size() * sizeof(Complex), "a transfer function");
+    device_.write(transfer_, p.transfer.values.data(), transfer_.bytes());
+  }
   for (int part = 0; part < p.x.parts; ++part)
     x_.push_back(make_part(p.x, part, 1.0 / (double(p.x.padded) * p.y.padded)));
   for (int part = 0; part < p.y.parts; ++part) y_.push_back(make_part(p.y, part, 1));
@@ -66,9 +70,16 @@ void DeviceConvolution::make_ramps(const std::vector<Vec2>& shifts) {
   }
 }
 
-LineFactors DeviceConvolution::transfer_of(const Part& x, size_t part_of_y) const {
-  return {&transfer_, x.first - (along_x_.is_even ? 0 : along_x_.first), along_x_.parts, transfer_columns_,
-          int(part_of_y) * along_y_.part_length()};
+LineFactors DeviceConvolution::transfer_of(const ColumnBand& band) const {
+  const int first = x_[band.part].first - (along_x_.is_even ? 0 : along_x_.first);
+  return {&transfer_, first + band.first * along_x_.parts, along_x_.parts, transfer_columns_, 0};
+}
+
+std::vector<int> DeviceConvolution::transfer_rows(const ColumnBand& band) const {
+  const LineFactors factors = transfer_of(band);
+  std::vector<int> rows;
+  for (int i = 0; i < band.count; ++i) rows.push_back(std::abs(factors.start + i * factors.step));
+  return rows;
 }
 
 LineFactors DeviceConvolution::ramp_y(size_t shift, size_t part_of_y) const {
@@ -97,34 +108,61 @@ void DeviceConvolution::grow(Work& work) const {
   make(along_y_.outputs, work.filtered);
 }
 
+void DeviceConvolution::enter(const ColumnBand& band, int rows, const DeviceBuffer& from, const DeviceBuffer& to) {
+  const PropagationAxis& x = along_x_;
+  const Part& part = x_[band.part];
+  lines_.run({x.part_length(),
+              FftDirection::forward,
+              {x.inputs, 0, factors_of(part.enter)},
+              {band.count, part.shift + band.first}},
+             rows, from, to);
+}
+
+void DeviceConvolution::filter(const ColumnBand& band, const LineFactors& transfer, const DeviceBuffer& from,
+                               const DeviceBuffer& to, size_t shift) {
+  const PropagationAxis& y = along_y_;
+  for (size_t i = 0; i < y_.size(); ++i) {
+    LineFactors of_part = transfer;
+    of_part.offset += int(i) * y.part_length();
+    lines_.run({y.part_length(),
+                FftDirection::forward,
+                {y.inputs, 0, factors_of(y_[i].enter)},
+                {y.outputs, y.shift, factors_of(y_[i].leave)},
+                of_part,
+                i > 0,
+                ramp_y(shift, i)},
+               band.count, from, to);
+  }
+}
+
+void DeviceConvolution::leave(const ColumnBand& band, int rows, bool adds, const DeviceBuffer& from,
+                              const DeviceBuffer& to, size_t shift) {
+  const PropagationAxis& x = along_x_;
+  const Part& part = x_[band.part];
+  LineFactors ramp = factors_of(part.ramps[shift]);
+  ramp.offset = band.first;
+  lines_.run({x.part_length(),
+              FftDirection::backward,
+              {band.count, part.shift + band.first, ramp},
+              {x.outputs, x.shift, factors_of(part.leave)},
+              {},
+              adds},
+             rows, from, to);
+}
+
 void DeviceConvolution::to_many(const DeviceBuffer& from, const std::vector<DisplacedSamples>& to, const Work& work,
                                 const Observer& observer) {
-  const PropagationAxis &x = along_x_, &y = along_y_;
+  const PropagationAxis& y = along_y_;
   bool is_first = true;
-  for (const Part& part : x_) {
-    if (part.columns == 0) continue;
-    lines_.run(
-        {x.part_length(), FftDirection::forward, {x.inputs, 0, factors_of(part.enter)}, {part.columns, part.shift}},
-        y.inputs, from, work.rows);
-    lines_.transpose(y.inputs, part.columns, work.rows, work.columns);
+  for (size_t part = 0; part < x_.size(); ++part) {
+    const ColumnBand all{part, 0, x_[part].columns};
+    if (all.count == 0) continue;
+    enter(all, y.inputs, from, work.rows);
+    lines_.transpose(y.inputs, all.count, work.rows, work.columns);
     for (const DisplacedSamples& there : to) {
-      for (size_t i = 0; i < y_.size(); ++i)
-        lines_.run({y.part_length(),
-                    FftDirection::forward,
-                    {y.inputs, 0, factors_of(y_[i].enter)},
-                    {y.outputs, y.shift, factors_of(y_[i].leave)},
-                    transfer_of(part, i),
-                    i > 0,
-                    ramp_y(there.shift, i)},
-                   part.columns, work.columns, work.filtered);
-      lines_.transpose(part.columns, y.outputs, work.filtered, work.rows);
-      lines_.run({x.part_length(),
-                  FftDirection::backward,
-                  {part.columns, part.shift, factors_of(part.ramps[there.shift])},
-                  {x.outputs, x.shift, factors_of(part.leave)},
-                  {},
-                  !is_first},
-                 y.outputs, work.rows, *there.samples);
+      filter(all, transfer_of(all), work.columns, work.filtered, there.shift);
+      lines_.transpose(all.count, y.outputs, work.filtered, work.rows);
+      leave(all, y.outputs, !is_first, work.rows, *there.samples, there.shift);
     }
     if (is_first && x_.size() > 1 && observer.on_progress) {
       device_.finish();
@@ -137,8 +175,10 @@ void DeviceConvolution::to_many(const DeviceBuffer& from, const std::vector<Disp
 void DeviceConvolution::to_sum(const std::vector<DisplacedSamples>& from, const DeviceBuffer& to, const Work& work) {
   const PropagationAxis &x = along_x_, &y = along_y_;
   bool is_first = true;
-  for (const Part& part : x_) {
+  for (size_t p = 0; p < x_.size(); ++p) {
+    const Part& part = x_[p];
     if (part.columns == 0) continue;
+    const LineFactors transfer = transfer_of({p, 0, part.columns});
     bool adds = false;
     for (const DisplacedSamples& there : from) {
       lines_.run({x.part_length(),
@@ -148,11 +188,13 @@ void DeviceConvolution::to_sum(const std::vector<DisplacedSamples>& from, const 
                  y.outputs, *there.samples, work.rows);
       lines_.transpose(y.outputs, part.columns, work.rows, work.filtered);
       for (size_t i = 0; i < y_.size(); ++i) {
+        LineFactors of_part = transfer;
+        of_part.offset += int(i) * y.part_length();
         lines_.run({y.part_length(),
                     FftDirection::forward,
                     {y.outputs, y.shift, factors_of(y_[i].leave, true)},
                     {y.inputs, 0, factors_of(y_[i].enter, true)},
-                    conjugate(transfer_of(part, i)),
+                    conjugate(of_part),
                     adds,
                     conjugate(ramp_y(there.shift, i))},
                    part.columns, work.filtered, work.columns);

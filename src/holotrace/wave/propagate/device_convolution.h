@@ -16,6 +16,15 @@ struct DisplacedSamples {
   const DeviceBuffer* samples;
 };
 
+/// Neighbouring frequencies of a part of the spectrum along x: columns [first, first + count) of the part.
+struct ColumnBand {
+  size_t part = 0;
+  int first = 0, count = 0;
+};
+
+/// Where the transfer function of a propagation is: it stays on the device; or it is sent band by band of columns.
+enum class TransferFunction { on_device, in_bands };
+
 /// A propagation between windows of one pitch on an OpenCL device, with the sums of convolve.h, its adjoint, and windows
 /// that are displaced by parts of a sample (ConvolutionLink). The transfer function and all other factors are sent once.
 ///
@@ -26,7 +35,20 @@ class DeviceConvolution {
   /// @param propagator  a propagation on a lattice
   /// @param shifts      displacements of the output window, right and down [samples]
   /// @throws Error      as Device does
-  DeviceConvolution(Device& device, const Propagator<float>& propagator, const std::vector<Vec2>& shifts = {{0, 0}});
+  DeviceConvolution(Device& device, const Propagator<float>& propagator, const std::vector<Vec2>& shifts = {{0, 0}},
+                    TransferFunction transfer = TransferFunction::on_device);
+
+  /// The steps of a propagation, for some rows or for a band of columns. Rows to the spectrum:
+  void enter(const ColumnBand& band, int rows, const DeviceBuffer& from, const DeviceBuffer& to);
+  /// Columns of the input to columns of the output. @param transfer  of the band's columns, for all frequencies of y
+  void filter(const ColumnBand& band, const LineFactors& transfer, const DeviceBuffer& from, const DeviceBuffer& to,
+              size_t shift = 0);
+  /// The spectrum's share of rows of the output. @param adds  to the samples in place
+  void leave(const ColumnBand& band, int rows, bool adds, const DeviceBuffer& from, const DeviceBuffer& to,
+             size_t shift = 0);
+
+  /// The rows of the propagator's transfer function that belong to the band's columns, in their order.
+  std::vector<int> transfer_rows(const ColumnBand& band) const;
 
   /// Memory of a propagation: the spectrum row by row, and column by column before and after the transfer function.
   /// Propagations of the same windows may use it one after the other, and those of smaller ones.
@@ -53,7 +75,7 @@ class DeviceConvolution {
   };
   Part make_part(const PropagationAxis& axis, int part, double scale) const;
   void make_ramps(const std::vector<Vec2>& shifts);
-  LineFactors transfer_of(const Part& x, size_t part_of_y) const;
+  LineFactors transfer_of(const ColumnBand& band) const;
   LineFactors ramp_y(size_t shift, size_t part_of_y) const;
 
   Device& device_;

@@ -4,7 +4,6 @@
 #include <complex>
 
 #include "holotrace/base/error.h"
-#include "holotrace/wave/propagate/window_sum.h"
 
 namespace holotrace {
 namespace {
@@ -30,7 +29,7 @@ struct DevicePropagator::Work {
 };
 
 DevicePropagator::DevicePropagator(Device& device, const Propagator<float>& p)
-    : device_(device), plan_(without_transfer(p)), lines_(device), transfer_columns_(p.transfer.nx) {
+    : device_(device), plan_(without_transfer(p)), transfer_columns_(p.transfer.nx) {
   if (p.is_on_lattice()) {
     convolution_.emplace(device, p);
     return;
@@ -38,19 +37,7 @@ DevicePropagator::DevicePropagator(Device& device, const Propagator<float>& p)
   const auto lock = device_.lock();
   transfer_ = device_.make_buffer(p.transfer.size() * sizeof(Complex), "a transfer function");
   device_.write(transfer_, p.transfer.values.data(), transfer_.bytes());
-  to_x_.push_back(make_window(p.x));
-  to_y_.push_back(make_window(p.y));
-}
-
-DevicePropagator::Window DevicePropagator::make_window(const PropagationAxis& axis) {
-  const WindowSum<float> host(axis);
-  Window window{device_.upload(host.enter(), "the factors of a propagation"),
-                {},
-                device_.upload(host.leave(), "the factors of a propagation"),
-                host.length(),
-                host.is_plain()};
-  if (!host.is_plain()) window.chirp = device_.upload(host.chirp(), "the factors of a propagation");
-  return window;
+  windows_.emplace(device, p);
 }
 
 DevicePropagator::Work DevicePropagator::make_work() {
@@ -96,29 +83,15 @@ void DevicePropagator::run(const Ends& ends, const Work& work, const Observer& o
 }
 
 void DevicePropagator::transform_to_window(const Ends& ends, const Work& work, const Observer& observer) {
-  const PropagationAxis &x = plan_.x, &y = plan_.y;
-  const int columns = x.frequencies();
-  lines_.run({x.padded, FftDirection::forward, {x.inputs}, {columns, x.first}}, y.inputs, ends.from, work.rows);
-  lines_.transpose(y.inputs, columns, work.rows, work.columns);
-  lines_.run(
-      {y.padded, FftDirection::forward, {y.inputs}, {y.frequencies(), y.first, {&transfer_, 0, 1, transfer_columns_}}},
-      columns, work.columns, work.bins);
+  const PropagationAxis& y = plan_.y;
+  const ColumnBand all{0, 0, plan_.x.frequencies()};
+  windows_->enter(all, y.inputs, ends.from, work.rows);
+  windows_->transpose(y.inputs, all.count, work.rows, work.columns);
+  windows_->filter(all, {&transfer_, 0, 1, transfer_columns_}, work.columns, work.bins, work.filtered);
   device_.finish();
   observer.progress(0.5);
-  sum_window(to_y_.front(), y, columns, work.bins, work.filtered);
-  lines_.transpose(columns, y.outputs, work.filtered, work.rows);
-  sum_window(to_x_.front(), x, y.outputs, work.rows, ends.to);
-}
-
-void DevicePropagator::sum_window(const Window& window, const PropagationAxis& axis, int lines,
-                                  const DeviceBuffer& from, const DeviceBuffer& to) {
-  const LineEnd out{axis.outputs, 0, {&window.leave}};
-  const int count = axis.frequencies();
-  if (window.is_plain)
-    lines_.run({window.length, FftDirection::backward, {count, axis.first, {&window.enter}}, out}, lines, from, to);
-  else
-    lines_.run({window.length, FftDirection::forward, {count, 0, {&window.enter}}, out, {&window.chirp}}, lines, from,
-               to);
+  windows_->transpose(all.count, y.outputs, work.filtered, work.rows);
+  windows_->leave(all, y.outputs, false, work.rows, ends.to);
 }
 
 }  // namespace holotrace

@@ -5,6 +5,7 @@
 
 #include "holotrace/opencl/device.h"
 #include "holotrace/wave/propagate/device_convolution.h"
+#include "holotrace/wave/propagate/device_windows.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/propagate/propagator.h"
 #include "holotrace/wave/shared/device_field.h"
@@ -13,7 +14,7 @@
 namespace holotrace {
 
 /// A propagator on an OpenCL device, for fields in single precision, with the windows and the methods of the processor:
-/// device_convolution.h, and for windows of another pitch the sums of window_transform.h. The transfer function and all
+/// device_convolution.h, and for windows of another pitch device_windows.h. The transfer function and all
 /// other factors are sent once, and stay on the device with this object.
 class DevicePropagator {
  public:
@@ -42,25 +43,16 @@ class DevicePropagator {
   struct Ends {
     const DeviceBuffer &from, &to;
   };
-  struct Window {
-    DeviceBuffer enter, chirp, leave;
-    int length = 0;
-    bool is_plain = false;
-  };
-  Window make_window(const PropagationAxis& axis);
   Work make_work();
   void run(const Ends& ends, const Work& work, const Observer& observer);
   void transform_to_window(const Ends& ends, const Work& work, const Observer& observer);
-  void sum_window(const Window& window, const PropagationAxis& axis, int lines, const DeviceBuffer& from,
-                  const DeviceBuffer& to);
 
   Device& device_;
   Propagator<float> plan_;                        // without the transfer function
   std::optional<DeviceConvolution> convolution_;  // on a lattice; off it:
-  LineTransforms lines_;
+  std::optional<DeviceWindows> windows_;
   DeviceBuffer transfer_;
   int transfer_columns_;
-  std::vector<Window> to_x_, to_y_;  // one of each
 };
 
 }  // namespace holotrace

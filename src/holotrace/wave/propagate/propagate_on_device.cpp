@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/wave/propagate/banded_propagation.h"
 #include "holotrace/wave/propagate/device_propagator.h"
 #include "holotrace/wave/propagate/device_samples.h"
+#include "holotrace/wave/propagate/irradiance.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
 #include "holotrace/wave/propagate/whole_shift.h"
@@ -55,13 +57,6 @@ void drop_beyond(double bytes) {
   for (Kept* const kept : all) kept->drop_beyond(bytes);
 }
 
-// Sends a propagator to the device. If memory is short, all others are dropped.
-void send(Device& device, const Propagator<float>& host, double present, KeptPropagator<DevicePropagator>& to) {
-  const DevicePropagationCost cost = device_propagation_cost(device, host);
-  make_room(device, cost.kept + cost.work - present);
-  to.propagator = std::make_shared<DevicePropagator>(device, host);
-}
-
 // The propagator as it is on the device, or as it will be sent there.
 struct Prepared {
   KeptPropagator<DevicePropagator> kept;
@@ -77,35 +72,49 @@ Prepared prepare(const Device& device, const PropagationQuestion& q) {
   return prepared;
 }
 
-// The propagator on the device, with memory left for a field, of which so many bytes are there already.
-DevicePropagator& ready_propagator(Device& device, const PropagationQuestion& question, Prepared& prepared,
+// The propagator on the device, with memory left for a field, of which so many bytes are there already; none if the
+// device's memory is too small for it, also without all others.
+DevicePropagator* ready_propagator(Device& device, const PropagationQuestion& question, Prepared& prepared,
                                    double present) {
   Kept& kept = kept_on(device);
   KeptPropagator<DevicePropagator>& ready = prepared.kept;
   if (!ready.propagator)
     if (const auto found = kept.find(question)) ready = *found;  // another thread has sent it meanwhile
+  const DevicePropagationCost cost =
+      ready.propagator ? ready.propagator->cost() : device_propagation_cost(device, *prepared.host);
+  const double needed = cost.work - present + (ready.propagator ? 0 : cost.kept);
+  if (needed > device.memory_left()) kept.drop_beyond(ready.propagator ? cost.kept : 0);  // this one was used last
+  if (needed > device.memory_left() || cost.largest > device.info().largest_buffer) return nullptr;
   if (!ready.propagator) {
-    send(device, *prepared.host, present, ready);
-    kept.keep(question, ready, ready.propagator->cost().kept, device_propagator_bytes(device));
-  } else if (const DevicePropagationCost cost = ready.propagator->cost(); cost.work - present > device.memory_left()) {
-    kept.drop_beyond(cost.kept);  // all others: this is the one that was used last
+    ready.propagator = std::make_shared<DevicePropagator>(device, *prepared.host);
+    kept.keep(question, ready, cost.kept, device_propagator_bytes(device));
   }
-  return *ready.propagator;
+  return ready.propagator.get();
 }
 
 // A start of kernels and waiting for them, on slow drivers [s].
 constexpr double seconds_to_start = 1e-3;
 
-// What work(propagator) returns on a device. @param present  bytes of the input that are there already
-template <class Work>
-auto with_propagator(Device& device, const PropagationQuestion& question, double present, const Observer& observer,
-                     const Work& work) {
+// What whole(propagator) returns on a device; if its memory is too small for that, what in_bands(propagator of the
+// processor) returns. @param present  bytes of the input that are there already
+template <class Whole, class InBands>
+auto with_propagator(Device& device, const PropagationQuestion& q, double present, const Observer& observer,
+                     const Whole& whole, const InBands& in_bands) {
   // Before the device is locked: it runs on many threads, which may be waiting for the device.
-  Prepared prepared = prepare(device, question);
+  Prepared prepared = prepare(device, q);
   prepared.kept.tell(observer);
-  const auto lock = device.lock();
   try {
-    return work(ready_propagator(device, question, prepared, present));
+    {
+      const auto lock = device.lock();
+      if (DevicePropagator* const ready = ready_propagator(device, q, prepared, present)) return whole(*ready);
+    }
+    if (!prepared.host) {
+      prepared.host = cached_propagator<float>(q.grid, q.wavelength, q.distance, q.params, {});
+      prepared.kept.propagator.reset();
+    }
+    const auto lock = device.lock();
+    kept_on(device).drop_beyond(0);
+    return in_bands(prepared.host);
   } catch (const Error&) {
     kept_on(device).drop_beyond(0);
     throw;
@@ -119,7 +128,8 @@ struct Task {
   const PropagateParams& params;
 };
 
-// What result(field at the output window, on a device) returns.
+// What result(field at the output window) returns, for a field on a device or, if its memory is too small for the whole, on
+// the processor.
 template <class Result>
 auto run_on_chosen(const Task& task, const Observer& observer, const Result& result) {
   const auto& [field, distance, params] = task;
@@ -133,9 +143,12 @@ auto run_on_chosen(const Task& task, const Observer& observer, const Result& res
     });
   };
   return on_chosen_device(params.device, observer, fastest, [&](Device& device) {
-    return with_propagator(device, question, 0, observer, [&](DevicePropagator& propagator) {
-      return result(propagator(send(device, field, "a propagation"), observer));
-    });
+    return with_propagator(
+        device, question, 0, observer,
+        [&](DevicePropagator& propagator) {
+          return result(propagator(send(device, field, "a propagation"), observer));
+        },
+        [&](const auto& propagator) { return result(BandedPropagation(device, propagator)(field, observer)); });
   });
 }
 
@@ -145,23 +158,35 @@ DeviceField propagate(const DeviceField& field, double distance, const Propagate
                       const Observer& observer) {
   const Field& head = field.head;
   if (const auto shift = whole_shift(head.grid, head.wavelength, distance, params)) return on_window(field, *shift);
-  return with_propagator(*field.device, {head.grid, head.wavelength, distance, params}, double(field.samples.bytes()),
-                         observer, [&](DevicePropagator& propagator) { return propagator(field, observer); });
+  return with_propagator(
+      *field.device, {head.grid, head.wavelength, distance, params}, double(field.samples.bytes()), observer,
+      [&](DevicePropagator& propagator) { return propagator(field, observer); },
+      [&](const auto& propagator) {
+        return send(*field.device, BandedPropagation(*field.device, propagator)(fetch(field), observer));
+      });
 }
 
 std::optional<Field> propagate_on_device(const Field& field, double distance, const PropagateParams& params,
                                          const Observer& observer) {
-  return run_on_chosen({field, distance, params}, observer, [](const DeviceField& there) { return fetch(there); });
+  struct Result {
+    Field operator()(const DeviceField& there) const { return fetch(there); }
+    Field operator()(Field here) const { return here; }
+  };
+  return run_on_chosen({field, distance, params}, observer, Result());
 }
 
 std::optional<Array2D<float>> irradiance_on_device(const Field& field, double distance, const PropagateParams& params,
                                                    const Observer& observer) {
-  return run_on_chosen({field, distance, params}, observer, [](const DeviceField& there) {
-    const DeviceBuffer irradiance = irradiance_of(there);
-    Array2D<float> here(there.head.grid.ny, there.head.grid.nx);
-    there.device->read(irradiance, here.values.data(), irradiance.bytes());
-    return here;
-  });
+  struct Result {
+    Array2D<float> operator()(const DeviceField& there) const {
+      const DeviceBuffer irradiance = irradiance_of(there);
+      Array2D<float> here(there.head.grid.ny, there.head.grid.nx);
+      there.device->read(irradiance, here.values.data(), irradiance.bytes());
+      return here;
+    }
+    Array2D<float> operator()(const Field& here) const { return irradiance_of(here); }
+  };
+  return run_on_chosen({field, distance, params}, observer, Result());
 }
 
 PropagationForecast::PropagationForecast(const Grid& grid, double wavelength, double distance,
@@ -177,8 +202,15 @@ double PropagationForecast::on_processor() const { return plan_ ? seconds_to_pro
 double PropagationForecast::on_device(Device& device) const {
   if (!plan_) return 0;
   const DeviceRates rates = device_rates(device);
-  const DevicePropagationCost cost = device_propagation_cost(device, *plan_);
-  const double sending = kept_on(device).find(question_) ? 0 : cost.kept / rates.bytes;
+  DevicePropagationCost cost = device_propagation_cost(device, *plan_);
+  double sent = kept_on(device).find(question_) ? 0 : cost.kept;                 // beside the fields, once
+  const double memory = device.memory_left() + double(device.use().bytes_held);  // once all others are dropped
+  if (cost.kept + cost.work > memory || cost.largest > device.info().largest_buffer) {
+    const DevicePropagationCost banded = banded_propagation_cost(device, *plan_, memory);
+    sent = banded.kept + banded.fields - cost.fields;
+    cost = banded;
+  }
+  const double sending = sent > 0 ? sent / rates.bytes : 0;  // also if the rate is 0, because it was not measured
   return cost.moved / rates.moved_bytes + sending + seconds_to_start;
 }
 

@@ -62,18 +62,6 @@ double samples_of_factors(const Propagator<float>& plan) {
   return std::accumulate(lengths.begin(), lengths.end(), samples);
 }
 
-// Work space of the longest lines, beside their factors.
-double line_bytes(const Device& device, const Propagator<float>& plan) {
-  const PropagationAxis &x = plan.x, &y = plan.y;
-  const int columns = columns_at_once(plan), rows = std::max(y.inputs, y.outputs);
-  const auto of = [&](int length, int lines) {
-    return line_transform_bytes(device, length, lines) - sample_bytes * length;
-  };
-  if (plan.is_on_lattice()) return std::max(of(x.part_length(), rows), of(y.part_length(), columns));
-  return std::max({of(x.padded, y.inputs), of(y.padded, columns), of(window_length(y).length, columns),
-                   of(window_length(x).length, y.outputs)});
-}
-
 double moved_samples(const Propagator<float>& plan) {
   const PropagationAxis &x = plan.x, &y = plan.y;
   const double in = double(x.inputs) * y.inputs, out = double(x.outputs) * y.outputs;
@@ -109,6 +97,17 @@ double seconds_to_propagate(const Propagator<float>& plan) {
   return from_memory * predict_seconds(propagation_work(plan), summation_rates(), threads);
 }
 
+double line_work_bytes(const Device& device, const Propagator<float>& plan) {
+  const PropagationAxis &x = plan.x, &y = plan.y;
+  const int columns = columns_at_once(plan), rows = std::max(y.inputs, y.outputs);
+  const auto of = [&](int length, int lines) {
+    return line_transform_bytes(device, length, lines) - sample_bytes * length;
+  };
+  if (plan.is_on_lattice()) return std::max(of(x.part_length(), rows), of(y.part_length(), columns));
+  return std::max({of(x.padded, y.inputs), of(y.padded, columns), of(window_length(y).length, columns),
+                   of(window_length(x).length, y.outputs)});
+}
+
 DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan) {
   const PropagationAxis &x = plan.x, &y = plan.y;
   const double columns = columns_at_once(plan);
@@ -118,7 +117,10 @@ DevicePropagationCost device_propagation_cost(const Device& device, const Propag
   DevicePropagationCost cost;
   cost.fields = sample_bytes * (double(x.inputs) * y.inputs + double(x.outputs) * y.outputs);
   cost.kept = sample_bytes * (transfer + samples_of_factors(plan));
-  cost.work = cost.fields + sample_bytes * spectrum + line_bytes(device, plan);
+  cost.work = cost.fields + sample_bytes * spectrum + line_work_bytes(device, plan);
+  const double rows = std::max(y.inputs, y.outputs), bins = plan.is_on_lattice() ? 0 : y.frequencies();
+  cost.largest = sample_bytes * std::max({transfer, double(x.inputs) * y.inputs, double(x.outputs) * y.outputs,
+                                          columns * std::max(rows, bins)});
   cost.moved = sample_bytes * moved_samples(plan);
   return cost;
 }

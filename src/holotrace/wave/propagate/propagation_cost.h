@@ -17,15 +17,19 @@ double seconds_to_propagate(const Propagator<float>& plan);
 
 /// Memory and transfers of a propagation on a device (device_propagator.h) [bytes].
 struct DevicePropagationCost {
-  double kept = 0;    ///< the transfer function and all other factors, which are sent once and stay on the device
-  double work = 0;    ///< memory during a propagation: both fields, and the spectrum in between
-  double fields = 0;  ///< samples that are sent and fetched
-  double moved = 0;   ///< what the kernels read and write, if the device's caches hold nothing and every line is held
-                      ///< in local memory (line_transform.h)
+  double kept = 0;     ///< the transfer function and all other factors, which are sent once and stay on the device
+  double work = 0;     ///< memory during a propagation: both fields, and the spectrum in between
+  double fields = 0;   ///< samples that are sent and fetched
+  double largest = 0;  ///< the largest buffer
+  double moved = 0;    ///< what the kernels read and write, if the device's caches hold nothing and every line is held
+                       ///< in local memory (line_transform.h)
 };
 
 /// Columns of the spectrum that a device computes at once.
 int columns_at_once(const Propagator<float>& plan);
+
+/// Work space of the longest lines [bytes], beside their factors; 0 if the device holds all lines in local memory.
+double line_work_bytes(const Device& device, const Propagator<float>& plan);
 
 DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan);
 

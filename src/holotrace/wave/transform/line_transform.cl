@@ -223,15 +223,21 @@ __kernel void pass_lines(int length, int radix, int done, float sign, __global c
 
 #define TILE 16
 
-// to[column][row] = from[row][column], for get_num_groups(2) matrices
-__kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void transpose_lines(int rows, int columns,
+// to[column][row] = from[row][column], for get_num_groups(2) matrices that are `step` samples apart
+typedef struct {
+  int stride, offset, step;
+} Place;
+
+__kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void transpose_lines(int rows, int columns, Place source,
+                                                                                   Place target,
                                                                                    __global const float2* from,
                                                                                    __global float2* to) {
   __local float2 tile[TILE][TILE + 1];
   const int x = get_local_id(0), y = get_local_id(1);
   const int left = get_group_id(0) * TILE, top = get_group_id(1) * TILE;
-  const size_t matrix = get_group_id(2) * (size_t)rows * columns;
-  if (top + y < rows && left + x < columns) tile[y][x] = from[matrix + (size_t)(top + y) * columns + left + x];
+  from += get_group_id(2) * (size_t)source.step + source.offset;
+  to += get_group_id(2) * (size_t)target.step + target.offset;
+  if (top + y < rows && left + x < columns) tile[y][x] = from[(size_t)(top + y) * source.stride + left + x];
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (left + y < columns && top + x < rows) to[matrix + (size_t)(left + y) * rows + top + x] = tile[x][y];
+  if (left + y < columns && top + x < rows) to[(size_t)(left + y) * target.stride + top + x] = tile[x][y];
 }

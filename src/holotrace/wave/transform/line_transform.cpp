@@ -26,6 +26,9 @@ constexpr int samples_of_item = 8, most_passes = 16, column_group = 64, tile = 1
 constexpr double most_work = 64e6;
 
 // As line_transform.cl declares them.
+struct PlaceOnDevice {
+  int32_t stride, offset, step;
+};
 struct FactorsOnDevice {
   int32_t is_used, start, step, is_mirrored, stride, offset, is_conjugate;
 };
@@ -75,13 +78,16 @@ bool is_held(const Device& device, int length) {
          std::all_of(factors.begin(), factors.end(), [](int f) { return f <= 8 && f != 7; });
 }
 
-int lines_at_once(int length, int lines) {
-  return std::clamp(int(most_work / 2 / (double(length) * sizeof(Complex))), 1, std::max(lines, 1));
+int lines_at_once(const Device& device, int length, int lines) {
+  const double work = std::min(most_work, device.memory_left() / 2);
+  return std::clamp(int(work / 2 / (double(length) * sizeof(Complex))), 1, std::max(lines, 1));
 }
 
 Kernel kernel_for(const char* name, int held) {
   return {name, {source}, fmt::format("-D HELD={} -D GROUP={}", held, held / samples_of_item)};
 }
+
+size_t tiles_of(int samples) { return size_t((samples + tile - 1) / tile); }
 
 LineJob job_of(const LineTransform& t) {
   LineJob job{};
@@ -122,7 +128,7 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
                 {job, roots, from, enter, filter, ramp, leave, to});
     return;
   }
-  const int most = lines_at_once(t.length, lines);
+  const int most = lines_at_once(device_, t.length, lines);
   const size_t bytes = size_t(most) * size_t(t.length) * sizeof(Complex);
   DeviceBuffer work = device_.make_buffer(bytes, "a transform"), next = device_.make_buffer(bytes, "a transform");
   const auto transform = [&](const WorkSize& size, float sign) {
@@ -150,17 +156,25 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
   device_.finish();  // before the work space is released
 }
 
-void LineTransforms::transpose(int rows, int columns, const DeviceBuffer& from, const DeviceBuffer& to,
-                               int matrices) {
+void LineTransforms::transpose(int rows, int columns, const DeviceBuffer& from, const DeviceBuffer& to, int matrices) {
+  const int step = rows * columns;
+  const PlaceOnDevice source{columns, 0, step}, target{rows, 0, step};
   device_.run(kernel_for("transpose_lines", 1024),
-              {size_t((columns + tile - 1) / tile), size_t((rows + tile - 1) / tile), size_t(tile), size_t(tile),
-               size_t(matrices)},
-              {rows, columns, from, to});
+              {tiles_of(columns), tiles_of(rows), size_t(tile), size_t(tile), size_t(matrices)},
+              {rows, columns, source, target, from, to});
+}
+
+void LineTransforms::transpose(int rows, int columns, const DeviceBuffer& from, const MatrixPlace& source,
+                               const DeviceBuffer& to, const MatrixPlace& target) {
+  const PlaceOnDevice there{source.stride > 0 ? source.stride : columns, source.offset, 0},
+      here{target.stride > 0 ? target.stride : rows, target.offset, 0};
+  device_.run(kernel_for("transpose_lines", 1024), {tiles_of(columns), tiles_of(rows), size_t(tile), size_t(tile)},
+              {rows, columns, there, here, from, to});
 }
 
 double line_transform_bytes(const Device& device, int length, int lines) {
   const double factors = double(length) * sizeof(Complex);
-  return factors * (is_held(device, length) ? 1 : 1 + 2.0 * lines_at_once(length, lines));
+  return factors * (is_held(device, length) ? 1 : 1 + 2.0 * lines_at_once(device, length, lines));
 }
 
 }  // namespace holotrace

@@ -34,9 +34,15 @@ struct LineTransform {
   LineFactors ramp{};  ///< factors of the filter that are the same for all lines, such as those that displace samples
 };
 
+/// Where a matrix lies in a larger one: samples from one row to the next, and the place of the first one.
+struct MatrixPlace {
+  int stride = 0;  ///< 0: the matrix is a whole one
+  int offset = 0;
+};
+
 /// Transforms on a device, in single precision. Lines of up to 4096 samples (as far as the device's local memory allows)
 /// with the factors 2, 3 and 5 are read and written once. All others take a pass through memory for each factor, whose
-/// cost grows with the factor.
+/// cost grows with the factor, and work space: up to 64 MB, and half of the device's free memory.
 ///
 /// Cost of a transform of N samples: 4.4·N·log₂N additions and multiplications for a power of 8, up to 7·N·log₂N for a
 /// power of 5, with the twiddle factors; a factor p of a long line, 9·p·N.
@@ -47,6 +53,9 @@ class LineTransforms {
   void run(const LineTransform& transform, int lines, const DeviceBuffer& from, const DeviceBuffer& to);
   /// to[column][row] = from[row][column], for matrices that lie one after the other
   void transpose(int rows, int columns, const DeviceBuffer& from, const DeviceBuffer& to, int matrices = 1);
+  /// The same for one matrix that is a part of another, before or after it.
+  void transpose(int rows, int columns, const DeviceBuffer& from, const MatrixPlace& source, const DeviceBuffer& to,
+                 const MatrixPlace& target);
 
  private:
   const DeviceBuffer& twiddles(int length);
