@@ -44,7 +44,7 @@ struct Begun {
   PhaseLevels levels;
 };
 
-Begun begin(const Field& head, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+Begun begin_hologram(const Field& head, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   Hologram hologram = blank_hologram(head, slm, params, observer);
   const Slm known = with_effects(slm, params.effects);
   PhaseLevels levels(known, hologram.levels, head.wavelength);
@@ -125,7 +125,7 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& pa
     return hologram;
   };
   check_head_to_show(head, slm, observer);
-  Begun begun = begin(head, slm, params, observer);
+  Begun begun = begin_hologram(head, slm, params, observer);
   const bool has_table = begun.levels.has_table() && params.method != Encoding::amplitude;
   require(
       !has_table || params.device.kind != DeviceKind::opencl,
