@@ -59,11 +59,12 @@ TEST_F(SeveralDevices, GiveTheBytesOfOne) {
   }
 }
 
-// Devices of 100 units sum slices of the waves at once, in an order that depends on the whole panel.
+// Devices of 20 units want 160 groups: the 80 tiles of the whole panel are summed in two slices of the waves, on any number of
+// devices.
 TEST_F(SeveralDevices, GiveTheBytesOfOneInSlicesOfTheWaves) {
   const auto with_many_units = [&](size_t i) {
     DeviceInfo info = devices_[i]->info();
-    info.compute_units = 100;
+    info.compute_units = 20;
     return info;
   };
   Device first(with_many_units(0)), second(with_many_units(1));
