@@ -78,22 +78,32 @@ TEST(Bench, TimesADeviceAgainstItsOwnPeaks) {
   const auto json = nlohmann::json::parse(outcome.out);
   for (const char* name : {"multiply_adds_per_s", "memory_bytes_per_s"})
     EXPECT_GT(json["device_ceilings"][name].get<double>(), 0) << name;
-  ASSERT_EQ(json["stages"].size(), 3U) << "no stage of the processor";
-  const auto& propagation = json["stages"][0];
-  EXPECT_EQ(propagation["stage"], "propagate on opencl");
-  EXPECT_GT(propagation["of_ceiling"].get<double>(), 0);
-  // The fields of 480x270 complex floats are transferred, and nothing else; kernels read and write more than these.
-  EXPECT_EQ(propagation["facts"]["bytes_in"].get<double>(), 8.0 * 480 * 270);
-  EXPECT_EQ(propagation["facts"]["bytes_out"].get<double>(), 8.0 * 480 * 270);
-  EXPECT_GT(propagation["rate_per_s"].get<double>() * propagation["seconds"].get<double>(), 16.0 * 480 * 270);
-  const auto& update = json["stages"][1];
-  EXPECT_EQ(update["stage"], "sgd on opencl");
-  EXPECT_GT(update["of_ceiling"].get<double>(), 0);
-  EXPECT_EQ(update["facts"]["bytes_in"].get<double>(), 0);
-  EXPECT_EQ(update["facts"]["bytes_out"].get<double>(), 3 * 4.0 * 270) << "two sums and an error of each row";
-  const auto& stage = json["stages"][2];
-  EXPECT_EQ(stage["stage"], "tiled on opencl");
-  EXPECT_GT(stage["of_ceiling"].get<double>(), 0);
+  ASSERT_EQ(json["stages"].size(), 6U) << "no stage of the processor";
+  std::map<std::string, nlohmann::json> stages;
+  for (const auto& stage : json["stages"]) {
+    stages[stage["stage"]] = stage;
+    EXPECT_GT(stage["of_ceiling"].get<double>(), 0) << stage["stage"];
+  }
+  const auto bytes = [&](const std::string& name, const char* way) {
+    return stages.at(name + " on opencl")["facts"][way].get<double>();
+  };
+  const double pixels = 480 * 270;
+  // The fields of complex floats are transferred, and nothing else; kernels read and write more than these.
+  const auto& propagation = stages.at("propagate on opencl");
+  EXPECT_EQ(bytes("propagate", "bytes_in"), 8 * pixels);
+  EXPECT_EQ(bytes("propagate", "bytes_out"), 8 * pixels);
+  EXPECT_GT(propagation["rate_per_s"].get<double>() * propagation["seconds"].get<double>(), 16 * pixels);
+  // Levels in, and small tables of rows and columns; 4 bytes of each row for the power.
+  EXPECT_GE(bytes("show", "bytes_in"), 4 * pixels);
+  EXPECT_LE(bytes("show", "bytes_in"), 4 * pixels + 24 * (480 + 270) + 100);
+  EXPECT_EQ(bytes("show", "bytes_out"), 4 * 270);
+  EXPECT_LE(bytes("look", "bytes_in"), 100) << "weights of a pixel";
+  EXPECT_EQ(bytes("look", "bytes_out"), 4 * pixels) << "the picture";
+  EXPECT_EQ(bytes("gerchberg-saxton", "bytes_in"), 0);
+  EXPECT_EQ(bytes("gerchberg-saxton", "bytes_out"), 4 * 270) << "an error of each row";
+  EXPECT_EQ(bytes("sgd", "bytes_in"), 0);
+  EXPECT_EQ(bytes("sgd", "bytes_out"), 3 * 4.0 * 270) << "two sums and an error of each row";
+  const auto& stage = stages.at("tiled on opencl");
   EXPECT_LE(stage["error"].get<double>(), 1e-3);
   // Sources in, at most 48 bytes for each of 200, and 8 for each place of a column or a row of tiles; the field out.
   EXPECT_LE(stage["facts"]["bytes_in"].get<double>(), 48 * 200 + 8 * (120 + 270));

@@ -6,9 +6,12 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/run/scene_light.h"
 #include "holotrace/run/view_holograms.h"
+#include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
+#include "support/stages_on_devices.h"
 
 namespace holotrace::test {
 namespace {
@@ -134,6 +137,69 @@ TEST(ViewHolograms, EyesAndSweepsHaveAnExposureOfTheirOwn) {
 TEST(ViewHolograms, NoHologramIsAnError) {
   Report report;
   EXPECT_THROW(view_holograms({}, params_at({10_mm}), report), Error);
+}
+
+class ViewHologramsOnDevices : public StagesOnDevices {};
+
+HOLOTRACE_FOR_ALL_DEVICES(ViewHologramsOnDevices);
+
+// Two pictures of 24 × 16 pixels, and 16 rows for the power that leaves the panel. For the orders of three samples per pixel the
+// field of the first hologram comes back.
+TEST_P(ViewHologramsOnDevices, KeepTheLightThere) {
+  const std::vector<PanelHologram> two{hologram_of(green, 7), hologram_of(green, 5)};
+  ViewingParams params = params_at({10_mm, 20_mm});
+  const SeriesViews expected = view(two, params);
+  params.show = on_device(params.show);
+  params.propagation = on_device(params.propagation);
+  for (const int subpixels : {1, 3}) {
+    params.show.subpixels = subpixels;
+    const size_t before = device_.use().bytes_out;
+    const SeriesViews views = view(two, params);
+    const size_t pictures = 2 * 2 * 4 * 24 * 16, powers = 2 * 4 * 16 * size_t(subpixels);
+    EXPECT_EQ(device_.use().bytes_out - before, pictures + powers + (subpixels == 3 ? 8 * 9 * 24 * 16 : 0));
+    if (subpixels == 3) continue;
+    for (size_t i = 0; i < expected.views.images.size(); ++i)
+      for (size_t k = 0; k < expected.views.images[i].values.size(); ++k)
+        ASSERT_NEAR(views.views.images[i].values[k], expected.views.images[i].values[k], 1e-4)
+            << "floats, of about 1 W/m²";
+  }
+  // The camera on the processor gets the field.
+  params.show.subpixels = 1;
+  params.propagation.device = {};
+  const size_t before = device_.use().bytes_out;
+  view(two, params);
+  EXPECT_EQ(device_.use().bytes_out - before, 2U * 8 * 24 * 16);
+}
+
+// Waves in; levels and the picture out. Four bytes of each row come back for the energy of the sum and the power that leaves the
+// panel, and twelve for the brightness of the hologram.
+TEST_P(ViewHologramsOnDevices, LeaveFieldsThereFromTheWavesOn) {
+  const Slm slm{.grid = {24, 16, 8_um}};
+  SceneLight light;
+  light.sources = {{green, {{{20e-6, 0, -12_mm}, 1, 0}, {{0, 30e-6, -10_mm}, 1, 1}}}};
+  const EncodeParams encoding = on_device(EncodeParams{.method = Encoding::phase});
+  const SynthesizeParams sum = on_device(SynthesizeParams{.method = SynthesisMethod::tiled});
+  ViewingParams params = params_at({10_mm});
+  params.show = on_device(params.show);
+  params.propagation = on_device(params.propagation);
+  const auto run = [&] {
+    const PlacedField field = placed_fields_of_frame(light, 0, slm.grid, sum).front();
+    return view({{encode(field, slm, encoding), slm}}, params).views.images.front();
+  };
+  run();  // sends transfer functions
+  const DeviceUse before = device_.use();
+  const Image image = run();
+  const DeviceUse after = device_.use();
+  constexpr size_t pixels = 24 * 16;
+  EXPECT_EQ(after.bytes_out - before.bytes_out, 2 * pixels + 4 * pixels + (4 + 12 + 4) * 16);
+  EXPECT_LE(after.bytes_in - before.bytes_in, 4 * pixels + 2 * 48 + 24 * (24 + 16) + 8 * (24 + 16) + 100)
+      << "levels, two waves, and tables of rows and columns";
+  const Field field = fields_of_frame(light, 0, slm.grid, {.method = SynthesisMethod::tiled}).front();
+  const Image expected =
+      view({{encode(field, slm, {.method = Encoding::phase}), slm}}, params_at({10_mm})).views.images.front();
+  ASSERT_EQ(image.values.size(), expected.values.size());
+  // The sums differ by the tolerance of 1e-3, so that a few levels do, by a step of 2π/256.
+  for (size_t i = 0; i < image.values.size(); ++i) EXPECT_NEAR(image.values[i], expected.values[i], 0.05);
 }
 
 }  // namespace

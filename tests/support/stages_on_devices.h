@@ -1,17 +1,23 @@
 #pragma once
 
+#include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/shared/device_rates.h"
 #include "support/devices.h"
 
 namespace holotrace::test {
 
-/// A device whose memory is released at the end. Rates are the defaults unless a test sets them.
+/// A device where no propagator is kept, and whose memory is released at the end. Rates are the defaults unless a test sets
+/// them.
 class StagesOnDevices : public OnEveryDevice {
  protected:
-  StagesOnDevices() : buffers_(device_.use().buffers) {}
+  StagesOnDevices() {
+    drop_device_propagators();
+    buffers_ = device_.use().buffers;
+  }
   ~StagesOnDevices() override {
     device_.limit_memory(0);
+    drop_device_propagators();
     EXPECT_EQ(device_.use().buffers, buffers_) << "all memory is released";
     set_summation_rates({});
     set_device_rates({});
@@ -40,7 +46,7 @@ class StagesOnDevices : public OnEveryDevice {
     });
   }
 
-  size_t buffers_;
+  size_t buffers_ = 0;
 };
 
 }  // namespace holotrace::test

@@ -5,7 +5,6 @@
 #include "holotrace/view/camera.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/sum_exact.h"
-#include "support/devices.h"
 #include "support/panels.h"
 
 namespace holotrace {
@@ -394,30 +393,6 @@ TEST(Camera, AStopBringsNoLightInFromTheOppositeEdge) {
   ASSERT_EQ(view.nx, 64);
   EXPECT_LT(view(24, 63), 0.002 * view(24, 0));
   EXPECT_GT(view(24, 1), 0.3 * view(24, 0));  // sinc² = 0.57, and a mean over the pixel
-}
-
-class CameraOnDevices : public test::OnEveryDevice {};
-
-HOLOTRACE_FOR_ALL_DEVICES(CameraOnDevices);
-
-// The way to the pupil and from there to the sensor, both in single precision on either side.
-TEST_P(CameraOnDevices, SeesWhatTheProcessorSees) {
-  const Slm slm = make_panel(96, 80);
-  const Field shown = point_field(slm, 0.02);
-  PropagateParams on_device;
-  on_device.device = {DeviceKind::opencl, device_.info().number};
-  CameraParams with_pupil, with_pixels;
-  with_pupil.pupil = 0.4_mm;
-  with_pupil.eye.z = 10_mm;
-  with_pixels.pixel = 5_um;
-  for (const auto& [camera, propagations] : {std::pair{with_pupil, 2}, {with_pixels, 1}}) {
-    int told = 0;
-    Observer observer;
-    observer.on_fact = [&](const std::string& name, const Fact&) { told += name == "device"; };
-    const Image seen = look(shown, slm, 0.02, on_device, camera, observer);
-    EXPECT_EQ(told, propagations);
-    EXPECT_LT(relative_difference(seen, look(shown, slm, 0.02, {}, camera)), 1e-5);
-  }
 }
 
 }  // namespace

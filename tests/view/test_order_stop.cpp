@@ -4,6 +4,7 @@
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/order_stop.h"
+#include "support/devices.h"
 #include "support/panels.h"
 
 namespace holotrace {
@@ -11,12 +12,24 @@ namespace {
 
 constexpr int nx = 128, ny = 64;
 
-// Shows an off-axis hologram of these waves and brings its order back to the axis.
-Field round_trip(const std::vector<PlaneWave>& waves, const EncodeParams& params, int subpixels) {
-  const Slm slm = make_panel(nx, ny, 65536);
-  const Field shown = show(encode(sum_of(waves, slm.grid), slm, params), slm, {.subpixels = subpixels});
-  return apply_order_stop(shown, *shown.filter, 0);
-}
+// On the processor and on every device.
+class OrderStop : public ::testing::TestWithParam<DeviceChoice> {
+ protected:
+  static Field stopped(const Field& field, const SpectralFilter& filter, int margin, const Observer& observer = {}) {
+    if (GetParam().kind == DeviceKind::cpu) return apply_order_stop(field, filter, margin, observer);
+    Device& device = open_device(GetParam().number);
+    return fetch(apply_order_stop(send(device, field), filter, margin, observer));
+  }
+
+  // Shows an off-axis hologram of these waves and brings its order back to the axis.
+  static Field round_trip(const std::vector<PlaneWave>& waves, const EncodeParams& params, int subpixels) {
+    const Slm slm = make_panel(nx, ny, 65536);
+    const Field shown = show(encode(sum_of(waves, slm.grid), slm, params), slm, {.subpixels = subpixels});
+    return stopped(shown, *shown.filter, 0);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(On, OrderStop, ::testing::ValuesIn(test::processor_and_devices()), test::device_name_of);
 
 // Expected result: each wave times the aperture's roll-off at the frequency to which the order carries it.
 Field expected(const std::vector<PlaneWave>& waves, const Field& seen, double carrier_u, double carrier_v) {
@@ -30,7 +43,7 @@ Field expected(const std::vector<PlaneWave>& waves, const Field& seen, double ca
 // order carries at least some 3 % of it, so 2e-4 relative is generous.
 constexpr double rounding = 2e-4;
 
-TEST(OrderStop, OffAxisHologramWithoutBiasGivesTheFieldBack) {
+TEST_P(OrderStop, OffAxisHologramWithoutBiasGivesTheFieldBack) {
   // The whole band: carrier of 32 cycles over the panel, waves up to 30. The twin and the constant stay outside.
   const std::vector<PlaneWave> waves = random_waves(30, 12, 5);
   for (int n : {1, 3}) {
@@ -44,14 +57,14 @@ TEST(OrderStop, OffAxisHologramWithoutBiasGivesTheFieldBack) {
   }
 }
 
-TEST(OrderStop, OffAxisHologramWithBiasGivesANarrowFieldBack) {
+TEST_P(OrderStop, OffAxisHologramWithBiasGivesANarrowFieldBack) {
   // |U|² spreads over twice the field's band: up to 14 cycles, outside of 48 ± 16.
   const std::vector<PlaneWave> waves = random_waves(7, 12, 6);
   const Field seen = round_trip(waves, {.method = Encoding::off_axis}, 3);
   EXPECT_LT(compare(expected(waves, seen, 3 / (8 * test_pitch), 0), seen).scaled_error, rounding);
 }
 
-TEST(OrderStop, TiltAlongYAndTheRealImage) {
+TEST_P(OrderStop, TiltAlongYAndTheRealImage) {
   // Carrier of 3 cycles over the panel in x, −12 in y: the orders are separated along y, 12 ± 4. The result is conj(U);
   // |U|² reaches 4 cycles.
   std::vector<PlaneWave> waves = random_waves(2, 8, 7);
@@ -71,7 +84,7 @@ TEST(OrderStop, TiltAlongYAndTheRealImage) {
   }
 }
 
-TEST(OrderStop, TakesOffACarrierBetweenBins) {
+TEST_P(OrderStop, TakesOffACarrierBetweenBins) {
   // A stop wide enough for everything: the result is the field without its carrier, to single precision.
   const Field field = sum_of(random_waves(5, 8, 9), {nx, ny, test_pitch});
   const double u = 10.37 / (nx * test_pitch), v = -7.81 / (ny * test_pitch);
@@ -81,10 +94,10 @@ TEST(OrderStop, TakesOffACarrierBetweenBins) {
       carried.samples(j, i) =
           std::complex<float>(std::complex<double>(field.samples(j, i)) *
                               std::polar(1.0, 2 * pi * (u * field.grid.x(i) + v * field.grid.y(j))));
-  EXPECT_LT(compare(field, apply_order_stop(carried, {u, v, 1e6, 1e6}, 0)).relative_error, 1e-6);
+  EXPECT_LT(compare(field, stopped(carried, {u, v, 1e6, 1e6}, 0)).relative_error, 1e-6);
 }
 
-TEST(OrderStop, StrongReferenceSuppressesTheBias) {
+TEST_P(OrderStop, StrongReferenceSuppressesTheBias) {
   // Waves up to 14 cycles spread |U|² up to 28, into the stop 32 ± 10.7, which passes waves up to 10. Its
   // share falls as 1/ratio.
   const std::vector<PlaneWave> waves = random_waves(14, 12, 8);
@@ -103,14 +116,14 @@ TEST(OrderStop, StrongReferenceSuppressesTheBias) {
   EXPECT_NEAR(at_10 / at_1, 0.1, 0.01);
 }
 
-TEST(OrderStop, KeepsTheBandAndItsPower) {
+TEST_P(OrderStop, KeepsTheBandAndItsPower) {
   const Grid grid{64, 32, test_pitch};
   const std::vector<PlaneWave> inside = {{10, 5, {1, 2}}, {12, 4, 0.5}}, outside = {{-10, -5, 3}, {10, -5, 2}};
   std::vector<PlaneWave> all = inside;
   all.insert(all.end(), outside.begin(), outside.end());
   const SpectralFilter filter{11 / grid.width(), 5 / grid.height(), 1 / grid.width(), 1 / grid.height()};
   Heard heard;
-  const Field seen = apply_order_stop(sum_of(all, grid), filter, 0, heard.observer());
+  const Field seen = stopped(sum_of(all, grid), filter, 0, heard.observer());
   std::vector<PlaneWave> moved = inside;
   for (PlaneWave& w : moved) w.a -= 11, w.b -= 5;
   EXPECT_LT(compare(sum_of(moved, grid), seen).relative_error, 1e-6);  // single precision
@@ -118,7 +131,7 @@ TEST(OrderStop, KeepsTheBandAndItsPower) {
   EXPECT_NEAR(heard.number("filter_power"), 5.25 / 18.25, 1e-6);
 }
 
-TEST(OrderStop, LightBesideTheWindowStaysThere) {
+TEST_P(OrderStop, LightBesideTheWindowStaysThere) {
   // One bright sample in a corner becomes (2hp)²·sinc(2hx)·sinc(2hy) around it. Without a margin half of it would come in
   // from the opposite edges. Of 2hp = 0.4, the sum over the bins of a window n = 96 samples wide gives an odd number of them,
   // 39/96: 1.6 % more. Repeats lie 32 samples or more away, and there the sinc is below 1/(32·0.4·pi) of its peak: 2.5 %.
@@ -128,7 +141,7 @@ TEST(OrderStop, LightBesideTheWindowStaysThere) {
   const double h = 0.4 / (2 * test_pitch);
   const int margin = order_stop_margin({0, 0, h, h}, grid);
   ASSERT_EQ(margin, 16);  // a quarter of 64; 32 responses are 80 samples
-  const Field seen = apply_order_stop(corner, {0, 0, h, h}, margin);
+  const Field seen = stopped(corner, {0, 0, h, h}, margin);
   ASSERT_EQ(seen.grid.nx, 96);
   ASSERT_EQ(seen.grid.ny, 64);
   for (int j = 0; j < seen.grid.ny; ++j)
@@ -136,20 +149,42 @@ TEST(OrderStop, LightBesideTheWindowStaysThere) {
       EXPECT_NEAR(seen.samples(j, i).real(), 0.16 * sinc(0.4 * (i - margin)) * sinc(0.4 * (j - margin)), 0.16 * 0.05);
 }
 
-TEST(OrderStop, MarginIs32ResponsesOfTheStop) {
+TEST(OrderStopMargin, Is32ResponsesOfTheStop) {
   EXPECT_EQ(order_stop_margin({0, 0, 0.4 / (2 * test_pitch), 1e6}, {1920, 1080, test_pitch}), 80);
   EXPECT_EQ(order_stop_margin({0, 0, 1e6, 1e6}, {1920, 1080, test_pitch}), 2);  // 32·1/2·1e6 = 16 µm: two samples
 }
 
-TEST(OrderStop, SaysWhatIsWrong) {
+// 25 × 18 samples and margins of 3, so sides of 31 (a prime) and 24. Bands between bins, over the Nyquist frequency, of one bin,
+// and without any.
+TEST_P(OrderStop, GivesTheProcessorsField) {
+  const Grid grid{25, 18, test_pitch};
+  const Field field = sum_of(random_waves(8, 20, 3), grid);
+  const double bin_u = 1 / (31 * test_pitch), bin_v = 1 / (24 * test_pitch);
+  for (const SpectralFilter& filter : {SpectralFilter{2.3 * bin_u, -3.6 * bin_v, 4.1 * bin_u, 2.2 * bin_v},
+                                       {14 * bin_u, 11.5 * bin_v, 3 * bin_u, 2 * bin_v},
+                                       {2 * bin_u, 3 * bin_v, 0.1 * bin_u, 0.1 * bin_v},
+                                       {2.5 * bin_u, 0, 0.1 * bin_u, 1 * bin_v}}) {
+    Heard expected, heard;
+    const Field here = apply_order_stop(field, filter, 3, expected.observer());
+    const Field there = stopped(field, filter, 3, heard.observer());
+    EXPECT_EQ(there.grid, here.grid);
+    double error = 0;
+    for (size_t i = 0; i < here.samples.size(); ++i)
+      error += std::norm(there.samples.values[i] - here.samples.values[i]);
+    EXPECT_LT(std::sqrt(error * test_pitch * test_pitch), 1e-6 * std::sqrt(power(field)));  // two transforms in floats
+    EXPECT_NEAR(heard.number("filter_power"), expected.number("filter_power"), 1e-6);
+  }
+}
+
+TEST_P(OrderStop, SaysWhatIsWrong) {
   const Field field({16, 16, test_pitch}, test_wavelength);
   EXPECT_EQ(error_of([&] {
-              apply_order_stop(field, {0, 0, 0, 1}, 0);
+              stopped(field, {0, 0, 0, 1}, 0);
             }),
             "expected a pass band with finite centre and half widths above 0, got centre (0, 0) /m, half widths (0, 1) "
             "/m");
   EXPECT_EQ(error_of([&] {
-              apply_order_stop(field, {1e5, 0, 1e4, 1e4}, 0);
+              stopped(field, {1e5, 0, 1e4, 1e4}, 0);
             }),
             "expected a pass band that begins below 62500 /m, the Nyquist frequency of samples 8 µm apart, got one "
             "around (100000, 0) /m; show the hologram with more subpixels");

@@ -16,6 +16,7 @@
 #include "holotrace/run/repeated_stages.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
+#include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/trace/geometry/first_hits.h"
@@ -112,18 +113,32 @@ class Showing {
   Boxes& boxes_;
 };
 
-// One hologram for each frame and set, from the field of its waves.
+// Fields that stay on the device that sums them, if the encoder may take them there.
+std::vector<PlacedField> fields_to_encode(const SceneLight& light, uint32_t frame, const Job& job,
+                                          const Observer& observer) {
+  if (job.encode.device.kind != DeviceKind::cpu && is_of_single_pixels(job.encode.method))
+    return placed_fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer);
+  std::vector<PlacedField> fields;
+  for (Field& field : fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer))
+    fields.emplace_back(std::move(field));
+  return fields;
+}
+
+// One hologram for each frame and set, from the field of its waves. The fields of the first frame are results, too, and
+// return from a device.
 void show_fields(const Job& job, const SceneLight& light, Boxes& b, Showing& showing) {
   const EncodeParams encoding = encoding_of(job);
   for (int frame = 0; frame < job.trace.frames; ++frame) {
-    std::vector<Field> fields = showing.repeat("synthesize", [&](const Observer& o) {
-      return fields_of_frame(light, uint32_t(frame), job.slm.grid, job.synthesize, o);
-    });
+    std::vector<PlacedField> fields = showing.repeat(
+        "synthesize", [&](const Observer& o) { return fields_to_encode(light, uint32_t(frame), job, o); });
     for (size_t i = 0; i < fields.size(); ++i)
       showing.add(showing.repeat("encode", [&](const Observer& o) {
         return encode(fields[i], job.slm, encoding, light.is_dark(i) ? Observer{} : o);  // tracing has warned already
       }));
-    if (frame == 0) b.fields = group_by_name(std::move(fields));
+    if (frame > 0) continue;
+    std::vector<Field> here;
+    for (PlacedField& field : fields) here.push_back(into_field(std::exchange(field, PlacedField(Field()))));
+    b.fields = group_by_name(std::move(here));
   }
 }
 

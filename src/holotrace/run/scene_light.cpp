@@ -32,6 +32,54 @@ std::vector<Field> fields_of_triangles(const std::vector<Triangles>& sets, uint3
   return fields;
 }
 
+Field labelled(Field field, const Sources& set) {
+  field.name = set.name;
+  field.frame = set.frame;
+  field.cone_wavelength = set.cone_wavelength;
+  return field;
+}
+
+// The fields of a frame; sum(set, observer) gives that of a set of waves.
+template <class AnyField, class Sum>
+std::vector<AnyField> fields_of(const SceneLight& light, uint32_t frame, const Grid& panel,
+                                const SynthesizeParams& params, const Observer& observer, const Sum& sum) {
+  std::vector<AnyField> fields;
+  if (!light.gathered.empty()) {
+    for (const std::vector<Field>& frames : light.gathered) {
+      require(frame < frames.size(), "expected a frame below {}, as many as were gathered, got {}; use more frames",
+              frames.size(), frame);
+      fields.emplace_back(frames[frame]);
+    }
+    return fields;
+  }
+  if (!light.triangles.empty()) {
+    for (Field& field : fields_of_triangles(light.triangles, frame, panel, params, observer))
+      fields.emplace_back(std::move(field));
+    return fields;
+  }
+  const std::vector<Sources>& sources = light.sources;
+  require(params.method != SynthesisMethod::triangles,
+          "expected a scene or a mesh for the method triangles, which needs surfaces, got waves; use another "
+          "method, or the scene that they were traced from");
+  const bool has_waves =
+      std::any_of(sources.begin(), sources.end(), [](const Sources& set) { return !set.waves.empty(); });
+  for (size_t i = 0; i < sources.size(); ++i) {
+    Observer part = observer;
+    part.on_progress = [&, i](double fraction) { observer.progress((double(i) + fraction) / double(sources.size())); };
+    Sources of_frame;
+    if (sources[i].frame != frame) {
+      of_frame = sources[i];
+      set_frame(of_frame, frame);
+    }
+    const Sources& set = sources[i].frame == frame ? sources[i] : of_frame;
+    if (set.waves.empty() && has_waves)
+      fields.emplace_back(labelled(Field(panel, set.wavelength), set));
+    else
+      fields.push_back(sum(set, part));
+  }
+  return fields;
+}
+
 }  // namespace
 
 double SceneLight::wavelength(size_t set) const {
@@ -87,40 +135,16 @@ Sources points_of_scene(const Job& job) {
 
 std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer) {
-  if (!light.gathered.empty()) {
-    std::vector<Field> fields;
-    for (const std::vector<Field>& frames : light.gathered) {
-      require(frame < frames.size(), "expected a frame below {}, as many as were gathered, got {}; use more frames",
-              frames.size(), frame);
-      fields.push_back(frames[frame]);
-    }
-    return fields;
-  }
-  if (!light.triangles.empty()) return fields_of_triangles(light.triangles, frame, panel, params, observer);
-  const std::vector<Sources>& sources = light.sources;
-  require(params.method != SynthesisMethod::triangles,
-          "expected a scene or a mesh for the method triangles, which needs surfaces, got waves; use another "
-          "method, or the scene that they were traced from");
-  const bool has_waves =
-      std::any_of(sources.begin(), sources.end(), [](const Sources& set) { return !set.waves.empty(); });
-  std::vector<Field> fields;
-  for (size_t i = 0; i < sources.size(); ++i) {
-    Observer part = observer;
-    part.on_progress = [&, i](double fraction) { observer.progress((double(i) + fraction) / double(sources.size())); };
-    if (sources[i].waves.empty() && has_waves) {
-      fields.emplace_back(panel, sources[i].wavelength);
-    } else if (sources[i].frame == frame) {
-      fields.push_back(synthesize(sources[i], panel, params, part));
-    } else {
-      Sources set = sources[i];
-      set_frame(set, frame);
-      fields.push_back(synthesize(set, panel, params, part));
-    }
-    fields.back().name = sources[i].name;
-    fields.back().frame = frame;
-    fields.back().cone_wavelength = sources[i].cone_wavelength;
-  }
-  return fields;
+  return fields_of<Field>(light, frame, panel, params, observer, [&](const Sources& set, const Observer& o) {
+    return labelled(synthesize(set, panel, params, o), set);
+  });
+}
+
+std::vector<PlacedField> placed_fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
+                                                const SynthesizeParams& params, const Observer& observer) {
+  return fields_of<PlacedField>(light, frame, panel, params, observer, [&](const Sources& set, const Observer& o) {
+    return synthesize_placed(set, panel, params, o);
+  });
 }
 
 template <class Real>

@@ -8,6 +8,7 @@
 #include "holotrace/data/job.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/data/triangles.h"
+#include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
 
@@ -37,6 +38,10 @@ Sources points_of_scene(const Job& job);
 /// @throws Error  as synthesize does; if no set has a wave; and for a frame that was not gathered
 std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer = {});
+
+/// The same for fields that another stage takes: those that a device sums stay there (synthesize_placed).
+std::vector<PlacedField> placed_fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
+                                                const SynthesizeParams& params, const Observer& observer = {});
 
 /// Fields grouped by name, each group in the order given: [name][wavelength].
 template <class Real>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/run/illumination_plan.h"
@@ -41,16 +42,25 @@ Observer part_of_series(const Observer& observer, size_t i, size_t count) {
 struct OrderShares {
   std::vector<OrderPower> orders;
 
-  void add(const Field& shown, double pitch, double power_in, double weight) {
-    if (power_in <= 0 || !has_orders(shown, pitch)) return;
-    const std::vector<OrderPower> powers = order_powers(shown, pitch);
+  void add(const ShownLight& shown, double pitch, double weight, const Observer& observer) {
+    if (shown.power_in <= 0 || !has_orders(shown.field.head(), pitch)) return;
+    const std::vector<OrderPower> powers = order_powers(*shown.field.on_processor(observer), pitch);
     if (orders.empty()) {
       orders = powers;
       for (OrderPower& order : orders) order.power = 0;
     }
-    for (size_t i = 0; i < orders.size(); ++i) orders[i].power += weight * powers[i].power / power_in;
+    for (size_t i = 0; i < orders.size(); ++i) orders[i].power += weight * powers[i].power / shown.power_in;
   }
 };
+
+// The light stays on a device unless the camera's propagations are on the processor.
+ShownLight show_to_camera(const Hologram& hologram, const Viewing& viewing, const ShowParams& params,
+                          const IlluminationState& state, const Observer& observer) {
+  if (viewing.propagation.device.kind != DeviceKind::cpu)
+    return show_light(hologram, viewing.slm, params, state, observer);
+  ShownField shown = show_state(hologram, viewing.slm, params, state, observer);
+  return {PlacedField(std::move(shown.field)), shown.power_in};
+}
 
 // The views in light of one wavelength.
 double view_in_colour(const Hologram& hologram, double wavelength, const Viewing& viewing, RepeatedStages& repeat,
@@ -68,16 +78,16 @@ double view_in_colour(const Hologram& hologram, double wavelength, const Viewing
   OrderShares shares;
   double power_on_panel = 0;
   for (const IlluminationState& state : all) {
-    const Field shown = repeat("show", [&](const Observer& o) {
-      ShownField at_state = show_state(hologram, slm, params, state, o);
+    const PlacedField shown = repeat("show", [&](const Observer& o) {
+      const ShownLight at_state = show_to_camera(hologram, viewing, params, state, o);
       if (&state == all.data()) power_on_panel = at_state.power_in;
       if (!plan.why.empty()) {
         o.fact("illumination_states", all.size());
         o.fact("illumination_states_why", plan.why);
       }
       if (!doubt.empty()) o.warn(doubt);
-      if (is_first) shares.add(at_state.field, slm.grid.pitch, at_state.power_in, state.weight);
-      return std::move(at_state.field);
+      if (is_first) shares.add(at_state, slm.grid.pitch, state.weight, o);
+      return at_state.field;
     });
     for (const Span span : stages_of(from))
       repeat(from[span.begin].stage, [&](const Observer& o) {

@@ -11,13 +11,19 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
+#include "holotrace/view/device_camera.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/order_stop.h"
 #include "holotrace/view/pupil_light.h"
 #include "holotrace/view/sensor.h"
 #include "holotrace/view/source_image.h"
+#include "holotrace/wave/propagate/device_samples.h"
 #include "holotrace/wave/propagate/irradiance.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/propagate/propagator.h"
+#include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/fastest_device.h"
+#include "holotrace/wave/shared/on_chosen_device.h"
 
 namespace holotrace {
 namespace {
@@ -36,20 +42,6 @@ bool reaches(const Grid& from, const Grid& to, double wavelength, double distanc
   const double spread = box_radius(std::abs(distance), wavelength, from.pitch);
   return std::abs(to.centre_x - from.centre_x) < (from.width() + to.width()) / 2 + spread &&
          std::abs(to.centre_y - from.centre_y) < (from.height() + to.height()) / 2 + spread;
-}
-
-// The pixels of a sensor from the irradiance at its samples. m: magnification of the lens.
-Image read_sensor(Array2D<float> irradiance, const Sensor& sensor, const SourcePart& source, double z, double m,
-                  const Observer& observer) {
-  const double pitch = sensor.window.pitch;
-  if (sensor.blur > 0) irradiance = convolved(irradiance, source_image(source, z, pitch, sensor.blur));
-  Image image = mean_over_pixels(irradiance, sensor.samples, sensor.rim, sensor.is_integrated, observer);
-  image.pitch = sensor.pixels.pitch * m;
-  image.centre_x = sensor.pixels.centre_x * m;
-  image.centre_y = sensor.pixels.centre_y * m;
-  if (m != 1)
-    for (float& value : image.values) value = float(double(value) / (m * m));
-  return image;
 }
 
 // Adds the value interpolated between pixel centres to one sum per channel; 0 beyond the outer pixels.
@@ -112,14 +104,72 @@ bool is_lit(const FieldShape& shown, const Focus& focus) {
   return window && reaches(*window, plane, shown.wavelength, focus.z - focus.camera.eye.z);
 }
 
-Image read_focused(const Field* light, const FieldShape& shown, const Focus& focus, const SourcePart& source,
+// What comes back from a device: pixels; with a blur, the irradiance at the samples instead.
+struct Exposure {
+  Array2D<float> irradiance{};
+  Image pixels{};
+};
+
+Exposure expose(const DeviceField& at, const Sensor& sensor) {
+  Device& device = *at.device;
+  const Grid& grid = at.head.grid;
+  Exposure exposure;
+  const PixelSums sums = pixel_sums(grid.ny, grid.nx, sensor.samples, sensor.rim, sensor.is_integrated);
+  make_room(device, sizeof(float) * (double(grid.pixels()) + double(sums.rows) * (sums.across + sums.columns)));
+  const DeviceBuffer irradiance = irradiance_of(at);
+  if (sensor.blur == 0) {
+    exposure.pixels = mean_over_pixels(device, irradiance, grid.nx, sums);
+  } else {
+    const auto lock = device.lock();
+    exposure.irradiance = Array2D<float>(grid.ny, grid.nx);
+    device.read(irradiance, exposure.irradiance.values.data(), irradiance.bytes());
+  }
+  return exposure;
+}
+
+// The same on the device that the propagation names, after the propagation to the sensor.
+std::optional<Exposure> expose_on_device(const PlacedField& light, double distance, const PropagateParams& window,
+                                         const Sensor& sensor, const Observer& observer) {
+  const auto fastest = [&] {
+    const PropagationForecast forecast(light.head().grid, light.head().wavelength, distance, window);
+    const double values = sensor.blur > 0 ? double(window.columns) * window.rows : double(sensor.pixels.pixels());
+    return fastest_device(light.seconds_to_processor() + forecast.on_processor(), [&](Device& device) {
+      return light.seconds_to(device) + forecast.on_device(device) +
+             sizeof(float) * values / device_rates(device).bytes;
+    });
+  };
+  return on_chosen_device(window.device, observer, fastest, [&](Device& device) {
+    return expose(propagate(*light.on(device, observer), distance, window, observer), sensor);
+  });
+}
+
+// The pixels of a sensor, if there is light in front of it.
+Image read_focused(const PlacedField* light, const FieldShape& shown, const Focus& focus, const SourcePart& source,
                    const Observer& observer) {
   const auto& [z, m, camera, sensor] = focus;
-  const PropagateParams window = with_its_size(sensor.window, shown.grid);
-  Array2D<float> irradiance =
-      light ? propagate_to_irradiance(*light, camera.pupil > 0 ? z - camera.eye.z : z, window, observer)
-            : Array2D<float>(window.rows, window.columns);
-  return read_sensor(std::move(irradiance), sensor, source, z, m, observer);
+  const double distance = camera.pupil > 0 ? z - camera.eye.z : z;
+  PropagateParams window = with_its_size(sensor.window, shown.grid);
+  Exposure exposure;
+  if (!light) {
+    exposure.pixels = Image(sensor.pixels.ny, sensor.pixels.nx, 1);
+  } else if (auto there = expose_on_device(*light, distance, window, sensor, observer)) {
+    exposure = std::move(*there);
+  } else {
+    window.device = {};
+    exposure.irradiance = propagate_to_irradiance(*light->on_processor(observer), distance, window, observer);
+  }
+  if (exposure.irradiance.size() > 0) {
+    if (sensor.blur > 0)
+      exposure.irradiance = convolved(exposure.irradiance, source_image(source, z, sensor.window.pitch, sensor.blur));
+    exposure.pixels = mean_over_pixels(exposure.irradiance, sensor.samples, sensor.rim, sensor.is_integrated, observer);
+  }
+  Image image = std::move(exposure.pixels);
+  image.pitch = sensor.pixels.pitch * m;
+  image.centre_x = sensor.pixels.centre_x * m;
+  image.centre_y = sensor.pixels.centre_y * m;
+  if (m != 1)
+    for (float& value : image.values) value = float(double(value) / (m * m));
+  return image;
 }
 
 }  // namespace
@@ -130,20 +180,25 @@ Image focus_light(const PassedLight& passed, const Slm& slm, double distance, co
                   const CameraParams& camera, const Observer& observer, const SourcePart& source) {
   const auto& [light, shown] = passed;
   const Focus focus = focus_of(shown, slm, distance, propagation, camera, observer, source);
-  const bool has_light = light.samples.size() > 0 && is_lit(shown, focus);
+  const bool has_light = !light.is_empty() && is_lit(shown, focus);
   return read_focused(has_light ? &light : nullptr, shown, focus, source, observer);
+}
+
+Image look(const PlacedField& shown, const Slm& slm, double distance, const PropagateParams& propagation,
+           const CameraParams& camera, const Observer& observer, const SourcePart& source) {
+  const FieldShape shape = shape_of(shown.head());
+  const Focus focus = focus_of(shape, slm, distance, propagation, camera, observer, source);
+  if (!is_lit(shape, focus)) {
+    warn_outside_eyebox(shown.head(), slm, focus.camera, observer);
+    return read_focused(nullptr, shape, focus, source, observer);
+  }
+  const PlacedField passed = light_in_pupil(shown, slm, propagation, camera, observer);
+  return read_focused(&passed, shape, focus, source, observer);
 }
 
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
            const CameraParams& camera, const Observer& observer, const SourcePart& source) {
-  const FieldShape shape = shape_of(shown);
-  const Focus focus = focus_of(shape, slm, distance, propagation, camera, observer, source);
-  if (!is_lit(shape, focus)) {
-    warn_outside_eyebox(shown, slm, focus.camera, observer);
-    return read_focused(nullptr, shape, focus, source, observer);
-  }
-  const std::optional<Field> in_pupil = light_in_pupil(shown, slm, propagation, camera, observer);
-  return read_focused(in_pupil ? &*in_pupil : &shown, shape, focus, source, observer);
+  return look(PlacedField::of(shown), slm, distance, propagation, camera, observer, source);
 }
 
 double looking_bytes(const FieldShape& field, const Slm& slm, double distance, const PropagateParams& propagation,

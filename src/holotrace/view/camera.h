@@ -12,6 +12,7 @@
 #include "holotrace/data/slm.h"
 #include "holotrace/data/source_part.h"
 #include "holotrace/view/sensor.h"
+#include "holotrace/wave/shared/placed_field.h"
 
 namespace holotrace {
 
@@ -41,10 +42,16 @@ namespace holotrace {
 /// With an extended source the irradiance is that of all the directions in `source`, whose middle lights the panel:
 /// the picture is convolved with the image of the source (source_image.h).
 ///
+/// The light goes to the device that propagation.device names, unless it is there already. There it passes stop, pupil and
+/// free space, and is integrated over the pixels: 4 bytes per pixel come back (with an extended source 4 per sample, and
+/// the processor goes on). light_in_pupil and focus_light choose the device `auto`, each for itself.
+///
 /// @return        irradiance [W/m²]
 /// @throws Error  for a distance or a size below 0, an eye behind the panel or, on it, beside it, a lens without a
 ///                pupil or nearer than f to the plane, a sensor smaller than a sample or a pixel, a window given twice
 ///                (by the camera's and by the propagation's), and as propagate does
+Image look(const PlacedField& shown, const Slm& slm, double distance, const PropagateParams& propagation,
+           const CameraParams& camera, const Observer& observer = {}, const SourcePart& source = {});
 Image look(const Field& shown, const Slm& slm, double distance, const PropagateParams& propagation,
            const CameraParams& camera, const Observer& observer = {}, const SourcePart& source = {});
 
@@ -53,11 +60,12 @@ FieldShape shape_of(const Field& field);
 
 /// Light that passed a camera's pupil.
 struct PassedLight {
-  const Field& light;  ///< from light_in_pupil with the same camera, or the shown field itself
-  FieldShape shown;    ///< of the shown field
+  PlacedField light;  ///< from light_in_pupil with the same camera
+  FieldShape shown;   ///< of the shown field
 };
 
-/// The second step of look: what a camera sees of the light that its pupil passes (pupil_light.h).
+/// The second step of look: what a camera sees of the light that its pupil passes (pupil_light.h). The device `auto` is
+/// the one that is expected to be the fastest: the way of the light from where it is counts, and that of the picture back.
 Image focus_light(const PassedLight& passed, const Slm& slm, double distance, const PropagateParams& propagation,
                   const CameraParams& camera, const Observer& observer = {}, const SourcePart& source = {});
 

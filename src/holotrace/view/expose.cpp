@@ -72,18 +72,26 @@ double level_of_clipped_light(const Image& image, double part) {
 
 }  // namespace
 
-Image mean_over_pixels(const Array2D<float>& values, int n, int rim, bool is_integrated, const Observer& observer) {
-  const std::vector<double> weights = is_integrated ? weights_of_integral(n) : std::vector<double>(size_t(n), 1);
+PixelSums pixel_sums(int ny, int nx, int n, int rim, bool is_integrated) {
   const int beyond = is_integrated ? integration_rim : 0;
   require(n >= 1 && rim >= beyond, "expected pixels of 1 sample or more and a rim of {}, got {} and {}", beyond, n,
           rim);
-  Image image((values.ny - 2 * rim) / n, (values.nx - 2 * rim) / n, 1);
+  PixelSums sums{(ny - 2 * rim) / n, (nx - 2 * rim) / n, n, rim - beyond};
+  sums.weights = is_integrated ? weights_of_integral(n) : std::vector<double>(size_t(n), 1);
+  sums.across = sums.columns > 0 ? (sums.columns - 1) * n + int(sums.weights.size()) : 0;
+  return sums;
+}
+
+Image mean_over_pixels(const Array2D<float>& values, int n, int rim, bool is_integrated, const Observer& observer) {
+  const PixelSums sums = pixel_sums(values.ny, values.nx, n, rim, is_integrated);
+  const std::vector<double>& weights = sums.weights;
+  const size_t across = size_t(sums.across);
+  Image image(sums.rows, sums.columns, 1);
   // First down each column of samples, then across the pixels.
-  const size_t across = image.nx > 0 ? size_t(image.nx - 1) * size_t(n) + weights.size() : 0;
   const auto read_row = [&](int64_t row) {
     std::vector<double> line(across);
     for (size_t j = 0; j < weights.size(); ++j) {
-      const float* from = values.row(rim - beyond + int(row) * n + int(j)) + rim - beyond;
+      const float* from = values.row(sums.first + int(row) * n + int(j)) + sums.first;
       for (size_t i = 0; i < across; ++i) line[i] += weights[j] * double(from[i]);
     }
     for (int column = 0; column < image.nx; ++column) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/image.h"
@@ -27,7 +29,20 @@ inline constexpr int integration_rim = 2;
 ///
 /// @param values  shape (n·rows + 2·rim, n·columns + 2·rim)
 /// @return        one channel, shape (rows, columns)
+/// @throws Error  for pixels without a sample, and for a rim that is too small
 Image mean_over_pixels(const Array2D<float>& values, int n, int rim, bool is_integrated, const Observer& observer = {});
+
+/// How mean_over_pixels adds up samples:
+///
+///     pixel(row, column) = max(0, Σ_j Σ_i weights[j]·weights[i]·values[first + row·n + j][first + column·n + i])/n²
+struct PixelSums {
+  int rows = 0, columns = 0;  ///< pixels
+  int n = 1, first = 0;
+  int across = 0;  ///< samples of a row from `first` on that a row of pixels needs
+  std::vector<double> weights{};
+};
+/// @throws Error  as mean_over_pixels does
+PixelSums pixel_sums(int ny, int nx, int n, int rim, bool is_integrated);
 
 /// The irradiance [W/m²] to show as white: `exposure` if it is above 0, otherwise the larger of
 ///

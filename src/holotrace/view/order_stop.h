@@ -4,6 +4,8 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
+#include "holotrace/data/summation_rates.h"
+#include "holotrace/wave/shared/device_field.h"
 
 namespace holotrace {
 
@@ -25,6 +27,21 @@ namespace holotrace {
 /// Fact: `filter_power`, the fraction of the light that passes.
 /// Cost: two FFTs, one copy of the field.
 Field apply_order_stop(const Field& field, const SpectralFilter& filter, int margin, const Observer& observer = {});
+
+/// The same on the device of the field, in single precision: within 1e-6 of the field's norm.
+///
+/// Transfers: 8 bytes per row and column of both windows to the device; 4 per row of both come back, for the fact.
+/// @throws Error  as above, and as Device does
+DeviceField apply_order_stop(const DeviceField& field, const SpectralFilter& filter, int margin,
+                             const Observer& observer = {});
+
+/// What a stop takes: operations of the processor; on a device, bytes that its kernels read and write, and its memory beside
+/// the field.
+struct OrderStopCost {
+  SummationWork on_processor;
+  double moved = 0, memory = 0;
+};
+OrderStopCost order_stop_cost(const Grid& grid, const SpectralFilter& filter, int margin);
 
 /// The margin that holds the light which a stop spreads over the window's edges [samples]: 32 times the width 1/2h of its
 /// response, at most a quarter of the longer side. Of a bright edge, the part beyond is 1.6e-4 of the light in a strip 1/2h wide

@@ -2,13 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <functional>
+#include <thread>
+#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/view/camera.h"
+#include "holotrace/view/device_camera.h"
 #include "holotrace/view/order_stop.h"
 #include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
+#include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/fastest_device.h"
+#include "holotrace/wave/shared/on_chosen_device.h"
 
 namespace holotrace {
 namespace {
@@ -25,30 +35,97 @@ Samples samples_between(double low, double high, double pitch, int present) {
   return {int(end - begin) + 1, first + (begin + end) / 2 * pitch};
 }
 
-// Keeps only the light inside a round pupil.
-void cut_by_pupil(Field& field, const CameraParams& camera) {
-  int64_t open = 0;
-  const double radius = camera.pupil / 2;
-  for (int j = 0; j < field.grid.ny; ++j)
-    for (int i = 0; i < field.grid.nx; ++i) {
-      const bool is_open = std::hypot(field.grid.x(i) - camera.eye.x, field.grid.y(j) - camera.eye.y) <= radius;
-      open += is_open;
-      if (!is_open) field.samples(j, i) = 0;
-    }
-  const bool is_beside = std::abs(camera.eye.x - field.grid.centre_x) > field.grid.width() / 2 + radius ||
-                         std::abs(camera.eye.y - field.grid.centre_y) > field.grid.height() / 2 + radius;
-  require(open > 0 || !is_beside,
-          "expected a pupil within the panel's window of {} × {}, got one of {} at {}, {}; move the eye",
-          format_length(field.grid.width()), format_length(field.grid.height()), format_length(camera.pupil),
-          format_length(camera.eye.x), format_length(camera.eye.y));
-  require(open > 0,
-          "expected a pupil that holds a sample of the field, got one of {} among samples {} apart; take one of {} or "
-          "more",
-          format_length(camera.pupil), format_length(field.grid.pitch),
-          format_length(std::sqrt(2.0) * field.grid.pitch));
+// Keeps only the light inside a pupil.
+void cut_by_pupil(Field& field, const std::vector<OpenColumns>& open) {
+  for (int j = 0; j < field.grid.ny; ++j) {
+    const auto [begin, end] = open[size_t(j)];
+    std::complex<float>* u = field.samples.row(j);
+    std::fill(u, u + begin, 0);
+    std::fill(u + end, u + field.grid.nx, 0);
+  }
 }
 
+// The way of the light from the panel into the pupil.
+struct PupilPath {
+  std::optional<SpectralFilter> stop;
+  int margin = 0;
+  double distance = 0;              // from the panel to the pupil
+  PropagateParams window{};         // about the pupil
+  std::vector<OpenColumns> open{};  // of it; empty without a pupil
+};
+
+// The same on the processor and on a device.
+template <class AnyField>
+AnyField into_pupil(const AnyField& light, const PupilPath& path, const Observer& observer) {
+  AnyField there = propagate(light, path.distance, path.window, observer);
+  cut_by_pupil(there, path.open);
+  return there;
+}
+
+template <class AnyField>
+AnyField along(const PupilPath& path, const AnyField& shown, const Observer& observer) {
+  if (!path.stop) return into_pupil(shown, path, observer);
+  AnyField behind = apply_order_stop(shown, *path.stop, path.margin, observer);
+  return path.open.empty() ? std::move(behind) : into_pupil(behind, path, observer);
+}
+
+// What the way is expected to take, without the transfer of the shown light [s].
+class PathForecast {
+ public:
+  PathForecast(const PupilPath& path, const Field& shown) {
+    Grid grid = shown.grid;
+    if (path.stop) {
+      stop_ = order_stop_cost(grid, *path.stop, path.margin);
+      grid.nx += 2 * path.margin;
+      grid.ny += 2 * path.margin;
+    }
+    if (!path.open.empty()) propagation_.emplace(grid, shown.wavelength, path.distance, path.window);
+  }
+  double on_processor() const {
+    const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
+    return (stop_ ? predict_seconds(stop_->on_processor, summation_rates(), threads) : 0) +
+           (propagation_ ? propagation_->on_processor() : 0);
+  }
+  double on_device(Device& device) const {
+    return (stop_ ? stop_->moved / device_rates(device).moved_bytes : 0) +
+           (propagation_ ? propagation_->on_device(device) : 0);
+  }
+
+ private:
+  std::optional<OrderStopCost> stop_;
+  std::optional<PropagationForecast> propagation_;
+};
+
 }  // namespace
+
+std::vector<OpenColumns> columns_in_pupil(const Grid& grid, const CameraParams& camera) {
+  const double radius = camera.pupil / 2;
+  bool is_open = false;
+  std::vector<OpenColumns> open(size_t(grid.ny));
+  for (int j = 0; j < grid.ny; ++j) {
+    const double y = grid.y(j) - camera.eye.y;
+    if (std::abs(y) > radius) continue;
+    const auto holds = [&](int i) { return std::hypot(grid.x(i) - camera.eye.x, y) <= radius; };
+    // The columns of the rim to one on either side; the exact test decides.
+    const double half = std::sqrt((radius - y) * (radius + y)), middle = camera.eye.x - grid.x(0);
+    const auto column = [&](double x) { return int(std::clamp(std::floor(x / grid.pitch), 0.0, double(grid.nx))); };
+    int begin = std::max(0, column(middle - half) - 1), end = std::min(grid.nx, column(middle + half) + 2);
+    while (begin < end && !holds(begin)) ++begin;
+    while (begin < end && !holds(end - 1)) --end;
+    open[size_t(j)] = {begin, end};
+    is_open = is_open || begin < end;
+  }
+  if (is_open) return open;
+  const bool is_beside = std::abs(camera.eye.x - grid.centre_x) > grid.width() / 2 + radius ||
+                         std::abs(camera.eye.y - grid.centre_y) > grid.height() / 2 + radius;
+  require(!is_beside, "expected a pupil within the panel's window of {} × {}, got one of {} at {}, {}; move the eye",
+          format_length(grid.width()), format_length(grid.height()), format_length(camera.pupil),
+          format_length(camera.eye.x), format_length(camera.eye.y));
+  fail(
+      "expected a pupil that holds a sample of the field, got one of {} among samples {} apart; take one of {} or "
+      "more",
+      format_length(camera.pupil), format_length(grid.pitch), format_length(std::sqrt(2.0) * grid.pitch));
+}
 
 std::optional<Grid> pupil_window(const Grid& shown, double wavelength, const CameraParams& camera) {
   if (camera.eye.z == 0) return shown;
@@ -67,7 +144,6 @@ std::optional<Grid> pupil_window(const Grid& shown, double wavelength, const Cam
 PropagateParams to_window(const Grid& window, const PropagateParams& propagation) {
   PropagateParams params;
   params.method = propagation.method;
-  params.device = propagation.device;
   params.columns = window.nx;
   params.rows = window.ny;
   params.centre_x = window.centre_x;
@@ -109,24 +185,36 @@ void warn_outside_eyebox(const Field& shown, const Slm& slm, const CameraParams&
                   format_length(2 * up), format_length(z), others, format_length(right), format_length(up)));
 }
 
-std::optional<Field> light_in_pupil(const Field& shown, const Slm& slm, const PropagateParams& propagation,
-                                    const CameraParams& camera, const Observer& observer) {
+PlacedField light_in_pupil(const PlacedField& light, const Slm& slm, const PropagateParams& propagation,
+                           const CameraParams& camera, const Observer& observer) {
   check_eye(camera);
-  if (camera.pupil == 0) {
-    if (!shown.filter) return std::nullopt;
-    return apply_order_stop(shown, *shown.filter, margin_of(shown.filter, shown.grid, propagation), observer);
+  const Field& shown = light.head();
+  if (camera.pupil == 0 && !shown.filter) return light;
+  PupilPath path{shown.filter};
+  if (camera.pupil > 0) {
+    warn_outside_eyebox(shown, slm, camera, observer);
+    const std::optional<Grid> window = pupil_window(shown.grid, shown.wavelength, camera);
+    if (!window) return PlacedField(Field());
+    path.distance = camera.eye.z;
+    path.window = to_window(*window, propagation);
+    path.open = columns_in_pupil(*window, camera);
+    path.margin = margin_of(path.stop, shown.grid, path.window);
+    if (path.stop) path.window = with_its_size(path.window, shown.grid);
+  } else {
+    path.margin = margin_of(path.stop, shown.grid, propagation);
   }
-  warn_outside_eyebox(shown, slm, camera, observer);
-  const std::optional<Grid> window = pupil_window(shown.grid, shown.wavelength, camera);
-  if (!window) return Field();
-  const PropagateParams to_pupil = to_window(*window, propagation);
-  Field in_pupil =
-      shown.filter
-          ? propagate(apply_order_stop(shown, *shown.filter, margin_of(shown.filter, shown.grid, to_pupil), observer),
-                      camera.eye.z, with_its_size(to_pupil, shown.grid), observer)
-          : propagate(shown, camera.eye.z, to_pupil, observer);
-  cut_by_pupil(in_pupil, camera);
-  return in_pupil;
+  const auto fastest = [&] {
+    const PathForecast forecast(path, shown);
+    return fastest_device(light.seconds_to_processor() + forecast.on_processor(),
+                          [&](Device& device) { return light.seconds_to(device) + forecast.on_device(device); });
+  };
+  auto there = on_chosen_device(propagation.device, observer, fastest,
+                                [&](Device& device) { return along(path, *light.on(device, observer), observer); });
+  if (!there) return PlacedField(along(path, *light.on_processor(observer), observer));
+  std::function<Field()> again;
+  if (propagation.device.kind == DeviceKind::automatic)
+    again = [light, path] { return along(path, *light.on_processor(), {}); };
+  return PlacedField(std::move(*there), std::move(again));
 }
 
 }  // namespace holotrace

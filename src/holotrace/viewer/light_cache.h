@@ -3,6 +3,7 @@
 #include <list>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/observer.h"
@@ -16,7 +17,8 @@ class LightCache {
  public:
   explicit LightCache(double most_bytes) : most_bytes_(most_bytes) {}
 
-  /// The field of that key, computed by make(observer) if it is not there. `observer` gets its warnings each time.
+  /// The field of that key. If it is not there, make(observer) computes it, or shares one. `observer` gets its warnings each
+  /// time.
   template <class Make>
   std::shared_ptr<const Field> get(const std::string& key, const Observer& observer, const Make& make) {
     for (auto at = entries_.begin(); at != entries_.end(); ++at)
@@ -31,7 +33,7 @@ class LightCache {
       warnings.push_back(sentence);
       observer.warn(sentence);
     };
-    auto field = std::make_shared<const Field>(make(listening));
+    std::shared_ptr<const Field> field = shared(make(listening));
     keep({key, field, std::move(warnings)});
     return field;
   }
@@ -47,6 +49,8 @@ class LightCache {
     std::vector<std::string> warnings;
   };
   void keep(Entry entry);
+  static std::shared_ptr<const Field> shared(Field field) { return std::make_shared<const Field>(std::move(field)); }
+  static std::shared_ptr<const Field> shared(std::shared_ptr<const Field> field) { return field; }
 
   double most_bytes_, bytes_ = 0;
   std::list<Entry> entries_;  // most recently used first

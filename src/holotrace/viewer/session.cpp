@@ -206,15 +206,15 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
           computed = light_.get("shown " + source, observer, [&](const Observer& o) {
             return show_state(item.hologram, item.slm, show, at, o).field;
           });
-        const Field& shown = item.field ? *item.field : *computed;
-        const bool is_changed = from.camera.pupil > 0 || shown.filter;
+        const PlacedField shown = item.field ? PlacedField::of(*item.field) : PlacedField(computed);
+        const bool is_changed = from.camera.pupil > 0 || shown.head().filter;
         std::shared_ptr<const Field> passed;
         if (is_changed)
           passed = light_.get(fmt::format("pupil {} {}", of_pupil, source), observer, [&](const Observer& o) {
-            return *light_in_pupil(shown, item.slm, state.propagation, from.camera, o);
+            return light_in_pupil(shown, item.slm, state.propagation, from.camera, o).on_processor(o);
           });
-        Image view = focus_light({passed ? *passed : shown, shape_of(shown)}, item.slm, from.distance,
-                                 state.propagation, from.camera, observer, at.source);
+        Image view = focus_light({passed ? PlacedField(passed) : shown, shape_of(shown.head())}, item.slm,
+                                 from.distance, state.propagation, from.camera, observer, at.source);
         if (state.is_draft && state.step > 1) view = every_nth(view, state.step);
         if (states.size() == 1)
           mean = std::move(view);

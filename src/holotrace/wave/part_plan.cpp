@@ -42,18 +42,19 @@ constexpr double seconds_of_start = 1e-3;
 
 bool is_measured(const DeviceRates& rates) { return rates.multiply_adds > 0 && rates.bytes > 0; }
 
-double seconds_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices) {
-  const DeviceRates rates = device_rates(*devices.front());
+double seconds_on_devices(const PartPlan& plan, const PixelBox& bounds, const SumWay& way) {
+  const DeviceRates rates = device_rates(*way.device());
   if (!is_measured(rates)) return infinite;
   const TileShape shape = plan.tiles.plan.shape;
   const double work = (plan.far.empty() ? 0 : plan.planes.seconds) + pixels_of_tiles(plan.near, shape, bounds) *
                                                                          multiply_adds_per_wave_pixel(shape) /
                                                                          rates.multiply_adds;
   // Far waves are sent twice: for their whole tiles, and for what they light of others. Each device gets all waves.
-  const size_t sent = devices.size() * (plan.near.size() + 2 * plan.far.size());
+  const size_t sent = way.devices.size() * (plan.near.size() + 2 * plan.far.size());
   // On all cores, whatever --threads says: the choice must not depend on it.
   const double sorting = seconds_to_sort * double(plan.far.size()) / std::max(1U, std::thread::hardware_concurrency());
-  return work / double(devices.size()) + transferred_bytes(sent, bounds) / rates.bytes + sorting + seconds_of_start;
+  return work / double(way.devices.size()) + transferred_bytes(sent, way.stays ? PixelBox{} : bounds) / rates.bytes +
+         sorting + seconds_of_start;
 }
 
 // Of plans for `planes` on a device. An edge of a box leaves about half of a tile of the plan to the sum in tiles, whose own
@@ -111,7 +112,7 @@ PartPlan make_part_plan(const std::vector<PreparedWave>& waves, const SumGoal& g
   PartPlan tiles = plan_tiles(waves, goal, way.device());
   if (way.approach == Approach::tiled || (way.device() && !is_measured(device_rates(*way.device())))) return tiles;
   const auto seconds = [&](const PartPlan& plan) {
-    return way.device() ? seconds_on_devices(plan, goal.bounds, way.devices) : seconds_on_processor(plan);
+    return way.device() ? seconds_on_devices(plan, goal.bounds, way) : seconds_on_processor(plan);
   };
   const double by_tiles = tiles.meets_tolerance() ? seconds(tiles) : 1e300;
   const double to_plan = way.device() ? seconds_to_plan_for_device : seconds_to_plan;
@@ -121,8 +122,8 @@ PartPlan make_part_plan(const std::vector<PreparedWave>& waves, const SumGoal& g
   return (way.device() ? 1 : from_memory) * seconds(planes) + to_plan < by_tiles ? planes : tiles;
 }
 
-double seconds_of(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices) {
-  if (!devices.empty()) return seconds_on_devices(plan, bounds, devices);
+double seconds_of(const PartPlan& plan, const PixelBox& bounds, const SumWay& way) {
+  if (way.device()) return seconds_on_devices(plan, bounds, way);
   return (plan.far.empty() ? 1 : from_memory) * seconds_on_processor(plan) / thread_count();
 }
 

@@ -27,8 +27,8 @@ struct PartPlan {
 /// that with less predicted time where the waves are to be summed. A device that was not measured sums by tiles then.
 PartPlan make_part_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, const SumWay& way);
 
-/// Predicted seconds, with all threads, or on all of these devices; infinite for devices that were not measured.
-double seconds_of(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices);
+/// Predicted seconds, with all threads, or on all devices of the way; infinite for devices that were not measured.
+double seconds_of(const PartPlan& plan, const PixelBox& bounds, const SumWay& way);
 
 /// How the plan sums, in words.
 std::string describe(const PartPlan& plan, const std::vector<Device*>& devices);

@@ -37,25 +37,31 @@ void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, con
 }
 
 // Far waves by planes in the tiles that they light wholly, and all other light by tiles.
-void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, Field& field,
+void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, SummedField& sum,
                     const Observer& observer) {
-  const LitGrid panel{field.grid, field.wavelength};
+  const Grid& grid = sum.field.grid;
+  const double wavelength = sum.field.wavelength;
   const TileShape shape = plan.tiles.plan.shape;
-  if (plan.far.empty()) return sum_tiles_on_devices(devices, plan.near, panel, shape, bounds, field.samples, observer);
-  const PlanesTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
-  const SortedWaves far = sort_waves(plan.far, tables.plan, field.wavelength, field.grid.pitch);
+  const auto by_tiles = [&](const std::vector<PreparedWave>& waves, const MakeLight& make_more) {
+    if (sum.there) return sum_tiles_on_device(waves, shape, bounds, *sum.there, observer, make_more);
+    sum_tiles_on_devices(devices, waves, {grid, wavelength}, shape, bounds, sum.field.samples, observer, make_more);
+  };
+  if (plan.far.empty()) return by_tiles(plan.near, {});
+  const PlanesTables tables(plan.planes.plan, wavelength, grid.pitch);
+  const SortedWaves far = sort_waves(plan.far, tables.plan, wavelength, grid.pitch);
   std::vector<PreparedWave> in_tiles = plan.near;
-  append_rest(far.waves, {field.grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
-  sum_tiles_on_devices(devices, in_tiles, panel, shape, bounds, field.samples, observer, [&](Device& device) {
-    const auto planes = std::make_shared<DevicePlanes>(device, far, tables, field.grid, bounds);
+  append_rest(far.waves, {grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
+  by_tiles(in_tiles, [&](Device& device) {
+    const auto planes = std::make_shared<DevicePlanes>(device, far, tables, grid, bounds);
     return LightOnDevice{[=](const auto&... band) { planes->add(band...); }, planes->least_memory()};
   });
 }
 
 // Computes the pixels of `bounds`; their old values are overwritten.
-void run_plan(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, Field& field,
+void run_plan(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, SummedField& sum,
               const Observer& observer) {
-  if (!devices.empty()) return run_on_devices(plan, bounds, devices, field, observer);
+  if (!devices.empty()) return run_on_devices(plan, bounds, devices, sum, observer);
+  Field& field = sum.field;
   for (int j = bounds.y0; j < bounds.y1; ++j)
     std::fill_n(field.samples.row(j) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
   const int parts = !plan.far.empty() + !plan.near.empty();
@@ -78,11 +84,26 @@ void run_plan(const PartPlan& plan, const PixelBox& bounds, const std::vector<De
 }
 
 // Energy of the field in the bounds over the sum of its waves' energies there.
-double coherence_of(const Field& field, const PixelBox& bounds, double energy_of_waves) {
-  double sum = 0;
+double coherence_of(const SummedField& sum, const PixelBox& bounds, double energy_of_waves) {
+  if (!(energy_of_waves > 0)) return 1;
+  if (sum.there) return energy(*sum.there, bounds) / energy_of_waves;
+  double energy = 0;
   for (int j = bounds.y0; j < bounds.y1; ++j)
-    for (int i = bounds.x0; i < bounds.x1; ++i) sum += std::norm(std::complex<double>(field.samples(j, i)));
-  return energy_of_waves > 0 ? sum / energy_of_waves : 1;
+    for (int i = bounds.x0; i < bounds.x1; ++i) energy += std::norm(std::complex<double>(sum.field.samples(j, i)));
+  return energy / energy_of_waves;
+}
+
+// A dark field where it is to be summed. It stays on a device if that has as much memory again for the sum.
+SummedField dark_field(const Grid& grid, double wavelength, const SumWay& way) {
+  const double bytes = double(grid.pixels()) * sizeof(std::complex<float>);
+  Device* const device = way.stays ? way.device() : nullptr;
+  if (!device || 2 * bytes > device->memory_left() || bytes > device->free_memory()) return {Field(grid, wavelength)};
+  SummedField sum;
+  sum.field.grid = grid;
+  sum.field.wavelength = wavelength;
+  sum.there = make_device_field(*device, sum.field);
+  clear(*sum.there);
+  return sum;
 }
 
 // The result for one part of the panel: how it was summed, or which tolerance could be met.
@@ -93,8 +114,8 @@ struct PartSum {
   double predicted_seconds = 0;  // sum over all rounds
 };
 
-PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const SumWay& way, bool is_whole, Field& field,
-                 const Observer& observer) {
+PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const SumWay& way, bool is_whole,
+                 SummedField& field, const Observer& observer) {
   const PixelBox& bounds = goal.bounds;
   // If the waves cancel, the second round knows their coherence; a field that nearly vanishes may need a third round.
   PartSum part;
@@ -103,7 +124,7 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const Sum
     part = {false, 1.25 * plan.error(), plan.far.empty() ? "tiled" : "planes", describe(plan, way.devices),
             part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
-    part.predicted_seconds += seconds_of(plan, bounds, way.devices);
+    part.predicted_seconds += seconds_of(plan, bounds, way);
     run_plan(plan, bounds, way.devices, field, observer);
     // A part of a few pixels may be dark by chance. It has little weight in the whole, to which the tolerance applies.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));
@@ -120,14 +141,14 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const Sum
 
 }  // namespace
 
-std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
-                             double& reachable, const Observer& observer) {
+std::optional<SummedField> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
+                                   double& reachable, const Observer& observer) {
   check_grid(grid);
   check_sources(sources);
   require_memory(sizeof(std::complex<float>) * double(grid.pixels()) + bytes_per_wave * double(sources.waves.size()) +
                      bytes_per_thread * thread_count(),
                  fmt::format("a field of {} × {} samples", grid.nx, grid.ny));
-  Field field(grid, sources.wavelength);
+  SummedField field = dark_field(grid, sources.wavelength, way);
   // If every part has an error of at most the tolerance times its own energy, so has the whole.
   PartSum worst;
   double predicted = 0;
@@ -150,10 +171,10 @@ std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double to
   return field;
 }
 
-Field sum_within(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
-                 const Observer& observer) {
+SummedField sum_within(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
+                       const Observer& observer) {
   double reachable = 0;
-  std::optional<Field> field = try_sum(sources, grid, tolerance, way, reachable, observer);
+  std::optional<SummedField> field = try_sum(sources, grid, tolerance, way, reachable, observer);
   require(field.has_value(),
           "expected a tolerance that {} can meet, {:.1e} or more for these sources, got {:.1e}; use the method exact",
           way.approach == Approach::tiled ? "tiles" : "planes", reachable, tolerance);
@@ -170,7 +191,7 @@ SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolera
     const PixelBox bounds = panel_part(sources, grid, part);
     const PartPlan plan = make_part_plan(waves, {grid, bounds, sources.wavelength, tolerance}, way);
     if (!plan.meets_tolerance()) return {};
-    forecast.seconds += seconds_of(plan, bounds, way.devices);
+    forecast.seconds += seconds_of(plan, bounds, way);
     forecast.method = plan.far.empty() ? "tiled" : "planes";
   }
   return forecast;

@@ -8,10 +8,9 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/sources.h"
+#include "holotrace/wave/shared/device_field.h"
 
 namespace holotrace {
-
-class Device;
 
 /// Which of the fast summations may be used: tiles alone; `planes`, with tiles for waves too near for it; or the
 /// one that is expected to take less work.
@@ -21,14 +20,22 @@ enum class Approach { tiled, planes, cheapest };
 struct SumWay {
   Approach approach;
   std::vector<Device*> devices;  ///< equal ones, which share the rows of the panel; none: the processor
+  bool stays;                    ///< whether the field stays on the device, if there is one and its memory holds it
 
-  SumWay(Approach approach, Device* device = nullptr) : approach(approach) {
+  SumWay(Approach approach, Device* device = nullptr, bool stays = false) : approach(approach), stays(stays) {
     if (device) devices.push_back(device);
   }
-  SumWay(Approach approach, std::vector<Device*> devices) : approach(approach), devices(std::move(devices)) {}
+  SumWay(Approach approach, std::vector<Device*> devices, bool stays = false)
+      : approach(approach), devices(std::move(devices)), stays(stays && this->devices.size() == 1) {}
 
   /// The device by which plans are made.
   Device* device() const { return devices.empty() ? nullptr : devices.front(); }
+};
+
+/// A sum of waves: on the processor, or on the device that summed it (`field` then has no samples).
+struct SummedField {
+  Field field;
+  std::optional<DeviceField> there{};
 };
 
 /// Common core of sum_tiled.h and sum_planes.h. For the panel (or for each of its tiles, if waves have tile amplitudes)
@@ -38,12 +45,12 @@ struct SumWay {
 /// Facts: method, how (the plan of the part with the greatest error), expected_error, predicted_seconds (cost_model.h; on
 /// a device device_rates.h, if it was measured).
 /// @return  the field; none if no plan meets the tolerance, and `reachable` is then a tolerance that can be met
-std::optional<Field> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
-                             double& reachable, const Observer& observer);
+std::optional<SummedField> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
+                                   double& reachable, const Observer& observer);
 
 /// The same for one method. @throws Error  if no plan of this method meets the tolerance
-Field sum_within(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
-                 const Observer& observer);
+SummedField sum_within(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
+                       const Observer& observer);
 
 /// Forecast of try_sum without the sum: the plan of its first round.
 struct SumForecast {

@@ -12,6 +12,7 @@
 #include "holotrace/opencl/device.h"
 #include "holotrace/wave/layers/sum_layers.h"
 #include "holotrace/wave/shared/fastest_device.h"
+#include "holotrace/wave/shared/on_chosen_device.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/summation.h"
@@ -64,12 +65,13 @@ Approach approach_of(SynthesisMethod method) {
   return method == SynthesisMethod::planes ? Approach::planes : Approach::cheapest;
 }
 
-// The device that is expected to sum the waves faster than the processor and the other devices; none: the processor is.
-Device* fastest_device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+// The device that is expected to sum the waves faster than the processor and the other devices; none: the processor is. The
+// field's return counts unless it stays there.
+Device* fastest_device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool stays) {
   if (!runs_on_devices(params.method)) return nullptr;
   const Approach approach = approach_of(params.method);
   const auto seconds = [&](Device* device) {
-    const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device});
+    const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device, stays});
     return forecast.method.empty() ? infinite : forecast.seconds;
   };
   // On all cores, whatever --threads says: the choice, and so the bytes, must not depend on it.
@@ -78,10 +80,10 @@ Device* fastest_device_for(const Sources& sources, const Grid& grid, const Synth
 }
 
 // The devices that sum the waves; none: the processor does.
-std::vector<Device*> devices_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+std::vector<Device*> devices_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool stays) {
   if (params.device.kind == DeviceKind::cpu) return {};
   if (params.device.kind == DeviceKind::automatic) {
-    Device* const device = fastest_device_for(sources, grid, params);
+    Device* const device = fastest_device_for(sources, grid, params, stays);
     return device ? std::vector<Device*>{device} : std::vector<Device*>();
   }
   require(runs_on_devices(params.method),
@@ -92,29 +94,29 @@ std::vector<Device*> devices_for(const Sources& sources, const Grid& grid, const
 }
 
 // By the method that the parameters name, which is one that sums waves.
-Field sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
-                const std::vector<Device*>& devices, const Observer& observer) {
-  const auto exact = [&] {
+SummedField sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
+                      const std::vector<Device*>& devices, bool stays, const Observer& observer) {
+  const auto exact = [&]() -> SummedField {
     observer.fact("method", std::string("exact"));
-    return convert<float>(sum_exact(sources, grid, observer));
+    return {convert<float>(sum_exact(sources, grid, observer))};
   };
   switch (params.method) {
     case SynthesisMethod::exact:
       return exact();
     case SynthesisMethod::tiled:
     case SynthesisMethod::planes:
-      return sum_within(sources, grid, params.tolerance, {approach_of(params.method), devices}, observer);
+      return sum_within(sources, grid, params.tolerance, {approach_of(params.method), devices, stays}, observer);
     case SynthesisMethod::layers:
       observer.fact("method", std::string("layers"));
-      return sum_layers(sources, grid, params, observer);
+      return {sum_layers(sources, grid, params, observer)};
     case SynthesisMethod::triangles:
       throw Error("expected a method that sums waves, got triangles, which need surfaces; give a scene or a mesh");
     case SynthesisMethod::automatic:
       break;
   }
   double reachable = 0;
-  std::optional<Field> field =
-      try_sum(sources, grid, params.tolerance, {Approach::cheapest, devices}, reachable, observer);
+  std::optional<SummedField> field =
+      try_sum(sources, grid, params.tolerance, {Approach::cheapest, devices, stays}, reachable, observer);
   if (!field) {
     observer.fact("why", fmt::format("the other methods reach {:.1e} at best, the tolerance is {:.1e}", reachable,
                                      params.tolerance));
@@ -122,6 +124,25 @@ Field sum_waves(const Sources& sources, const Grid& grid, const SynthesizeParams
   }
   observer.fact("why", fmt::format("the fastest that is expected to meet the tolerance of {:.1e}", params.tolerance));
   return std::move(*field);
+}
+
+// On the chosen device; if the device `auto` fails, on the processor.
+SummedField sum_where_chosen(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool stays,
+                             const Observer& observer) {
+  check_grid(grid);
+  check_sources(sources);
+  require(!sources.waves.empty(), "expected at least one source, got none; is the scene lit and in view?");
+  check_ranges(params);
+  const std::vector<Device*> devices = devices_for(sources, grid, params, stays);
+  report_boxes(sources, grid, observer);
+  if (devices.empty() || params.device.kind != DeviceKind::automatic)
+    return sum_waves(sources, grid, params, devices, stays, observer);
+  try {
+    return sum_waves(sources, grid, params, devices, stays, observer);
+  } catch (const Error& error) {
+    warn_of_takeover(observer, error.what());
+    return sum_waves(sources, grid, params, {}, stays, observer);
+  }
 }
 
 }  // namespace
@@ -146,7 +167,7 @@ std::string method_name(SynthesisMethod method) {
 
 DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   if (params.device.kind != DeviceKind::automatic) return params.device;
-  const Device* device = fastest_device_for(sources, grid, params);
+  const Device* device = fastest_device_for(sources, grid, params, false);
   return device ? DeviceChoice{DeviceKind::opencl, device->info().number} : DeviceChoice{};
 }
 
@@ -157,20 +178,28 @@ int64_t waves_pixels(const Sources& sources, const Grid& grid) {
 }
 
 Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParams& params, const Observer& observer) {
-  check_grid(grid);
-  check_sources(sources);
-  require(!sources.waves.empty(), "expected at least one source, got none; is the scene lit and in view?");
-  check_ranges(params);
-  const std::vector<Device*> devices = devices_for(sources, grid, params);
-  report_boxes(sources, grid, observer);
-  if (devices.empty() || params.device.kind != DeviceKind::automatic)
-    return sum_waves(sources, grid, params, devices, observer);
-  try {
-    return sum_waves(sources, grid, params, devices, observer);
-  } catch (const Error& error) {
-    observer.warn(fmt::format("the device auto: the processor took over, because {}", error.what()));
-    return sum_waves(sources, grid, params, {}, observer);
-  }
+  return sum_where_chosen(sources, grid, params, false, observer).field;
+}
+
+PlacedField synthesize_placed(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
+                              const Observer& observer) {
+  const auto label = [](const Sources& from, Field& field) {
+    field.name = from.name;
+    field.frame = from.frame;
+    field.cone_wavelength = from.cone_wavelength;
+  };
+  SummedField sum = sum_where_chosen(sources, grid, params, true, observer);
+  label(sources, sum.there ? sum.there->head : sum.field);
+  if (!sum.there) return PlacedField(std::move(sum.field));
+  if (params.device.kind != DeviceKind::automatic) return PlacedField(std::move(*sum.there));
+  const auto again = [sources, grid, params, label] {
+    SynthesizeParams on_processor = params;
+    on_processor.device = {};
+    Field field = synthesize(sources, grid, on_processor);
+    label(sources, field);
+    return field;
+  };
+  return PlacedField(std::move(*sum.there), again);
 }
 
 }  // namespace holotrace

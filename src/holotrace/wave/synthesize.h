@@ -6,6 +6,7 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/synthesize.h"
 #include "holotrace/data/sources.h"
+#include "holotrace/wave/shared/placed_field.h"
 
 namespace holotrace {
 
@@ -36,6 +37,12 @@ namespace holotrace {
 /// misses the panel.
 Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
                  const Observer& observer = {});
+
+/// The same for a field that another stage takes, with the name, frame and cone of the sources. It stays on the device that
+/// sums it, if that has memory for it. Transfers: the waves, and 4 bytes per row for its energy. The device `auto` is chosen
+/// without the field's return. If it fails later, the processor sums the waves again, of which it keeps a copy.
+PlacedField synthesize_placed(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
+                              const Observer& observer = {});
 
 /// The name of a method in flags and scene files.
 std::string method_name(SynthesisMethod method);

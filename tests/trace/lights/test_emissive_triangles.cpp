@@ -24,8 +24,8 @@ TEST(EmissiveTriangles, ASampleHasTheTexturesLightAtItsPlace) {
   const Vec3 from{1_mm, 2_mm, -0.1};
   int in_lower = 0;
   for (int i = 0; i < 64; ++i) {
-    const double triangle = random.uniform(), s = random.uniform(), t = random.uniform();
-    const LightSample sample = lamps.sample(from, triangle, {s, t});
+    const double s = random.uniform(), t = random.uniform();
+    const LightSample sample = lamps.sample(from, {s, t});
     const Vec3 place = from + sample.direction * sample.distance;
     // The quad spans (−15, −13) to (25, 7) mm, and its texture spans the quad.
     const double u = (place.x + 15_mm) / 40_mm, v = (place.y + 13_mm) / 20_mm;

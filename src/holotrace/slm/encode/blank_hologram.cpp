@@ -17,29 +17,6 @@
 namespace holotrace {
 namespace {
 
-void check_samples(const Field& field) {
-  require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
-          "expected {} × {} samples, as the field's grid says, got {} × {}", field.grid.nx, field.grid.ny,
-          field.samples.nx, field.samples.ny);
-  std::atomic<bool> all_finite{true};
-  parallel_for(0, field.grid.ny, [&](int64_t j) {
-    const std::complex<float>* u = field.samples.row(int(j));
-    // A number that is not finite has all bits of its exponent set. This loop is done in vector lanes.
-    constexpr uint32_t exponent = 0x7f800000;
-    const float* parts = reinterpret_cast<const float*>(u);
-    bool is_finite = true;
-    for (int i = 0; i < 2 * field.grid.nx; ++i) is_finite &= (std::bit_cast<uint32_t>(parts[i]) & exponent) != exponent;
-    if (!is_finite) all_finite = false;
-  });
-  if (all_finite) return;
-  for (int j = 0; j < field.grid.ny; ++j)
-    for (int i = 0; i < field.grid.nx; ++i) {
-      const std::complex<float> u = field.samples(j, i);
-      require(std::isfinite(u.real()) && std::isfinite(u.imag()),
-              "expected finite samples in the field, got {}{:+}i at row {}, column {}", u.real(), u.imag(), j, i);
-    }
-}
-
 void check_panel(const Slm& slm, const EncodeParams& params, const Observer& observer) {
   const Modulation modulation = modulation_of(params, slm);
   const char* name = name_of(params.method, encoding_names);
@@ -88,6 +65,10 @@ void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& ob
 
 }  // namespace
 
+bool is_of_single_pixels(Encoding method) {
+  return method == Encoding::phase || method == Encoding::amplitude || method == Encoding::complex;
+}
+
 Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
   switch (params.method) {
     case Encoding::amplitude:
@@ -114,9 +95,9 @@ void check_encode_params(const Slm& slm, const EncodeParams& params) {
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
   require(
-      params.device.kind != DeviceKind::opencl || aims_at_targets(params.method),
-      "expected gerchberg-saxton, weighted-gerchberg-saxton or sgd on an OpenCL device, got \"{}\"; use one of them, "
-      "or the device cpu",
+      params.device.kind != DeviceKind::opencl || aims_at_targets(params.method) || is_of_single_pixels(params.method),
+      "expected phase, amplitude, complex, gerchberg-saxton, weighted-gerchberg-saxton or sgd on an OpenCL device, "
+      "got \"{}\"; use one of them, or the device cpu",
       name_of(params.method, encoding_names));
 }
 
@@ -126,19 +107,51 @@ void check_encoding(const Slm& slm, const EncodeParams& params, const Observer& 
   tell_effects(slm, params, observer);
 }
 
-void check_field_to_show(const Field& field, const Slm& slm, const Observer& observer) {
+void check_head_to_show(const Field& field, const Slm& slm, const Observer& observer) {
   check_wavelength(field.wavelength);
   require_grid_of(slm, field.grid, "field");
-  check_samples(field);
   if (field.z != 0)
     observer.warn(fmt::format("the field is at z = {} and is shown at the panel, z = 0; propagate it there first",
                               format_length(field.z)));
   if (field.grid.centre_x != 0 || field.grid.centre_y != 0)
     observer.warn(fmt::format("the field is centred on ({}, {}) and is shown on the axis",
                               format_length(field.grid.centre_x), format_length(field.grid.centre_y)));
-  const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
-  if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark))
-    observer.warn("the field is dark everywhere, so the hologram is empty; is a source inside the panel's view?");
+}
+
+void warn_of_dark_field(const Observer& observer) {
+  observer.warn("the field is dark everywhere, so the hologram is empty; is a source inside the panel's view?");
+}
+
+void check_samples_to_show(const Field& field, const Observer& observer) {
+  require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
+          "expected {} × {} samples, as the field's grid says, got {} × {}", field.grid.nx, field.grid.ny,
+          field.samples.nx, field.samples.ny);
+  std::atomic<bool> all_finite{true};
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    const std::complex<float>* u = field.samples.row(int(j));
+    // A number that is not finite has all bits of its exponent set. This loop is done in vector lanes.
+    constexpr uint32_t exponent = 0x7f800000;
+    const float* parts = reinterpret_cast<const float*>(u);
+    bool is_finite = true;
+    for (int i = 0; i < 2 * field.grid.nx; ++i) is_finite &= (std::bit_cast<uint32_t>(parts[i]) & exponent) != exponent;
+    if (!is_finite) all_finite = false;
+  });
+  if (all_finite) {
+    const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
+    if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark)) warn_of_dark_field(observer);
+    return;
+  }
+  for (int j = 0; j < field.grid.ny; ++j)
+    for (int i = 0; i < field.grid.nx; ++i) {
+      const std::complex<float> u = field.samples(j, i);
+      require(std::isfinite(u.real()) && std::isfinite(u.imag()),
+              "expected finite samples in the field, got {}{:+}i at row {}, column {}", u.real(), u.imag(), j, i);
+    }
+}
+
+void check_field_to_show(const Field& field, const Slm& slm, const Observer& observer) {
+  check_head_to_show(field, slm, observer);
+  check_samples_to_show(field, observer);
 }
 
 Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {

@@ -10,6 +10,9 @@
 
 namespace holotrace {
 
+/// Whether a method treats each pixel by itself (kinoform.h).
+bool is_of_single_pixels(Encoding method);
+
 /// What the pixels of a hologram modulate: what the method writes, which for sgd and binary is what the panel can do.
 Modulation modulation_of(const EncodeParams& params, const Slm& slm);
 
@@ -24,6 +27,11 @@ void check_encoding(const Slm& slm, const EncodeParams& params, const Observer& 
 /// Checks a field that is to be shown. Warns if it is not at the panel, is off the axis, or is dark.
 /// @throws Error  if its grid differs from the panel's or a sample is not finite
 void check_field_to_show(const Field& field, const Slm& slm, const Observer& observer);
+
+/// The parts of that check: all but the samples; the samples; and the warning of a dark field.
+void check_head_to_show(const Field& head, const Slm& slm, const Observer& observer);
+void check_samples_to_show(const Field& field, const Observer& observer);
+void warn_of_dark_field(const Observer& observer);
 
 /// A hologram of a field, all levels 0, with all that later stages need to know of it.
 /// Facts: `encoder`, `levels`.

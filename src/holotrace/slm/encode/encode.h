@@ -9,6 +9,7 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/data/target.h"
+#include "holotrace/wave/shared/placed_field.h"
 
 namespace holotrace {
 
@@ -52,6 +53,11 @@ namespace holotrace {
 /// Facts: `encoder`, `levels`; for the amplitude encoding `modulus_max` [√(W/m²)], the modulus of the top level
 /// (nothing is clipped), and `mean_transmittance`; those of off_axis.h; `illumination` [W/m²]; for the phase
 /// encoding `phase_range` = 2π·λ₀/λ [rad], with a warning if it is short of 2π.
+///
+/// phase, amplitude and complex run on an OpenCL device (params.device), whose levels differ by rounding, by at most one. Levels
+/// of a calibration are for the processor. A field that is there already stays there: 2 bytes per pixel (complex: 4)
+/// come back, and 12 per row. The device `auto` counts where the field is. The other direct methods are for the processor.
+Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& params, const Observer& observer = {});
 Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer = {});
 
 /// Levels of a panel that show given moduli in target planes, found by one of the iterative methods.

@@ -5,25 +5,21 @@
 #include <vector>
 
 #include "holotrace/base/threads.h"
+#include "holotrace/slm/encode/device_levels.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
 
 namespace holotrace {
 namespace {
 
-void write_amplitude_levels(const Field& field, double largest, int levels, Array2D<uint16_t>& to) {
-  const double scale = largest > 0 ? 1 / largest : 0;
-  parallel_for(0, field.grid.ny, [&](int64_t j) {
-    const std::complex<float>* u = field.samples.row(int(j));
-    uint16_t* level = to.row(int(j));
-    for (int i = 0; i < field.grid.nx; ++i)
-      level[i] = uint16_t(amplitude_level(std::abs(std::complex<double>(u[i])) * scale, levels));
-  });
-}
-
-void tell_amplitudes(const Field& field, const ModulusMoments& moments, const Observer& observer) {
-  observer.fact("modulus_max", Fact(moments.largest));
-  const double scale = moments.largest > 0 ? 1 / moments.largest : 0;
-  observer.fact("mean_transmittance", Fact(moments.sum * scale / double(field.grid.pixels())));
+// The levels of |U|/max|U|, the hologram's illumination, and facts.
+template <class AnyField>
+void encode_moduli(const ShownPixels<AnyField>& shown, const Observer& observer, Array2D<uint16_t>& to,
+                   Hologram& hologram) {
+  const double largest = shown.moments.largest, scale = largest > 0 ? 1 / largest : 0;
+  write_amplitude_levels(shown.field, largest, hologram.levels, to);
+  hologram.illumination = largest * largest;
+  observer.fact("modulus_max", Fact(largest));
+  observer.fact("mean_transmittance", Fact(shown.moments.sum * scale / double(hologram.grid.pixels())));
 }
 
 }  // namespace
@@ -41,26 +37,45 @@ ModulusMoments modulus_moments(const Field& field) {
   return moments;
 }
 
-void encode_phase(const Field& field, const PhaseLevels& levels, Hologram& hologram) {
-  const ModulusMoments moments = modulus_moments(field);
+void write_phase_levels(const Field& field, bool is_conjugate, const PhaseLevels& levels, Array2D<uint16_t>& to) {
+  write_phase_levels(field.samples, is_conjugate, levels, to);
+}
+
+void write_amplitude_levels(const Field& field, double largest, int levels, Array2D<uint16_t>& to) {
+  const double scale = largest > 0 ? 1 / largest : 0;
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    const std::complex<float>* u = field.samples.row(int(j));
+    uint16_t* level = to.row(int(j));
+    for (int i = 0; i < field.grid.nx; ++i)
+      level[i] = uint16_t(amplitude_level(std::abs(std::complex<double>(u[i])) * scale, levels));
+  });
+}
+
+template <class AnyField>
+void encode_phase(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, Hologram& hologram) {
+  const ModulusMoments& moments = shown.moments;
   hologram.illumination = moments.sum > 0 ? std::pow(moments.square / moments.sum, 2) : 0;
-  write_phase_levels(field.samples, false, levels, hologram.level);
+  write_phase_levels(shown.field, shown.is_conjugate, levels, hologram.level);
 }
 
-void encode_amplitude(const Field& field, const Observer& observer, Hologram& hologram) {
-  const ModulusMoments moments = modulus_moments(field);
-  write_amplitude_levels(field, moments.largest, hologram.levels, hologram.level);
-  hologram.illumination = moments.largest * moments.largest;
-  tell_amplitudes(field, moments, observer);
+template <class AnyField>
+void encode_amplitude(const ShownPixels<AnyField>& shown, const Observer& observer, Hologram& hologram) {
+  encode_moduli(shown, observer, hologram.level, hologram);
 }
 
-void encode_complex(const Field& field, const PhaseLevels& levels, const Observer& observer, Hologram& hologram) {
-  const ModulusMoments moments = modulus_moments(field);
-  write_phase_levels(field.samples, false, levels, hologram.level);
-  hologram.modulus_level = Array2D<uint16_t>(field.grid.ny, field.grid.nx);
-  write_amplitude_levels(field, moments.largest, hologram.levels, hologram.modulus_level);
-  hologram.illumination = moments.largest * moments.largest;
-  tell_amplitudes(field, moments, observer);
+template <class AnyField>
+void encode_complex(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, const Observer& observer,
+                    Hologram& hologram) {
+  write_phase_levels(shown.field, shown.is_conjugate, levels, hologram.level);
+  hologram.modulus_level = Array2D<uint16_t>(hologram.grid.ny, hologram.grid.nx);
+  encode_moduli(shown, observer, hologram.modulus_level, hologram);
 }
+
+template void encode_phase(const ShownPixels<Field>&, const PhaseLevels&, Hologram&);
+template void encode_phase(const ShownPixels<DeviceField>&, const PhaseLevels&, Hologram&);
+template void encode_amplitude(const ShownPixels<Field>&, const Observer&, Hologram&);
+template void encode_amplitude(const ShownPixels<DeviceField>&, const Observer&, Hologram&);
+template void encode_complex(const ShownPixels<Field>&, const PhaseLevels&, const Observer&, Hologram&);
+template void encode_complex(const ShownPixels<DeviceField>&, const PhaseLevels&, const Observer&, Hologram&);
 
 }  // namespace holotrace

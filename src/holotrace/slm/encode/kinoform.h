@@ -7,24 +7,43 @@
 #include "holotrace/slm/encode/sample_kernels.h"
 
 // The encoders that treat each pixel by itself. Each writes `level` and `illumination` of a hologram whose grid,
-// levels, wavelength and modulation are set. `field` is what the panel is to show: U, or its conjugate.
+// levels, wavelength and modulation are set.
 
 namespace holotrace {
 
 /// The moments of |U| over the panel.
 ModulusMoments modulus_moments(const Field& field);
 
+/// The level of each sample's phase, or of that of its conjugate.
+void write_phase_levels(const Field& field, bool is_conjugate, const PhaseLevels& levels, Array2D<uint16_t>& to);
+
+/// The level of |U|/largest.
+void write_amplitude_levels(const Field& field, double largest, int levels, Array2D<uint16_t>& to);
+
+/// A field that a panel is to show, U or its conjugate, with the moments of |U|. Field: on the processor, or on a device
+/// (DeviceField; device_levels.h), where it stays. The hologram's illumination and facts are the same for both.
+template <class AnyField>
+struct ShownPixels {
+  const AnyField& field;
+  ModulusMoments moments;
+  bool is_conjugate = false;
+};
+
 /// Kinoform: the level nearest to arg(U); |U| is dropped. The panel shows exp(i·arg U). Its part along U is
 /// ⟨|U|⟩/⟨|U|²⟩·U: E = (⟨|U|²⟩/⟨|U|⟩)².
-void encode_phase(const Field& field, const PhaseLevels& levels, Hologram& hologram);
+template <class AnyField>
+void encode_phase(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, Hologram& hologram);
 
 /// Level (M−1)·|U|/max|U|; arg(U) is dropped. E = max|U|².
 /// Facts: `modulus_max` [√(W/m²)], `mean_transmittance`.
-void encode_amplitude(const Field& field, const Observer& observer, Hologram& hologram);
+template <class AnyField>
+void encode_amplitude(const ShownPixels<AnyField>& shown, const Observer& observer, Hologram& hologram);
 
 /// Phase and amplitude, on a panel that modulates both: `level` as the kinoform, `modulus_level` as the amplitude
 /// encoding. E = max|U|².
 /// Facts: as encode_amplitude.
-void encode_complex(const Field& field, const PhaseLevels& levels, const Observer& observer, Hologram& hologram);
+template <class AnyField>
+void encode_complex(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, const Observer& observer,
+                    Hologram& hologram);
 
 }  // namespace holotrace

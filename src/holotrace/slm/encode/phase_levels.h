@@ -27,6 +27,12 @@ class PhaseLevels {
   /// The same for each of `count` samples, or for their conjugates with sign = −1. Equal to level_of.
   void levels_of(const std::complex<float>* u, float sign, size_t count, uint16_t* to) const;
 
+  /// Number of levels M.
+  int count() const { return levels_; }
+
+  /// Whether the levels are those of a calibration, whose steps are not even.
+  bool has_table() const { return table_.has_value(); }
+
   /// exp(iφ) for each level.
   const std::vector<std::complex<double>>& phasors() const { return phasors_; }
 

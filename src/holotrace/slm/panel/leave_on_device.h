@@ -7,6 +7,7 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/device.h"
 #include "holotrace/slm/panel/panel_model.h"
+#include "holotrace/wave/shared/device_field.h"
 
 namespace holotrace {
 
@@ -27,5 +28,15 @@ struct PanelPattern {
 /// @throws Error  for a device that is not there, and as PanelModel::leave and Device do
 std::optional<Field> leave_on_device(const PanelModel& panel, const PanelPattern& pattern, const DeviceChoice& choice,
                                      const Observer& observer = {});
+
+/// A field that left a panel on a device, and its power [W].
+struct LeftField {
+  DeviceField field;
+  double power = 0;
+};
+
+/// The same, but the field stays on the device: only 4 bytes per row come back, for its power.
+std::optional<LeftField> leave_and_stay_on_device(const PanelModel& panel, const PanelPattern& pattern,
+                                                  const DeviceChoice& choice, const Observer& observer = {});
 
 }  // namespace holotrace

@@ -31,7 +31,12 @@ void PanelModel::check_pattern(const Array2D<float>& drive, const Array2D<float>
   parts_->check_pattern(drive, modulus);
 }
 
-Field PanelModel::dark_field() const { return Field(parts_->out, parts_->state.wavelength, 0); }
+Field PanelModel::head() const {
+  Field field;
+  field.grid = parts_->out;
+  field.wavelength = parts_->state.wavelength;
+  return field;
+}
 
 Field PanelModel::leave(const Array2D<float>& drive, const Array2D<float>* modulus) const {
   Field field;
@@ -76,7 +81,8 @@ PanelWork PanelModel::work() const {
   // row of terms two transpositions and a transform along y.
   work.moved = sample_bytes * (points * (pixels + 2 * pairs * pixels) + pairs * 5 * in_rows +
                                terms * (3 * in_rows + 4 * samples) + 2 * samples + 2 * pixels);
-  work.sent = sample_bytes * (samples + pixels);
+  work.sent = sample_bytes * pixels;
+  work.fetched = sample_bytes * samples;
   return work;
 }
 

@@ -14,10 +14,11 @@ namespace holotrace {
 
 struct PixelExpansion;
 
-/// Work of a panel: operations of the processor; bytes that a device reads and writes, and that are sent to it or fetched.
+/// Work of a panel: operations of the processor; bytes that a device reads and writes, that are sent to it, and those of the
+/// field that is fetched.
 struct PanelWork {
   SummationWork on_processor;
-  double moved = 0, sent = 0;
+  double moved = 0, sent = 0, fetched = 0;
 };
 
 /// A panel under one illumination state, prepared for any number of patterns. It computes the field that leaves the
@@ -89,8 +90,8 @@ class PanelModel {
   /// @throws Error  for a pattern that `leave` does not take
   void check_pattern(const Array2D<float>& drive, const Array2D<float>* modulus) const;
 
-  /// The field that leaves without any light.
-  Field dark_field() const;
+  /// All of the field that leaves but its samples.
+  Field head() const;
 
   /// Power of the light on the panel [W].
   double power_in() const;

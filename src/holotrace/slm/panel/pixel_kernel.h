@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "holotrace/base/host_device.h"
+#include "holotrace/slm/panel/level_kernel.h"
 
 // The response of one pixel: level → light and light → level. The loops over pixels are elsewhere.
 
@@ -34,14 +35,12 @@ HOLOTRACE_HOST_DEVICE inline int phase_level(double real, double imaginary, int 
   const bool is_dark = real == 0 && imaginary == 0;  // atan2(0, −0) is π
   double cycles = is_dark ? 0 : std::atan2(imaginary, real) / (2 * std::numbers::pi);
   if (cycles < 0) cycles += 1;
-  const double nearest = std::fmin(std::floor(cycles * levels / stretch + 0.5), levels - 1.0);
-  const double off = std::fabs(cycles - stretch * nearest / levels);
-  return 1 - cycles <= off ? 0 : int(nearest);
+  return level_kernel::nearest_phase_level(cycles, levels, stretch);
 }
 
 /// The level of M whose transmittance ℓ/(M−1) is nearest; transmittances beyond [0, 1] are clipped.
 HOLOTRACE_HOST_DEVICE inline int amplitude_level(double transmittance, int levels) {
-  return int(std::floor(std::fmin(std::fmax(transmittance, 0.0), 1.0) * (levels - 1) + 0.5));
+  return level_kernel::nearest_amplitude_level(transmittance, levels);
 }
 
 /// Spectrum w·sinc(w·f) of a pixel lit over the fraction w of its side, along one axis, at f cycles

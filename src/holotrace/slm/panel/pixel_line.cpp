@@ -12,8 +12,12 @@ using Complex = std::complex<float>;
 PixelLine::PixelLine(int pixels, int samples_per_pixel, int terms, double lit, double scale)
     : pixels_(pixels),
       samples_(pixels * samples_per_pixel),
-      of_row_(pixels, samples_, 1),
-      of_block_(pixels, samples_, block),
+      pixels_forward_(pixels, {}, FftDirection::forward),
+      pixels_backward_(pixels, {}, FftDirection::backward),
+      samples_forward_(samples_, {}, FftDirection::forward),
+      samples_backward_(samples_, {}, FftDirection::backward),
+      pixels_of_block_(pixels),
+      samples_of_block_(samples_),
       weights_(size_t(terms) * size_t(samples_)) {
   const auto turned = [](double value, int term) {  // value·(−i)ᵏ
     const double signed_value = term % 4 < 2 ? value : -value;
@@ -28,63 +32,60 @@ PixelLine::PixelLine(int pixels, int samples_per_pixel, int terms, double lit, d
       if (2 * signed_frequency(k, samples_) == -samples_) weight = weight.real();  // the mean of both signs of n/2
       weights_[size_t(term) * size_t(samples_) + size_t(k)] = std::complex<float>(weight * scale / double(pixels));
     }
+  for (const Complex& weight : weights_) conjugates_.push_back(std::conj(weight));
 }
 
-// The lines are side by side; their spectra are one after the other.
-PixelLine::Transforms::Transforms(int pixels, int samples, int lines)
-    : lines(lines),
-      pixels_forward(pixels, {lines, lines, 1, 1, pixels}, FftDirection::forward),
-      pixels_backward(pixels, {lines, 1, pixels, lines, 1}, FftDirection::backward),
-      samples_forward(samples, {lines, lines, 1, 1, samples}, FftDirection::forward),
-      samples_backward(samples, {lines, 1, samples, lines, 1}, FftDirection::backward) {}
-
-void PixelLine::spread(const Transforms& transforms, int count, const Complex* terms, Complex* out) const {
-  const size_t length = size_t(pixels_), samples = size_t(samples_), lines = size_t(transforms.lines);
-  Workspace::Loan space(workspace_, 2 * lines * (length + samples));
-  Complex *of_samples = reinterpret_cast<Complex*>(space.data()), *of_pixels = of_samples + lines * samples;
+void PixelLine::spread(int count, const Complex* terms, Complex* out) const {
+  const size_t length = size_t(pixels_), samples = size_t(samples_);
+  Workspace::Loan space(workspace_, 2 * (samples + length));
+  Complex *of_samples = reinterpret_cast<Complex*>(space.data()), *of_pixels = of_samples + samples;
   for (size_t c = 0; c < size_t(count); ++c) {
-    transforms.pixels_forward(terms + c * lines * length, of_pixels);
-    for (size_t line = 0; line < lines; ++line)
-      for (size_t k = 0; k < samples; k += length) {
-        const Complex *from = of_pixels + line * length, *weight = weights_.data() + c * samples + k;
-        Complex* to = of_samples + line * samples + k;
-        if (c == 0)
-          multiply(to, from, weight, length);
-        else
-          multiply_add(to, from, weight, length);
-      }
+    pixels_forward_(terms + c * length, of_pixels);
+    for (size_t k = 0; k < samples; k += length)
+      (c == 0 ? multiply<float> : multiply_add<float>)(of_samples + k, of_pixels, &weights_[c * samples + k], length);
   }
-  transforms.samples_backward(of_samples, out);
+  samples_backward_(of_samples, out);
 }
 
-void PixelLine::gather(const Transforms& transforms, int count, const Complex* out, Complex* terms) const {
-  const size_t length = size_t(pixels_), samples = size_t(samples_), lines = size_t(transforms.lines);
-  Workspace::Loan space(workspace_, 2 * lines * (length + samples));
-  Complex *of_samples = reinterpret_cast<Complex*>(space.data()), *of_pixels = of_samples + lines * samples;
-  transforms.samples_forward(out, of_samples);
+void PixelLine::gather(int count, const Complex* out, Complex* terms) const {
+  const size_t length = size_t(pixels_), samples = size_t(samples_);
+  Workspace::Loan space(workspace_, 2 * (samples + length));
+  Complex *of_samples = reinterpret_cast<Complex*>(space.data()), *of_pixels = of_samples + samples;
+  samples_forward_(out, of_samples);
   for (size_t c = 0; c < size_t(count); ++c) {
-    for (size_t line = 0; line < lines; ++line)
-      for (size_t k = 0; k < samples; k += length) {
-        const Complex *from = of_samples + line * samples + k, *weight = weights_.data() + c * samples + k;
-        Complex* to = of_pixels + line * length;
-        if (k == 0)
-          multiply_conjugate(to, from, weight, length);
-        else
-          multiply_conjugate_add(to, from, weight, length);
-      }
-    transforms.pixels_backward(of_pixels, terms + c * lines * length);
+    for (size_t k = 0; k < samples; k += length)
+      (k == 0 ? multiply<float> : multiply_add<float>)(of_pixels, of_samples + k, &conjugates_[c * samples + k],
+                                                       length);
+    pixels_backward_(of_pixels, terms + c * length);
   }
 }
-
-void PixelLine::spread(int count, const Complex* terms, Complex* out) const { spread(of_row_, count, terms, out); }
-void PixelLine::gather(int count, const Complex* out, Complex* terms) const { gather(of_row_, count, out, terms); }
 
 void PixelLine::spread_block(int count, const Complex* terms, Complex* out) const {
-  spread(of_block_, count, terms, out);
+  const size_t length = size_t(pixels_), samples = size_t(samples_);
+  Workspace::Loan space(workspace_, 2 * block * (2 * samples + length));
+  Complex *of_samples = reinterpret_cast<Complex*>(space.data()), *of_pixels = of_samples + block * samples,
+          *work = of_pixels + block * length;
+  for (size_t c = 0; c < size_t(count); ++c) {
+    pixels_of_block_(FftDirection::forward, terms + c * block * length, of_pixels, work);
+    for (size_t k = 0; k < samples; k += length)
+      (c == 0 ? multiply_rows<float> : multiply_add_rows<float>)(of_samples + k * block, of_pixels,
+                                                                 &weights_[c * samples + k], length, block);
+  }
+  samples_of_block_(FftDirection::backward, of_samples, out, work);
 }
 
 void PixelLine::gather_block(int count, const Complex* out, Complex* terms) const {
-  gather(of_block_, count, out, terms);
+  const size_t length = size_t(pixels_), samples = size_t(samples_);
+  Workspace::Loan space(workspace_, 2 * block * (2 * samples + length));
+  Complex *of_samples = reinterpret_cast<Complex*>(space.data()), *of_pixels = of_samples + block * samples,
+          *work = of_pixels + block * length;
+  samples_of_block_(FftDirection::forward, out, of_samples, work);
+  for (size_t c = 0; c < size_t(count); ++c) {
+    for (size_t k = 0; k < samples; k += length)
+      (k == 0 ? multiply_rows<float> : multiply_add_rows<float>)(of_pixels, of_samples + k * block,
+                                                                 &conjugates_[c * samples + k], length, block);
+    pixels_of_block_(FftDirection::backward, of_pixels, terms + c * block * length, work);
+  }
 }
 
 }  // namespace holotrace

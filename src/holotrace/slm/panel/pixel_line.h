@@ -3,6 +3,7 @@
 #include <complex>
 
 #include "holotrace/base/array.h"
+#include "holotrace/base/column_fft.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/workspace.h"
 
@@ -37,27 +38,18 @@ class PixelLine {
   /// The adjoint of spread: Σ conj(out)·spread(terms) = Σ conj(gather(out))·terms.
   void gather(int count, const std::complex<float>* out, std::complex<float>* terms) const;
 
-  /// The same for a block of columns, which are side by side: [term][pixel][column] and [sample][column].
+  /// The same for a block of columns, which are side by side: [term][pixel][column] and [sample][column], aligned to 64
+  /// bytes.
   void spread_block(int count, const std::complex<float>* terms, std::complex<float>* out) const;
   void gather_block(int count, const std::complex<float>* out, std::complex<float>* terms) const;
 
-  static constexpr int block = 16;  ///< columns of a block: whole cache lines
+  static constexpr int block = column_block;
 
  private:
-  // Transforms of as many lines as are done together.
-  struct Transforms {
-    Transforms(int pixels, int samples, int lines);
-    int lines;
-    FftBatch<float> pixels_forward, pixels_backward, samples_forward, samples_backward;
-  };
-  void spread(const Transforms& transforms, int count, const std::complex<float>* terms,
-              std::complex<float>* out) const;
-  void gather(const Transforms& transforms, int count, const std::complex<float>* out,
-              std::complex<float>* terms) const;
-
   int pixels_, samples_;
-  Transforms of_row_, of_block_;
-  AlignedVector<std::complex<float>> weights_;  // [term][sample frequency]
+  FftBatch<float> pixels_forward_, pixels_backward_, samples_forward_, samples_backward_;  // of a row
+  ColumnFft<float> pixels_of_block_, samples_of_block_;
+  AlignedVector<std::complex<float>> weights_, conjugates_;  // [term][sample frequency]
   mutable Workspace workspace_;
 };
 

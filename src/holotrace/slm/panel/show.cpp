@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -126,10 +128,31 @@ void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, con
   if (!off.empty()) observer.fact("effects_off", Fact(fmt::format("{}", fmt::join(off, ", "))));
 }
 
-}  // namespace
+// A hologram on a panel under one illumination state, ready to be shown.
+struct Shown {
+  PanelModel panel;
+  Array2D<float> drive, moduli;  // levels
+  bool is_complex;
+  ImageSide image;
+  std::optional<SpectralFilter> filter;
 
-ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams& params,
-                      const IlluminationState& state, const Observer& observer) {
+  PanelPattern pattern() const { return {drive, is_complex ? &moduli : nullptr}; }
+
+  // Sets what the camera needs to know.
+  void complete(Field& field) const {
+    field.image = image;
+    field.filter = filter;
+  }
+
+  Field on_processor() const {
+    Field field = panel.leave(drive, pattern().modulus);
+    complete(field);
+    return field;
+  }
+};
+
+Shown ready_to_show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
+                    const Observer& observer) {
   check_slm(slm);
   check_hologram(hologram, slm);
   check_modulation(hologram, slm, observer);
@@ -137,25 +160,58 @@ ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams
   if (hologram.levels > slm.levels)
     observer.warn(fmt::format("the hologram has {} levels and the SLM \"{}\" {}: it is shown as if it had {}",
                               hologram.levels, slm.name, slm.levels, hologram.levels));
-  const Slm with = with_effects(slm, params.effects);
   const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
-  const PanelModel panel(with, params, hologram.modulation, hologram.levels, design, state);
-  const Array2D<float> drive = drive_of(hologram.level), moduli = drive_of(hologram.modulus_level);
-  const Array2D<float>* const modulus = hologram.modulation == Modulation::complex ? &moduli : nullptr;
-  std::optional<Field> there = leave_on_device(panel, {drive, modulus}, params.device, observer);
-  Field field = there ? std::move(*there) : panel.leave(drive, modulus);
-  field.image = hologram.image;
-  if (hologram.filter) field.filter = under_tilt(*hologram.filter, params, state.wavelength);
+  Shown shown{{with_effects(slm, params.effects), params, hologram.modulation, hologram.levels, design, state},
+              drive_of(hologram.level),
+              drive_of(hologram.modulus_level),
+              hologram.modulation == Modulation::complex,
+              hologram.image,
+              {}};
+  if (hologram.filter) shown.filter = under_tilt(*hologram.filter, params, state.wavelength);
+  return shown;
+}
 
-  const double power_in = panel.power_in();
-  const double power_out =
-      energy(field.samples.values.data(), field.samples.size()) * field.grid.pitch * field.grid.pitch;
+void tell(const Hologram& hologram, const Slm& slm, const ShowParams& params, double power_in, double power_out,
+          const Observer& observer) {
   observer.fact("power_in", Fact(power_in));
   observer.fact("power_out", Fact(power_out));
   observer.fact("efficiency", Fact(power_in > 0 ? power_out / power_in : 0.0));
+  const Slm with = with_effects(slm, params.effects);
   tell_effects(slm, with, params, observer);
   warn_other_effects(hologram, with, observer);
-  return {std::move(field), power_in};
+}
+
+double power_of(const Field& field) {
+  return energy(field.samples.values.data(), field.samples.size()) * field.grid.pitch * field.grid.pitch;
+}
+
+}  // namespace
+
+ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                      const IlluminationState& state, const Observer& observer) {
+  const Shown shown = ready_to_show(hologram, slm, params, state, observer);
+  std::optional<Field> there = leave_on_device(shown.panel, shown.pattern(), params.device, observer);
+  if (there) shown.complete(*there);
+  ShownField result{there ? std::move(*there) : shown.on_processor(), shown.panel.power_in()};
+  tell(hologram, slm, params, result.power_in, power_of(result.field), observer);
+  return result;
+}
+
+ShownLight show_light(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                      const IlluminationState& state, const Observer& observer) {
+  const auto shown = std::make_shared<const Shown>(ready_to_show(hologram, slm, params, state, observer));
+  const double power_in = shown->panel.power_in();
+  std::optional<LeftField> there = leave_and_stay_on_device(shown->panel, shown->pattern(), params.device, observer);
+  if (!there) {
+    Field field = shown->on_processor();
+    tell(hologram, slm, params, power_in, power_of(field), observer);
+    return {PlacedField(std::move(field)), power_in};
+  }
+  shown->complete(there->field.head);
+  tell(hologram, slm, params, power_in, there->power, observer);
+  std::function<Field()> again;
+  if (params.device.kind == DeviceKind::automatic) again = [shown] { return shown->on_processor(); };
+  return {PlacedField(std::move(there->field), std::move(again)), power_in};
 }
 
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,

@@ -5,6 +5,7 @@
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/slm/panel/illumination_states.h"
+#include "holotrace/wave/shared/placed_field.h"
 
 namespace holotrace {
 
@@ -38,10 +39,14 @@ namespace holotrace {
 /// Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer = {});
 
-/// A field that leaves a panel, and the power of the light on the panel.
+/// A field that leaves a panel, and the power of the light on the panel [W].
 struct ShownField {
   Field field;
-  double power_in = 0;  ///< power of the light on the panel [W]
+  double power_in = 0;
+};
+struct ShownLight {
+  PlacedField field;
+  double power_in = 0;
 };
 
 /// The same for one illumination state of partly coherent light or of a panel that flickers (illumination_states.h),
@@ -51,5 +56,11 @@ ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams
                       const IlluminationState& state, const Observer& observer = {});
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,
            const Observer& observer = {});
+
+/// The same for light that another stage takes: it stays on the device that computes it, so that no field is transferred.
+/// The device `auto` is then chosen without that transfer. If it fails later, the processor computes the light again.
+/// Transfers for the facts: 4 bytes per row.
+ShownLight show_light(const Hologram& hologram, const Slm& slm, const ShowParams& params,
+                      const IlluminationState& state, const Observer& observer = {});
 
 }  // namespace holotrace

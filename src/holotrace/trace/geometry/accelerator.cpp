@@ -39,18 +39,67 @@ void require_no_error(RTCDevice device, const char* what) {
 
 }  // namespace
 
+namespace {
+
+/// The plane normal·(p − centre) = offset of a triangle, about the centre of the scene. It is stored, because most hits need
+/// nothing else of the triangle.
+struct TrianglePlane {
+  Vec3 normal;          // unit, on the side that sees the triangle counter-clockwise
+  double offset = 0;    // [m]
+  float clearance = 0;  // SurfacePoint::clearance [m]
+};
+
+std::vector<TrianglePlane> planes_of(const Mesh& mesh, const ScenePrecision& precision) {
+  std::vector<TrianglePlane> planes;
+  planes.reserve(mesh.triangles.size());
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const std::array<Vec3, 3> corners{mesh.positions[i], mesh.positions[j], mesh.positions[k]};
+    const Vec3 normal = normalize(cross(corners[1] - corners[0], corners[2] - corners[0]));
+    planes.push_back({normal, dot(normal, corners[0] - precision.centre), float(precision.clearance_of(corners))});
+  }
+  return planes;
+}
+
+/// Whether any normal of a vertex differs from the plane of its triangle. Many files have normals for flat meshes, too.
+bool has_own_normals(const Mesh& mesh, const std::vector<TrianglePlane>& planes) {
+  if (mesh.normals.empty()) return false;
+  for (size_t t = 0; t < planes.size(); ++t)
+    for (const uint32_t vertex : mesh.triangles[t])
+      if (!(length(mesh.normals[vertex] - planes[t].normal) < 1e-9)) return true;
+  return false;
+}
+
+}  // namespace
+
 struct Accelerator::Implementation {
+  /// What rays meet: a mesh of the scene, or the surface of a light.
+  struct Surface {
+    const Mesh* mesh;
+    int light;            // index into Scene::lights, or -1
+    bool is_smooth;       // vertices have normals of their own
+    bool needs_tangents;  // the material has a normal map
+    std::vector<TrianglePlane> planes;
+  };
+
   const Scene& scene;
   Device device{nullptr, rtcReleaseDevice};
   EmbreeScene watertight{nullptr, rtcReleaseScene};
   EmbreeScene split{nullptr, rtcReleaseScene};  // for random rays; empty in a large scene
   std::optional<UniformGrid> grid;              // used instead of Embree
-  std::vector<LightSurface> lamps;              // numbered after the meshes
+  std::vector<LightSurface> lamps;
+  std::vector<Surface> surfaces;  // the meshes, then the lamps
   ScenePrecision precision{};
   double per_unit = 1, radius = 0;  // of the sphere, in units
 
-  const Mesh& mesh_of(uint32_t id) const {
-    return id < scene.meshes.size() ? scene.meshes[id] : lamps[id - scene.meshes.size()].mesh;
+  void list_surfaces() {
+    for (const Mesh& mesh : scene.meshes) {
+      const bool has_normal_map = scene.materials[size_t(mesh.material)].normal_map != nullptr;
+      std::vector<TrianglePlane> planes = planes_of(mesh, precision);
+      const bool is_smooth = has_own_normals(mesh, planes);
+      surfaces.push_back({&mesh, -1, is_smooth, has_normal_map, std::move(planes)});
+    }
+    for (const LightSurface& lamp : lamps)
+      surfaces.push_back({&lamp.mesh, lamp.light, false, false, planes_of(lamp.mesh, precision)});
   }
 
   RTCScene tree_for(Aim aim) const { return aim == Aim::random && split ? split.get() : watertight.get(); }
@@ -123,31 +172,59 @@ struct Accelerator::Implementation {
 
   /// Fills in the hit for a triangle that was found at barycentric coordinates and a distance [m].
   void describe(const Ray& ray, const GridHit& found, Hit& hit) const {
-    const Mesh& mesh = mesh_of(found.mesh);
-    const auto [i, j, k] = mesh.triangles[found.triangle];
-    const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
-    const double b1 = found.b1, b2 = found.b2, b0 = 1 - b1 - b2;
-    const Vec3 area = cross(ab, ac);
-
+    const Surface& surface = surfaces[found.mesh];
+    const TrianglePlane& plane = surface.planes[found.triangle];
+    const Mesh& mesh = *surface.mesh;
     SurfacePoint& point = hit.point;
-    point.clearance = precision.clearance_of(std::array<Vec3, 3>{a, mesh.positions[j], mesh.positions[k]});
+    point.clearance = double(plane.clearance);
     // Intersection with the plane of the triangle, in double. The plane of a sliver is not well defined: it is used
     // only if it agrees with Embree's answer to 500 clearances and 1e-5 of the distance.
-    const double along = dot(area, ray.direction), precise = dot(area, a - ray.origin) / along;
+    const double along = dot(plane.normal, ray.direction);
+    const double precise = (plane.offset - dot(plane.normal, ray.origin - precision.centre)) / along;
     if (std::abs(precise - found.distance) < 500 * point.clearance + 1e-5 * found.distance) {
       hit.distance = precise;
       point.position = ray.origin + ray.direction * precise;
     } else {
-      point.position = a + ab * b1 + ac * b2;
+      point.position = place_in(mesh, found);
       hit.distance = dot(point.position - ray.origin, ray.direction);
     }
     point.is_front = along <= 0;
-    point.geometric_normal = area * ((point.is_front ? 1 : -1) / length(area));
+    point.geometric_normal = point.is_front ? plane.normal : -plane.normal;
     point.normal = point.geometric_normal;
     point.uv = {};
     point.tangent_u = point.tangent_v = {};
     point.colour = {1, 1, 1};
-    if (!mesh.normals.empty()) {
+    if (surface.is_smooth || !mesh.texture_coordinates.empty() || !mesh.colours.empty())
+      interpolate(surface, found, point);
+    point.material = mesh.material;
+    point.light = surface.light;
+    point.mesh = found.mesh;
+    point.triangle = found.triangle;
+  }
+
+  static Vec3 place_in(const Mesh& mesh, const GridHit& found) {
+    const auto [i, j, k] = mesh.triangles[found.triangle];
+    const Vec3 a = mesh.positions[i];
+    return a + (mesh.positions[j] - a) * found.b1 + (mesh.positions[k] - a) * found.b2;
+  }
+
+  static void add_tangents(const Mesh& mesh, uint32_t triangle, SurfacePoint& point) {
+    const auto [i, j, k] = mesh.triangles[triangle];
+    const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
+    const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
+    const double u1 = q.x - p.x, v1 = q.y - p.y, u2 = r.x - p.x, v2 = r.y - p.y;
+    const double size = u1 * v2 - u2 * v1;
+    if (size == 0) return;
+    point.tangent_u = (ab * v2 - ac * v1) / size;
+    point.tangent_v = (ac * u1 - ab * u2) / size;
+  }
+
+  /// What the corners of the triangle have between them: normal, texture coordinates, colour.
+  static void interpolate(const Surface& surface, const GridHit& found, SurfacePoint& point) {
+    const Mesh& mesh = *surface.mesh;
+    const auto [i, j, k] = mesh.triangles[found.triangle];
+    const double b1 = found.b1, b2 = found.b2, b0 = 1 - b1 - b2;
+    if (surface.is_smooth) {
       const Vec3 smooth = mesh.normals[i] * b0 + mesh.normals[j] * b1 + mesh.normals[k] * b2;
       if (const double squared = dot(smooth, smooth); squared > 0)
         point.normal = smooth * (std::copysign(1.0, dot(smooth, point.geometric_normal)) / std::sqrt(squared));
@@ -155,17 +232,9 @@ struct Accelerator::Implementation {
     if (!mesh.texture_coordinates.empty()) {
       const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
       point.uv = {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
-      const double u1 = q.x - p.x, v1 = q.y - p.y, u2 = r.x - p.x, v2 = r.y - p.y;
-      if (const double size = u1 * v2 - u2 * v1; size != 0) {
-        point.tangent_u = (ab * v2 - ac * v1) / size;
-        point.tangent_v = (ac * u1 - ab * u2) / size;
-      }
+      if (surface.needs_tangents) add_tangents(mesh, found.triangle, point);
     }
     if (!mesh.colours.empty()) point.colour = mesh.colours[i] * b0 + mesh.colours[j] * b1 + mesh.colours[k] * b2;
-    point.material = mesh.material;
-    point.light = found.mesh < scene.meshes.size() ? -1 : lamps[found.mesh - scene.meshes.size()].light;
-    point.mesh = found.mesh;
-    point.triangle = found.triangle;
   }
 };
 
@@ -178,13 +247,15 @@ void write_down(const RTCRay& ray, bool is_shadow, Aim aim, std::vector<LoggedRa
 }  // namespace
 
 Accelerator::Accelerator(const Scene& scene, Acceleration kind)
-    : implementation_(new Implementation{.scene = scene, .grid = {}, .lamps = {}}), lifts_(scene.lights.size()) {
+    : implementation_(new Implementation{.scene = scene, .grid = {}, .lamps = {}, .surfaces = {}}),
+      lifts_(scene.lights.size()) {
   check_light_and_materials(scene);
   if (!has_surfaces(scene)) return;
   Implementation& self = *implementation_;
   self.precision = precision_ = precision_of(scene);
   self.per_unit = 1 / precision_.unit, self.radius = precision_.radius / precision_.unit;
   self.lamps = light_surfaces(scene);
+  self.list_surfaces();
   const std::vector<double> lifts = light_lifts(scene, precision_);
   for (size_t i = 0; i < lifts.size(); ++i) lifts_[size_t(self.lamps[i].light)] = lifts[i];
   if (kind == Acceleration::grid) {
@@ -235,9 +306,9 @@ bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
 
 double Accelerator::rounding_at_end(const Ray& ray, double distance) const {
   if (!std::isfinite(distance)) return 0;
-  const double from_start = std::min(precision_.radius, length(ray.origin - precision_.centre));
-  return std::max(
-      {precision_.clearance(ray.origin + ray.direction * distance), 2e-6 * from_start, 2e-6 * precision_.unit});
+  const Vec3 start = ray.origin - precision_.centre, end = start + ray.direction * distance;
+  const double from_start = std::min(precision_.radius * precision_.radius, dot(start, start));
+  return 2e-6 * std::sqrt(std::max(std::max(dot(end, end), from_start), precision_.unit * precision_.unit));
 }
 
 bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {

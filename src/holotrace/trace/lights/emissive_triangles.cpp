@@ -44,6 +44,7 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
   for (const Material& material : scene.materials) {
     const Vec3 texture = material.emission_texture ? mean_of(*material.emission_texture) : Vec3{1, 1, 1};
     means.push_back(sum(lines.from_rgb(material.emission * texture)));
+    radiances_.push_back(lines.from_rgb(material.emission));
   }
   double total = 0;
   for (size_t m = 0; m < scene.meshes.size(); ++m) {
@@ -54,8 +55,8 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
     densities_[m].resize(mesh.triangles.size());
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto [i, j, k] = mesh.triangles[t];
-      const Vec3 a = mesh.positions[i];
-      const double area = length(cross(mesh.positions[j] - a, mesh.positions[k] - a)) / 2;
+      const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
+      const double area = length(cross(ab, ac)) / 2;
       double radiance = mean;
       if (material.emission_texture && !mesh.texture_coordinates.empty()) {
         const auto& uv = mesh.texture_coordinates;
@@ -66,7 +67,8 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
       if (!(density * area > 0)) continue;
       densities_[m][t] = float(density);
       total += double(densities_[m][t]) * area;
-      triangles_.push_back({uint32_t(m), uint32_t(t)});
+      const double longest = std::max({length(ab), length(ac), length(ac - ab)});
+      triangles_.push_back({uint32_t(m), uint32_t(t), a, ab, ac, 2 * area, longest});
       cumulative_.push_back(total);
     }
   }
@@ -75,32 +77,39 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
     for (float& density : densities) density = float(density / total);
 }
 
-LightSample EmissiveTriangles::sample(Vec3 from, double u_triangle, Vec2 u) const {
-  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u_triangle);
-  const Triangle triangle = triangles_[size_t(found - cumulative_.begin())];
+Vec3 EmissiveTriangles::radiance_of(const Triangle& triangle, bool is_front, double b1, double b2) const {
   const Mesh& mesh = scene_.meshes[triangle.mesh];
-  const auto [i, j, k] = mesh.triangles[triangle.index];
-  const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
-  const double root = std::sqrt(u.x), b1 = root * (1 - u.y), b2 = root * u.y;  // uniform over the triangle
-  const Vec3 way = a + ab * b1 + ac * b2 - from, normal = cross(ab, ac);
-  const double squared = dot(way, way), distance = std::sqrt(squared), projected = dot(normal, way);
-  if (projected == 0) return {};  // the point is on the surface or in its plane
-
   const Material& material = scene_.materials[size_t(mesh.material)];
+  if (!is_front && !material.two_sided) return {};
+  if (!material.emission_texture) return radiances_[size_t(mesh.material)];
   SurfacePoint point;
-  point.is_front = projected < 0;
+  point.is_front = is_front;
   if (!mesh.texture_coordinates.empty()) {
+    const auto [i, j, k] = mesh.triangles[triangle.index];
     const auto& uv = mesh.texture_coordinates;
     const double b0 = 1 - b1 - b2;
     point.uv = {uv[i].x * b0 + uv[j].x * b1 + uv[k].x * b2, uv[i].y * b0 + uv[j].y * b1 + uv[k].y * b2};
   }
-  const double cosine = std::abs(projected) / (length(normal) * distance);
-  return {way / distance,
+  return emitted_radiance(material, point, lines_);
+}
+
+LightSample EmissiveTriangles::sample(Vec3 from, Vec2 u) const {
+  const auto end = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u.x);
+  const double before = end == cumulative_.begin() ? 0 : *(end - 1);
+  const double in_triangle = std::clamp((u.x - before) / (*end - before), 0.0, 1.0);
+  const Triangle& triangle = triangles_[size_t(end - cumulative_.begin())];
+  const double root = std::sqrt(in_triangle), b1 = root * (1 - u.y), b2 = root * u.y;  // uniform over the triangle
+  const Vec3 way = triangle.corner + triangle.edge_u * b1 + triangle.edge_v * b2 - from;
+  const double projected = dot(cross(triangle.edge_u, triangle.edge_v), way);  // 2A·cosθ'·d, below 0 in front
+  if (projected == 0) return {};  // the point is on the surface or in its plane
+  const double distance = length(way), inverse = 1 / distance;
+  const double cosine = std::abs(projected) * inverse / triangle.twice_area;
+  return {way * inverse,
           distance,
-          emitted_radiance(material, point, lines_),
+          radiance_of(triangle, projected < 0, b1, b2),
           pdf(triangle.mesh, triangle.index, distance, cosine),
           cosine,
-          std::sqrt(std::max({dot(ab, ab), dot(ac, ac), dot(ac - ab, ac - ab)}))};
+          triangle.longest};
 }
 
 }  // namespace holotrace

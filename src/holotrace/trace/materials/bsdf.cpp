@@ -20,11 +20,12 @@ Vec3 textured(const std::shared_ptr<const Image>& texture, const SurfacePoint& p
 
 Bsdf make(const DiffuseMaterial& material, const SurfacePoint& point, const Lines& lines) {
   const Vec3 colour = textured(material.texture, point);
-  DiffuseBsdf b{point.normal, point.geometric_normal, lines.from_rgb(clip(material.reflectance * colour)),
-                lines.from_rgb(clip(material.transmittance * colour))};
-  b.transmittance = {std::fmin(b.transmittance.x, 1 - b.reflectance.x),  // at most what is not reflected
-                     std::fmin(b.transmittance.y, 1 - b.reflectance.y),
-                     std::fmin(b.transmittance.z, 1 - b.reflectance.z)};
+  DiffuseBsdf b{point.normal, point.geometric_normal, lines.from_rgb(clip(material.reflectance * colour)), {}};
+  if (max_component(material.transmittance) <= 0) return b;
+  b.transmittance = lines.from_rgb(clip(material.transmittance * colour));
+  b.transmittance = {std::min(b.transmittance.x, 1 - b.reflectance.x),  // at most what is not reflected
+                     std::min(b.transmittance.y, 1 - b.reflectance.y),
+                     std::min(b.transmittance.z, 1 - b.reflectance.z)};
   const double reflected = max_component(b.reflectance), transmitted = max_component(b.transmittance);
   if (transmitted > 0) b.transmission_probability = transmitted / (reflected + transmitted);
   return b;

@@ -113,10 +113,8 @@ class DirectLight {
     }
     // Light of a mesh comes from a surface, which counts for max_depth.
     if (at.depth < scene_.params.max_depth && !emitters.triangles().is_empty())
-      visit({emitters.mesh_group(), true}, 2, [&](LowDiscrepancy& numbers) {
-        const double u = numbers.one();
-        return emitters.triangles().sample(from, u, numbers.two());
-      });
+      visit({emitters.mesh_group(), true}, 1,
+            [&](LowDiscrepancy& numbers) { return emitters.triangles().sample(from, numbers.two()); });
     if (const EnvironmentLight* environment = emitters.environment())
       visit({emitters.background_group(), true}, 1,
             [&](LowDiscrepancy& numbers) { return environment->sample(numbers.two()); });

@@ -13,7 +13,7 @@ struct SurfacePoint {
   Vec3 geometric_normal;  ///< normal of the triangle
   Vec3 normal;            ///< interpolated, for shading
   Vec2 uv;
-  Vec3 tangent_u, tangent_v;        ///< ∂position/∂u and ∂position/∂v [m]; 0 without texture coordinates
+  Vec3 tangent_u, tangent_v;        ///< ∂position/∂u and ∂position/∂v [m]; 0 without a normal map
   Vec3 colour{1, 1, 1};             ///< colour of the vertices, interpolated
   int material = 0;                 ///< index into Scene::materials (material_at); −1: the surface of a light
   int light = -1;                   ///< index into Scene::lights, on the surface of a light

@@ -6,6 +6,7 @@
 
 #include "holotrace/data/acceptance.h"
 #include "holotrace/wave/planes/plane_error.h"
+#include "holotrace/wave/planes/plane_transform.h"
 #include "holotrace/wave/shared/cost_model.h"
 
 namespace holotrace {
@@ -34,9 +35,10 @@ SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const 
   const double per_wave = cache * nodes * plan.width * (plan.width <= 4 ? 4 : GriddingKernel::greatest_width);
   // At most half of a tile's strips need an entry, a quarter on average, and one more partly lit strip.
   const double entries = !plan.has_strips ? 0 : counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
-  const double transforms = counts.tiles * plan.slabs * nodes * (plan.is_corrected ? 5 : 1);
+  const double grids = counts.tiles * plan.slabs * nodes;
+  const double lines_of_grid = (plan.is_corrected ? 3 + 0.5 * corrected_terms : 1 + 0.5) * m;  // transform_grid
   const double strips = std::min(entries, counts.tiles * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
-  const double lines = transforms * 1.5 * m + strips * nodes * strip_width;  // lines to transform
+  const double lines = grids * lines_of_grid + strips * nodes * strip_width;  // lines to transform
   SummationWork work{.plane_waves = counts.whole + entries,
                      .spreads = counts.whole * per_wave + entries * nodes * plan.width * strip_width,
                      .fft_operations = lines * fft_operations(m),

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/base/array.h"
+#include "holotrace/base/column_fft.h"
 #include "holotrace/wave/shared/gridding_kernel.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/tiles/tile_sum.h"
@@ -39,6 +40,7 @@ struct PlanesTables : PlanesModel {
   GriddingKernel kernel;
   int transform;                   ///< length of the FFTs: twice the tile
   int cells;                       ///< cells of a grid along one axis: the transform's and a margin on either side
+  ColumnFft<float> along_columns;  ///< of that length
   std::vector<float> inverse_phi;  ///< 1/φ̂ for each of the tile's pixels along an axis
   /// ∫xⁿφ·exp(2πiξx)dx/φ̂ for each, n = 1, 2 [cyclesⁿ/mⁿ]: moments of the distance from a wave to the cells that it is
   /// spread over.
@@ -64,12 +66,12 @@ struct StripEntry {
 
 /// Buffers of one thread, reused from tile to tile.
 struct PlanesWorkspace {
-  AlignedVector<float> grids;                                      ///< [node][line][cell], complex
-  AlignedVector<float> strip;                                      ///< [node][cell][16 real, 16 imaginary]
-  std::vector<StripEntry> entries[2][16];                          ///< [across columns, across rows][strip]
-  std::vector<PreparedWave> direct;                                ///< waves left for sum_tile, cut to the tile
-  TileWorkspace of_direct;                                         ///< buffers for sum_tile
-  AlignedVector<std::complex<float>> folded, turned, terms, tile;  ///< for the transforms
+  AlignedVector<float> grids;              ///< [node][line][cell], complex
+  AlignedVector<float> strip;              ///< [node][cell][16 real, 16 imaginary]
+  std::vector<StripEntry> entries[2][16];  ///< [across columns, across rows][strip]
+  std::vector<PreparedWave> direct;        ///< waves left for sum_tile, cut to the tile
+  TileWorkspace of_direct;                 ///< buffers for sum_tile
+  AlignedVector<std::complex<float>> folded, unfolded, spare, columns, turned, terms, tile;  ///< for the transforms
 };
 
 /// A tile of the panel, and the position of its reference pixel (tile/2, tile/2) [m].

@@ -3,10 +3,12 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <array>
 #include <complex>
 #include <utility>
 #include <vector>
 
+#include "holotrace/base/column_fft.h"
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/threads.h"
@@ -31,8 +33,7 @@ class Convolution {
         is_band_limited_(p_.x.frequencies() < p_.x.padded || p_.y.frequencies() < p_.y.padded),
         forward_x_(p_.x.part_length(), {}, FftDirection::forward),
         backward_x_(p_.x.part_length(), {}, FftDirection::backward),
-        to_columns_(p_.y.part_length(), {block, block, 1, 1, p_.y.part_length()}, FftDirection::forward),
-        backward_y_(p_.y.part_length(), FftDirection::backward) {
+        along_y_(p_.y.part_length()) {
     for (int part = 0; part < p_.y.parts; ++part) parts_y_.emplace_back(p_.y, part, 1);
     for (const ConvolutionLink<Real>& link : links)
       ramps_y_.push_back(displacement_ramp<Real>(p_.y, link.shift_y, p_.y.padded, [&](int slot) {
@@ -146,9 +147,10 @@ class Convolution {
     const int length = p_.y.part_length(), parts = p_.y.parts;
     const size_t size = size_t(length) * block, outputs = out_.size();
     AlignedVector<Complex>& work = work_.local();
-    work.resize(size * (size_t(parts) * outputs + 2));
-    Complex* columns = work.data() + size * size_t(parts) * outputs;  // stored one after the other
-    Complex* filtered = outputs > 1 || fields_.size() > 1 ? columns + size : columns;
+    work.resize(size * (size_t(parts) * outputs + 3));
+    Complex* spectrum = work.data() + size * size_t(parts) * outputs;
+    Complex* filtered = outputs > 1 || fields_.size() > 1 ? spectrum + size : spectrum;
+    Complex* spare = spectrum + 2 * size;
     const auto rows = [&](size_t output, int part) {
       return work.data() + size * (output * size_t(parts) + size_t(part));
     };
@@ -158,23 +160,19 @@ class Convolution {
       const bool leaves_whole = part == 0 && p_.y.outputs == length && p_.y.shift == 0;
       for (size_t i = 0; i < fields_.size(); ++i) {
         if (!enters_whole) enter_part(parts_y_[size_t(part)], b, blocks[i], rows(0, part));
-        to_columns_(enters_whole ? blocks[i].at(b, 0) : rows(0, part), columns);
-        for (int c = 0; c < used_columns(x, b); ++c)
-          dropped += dropped_energy(part, columns + size_t(c) * size_t(length));
+        along_y_(FftDirection::forward, enters_whole ? blocks[i].at(b, 0) : rows(0, part), spectrum, spare);
+        dropped += dropped_energy(part, spectrum);
         if (has_many_inputs()) {
-          for (int c = 0; c < used_columns(x, b); ++c)
-            filter(x.frequency(b * block + c), part, i, i > 0, columns + size_t(c) * size_t(length),
-                   filtered + size_t(c) * size_t(length));
+          filter(x, b, part, i, i > 0, spectrum, filtered);
           continue;
         }
         for (size_t o = 0; o < outputs; ++o) {
-          for (int c = 0; c < used_columns(x, b); ++c)
-            filter(x.frequency(b * block + c), part, o, false, columns + size_t(c) * size_t(length),
-                   filtered + size_t(c) * size_t(length));
-          leave_columns(x, b, leaves_whole ? blocks[o].at(b, 0) : rows(o, part), filtered);
+          filter(x, b, part, o, false, spectrum, filtered);
+          along_y_(FftDirection::backward, filtered, leaves_whole ? blocks[o].at(b, 0) : rows(o, part), spare);
         }
       }
-      if (has_many_inputs()) leave_columns(x, b, leaves_whole ? blocks[0].at(b, 0) : rows(0, part), filtered);
+      if (has_many_inputs())
+        along_y_(FftDirection::backward, filtered, leaves_whole ? blocks[0].at(b, 0) : rows(0, part), spare);
       if (part == 0 && !leaves_whole)
         for (size_t o = 0; o < outputs; ++o) leave_part(parts_y_[0], b, blocks[o], rows(o, 0));
     }
@@ -183,26 +181,32 @@ class Convolution {
     return dropped;
   }
 
-  static int used_columns(const AxisPart<Real>& x, int b) { return std::min(block, x.columns - b * block); }
-
-  // to = column · transfer function of a link, or to += that.
-  void filter(int frequency, int part, size_t link, bool adds, Complex* column, Complex* to) const {
-    const size_t length = size_t(p_.y.part_length()), from = size_t(part) * length;
+  // to = spectrum · transfer function of a link, or to += that.
+  void filter(const AxisPart<Real>& x, int b, int part, size_t link, bool adds, Complex* spectrum, Complex* to) const {
+    const int length = p_.y.part_length(), from = part * length;
     const Propagator<Real>& p = *links_[link].propagator;
-    const Complex* h = p.transfer.row(p.x.slot(frequency)) + from;
     const Complex* ramp = ramps_y_[link].empty() ? nullptr : ramps_y_[link].data() + from;
-    if (adds && ramp) multiply(column, column, ramp, length);  // this input has a column of its own
-    if (links_[link].is_adjoint)
-      adds ? multiply_conjugate_add(to, column, h, length) : multiply_conjugate(to, column, h, length);
-    else
-      adds ? multiply_add(to, column, h, length) : multiply(to, column, h, length);
-    if (!adds && ramp) multiply(to, to, ramp, length);
-  }
-
-  void leave_columns(const AxisPart<Real>& x, int b, Complex* rows, Complex* columns) const {
-    const int length = p_.y.part_length();
-    for (int c = 0; c < used_columns(x, b); ++c) backward_y_(columns + size_t(c) * size_t(length));
-    turn_to_rows(columns, length, rows);
+    if (adds && ramp) multiply_rows(spectrum, spectrum, ramp, size_t(length), block);  // no other link needs it
+    constexpr int step = 32;  // factors that stay in the first cache
+    alignas(64) std::array<Complex, size_t(step) * block> h;
+    for (int first = 0; first < length; first += step) {
+      const int count = std::min(step, length - first);
+      std::array<const Complex*, block> columns;
+      for (int c = 0; c < block; ++c) {
+        const int column = std::min(b * block + c, x.columns - 1);  // beyond the last one, the spectrum is 0
+        columns[size_t(c)] = p.transfer.row(p.x.slot(x.frequency(column))) + from + first;
+      }
+      turn_to_rows(columns, count, h.data());
+      const size_t samples = size_t(count) * block;
+      const Complex* source = spectrum + first * block;
+      Complex* result = to + first * block;
+      if (links_[link].is_adjoint)
+        adds ? multiply_conjugate_add(result, source, h.data(), samples)
+             : multiply_conjugate(result, source, h.data(), samples);
+      else
+        adds ? multiply_add(result, source, h.data(), samples) : multiply(result, source, h.data(), samples);
+    }
+    if (!adds && ramp) multiply_rows(to, to, ramp, size_t(length), block);
   }
 
   void enter_part(const AxisPart<Real>& y, int b, ColumnBlocks<Real>& blocks, Complex* rows) const {
@@ -228,15 +232,16 @@ class Convolution {
   }
 
   // Energy of the frequencies last + 1 … padded + first − 1 of y in this part.
-  double dropped_energy(int part, const Complex* column) const {
+  double dropped_energy(int part, const Complex* spectrum) const {
     const PropagationAxis& y = p_.y;
     const int from = y.last + 1 + wrapped(part - y.last - 1, y.parts);
     const int to = y.padded + y.first;
     if (from >= to) return 0;
     const int count = (to - from + y.parts - 1) / y.parts;
-    if (y.last >= 0 && y.first <= 0) return energy(column + from / y.parts, size_t(count));
+    if (y.last >= 0 && y.first <= 0) return energy(spectrum + from / y.parts * block, size_t(count) * block);
     double sum = 0;  // if the band lies to one side of zero, the dropped frequencies wrap around
-    for (int n = 0; n < count; ++n) sum += std::norm(column[wrapped(from + n * y.parts, y.padded) / y.parts]);
+    for (int n = 0; n < count; ++n)
+      sum += energy(spectrum + wrapped(from + n * y.parts, y.padded) / y.parts * block, block);
     return sum;
   }
 
@@ -265,8 +270,8 @@ class Convolution {
   const Propagator<Real>& p_;  // its axes are those of all
   const bool is_band_limited_;
   double dropped_ = 0;
-  const FftBatch<Real> forward_x_, backward_x_, to_columns_;
-  const Fft<Real> backward_y_;
+  const FftBatch<Real> forward_x_, backward_x_;
+  const ColumnFft<Real> along_y_;
   std::vector<AxisPart<Real>> parts_y_;
   std::vector<std::vector<Complex>> ramps_x_, ramps_y_;           // of each link; ramps_x_ for the part of x at work
   tbb::enumerable_thread_specific<AlignedVector<Complex>> work_;  // work space per thread, for its current block

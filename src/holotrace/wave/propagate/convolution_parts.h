@@ -5,15 +5,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "holotrace/base/column_blocks.h"
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/wrapped.h"
-#include "holotrace/wave/propagate/column_blocks.h"
 #include "holotrace/wave/propagate/propagation_axis.h"
 
 // The parts of a padded transform, and the blocks of columns that hold one part (convolve.h).
 
 namespace holotrace {
+
+constexpr int block = column_block;
 
 /// The least frequency k ≡ part modulo axis.parts that is in use, and the number of them.
 struct PartFrequencies {

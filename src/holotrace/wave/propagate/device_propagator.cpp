@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <complex>
-#include <cstdint>
+
+#include "holotrace/base/error.h"
 
 namespace holotrace {
 namespace {
 
 using Complex = std::complex<float>;
-
-constexpr const char* irradiance_source =
-#include "kernels/irradiance.cl.inc"
-    ;
 
 DeviceBuffer make_samples(Device& device, double rows, double columns) {
   return device.make_buffer(size_t(rows * columns) * sizeof(Complex), "a propagation");
@@ -54,39 +51,22 @@ DevicePropagator::Work DevicePropagator::make_work() {
           make_samples(device_, y.outputs, columns)};
 }
 
-// The field at the output window, on the device, which is locked.
-DeviceBuffer DevicePropagator::moved(const Field& field, const Observer& observer) {
-  check_field(field, plan_);
-  const DeviceBuffer from = make_samples(device_, plan_.input.ny, plan_.input.nx);
-  DeviceBuffer to = make_samples(device_, plan_.output.ny, plan_.output.nx);
-  const Work work = make_work();
-  device_.write(from, field.samples.values.data(), from.bytes());
-  run({from, to}, work, observer);
-  return to;
+DeviceField DevicePropagator::operator()(const DeviceField& field, const Observer& observer) {
+  check_field(field.head, plan_);
+  require(field.device == &device_, "expected a field on the device {}, got one on {}", device_.info().name,
+          field.device->info().name);
+  const auto lock = device_.lock();
+  DeviceField there =
+      make_device_field(device_, head_on(field.head, plan_.output, field.head.z + plan_.distance), "a propagation");
+  run({field.samples, there.samples}, make_work(), observer);
+  observer.progress(1);
+  return there;
 }
 
 Field DevicePropagator::operator()(const Field& field, const Observer& observer) {
+  check_field(field, plan_);
   const auto lock = device_.lock();
-  const DeviceBuffer there = moved(field, observer);
-  Field out(plan_.output, field.wavelength, field.z + plan_.distance);
-  device_.read(there, out.samples.values.data(), there.bytes());
-  observer.progress(1);
-  out.image = field.image;
-  out.filter = field.filter;
-  return out;
-}
-
-Array2D<float> DevicePropagator::irradiance(const Field& field, const Observer& observer) {
-  const auto lock = device_.lock();
-  Array2D<float> out(plan_.output.ny, plan_.output.nx);
-  const DeviceBuffer picture = device_.make_buffer(out.size() * sizeof(float), "a propagation");
-  const DeviceBuffer there = moved(field, observer);
-  constexpr size_t group = 64;
-  device_.run({"irradiance", {irradiance_source}}, {(out.size() + group - 1) / group, 1, group, 1},
-              {there, picture, int32_t(out.size())});
-  device_.read(picture, out.values.data(), picture.bytes());
-  observer.progress(1);
-  return out;
+  return fetch((*this)(send(device_, field, "a propagation"), observer));
 }
 
 void DevicePropagator::run(const DeviceBuffer& from, const DeviceBuffer& to, const Observer& observer) {

@@ -8,6 +8,8 @@
 #include "holotrace/wave/propagate/device_windows.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/propagate/propagator.h"
+#include "holotrace/wave/shared/device_field.h"
+#include "holotrace/wave/transform/line_transform.h"
 
 namespace holotrace {
 
@@ -19,16 +21,16 @@ class DevicePropagator {
   /// @throws Error  as Device does
   DevicePropagator(Device& device, const Propagator<float>& propagator);
 
-  /// The field at the output window. The memory for it is allocated before the first kernel, and released at the end.
-  /// @throws Error  as propagate and Device do
+  /// The field at the output window, on the device. The memory for it is allocated before the first kernel; all but the
+  /// result is released at the end.
+  /// @throws Error  as propagate and Device do, and for a field on another device
   ///
-  /// Transfers: 8 bytes per sample of the input, and 8 per sample of the output. It does not tell energy_beyond_band.
-  /// Memory, for K frequencies along x (on a lattice K/2), rows in n and rows out m: 8·(max(n, m) + n + m)·K bytes and
-  /// both fields; at other pitches 8·K per frequency along y too.
-  Field operator()(const Field& field, const Observer& observer = {});
+  /// It does not tell energy_beyond_band. Memory, for K frequencies along x (on a lattice K/2), rows in n and rows out m:
+  /// 8·(max(n, m) + n + m)·K bytes and both fields; at other pitches 8·K per frequency along y too.
+  DeviceField operator()(const DeviceField& field, const Observer& observer = {});
 
-  /// |u|² of that field, shape (ny, nx) [W/m²]: 4 bytes per sample come back. Memory: 4 bytes per sample more.
-  Array2D<float> irradiance(const Field& field, const Observer& observer = {});
+  /// The same for a field of the processor. Transfers: 8 bytes per sample of the input, and 8 per sample of the output.
+  Field operator()(const Field& field, const Observer& observer = {});
 
   /// The same for samples that are on the device already, of the input and output windows. It returns when they are done.
   /// @throws Error  as Device does
@@ -42,7 +44,6 @@ class DevicePropagator {
     const DeviceBuffer &from, &to;
   };
   Work make_work();
-  DeviceBuffer moved(const Field& field, const Observer& observer);
   void run(const Ends& ends, const Work& work, const Observer& observer);
   void transform_to_window(const Ends& ends, const Work& work, const Observer& observer);
 

@@ -7,19 +7,20 @@
 
 #include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
+#include "holotrace/wave/propagate/whole_shift.h"
 
 namespace holotrace {
 namespace {
 
 // The samples of the field on another window of the same lattice; 0 where the field has no sample.
 template <class Real>
-BasicField<Real> on_window(const BasicField<Real>& field, const Grid& window, int shift_x, int shift_y) {
-  BasicField<Real> out(window, field.wavelength, field.z);
+BasicField<Real> on_window(const BasicField<Real>& field, const WindowShift& to) {
+  BasicField<Real> out(to.window, field.wavelength, field.z);
   out.image = field.image;
   out.filter = field.filter;
-  const int left = std::max(0, -shift_x), right = std::min(window.nx, field.grid.nx - shift_x);
-  for (int j = std::max(0, -shift_y); j < std::min(window.ny, field.grid.ny - shift_y); ++j)
-    for (int i = left; i < right; ++i) out.samples(j, i) = field.samples(j + shift_y, i + shift_x);
+  const int left = std::max(0, -to.right), right = std::min(to.window.nx, field.grid.nx - to.right);
+  for (int j = std::max(0, -to.down); j < std::min(to.window.ny, field.grid.ny - to.down); ++j)
+    for (int i = left; i < right; ++i) out.samples(j, i) = field.samples(j + to.down, i + to.right);
   return out;
 }
 
@@ -28,13 +29,7 @@ BasicField<Real> on_window(const BasicField<Real>& field, const Grid& window, in
 template <class Real>
 BasicField<Real> propagate(const BasicField<Real>& field, double distance, const PropagateParams& params,
                            const Observer& observer) {
-  if (distance == 0) {
-    const Grid window = propagation_output(field.grid, params);
-    const PropagationAxis x = make_axis_x(field.grid, window, field.wavelength, 0);
-    const PropagationAxis y = make_axis_y(field.grid, window, field.wavelength, 0);
-    if (x.is_on_lattice() && y.is_on_lattice() && x.rest == 0 && y.rest == 0)
-      return on_window(field, window, x.shift, y.shift);
-  }
+  if (const auto shift = whole_shift(field.grid, field.wavelength, distance, params)) return on_window(field, *shift);
   if constexpr (std::is_same_v<Real, float>) {
     if (std::optional<Field> there = propagate_on_device(field, distance, params, observer)) return std::move(*there);
   } else {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <complex>
 #include <limits>
 #include <map>
 #include <memory>
@@ -12,12 +13,14 @@
 #include "holotrace/base/error.h"
 #include "holotrace/wave/propagate/banded_propagation.h"
 #include "holotrace/wave/propagate/device_propagator.h"
+#include "holotrace/wave/propagate/device_samples.h"
 #include "holotrace/wave/propagate/irradiance.h"
-#include "holotrace/wave/propagate/kept_propagators.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
+#include "holotrace/wave/propagate/whole_shift.h"
 #include "holotrace/wave/shared/device_rates.h"
 #include "holotrace/wave/shared/fastest_device.h"
+#include "holotrace/wave/shared/on_chosen_device.h"
 
 namespace holotrace {
 namespace {
@@ -69,16 +72,17 @@ Prepared prepare(const Device& device, const PropagationQuestion& q) {
   return prepared;
 }
 
-// The propagator on the device, with memory left for a field; none if the device's memory is too small for it, also without
-// all others.
-DevicePropagator* ready_propagator(Device& device, const PropagationQuestion& question, Prepared& prepared) {
+// The propagator on the device, with memory left for a field, of which so many bytes are there already; none if the
+// device's memory is too small for it, also without all others.
+DevicePropagator* ready_propagator(Device& device, const PropagationQuestion& question, Prepared& prepared,
+                                   double present) {
   Kept& kept = kept_on(device);
   KeptPropagator<DevicePropagator>& ready = prepared.kept;
   if (!ready.propagator)
     if (const auto found = kept.find(question)) ready = *found;  // another thread has sent it meanwhile
   const DevicePropagationCost cost =
       ready.propagator ? ready.propagator->cost() : device_propagation_cost(device, *prepared.host);
-  const double needed = cost.work + (ready.propagator ? 0 : cost.kept);
+  const double needed = cost.work - present + (ready.propagator ? 0 : cost.kept);
   if (needed > device.memory_left()) kept.drop_beyond(ready.propagator ? cost.kept : 0);  // this one was used last
   if (needed > device.memory_left() || cost.largest > device.info().largest_buffer) return nullptr;
   if (!ready.propagator) {
@@ -91,100 +95,129 @@ DevicePropagator* ready_propagator(Device& device, const PropagationQuestion& qu
 // A start of kernels and waiting for them, on slow drivers [s].
 constexpr double seconds_to_start = 1e-3;
 
-Device* fastest_for(const PropagationQuestion& question) {
-  const auto plan = plan_propagator<float>(question.grid, question.wavelength, question.distance, question.params);
-  return fastest_device(seconds_to_propagate(plan), [&](Device& device) {
-    const DeviceRates rates = device_rates(device);
-    DevicePropagationCost cost = device_propagation_cost(device, plan);
-    double sent = kept_on(device).find(question) ? 0 : cost.kept;
-    const double memory = device.memory_left() + double(device.use().bytes_held);  // once all others are dropped
-    if (cost.kept + cost.work > memory || cost.largest > device.info().largest_buffer) {
-      cost = banded_propagation_cost(device, plan, memory);
-      sent = cost.kept;
-    }
-    return cost.moved / rates.moved_bytes + (cost.fields + sent) / rates.bytes + seconds_to_start;
-  });
-}
-
-// A propagation, and how its result comes from a prepared propagator.
-template <class Result>
-struct Task {
-  const Field& field;
-  double distance;
-  const PropagateParams& params;
-  Result (DevicePropagator::*result)(const Field&, const Observer&);
-  Result (*of_field)(Field);  // the same from the field
-
-  PropagationQuestion question() const { return {field.grid, field.wavelength, distance, params}; }
-};
-
-// Band by band, on a device whose memory is too small for the whole.
-template <class Result>
-Result run_in_bands(Device& device, const Task<Result>& task, Prepared& prepared, const Observer& observer) {
-  if (!prepared.host) {
-    const PropagationQuestion q = task.question();
-    prepared.host = cached_propagator<float>(q.grid, q.wavelength, q.distance, q.params, {});
-    prepared.kept.propagator.reset();
-  }
-  const auto lock = device.lock();
-  kept_on(device).drop_beyond(0);
-  return task.of_field(BandedPropagation(device, prepared.host)(task.field, observer));
-}
-
-template <class Result>
-std::optional<Result> run_whole(Device& device, const Task<Result>& task, Prepared& prepared,
-                                const Observer& observer) {
-  const auto lock = device.lock();
-  DevicePropagator* const ready = ready_propagator(device, task.question(), prepared);
-  if (!ready) return std::nullopt;
-  return (ready->*task.result)(task.field, observer);
-}
-
-template <class Result>
-Result run_on(Device& device, const Task<Result>& task, const Observer& observer) {
+// What whole(propagator) returns on a device; if its memory is too small for that, what in_bands(propagator of the
+// processor) returns. @param present  bytes of the input that are there already
+template <class Whole, class InBands>
+auto with_propagator(Device& device, const PropagationQuestion& q, double present, const Observer& observer,
+                     const Whole& whole, const InBands& in_bands) {
   // Before the device is locked: it runs on many threads, which may be waiting for the device.
-  Prepared prepared = prepare(device, task.question());
+  Prepared prepared = prepare(device, q);
   prepared.kept.tell(observer);
   try {
-    std::optional<Result> there = run_whole(device, task, prepared, observer);
-    if (!there) there = run_in_bands(device, task, prepared, observer);
-    observer.fact("device", device.info().name);
-    return std::move(*there);
+    {
+      const auto lock = device.lock();
+      if (DevicePropagator* const ready = ready_propagator(device, q, prepared, present)) return whole(*ready);
+    }
+    if (!prepared.host) {
+      prepared.host = cached_propagator<float>(q.grid, q.wavelength, q.distance, q.params, {});
+      prepared.kept.propagator.reset();
+    }
+    const auto lock = device.lock();
+    kept_on(device).drop_beyond(0);
+    return in_bands(prepared.host);
   } catch (const Error&) {
     kept_on(device).drop_beyond(0);
     throw;
   }
 }
 
+// A field of the processor that is to be propagated.
+struct Task {
+  const Field& field;
+  double distance;
+  const PropagateParams& params;
+};
+
+// What result(field at the output window) returns, for a field on a device or, if its memory is too small for the whole, on
+// the processor.
 template <class Result>
-std::optional<Result> run_on_chosen(const Task<Result>& task, const Observer& observer) {
-  const DeviceChoice& choice = task.params.device;
-  require_one_device(choice, " for a propagation");
-  if (choice.kind == DeviceKind::cpu) return std::nullopt;
-  if (choice.kind == DeviceKind::opencl) return run_on(open_device(choice.number), task, observer);
-  Device* const device = fastest_for(task.question());
-  if (!device) return std::nullopt;
-  try {
-    return run_on(*device, task, observer);
-  } catch (const Error& error) {
-    observer.warn(fmt::format("the device auto: the processor took over, because {}", error.what()));
-    return std::nullopt;
-  }
+auto run_on_chosen(const Task& task, const Observer& observer, const Result& result) {
+  const auto& [field, distance, params] = task;
+  require_one_device(params.device, " for a propagation");
+  const PropagationQuestion question(field.grid, field.wavelength, distance, params);
+  const auto fastest = [&] {
+    const PropagationForecast forecast(field.grid, field.wavelength, distance, params);
+    const double in = double(field.samples.size()) * sizeof(std::complex<float>);
+    return fastest_device(forecast.on_processor(), [&](Device& device) {
+      return (in + forecast.bytes_out()) / device_rates(device).bytes + forecast.on_device(device);
+    });
+  };
+  return on_chosen_device(params.device, observer, fastest, [&](Device& device) {
+    return with_propagator(
+        device, question, 0, observer,
+        [&](DevicePropagator& propagator) {
+          return result(propagator(send(device, field, "a propagation"), observer));
+        },
+        [&](const auto& propagator) { return result(BandedPropagation(device, propagator)(field, observer)); });
+  });
 }
 
 }  // namespace
 
+DeviceField propagate(const DeviceField& field, double distance, const PropagateParams& params,
+                      const Observer& observer) {
+  const Field& head = field.head;
+  if (const auto shift = whole_shift(head.grid, head.wavelength, distance, params)) return on_window(field, *shift);
+  return with_propagator(
+      *field.device, {head.grid, head.wavelength, distance, params}, double(field.samples.bytes()), observer,
+      [&](DevicePropagator& propagator) { return propagator(field, observer); },
+      [&](const auto& propagator) {
+        return send(*field.device, BandedPropagation(*field.device, propagator)(fetch(field), observer));
+      });
+}
+
 std::optional<Field> propagate_on_device(const Field& field, double distance, const PropagateParams& params,
                                          const Observer& observer) {
-  return run_on_chosen<Field>(
-      {field, distance, params, &DevicePropagator::operator(), [](Field there) { return there; }}, observer);
+  struct Result {
+    Field operator()(const DeviceField& there) const { return fetch(there); }
+    Field operator()(Field here) const { return here; }
+  };
+  return run_on_chosen({field, distance, params}, observer, Result());
 }
 
 std::optional<Array2D<float>> irradiance_on_device(const Field& field, double distance, const PropagateParams& params,
                                                    const Observer& observer) {
-  return run_on_chosen<Array2D<float>>(
-      {field, distance, params, &DevicePropagator::irradiance, [](Field there) { return irradiance_of(there); }},
-      observer);
+  struct Result {
+    Array2D<float> operator()(const DeviceField& there) const {
+      const DeviceBuffer irradiance = irradiance_of(there);
+      Array2D<float> here(there.head.grid.ny, there.head.grid.nx);
+      there.device->read(irradiance, here.values.data(), irradiance.bytes());
+      return here;
+    }
+    Array2D<float> operator()(const Field& here) const { return irradiance_of(here); }
+  };
+  return run_on_chosen({field, distance, params}, observer, Result());
+}
+
+PropagationForecast::PropagationForecast(const Grid& grid, double wavelength, double distance,
+                                         const PropagateParams& params)
+    : question_(grid, wavelength, distance, params),
+      bytes_out_(double(propagation_output(grid, params).pixels()) * sizeof(std::complex<float>)) {
+  if (!whole_shift(grid, wavelength, distance, params))
+    plan_ = plan_propagator<float>(grid, wavelength, distance, params);
+}
+
+double PropagationForecast::on_processor() const { return plan_ ? seconds_to_propagate(*plan_) : 0; }
+
+double PropagationForecast::on_device(Device& device) const {
+  if (!plan_) return 0;
+  const DeviceRates rates = device_rates(device);
+  DevicePropagationCost cost = device_propagation_cost(device, *plan_);
+  double sent = kept_on(device).find(question_) ? 0 : cost.kept;                 // beside the fields, once
+  const double memory = device.memory_left() + double(device.use().bytes_held);  // once all others are dropped
+  if (cost.kept + cost.work > memory || cost.largest > device.info().largest_buffer) {
+    const DevicePropagationCost banded = banded_propagation_cost(device, *plan_, memory);
+    sent = banded.kept + banded.fields - cost.fields;
+    cost = banded;
+  }
+  const double sending = sent > 0 ? sent / rates.bytes : 0;  // also if the rate is 0, because it was not measured
+  return cost.moved / rates.moved_bytes + sending + seconds_to_start;
+}
+
+double PropagationForecast::bytes_out() const { return bytes_out_; }
+
+void make_room(Device& device, double bytes) {
+  if (device.memory_left() < bytes) kept_on(device).drop_beyond(0);
 }
 
 void refuse_device_for_double(const PropagateParams& params) {

@@ -7,11 +7,20 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/opencl/device.h"
+#include "holotrace/wave/propagate/kept_propagators.h"
+#include "holotrace/wave/propagate/propagator.h"
+#include "holotrace/wave/shared/device_field.h"
 
 namespace holotrace {
 
-/// The field after propagation on the device that params.device names. Its propagator stays there for the next field over
-/// the same distance. Before a propagation that would not fit, others make room; if the device fails, all are dropped.
+/// The field after propagation, on the device where it is. Its propagator stays there for the next field over the same
+/// distance. Before a propagation that would not fit, others make room; if the device fails, all are dropped.
+/// @throws Error  as propagate and Device do
+/// Facts: as propagate.
+DeviceField propagate(const DeviceField& field, double distance, const PropagateParams& params,
+                      const Observer& observer = {});
+
+/// The field after propagation on the device that params.device names, from the processor and back.
 ///
 /// The device `auto` is the one that is expected to be the fastest, by the rates of device_rates.h: both fields are
 /// transferred, and the transfer function unless it is there already. If it fails, a warning says why.
@@ -25,6 +34,25 @@ std::optional<Field> propagate_on_device(const Field& field, double distance, co
 /// The same for the irradiance of that field, shape (ny, nx) [W/m²].
 std::optional<Array2D<float>> irradiance_on_device(const Field& field, double distance, const PropagateParams& params,
                                                    const Observer& observer = {});
+
+/// What a propagation is expected to take, without the transfers of its fields.
+class PropagationForecast {
+ public:
+  /// @throws Error  as plan_propagator does
+  PropagationForecast(const Grid& grid, double wavelength, double distance, const PropagateParams& params);
+
+  double on_processor() const;             ///< [s]
+  double on_device(Device& device) const;  ///< with the transfer function, unless it is there [s]
+  double bytes_out() const;                ///< of the field at the output window
+
+ private:
+  PropagationQuestion question_;
+  std::optional<Propagator<float>> plan_;  // none for samples that only change their window
+  double bytes_out_;
+};
+
+/// Makes room on a device: if fewer bytes of its memory are left, all propagators that are kept there are dropped.
+void make_room(Device& device, double bytes);
 
 /// Devices propagate in single precision.
 /// @throws Error  unless params.device is the processor or `auto`, which then is the processor

@@ -117,8 +117,7 @@ DevicePropagationCost device_propagation_cost(const Device& device, const Propag
   DevicePropagationCost cost;
   cost.fields = sample_bytes * (double(x.inputs) * y.inputs + double(x.outputs) * y.outputs);
   cost.kept = sample_bytes * (transfer + samples_of_factors(plan));
-  cost.work = cost.fields + sample_bytes * spectrum + line_work_bytes(device, plan) +
-              double(sizeof(float)) * x.outputs * y.outputs;
+  cost.work = cost.fields + sample_bytes * spectrum + line_work_bytes(device, plan);
   const double rows = std::max(y.inputs, y.outputs), bins = plan.is_on_lattice() ? 0 : y.frequencies();
   cost.largest = sample_bytes * std::max({transfer, double(x.inputs) * y.inputs, double(x.outputs) * y.outputs,
                                           columns * std::max(rows, bins)});

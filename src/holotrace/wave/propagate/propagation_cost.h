@@ -18,7 +18,7 @@ double seconds_to_propagate(const Propagator<float>& plan);
 /// Memory and transfers of a propagation on a device (device_propagator.h) [bytes].
 struct DevicePropagationCost {
   double kept = 0;     ///< the transfer function and all other factors, which are sent once and stay on the device
-  double work = 0;     ///< memory during a propagation: both fields, the spectrum in between, and an irradiance
+  double work = 0;     ///< memory during a propagation: both fields, and the spectrum in between
   double fields = 0;   ///< samples that are sent and fetched
   double largest = 0;  ///< the largest buffer
   double moved = 0;    ///< what the kernels read and write, if the device's caches hold nothing and every line is held

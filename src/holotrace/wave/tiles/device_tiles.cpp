@@ -126,13 +126,13 @@ void add_slices(Device& device, TileShape shape, const DeviceBuffer& sums, int64
              {sums, int32_t(samples), int32_t(slices)});
 }
 
-// What all devices of a sum share.
+// What all devices of a sum share. `take` gets each band of rows, whose sums are on its device.
 struct TileSum {
   const std::vector<PreparedWave>& waves;
   const LitGrid& panel;
   TileShape shape;
   PixelBox bounds;
-  Array2D<std::complex<float>>& samples;
+  std::function<void(Device& device, const PixelBox& band, const DeviceBuffer& sums)> take;
 };
 
 // Computes the rows [first_row, end_row) of the bounds, band by band.
@@ -181,8 +181,23 @@ void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, co
     }
     add_slices(device, shape, sums, band.pixels(), plan.slices);
     if (more.add) more.add(band, sums, part_of(of_band, 1, 2));
-    fetch(device, sums, band, sum.samples);
+    sum.take(device, band, sums);
   }
+}
+
+void sum_on_devices(const std::vector<Device*>& devices, const TileSum& sum, const Observer& observer,
+                    const MakeLight& make_more) {
+  const PixelBox& bounds = sum.bounds;
+  const size_t tiles = tiles_along(bounds.y1 - bounds.y0, sum.shape.rows);
+  const int share = int((tiles + devices.size() - 1) / devices.size()) * sum.shape.rows;  // rows of a device
+  run_together(int(devices.size()), [&](int i, const std::atomic<bool>& is_stopped) {
+    const int first = bounds.y0 + i * share, end = std::min(first + share, bounds.y1);
+    if (first >= end) return;
+    Device& device = *devices[size_t(i)];
+    const LightOnDevice more = make_more ? make_more(device) : LightOnDevice();
+    // All devices have about the same number of rows, so the progress of one is that of all.
+    sum_rows(device, sum, first, end, more, i == 0 ? observer : Observer(), is_stopped);
+  });
 }
 
 }  // namespace
@@ -232,17 +247,17 @@ TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel
 void sum_tiles_on_devices(const std::vector<Device*>& devices, const std::vector<PreparedWave>& waves,
                           const LitGrid& panel, TileShape shape, const PixelBox& bounds,
                           Array2D<std::complex<float>>& samples, const Observer& observer, const MakeLight& make_more) {
-  const TileSum sum{waves, panel, shape, bounds, samples};
-  const size_t tiles = tiles_along(bounds.y1 - bounds.y0, shape.rows);
-  const int share = int((tiles + devices.size() - 1) / devices.size()) * shape.rows;  // rows of a device
-  run_together(int(devices.size()), [&](int i, const std::atomic<bool>& is_stopped) {
-    const int first = bounds.y0 + i * share, end = std::min(first + share, bounds.y1);
-    if (first >= end) return;
-    Device& device = *devices[size_t(i)];
-    const LightOnDevice more = make_more ? make_more(device) : LightOnDevice();
-    // All devices have about the same number of rows, so the progress of one is that of all.
-    sum_rows(device, sum, first, end, more, i == 0 ? observer : Observer(), is_stopped);
-  });
+  const auto take = [&](Device& device, const PixelBox& band, const DeviceBuffer& sums) {
+    fetch(device, sums, band, samples);
+  };
+  sum_on_devices(devices, {waves, panel, shape, bounds, take}, observer, make_more);
+}
+
+void sum_tiles_on_device(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds,
+                         DeviceField& field, const Observer& observer, const MakeLight& make_more) {
+  const LitGrid panel{field.head.grid, field.head.wavelength};
+  const auto take = [&](Device&, const PixelBox& band, const DeviceBuffer& sums) { put(sums, band, field); };
+  sum_on_devices({field.device}, {waves, panel, shape, bounds, take}, observer, make_more);
 }
 
 }  // namespace holotrace

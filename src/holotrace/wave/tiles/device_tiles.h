@@ -8,6 +8,7 @@
 #include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/opencl/device.h"
+#include "holotrace/wave/shared/device_field.h"
 #include "holotrace/wave/tiles/tile_error.h"
 
 namespace holotrace {
@@ -31,8 +32,8 @@ using MakeLight = std::function<LightOnDevice(Device& device)>;
 ///
 /// If the panel has too few tiles for a large device, slices of the waves are summed at once, and added up on the device.
 /// If memory for all waves or all samples is short, the samples are computed in bands of rows and the waves sent in
-/// parts. Several devices compute rows of their own at the same time, each on a thread of its own. The sum does not depend on that: same
-/// kind of device, waves and bounds, same bytes.
+/// parts. Several devices compute rows of their own at the same time, each on a thread of its own. The sum does not
+/// depend on that: same kind of device, waves and bounds, same bytes.
 ///
 /// @param devices  at least one; they must be equal (equal_devices)
 /// @param waves   all with boxes within `bounds`
@@ -50,6 +51,10 @@ inline void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>&
                                 const Observer& observer, const MakeLight& make_more = {}) {
   sum_tiles_on_devices({&device}, waves, panel, shape, bounds, samples, observer, make_more);
 }
+
+/// The same into a field on its device, where the samples stay.
+void sum_tiles_on_device(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds,
+                         DeviceField& field, const Observer& observer, const MakeLight& make_more = {});
 
 /// Pixels of all tiles that waves light, added up over the waves: a tile that a wave lights partly counts as a whole.
 double pixels_of_tiles(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds);

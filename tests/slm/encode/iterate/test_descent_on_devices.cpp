@@ -190,12 +190,12 @@ TEST(DescentOnNoDevice, OtherMethodsRefuseOne) {
   const DescentCase one{"one"};
   Field field(one.slm.grid, 532e-9, 0);
   field.samples.values[0] = 1;
-  EncodeParams params{.method = Encoding::phase};
+  EncodeParams params{.method = Encoding::double_phase};
   params.device = {DeviceKind::opencl, 0};
   EXPECT_EQ(
       error_of([&] { encode(field, one.slm, params); }),
-      "expected gerchberg-saxton, weighted-gerchberg-saxton or sgd on an OpenCL device, got \"phase\"; use one of "
-      "them, or the device cpu");
+      "expected phase, amplitude, complex, gerchberg-saxton, weighted-gerchberg-saxton or sgd on an OpenCL device, got "
+      "\"double-phase\"; use one of them, or the device cpu");
   params.device.kind = DeviceKind::automatic;
   EXPECT_EQ(error_of([&] { encode(field, one.slm, params); }), "no error");
 }

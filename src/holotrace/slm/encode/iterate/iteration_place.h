@@ -1,13 +1,12 @@
 #pragma once
 
-#include <fmt/format.h>
-
 #include <string>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/params/device.h"
 #include "holotrace/opencl/device.h"
+#include "holotrace/wave/shared/on_chosen_device.h"
 
 namespace holotrace {
 
@@ -41,7 +40,7 @@ auto on_device_or_processor(Device* device, const DeviceChoice& choice, const Ob
   try {
     return iterate(IterationPlace{device, device && choice.kind == DeviceKind::automatic});
   } catch (const DeviceFault& fault) {
-    observer.warn(fmt::format("the device auto: the processor took over, because {}", fault.why));
+    warn_of_takeover(observer, fault.why);
     return iterate(IterationPlace{});
   }
 }
