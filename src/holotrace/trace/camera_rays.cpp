@@ -21,17 +21,17 @@ PathScene make_path_scene(const Scene& scene, const RenderParams& params) {
 Vec3 radiance_along(const PathScene& scene, const Ray& ray, bool has_background, LowDiscrepancy& numbers,
                     std::span<Vec3> sums, PathCounts& counts) {
   ++counts.rays;
-  const auto hit = scene.accelerator.closest_hit(ray, Aim::random);
-  if (!hit) {
+  Hit hit;
+  if (!scene.accelerator.closest_hit(ray, hit, Aim::random)) {
     if (!has_background) return {};
     const int seen_path_groups = std::popcount(scene.automaton.accepted(scene.automaton.start()));
     return scene.emitters.background(ray.direction) * seen_path_groups;
   }
-  const Material& material = material_at(scene.scene, hit->point);
-  const SurfacePoint point = material.normal_map ? shading_point(material, hit->point) : hit->point;
-  std::fill(sums.begin(), sums.end(), Vec3{});
-  PathStart start{point, -ray.direction, scene.automaton.start()};
+  const Material& material = material_at(scene.scene, hit.point);
+  PathStart start{material.normal_map ? shading_point(material, hit.point) : hit.point, -ray.direction,
+                  scene.automaton.start()};
   start.aim = Aim::random;
+  std::fill(sums.begin(), sums.end(), Vec3{});
   add_radiance(scene, start, numbers, sums, counts);
   Vec3 sum;
   for (const Vec3 of_group : sums) sum += of_group;

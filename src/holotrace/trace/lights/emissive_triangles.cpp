@@ -66,15 +66,25 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
       const double density = area > 0 ? radiance + mean / 20 : 0;  // a triangle without area is never met
       if (!(density * area > 0)) continue;
       densities_[m][t] = float(density);
+      const double first = total, longest = std::max({length(ab), length(ac), length(ac - ab)});
       total += double(densities_[m][t]) * area;
-      const double longest = std::max({length(ab), length(ac), length(ac - ab)});
-      triangles_.push_back({uint32_t(m), uint32_t(t), a, ab, ac, 2 * area, longest});
-      cumulative_.push_back(total);
+      triangles_.push_back({uint32_t(m), uint32_t(t), a, ab, ac, 1 / (2 * area), longest, 0, first, total, 0});
     }
   }
-  for (double& value : cumulative_) value /= total;
   for (auto& densities : densities_)
     for (float& density : densities) density = float(density / total);
+  if (triangles_.empty()) return;
+  for (Triangle& triangle : triangles_) {
+    triangle.density = double(densities_[triangle.mesh][triangle.index]);
+    triangle.first /= total, triangle.end /= total;
+    triangle.per_probability = 1 / (triangle.end - triangle.first);
+  }
+  triangles_.back().end = 1;
+  uint32_t selected = 0;
+  for (size_t i = 0; i < triangles_.size(); ++i) {
+    while (triangles_[selected].end <= double(i) / double(triangles_.size())) ++selected;
+    cutpoints_.push_back(selected);
+  }
 }
 
 Vec3 EmissiveTriangles::radiance_of(const Triangle& triangle, bool is_front, double b1, double b2) const {
@@ -94,20 +104,20 @@ Vec3 EmissiveTriangles::radiance_of(const Triangle& triangle, bool is_front, dou
 }
 
 LightSample EmissiveTriangles::sample(Vec3 from, Vec2 u) const {
-  const auto end = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u.x);
-  const double before = end == cumulative_.begin() ? 0 : *(end - 1);
-  const double in_triangle = std::clamp((u.x - before) / (*end - before), 0.0, 1.0);
-  const Triangle& triangle = triangles_[size_t(end - cumulative_.begin())];
+  size_t selected = cutpoints_[std::min(size_t(u.x * double(triangles_.size())), triangles_.size() - 1)];
+  while (triangles_[selected].end <= u.x) ++selected;
+  const Triangle& triangle = triangles_[selected];
+  const double in_triangle = std::clamp((u.x - triangle.first) * triangle.per_probability, 0.0, 1.0);
   const double root = std::sqrt(in_triangle), b1 = root * (1 - u.y), b2 = root * u.y;  // uniform over the triangle
   const Vec3 way = triangle.corner + triangle.edge_u * b1 + triangle.edge_v * b2 - from;
   const double projected = dot(cross(triangle.edge_u, triangle.edge_v), way);  // 2A·cosθ'·d, below 0 in front
   if (projected == 0) return {};  // the point is on the surface or in its plane
   const double distance = length(way), inverse = 1 / distance;
-  const double cosine = std::abs(projected) * inverse / triangle.twice_area;
+  const double cosine = std::abs(projected) * inverse * triangle.per_twice_area;
   return {way * inverse,
           distance,
           radiance_of(triangle, projected < 0, b1, b2),
-          pdf(triangle.mesh, triangle.index, distance, cosine),
+          triangle.density * distance * distance / cosine,
           cosine,
           triangle.longest};
 }
