@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <set>
 
 #include "holotrace/trace/geometry/first_hits.h"
@@ -23,6 +25,17 @@ TEST(Sampling, StrataTileTheSquareInCellsOfEqualArea) {
     EXPECT_NEAR(area, 1, 1e-12);
     EXPECT_NEAR(mean_x, 0.5, 1e-12);  // the cells leave no gap: their centroid is that of the square
     EXPECT_NEAR(mean_y, 0.5, 1e-12);
+  }
+}
+
+TEST(Sampling, PointsOnACircleAreItsCosineAndSine) {
+  constexpr long double turn = 2 * std::numbers::pi_v<long double>;
+  for (int i = 0; i <= 4096; ++i) {  // with the ends and the middles of all octants
+    const double t = i < 4096 ? i / 4096. : std::nextafter(1., 0.);
+    const Vec2 place = point_on_circle(t);
+    // The first term that is left out, (π/4)¹⁶/16! = 1e-15, and some rounding of numbers up to 1.
+    EXPECT_NEAR(place.x, double(std::cos(turn * t)), 2e-15) << t;
+    EXPECT_NEAR(place.y, double(std::sin(turn * t)), 2e-15) << t;
   }
 }
 

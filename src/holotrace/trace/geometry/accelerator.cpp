@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/geometry/scene_checks.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
@@ -37,10 +38,6 @@ void require_no_error(RTCDevice device, const char* what) {
           error == RTC_ERROR_OUT_OF_MEMORY ? " (out of memory); use fewer triangles" : "");
 }
 
-}  // namespace
-
-namespace {
-
 /// The plane normal·(p − centre) = offset of a triangle, about the centre of the scene. It is stored, because most hits need
 /// nothing else of the triangle.
 struct TrianglePlane {
@@ -50,13 +47,14 @@ struct TrianglePlane {
 };
 
 std::vector<TrianglePlane> planes_of(const Mesh& mesh, const ScenePrecision& precision) {
-  std::vector<TrianglePlane> planes;
-  planes.reserve(mesh.triangles.size());
-  for (const auto& [i, j, k] : mesh.triangles) {
+  std::vector<TrianglePlane> planes(mesh.triangles.size());
+  const auto make = [&](int64_t t) {
+    const auto& [i, j, k] = mesh.triangles[size_t(t)];
     const std::array<Vec3, 3> corners{mesh.positions[i], mesh.positions[j], mesh.positions[k]};
     const Vec3 normal = normalize(cross(corners[1] - corners[0], corners[2] - corners[0]));
-    planes.push_back({normal, dot(normal, corners[0] - precision.centre), float(precision.clearance_of(corners))});
-  }
+    planes[size_t(t)] = {normal, dot(normal, corners[0] - precision.centre), float(precision.clearance_of(corners))};
+  };
+  parallel_for(0, int64_t(planes.size()), make, {}, 4096);
   return planes;
 }
 

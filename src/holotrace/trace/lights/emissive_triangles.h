@@ -16,7 +16,7 @@ namespace holotrace {
 ///
 /// Aₜ is the area. L̄ₜ is the emission (with texture) averaged over 16 places of the triangle, summed over the lines.
 /// L̄ is the mean of its whole material; with it, triangles whose bright spots lie between the places are drawn too.
-/// Memory: 144 bytes per emitting triangle. Keeps a reference to the scene.
+/// Memory: 136 bytes per emitting triangle. Keeps a reference to the scene.
 class EmissiveTriangles {
  public:
   EmissiveTriangles(const Scene& scene, const Lines& lines);
