@@ -23,7 +23,7 @@ TEST(Path, ClosedFurnaceHasRadianceAndPathLengthOneOverOneMinusAlbedo) {
   }
 }
 
-TEST(Path, NoPathLeaksThroughTheEdgesOfAFineSphereFarFromTheOrigin) {
+TEST(Path, HardlyAnyPathLeaksThroughTheEdgesOfAFineSphereFarFromTheOrigin) {
   constexpr double rho = 0.95;
   Scene scene;
   scene.materials = {grey(rho, 1)};
@@ -32,7 +32,8 @@ TEST(Path, NoPathLeaksThroughTheEdgesOfAFineSphereFarFromTheOrigin) {
   constexpr int paths = 20000;
   const Statistics radiance = follow(scene, {{1_mm, 2_mm, -0.301}, {0, 0, -1}}, paths, unlimited, counts);
   EXPECT_NEAR(radiance.mean(), 1 / (1 - rho), 4 * std::sqrt(rho / paths) / (1 - rho));
-  EXPECT_EQ(counts.escaped, 0) << "of " << counts.rays << " rays";
+  // One in a million random rays may pass an edge (accelerator.h): 0.4 of them here, more than 4 by a chance of 6e-5.
+  EXPECT_LE(counts.escaped, 4) << "of " << counts.rays << " rays";
 }
 
 TEST(Path, MaxDepthCutsTheFurnaceAfterThatManySurfaces) {

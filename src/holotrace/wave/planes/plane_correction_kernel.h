@@ -49,7 +49,7 @@ HOLOTRACE_OF_REAL HOLOTRACE_COMPLEX correction_at(HOLOTRACE_CORRECTION c, HOLOTR
 /// The terms of the waves from those of the cells that they are spread over: cells are weighted by their own
 /// frequencies, and the kernel's moments tell how far they lie from the waves'.
 /// @param sum       the waves without weights
-/// @param first, second  the moments ∫xⁿφ·exp(2πiξx)dx/φ̂ at u and at v [cycles/m, cycles²/m²]
+/// @param first_u, first_v, second_u, second_v  the moments ∫xⁿφ·exp(2πiξx)dx/φ̂ at u and at v [cycles/m, cycles²/m²]
 HOLOTRACE_OF_REAL HOLOTRACE_TERMS terms_of_waves(HOLOTRACE_TERMS cells, HOLOTRACE_COMPLEX sum, Real first_u,
                                                  Real first_v, Real second_u, Real second_v) {
   HOLOTRACE_TERMS waves;
