@@ -41,7 +41,7 @@ Field expected(const std::vector<PlaneWave>& waves, const Field& seen, double ca
 
 // 65536 levels: rms rounding 1/(√12·65535) = 4.4e-6 of full transmittance, of which the stop keeps a part; the
 // order carries at least some 3 % of it, so 2e-4 relative is generous.
-constexpr double rounding = 2e-4;
+constexpr double stop_rounding = 2e-4;
 
 TEST_P(OrderStop, OffAxisHologramWithoutBiasGivesTheFieldBack) {
   // The whole band: carrier of 32 cycles over the panel, waves up to 30. The twin and the constant stay outside.
@@ -50,8 +50,8 @@ TEST_P(OrderStop, OffAxisHologramWithoutBiasGivesTheFieldBack) {
     const Field seen = round_trip(waves, {.method = Encoding::off_axis, .with_bias = false}, n);
     EXPECT_FALSE(seen.filter.has_value());
     const FieldMetrics m = compare(expected(waves, seen, 1 / (4 * test_pitch), 0), seen);
-    EXPECT_LT(m.scaled_error, rounding) << n;
-    EXPECT_NEAR(std::arg(m.scale), 0, rounding);  // no added phase: U·R* with a reference of phase 0 at the centre
+    EXPECT_LT(m.scaled_error, stop_rounding) << n;
+    EXPECT_NEAR(std::arg(m.scale), 0, stop_rounding);  // no added phase: U·R* with a reference of phase 0 at the centre
     // Compared with the field itself, the roll-off (sinc from 1 to 0.64) costs a few per cent.
     EXPECT_GT(std::abs(compare(sum_of(waves, seen.grid), seen).correlation), 0.97);
   }
@@ -61,7 +61,7 @@ TEST_P(OrderStop, OffAxisHologramWithBiasGivesANarrowFieldBack) {
   // |U|² spreads over twice the field's band: up to 14 cycles, outside of 48 ± 16.
   const std::vector<PlaneWave> waves = random_waves(7, 12, 6);
   const Field seen = round_trip(waves, {.method = Encoding::off_axis}, 3);
-  EXPECT_LT(compare(expected(waves, seen, 3 / (8 * test_pitch), 0), seen).scaled_error, rounding);
+  EXPECT_LT(compare(expected(waves, seen, 3 / (8 * test_pitch), 0), seen).scaled_error, stop_rounding);
 }
 
 TEST_P(OrderStop, TiltAlongYAndTheRealImage) {
@@ -79,8 +79,8 @@ TEST_P(OrderStop, TiltAlongYAndTheRealImage) {
     std::vector<PlaneWave> conjugate = waves;
     for (PlaneWave& w : conjugate) w = {-w.a, -w.b, std::conj(w.amplitude)};
     const FieldMetrics m = compare(expected(conjugate, seen, u, v), seen);
-    EXPECT_LT(m.scaled_error, rounding) << n;
-    EXPECT_NEAR(std::arg(m.scale), 0, rounding) << n;
+    EXPECT_LT(m.scaled_error, stop_rounding) << n;
+    EXPECT_NEAR(std::arg(m.scale), 0, stop_rounding) << n;
   }
 }
 
@@ -112,7 +112,7 @@ TEST_P(OrderStop, StrongReferenceSuppressesTheBias) {
     return compare(expected(passed, seen, 1 / (4 * test_pitch), 0), seen).scaled_error;
   };
   const double at_1 = error(1), at_10 = error(10);
-  EXPECT_GT(at_1, 10 * rounding);  // large enough to see it fall
+  EXPECT_GT(at_1, 10 * stop_rounding);  // large enough to see it fall
   EXPECT_NEAR(at_10 / at_1, 0.1, 0.01);
 }
 

@@ -46,7 +46,7 @@ bool wait_for(int socket, short event, Clock::time_point deadline) {
 bool send_all(int socket, std::string_view bytes, Clock::time_point deadline) {
   while (!bytes.empty()) {
     if (!wait_for(socket, POLLOUT, deadline)) return false;
-    const ssize_t sent = send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (sent <= 0) return false;
     bytes.remove_prefix(size_t(sent));

@@ -18,7 +18,7 @@
 namespace holotrace {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double unmeasured = std::numeric_limits<double>::infinity();  // seconds on a device that was not measured
 
 constexpr double from_memory = 1.6;      // the rates hold for a tile in the caches; `planes` reads all waves per tile
 constexpr double seconds_to_plan = 0.2;  // for `planes`; it pays for many waves only
@@ -44,7 +44,7 @@ bool is_measured(const DeviceRates& rates) { return rates.multiply_adds > 0 && r
 
 double seconds_on_devices(const PartPlan& plan, const PixelBox& bounds, const SumWay& way) {
   const DeviceRates rates = device_rates(*way.device());
-  if (!is_measured(rates)) return infinite;
+  if (!is_measured(rates)) return unmeasured;
   const TileShape shape = plan.tiles.plan.shape;
   const double work = (plan.far.empty() ? 0 : plan.planes.seconds) + pixels_of_tiles(plan.near, shape, bounds) *
                                                                          multiply_adds_per_wave_pixel(shape) /

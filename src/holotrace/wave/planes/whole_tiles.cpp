@@ -8,15 +8,15 @@
 namespace holotrace {
 namespace {
 
-struct Range {
+struct TileRange {
   int first, end;
 };
 
 // The tiles within pixels [from, to) along an axis of `size` pixels, of which the last tile may be cut. distance_of(pixel)
 // is that of a tile's reference pixel from the wave's origin, and `reach` what it may be.
 template <class Distance>
-Range within(int from, int to, int size, int side, double reach, const Distance& distance_of) {
-  Range tiles{(from + side - 1) / side, to >= size ? (size + side - 1) / side : to / side};
+TileRange within(int from, int to, int size, int side, double reach, const Distance& distance_of) {
+  TileRange tiles{(from + side - 1) / side, to >= size ? (size + side - 1) / side : to / side};
   const auto is_reached = [&](int tile) { return std::abs(distance_of(tile * side + side / 2)) <= reach; };
   while (tiles.first < tiles.end && !is_reached(tiles.first)) ++tiles.first;
   while (tiles.first < tiles.end && !is_reached(tiles.end - 1)) --tiles.end;
@@ -44,10 +44,10 @@ void append_rest_of(const PreparedWave& wave, const PlaneTiles& t, std::vector<P
 PixelBox whole_tiles(const PreparedWave& wave, const PlaneTiles& t) {
   const PixelBox &box = wave.box, &bounds = t.bounds;
   const double reach = t.tangent * wave.depth;
-  const Range x = within(box.x0 - bounds.x0, box.x1 - bounds.x0, bounds.x1 - bounds.x0, t.side, reach,
-                         [&](int column) { return t.grid.x(bounds.x0 + column) - wave.x; });
-  const Range y = within(box.y0 - bounds.y0, box.y1 - bounds.y0, bounds.y1 - bounds.y0, t.side, reach,
-                         [&](int row) { return t.grid.y(bounds.y0 + row) - wave.y; });
+  const TileRange x = within(box.x0 - bounds.x0, box.x1 - bounds.x0, bounds.x1 - bounds.x0, t.side, reach,
+                             [&](int column) { return t.grid.x(bounds.x0 + column) - wave.x; });
+  const TileRange y = within(box.y0 - bounds.y0, box.y1 - bounds.y0, bounds.y1 - bounds.y0, t.side, reach,
+                             [&](int row) { return t.grid.y(bounds.y0 + row) - wave.y; });
   return {x.first, x.end, y.first, y.end};
 }
 

@@ -11,8 +11,6 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr double sample_bytes = sizeof(Complex);
-
 // Columns of each part of the spectrum.
 std::vector<int> columns_of_parts(const Propagator<float>& plan) {
   if (!plan.is_on_lattice()) return {plan.x.frequencies()};

@@ -14,7 +14,6 @@
 namespace holotrace {
 namespace {
 
-constexpr double sample_bytes = sizeof(std::complex<float>);
 constexpr double from_memory = 1.4;
 
 SummationWork convolution_work(const PropagationAxis& x, const PropagationAxis& y) {

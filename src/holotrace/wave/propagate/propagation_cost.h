@@ -1,5 +1,7 @@
 #pragma once
 
+#include <complex>
+
 #include "holotrace/data/summation_rates.h"
 #include "holotrace/opencl/device.h"
 #include "holotrace/wave/propagate/propagator.h"
@@ -14,6 +16,8 @@ SummationWork propagation_work(const Propagator<float>& plan);
 /// Seconds that the processor is expected to take, by that work and the rates of cost_model.h, with all of its threads.
 /// The lines of a large field come from memory, for which those rates do not hold: 1.4 times as long.
 double seconds_to_propagate(const Propagator<float>& plan);
+
+inline constexpr double sample_bytes = sizeof(std::complex<float>);  ///< of a field on a device
 
 /// Memory and transfers of a propagation on a device (device_propagator.h) [bytes].
 struct DevicePropagationCost {
