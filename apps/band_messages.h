@@ -7,8 +7,8 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/data/sources.h"
-#include "holotrace/data/summation_rates.h"
 #include "holotrace/wave/bands.h"
+#include "plan_rates.h"
 
 // Messages that ranks exchange about a field made in bands.
 
@@ -30,7 +30,7 @@ struct JobHead {
   double tolerance = 0;
   DeviceChoice device{};
   int32_t threads = 0, sets = 0;
-  SummationRates rates;  ///< plans are chosen by these rates: the same on every rank
+  PlanRates rates;  ///< plans are chosen by these rates: the same on every rank
 };
 
 struct BandOrder {

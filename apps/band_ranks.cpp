@@ -9,7 +9,6 @@
 #include "banded_field.h"
 #include "holotrace/opencl/device_info.h"
 #include "holotrace/wave/bands.h"
-#include "holotrace/wave/shared/cost_model.h"
 
 namespace holotrace {
 namespace {
@@ -34,7 +33,7 @@ void serve_job(const Ranks& ranks, const Ranks::Message& job) {
   while (int(sets.size()) < head.sets) sets.push_back(unpack_set(ranks.receive().bytes));
   const int threads = head.threads > 0 ? head.threads : ranks.threads();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
-  set_summation_rates([rates = head.rates] { return rates; });
+  go_by(head.rates);
   SynthesizeParams params;
   params.method = head.method;
   params.tolerance = head.tolerance;

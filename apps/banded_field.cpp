@@ -7,7 +7,6 @@
 #include <chrono>
 #include <deque>
 #include <exception>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -21,7 +20,6 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/run/field_fingerprint.h"
 #include "holotrace/wave/bands.h"
-#include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/synthesize.h"
 #include "interrupts.h"
 #include "say.h"
@@ -108,22 +106,6 @@ void check_sets(const BandedField& job) {
   require(has_waves, "expected at least one source, got none; is the scene lit and in view?");
 }
 
-// Plans depend on the machine's rates, and the last bits of the field depend on the plans. So a resumed run, and every
-// rank, uses the rates of the run that began.
-std::map<std::string, double> named_rates() {
-  std::map<std::string, double> named;
-  const SummationRates rates = summation_rates();
-  for (const SummationTerm& term : summation_terms) named[term.name] = rates.*term.rate;
-  return named;
-}
-
-void go_by(const std::map<std::string, double>& named) {
-  SummationRates rates;
-  for (const SummationTerm& term : summation_terms)
-    if (const auto found = named.find(term.name); found != named.end()) rates.*term.rate = found->second;
-  set_summation_rates([rates] { return rates; });
-}
-
 // Sets of one name go into one file.
 void sort_into_files(Work& work) {
   const std::vector<Sources>& sets = work.job.sets;
@@ -156,7 +138,8 @@ BandedJob describe_job(const Work& work, const BandFile& file) {
   return {fmt::format("{}x{} pixels of {}, {}method {}, tolerance {}, {} bands", job.panel.nx, job.panel.ny,
                       format_length(job.panel.pitch), waves, method_name(job.params.method), job.params.tolerance,
                       file.bands.size()),
-          field_fingerprint(job.panel, job.params, sets, first_rows), file.bands.size(), named_rates()};
+          field_fingerprint(job.panel, job.params, sets, first_rows), file.bands.size(),
+          named_rates(plan_rates(job.params.device))};
 }
 
 void open_files(Work& work) {
@@ -175,7 +158,7 @@ void open_files(Work& work) {
     const std::string path = numbered_path(work.job.output, i);
     file.file = std::make_unique<FieldBands>(path, headers, describe_job(work, file));
     const size_t there = file.file->finished_bands();
-    if (there > 0) go_by(file.file->settings());
+    if (there > 0) go_by(rates_of(file.file->settings(), plan_rates(work.job.params.device)));
     if (there > 0 && !work.job.is_quiet)
       say("holotrace: resuming {2}: {0} of {1} bands done\n", there, file.bands.size(), path);
   }
@@ -191,7 +174,7 @@ void send_job(const Work& work, const Ranks& ranks) {
   const BandedField& job = work.job;
   std::string head;
   pack(head, JobHead{job.panel, job.params.method, job.params.tolerance, job.params.device, job.threads,
-                     int32_t(job.sets.size()), summation_rates()});
+                     int32_t(job.sets.size()), plan_rates(job.params.device)});
   for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_job, head);
   for (const Sources& set : job.sets) {
     const std::string bytes = pack_set(set);

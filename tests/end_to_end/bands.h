@@ -55,4 +55,15 @@ inline bool wait_until(pid_t child, const std::function<bool()>& holds) {
   return true;
 }
 
+/// Leaves an unfinished field, whose path is the last argument, with some finished bands.
+inline void leave_unfinished(const Workplace& work,
+                             const std::vector<std::string>& arguments = field_in_bands("f.h5")) {
+  const std::string& output = arguments.back();
+  const pid_t child = work.start(arguments);
+  ASSERT_TRUE(wait_until(child, [&] { return journal_of(work, output) >= 2; }));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  ASSERT_LT(journal_of(work, output), band_count);
+}
+
 }  // namespace holotrace::test

@@ -60,16 +60,6 @@ TEST(Bands, KilledAtAnyMomentAreResumedToTheSameBytes) {
   EXPECT_FALSE(work.has("f.h5.partial.json"));
 }
 
-// Leaves an unfinished field, whose path is the last argument, with some finished bands.
-void leave_unfinished(const Workplace& work, const std::vector<std::string>& arguments = field_in_bands("f.h5")) {
-  const std::string& output = arguments.back();
-  const pid_t child = work.start(arguments);
-  ASSERT_TRUE(wait_until(child, [&] { return journal_of(work, output) >= 2; }));
-  kill(child, SIGKILL);
-  waitpid(child, nullptr, 0);
-  ASSERT_LT(journal_of(work, output), band_count);
-}
-
 TEST(Bands, OfAnotherJobAreRefusedAndKept) {
   const Workplace work;
   save_sources(work.path("waves.ply"), waves_of_bands(100));
@@ -96,37 +86,6 @@ TEST(Bands, OfAnotherToleranceAreRefused) {
   const Outcome outcome = work.run(other);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("tolerance 0.002, 16 bands), got one of another"), std::string::npos) << outcome.err;
-}
-
-// With rates that make tiles by far the fastest, `auto` uses them; with rates for planes, those. The bits differ within
-// the tolerance. A resumed run uses the rates of its first run, although the machine's rates have changed.
-TEST(Bands, UseTheRatesOfTheFirstRunWhenResumed) {
-  const Workplace work;
-  save_sources(work.path("waves.ply"), waves_of_bands(8000));  // enough that a test can act during the run
-  const auto field_to = [](const std::string& output) {
-    std::vector<std::string> arguments = field_in_bands(output);
-    std::replace(arguments.begin(), arguments.end(), std::string("exact"), std::string("auto"));
-    std::replace(arguments.begin(), arguments.end(), std::string("400 MB"), std::string("430 MB"));  // memory for plans
-    return arguments;
-  };
-  ASSERT_EQ(work.run(field_to("measured.h5")).exit_code, 0);  // measures and saves the machine's rates
-  const std::string rates = work.cache_path("summation_rates.json"), measured = bytes_of(rates);
-  const auto make_fast = [&](bool planes) {
-    auto machines = nlohmann::json::parse(measured);
-    const std::set<std::string> of_planes{"plane_waves", "spreads", "fft_operations", "samples"};
-    for (auto& machine : machines)
-      for (auto& [name, rate] : machine.items()) rate = of_planes.contains(name) == planes ? 1e12 : 1.0;
-    std::ofstream(rates) << machines.dump();
-  };
-  make_fast(true);
-  ASSERT_EQ(work.run(field_to("planes.h5")).exit_code, 0);
-  make_fast(false);
-  ASSERT_EQ(work.run(field_to("whole.h5")).exit_code, 0);
-  ASSERT_FALSE(work.read("whole.h5") == work.read("planes.h5")) << "the rates do not matter: the test shows nothing";
-  leave_unfinished(work, field_to("f.h5"));
-  make_fast(true);
-  ASSERT_EQ(work.run(field_to("f.h5")).exit_code, 0);
-  EXPECT_TRUE(work.read("f.h5") == work.read("whole.h5"));
 }
 
 // A small disk of its own, for a test that fills it.

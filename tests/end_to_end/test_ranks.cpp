@@ -2,31 +2,17 @@
 
 #include <sys/stat.h>
 
-#include <cstdlib>
 #include <fstream>
-#include <sstream>
 
 #include "band_messages.h"
 #include "end_to_end/bands.h"
+#include "end_to_end/mpirun.h"
 #include "support/build_paths.h"
 
 namespace holotrace::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool has_mpirun() {
-  std::stringstream folders(std::getenv("PATH") ? std::getenv("PATH") : "");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (fs::exists(fs::path(folder) / "mpirun")) return true;
-  return false;
-}
-
-// Options that allow root, as in containers, and fewer cores than ranks. Leaks in the MPI library are ignored.
-std::vector<std::string> mpirun(int ranks) {
-  return {"env", "ASAN_OPTIONS=detect_leaks=0", "mpirun", "--allow-run-as-root", "--oversubscribe",
-          "-n",  std::to_string(ranks)};
-}
 
 std::vector<pid_t> children_of(pid_t parent) {
   std::vector<pid_t> children;
