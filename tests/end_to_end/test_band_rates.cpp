@@ -76,11 +76,11 @@ TEST_F(BandRates, OfADeviceAreThoseOfTheFirstRankOnAll) {
   if (!HOLOTRACE_HAS_MPI || !has_mpirun()) GTEST_SKIP() << "no MPI here";
   const nlohmann::json machines = measured("opencl", "device_rates.json");
   const fs::path cache = fs::path(work_.cache_path("device_rates.json")).parent_path(), other = cache / "rank_1";
-  write_rates(cache / "device_rates.json", machines, moved, false);
+  write_rates(cache / "device_rates.json", machines, moved, true);
   expect_success(work_, automatic_field("opencl", "alone.h5"));
   fs::create_directories(other / "holotrace");
   fs::copy(cache / "summation_rates.json", other / "holotrace" / "summation_rates.json");
-  write_rates(other / "holotrace" / "device_rates.json", machines, moved, true);
+  write_rates(other / "holotrace" / "device_rates.json", machines, moved, false);
   std::vector<std::string> ranks = mpirun(2);
   ranks.insert(ranks.end(),
                {"sh", "-c",

@@ -211,6 +211,10 @@ TEST(DeviceList, SharesDevicesOfOneModelAmongRanks) {
   EXPECT_EQ(equal_device(devices, 9, 1), 9);  // refused when it is opened
   EXPECT_EQ(equal_devices(devices, 2), (std::vector<int>{0, 2, 4}));
   EXPECT_EQ(equal_devices(devices, 3), std::vector<int>{3});
+  // Parts of a card share its name; the slices of a sum, and so its bytes, depend on the compute units.
+  std::vector<DeviceInfo> parts = devices;
+  parts[2].compute_units = parts[0].compute_units + 1;
+  EXPECT_EQ(equal_devices(parts, 0), (std::vector<int>{0, 4}));
   EXPECT_NE(error_of([&] { equal_devices(devices, 9); }).find("from 0 to 4, got 9"), std::string::npos);
 }
 

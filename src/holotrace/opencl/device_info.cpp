@@ -16,7 +16,8 @@ std::vector<int> equal_devices(const std::vector<DeviceInfo>& devices, int numbe
   const DeviceInfo& model = devices[size_t(number)];
   std::vector<int> equal;
   for (const DeviceInfo& info : devices)
-    if (info.name == model.name && info.platform == model.platform && info.driver == model.driver)
+    if (info.name == model.name && info.platform == model.platform && info.driver == model.driver &&
+        info.compute_units == model.compute_units)
       equal.push_back(info.number);
   return equal;
 }

@@ -28,12 +28,12 @@ struct DeviceInfo {
 /// @throws Error  if this build or this machine has no OpenCL
 const std::vector<DeviceInfo>& list_devices();
 
-/// The numbers of the devices with the name, platform and driver of device `number`, itself among them.
+/// The numbers of the devices with the name, platform, driver and compute units of device `number`, itself among them.
 /// @throws Error  unless there is a device with that number
 std::vector<int> equal_devices(const std::vector<DeviceInfo>& devices, int number);
 
-/// The number of the device that is `step` places further in the circle of those with the name, platform and driver of
-/// device `number`: processes that share a machine take one each. The same kernels give the same bytes on all of them.
+/// The number of the device that is `step` places further in the circle of the equal_devices of device `number`:
+/// processes that share a machine take one each. The same kernels give the same bytes on all of them.
 int equal_device(const std::vector<DeviceInfo>& devices, int number, int step);
 
 /// "cpu", "gpu" or "other".

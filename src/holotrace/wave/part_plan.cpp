@@ -57,7 +57,7 @@ double seconds_on_devices(const PartPlan& plan, const PixelBox& bounds, const Su
          sorting + seconds_of_start;
 }
 
-// Of plans for `planes` on a device. An edge of a box leaves about half of a tile of the plan to the sum in tiles, whose own
+// Cost of plans for `planes` on a device. An edge of a box leaves about half of a tile of the plan to the sum in tiles, whose own
 // tiles reach beyond it.
 PlanesCost planes_cost_on_device(Device& device, TileShape shape) {
   DeviceRates rates = device_rates(device);

@@ -76,7 +76,8 @@ DeviceRates calibrate_device(Device& device) {
 }
 
 std::string device_calibration_key(const DeviceInfo& info) {
-  return fmt::format("{}, driver {}, {}, holotrace {}", info.name, info.driver, info.platform, HOLOTRACE_VERSION);
+  return fmt::format("{}, {} compute units, driver {}, {}, holotrace {}", info.name, info.compute_units, info.driver,
+                     info.platform, HOLOTRACE_VERSION);
 }
 
 }  // namespace holotrace

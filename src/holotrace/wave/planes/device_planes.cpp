@@ -67,8 +67,8 @@ DevicePlanes::DevicePlanes(Device& device, const SortedWaves& waves, const Plane
       0, int64_t(device_waves_.size()),
       [&](int64_t i) { device_waves_[size_t(i)] = device_plane_wave(waves.waves[size_t(i)], wavelength, tiles_); }, {},
       4096);
-  const double room = device.memory_left() / 3;
-  const size_t most = std::max(size_t(std::min(room, device.free_memory()) / sizeof(DeviceWave)), packet_waves);
+  const double room = std::max(0.0, std::min(device.memory_left() / 3, device.free_memory()));
+  const size_t most = std::max(size_t(room / sizeof(DeviceWave)), packet_waves);
   parts_.push_back({0, 0});
   size_t of_part = 0;
   for (const Slab& slab : waves.slabs) {
@@ -191,7 +191,8 @@ void DevicePlanes::transform(const Chunk& chunk) {
   columns(none, difference, true);
 }
 
-void DevicePlanes::add(const PixelBox& band, const DeviceBuffer& samples, const Observer& observer) {
+void DevicePlanes::add(const PixelBox& band, const DeviceBuffer& samples, const Observer& observer,
+                       const std::atomic<bool>& is_stopped) {
   const auto lock = device_.lock();
   const PlanesTables& t = tables_;
   const int side = t.plan.tile, across = tiles_.across(), top = band.y0 - tiles_.bounds.y0;
@@ -204,7 +205,7 @@ void DevicePlanes::add(const PixelBox& band, const DeviceBuffer& samples, const 
   Chunk chunk{at_once, buffer(t.cells, t.cells), buffer(t.cells, side), buffer(side, t.cells), {}};
   for (size_t i = 0; i < (t.plan.is_corrected ? chunk.terms.size() : 1); ++i) chunk.terms[i] = buffer(side, side);
   const auto term = [&](size_t i) -> const DeviceBuffer& { return chunk.terms[t.plan.is_corrected ? i : 0]; };
-  for (int tile = first; tile < end; tile += at_once) {
+  for (int tile = first; tile < end && !is_stopped; tile += at_once) {
     chunk.tiles = std::min(at_once, end - tile);
     for (int slab = 0; slab < int(slabs_.size()); ++slab) {
       spread(slab, tile, chunk);

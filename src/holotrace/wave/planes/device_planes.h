@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "holotrace/base/observer.h"
@@ -26,7 +27,9 @@ class DevicePlanes {
 
   /// Adds the light to the samples of a band of rows of the bounds, with all of their columns. Tiles are computed some at a
   /// time, as memory allows; the samples do not depend on that.
-  void add(const PixelBox& band, const DeviceBuffer& samples, const Observer& observer);
+  /// It ends between them once `is_stopped` is set: another device has failed.
+  void add(const PixelBox& band, const DeviceBuffer& samples, const Observer& observer,
+           const std::atomic<bool>& is_stopped);
 
   /// Memory that `add` needs at least [bytes].
   double least_memory() const { return tile_bytes() + part_bytes(); }

@@ -109,7 +109,7 @@ DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds,
   const double columns = bounds.x1 - bounds.x0, rows = rows_to_do;
   const double row_bytes = double(sizeof(std::complex<float>) * plan.slices) * columns;
   const double all_waves = double(sizeof(DeviceWave) * waves);
-  const double for_waves = std::min(all_waves, std::max(free / 2, free - row_bytes * rows));
+  const double for_waves = std::max(0.0, std::min(all_waves, std::max(free / 2, free - row_bytes * rows)));
   const double band = std::min((free - for_waves) / row_bytes, most_samples / columns);
   plan.rows = band >= rows ? rows_to_do : std::max(int(band) / shape.rows, 1) * shape.rows;
   const size_t launch = std::max(plan.launch(), size_t(1));
@@ -176,11 +176,13 @@ void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, co
                     size_t(shape.columns / block_columns), size_t(shape.rows / block_rows(shape)), plan.slices},
                    {on_device, column_centres, row_centres, job, sums});
         device.finish();
+        if (is_stopped) return;
         of_waves.progress(double(std::min(first + plan.launch(), end)) / double(count));
       }
     }
     add_slices(device, shape, sums, band.pixels(), plan.slices);
-    if (more.add) more.add(band, sums, part_of(of_band, 1, 2));
+    if (more.add) more.add(band, sums, part_of(of_band, 1, 2), is_stopped);
+    if (is_stopped) return;
     sum.take(device, band, sums);
   }
 }

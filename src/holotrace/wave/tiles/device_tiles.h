@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <complex>
 #include <functional>
 #include <string>
@@ -22,7 +23,10 @@ TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel
 
 /// Light that is added to the sums of bands on a device, beside that of the waves.
 struct LightOnDevice {
-  std::function<void(const PixelBox& band, const DeviceBuffer& samples, const Observer& observer)> add;  ///< if any
+  /// If any. It may leave the samples unfinished once another device has failed, which sets `is_stopped`.
+  std::function<void(const PixelBox& band, const DeviceBuffer& samples, const Observer& observer,
+                     const std::atomic<bool>& is_stopped)>
+      add;
   double bytes = 0;  ///< memory that it needs at least
 };
 /// Makes that light for a device. It is called on a thread of that device.
