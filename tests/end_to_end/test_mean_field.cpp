@@ -25,13 +25,13 @@ using test::relative_error;
 // With one wave per ray, a field is a sum of independent waves, whose mean grows as √N.
 
 const Grid small{64, 64, 8e-6};
-constexpr double depth = 20e-3, half = 0.15e-3, grain = 0.1e-3;
+constexpr double wall_depth = 20e-3, half = 0.15e-3, grain = 0.1e-3;
 
 /// A patch of radiance 1 whose boxes contain every pixel: 0.15 + 0.256 mm < R = 20 mm·tan(asin(λ/2p)) = 0.67 mm.
 Scene make_patch() {
   Scene scene;
   scene.materials = {grey(0, 1)};
-  scene.meshes = {make_wall(-depth, half, half)};
+  scene.meshes = {make_wall(-wall_depth, half, half)};
   return scene;
 }
 
@@ -47,10 +47,11 @@ FieldDouble make_mean_field(double& irradiance) {
       Complex sum = 0;
       for (int b = 0; b < cells; ++b)
         for (int a = 0; a < cells; ++a) {
-          const Vec3 o{(a + 0.5) * step - half, (b + 0.5) * step - half, -depth};
+          const Vec3 o{(a + 0.5) * step - half, (b + 0.5) * step - half, -wall_depth};
           const double phase = random_phase(1, 0, surface_phase_key(o, grain));
           const Vec3 way = o - Vec3{small.x(i), small.y(j), 0};
-          const double r2 = dot(way, way), r = std::sqrt(r2), weight = depth * depth / (r2 * r2) * step * step;
+          const double r2 = dot(way, way), r = std::sqrt(r2),
+                       weight = wall_depth * wall_depth / (r2 * r2) * step * step;
           sum += weight * cis_cycles(r / green_light + phase / (2 * pi));
           irradiance += weight / double(small.pixels());
         }
@@ -172,7 +173,7 @@ TEST(Coherence, IntensityIsBiasedByOneOverNAndTheCrossEstimatorIsNot) {
 // --- one wave per cell: both strategies converge to the same field -------------------------------
 
 /// A patch of 3 × 3 whole cells of the side `grain`, whose faces lie at (n − (0.41421356, 0.73205081))·grain.
-constexpr Vec3 corner{-1.41421356 * grain, -1.73205081 * grain, -depth};
+constexpr Vec3 corner{-1.41421356 * grain, -1.73205081 * grain, -wall_depth};
 
 Scene make_cells() {
   Scene scene;
@@ -194,7 +195,7 @@ FieldDouble make_field_of_cells(const Grid& grid) {
         for (int b = 0; b < parts; ++b)
           for (int a = 0; a < parts; ++a) {
             const Vec3 way = low + Vec3{a + 0.5, b + 0.5, 0} * (grain / parts) - pixel;
-            light += std::pow(depth / dot(way, way), 2) * std::pow(grain / parts, 2);
+            light += std::pow(wall_depth / dot(way, way), 2) * std::pow(grain / parts, 2);
           }
         const double phase = random_phase(1, 0, surface_phase_key(middle, grain));
         field.samples(j, i) += std::sqrt(light) * cis_cycles(length(middle - pixel) / green_light + phase / (2 * pi));
@@ -215,8 +216,8 @@ TEST(Coherence, WithOneWavePerCellBothStrategiesConvergeToTheFieldOfTheCells) {
     errors[i] = relative_error(convert<double>(synthesize(sources, small, {SynthesisMethod::exact})), expected);
     // A cell has n hits, from its share of the étendue. The hit nearest to its centre is off by g/√(πn) rms. This
     // changes the phase by k times that distance times the slope of the path to a pixel (rms, one axis).
-    const double n = double(params.samples) * grain * grain / (depth * depth) / (4 * s * s);
-    const double slope = std::sqrt((0.512_mm * 0.512_mm + 0.3_mm * 0.3_mm) / 12) / depth;
+    const double n = double(params.samples) * grain * grain / (wall_depth * wall_depth) / (4 * s * s);
+    const double slope = std::sqrt((0.512_mm * 0.512_mm + 0.3_mm * 0.3_mm) / 12) / wall_depth;
     const double of_place = k * grain / std::sqrt(pi * n) * slope, of_light = 0.5 / std::sqrt(n);
     EXPECT_LT(errors[i], 2 * std::hypot(of_place, of_light));  // nine waves: their rms varies by about a quarter
   }
@@ -226,7 +227,7 @@ TEST(Coherence, WithOneWavePerCellBothStrategiesConvergeToTheFieldOfTheCells) {
   params.pixel_samples = 2048;
   const FieldDouble gathered = convert<double>(gather(make_cells(), part, {green_light}, params).at(0));
   // The counts in a cell vary at most as in a Poisson law: √n/2 of √n.
-  const double n = 2048 * grain * grain / (depth * depth) / (4 * s * s);
+  const double n = 2048 * grain * grain / (wall_depth * wall_depth) / (4 * s * s);
   EXPECT_LT(relative_error(gathered, make_field_of_cells(part)), 0.5 / std::sqrt(n));
 }
 

@@ -41,7 +41,7 @@ Brightness measure(const Scene& scene, const Grid& panel, const TraceParams& par
   return {mean, std::sqrt(squares / count - mean * mean) / mean};
 }
 
-struct Case {
+struct PhaseCase {
   SourcePhase phase;
   double depth;
   int columns;
@@ -51,13 +51,13 @@ struct Case {
 TEST(Phases, AnEmissiveSquareHasItsIrradianceAtAnyDepthRasterAndGrain) {
   // Squares of side z/50. The raster spans ±z/50: edges of its cells coincide with the square's, for every number.
   const Grid panel{128, 128, 8e-6};
-  const Case cases[] = {
+  const PhaseCase cases[] = {
       {SourcePhase::random, 75_mm, 256, 0},       {SourcePhase::surface, 75_mm, 512, 0},
       {SourcePhase::surface, 150_mm, 256, 50e-6}, {SourcePhase::surface, 50_mm, 64, 4e-6},
       {SourcePhase::path, 75_mm, 512, 0},         {SourcePhase::path, 500_mm, 512, 100e-6},
       {SourcePhase::path, 100_mm, 512, 20e-6},
   };
-  for (const Case& c : cases) {
+  for (const PhaseCase& c : cases) {
     Scene scene;
     scene.materials = {grey(0, 1)};
     scene.meshes = {make_wall(-c.depth, c.depth / 100, c.depth / 100)};
