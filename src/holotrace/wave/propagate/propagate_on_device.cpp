@@ -132,7 +132,9 @@ struct Task {
 // the processor.
 template <class Result>
 auto run_on_chosen(const Task& task, const Observer& observer, const Result& result) {
-  const auto& [field, distance, params] = task;
+  const Field& field = task.field;
+  const double distance = task.distance;
+  const PropagateParams& params = task.params;
   require_one_device(params.device, " for a propagation");
   const PropagationQuestion question(field.grid, field.wavelength, distance, params);
   const auto fastest = [&] {
