@@ -20,7 +20,7 @@ class PlacedField {
   ///               fetched; without it, that is an error
   explicit PlacedField(DeviceField field, std::function<Field()> again = {});
 
-  /// The light of a field that outlives it and all of its copies.
+  /// Refers to `field` without a copy; `field` must live longer than this object and its copies.
   static PlacedField of(const Field& field);
 
   /// All of the field but its samples.
