@@ -2,14 +2,19 @@
 #   constexpr const char* text =
 #   #include "kernels/tile_sum.cl.inc"
 #       ;
+# Several sources may share a file.
 function(embed_kernels source)
   set(folder ${CMAKE_CURRENT_BINARY_DIR}/embedded)
   foreach(file ${ARGN})
     get_filename_component(name ${file} NAME)
-    file(READ ${file} text)
-    string(REPLACE "#pragma once\n" "" text "${text}")  # of headers, which compilers warn of in the main text
-    file(GENERATE OUTPUT ${folder}/kernels/${name}.inc CONTENT "R\"kernel(${text})kernel\"\n")
-    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+    get_property(embedded DIRECTORY PROPERTY HOLOTRACE_EMBEDDED)
+    if(NOT name IN_LIST embedded)
+      file(READ ${file} text)
+      string(REPLACE "#pragma once\n" "" text "${text}")  # of headers, which compilers warn of in the main text
+      file(GENERATE OUTPUT ${folder}/kernels/${name}.inc CONTENT "R\"kernel(${text})kernel\"\n")
+      set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+      set_property(DIRECTORY APPEND PROPERTY HOLOTRACE_EMBEDDED ${name})
+    endif()
   endforeach()
   set_property(SOURCE ${source} APPEND PROPERTY INCLUDE_DIRECTORIES ${folder})
 endfunction()

@@ -116,7 +116,7 @@ class Showing {
 // Fields that stay on the device that sums them, if the encoder may take them there.
 std::vector<PlacedField> fields_to_encode(const SceneLight& light, uint32_t frame, const Job& job,
                                           const Observer& observer) {
-  if (job.encode.device.kind != DeviceKind::cpu && is_of_single_pixels(job.encode.method))
+  if (job.encode.device.kind != DeviceKind::cpu && encodes_on_devices(job.encode.method))
     return placed_fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer);
   std::vector<PlacedField> fields;
   for (Field& field : fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer))

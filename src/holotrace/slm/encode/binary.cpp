@@ -2,39 +2,57 @@
 
 #include <cmath>
 
-#include "holotrace/base/cycles.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/slm/encode/kinoform.h"
+#include "holotrace/base/units.h"
+#include "holotrace/slm/encode/device_levels.h"
+#include "holotrace/slm/encode/device_low_pass.h"
+#include "holotrace/slm/encode/interference_kernel.h"
 #include "holotrace/slm/encode/off_axis.h"
 
 namespace holotrace {
 
-void encode_binary(const Field& field, const PhaseLevels& levels, const EncodeParams& params, const Observer& observer,
-                   Hologram& hologram) {
-  EncodeParams without_bias = params;
-  without_bias.with_bias = false;
-  const Grid& grid = field.grid;
-  const Vec2 carrier = reference_carrier(without_bias, grid, field.wavelength);
-  hologram.filter = off_axis_filter(carrier, grid, false);
-  const bool is_phase = hologram.modulation == Modulation::phase;
-  const uint16_t high = uint16_t(is_phase ? levels.level_of(-1, 0) : hologram.levels - 1);
-  parallel_for(0, grid.ny, [&](int64_t j) {
+void write_binary_levels(const ShownPixels<Field>& shown, const ReferenceWave& wave, const BinaryPair& pair,
+                         Array2D<uint16_t>& to) {
+  using interference_kernel::WaveSample;
+  const auto sample_of = [](std::complex<double> u) { return WaveSample{u.real(), u.imag()}; };
+  const Field& field = shown.field;
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
     const std::complex<float>* u = field.samples.row(int(j));
-    uint16_t* level = hologram.level.row(int(j));
-    for (int i = 0; i < grid.nx; ++i) {
-      const std::complex<double> r = cis_cycles(carrier.x * grid.x(i) + carrier.y * grid.y(double(j)));
-      const bool is_plus = u[i].real() * r.real() + u[i].imag() * r.imag() >= 0;
+    const WaveSample of_row = sample_of(wave.along_y[size_t(j)]);
+    uint16_t* level = to.row(int(j));
+    for (int i = 0; i < field.grid.nx; ++i) {
+      const WaveSample r = interference_kernel::plane_wave(sample_of(wave.along_x[size_t(i)]), of_row);
+      const bool is_above = interference_kernel::product_with(r, sample_of(u[i])) >= 0;
       const bool is_dark = u[i] == std::complex<float>();
-      level[i] = is_dark || is_plus == is_phase ? 0 : high;  // phase 0 is the value +1 of ±1
+      level[i] = is_dark ? 0 : is_above ? pair.above : pair.below;
     }
   });
+}
+
+template <class AnyField>
+void encode_binary(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, const EncodeParams& params,
+                   const Observer& observer, Hologram& hologram) {
+  EncodeParams without_bias = params;
+  without_bias.with_bias = false;
+  const Vec2 carrier = reference_carrier(without_bias, hologram.grid, hologram.wavelength);
+  hologram.filter = off_axis_filter(carrier, hologram.grid, false);
+  const bool is_phase = hologram.modulation == Modulation::phase;
+  const uint16_t high = uint16_t(is_phase ? levels.level_of(-1, 0) : hologram.levels - 1);
+  BinaryPair pair{high, 0};
+  if (is_phase) pair = {0, high};  // phase 0 is the value +1 of ±1
+  write_binary_levels(shown, reference_wave(carrier, hologram.grid, shown.is_conjugate), pair, hologram.level);
   const double efficiency = (is_phase ? 4 : 1) / (pi * pi);
-  const ModulusMoments moments = modulus_moments(field);
+  const ModulusMoments& moments = shown.moments;
   hologram.illumination = moments.sum > 0 ? std::pow(moments.square / moments.sum, 2) / efficiency : 0;
   observer.fact("carrier_u", Fact(carrier.x));
   observer.fact("carrier_v", Fact(carrier.y));
   observer.fact("order_efficiency", Fact(efficiency));
-  tell_band_power(field, *hologram.filter, false, "binary", observer);
+  tell_band_power(power_inside(shown, *hologram.filter), hologram, false, observer);
 }
+
+template void encode_binary(const ShownPixels<Field>&, const PhaseLevels&, const EncodeParams&, const Observer&,
+                            Hologram&);
+template void encode_binary(const ShownPixels<DeviceField>&, const PhaseLevels&, const EncodeParams&, const Observer&,
+                            Hologram&);
 
 }  // namespace holotrace

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <cstdint>
+
+#include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/phase_levels.h"
+#include "holotrace/slm/encode/reference_wave.h"
+#include "holotrace/slm/encode/shown_pixels.h"
 
 namespace holotrace {
 
@@ -24,7 +29,17 @@ namespace holotrace {
 ///
 /// Facts: `carrier_u`, `carrier_v` [1/m], `order_efficiency` as above, `band_power`. Warns as off-axis does.
 /// Illumination: E = (⟨|U|²⟩/⟨|U|⟩)²/efficiency.
-void encode_binary(const Field& field, const PhaseLevels& levels, const EncodeParams& params, const Observer& observer,
-                   Hologram& hologram);
+template <class AnyField>
+void encode_binary(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, const EncodeParams& params,
+                   const Observer& observer, Hologram& hologram);
+
+/// The levels of the two values of a pixel: where Re(U·R*) ≥ 0, and elsewhere.
+struct BinaryPair {
+  uint16_t above = 0, below = 0;
+};
+
+/// One of them for each pixel; 0 for a dark sample.
+void write_binary_levels(const ShownPixels<Field>& shown, const ReferenceWave& wave, const BinaryPair& pair,
+                         Array2D<uint16_t>& to);
 
 }  // namespace holotrace

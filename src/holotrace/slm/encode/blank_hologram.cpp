@@ -65,8 +65,8 @@ void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& ob
 
 }  // namespace
 
-bool is_of_single_pixels(Encoding method) {
-  return method == Encoding::phase || method == Encoding::amplitude || method == Encoding::complex;
+bool encodes_on_devices(Encoding method) {
+  return !aims_at_targets(method) && method != Encoding::error_diffusion;
 }
 
 Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
@@ -94,11 +94,10 @@ void check_encode_params(const Slm& slm, const EncodeParams& params) {
   require(params.levels <= slm.levels,
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
-  require(
-      params.device.kind != DeviceKind::opencl || aims_at_targets(params.method) || is_of_single_pixels(params.method),
-      "expected phase, amplitude, complex, gerchberg-saxton, weighted-gerchberg-saxton or sgd on an OpenCL device, "
-      "got \"{}\"; use one of them, or the device cpu",
-      name_of(params.method, encoding_names));
+  require(params.device.kind != DeviceKind::opencl || params.method != Encoding::error_diffusion,
+          "expected an encoding whose pixels can be found at once on an OpenCL device, got \"{}\", which passes errors "
+          "from pixel to pixel; use another one, such as \"double-phase\", or the device cpu",
+          name_of(params.method, encoding_names));
 }
 
 void check_encoding(const Slm& slm, const EncodeParams& params, const Observer& observer) {

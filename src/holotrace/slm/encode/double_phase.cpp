@@ -1,23 +1,45 @@
 #include "holotrace/slm/encode/double_phase.h"
 
 #include "holotrace/base/threads.h"
+#include "holotrace/slm/encode/device_levels.h"
+#include "holotrace/slm/encode/device_low_pass.h"
+#include "holotrace/slm/encode/double_phase_kernel.h"
 #include "holotrace/slm/encode/low_pass.h"
-#include "holotrace/slm/encode/sample_kernels.h"
 
 namespace holotrace {
+namespace {
 
-void encode_double_phase(const Field& field, const PhaseLevels& levels, const EncodeParams& params,
-                         const Observer& observer, Hologram& hologram) {
-  const SpectralFilter stop = low_pass_stop(params, field.grid);
-  Field inside = within_stop(field, stop, observer);
-  const double top = normalise_modulus(1e-3, observer, inside);
-  parallel_for(0, field.grid.ny, [&](int64_t j) {
+Field within_stop(const ShownPixels<Field>& shown, const SpectralFilter& stop, const Observer& observer) {
+  return holotrace::within_stop(shown.field, stop, observer);
+}
+
+}  // namespace
+
+void write_double_phase_levels(Field& inside, bool is_conjugate, const PhaseLevels& levels, Array2D<uint16_t>& to) {
+  const size_t nx = size_t(inside.grid.nx);
+  parallel_for(0, inside.grid.ny, [&](int64_t j) {
     std::complex<float>* u = inside.samples.row(int(j));
-    double_phase_phasors(u, j % 2 ? -1.0F : 1.0F, size_t(field.grid.nx), u);
-    levels.levels_of(u, 1, size_t(field.grid.nx), hologram.level.row(int(j)));
+    if (is_conjugate)
+      for (size_t i = 0; i < nx; ++i) u[i] = std::conj(u[i]);
+    double_phase_phasors(u, float(double_phase_kernel::chessboard_sign(0, int(j))), nx, u);
+    levels.levels_of(u, 1, nx, to.row(int(j)));
   });
+}
+
+template <class AnyField>
+void encode_double_phase(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, const EncodeParams& params,
+                         const Observer& observer, Hologram& hologram) {
+  const SpectralFilter stop = low_pass_stop(params, hologram.grid);
+  auto inside = within_stop(shown, stop, observer);
+  const double top = normalise_modulus(1e-3, observer, inside);
+  write_double_phase_levels(inside, shown.is_conjugate, levels, hologram.level);
   hologram.filter = stop;
   hologram.illumination = top * top;
 }
+
+template void encode_double_phase(const ShownPixels<Field>&, const PhaseLevels&, const EncodeParams&, const Observer&,
+                                  Hologram&);
+template void encode_double_phase(const ShownPixels<DeviceField>&, const PhaseLevels&, const EncodeParams&,
+                                  const Observer&, Hologram&);
 
 }  // namespace holotrace

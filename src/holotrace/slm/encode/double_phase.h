@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
+
+#include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/phase_levels.h"
+#include "holotrace/slm/encode/shown_pixels.h"
 
 namespace holotrace {
 
@@ -21,7 +25,11 @@ namespace holotrace {
 /// A is the modulus that 1 in 1000 pixels exceeds; these pixels are clipped. E = A².
 /// @throws Error  for a stop outside (0, 1]
 /// Facts: those of low_pass.h.
-void encode_double_phase(const Field& field, const PhaseLevels& levels, const EncodeParams& params,
+template <class AnyField>
+void encode_double_phase(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, const EncodeParams& params,
                          const Observer& observer, Hologram& hologram);
+
+/// The level of φ± at each pixel, for samples of modulus 1 or less, or for their conjugates. They are overwritten.
+void write_double_phase_levels(Field& inside, bool is_conjugate, const PhaseLevels& levels, Array2D<uint16_t>& to);
 
 }  // namespace holotrace

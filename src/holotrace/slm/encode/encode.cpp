@@ -1,19 +1,16 @@
 #include "holotrace/slm/encode/encode.h"
 
-#include <algorithm>
 #include <cmath>
-#include <complex>
-#include <cstdint>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/binary.h"
 #include "holotrace/slm/encode/blank_hologram.h"
-#include "holotrace/slm/encode/device_levels.h"
+#include "holotrace/slm/encode/device_moments.h"
 #include "holotrace/slm/encode/double_phase.h"
+#include "holotrace/slm/encode/encode_cost.h"
 #include "holotrace/slm/encode/error_diffusion.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/kinoform.h"
@@ -21,21 +18,37 @@
 #include "holotrace/slm/encode/phase_levels.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/slm/panel/checks.h"
-#include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/shared/device_rates.h"
-#include "holotrace/wave/shared/fastest_device.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 
 namespace holotrace {
 namespace {
 
-// The encoders that treat each pixel by itself, on the processor or on a device.
+// The encoders that run on the processor and on devices.
 template <class AnyField>
-void encode_pixels(const ShownPixels<AnyField>& shown, Encoding method, const PhaseLevels& levels,
-                   const Observer& observer, Hologram& hologram) {
-  if (method == Encoding::phase) return encode_phase(shown, levels, hologram);
-  if (method == Encoding::amplitude) return encode_amplitude(shown, observer, hologram);
-  encode_complex(shown, levels, observer, hologram);
+void encode_anywhere(const ShownPixels<AnyField>& shown, const EncodeParams& params, const PhaseLevels& levels,
+                     const Observer& observer, Hologram& hologram) {
+  switch (params.method) {
+    case Encoding::phase:
+      return encode_phase(shown, levels, hologram);
+    case Encoding::amplitude:
+      return encode_amplitude(shown, observer, hologram);
+    case Encoding::complex:
+      return encode_complex(shown, levels, observer, hologram);
+    case Encoding::off_axis:
+      return encode_off_axis(shown, params, observer, hologram);
+    case Encoding::double_phase:
+      return encode_double_phase(shown, levels, params, observer, hologram);
+    case Encoding::binary:
+      return encode_binary(shown, levels, params, observer, hologram);
+    default:
+      fail("expected an encoding without iterations, got \"{}\"", name_of(params.method, encoding_names));
+  }
+}
+
+// Whether the levels of a method are phases of every value, so that a calibration makes their steps uneven.
+bool writes_phases(Encoding method) {
+  return method != Encoding::amplitude && method != Encoding::off_axis && method != Encoding::binary;
 }
 
 // A hologram of a field that was checked, and the levels of its panel.
@@ -52,52 +65,20 @@ Begun begin_hologram(const Field& head, const Slm& slm, const EncodeParams& para
   return {std::move(hologram), std::move(levels)};
 }
 
-// Starts of the kernels and waiting for them, on slow drivers [s].
-constexpr double seconds_to_start = 1e-3;
-
-// The device that is expected to be the fastest: the field's way there counts, and that of the levels back.
-Device* fastest_for_pixels(const PlacedField& field, Encoding method) {
-  const double pixels = double(field.head().grid.pixels()), results = method == Encoding::complex ? 2 : 1;
-  SummationWork work;
-  work.samples = (1 + results) * pixels;
-  const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
-  const double on_processor = predict_seconds(work, summation_rates(), threads);
-  return fastest_device(field.seconds_to_processor() + on_processor, [&](Device& device) {
-    const DeviceRates rates = device_rates(device);
-    const double moved = (1 + results) * sizeof(std::complex<float>) * pixels;
-    return field.seconds_to(device) + moved / rates.moved_bytes + results * sizeof(uint16_t) * pixels / rates.bytes +
-           seconds_to_start;
-  });
-}
-
-// Levels of a field on a device; none if its samples need a look by the processor, because not all of them are finite.
+// Levels of a field on a device; none if a sample is not finite, which the processor names.
 std::optional<Hologram> encode_there(const DeviceField& field, const Begun& begun, const EncodeParams& params,
                                      const Observer& observer) {
+  Device& device = *field.device;
+  const auto lock = device.lock();
+  make_room(device, encode_cost(params, field.head.grid, field.head.wavelength).memory);
   const ModulusMoments moments = modulus_moments(field);
-  if (!std::isfinite(moments.square)) return std::nullopt;
-  Hologram hologram = begun.hologram;
-  encode_pixels(ShownPixels<DeviceField>{field, moments, params.image == ImageSide::real_image}, params.method,
-                begun.levels, observer, hologram);
+  if (!std::isfinite(moments.largest)) return std::nullopt;
   if (moments.largest == 0) warn_of_dark_field(observer);
-  observer.fact("device", field.device->info().name);
+  Hologram hologram = begun.hologram;
+  encode_anywhere(ShownPixels<DeviceField>{field, moments, params.image == ImageSide::real_image}, params,
+                  begun.levels, observer, hologram);
+  observer.fact("device", device.info().name);
   return hologram;
-}
-
-// The encoders that use the field on the panel alone.
-void encode_directly(const Field& shown, const EncodeParams& params, const PhaseLevels& levels,
-                     const Observer& observer, Hologram& hologram) {
-  switch (params.method) {
-    case Encoding::off_axis:
-      return encode_off_axis(shown, params, observer, hologram);
-    case Encoding::double_phase:
-      return encode_double_phase(shown, levels, params, observer, hologram);
-    case Encoding::error_diffusion:
-      return encode_error_diffusion(shown, levels, params, observer, hologram);
-    case Encoding::binary:
-      return encode_binary(shown, levels, params, observer, hologram);
-    default:
-      fail("expected an encoding without iterations, got \"{}\"", name_of(params.method, encoding_names));
-  }
 }
 
 }  // namespace
@@ -126,29 +107,27 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& pa
   };
   check_head_to_show(head, slm, observer);
   Begun begun = begin_hologram(head, slm, params, observer);
-  const bool has_table = begun.levels.has_table() && params.method != Encoding::amplitude;
+  const bool has_table = begun.levels.has_table() && writes_phases(params.method);
   require(
       !has_table || params.device.kind != DeviceKind::opencl,
       "expected levels of even steps on an OpenCL device, got those of the calibration of \"{}\"; leave calibration "
       "out of [encode] effects, or use the device cpu",
       slm.name);
-  if (is_of_single_pixels(params.method) && !has_table) {
+  if (encodes_on_devices(params.method) && !has_table) {
     Observer of_faults;  // the device is told if it has encoded
     of_faults.on_warning = observer.on_warning;
     auto there = on_chosen_device(
-        params.device, of_faults, [&] { return fastest_for_pixels(field, params.method); },
+        params.device, of_faults, [&] { return fastest_to_encode(field, params); },
         [&](Device& device) { return encode_there(*field.on(device, observer), begun, params, observer); });
     if (there && *there) return finished(std::move(**there));
   }
   const auto here = field.on_processor(observer);
   check_samples_to_show(*here, observer);
-  if (is_of_single_pixels(params.method))
-    encode_pixels(ShownPixels<Field>{*here, modulus_moments(*here), is_conjugate}, params.method, begun.levels,
-                  observer, begun.hologram);
-  else if (is_conjugate)
-    encode_directly(conjugate(*here), params, begun.levels, observer, begun.hologram);
+  if (params.method == Encoding::error_diffusion)
+    encode_error_diffusion(is_conjugate ? conjugate(*here) : *here, begun.levels, params, observer, begun.hologram);
   else
-    encode_directly(*here, params, begun.levels, observer, begun.hologram);
+    encode_anywhere(ShownPixels<Field>{*here, modulus_moments(*here), is_conjugate}, params, begun.levels, observer,
+                    begun.hologram);
   return finished(std::move(begun.hologram));
 }
 

@@ -4,7 +4,7 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/slm/encode/phase_levels.h"
-#include "holotrace/slm/encode/sample_kernels.h"
+#include "holotrace/slm/encode/shown_pixels.h"
 
 // The encoders that treat each pixel by itself. Each writes `level` and `illumination` of a hologram whose grid,
 // levels, wavelength and modulation are set.
@@ -19,15 +19,6 @@ void write_phase_levels(const Field& field, bool is_conjugate, const PhaseLevels
 
 /// The level of |U|/largest.
 void write_amplitude_levels(const Field& field, double largest, int levels, Array2D<uint16_t>& to);
-
-/// A field that a panel is to show, U or its conjugate, with the moments of |U|. Field: on the processor, or on a device
-/// (DeviceField; device_levels.h), where it stays. The hologram's illumination and facts are the same for both.
-template <class AnyField>
-struct ShownPixels {
-  const AnyField& field;
-  ModulusMoments moments;
-  bool is_conjugate = false;
-};
 
 /// Kinoform: the level nearest to arg(U); |U| is dropped. The panel shows exp(i·arg U). Its part along U is
 /// ⟨|U|⟩/⟨|U|²⟩·U: E = (⟨|U|²⟩/⟨|U|⟩)².

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/slm/encode/frequency_band.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 
 namespace holotrace {
@@ -22,14 +22,12 @@ Field within_stop(const Field& field, const SpectralFilter& stop, const Observer
   Field inside = field;
   fft_2d(inside.samples.values.data(), ny, nx, FftDirection::forward);
   const float scale = 1 / float(field.grid.pixels());
-  // An edge that falls on a bin counts as inside, as in apply_order_stop.
-  const auto passes = [](int k, int n, double side, double half) {
-    return std::abs(signed_frequency(k, n)) / side <= half * (1 + 1e-9);
-  };
+  const FrequencyBand x = band_within(nx, field.grid.width(), stop.half_u),
+                      y = band_within(ny, field.grid.height(), stop.half_v);
   parallel_for(0, ny, [&](int64_t j) {
     std::complex<float>* u = inside.samples.row(int(j));
-    const bool is_row_in = passes(int(j), ny, field.grid.height(), stop.half_v);
-    for (int i = 0; i < nx; ++i) u[i] = is_row_in && passes(i, nx, field.grid.width(), stop.half_u) ? u[i] * scale : 0;
+    const bool is_row_in = y.holds(signed_frequency(int(j), ny));
+    for (int i = 0; i < nx; ++i) u[i] = is_row_in && x.holds(signed_frequency(i, nx)) ? u[i] * scale : 0;
   });
   fft_2d(inside.samples.values.data(), ny, nx, FftDirection::backward);
   const double all = power(field);
@@ -38,7 +36,6 @@ Field within_stop(const Field& field, const SpectralFilter& stop, const Observer
 }
 
 double normalise_modulus(double clipped_pixels, const Observer& observer, Field& field) {
-  constexpr int bins = 4096;
   double largest = 0, square = 0;
   for (const auto& u : field.samples.values) {
     largest = std::max(largest, double(std::abs(u)));
@@ -46,13 +43,9 @@ double normalise_modulus(double clipped_pixels, const Observer& observer, Field&
   }
   double top = largest;
   if (clipped_pixels > 0 && largest > 0) {
-    std::vector<int64_t> counts(bins + 1);
-    for (const auto& u : field.samples.values) ++counts[size_t(std::abs(u) / largest * bins)];
-    double left = clipped_pixels * double(field.samples.size());
-    int bin = bins;
-    while (bin > 1 && left >= double(counts[size_t(bin)])) left -= double(counts[size_t(bin--)]);
-    top = largest * (bin + 1.0) / bins;
-    top = std::min(top, largest);
+    std::vector<int64_t> counts(modulus_steps + 1);
+    for (const auto& u : field.samples.values) ++counts[size_t(std::abs(u) / largest * modulus_steps)];
+    top = modulus_to_clip(counts, largest, clipped_pixels * double(field.samples.size()));
   }
   double clipped = 0;
   for (auto& u : field.samples.values) {
@@ -60,9 +53,21 @@ double normalise_modulus(double clipped_pixels, const Observer& observer, Field&
     if (modulus > top) clipped += modulus * modulus - top * top;
     u = modulus > 0 ? std::complex<float>(std::complex<double>(u) / std::max(top, modulus)) : 0;
   }
-  observer.fact("modulus_max", Fact(top));
-  observer.fact("clipped_part", Fact(square > 0 ? clipped / square : 0.0));
+  tell_clipping(top, square > 0 ? clipped / square : 0, observer);
   return top;
+}
+
+double modulus_to_clip(const std::vector<int64_t>& counts, double largest, double clipped_pixels) {
+  const int steps = int(counts.size()) - 1;
+  int step = steps;
+  for (; step > 1 && clipped_pixels >= double(counts[size_t(step)]); --step)
+    clipped_pixels -= double(counts[size_t(step)]);
+  return std::min(largest * (step + 1.0) / steps, largest);
+}
+
+void tell_clipping(double modulus, double clipped_part, const Observer& observer) {
+  observer.fact("modulus_max", Fact(modulus));
+  observer.fact("clipped_part", Fact(clipped_part));
 }
 
 }  // namespace holotrace

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/encode.h"
@@ -22,5 +25,15 @@ Field within_stop(const Field& field, const SpectralFilter& stop, const Observer
 /// Facts: `modulus_max` = A [√(W/m²)]; `clipped_part`, the fraction of the power of U that is cut off.
 /// @return A
 double normalise_modulus(double clipped_pixels, const Observer& observer, Field& field);
+
+/// Steps from 0 to the largest modulus in which A is found.
+inline constexpr int modulus_steps = 4096;
+
+/// A, by the number of pixels in each of these steps, and last that of the pixels of the largest modulus itself. Fewer than
+/// `clipped_pixels` + 1 pixels are above it.
+double modulus_to_clip(const std::vector<int64_t>& counts, double largest, double clipped_pixels);
+
+/// Reports the facts of normalise_modulus.
+void tell_clipping(double modulus, double clipped_part, const Observer& observer);
 
 }  // namespace holotrace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <vector>
 
 #include "holotrace/base/error.h"
@@ -10,30 +11,13 @@
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
+#include "holotrace/slm/encode/device_levels.h"
+#include "holotrace/slm/encode/device_low_pass.h"
+#include "holotrace/slm/encode/frequency_band.h"
+#include "holotrace/slm/encode/interference_kernel.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
-#include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {
-namespace {
-
-// Fraction of the power of U in the band |u| ≤ half_u, |v| ≤ half_v.
-double power_inside(const Field& field, const SpectralFilter& filter) {
-  const int nx = field.grid.nx, ny = field.grid.ny;
-  Array2D<std::complex<float>> spectrum = field.samples;
-  fft_2d(spectrum.values.data(), ny, nx, FftDirection::forward);
-  double inside = 0, all = 0;
-  for (int j = 0; j < ny; ++j)
-    for (int i = 0; i < nx; ++i) {
-      const double u = signed_frequency(i, nx) / field.grid.width(), v = signed_frequency(j, ny) / field.grid.height();
-      const double power = std::norm(std::complex<double>(spectrum(j, i)));
-      all += power;
-      if (std::abs(u) <= filter.half_u && std::abs(v) <= filter.half_v) inside += power;
-    }
-  return all > 0 ? inside / all : 1;
-}
-
-}  // namespace
-
 Vec2 reference_carrier(const EncodeParams& params, const Grid& grid, double wavelength) {
   const double ax = params.reference_angle_x, ay = params.reference_angle_y;
   require(std::isfinite(ax) && std::isfinite(ay) && std::max(std::abs(ax), std::abs(ay)) < pi / 2,
@@ -60,57 +44,94 @@ SpectralFilter off_axis_filter(Vec2 carrier, const Grid& grid, bool with_bias) {
   return {-carrier.x, -carrier.y, nyquist, half_width(fy, grid.height())};
 }
 
-void encode_off_axis(const Field& field, const EncodeParams& params, const Observer& observer, Hologram& hologram) {
-  const Grid& grid = field.grid;
-  const Vec2 carrier = reference_carrier(params, grid, field.wavelength);
-  const SpectralFilter filter = off_axis_filter(carrier, grid, params.with_bias);
+namespace {
 
-  double largest = 0;
-  for (const auto& u : field.samples.values) largest = std::max(largest, std::abs(std::complex<double>(u)));
-  const double reference = params.reference_ratio * largest;
-
-  Array2D<double> irradiance(grid.ny, grid.nx);
-  std::vector<double> row_min(size_t(grid.ny)), row_max(size_t(grid.ny));
-  parallel_for(0, grid.ny, [&](int64_t j) {
-    const double y_cycles = carrier.y * grid.y(double(j));
-    double* out = irradiance.row(int(j));
-    for (int i = 0; i < grid.nx; ++i) {
-      const std::complex<double> u(field.samples(int(j), i));
-      const double cycles = carrier.x * grid.x(i) + y_cycles;
-      const std::complex<double> r = reference * cis_cycles(cycles);
-      const double interference = 2 * (u * std::conj(r)).real();
-      out[i] = params.with_bias ? std::norm(u) + reference * reference + interference : interference;
+// Calls visit(row, column, irradiance) for the pixels of all rows, on many threads.
+template <class Visit>
+void visit_irradiances(const Field& field, const Interference& with, const Visit& visit) {
+  using interference_kernel::WaveSample;
+  const auto sample_of = [](std::complex<double> u) { return WaveSample{u.real(), u.imag()}; };
+  parallel_for(0, field.grid.ny, [&](int64_t j) {
+    const WaveSample of_row = sample_of(with.wave.along_y[size_t(j)]);
+    const std::complex<float>* u = field.samples.row(int(j));
+    for (int i = 0; i < field.grid.nx; ++i) {
+      const WaveSample wave = interference_kernel::plane_wave(sample_of(with.wave.along_x[size_t(i)]), of_row);
+      visit(int(j), i, interference_kernel::interference(sample_of(u[i]), wave, with.reference, with.with_bias));
     }
-    const auto [low, high] = std::minmax_element(out, out + grid.nx);
-    row_min[size_t(j)] = *low;
-    row_max[size_t(j)] = *high;
   });
-  const double offset = params.with_bias ? 0 : -*std::min_element(row_min.begin(), row_min.end());
-  const double top = *std::max_element(row_max.begin(), row_max.end()) + offset;
-  const double scale = top > 0 ? 1 / top : 0;
-  parallel_for(0, grid.ny, [&](int64_t j) {
-    for (int i = 0; i < grid.nx; ++i)
-      hologram.level(int(j), i) = uint16_t(amplitude_level((irradiance(int(j), i) + offset) * scale, hologram.levels));
+}
+
+}  // namespace
+
+IrradianceRange irradiance_range(const ShownPixels<Field>& shown, const Interference& interference) {
+  constexpr double all = std::numeric_limits<double>::infinity();
+  std::vector<IrradianceRange> rows(size_t(shown.field.grid.ny), {all, -all});
+  visit_irradiances(shown.field, interference, [&](int j, int, double irradiance) {
+    IrradianceRange& row = rows[size_t(j)];
+    row = {std::min(row.least, irradiance), std::max(row.largest, irradiance)};
   });
-  hologram.filter = filter;
-  hologram.illumination = reference > 0 ? std::pow(top / reference, 2) : 0;
+  IrradianceRange range{all, -all};
+  for (const IrradianceRange& row : rows)
+    range = {std::min(range.least, row.least), std::max(range.largest, row.largest)};
+  return range;
+}
+
+void write_irradiance_levels(const ShownPixels<Field>& shown, const Interference& interference,
+                             const Transmittances& transmittances, int levels, Array2D<uint16_t>& to) {
+  const auto [offset, scale] = transmittances;
+  visit_irradiances(shown.field, interference, [&, offset = offset, scale = scale](int j, int i, double irradiance) {
+    to(j, i) = uint16_t(amplitude_level((irradiance + offset) * scale, levels));
+  });
+}
+
+double power_inside(const ShownPixels<Field>& shown, const SpectralFilter& filter) {
+  const Field& field = shown.field;
+  const int nx = field.grid.nx, ny = field.grid.ny;
+  const FrequencyBand x = band_within(nx, field.grid.width(), filter.half_u),
+                      y = band_within(ny, field.grid.height(), filter.half_v);
+  Array2D<std::complex<float>> spectrum = field.samples;
+  fft_2d(spectrum.values.data(), ny, nx, FftDirection::forward);
+  double inside = 0, all = 0;
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      const double power = std::norm(std::complex<double>(spectrum(j, i)));
+      all += power;
+      if (x.holds(signed_frequency(i, nx)) && y.holds(signed_frequency(j, ny))) inside += power;
+    }
+  return all > 0 ? inside / all : 1;
+}
+
+template <class AnyField>
+void encode_off_axis(const ShownPixels<AnyField>& shown, const EncodeParams& params, const Observer& observer,
+                     Hologram& hologram) {
+  const Vec2 carrier = reference_carrier(params, hologram.grid, hologram.wavelength);
+  const double largest = shown.moments.largest;
+  const Interference interference{reference_wave(carrier, hologram.grid, shown.is_conjugate),
+                                  params.reference_ratio * largest, params.with_bias};
+  const IrradianceRange range = irradiance_range(shown, interference);
+  const double offset = params.with_bias ? 0 : -range.least, top = range.largest + offset;
+  write_irradiance_levels(shown, interference, {offset, top > 0 ? 1 / top : 0}, hologram.levels, hologram.level);
+  hologram.filter = off_axis_filter(carrier, hologram.grid, params.with_bias);
+  hologram.illumination = largest > 0 ? std::pow(top / interference.reference, 2) : 0;
 
   observer.fact("modulus_max", Fact(largest));
   observer.fact("carrier_u", Fact(carrier.x));
   observer.fact("carrier_v", Fact(carrier.y));
-  tell_band_power(field, filter, params.with_bias, "off-axis", observer);
+  tell_band_power(power_inside(shown, *hologram.filter), hologram, params.with_bias, observer);
 }
 
-void tell_band_power(const Field& field, const SpectralFilter& filter, bool with_bias, const char* encoder,
-                     const Observer& observer) {
-  const double inside = power_inside(field, filter);
+template void encode_off_axis(const ShownPixels<Field>&, const EncodeParams&, const Observer&, Hologram&);
+template void encode_off_axis(const ShownPixels<DeviceField>&, const EncodeParams&, const Observer&, Hologram&);
+
+void tell_band_power(double inside, const Hologram& hologram, bool with_bias, const Observer& observer) {
   observer.fact("band_power", Fact(inside));
+  const double wavelength = hologram.wavelength;
   if (inside < 0.99)
     observer.warn(fmt::format(
         "the {} hologram keeps {:.3g} % of the field's power: the rest lies beyond ±{} in x, ±{} in y, where the "
         "other terms of the interference or the panel's Nyquist limit are; narrow the scene{}",
-        encoder, 100 * inside, format_angle(std::asin(std::min(1.0, filter.half_u * field.wavelength))),
-        format_angle(std::asin(std::min(1.0, filter.half_v * field.wavelength))),
+        hologram.encoder, 100 * inside, format_angle(std::asin(std::min(1.0, hologram.filter->half_u * wavelength))),
+        format_angle(std::asin(std::min(1.0, hologram.filter->half_v * wavelength))),
         with_bias ? " or leave the bias terms out" : ""));
 }
 

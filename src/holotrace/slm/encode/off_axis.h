@@ -1,10 +1,15 @@
 #pragma once
 
+#include <cstdint>
+
+#include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/base/vec.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/encode.h"
+#include "holotrace/slm/encode/reference_wave.h"
+#include "holotrace/slm/encode/shown_pixels.h"
 
 namespace holotrace {
 
@@ -28,11 +33,35 @@ SpectralFilter off_axis_filter(Vec2 carrier, const Grid& grid, bool with_bias);
 /// Writes `level`, `filter` and `illumination` of the hologram, whose grid, levels and wavelength are set.
 /// Facts: `carrier_u`, `carrier_v` [1/m], `modulus_max` [√(W/m²)], `band_power`: the fraction of the field's
 /// power within the half width of the stop. Warning: `band_power` below 0.99.
-void encode_off_axis(const Field& field, const EncodeParams& params, const Observer& observer, Hologram& hologram);
+template <class AnyField>
+void encode_off_axis(const ShownPixels<AnyField>& shown, const EncodeParams& params, const Observer& observer,
+                     Hologram& hologram);
 
-/// Fact `band_power`: the fraction of the field's power that passes the stop of a hologram with a tilted reference.
+/// The interference of a field with a reference wave of modulus ρ·max|U|, with its bias |U|² + |R|² or without.
+struct Interference {
+  ReferenceWave wave;
+  double reference = 0;
+  bool with_bias = true;
+};
+
+/// The least and the largest irradiance of an interference over the panel [W/m²].
+struct IrradianceRange {
+  double least = 0, largest = 0;
+};
+IrradianceRange irradiance_range(const ShownPixels<Field>& shown, const Interference& interference);
+
+/// The level of (irradiance + offset)·scale at each pixel.
+struct Transmittances {
+  double offset = 0, scale = 1;
+};
+void write_irradiance_levels(const ShownPixels<Field>& shown, const Interference& interference,
+                             const Transmittances& transmittances, int levels, Array2D<uint16_t>& to);
+
+/// The fraction of the field's power in the band |u| ≤ half_u, |v| ≤ half_v.
+double power_inside(const ShownPixels<Field>& shown, const SpectralFilter& filter);
+
+/// Fact `band_power`: the fraction `inside` of the field's power that passes the stop of a hologram with a tilted reference.
 /// Warning: `band_power` below 0.99.
-void tell_band_power(const Field& field, const SpectralFilter& filter, bool with_bias, const char* encoder,
-                     const Observer& observer);
+void tell_band_power(double inside, const Hologram& hologram, bool with_bias, const Observer& observer);
 
 }  // namespace holotrace

@@ -1,9 +1,12 @@
-// Samples of a field, one by one (device_samples.h).
+// Samples of a field, one by one (device_samples.h), compiled together with sample_place_kernel.h.
 
 // |u|², as irradiance_of_row of irradiance.cpp.
-__kernel void irradiance(__global const float2* u, __global float* to, int count) {
-  const int i = get_global_id(0);
-  if (i < count) to[i] = u[i].x * u[i].x + u[i].y * u[i].y;
+__kernel void irradiance(__global const float2* u, __global float* to, int nx) {
+  const int i = get_global_id(0), j = get_global_id(1);
+  if (i >= nx) return;
+  const size_t place = sample_place(i, j, nx);
+  const float2 sample = u[place];
+  to[place] = sample.x * sample.x + sample.y * sample.y;
 }
 
 // to[j][i] = from[j + down][i + right]; 0 outside.
@@ -13,5 +16,5 @@ __kernel void take_window(__global const float2* from, int from_nx, int from_ny,
   if (i >= nx) return;
   const int x = i + right, y = j + down;
   const bool is_inside = x >= 0 && x < from_nx && y >= 0 && y < from_ny;
-  to[(size_t)j * nx + i] = is_inside ? from[(size_t)y * from_nx + x] : (float2)(0.0f);
+  to[sample_place(i, j, nx)] = is_inside ? from[sample_place(x, y, from_nx)] : (float2)(0.0f);
 }

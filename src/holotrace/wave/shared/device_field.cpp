@@ -8,16 +8,24 @@
 #include <utility>
 #include <vector>
 
+#include "holotrace/wave/shared/sample_rows.h"
+
 namespace holotrace {
 namespace {
 
+constexpr const char* place_source =
+#include "kernels/sample_place_kernel.h.inc"
+    ;
+constexpr const char* sum_source =
+#include "kernels/compensated_sum_kernel.h.inc"
+    ;
 constexpr const char* field_source =
 #include "kernels/device_field.cl.inc"
     ;
 
-constexpr size_t items_of_row = 64;
-
-Kernel kernel_of_fields(const char* name) { return {name, {field_source}, fmt::format("-D GROUP={}", items_of_row)}; }
+Kernel kernel_of_fields(const char* name) {
+  return {name, {place_source, sum_source, field_source}, fmt::format("-D GROUP={}", samples_of_group)};
+}
 
 }  // namespace
 
@@ -66,17 +74,15 @@ Field fetch(const DeviceField& field) {
 
 void clear(DeviceField& field) {
   const auto lock = field.device->lock();
-  const size_t count = size_t(field.head.grid.pixels());
-  field.device->run(kernel_of_fields("clear"), {(count + items_of_row - 1) / items_of_row, 1, items_of_row, 1},
-                    {int32_t(count), field.samples});
+  const Grid& grid = field.head.grid;
+  field.device->run(kernel_of_fields("clear"), items_of_rows(grid.nx, grid.ny), {int32_t(grid.nx), field.samples});
 }
 
 void put(const DeviceBuffer& from, const PixelBox& box, DeviceField& to) {
   const auto lock = to.device->lock();
-  const int32_t columns = box.x1 - box.x0;
-  to.device->run(kernel_of_fields("put_box"),
-                 {(size_t(columns) + items_of_row - 1) / items_of_row, size_t(box.y1 - box.y0), items_of_row, 1},
-                 {from, columns, int32_t(to.head.grid.nx), int32_t(box.x0), int32_t(box.y0), to.samples});
+  const int columns = box.x1 - box.x0;
+  to.device->run(kernel_of_fields("put_box"), items_of_rows(columns, box.y1 - box.y0),
+                 {from, int32_t(columns), int32_t(to.head.grid.nx), int32_t(box.x0), int32_t(box.y0), to.samples});
 }
 
 double energy(const DeviceField& field, const PixelBox& box) {
@@ -84,7 +90,7 @@ double energy(const DeviceField& field, const PixelBox& box) {
   const auto lock = device.lock();
   std::vector<float> sums(size_t(box.y1 - box.y0));
   const DeviceBuffer there = device.make_buffer(sums.size() * sizeof(float), "the energy of a field");
-  device.run(kernel_of_fields("row_energies"), {1, sums.size(), items_of_row, 1},
+  device.run(kernel_of_fields("row_energies"), groups_of_rows(box.y1 - box.y0),
              {field.samples, int32_t(field.head.grid.nx), int32_t(box.x0), int32_t(box.x1), int32_t(box.y0), there});
   device.read(there, sums.data(), there.bytes());
   return std::accumulate(sums.begin(), sums.end(), 0.0);

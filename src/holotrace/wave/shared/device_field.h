@@ -38,7 +38,7 @@ void clear(DeviceField& field);
 /// Copies complex floats, row by row those of a box, into the field, on its device.
 void put(const DeviceBuffer& from, const PixelBox& box, DeviceField& to);
 
-/// Σ|u|² of the samples in a box, within 1e-5 of it for rows of up to 40,000 samples. Transfer: 4 bytes per row.
+/// Σ|u|² of the samples in a box, within 1e-6 of it for rows of up to a million samples. Transfer: 4 bytes per row.
 double energy(const DeviceField& field, const PixelBox& box);
 
 /// Optical power Σ|u|²·pitch² [W], with the same error and transfer.

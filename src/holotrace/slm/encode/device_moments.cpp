@@ -1,0 +1,111 @@
+#include "holotrace/slm/encode/device_moments.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "holotrace/wave/shared/sample_rows.h"
+
+namespace holotrace {
+namespace {
+
+constexpr const char* place_source =
+#include "kernels/sample_place_kernel.h.inc"
+    ;
+constexpr const char* sum_source =
+#include "kernels/compensated_sum_kernel.h.inc"
+    ;
+constexpr const char* moduli_source =
+#include "kernels/moduli.cl.inc"
+    ;
+
+constexpr int most_groups = 256;  // that count moduli: each adds its counts to those of all
+
+Kernel kernel_of_moduli(const char* name, int steps = 1) {
+  return {name,
+          {place_source, sum_source, moduli_source},
+          fmt::format("-D GROUP={} -D STEPS={}", samples_of_group, steps)};
+}
+
+// The largest absolute value of a part of a sample; not finite if one is not.
+double largest_part(const DeviceField& field) {
+  Device& device = *field.device;
+  const Grid& grid = field.head.grid;
+  std::vector<uint32_t> rows(static_cast<size_t>(grid.ny));
+  const DeviceBuffer there = device.make_buffer(rows.size() * sizeof(uint32_t), "the moments of a field");
+  device.run(kernel_of_moduli("row_peaks"), groups_of_rows(grid.ny), {field.samples, int32_t(grid.nx), there});
+  device.read(there, rows.data(), there.bytes());
+  return rows.empty() ? 0 : double(std::bit_cast<float>(*std::max_element(rows.begin(), rows.end())));
+}
+
+}  // namespace
+
+float unit_for(double largest) {
+  return largest > 0 ? std::ldexp(1.0F, std::clamp(-std::ilogb(largest), -126, 126)) : 1.0F;
+}
+
+ModulusMoments modulus_moments(const DeviceField& field) {
+  Device& device = *field.device;
+  const auto lock = device.lock();
+  const Grid& grid = field.head.grid;
+  const double part = largest_part(field);
+  if (!std::isfinite(part)) return {part, part, part};
+  const float unit = unit_for(part);
+  std::vector<float> rows(3 * size_t(grid.ny));
+  const DeviceBuffer there = device.make_buffer(rows.size() * sizeof(float), "the moments of a field");
+  device.run(kernel_of_moduli("row_moments"), groups_of_rows(grid.ny),
+             {field.samples, int32_t(grid.nx), unit, there});
+  device.read(there, rows.data(), there.bytes());
+  ModulusMoments moments;
+  for (size_t row = 0; row < rows.size(); row += 3) {
+    moments.largest = std::max(moments.largest, double(rows[row]));
+    moments.sum += double(rows[row + 1]);
+    moments.square += double(rows[row + 2]);
+  }
+  moments.largest /= double(unit);
+  moments.sum /= double(unit);
+  moments.square /= double(unit) * double(unit);
+  return moments;
+}
+
+int rows_to_count(const Grid& grid) {
+  constexpr int64_t most = int64_t(1) << 31;
+  return int(std::clamp(most / std::max(grid.nx, 1), int64_t(1), std::max(int64_t(grid.ny), int64_t(1))));
+}
+
+std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int steps) {
+  Device& device = *field.device;
+  const auto lock = device.lock();
+  const Grid& grid = field.head.grid;
+  const std::vector<uint32_t> none(size_t(steps) + 1);
+  std::vector<uint32_t> some(none.size());
+  std::vector<int64_t> counts(none.size());
+  const DeviceBuffer there = device.make_buffer(none.size() * sizeof(uint32_t), "the moments of a field");
+  const int at_once = rows_to_count(grid);
+  for (int first = 0; first < grid.ny; first += at_once) {
+    const int rows = std::min(at_once, grid.ny - first);
+    device.write(there, none.data(), there.bytes());
+    device.run(kernel_of_moduli("count_moduli", steps), groups_of_rows(std::min(rows, most_groups)),
+               {field.samples, int32_t(grid.nx), int32_t(first), int32_t(rows), float(steps / largest), there});
+    device.read(there, some.data(), there.bytes());
+    for (size_t step = 0; step < some.size(); ++step) counts[step] += some[step];
+  }
+  return counts;
+}
+
+double clip_moduli(DeviceField& field, double top) {
+  Device& device = *field.device;
+  const auto lock = device.lock();
+  const Grid& grid = field.head.grid;
+  std::vector<float> rows(static_cast<size_t>(grid.ny));
+  const DeviceBuffer there = device.make_buffer(rows.size() * sizeof(float), "the moments of a field");
+  device.run(kernel_of_moduli("clip_moduli"), groups_of_rows(grid.ny),
+             {field.samples, int32_t(grid.nx), float(top), there});
+  device.read(there, rows.data(), there.bytes());
+  return std::accumulate(rows.begin(), rows.end(), 0.0);
+}
+
+}  // namespace holotrace

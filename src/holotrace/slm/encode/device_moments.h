@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "holotrace/slm/encode/sample_kernels.h"
+#include "holotrace/wave/shared/device_field.h"
+
+// The moduli of a field on an OpenCL device, in single precision. Errors are those of Device.
+
+namespace holotrace {
+
+/// The power of two that scales moduli of up to `largest` to 1 … 2, exactly, so that their squares are within single
+/// precision; 1 for 0. It is within 2^±126: moduli below 1e-38 stay smaller.
+float unit_for(double largest);
+
+/// The moments of |U| over the panel, within 1e-6 of them. They are not finite if a sample is not; any finite samples will do.
+/// Samples whose parts are below 1e-38 may count as 0.
+/// Transfer: 16 bytes per row.
+ModulusMoments modulus_moments(const DeviceField& field);
+
+/// The number of samples in each of so many equal steps of modulus from 0 to `largest`, and last those of `largest` itself.
+/// A modulus within 2e-7 of `largest` of a step's edge may count for its neighbour. Transfer: 4 bytes per step in and out, for
+/// each rows_to_count.
+std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int steps);
+
+/// Rows of a grid whose samples are counted at once, in 32 bits: 2³¹ samples at most, or one row.
+int rows_to_count(const Grid& grid);
+
+/// Scales the samples to moduli of at most 1: u/max(top, |u|).
+/// @return Σ(|u|² − top²) of the samples above `top`
+/// Transfer: 4 bytes per row.
+double clip_moduli(DeviceField& field, double top);
+
+}  // namespace holotrace
