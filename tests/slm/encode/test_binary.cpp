@@ -3,12 +3,19 @@
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/off_axis.h"
 #include "holotrace/slm/panel/show.h"
+#include "support/devices.h"
 #include "support/targets.h"
 
 namespace holotrace {
 namespace {
 
-TEST(Binary, OrderOfARandomPhaseHasTheTextbookEfficiency) {
+class Binary : public ::testing::TestWithParam<DeviceChoice> {
+ protected:
+  EncodeParams params_{.method = Encoding::binary, .device = GetParam()};
+};
+INSTANTIATE_TEST_SUITE_P(On, Binary, ::testing::ValuesIn(test::processor_and_devices()), test::device_name_of);
+
+TEST_P(Binary, OrderOfARandomPhaseHasTheTextbookEfficiency) {
   // t = sgn cos ψ for even ψ: |⟨t·exp(−iψ)⟩|² = (2/π)² for phase; half of that amplitude for dark and bright. Over N
   // pixels the mean is off by about 1/√N; 128² pixels: 0.008, three of them 0.024 of 0.64.
   const Slm slm = make_panel(128, 128);
@@ -16,7 +23,8 @@ TEST(Binary, OrderOfARandomPhaseHasTheTextbookEfficiency) {
   for (auto& u : field.samples.values) u /= std::abs(u);
   for (const BinaryLevels kind : {BinaryLevels::phase, BinaryLevels::amplitude}) {
     Heard heard;
-    const Hologram h = encode(field, slm, {.method = Encoding::binary, .binary_levels = kind}, heard.observer());
+    params_.binary_levels = kind;
+    const Hologram h = encode(field, slm, params_, heard.observer());
     const Vec2 carrier{heard.number("carrier_u"), heard.number("carrier_v")};
     std::complex<double> sum = 0;
     for (int j = 0; j < 128; ++j)
@@ -34,26 +42,27 @@ TEST(Binary, OrderOfARandomPhaseHasTheTextbookEfficiency) {
   }
 }
 
-TEST(Binary, FollowsThePanel) {
+TEST_P(Binary, FollowsThePanel) {
   Slm slm = make_panel(16, 16);
   const Field field = random_field(slm.grid, 1);
-  EXPECT_EQ(encode(field, slm, {.method = Encoding::binary}).modulation, Modulation::phase);
+  EXPECT_EQ(encode(field, slm, params_).modulation, Modulation::phase);
   slm.modulation = Modulation::amplitude;
-  EXPECT_EQ(encode(field, slm, {.method = Encoding::binary}).modulation, Modulation::amplitude);
-  EXPECT_NE(error_of([&] {
-              encode(field, slm, {.method = Encoding::binary, .binary_levels = BinaryLevels::phase});
-            }).find("amplitude panel"),
-            std::string::npos);
+  EXPECT_EQ(encode(field, slm, params_).modulation, Modulation::amplitude);
+  params_.binary_levels = BinaryLevels::phase;
+  EXPECT_NE(error_of([&] { encode(field, slm, params_); }).find("amplitude panel"), std::string::npos);
 }
 
-TEST(OffAxis, WarnsOfOverlapForAnyTilt) {
+class OffAxis : public ::testing::TestWithParam<DeviceChoice> {};
+INSTANTIATE_TEST_SUITE_P(On, OffAxis, ::testing::ValuesIn(test::processor_and_devices()), test::device_name_of);
+
+TEST_P(OffAxis, WarnsOfOverlapForAnyTilt) {
   // The field fills a quarter of the band; at half a degree the carrier lies inside it, along x, y and the diagonal.
   const Slm slm = make_panel(128, 128);
   const Field field = sum_of(random_waves(16, 40, 3), slm.grid);
   const double small = 0.15 * pi / 180;
   for (const auto& [x, y] : {std::pair{small, 0.0}, {0.0, small}, {-small, small}, {0.0, -small}}) {
     Heard heard;
-    EncodeParams params{.method = Encoding::off_axis};
+    EncodeParams params{.method = Encoding::off_axis, .device = GetParam()};
     params.reference_angle_x = x;
     params.reference_angle_y = y;
     encode(field, slm, params, heard.observer());

@@ -1,14 +1,15 @@
-// Encoders of single pixels on OpenCL devices: the levels of the processor, what is transferred, and what happens if the device
-// fails.
+// Encoders on OpenCL devices: the levels of the processor, what is transferred, and what happens if the device fails.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <thread>
 
 #include "holotrace/slm/encode/encode.h"
+#include "holotrace/slm/encode/encode_cost.h"
 #include "support/build_paths.h"
 #include "support/panels.h"
 #include "support/stages_on_devices.h"
@@ -34,33 +35,73 @@ struct EncodeCase {
   std::string name;
   Slm slm = make_panel(50, 37);
   EncodeParams params{.method = Encoding::phase};
+  int most_off = 1;           // steps by which a level may differ from the processor's
+  double most_differ = 2e-3;  // part of the pixels: three of 1850
 };
 
+// A phase in float is known to some 2e-7 turns: 1e-4 of the pixels of 256 levels lie as near to the middle between two of them,
+// 3 % of those of 65536. Values of amplitudes and irradiances are known as well.
 std::vector<EncodeCase> encode_cases() {
-  EncodeCase phase{"phase"}, real{"real image"}, shorter{"1.3π"}, longer{"2.8π"}, two{"two levels"},
-      many{"65536 levels"}, amplitude{"amplitude"}, complex{"complex"};
-  real.params.image = ImageSide::real_image;
-  shorter.slm.phase_range = 1.3 * pi;
-  longer.slm.phase_range = 2.8 * pi;
-  two.params.levels = 2;
-  many.slm.levels = 65536;
-  amplitude.params.method = Encoding::amplitude;
-  amplitude.slm.modulation = Modulation::amplitude;
-  complex.params.method = Encoding::complex;
-  complex.slm.modulation = Modulation::complex;
-  return {phase, real, shorter, longer, two, many, amplitude, complex};
+  std::vector<EncodeCase> cases;
+  const auto add = [&](const std::string& name, Encoding method, const std::function<void(EncodeCase&)>& change = {}) {
+    EncodeCase one{name};
+    one.params.method = method;
+    if (change) change(one);
+    if (one.slm.levels == 65536) one.most_differ = 0.03;
+    cases.push_back(one);
+  };
+  const auto real_image = [](EncodeCase& one) { one.params.image = ImageSide::real_image; };
+  const auto tilted = [](EncodeCase& one) {
+    one.params.reference_angle_x = -0.012;
+    one.params.reference_angle_y = 0.007;
+    one.params.image = ImageSide::real_image;
+  };
+  const auto many = [](EncodeCase& one) { one.slm.levels = 65536; };
+  add("phase", Encoding::phase);
+  add("real image", Encoding::phase, real_image);
+  add("1.3π", Encoding::phase, [](EncodeCase& one) { one.slm.phase_range = 1.3 * pi; });
+  add("2.8π", Encoding::phase, [](EncodeCase& one) { one.slm.phase_range = 2.8 * pi; });
+  add("two levels", Encoding::phase, [](EncodeCase& one) { one.params.levels = 2; });
+  add("65536 levels", Encoding::phase, many);
+  add("amplitude", Encoding::amplitude, [](EncodeCase& one) { one.slm.modulation = Modulation::amplitude; });
+  add("complex", Encoding::complex, [](EncodeCase& one) { one.slm.modulation = Modulation::complex; });
+  add("off-axis", Encoding::off_axis);
+  add("off-axis, tilted", Encoding::off_axis, tilted);
+  add("off-axis without bias", Encoding::off_axis, [](EncodeCase& one) { one.params.with_bias = false; });
+  add("off-axis, 65536 levels", Encoding::off_axis, many);
+  add("double-phase", Encoding::double_phase);
+  add("double-phase, real image", Encoding::double_phase, real_image);
+  add("double-phase, 1.3π, wide stop", Encoding::double_phase, [](EncodeCase& one) {
+    one.slm.phase_range = 1.3 * pi;
+    one.params.stop = 0.9;
+  });
+  // Phases of samples of modulus near 1 are known to 1e-4 turns, six steps. Of all, half are known to 4e-7 turns or so.
+  add("double-phase, 65536 levels", Encoding::double_phase, [&](EncodeCase& one) {
+    many(one);
+    one.most_off = 6;
+  });
+  cases.back().most_differ = 0.1;
+  add("binary", Encoding::binary);
+  add("binary, tilted", Encoding::binary, tilted);
+  add("binary, dark and bright", Encoding::binary, [](EncodeCase& one) {
+    one.slm.modulation = Modulation::amplitude;
+    one.slm.grid.nx = 51;  // carriers of whole quarters of a turn: Re(U·R*) is 0 for some of the special samples
+  });
+  for (EncodeCase& one : cases)
+    if (one.params.method == Encoding::binary) one.most_differ = one.most_off = 0;
+  return cases;
 }
 
 class EncodeOnDevices : public test::StagesOnDevices {
  protected:
   PlacedField there(const Field& field) const { return PlacedField(send(device_, field)); }
 
-  // Levels that differ, as a fraction; by more than one, around the circle, none does.
-  static double different(const Array2D<uint16_t>& a, const Array2D<uint16_t>& b, int levels) {
+  // The part of levels that differ; none does by more than it may, around the circle of so many levels.
+  static double different(const Array2D<uint16_t>& a, const Array2D<uint16_t>& b, int levels, int most_off) {
     size_t count = 0;
     for (size_t i = 0; i < b.size(); ++i) {
       const int off = std::abs(int(a.values[i]) - int(b.values[i]));
-      EXPECT_LE(std::min(off, levels - off), 1) << i;
+      EXPECT_LE(std::min(off, levels - off), most_off) << i;
       count += off > 0;
     }
     return b.size() > 0 ? double(count) / double(b.size()) : 0;
@@ -69,46 +110,116 @@ class EncodeOnDevices : public test::StagesOnDevices {
 
 HOLOTRACE_FOR_ALL_DEVICES(EncodeOnDevices);
 
-// A phase in float is known to some 2e-7 turns: 1e-4 of the pixels of 256 levels lie as near to the middle between two of them,
-// 3 % of those of 65536.
 TEST_P(EncodeOnDevices, GiveTheLevelsOfTheProcessor) {
   for (const EncodeCase& one : encode_cases()) {
+    SCOPED_TRACE(one.name);
     const Field field = drawn_field(one.slm.grid);
     Heard expected, heard;
     const Hologram here = encode(field, one.slm, one.params, expected.observer());
     const Hologram hologram = encode(there(field), one.slm, on_device(one.params), heard.observer());
-    const double most = one.slm.levels == 65536 ? 0.03 : 2e-3;  // 2e-3: three of 1850 pixels
-    EXPECT_LE(different(hologram.level, here.level, here.levels), most) << one.name;
-    ASSERT_EQ(hologram.modulus_level.size(), here.modulus_level.size()) << one.name;
-    EXPECT_LE(different(hologram.modulus_level, here.modulus_level, 1 << 17), most) << one.name;
-    for (size_t i = 0; i < 8; ++i) EXPECT_EQ(hologram.level.values[i], here.level.values[i]) << one.name << i;
-    EXPECT_NEAR(hologram.illumination, here.illumination, 2e-6 * here.illumination) << one.name;
+    const bool is_phase = here.modulation != Modulation::amplitude;
+    EXPECT_LE(different(hologram.level, here.level, is_phase ? here.levels : 1 << 17, one.most_off), one.most_differ);
+    ASSERT_EQ(hologram.modulus_level.size(), here.modulus_level.size());
+    EXPECT_LE(different(hologram.modulus_level, here.modulus_level, 1 << 17, one.most_off), one.most_differ);
+    if (one.params.method == Encoding::phase || one.params.method == Encoding::binary) {
+      for (size_t i = 0; i < 8; ++i) EXPECT_EQ(hologram.level.values[i], here.level.values[i]) << i;
+    }
+    EXPECT_NEAR(hologram.illumination, here.illumination, 2e-6 * here.illumination);
     EXPECT_EQ(hologram.image, here.image);
     EXPECT_EQ(hologram.modulation, here.modulation);
     EXPECT_EQ(hologram.encoder, here.encoder);
-    EXPECT_EQ(heard.warnings, expected.warnings) << one.name;
+    EXPECT_EQ(hologram.filter, here.filter);
+    EXPECT_EQ(heard.warnings, expected.warnings);
     EXPECT_EQ(std::get<std::string>(heard.facts.at("device")), device_.info().name);
-    EXPECT_EQ(heard.facts.size(), expected.facts.size() + 1) << one.name;
-    for (const char* fact : {"illumination", "modulus_max", "mean_transmittance"})
-      if (expected.facts.count(fact)) {
-        EXPECT_NEAR(heard.number(fact), expected.number(fact), 2e-6 * expected.number(fact)) << one.name << fact;
+    EXPECT_EQ(heard.facts.size(), expected.facts.size() + 1);
+    for (const auto& [name, value] : expected.facts)
+      if (std::holds_alternative<double>(value)) {  // sums of floats, 1e-6; the part that is clipped is a difference
+        const double off = 2e-6 * (name == "clipped_part" ? 1 : std::abs(std::get<double>(value)));
+        EXPECT_NEAR(heard.number(name), std::get<double>(value), off) << name;
       }
   }
 }
 
-// Two bytes for each level, and three sums of each row.
+// Scaled by powers of two, so that squares are far beyond floats or far below: the same levels, to the last one.
+TEST_P(EncodeOnDevices, TakeFieldsOfEveryBrightness) {
+  for (const EncodeCase& one : encode_cases()) {
+    SCOPED_TRACE(one.name);
+    const Field field = drawn_field(one.slm.grid);
+    const Hologram expected = encode(there(field), one.slm, on_device(one.params));
+    for (const int exponent : {-90, 90, 126}) {
+      Field scaled = field;
+      for (auto& u : scaled.samples.values) u *= std::ldexp(1.0F, exponent);
+      const size_t before = device_.use().kernels;
+      Heard heard;
+      const Hologram hologram = encode(there(scaled), one.slm, on_device(one.params), heard.observer());
+      EXPECT_GT(device_.use().kernels, before + 2);
+      EXPECT_EQ(heard.facts.count("device"), 1u);
+      EXPECT_EQ(hologram.level.values, expected.level.values) << exponent;
+      EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values) << exponent;
+      EXPECT_DOUBLE_EQ(hologram.illumination, std::ldexp(expected.illumination, 2 * exponent));
+    }
+  }
+}
+
+// Frequencies of n samples within so many cycles of n.
+size_t within(double cycles) { return 2 * size_t(cycles) + 1; }
+
+// Two bytes for each level, and four sums of each row. A spectrum takes the scale of each column and the roots of unity along both
+// axes, and returns a sum for each of its columns within the stop. A reference wave takes 8 bytes for each row and column.
 TEST_P(EncodeOnDevices, TransferLevelsOnly) {
   for (const EncodeCase& one : encode_cases()) {
     const Field field = drawn_field(one.slm.grid);
     const PlacedField light = there(field);
-    const size_t pixels = field.samples.size(), kinds = one.params.method == Encoding::complex ? 2 : 1;
+    const size_t nx = size_t(field.grid.nx), ny = 37, pixels = field.samples.size();
+    const size_t of_spectrum = 8 * nx + 8 * (nx + ny), of_wave = 8 * (nx + ny), of_counts = 4 * 4097;
+    size_t in = 0, out = 2 * pixels + 16 * ny;
+    switch (one.params.method) {
+      case Encoding::complex:
+        out += 2 * pixels;
+        break;
+      case Encoding::off_axis:  // for the range of irradiances, and for the levels
+        in += of_spectrum + 2 * of_wave;
+        out += 8 * ny;
+        break;
+      case Encoding::binary:
+        in += of_spectrum + of_wave;
+        break;
+      case Encoding::double_phase:  // of the field within the stop: moments, counts, what is clipped
+        in += of_spectrum + of_counts;
+        out += 16 * ny + of_counts + 4 * ny;
+        break;
+      default:
+        break;
+    }
+    Heard heard;
+    const Hologram hologram = encode(field, one.slm, one.params, heard.observer());
+    if (hologram.filter) out += 4 * within(hologram.filter->half_u * field.grid.width());
     for (const bool is_there : {true, false}) {
       const DeviceUse before = device_.use();
       encode(is_there ? light : PlacedField::of(field), one.slm, on_device(one.params));
       const DeviceUse after = device_.use();
-      EXPECT_EQ(after.bytes_in - before.bytes_in, is_there ? 0 : 8 * pixels) << one.name;
-      EXPECT_EQ(after.bytes_out - before.bytes_out, 2 * kinds * pixels + 12 * 37) << one.name;
+      EXPECT_EQ(after.bytes_in - before.bytes_in, in + (is_there ? 0 : 8 * pixels)) << one.name;
+      EXPECT_EQ(after.bytes_out - before.bytes_out, out) << one.name;
     }
+  }
+}
+
+// On 200 x 150 pixels, where tables of rows and columns are small.
+TEST_P(EncodeOnDevices, NeedTheMemoryThatIsStated) {
+  for (EncodeCase one : encode_cases()) {
+    SCOPED_TRACE(one.name);
+    one.slm.grid = {200, 150, test_pitch};
+    const PlacedField light = there(drawn_field(one.slm.grid));
+    const double needed = encode_cost(one.params, one.slm.grid, test_wavelength).memory;
+    const auto limit_to = [&](double left) { device_.limit_memory((double(device_.use().bytes_held) + left) / 0.8); };
+    limit_to(1.05 * needed);  // tables
+    EXPECT_EQ(error_of([&] { encode(light, one.slm, on_device(one.params)); }), "no error");
+    limit_to(0.9 * needed);
+    const std::string error = error_of([&] { encode(light, one.slm, on_device(one.params)); });
+    if (one.params.method != Encoding::off_axis && one.params.method != Encoding::complex) {
+      EXPECT_NE(error.find("of memory"), std::string::npos) << error;
+    }
+    device_.limit_memory(0);
   }
 }
 
@@ -136,13 +247,30 @@ TEST_P(EncodeOnDevices, AreChosenByWhereTheFieldIs) {
   EXPECT_FALSE(uses_device(there(field), automatic(one.params))) << "not measured";
 }
 
+// The processor takes 1850·5·(log₂50 + log₂37)/1e5 = 1 s for a transform, and some µs for all else. The way to the device and
+// back takes 8·1850/1e5 + 2·1850/1e5 = 0.2 s.
+TEST_P(EncodeOnDevices, AreChosenByTheirTransforms) {
+  SummationRates slow;
+  slow.fft_operations = 1e5 / std::max(1U, std::thread::hardware_concurrency());
+  set_summation_rates([slow] { return slow; });
+  const int number = device_.info().number;
+  set_device_rates([=](Device& device) {
+    return device.info().number == number ? DeviceRates{0, 1e5, 1e15} : DeviceRates();
+  });
+  for (const EncodeCase& one : encode_cases()) {
+    const size_t before = device_.use().kernels;
+    encode(drawn_field(one.slm.grid), one.slm, automatic(one.params));
+    const Encoding method = one.params.method;
+    const bool has_transforms =
+        method == Encoding::off_axis || method == Encoding::binary || method == Encoding::double_phase;
+    EXPECT_EQ(device_.use().kernels > before, has_transforms) << one.name;
+  }
+}
+
 TEST_P(EncodeOnDevices, LeaveToTheProcessorWhatItDoesBetter) {
   make_device_fast(1e15);
   EncodeCase one{"one"};
   Field field = drawn_field(one.slm.grid);
-  for (auto& u : field.samples.values) u *= 1e25F;  // whose squares are beyond floats
-  EXPECT_EQ(encode(there(field), one.slm, on_device(one.params)).level.values,
-            encode(field, one.slm, one.params).level.values);
   field.samples(3, 4) = {std::numeric_limits<float>::quiet_NaN(), 0};
   const std::string error = error_of([&] { encode(field, one.slm, one.params); });
   EXPECT_NE(error.find("expected finite samples in the field"), std::string::npos) << error;
@@ -160,6 +288,9 @@ TEST_P(EncodeOnDevices, LeaveToTheProcessorWhatItDoesBetter) {
   EXPECT_EQ(error_of([&] { encode(there(field), one.slm, on_device(one.params)); }),
             "expected levels of even steps on an OpenCL device, got those of the calibration of \"test\"; leave "
             "calibration out of [encode] effects, or use the device cpu");
+  one.params.method = Encoding::binary;  // of a calibration one step is used
+  EXPECT_EQ(encode(there(field), one.slm, on_device(one.params)).level.values,
+            encode(field, one.slm, one.params).level.values);
 }
 
 TEST_P(EncodeOnDevices, WarnOfADarkField) {
@@ -184,32 +315,38 @@ TEST_P(EncodeOnDevices, WriteNothingPastTheirBuffers) {
 
 #if HOLOTRACE_HAS_OPENCL
 TEST_P(EncodeOnDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
-  const EncodeCase one = encode_cases().back();
-  const Field field = drawn_field(one.slm.grid);
-  const Hologram expected = encode(field, one.slm, one.params);
-  encode(field, one.slm, on_device(one.params));  // compiles the kernels
-  make_device_fast(1e15);
-  int faults = 0;
-  for (int failed = 0;; ++failed) {
-    test::FaultyApi api;
-    api.failing = failed;
-    const std::string error = error_of([&] { encode(field, one.slm, on_device(one.params)); });
-    EXPECT_TRUE(api.held.empty()) << failed;
-    if (api.calls <= failed) {
-      EXPECT_EQ(error, "no error");
-      break;
+  for (const EncodeCase& one : encode_cases()) {
+    if (one.name != "complex" && one.name != "off-axis" && one.name != "double-phase" && one.name != "binary") continue;
+    SCOPED_TRACE(one.name);
+    const Field field = drawn_field(one.slm.grid);
+    Heard here;
+    const Hologram expected = encode(field, one.slm, one.params, here.observer());
+    encode(field, one.slm, on_device(one.params));  // compiles the kernels
+    make_device_fast(1e15);
+    int faults = 0;
+    for (int failed = 0;; ++failed) {
+      test::FaultyApi api;
+      api.failing = failed;
+      const std::string error = error_of([&] { encode(field, one.slm, on_device(one.params)); });
+      EXPECT_TRUE(api.held.empty()) << failed;
+      if (api.calls <= failed) {
+        EXPECT_EQ(error, "no error");
+        break;
+      }
+      EXPECT_NE(error, "no error");
+      ++faults;
+      api.calls = 0;
+      Heard heard;
+      const Hologram hologram = encode(field, one.slm, automatic(one.params), heard.observer());
+      EXPECT_EQ(hologram.level.values, expected.level.values) << failed;
+      EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values) << failed;
+      ASSERT_EQ(heard.warnings.size(), here.warnings.size() + 1) << failed;
+      EXPECT_EQ(std::count(heard.warnings.begin(), heard.warnings.end(),
+                           "the device auto: the processor took over, because " + error),
+                1);
     }
-    EXPECT_NE(error, "no error");
-    ++faults;
-    api.calls = 0;
-    Heard heard;
-    const Hologram hologram = encode(field, one.slm, automatic(one.params), heard.observer());
-    EXPECT_EQ(hologram.level.values, expected.level.values) << failed;
-    EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values) << failed;
-    ASSERT_EQ(heard.warnings.size(), 1u) << failed;
-    EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
+    EXPECT_GT(faults, 8);
   }
-  EXPECT_GT(faults, 8);
 }
 #endif
 

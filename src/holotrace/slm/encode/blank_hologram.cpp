@@ -65,9 +65,7 @@ void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& ob
 
 }  // namespace
 
-bool encodes_on_devices(Encoding method) {
-  return !aims_at_targets(method) && method != Encoding::error_diffusion;
-}
+bool encodes_on_devices(Encoding method) { return !aims_at_targets(method) && method != Encoding::error_diffusion; }
 
 Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
   switch (params.method) {

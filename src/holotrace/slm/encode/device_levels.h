@@ -24,8 +24,8 @@ void write_phase_levels(const DeviceField& field, bool is_conjugate, const Phase
 void write_amplitude_levels(const DeviceField& field, double largest, int levels, Array2D<uint16_t>& to);
 
 /// As write_double_phase_levels of double_phase.h, for levels without a table. Single precision knows the phases
-/// arg U ± acos(a) within 1e-7·(1 + 1/√(1 − a²)) turns, at most 1e-4 near a = 1. So far from the middle between two levels
-/// the levels are those of the processor.
+/// arg U ± acos(a) of samples of modulus a within 2e-7·(1/a + 1/√(1 − a²)) turns, near a = 1 within 1e-4. Pixels that are
+/// farther from the middle between two levels get those of the processor.
 void write_double_phase_levels(const ScaledField& inside, bool is_conjugate, const PhaseLevels& levels,
                                Array2D<uint16_t>& to);
 

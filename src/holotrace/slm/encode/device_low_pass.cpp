@@ -22,8 +22,8 @@ struct Passing {
       : x(band_within(grid.nx, grid.width(), stop.half_u)), y(band_within(grid.ny, grid.height(), stop.half_v)) {}
 };
 
-// The spectrum of a field within a stop, times unit/pixels, and room for as much again and more: column by column, each
-// with the frequencies of y that pass.
+// The spectrum of a field within a stop, times `unit`: column by column, each with the frequencies of y that pass. There is
+// room for ny of them, and as much again.
 struct Spectrum {
   DeviceField bins;
   DeviceBuffer room;
@@ -40,8 +40,7 @@ Spectrum spectrum_of(const ShownPixels<DeviceField>& shown, const Passing& passi
   const auto& [x, y] = passing;
   Spectrum spectrum;
   spectrum.unit = unit_for(shown.moments.largest);
-  const DeviceBuffer scales =
-      device.upload(std::vector<Complex>(size_t(grid.nx), float(spectrum.unit / double(grid.pixels()))), "a stop");
+  const DeviceBuffer scales = device.upload(std::vector<Complex>(size_t(grid.nx), spectrum.unit), "a stop");
   spectrum.bins = {&device, {}, room_for(device, grid, passing)};
   spectrum.bins.head.grid.nx = y.count;
   spectrum.bins.head.grid.ny = x.count;
@@ -61,7 +60,7 @@ double part_of_power(const ShownPixels<DeviceField>& shown, const Spectrum& spec
   const DeviceField& bins = spectrum.bins;
   const double inside = energy(bins, {0, bins.head.grid.nx, 0, bins.head.grid.ny});
   const double all = shown.moments.square * double(spectrum.unit) * double(spectrum.unit);
-  return all > 0 ? inside * double(shown.field.head.grid.pixels()) / all : 1.0;
+  return all > 0 ? inside / (all * double(shown.field.head.grid.pixels())) : 1.0;
 }
 
 constexpr double bytes_of_bin = sizeof(Complex);
@@ -77,7 +76,9 @@ ScaledField within_stop(const ShownPixels<DeviceField>& shown, const SpectralFil
   LineTransforms lines(device);
   const Spectrum spectrum = spectrum_of(shown, passing, lines);
   observer.fact("band_power", Fact(part_of_power(shown, spectrum)));
-  ScaledField inside{make_device_field(device, shown.field.head, "a field within a stop"), spectrum.unit};
+  // The transforms do not scale: there and back, they multiply by the number of samples.
+  ScaledField inside{make_device_field(device, shown.field.head, "a field within a stop"),
+                     double(spectrum.unit) * double(grid.pixels())};
   lines.run({grid.ny, FftDirection::backward, {y.count, y.first}, {grid.ny}}, x.count, spectrum.bins.samples,
             spectrum.room);
   const DeviceBuffer& rows = spectrum.bins.samples;
@@ -94,8 +95,8 @@ double normalise_modulus(double clipped_pixels, const Observer& observer, Scaled
     top = modulus_to_clip(count_moduli(field.light, top, modulus_steps), top,
                           clipped_pixels * double(field.light.head.grid.pixels()));
   const double clipped = clip_moduli(field.light, top);
-  tell_clipping(top / double(field.unit), moments.square > 0 ? clipped / moments.square : 0, observer);
-  return top / double(field.unit);
+  tell_clipping(top / field.scale, moments.square > 0 ? clipped / moments.square : 0, observer);
+  return top / field.scale;
 }
 
 double power_inside(const ShownPixels<DeviceField>& shown, const SpectralFilter& filter) {

@@ -10,10 +10,10 @@
 
 namespace holotrace {
 
-/// Samples on a device: those of a field times `unit` (unit_for).
+/// Samples on a device that are those of a field times `scale`.
 struct ScaledField {
   DeviceField light;
-  float unit = 1;
+  double scale = 1;
 };
 
 /// The field limited to a stop on the axis, within 1e-6 of its norm; fact `band_power`, as low_pass.h.

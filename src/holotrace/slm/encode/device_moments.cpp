@@ -25,9 +25,8 @@ constexpr const char* moduli_source =
 constexpr int most_groups = 256;  // that count moduli: each adds its counts to those of all
 
 Kernel kernel_of_moduli(const char* name, int steps = 1) {
-  return {name,
-          {place_source, sum_source, moduli_source},
-          fmt::format("-D GROUP={} -D STEPS={}", samples_of_group, steps)};
+  return {
+      name, {place_source, sum_source, moduli_source}, fmt::format("-D GROUP={} -D STEPS={}", samples_of_group, steps)};
 }
 
 // The largest absolute value of a part of a sample; not finite if one is not.
@@ -56,8 +55,7 @@ ModulusMoments modulus_moments(const DeviceField& field) {
   const float unit = unit_for(part);
   std::vector<float> rows(3 * size_t(grid.ny));
   const DeviceBuffer there = device.make_buffer(rows.size() * sizeof(float), "the moments of a field");
-  device.run(kernel_of_moduli("row_moments"), groups_of_rows(grid.ny),
-             {field.samples, int32_t(grid.nx), unit, there});
+  device.run(kernel_of_moduli("row_moments"), groups_of_rows(grid.ny), {field.samples, int32_t(grid.nx), unit, there});
   device.read(there, rows.data(), there.bytes());
   ModulusMoments moments;
   for (size_t row = 0; row < rows.size(); row += 3) {
@@ -71,12 +69,7 @@ ModulusMoments modulus_moments(const DeviceField& field) {
   return moments;
 }
 
-int rows_to_count(const Grid& grid) {
-  constexpr int64_t most = int64_t(1) << 31;
-  return int(std::clamp(most / std::max(grid.nx, 1), int64_t(1), std::max(int64_t(grid.ny), int64_t(1))));
-}
-
-std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int steps) {
+std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int steps, int64_t at_once) {
   Device& device = *field.device;
   const auto lock = device.lock();
   const Grid& grid = field.head.grid;
@@ -84,9 +77,10 @@ std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int 
   std::vector<uint32_t> some(none.size());
   std::vector<int64_t> counts(none.size());
   const DeviceBuffer there = device.make_buffer(none.size() * sizeof(uint32_t), "the moments of a field");
-  const int at_once = rows_to_count(grid);
-  for (int first = 0; first < grid.ny; first += at_once) {
-    const int rows = std::min(at_once, grid.ny - first);
+  const int64_t most_rows = std::max(at_once / std::max(grid.nx, 1), int64_t(1));
+  int rows = 0;
+  for (int first = 0; first < grid.ny; first += rows) {
+    rows = int(std::min(most_rows, int64_t(grid.ny - first)));
     device.write(there, none.data(), there.bytes());
     device.run(kernel_of_moduli("count_moduli", steps), groups_of_rows(std::min(rows, most_groups)),
                {field.samples, int32_t(grid.nx), int32_t(first), int32_t(rows), float(steps / largest), there});

@@ -20,12 +20,11 @@ float unit_for(double largest);
 ModulusMoments modulus_moments(const DeviceField& field);
 
 /// The number of samples in each of so many equal steps of modulus from 0 to `largest`, and last those of `largest` itself.
-/// A modulus within 2e-7 of `largest` of a step's edge may count for its neighbour. Transfer: 4 bytes per step in and out, for
-/// each rows_to_count.
-std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int steps);
-
-/// Rows of a grid whose samples are counted at once, in 32 bits: 2³¹ samples at most, or one row.
-int rows_to_count(const Grid& grid);
+/// A modulus within 2e-7 of `largest` of a step's edge may count for its neighbour.
+/// @param at_once  samples, in whole rows, that are counted in 32 bits
+/// Transfer: 4 bytes per step in and out, as often.
+std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int steps,
+                                  int64_t at_once = int64_t(1) << 31);
 
 /// Scales the samples to moduli of at most 1: u/max(top, |u|).
 /// @return Σ(|u|² − top²) of the samples above `top`

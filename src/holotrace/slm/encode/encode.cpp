@@ -73,10 +73,10 @@ std::optional<Hologram> encode_there(const DeviceField& field, const Begun& begu
   make_room(device, encode_cost(params, field.head.grid, field.head.wavelength).memory);
   const ModulusMoments moments = modulus_moments(field);
   if (!std::isfinite(moments.largest)) return std::nullopt;
-  if (moments.largest == 0) warn_of_dark_field(observer);
   Hologram hologram = begun.hologram;
-  encode_anywhere(ShownPixels<DeviceField>{field, moments, params.image == ImageSide::real_image}, params,
-                  begun.levels, observer, hologram);
+  encode_anywhere(ShownPixels<DeviceField>{field, moments, params.image == ImageSide::real_image}, params, begun.levels,
+                  observer, hologram);
+  if (moments.largest == 0) warn_of_dark_field(observer);
   observer.fact("device", device.info().name);
   return hologram;
 }

@@ -39,7 +39,7 @@ EncodeCost encode_cost(const EncodeParams& params, const Grid& grid, double wave
   cost.on_processor.fft_operations = (is_limited ? 2 : 1) * transform;
   cost.on_processor.samples += (is_limited ? 4 : 2) * pixels;  // the stop, moduli, levels; irradiances
   cost.moved += spectrum.moved + (is_limited ? 5 : 1) * bytes_of_sample * pixels;
-  cost.memory = std::max(spectrum.memory + (is_limited ? cost.memory : 0), cost.memory);
+  cost.memory = std::max(spectrum.memory, cost.memory + (is_limited ? bytes_of_sample * pixels : 0));
   return cost;
 }
 

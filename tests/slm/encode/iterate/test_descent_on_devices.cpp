@@ -186,16 +186,16 @@ TEST(DescentOnNoDevice, IsAnError) {
   EXPECT_NE(error_of([&] { descend(one.targets(), one.slm, one.params, {}, frames); }), "no error");
 }
 
-TEST(DescentOnNoDevice, OtherMethodsRefuseOne) {
+TEST(DescentOnNoDevice, ErrorDiffusionRefusesOne) {
   const DescentCase one{"one"};
   Field field(one.slm.grid, 532e-9, 0);
   field.samples.values[0] = 1;
-  EncodeParams params{.method = Encoding::double_phase};
+  EncodeParams params{.method = Encoding::error_diffusion};
   params.device = {DeviceKind::opencl, 0};
   EXPECT_EQ(
       error_of([&] { encode(field, one.slm, params); }),
-      "expected phase, amplitude, complex, gerchberg-saxton, weighted-gerchberg-saxton or sgd on an OpenCL device, got "
-      "\"double-phase\"; use one of them, or the device cpu");
+      "expected an encoding whose pixels can be found at once on an OpenCL device, got \"error-diffusion\", which "
+      "passes errors from pixel to pixel; use another one, such as \"double-phase\", or the device cpu");
   params.device.kind = DeviceKind::automatic;
   EXPECT_EQ(error_of([&] { encode(field, one.slm, params); }), "no error");
 }
