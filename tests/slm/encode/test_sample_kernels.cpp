@@ -8,6 +8,7 @@
 #include "holotrace/base/instruction_set.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
+#include "holotrace/slm/encode/double_phase_kernel.h"
 #include "holotrace/slm/encode/phase_levels.h"
 #include "holotrace/slm/encode/sample_kernels.h"
 
@@ -122,6 +123,26 @@ TEST(SampleKernels, PairsOfADoublePhaseHologramAddUpToTheSample) {
       if (a < 0.9) {
         ASSERT_NEAR(std::abs(std::complex<double>(shown[i]) - turn * std::complex<double>(a, side)), 0, 1e-6) << i;
       }
+    }
+  }
+}
+
+// The formula of devices (double_phase_kernel.h) against the vectors of the processor, for 1e5 random samples, of which a third
+// has moduli above 1: equal but for roundings of products, 1e-7 each, which √(1 − a²) multiplies by 1/√(1 − a²).
+TEST(SampleKernels, PairsOfADoublePhaseHologramAreThoseOfDevices) {
+  std::vector<Sample> u(100'000), shown(u.size());
+  CounterRandom random(9, 0, 0);
+  for (Sample& sample : u) sample = Sample(std::polar(1.5 * random.uniform(), 2 * pi * random.uniform()));
+  u[17] = 0;
+  for (const int row : {0, 1}) {
+    double_phase_phasors(u.data(), float(double_phase_kernel::chessboard_sign(0, row)), u.size(), shown.data());
+    for (size_t i = 0; i < u.size(); ++i) {
+      const auto pixel = double_phase_kernel::double_phase_pixel({u[i].real(), u[i].imag()},
+                                                                 double_phase_kernel::chessboard_sign(int(i), row));
+      const double a = std::min(1.0, std::abs(std::complex<double>(u[i])));
+      const double error = std::min(4e-7 * (1 + 1 / std::sqrt(std::max(1 - a * a, 1e-14))), 5e-4);
+      ASSERT_NEAR(pixel.re, shown[i].real(), error) << u[i];
+      ASSERT_NEAR(pixel.im, shown[i].imag(), error) << u[i];
     }
   }
 }
