@@ -88,7 +88,7 @@ struct EncodeParams {
   int subpixels = 1;                        ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
   StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
   int64_t seed = 1;                         ///< seed for random start phases
-  DeviceChoice device{};                    ///< device that computes levels
+  DeviceChoice device{};                    ///< device that computes levels; not for error-diffusion
   std::vector<std::string> effects{};       ///< effects of the panel that the levels compensate; or "all"
 };
 
@@ -159,7 +159,8 @@ void describe(Visitor& v, EncodeParams& p) {
   v.count("seed", p.seed, range::not_negative, "seed for random start phases");
   v.device(
       "device", p.device,
-      "device that computes phase, amplitude and complex, and the iterations of gerchberg-saxton, its weighted form, or sgd: the processor (cpu); the first OpenCL device (opencl) or device N of "
+      "device that computes the hologram, for all methods but error-diffusion, which needs the processor: the processor "
+      "(cpu); the first OpenCL device (opencl) or device N of "
       "\"holotrace info --devices\" (opencl:N), in single precision; or the one that is expected to be faster (auto)");
   v.texts(
       "effects", p.effects,

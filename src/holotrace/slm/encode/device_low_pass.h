@@ -17,7 +17,7 @@ struct ScaledField {
 };
 
 /// The field limited to a stop on the axis, within 1e-6 of its norm; fact `band_power`, as low_pass.h.
-/// Transfers: 24 bytes per row and column to the device; 4 per column within the stop come back.
+/// Transfers: 16 bytes per column and 8 per row to the device; 4 per column within the stop come back.
 ScaledField within_stop(const ShownPixels<DeviceField>& shown, const SpectralFilter& stop, const Observer& observer);
 
 /// Scales the field to moduli of at most 1, as normalise_modulus of low_pass.h, with its facts. A is the same but for

@@ -54,9 +54,10 @@ namespace holotrace {
 /// (nothing is clipped), and `mean_transmittance`; those of off_axis.h; `illumination` [W/m²]; for the phase
 /// encoding `phase_range` = 2π·λ₀/λ [rad], with a warning if it is short of 2π.
 ///
-/// phase, amplitude and complex run on an OpenCL device (params.device), whose levels differ by rounding, by at most one. Levels
-/// of a calibration are for the processor. A field that is there already stays there: 2 bytes per pixel (complex: 4)
-/// come back, and 12 per row. The device `auto` counts where the field is. The other direct methods are for the processor.
+/// All methods but error-diffusion run on an OpenCL device (params.device). Levels of those without iterations differ by
+/// rounding, by at most one; device_levels.h has the exceptions. Phases of a calibration are for the processor. A field that is
+/// there already stays there: 2 bytes per pixel (complex: 4) come back, and up to 40 per row and column. The device `auto`
+/// counts where the field is, and transforms (encode_cost.h).
 Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& params, const Observer& observer = {});
 Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer = {});
 

@@ -17,7 +17,7 @@ namespace holotrace {
 /// it. The field is limited to the stop beforehand. A is the modulus that 1 in 1000 pixels exceeds; these pixels are
 /// clipped, because errors of moduli above 1 would grow without limit. E = A².
 ///
-/// Pixels depend on the ones before, so it runs on one thread: about 50 ns per pixel.
+/// Pixels depend on the ones before, so it runs on one thread of the processor: about 50 ns per pixel.
 /// @throws Error  for a stop outside (0, 1]
 /// Facts: those of low_pass.h.
 void encode_error_diffusion(const Field& field, const PhaseLevels& levels, const EncodeParams& params,
