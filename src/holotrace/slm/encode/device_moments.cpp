@@ -22,7 +22,7 @@ constexpr const char* moduli_source =
 #include "kernels/moduli.cl.inc"
     ;
 
-constexpr int most_groups = 256;  // that count moduli: each adds its counts to those of all
+constexpr int most_groups = 512;  // that count moduli: each adds its counts to those of all
 
 Kernel kernel_of_moduli(const char* name, int steps = 1) {
   return {
