@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <thread>
 
 #include "holotrace/slm/panel/show.h"
@@ -13,6 +15,7 @@
 #include "holotrace/view/order_stop.h"
 #include "holotrace/view/pupil_light.h"
 #include "holotrace/wave/propagate/propagate_on_device.h"
+#include "holotrace/wave/shared/device_room.h"
 #include "support/build_paths.h"
 #include "support/panels.h"
 #include "support/stages_on_devices.h"
@@ -309,14 +312,110 @@ TEST_P(DeviceChains, MakeRoomForAStop) {
   Chain chain;
   seen(shown(chain), there(chain));
   const size_t kept = device_.use().bytes_held;
+  ASSERT_GT(kept, 0u);
   chain.filter = SpectralFilter{0, 0, 2e4, 2e4};
   chain = there(chain);
   const PlacedField light = shown(chain);
-  const double stop =
-      order_stop_cost(light.head().grid, *chain.filter, order_stop_margin(*chain.filter, light.head().grid)).memory;
-  device_.limit_memory((double(device_.use().bytes_held) - double(kept) + 1.5 * stop) / 0.8);
+  const Grid& grid = light.head().grid;
+  const DeviceStopCost stop =
+      device_stop_cost(device_, grid, *chain.filter, order_stop_margin(*chain.filter, light.head().grid));
+  device_.limit_memory((double(device_.use().bytes_held) - double(kept) + stop.memory + 8) / 0.8);
   EXPECT_EQ(error_of([&] { light_in_pupil(light, chain.slm, chain.propagation, chain.camera); }), "no error");
-  EXPECT_LT(device_.use().bytes_held, kept + 8 * size_t(light.head().grid.pixels()) * 9);
+  EXPECT_LE(device_.use().bytes_held, 8 * size_t(grid.pixels())) << "only the shown light is left";
+}
+
+TEST_P(DeviceChains, MakeRoomForLightThatIsSent) {
+  Chain chain;
+  const PlacedField light = shown(chain);
+  seen(light, there(chain));  // keeps a transfer function, and the light
+  const PlacedField other = shown(chain);
+  const size_t kept = device_.use().bytes_held - 8 * size_t(light.head().grid.pixels());
+  ASSERT_GT(kept, 8 * size_t(light.head().grid.pixels()));
+  device_.limit_memory((double(device_.use().bytes_held) + 100) / 0.8);
+  EXPECT_EQ(error_of([&] { other.on(device_); }), "no error");
+}
+
+TEST_P(DeviceChains, MakeRoomForAPanel) {
+  Chain chain;
+  const double pixels = double(chain.slm.grid.pixels());
+  seen(shown(chain), there(chain));
+  ASSERT_GT(device_.use().bytes_held, 8 * size_t(pixels));
+  chain = there(chain);
+  // 24·n(n + 1) + 20 bytes per pixel for one term and n = 1, and for each row and column 20 and twiddle factors.
+  device_.limit_memory((68 * pixels + 28 * (48 + 37) + 1000) / 0.8);
+  EXPECT_EQ(error_of([&] { shown(chain); }), "no error");
+}
+
+TEST_P(DeviceChains, MakeRoomForAWindowOfTheSameLight) {
+  Chain chain = there(chains()[10]);
+  ASSERT_EQ(chain.name, "on the panel, beside it");
+  const PlacedField light = shown(chain);
+  Chain far = chain;
+  far.distance = 20_mm;
+  seen(light, far);
+  PropagateParams window = chain.propagation;
+  window.columns = 70;
+  window.rows = 71;
+  const auto there = light.on(device_);
+  device_.limit_memory((double(device_.use().bytes_held) + 100) / 0.8);
+  ASSERT_GT(device_.use().bytes_held, light.on(device_)->samples.bytes() + 8 * 70 * 71);
+  EXPECT_EQ(error_of([&] { propagate(*there, 0, window); }), "no error");
+}
+
+// Another thread, whose work is on the device, holds its lock: until it is done, nobody knows what memory is left.
+TEST_P(DeviceChains, MakeRoomUnderTheDevicesLock) {
+  Chain chain;
+  seen(shown(chain), there(chain));
+  const size_t kept = device_.use().bytes_held;
+  ASSERT_GT(kept, 0u);
+  for (const double bytes : {0.0, 1e18}) {
+    std::future<void> room;
+    {
+      const auto lock = device_.lock();
+      room = std::async(std::launch::async, [&] { make_room(device_, bytes); });
+      EXPECT_EQ(room.wait_for(std::chrono::milliseconds(300)), std::future_status::timeout);
+      EXPECT_EQ(device_.use().bytes_held, kept);
+    }
+    room.get();
+    EXPECT_EQ(device_.use().bytes_held<kept, bytes> 0);
+  }
+}
+
+// The rates of a device are measured when they are first needed. The picture is that of the processor.
+TEST_P(DeviceChains, GiveWayIfADeviceFailsWhenItIsMeasured) {
+  Chain chain = chains()[6];
+  ASSERT_EQ(chain.name, "stop and pupil");
+  const PlacedField light = shown(there(chain));
+  const Image expected = seen(light, chain);
+  make_device_fast(1e15);
+  set_device_rates([](Device&) -> DeviceRates { throw Error("the device stopped"); });
+  const PlacedField again = shown(there(chain));
+  EXPECT_EQ(seen(again, automatic_everywhere(chain)).values, expected.values);
+}
+
+// The viewer keeps the light in the pupil on the processor. The device is fast enough to get the shown light, but not for the
+// light's return, which has more samples: those of the window behind a stop.
+TEST_P(DeviceChains, CountTheReturnOfLightThatIsNeededOnTheProcessor) {
+  Chain chain;
+  chain.filter = SpectralFilter{0, 0, 2e4, 2e4};
+  const PlacedField light = shown(chain);
+  make_device_fast(1e15);
+  const int margin = order_stop_margin(*chain.filter, light.head().grid);
+  const double seconds = predict_seconds(order_stop_cost(light.head().grid, *chain.filter, margin).work,
+                                         summation_rates(), int(std::max(1U, std::thread::hardware_concurrency())));
+  const double bytes = 1.5 * 8 * double(light.head().grid.pixels()) / seconds;
+  const int number = device_.info().number;
+  set_device_rates([=](Device& device) {
+    return device.info().number == number ? DeviceRates{0, bytes, 1e15} : DeviceRates();
+  });
+  const auto uses = [&](bool returns) {
+    const size_t before = device_.use().kernels;
+    light_in_pupil(PlacedField(light.on_processor()), chain.slm, automatic(chain.propagation), chain.camera, {},
+                   returns);
+    return device_.use().kernels > before;
+  };
+  EXPECT_TRUE(uses(false));
+  EXPECT_FALSE(uses(true));
 }
 
 #if HOLOTRACE_HAS_OPENCL
@@ -370,6 +469,7 @@ TEST_P(DeviceChains, ShowTheLightAgainIfItsDeviceIsLost) {
             expected.values);
   ASSERT_EQ(heard.warnings.size(), 1u);
   EXPECT_EQ(heard.warnings[0].find("the device auto: the processor took over, because the device "), 0u);
+  EXPECT_GT(light.seconds_to(device_), 0) << "what was on the device is given up";
 }
 
 TEST_P(DeviceChains, PassThePupilAgainIfTheirDeviceIsLost) {

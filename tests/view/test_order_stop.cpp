@@ -4,6 +4,7 @@
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/order_stop.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
 #include "support/devices.h"
 #include "support/panels.h"
 
@@ -135,18 +136,62 @@ TEST_P(OrderStop, LightBesideTheWindowStaysThere) {
   // One bright sample in a corner becomes (2hp)²·sinc(2hx)·sinc(2hy) around it. Without a margin half of it would come in
   // from the opposite edges. Of 2hp = 0.4, the sum over the bins of a window n = 96 samples wide gives an odd number of them,
   // 39/96: 1.6 % more. Repeats lie 32 samples or more away, and there the sinc is below 1/(32·0.4·pi) of its peak: 2.5 %.
-  const Grid grid{64, 32, test_pitch};
-  Field corner(grid, test_wavelength);
-  corner.samples(0, 0) = 1;
-  const double h = 0.4 / (2 * test_pitch);
-  const int margin = order_stop_margin({0, 0, h, h}, grid);
-  ASSERT_EQ(margin, 16);  // a quarter of 64; 32 responses are 80 samples
-  const Field seen = stopped(corner, {0, 0, h, h}, margin);
-  ASSERT_EQ(seen.grid.nx, 96);
-  ASSERT_EQ(seen.grid.ny, 64);
-  for (int j = 0; j < seen.grid.ny; ++j)
-    for (int i = 0; i < seen.grid.nx; ++i)
-      EXPECT_NEAR(seen.samples(j, i).real(), 0.16 * sinc(0.4 * (i - margin)) * sinc(0.4 * (j - margin)), 0.16 * 0.05);
+  // Windows of 98 × 66 samples have periods of 100 × 72, with 41 and 29 bins: 3.2 % more.
+  for (const Grid& grid : {Grid{64, 32, test_pitch}, Grid{66, 34, test_pitch}}) {
+    Field corner(grid, test_wavelength);
+    corner.samples(0, 0) = 1;
+    const double h = 0.4 / (2 * test_pitch);
+    const int margin = order_stop_margin({0, 0, h, h}, grid);
+    ASSERT_EQ(margin, 16);  // a quarter of 64; 32 responses are 80 samples
+    const Field seen = stopped(corner, {0, 0, h, h}, margin);
+    ASSERT_EQ(seen.grid.nx, grid.nx + 32);
+    ASSERT_EQ(seen.grid.ny, grid.ny + 32);
+    for (int j = 0; j < seen.grid.ny; ++j)
+      for (int i = 0; i < seen.grid.nx; ++i)
+        EXPECT_NEAR(seen.samples(j, i).real(), 0.16 * sinc(0.4 * (i - margin)) * sinc(0.4 * (j - margin)), 0.16 * 0.05);
+  }
+}
+
+// With a margin, all sides have periods with the factors 2, 3 and 5: rows, columns and rows again are read and written once. Two
+// kernels transpose, and two add up powers.
+TEST_P(OrderStop, NeedsSevenKernelsForAnySides) {
+  if (GetParam().kind == DeviceKind::cpu) return;
+  Device& device = open_device(GetParam().number);
+  const SpectralFilter filter{0, 0, 0.2 / test_pitch, 0.2 / test_pitch};
+  for (const auto& [columns, rows] : {std::pair{26, 18}, {97, 50}, {31, 127}}) {
+    const DeviceField field = send(device, Field({columns, rows, test_pitch}, test_wavelength));
+    const size_t before = device.use().kernels;
+    apply_order_stop(field, filter, 3);
+    EXPECT_EQ(device.use().kernels - before, 7u) << columns << " × " << rows;
+    const double margin_free = device_stop_cost(device, field.head.grid, filter, 0).moved;
+    apply_order_stop(field, filter, 0);  // the period is the field's own
+    EXPECT_GT(device.use().kernels - before, 14u);
+    EXPECT_GT(margin_free, device_stop_cost(device, field.head.grid, filter, 3).moved) << "passes through memory";
+  }
+}
+
+// The memory that is asked for is what the buffers take, without transforms that pass through memory.
+TEST_P(OrderStop, KnowsItsMemory) {
+  if (GetParam().kind == DeviceKind::cpu) return;
+  Device& device = open_device(GetParam().number);
+  drop_device_propagators();  // which would make room
+  const SpectralFilter filter{0, 0, 0.2 / test_pitch, 0.2 / test_pitch}, none{2.5 / (31 * test_pitch), 0, 1, 1};
+  const DeviceField field = send(device, Field({40, 30, test_pitch}, test_wavelength));
+  for (const SpectralFilter& one : {filter, none})
+    for (const bool is_enough : {true, false}) {
+      const double memory = device_stop_cost(device, field.head.grid, one, 5).memory;
+      device.limit_memory((double(device.use().bytes_held) + memory - (is_enough ? 0 : 8)) / 0.8 + 0.1);
+      const std::string error = error_of([&] { apply_order_stop(field, one, 5); });
+      device.limit_memory(0);
+      EXPECT_EQ(error == "no error", is_enough) << error;
+    }
+}
+
+TEST(OrderStopCosts, CountThePeriod) {
+  // 97 + 2·3 = 103 samples, a prime, so a period of 108; 50 + 6 = 56, so 60.
+  const OrderStopCost cost = order_stop_cost({97, 50, test_pitch}, {0, 0, 1e4, 1e4}, 3);
+  EXPECT_EQ(cost.memory, 8.0 * (108 * 60 + 103 * 56));
+  EXPECT_EQ(cost.work.samples, 4.0 * 108 * 60);
 }
 
 TEST(OrderStopMargin, Is32ResponsesOfTheStop) {
@@ -154,12 +199,12 @@ TEST(OrderStopMargin, Is32ResponsesOfTheStop) {
   EXPECT_EQ(order_stop_margin({0, 0, 1e6, 1e6}, {1920, 1080, test_pitch}), 2);  // 32·1/2·1e6 = 16 µm: two samples
 }
 
-// 25 × 18 samples and margins of 3, so sides of 31 (a prime) and 24. Bands between bins, over the Nyquist frequency, of one bin,
+// 25 × 18 samples and margins of 3, so periods of 32 and 24. Bands between bins, over the Nyquist frequency, of one bin,
 // and without any.
 TEST_P(OrderStop, GivesTheProcessorsField) {
   const Grid grid{25, 18, test_pitch};
   const Field field = sum_of(random_waves(8, 20, 3), grid);
-  const double bin_u = 1 / (31 * test_pitch), bin_v = 1 / (24 * test_pitch);
+  const double bin_u = 1 / (32 * test_pitch), bin_v = 1 / (24 * test_pitch);
   for (const SpectralFilter& filter : {SpectralFilter{2.3 * bin_u, -3.6 * bin_v, 4.1 * bin_u, 2.2 * bin_v},
                                        {14 * bin_u, 11.5 * bin_v, 3 * bin_u, 2 * bin_v},
                                        {2 * bin_u, 3 * bin_v, 0.1 * bin_u, 0.1 * bin_v},

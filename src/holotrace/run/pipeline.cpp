@@ -113,32 +113,37 @@ class Showing {
   Boxes& boxes_;
 };
 
-// Fields that stay on the device that sums them, if the encoder may take them there.
+// Fields that stay on the device that sums them, if the encoder may take them there. Those of the first frame are results,
+// too, and return.
 std::vector<PlacedField> fields_to_encode(const SceneLight& light, uint32_t frame, const Job& job,
                                           const Observer& observer) {
   if (job.encode.device.kind != DeviceKind::cpu && encodes_on_devices(job.encode.method))
-    return placed_fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer);
+    return placed_fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer, frame == 0);
   std::vector<PlacedField> fields;
   for (Field& field : fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer))
     fields.emplace_back(std::move(field));
   return fields;
 }
 
-// One hologram for each frame and set, from the field of its waves. The fields of the first frame are results, too, and
-// return from a device.
+// One hologram for each frame and set, from the field of its waves. All fields of a frame are encoded, and leave their
+// device, before the first hologram is shown, which needs that memory.
 void show_fields(const Job& job, const SceneLight& light, Boxes& b, Showing& showing) {
   const EncodeParams encoding = encoding_of(job);
   for (int frame = 0; frame < job.trace.frames; ++frame) {
     std::vector<PlacedField> fields = showing.repeat(
         "synthesize", [&](const Observer& o) { return fields_to_encode(light, uint32_t(frame), job, o); });
+    std::vector<Field> results;
+    std::vector<Hologram> holograms;
     for (size_t i = 0; i < fields.size(); ++i)
-      showing.add(showing.repeat("encode", [&](const Observer& o) {
-        return encode(fields[i], job.slm, encoding, light.is_dark(i) ? Observer{} : o);  // tracing has warned already
+      holograms.push_back(showing.repeat("encode", [&](const Observer& o) {
+        PlacedField field = std::exchange(fields[i], PlacedField(Field()));
+        // Tracing has warned of dark light already.
+        Hologram hologram = encode(field, job.slm, encoding, light.is_dark(i) ? Observer{} : o);
+        if (frame == 0) results.push_back(into_field(std::move(field), o));
+        return hologram;
       }));
-    if (frame > 0) continue;
-    std::vector<Field> here;
-    for (PlacedField& field : fields) here.push_back(into_field(std::exchange(field, PlacedField(Field()))));
-    b.fields = group_by_name(std::move(here));
+    if (frame == 0) b.fields = group_by_name(std::move(results));
+    for (Hologram& hologram : holograms) showing.add(std::move(hologram));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "holotrace/base/error.h"
@@ -39,6 +40,14 @@ Field labelled(Field field, const Sources& set) {
   return field;
 }
 
+// A set with the phases of a frame; the set itself, if it has them.
+std::shared_ptr<const Sources> sources_of_frame(const Sources& set, uint32_t frame) {
+  if (set.frame == frame) return std::shared_ptr<const Sources>(std::shared_ptr<const Sources>(), &set);
+  auto of_frame = std::make_shared<Sources>(set);
+  set_frame(*of_frame, frame);
+  return of_frame;
+}
+
 // The fields of a frame; sum(set, observer) gives that of a set of waves.
 template <class AnyField, class Sum>
 std::vector<AnyField> fields_of(const SceneLight& light, uint32_t frame, const Grid& panel,
@@ -66,14 +75,9 @@ std::vector<AnyField> fields_of(const SceneLight& light, uint32_t frame, const G
   for (size_t i = 0; i < sources.size(); ++i) {
     Observer part = observer;
     part.on_progress = [&, i](double fraction) { observer.progress((double(i) + fraction) / double(sources.size())); };
-    Sources of_frame;
-    if (sources[i].frame != frame) {
-      of_frame = sources[i];
-      set_frame(of_frame, frame);
-    }
-    const Sources& set = sources[i].frame == frame ? sources[i] : of_frame;
-    if (set.waves.empty() && has_waves)
-      fields.emplace_back(labelled(Field(panel, set.wavelength), set));
+    const std::shared_ptr<const Sources> set = sources_of_frame(sources[i], frame);
+    if (set->waves.empty() && has_waves)
+      fields.emplace_back(labelled(Field(panel, set->wavelength), *set));
     else
       fields.push_back(sum(set, part));
   }
@@ -135,15 +139,18 @@ Sources points_of_scene(const Job& job) {
 
 std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer) {
-  return fields_of<Field>(light, frame, panel, params, observer, [&](const Sources& set, const Observer& o) {
-    return labelled(synthesize(set, panel, params, o), set);
+  return fields_of<Field>(light, frame, panel, params, observer, [&](const auto& set, const Observer& o) {
+    return labelled(synthesize(*set, panel, params, o), *set);
   });
 }
 
 std::vector<PlacedField> placed_fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
-                                                const SynthesizeParams& params, const Observer& observer) {
-  return fields_of<PlacedField>(light, frame, panel, params, observer, [&](const Sources& set, const Observer& o) {
-    return synthesize_placed(set, panel, params, o);
+                                                const SynthesizeParams& params, const Observer& observer,
+                                                bool returns) {
+  return fields_of<PlacedField>(light, frame, panel, params, observer, [&](const auto& set, const Observer& o) {
+    PlacedField field = synthesize_placed(set, panel, params, o, returns);
+    if (returns) field.on_processor(o);
+    return field;
   });
 }
 

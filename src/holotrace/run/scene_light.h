@@ -39,9 +39,12 @@ Sources points_of_scene(const Job& job);
 std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer = {});
 
-/// The same for fields that another stage takes: those that a device sums stay there (synthesize_placed).
+/// The same for fields that another stage takes: those that a device sums stay there (synthesize_placed). Until they are on
+/// the processor, they refer to the waves of `light`, which must live as long.
+/// @param returns  whether they are results, too: they are then on the processor as well
 std::vector<PlacedField> placed_fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
-                                                const SynthesizeParams& params, const Observer& observer = {});
+                                                const SynthesizeParams& params, const Observer& observer = {},
+                                                bool returns = false);
 
 /// Fields grouped by name, each group in the order given: [name][wavelength].
 template <class Real>

@@ -22,6 +22,7 @@
 #include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/propagate/propagator.h"
 #include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 
@@ -115,12 +116,13 @@ Exposure expose(const DeviceField& at, const Sensor& sensor) {
   const Grid& grid = at.head.grid;
   Exposure exposure;
   const PixelSums sums = pixel_sums(grid.ny, grid.nx, sensor.samples, sensor.rim, sensor.is_integrated);
-  make_room(device, sizeof(float) * (double(grid.pixels()) + double(sums.rows) * (sums.across + sums.columns)));
+  const auto lock = device.lock();
+  make_room(device, sizeof(float) * (double(grid.pixels()) + double(sums.rows) * (sums.across + sums.columns) +
+                                     double(sums.weights.size())));
   const DeviceBuffer irradiance = irradiance_of(at);
   if (sensor.blur == 0) {
     exposure.pixels = mean_over_pixels(device, irradiance, grid.nx, sums);
   } else {
-    const auto lock = device.lock();
     exposure.irradiance = Array2D<float>(grid.ny, grid.nx);
     device.read(irradiance, exposure.irradiance.values.data(), irradiance.bytes());
   }
@@ -227,11 +229,13 @@ double looking_bytes(const FieldShape& field, const Slm& slm, double distance, c
   const int margin = margin_of(field.filter, shown, window);
   const Grid behind_stop{shown.nx + 2 * margin, shown.ny + 2 * margin, shown.pitch};
   const double stopped = complex_bytes * double(behind_stop.pixels());
-  if (camera.pupil == 0) return std::max(reading, stopped + bytes_over(behind_stop, z, with_its_size(window, shown)));
+  const double stopping = field.filter ? order_stop_cost(shown, *field.filter, margin).memory : 0;
+  if (camera.pupil == 0)
+    return std::max({stopping, reading, stopped + bytes_over(behind_stop, z, with_its_size(window, shown))});
   const std::optional<Grid> pupil = pupil_window(shown, wavelength, camera);
   if (!pupil) return reading;
   const double in_pupil = complex_bytes * double(pupil->pixels());
-  return std::max({stopped + bytes_over(behind_stop, camera.eye.z, to_window(*pupil, propagation)),
+  return std::max({stopping, stopped + bytes_over(behind_stop, camera.eye.z, to_window(*pupil, propagation)),
                    in_pupil + bytes_over(*pupil, z - camera.eye.z, with_its_size(window, shown)), in_pupil + reading});
 }
 

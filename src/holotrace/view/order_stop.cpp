@@ -9,8 +9,8 @@
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/shared/cost_model.h"
+#include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/transform/line_transform.h"
 
@@ -41,15 +41,36 @@ struct Band {
 };
 
 // An edge that falls on a bin counts as inside.
-Band band_of(int n, double side, double centre, double half) {
+Band band_of(int n, double pitch, double centre, double half) {
   Band band{n};
   for (int k = -(n / 2); k < (n + 1) / 2; ++k) {
-    if (std::abs(k / side - centre) > half * (1 + 1e-9)) continue;
+    if (std::abs(k / (n * pitch) - centre) > half * (1 + 1e-9)) continue;
     if (band.count == 0) band.first = k;
     ++band.count;
   }
   return band;
 }
+
+// A stop for light on a grid: the window behind it, with the margin on each side, and the frequencies that pass, in the
+// order of the bins of a period. The period begins with the window.
+struct Stop {
+  Grid from, window;
+  int margin;
+  Band x, y;
+
+  Stop(const Grid& shown, const SpectralFilter& filter, int margin) : from(shown), window(shown), margin(margin) {
+    check_grid(shown);
+    check_filter(filter, shown);
+    require(margin >= 0, "expected a margin of 0 samples or more beside a window, got {}", margin);
+    window.nx += 2 * margin;
+    window.ny += 2 * margin;
+    const auto period = [&](int side) { return margin > 0 ? fft_good_length(side) : side; };
+    x = band_of(period(window.nx), shown.pitch, filter.u0, filter.half_u);
+    y = band_of(period(window.ny), shown.pitch, -filter.v0, filter.half_v);  // rows of the spectrum run against y
+  }
+  bool is_closed() const { return x.count == 0 || y.count == 0; }
+  double samples_of_period() const { return double(x.n) * y.n; }
+};
 
 // exp(−2πi·f·x) along one axis; the phase is reduced to a fraction of a cycle in double.
 template <class Position>
@@ -59,26 +80,13 @@ std::vector<std::complex<double>> carrier(int n, double f, const Position& posit
   return wave;
 }
 
-// A stop and what it does to light on a grid.
-struct Stop {
-  Grid grid;                                           // with the margin on each side
-  Band x, y;                                           // frequencies that pass, in the order of bins
-  std::vector<std::complex<double>> along_x, along_y;  // carriers, by which the light is multiplied
+// The carriers by which the light is multiplied behind a stop.
+struct Carriers {
+  std::vector<std::complex<double>> x, y;
 
-  Stop(const Grid& shown, const SpectralFilter& filter, int margin) : grid(with_margin(shown, margin)) {
-    check_grid(shown);
-    check_filter(filter, shown);
-    require(margin >= 0, "expected a margin of 0 samples or more beside a window, got {}", margin);
-    x = band_of(grid.nx, grid.width(), filter.u0, filter.half_u);
-    y = band_of(grid.ny, grid.height(), -filter.v0, filter.half_v);  // rows of the spectrum run against y
-    along_x = carrier(grid.nx, filter.u0, [&](int i) { return grid.x(i); });
-    along_y = carrier(grid.ny, filter.v0, [&](int j) { return grid.y(j); });
-  }
-  static Grid with_margin(Grid grid, int margin) {
-    grid.nx += 2 * margin;
-    grid.ny += 2 * margin;
-    return grid;
-  }
+  Carriers(const Grid& window, const SpectralFilter& filter)
+      : x(carrier(window.nx, filter.u0, [&](int i) { return window.x(i); })),
+        y(carrier(window.ny, filter.v0, [&](int j) { return window.y(j); })) {}
 };
 
 // The light behind a stop, on its window, but for the samples.
@@ -101,6 +109,30 @@ std::vector<std::complex<float>> floats(const std::vector<std::complex<double>>&
 
 constexpr double sample_bytes = sizeof(std::complex<float>);
 
+DeviceStopCost cost_of(const Stop& stop, const Device& device) {
+  const double in = double(stop.from.pixels()), out = double(stop.window.pixels());
+  DeviceStopCost cost;
+  if (stop.is_closed()) {
+    cost.moved = cost.memory = sample_bytes * out;
+    return cost;
+  }
+  const int nx = stop.x.n, ny = stop.y.n, columns = stop.x.count, rows = stop.window.ny;
+  const double of_columns = double(columns) * (double(stop.from.ny) + rows);
+  // Each array is written and read once, but those of columns twice. The powers need both fields again.
+  double samples = 2 * (in + out) + 4 * of_columns;
+  samples += 2.0 * nx * line_transform_passes(device, nx) * (double(stop.from.ny) + rows);
+  samples += 2.0 * ny * line_transform_passes(device, ny, true) * columns;
+  cost.moved = sample_bytes * samples;
+  // The light, its columns, the tables, and the twiddle factors; then the work space of a transform, or sums of rows.
+  const double tables = double(stop.window.nx) + rows + ny + nx + (nx == ny ? 0 : ny);
+  const auto work = [&](int length, int lines) {
+    return line_transform_bytes(device, length, lines) - sample_bytes * length;
+  };
+  cost.memory = sample_bytes * (out + of_columns + double(columns) * rows + tables) +
+                std::max({work(nx, rows), work(ny, columns), sizeof(float) * double(rows)});
+  return cost;
+}
+
 }  // namespace
 
 int order_stop_margin(const SpectralFilter& filter, const Grid& grid) {
@@ -110,27 +142,26 @@ int order_stop_margin(const SpectralFilter& filter, const Grid& grid) {
 
 Field apply_order_stop(const Field& field, const SpectralFilter& filter, int margin, const Observer& observer) {
   const Stop stop(field.grid, filter, margin);
-  const Grid& grid = stop.grid;
-  Field out = head_behind(field, grid);
-  if (margin > 0) {
-    out.samples = Array2D<std::complex<float>>(grid.ny, grid.nx);
-    for (int j = 0; j < field.grid.ny; ++j)
-      std::copy_n(field.samples.row(j), field.grid.nx, out.samples.row(j + margin) + margin);
-  } else {
-    out.samples = field.samples;
-  }
-  fft_2d(out.samples.values.data(), grid.ny, grid.nx, FftDirection::forward);
-  parallel_for(0, grid.ny, [&](int64_t j) {
-    std::complex<float>* sample = out.samples.row(int(j));
-    for (int i = 0; i < grid.nx; ++i)
+  const Carriers carriers(stop.window, filter);
+  const int nx = stop.x.n, ny = stop.y.n;
+  Array2D<std::complex<float>> period(ny, nx);
+  for (int j = 0; j < field.grid.ny; ++j)
+    std::copy_n(field.samples.row(j), field.grid.nx, period.row(j + margin) + margin);
+  fft_2d(period.values.data(), ny, nx, FftDirection::forward);
+  parallel_for(0, ny, [&](int64_t j) {
+    std::complex<float>* sample = period.row(int(j));
+    for (int i = 0; i < nx; ++i)
       if (!stop.y.holds(int(j)) || !stop.x.holds(i)) sample[i] = 0;
   });
-  fft_2d(out.samples.values.data(), grid.ny, grid.nx, FftDirection::backward);
-  const double scale = 1 / double(grid.pixels());
-  parallel_for(0, grid.ny, [&](int64_t j) {
-    std::complex<float>* sample = out.samples.row(int(j));
-    for (int i = 0; i < grid.nx; ++i)
-      sample[i] *= std::complex<float>(scale * stop.along_x[size_t(i)] * stop.along_y[size_t(j)]);
+  fft_2d(period.values.data(), ny, nx, FftDirection::backward);
+  Field out = head_behind(field, stop.window);
+  out.samples = Array2D<std::complex<float>>(out.grid.ny, out.grid.nx);
+  const double scale = 1 / stop.samples_of_period();
+  parallel_for(0, out.grid.ny, [&](int64_t j) {
+    const std::complex<float>* sample = period.row(int(j));
+    std::complex<float>* behind = out.samples.row(int(j));
+    for (int i = 0; i < out.grid.nx; ++i)
+      behind[i] = sample[i] * std::complex<float>(scale * carriers.x[size_t(i)] * carriers.y[size_t(j)]);
   });
   tell_power(power(field), power(out), observer);
   return out;
@@ -140,52 +171,54 @@ Field apply_order_stop(const Field& field, const SpectralFilter& filter, int mar
 DeviceField apply_order_stop(const DeviceField& field, const SpectralFilter& filter, int margin,
                              const Observer& observer) {
   const Stop stop(field.head.grid, filter, margin);
-  const Grid &from = field.head.grid, &grid = stop.grid;
+  const Grid &from = stop.from, &window = stop.window;
   Device& device = *field.device;
-  const Field head = head_behind(field.head, grid);
-  make_room(device, order_stop_cost(from, filter, margin).memory);
-  if (stop.x.count == 0 || stop.y.count == 0) {
-    Field dark = head;
-    dark.samples = Array2D<std::complex<float>>(grid.ny, grid.nx);
-    tell_power(1, 0, observer);
-    return send(device, dark);
-  }
   const auto lock = device.lock();
-  DeviceField out = make_device_field(device, head);
+  make_room(device, cost_of(stop, device).memory);
+  DeviceField out = make_device_field(device, head_behind(field.head, window));
+  if (stop.is_closed()) {
+    clear(out);
+    tell_power(1, 0, observer);
+    return out;
+  }
   const auto factors = [&](const std::vector<std::complex<float>>& values) { return device.upload(values, "a stop"); };
-  const DeviceBuffer along_x = factors(floats(stop.along_x, 1 / double(grid.pixels())));
-  const DeviceBuffer along_y = factors(floats(stop.along_y, 1));
-  std::vector<std::complex<float>> open(size_t(grid.ny));
-  for (int j = 0; j < grid.ny; ++j) open[size_t(j)] = stop.y.holds(j) ? 1 : 0;
+  const Carriers carriers(window, filter);
+  const DeviceBuffer along_x = factors(floats(carriers.x, 1 / stop.samples_of_period()));
+  const DeviceBuffer along_y = factors(floats(carriers.y, 1));
+  std::vector<std::complex<float>> open(size_t(stop.y.n));
+  for (int j = 0; j < stop.y.n; ++j) open[size_t(j)] = stop.y.holds(j) ? 1 : 0;
   const DeviceBuffer rows_open = factors(open);
   const int columns = stop.x.count;
   const auto make = [&](int rows) {
     return device.make_buffer(size_t(rows) * size_t(columns) * sizeof open[0], "a stop");
   };
-  const DeviceBuffer rows = make(grid.ny), by_column = make(from.ny), filtered = make(grid.ny);
+  const DeviceBuffer rows = make(window.ny), by_column = make(from.ny), filtered = make(window.ny);
   LineTransforms lines(device);
-  lines.run({grid.nx, FftDirection::forward, {from.nx, margin}, {columns, stop.x.first}}, from.ny, field.samples, rows);
+  lines.run({stop.x.n, FftDirection::forward, {from.nx, margin}, {columns, stop.x.first}}, from.ny, field.samples,
+            rows);
   lines.transpose(from.ny, columns, rows, by_column);
-  lines.run({grid.ny, FftDirection::forward, {from.ny, margin}, {grid.ny, 0, {&along_y}}, {&rows_open}}, columns,
+  lines.run({stop.y.n, FftDirection::forward, {from.ny, margin}, {window.ny, 0, {&along_y}}, {&rows_open}}, columns,
             by_column, filtered);
-  lines.transpose(columns, grid.ny, filtered, rows);
-  lines.run({grid.nx, FftDirection::backward, {columns, stop.x.first}, {grid.nx, 0, {&along_x}}}, grid.ny, rows,
+  lines.transpose(columns, window.ny, filtered, rows);
+  lines.run({stop.x.n, FftDirection::backward, {columns, stop.x.first}, {window.nx, 0, {&along_x}}}, window.ny, rows,
             out.samples);
   device.finish();
   tell_power(power(field), power(out), observer);
   return out;
 }
 
-OrderStopCost order_stop_cost(const Grid& shown, const SpectralFilter& filter, int margin) {
-  const Stop stop(shown, filter, margin);
-  const double nx = stop.grid.nx, ny = stop.grid.ny, columns = stop.x.count;
+OrderStopCost order_stop_cost(const Grid& grid, const SpectralFilter& filter, int margin) {
+  const Stop stop(grid, filter, margin);
+  const double nx = stop.x.n, ny = stop.y.n;
   OrderStopCost cost;
-  cost.on_processor.fft_operations = 2 * (ny * fft_operations(nx) + nx * fft_operations(ny));
-  cost.on_processor.samples = 4 * nx * ny;
-  const double ends = double(shown.pixels()) + nx * ny;  // read or written by the transforms of rows
-  cost.moved = sample_bytes * (ends + columns * (4.0 * shown.ny + 4 * ny));
-  cost.memory = sample_bytes * (nx * ny + columns * (shown.ny + 2 * ny) + 4 * (nx + ny));
+  cost.work.fft_operations = 2 * (ny * fft_operations(nx) + nx * fft_operations(ny));
+  cost.work.samples = 4 * nx * ny;
+  cost.memory = sample_bytes * (nx * ny + double(stop.window.pixels()));
   return cost;
+}
+
+DeviceStopCost device_stop_cost(const Device& device, const Grid& grid, const SpectralFilter& filter, int margin) {
+  return cost_of(Stop(grid, filter, margin), device);
 }
 
 }  // namespace holotrace

@@ -15,8 +15,9 @@ namespace holotrace {
 ///     out(x, y) = v(x, y)·exp(−2πi(u0·x + v0·y))
 ///
 /// Unit magnification and no inversion. The stop spreads light beyond the edges of the window. The field is dark there up
-/// to `margin`, and then it repeats: without a margin it counts as one period of a periodic field. The carrier is removed
-/// in double precision and need not fall on a bin.
+/// to `margin` or a little more, and then it repeats: without a margin it counts as one period of a periodic field. With one, the
+/// period is the next length that is fast to transform (fft_good_length). The carrier is removed in double precision and need
+/// not fall on a bin.
 ///
 /// @param field   light before the stop, shape (ny, nx) [√(W/m²)]
 /// @param filter  pass band [1/m]
@@ -25,7 +26,7 @@ namespace holotrace {
 /// @throws Error  if a value of the filter is not finite, a half width is not above 0, or the whole band lies beyond
 ///                the frequencies that the samples can represent
 /// Fact: `filter_power`, the fraction of the light that passes.
-/// Cost: two FFTs, one copy of the field.
+/// Cost: two FFTs of a period.
 Field apply_order_stop(const Field& field, const SpectralFilter& filter, int margin, const Observer& observer = {});
 
 /// The same on the device of the field, in single precision: within 1e-6 of the field's norm.
@@ -35,13 +36,18 @@ Field apply_order_stop(const Field& field, const SpectralFilter& filter, int mar
 DeviceField apply_order_stop(const DeviceField& field, const SpectralFilter& filter, int margin,
                              const Observer& observer = {});
 
-/// What a stop takes: operations of the processor; on a device, bytes that its kernels read and write, and its memory beside
-/// the field.
+/// What a stop takes on the processor: operations, and memory beside the field [bytes].
 struct OrderStopCost {
-  SummationWork on_processor;
-  double moved = 0, memory = 0;
+  SummationWork work;
+  double memory = 0;
 };
 OrderStopCost order_stop_cost(const Grid& grid, const SpectralFilter& filter, int margin);
+
+/// What a stop takes on a device [bytes]: what its kernels read and write, and its memory beside the field.
+struct DeviceStopCost {
+  double moved = 0, memory = 0;
+};
+DeviceStopCost device_stop_cost(const Device& device, const Grid& grid, const SpectralFilter& filter, int margin);
 
 /// The margin that holds the light which a stop spreads over the window's edges [samples]: 32 times the width 1/2h of its
 /// response, at most a quarter of the longer side. Of a bright edge, the part beyond is 1.6e-4 of the light in a strip 1/2h wide

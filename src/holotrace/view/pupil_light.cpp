@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <functional>
 #include <thread>
 #include <utility>
 
@@ -72,28 +71,36 @@ AnyField along(const PupilPath& path, const AnyField& shown, const Observer& obs
 // What the way is expected to take, without the transfer of the shown light [s].
 class PathForecast {
  public:
-  PathForecast(const PupilPath& path, const Field& shown) {
+  PathForecast(const PupilPath& path, const Field& shown) : path_(path), shown_(shown.grid) {
     Grid grid = shown.grid;
     if (path.stop) {
-      stop_ = order_stop_cost(grid, *path.stop, path.margin);
       grid.nx += 2 * path.margin;
       grid.ny += 2 * path.margin;
     }
     if (!path.open.empty()) propagation_.emplace(grid, shown.wavelength, path.distance, path.window);
+    bytes_out_ = propagation_ ? propagation_->bytes_out() : sizeof(std::complex<float>) * double(grid.pixels());
   }
   double on_processor() const {
     const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
-    return (stop_ ? predict_seconds(stop_->on_processor, summation_rates(), threads) : 0) +
-           (propagation_ ? propagation_->on_processor() : 0);
+    const auto of_stop = [&] {
+      return predict_seconds(order_stop_cost(shown_, *path_.stop, path_.margin).work, summation_rates(), threads);
+    };
+    return (path_.stop ? of_stop() : 0) + (propagation_ ? propagation_->on_processor() : 0);
   }
-  double on_device(Device& device) const {
-    return (stop_ ? stop_->moved / device_rates(device).moved_bytes : 0) +
-           (propagation_ ? propagation_->on_device(device) : 0);
+  double on_device(Device& device, bool returns) const {
+    const DeviceRates rates = device_rates(device);
+    const auto of_stop = [&] {
+      return device_stop_cost(device, shown_, *path_.stop, path_.margin).moved / rates.moved_bytes;
+    };
+    return (path_.stop ? of_stop() : 0) + (propagation_ ? propagation_->on_device(device) : 0) +
+           (returns ? bytes_out_ / rates.bytes : 0);
   }
 
  private:
-  std::optional<OrderStopCost> stop_;
+  const PupilPath& path_;
+  Grid shown_;
   std::optional<PropagationForecast> propagation_;
+  double bytes_out_ = 0;
 };
 
 }  // namespace
@@ -186,7 +193,7 @@ void warn_outside_eyebox(const Field& shown, const Slm& slm, const CameraParams&
 }
 
 PlacedField light_in_pupil(const PlacedField& light, const Slm& slm, const PropagateParams& propagation,
-                           const CameraParams& camera, const Observer& observer) {
+                           const CameraParams& camera, const Observer& observer, bool returns) {
   check_eye(camera);
   const Field& shown = light.head();
   if (camera.pupil == 0 && !shown.filter) return light;
@@ -205,15 +212,16 @@ PlacedField light_in_pupil(const PlacedField& light, const Slm& slm, const Propa
   }
   const auto fastest = [&] {
     const PathForecast forecast(path, shown);
-    return fastest_device(light.seconds_to_processor() + forecast.on_processor(),
-                          [&](Device& device) { return light.seconds_to(device) + forecast.on_device(device); });
+    return fastest_device(light.seconds_to_processor() + forecast.on_processor(), [&](Device& device) {
+      return light.seconds_to(device) + forecast.on_device(device, returns);
+    });
   };
   auto there = on_chosen_device(propagation.device, observer, fastest,
                                 [&](Device& device) { return along(path, *light.on(device, observer), observer); });
   if (!there) return PlacedField(along(path, *light.on_processor(observer), observer));
-  std::function<Field()> again;
+  ComputeAgain again;
   if (propagation.device.kind == DeviceKind::automatic)
-    again = [light, path] { return along(path, *light.on_processor(), {}); };
+    again = [light, path](const Observer& o) { return along(path, *light.on_processor(o), o); };
   return PlacedField(std::move(*there), std::move(again));
 }
 

@@ -19,11 +19,12 @@ namespace holotrace {
 /// All of it is done on the device that propagation.device names, and the light stays there. The device `auto` is the one
 /// that is expected to be the fastest, by the rates of device_rates.h: the transfer of the shown light counts, unless it is
 /// there already. If it fails, a warning says why, and the processor takes over.
-/// @return        the shown light itself if all of it passes unchanged; empty light if none arrives
-/// @throws Error  as look does
+/// @param returns  whether the caller needs the light on the processor: its return then counts for `auto`
+/// @return         the shown light itself if all of it passes unchanged; empty light if none arrives
+/// @throws Error   as look does
 /// Facts: those of the stop and the propagation; `device`, its name.
 PlacedField light_in_pupil(const PlacedField& shown, const Slm& slm, const PropagateParams& propagation,
-                           const CameraParams& camera, const Observer& observer = {});
+                           const CameraParams& camera, const Observer& observer = {}, bool returns = false);
 
 /// The columns begin … end − 1 of a row.
 struct OpenColumns {

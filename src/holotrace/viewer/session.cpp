@@ -211,7 +211,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
         std::shared_ptr<const Field> passed;
         if (is_changed)
           passed = light_.get(fmt::format("pupil {} {}", of_pupil, source), observer, [&](const Observer& o) {
-            return light_in_pupil(shown, item.slm, state.propagation, from.camera, o).on_processor(o);
+            return light_in_pupil(shown, item.slm, state.propagation, from.camera, o, true).on_processor(o);
           });
         Image view = focus_light({passed ? PlacedField(passed) : shown, shape_of(shown.head())}, item.slm,
                                  from.distance, state.propagation, from.camera, observer, at.source);

@@ -65,13 +65,19 @@ Approach approach_of(SynthesisMethod method) {
   return method == SynthesisMethod::planes ? Approach::planes : Approach::cheapest;
 }
 
+// What becomes of a field that a device sums.
+struct Place {
+  bool stays = false;   // there, if that has memory for it
+  bool returns = true;  // to the processor, at once or later
+};
+
 // The device that is expected to sum the waves faster than the processor and the other devices; none: the processor is. The
-// field's return counts unless it stays there.
-Device* fastest_device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool stays) {
+// field's return counts.
+Device* fastest_device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool returns) {
   if (!runs_on_devices(params.method)) return nullptr;
   const Approach approach = approach_of(params.method);
   const auto seconds = [&](Device* device) {
-    const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device, stays});
+    const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device, !returns});
     return forecast.method.empty() ? infinite : forecast.seconds;
   };
   // On all cores, whatever --threads says: the choice, and so the bytes, must not depend on it.
@@ -80,10 +86,11 @@ Device* fastest_device_for(const Sources& sources, const Grid& grid, const Synth
 }
 
 // The devices that sum the waves; none: the processor does.
-std::vector<Device*> devices_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool stays) {
+std::vector<Device*> devices_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
+                                 bool returns) {
   if (params.device.kind == DeviceKind::cpu) return {};
   if (params.device.kind == DeviceKind::automatic) {
-    Device* const device = fastest_device_for(sources, grid, params, stays);
+    Device* const device = fastest_device_for(sources, grid, params, returns);
     return device ? std::vector<Device*>{device} : std::vector<Device*>();
   }
   require(runs_on_devices(params.method),
@@ -127,21 +134,21 @@ SummedField sum_waves(const Sources& sources, const Grid& grid, const Synthesize
 }
 
 // On the chosen device; if the device `auto` fails, on the processor.
-SummedField sum_where_chosen(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool stays,
+SummedField sum_where_chosen(const Sources& sources, const Grid& grid, const SynthesizeParams& params, Place place,
                              const Observer& observer) {
   check_grid(grid);
   check_sources(sources);
   require(!sources.waves.empty(), "expected at least one source, got none; is the scene lit and in view?");
   check_ranges(params);
-  const std::vector<Device*> devices = devices_for(sources, grid, params, stays);
+  const std::vector<Device*> devices = devices_for(sources, grid, params, place.returns);
   report_boxes(sources, grid, observer);
   if (devices.empty() || params.device.kind != DeviceKind::automatic)
-    return sum_waves(sources, grid, params, devices, stays, observer);
+    return sum_waves(sources, grid, params, devices, place.stays, observer);
   try {
-    return sum_waves(sources, grid, params, devices, stays, observer);
+    return sum_waves(sources, grid, params, devices, place.stays, observer);
   } catch (const Error& error) {
     warn_of_takeover(observer, error.what());
-    return sum_waves(sources, grid, params, {}, stays, observer);
+    return sum_waves(sources, grid, params, {}, place.stays, observer);
   }
 }
 
@@ -167,7 +174,7 @@ std::string method_name(SynthesisMethod method) {
 
 DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   if (params.device.kind != DeviceKind::automatic) return params.device;
-  const Device* device = fastest_device_for(sources, grid, params, false);
+  const Device* device = fastest_device_for(sources, grid, params, true);
   return device ? DeviceChoice{DeviceKind::opencl, device->info().number} : DeviceChoice{};
 }
 
@@ -178,25 +185,25 @@ int64_t waves_pixels(const Sources& sources, const Grid& grid) {
 }
 
 Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParams& params, const Observer& observer) {
-  return sum_where_chosen(sources, grid, params, false, observer).field;
+  return sum_where_chosen(sources, grid, params, {}, observer).field;
 }
 
-PlacedField synthesize_placed(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
-                              const Observer& observer) {
+PlacedField synthesize_placed(std::shared_ptr<const Sources> sources, const Grid& grid, const SynthesizeParams& params,
+                              const Observer& observer, bool returns) {
   const auto label = [](const Sources& from, Field& field) {
     field.name = from.name;
     field.frame = from.frame;
     field.cone_wavelength = from.cone_wavelength;
   };
-  SummedField sum = sum_where_chosen(sources, grid, params, true, observer);
-  label(sources, sum.there ? sum.there->head : sum.field);
+  SummedField sum = sum_where_chosen(*sources, grid, params, {true, returns}, observer);
+  label(*sources, sum.there ? sum.there->head : sum.field);
   if (!sum.there) return PlacedField(std::move(sum.field));
   if (params.device.kind != DeviceKind::automatic) return PlacedField(std::move(*sum.there));
-  const auto again = [sources, grid, params, label] {
+  const auto again = [sources, grid, params, label](const Observer& o) {
     SynthesizeParams on_processor = params;
     on_processor.device = {};
-    Field field = synthesize(sources, grid, on_processor);
-    label(sources, field);
+    Field field = synthesize(*sources, grid, on_processor, o);
+    label(*sources, field);
     return field;
   };
   return PlacedField(std::move(*sum.there), again);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "holotrace/base/observer.h"
@@ -39,10 +40,12 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
                  const Observer& observer = {});
 
 /// The same for a field that another stage takes, with the name, frame and cone of the sources. It stays on the device that
-/// sums it, if that has memory for it. Transfers: the waves, and 4 bytes per row for its energy. The device `auto` is chosen
-/// without the field's return. If it fails later, the processor sums the waves again, of which it keeps a copy.
-PlacedField synthesize_placed(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
-                              const Observer& observer = {});
+/// sums it, if that has memory for it. Transfers: the waves, and 4 bytes per row for its energy. If the device `auto` fails
+/// later, the processor sums the waves again.
+/// @param sources  kept for that, without a copy, as long as the field is only on the device
+/// @param returns  whether the caller needs the field on the processor, too: its return then counts for `auto`
+PlacedField synthesize_placed(std::shared_ptr<const Sources> sources, const Grid& grid, const SynthesizeParams& params,
+                              const Observer& observer = {}, bool returns = false);
 
 /// The name of a method in flags and scene files.
 std::string method_name(SynthesisMethod method);

@@ -5,7 +5,7 @@
 namespace holotrace {
 
 /// Where a stage computes: on the processor; on an OpenCL device; where it is expected to be faster; or on all OpenCL devices
-/// at once that are equal to the first one.
+/// at once of the same model as the first one.
 enum class DeviceKind { cpu, opencl, automatic, all };
 
 /// "cpu", "auto", "opencl" for the first device, "opencl:N" for device N of `holotrace info --devices`, "opencl:all".

@@ -54,8 +54,8 @@ void describe(Visitor& v, SynthesizeParams& p) {
   v.device(
       "device", p.device,
       "device that sums the waves: the processor (cpu); the first OpenCL device (opencl) or device N of \"holotrace "
-      "info --devices\" (opencl:N), by tiled or planes; all devices that are equal to the first one (opencl:all); or the one "
-      "that is expected to be faster (auto)");
+      "info --devices\" (opencl:N), by tiled or planes; all OpenCL devices of the same model as the first one "
+      "(opencl:all); or the one that is expected to be faster (auto)");
 }
 
 template <>

@@ -1,12 +1,14 @@
 #include "holotrace/slm/panel/leave_on_device.h"
 
 #include <algorithm>
+#include <cmath>
 #include <thread>
 #include <utility>
 
 #include "holotrace/slm/panel/device_panel.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 
@@ -16,8 +18,15 @@ namespace {
 // Starts of the kernels and waiting for them, on slow drivers [s].
 constexpr double seconds_to_start = 1e-3;
 
+// Bytes that a panel needs on a device at most, with all effects: for pixels of n × n samples 24·n(n + 1) + 72 each.
+double bytes_on_device(const PanelModel& panel, const PanelPattern& pattern) {
+  const double samples = double(panel.head().grid.pixels()), pixels = double(pattern.drive.size());
+  return 24 * (samples + std::sqrt(samples * pixels)) + 72 * pixels;
+}
+
 DeviceField leave_on(Device& device, const PanelModel& panel, const PanelPattern& pattern) {
   const auto lock = device.lock();
+  make_room(device, bytes_on_device(panel, pattern));
   DevicePanel there(device, panel);
   DevicePanel::Memory memory;
   const DeviceBuffer drive = device.upload(pattern.drive.values, "a panel");

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -209,8 +208,8 @@ ShownLight show_light(const Hologram& hologram, const Slm& slm, const ShowParams
   }
   shown->complete(there->field.head);
   tell(hologram, slm, params, power_in, there->power, observer);
-  std::function<Field()> again;
-  if (params.device.kind == DeviceKind::automatic) again = [shown] { return shown->on_processor(); };
+  ComputeAgain again;
+  if (params.device.kind == DeviceKind::automatic) again = [shown](const Observer&) { return shown->on_processor(); };
   return {PlacedField(std::move(there->field), std::move(again)), power_in};
 }
 

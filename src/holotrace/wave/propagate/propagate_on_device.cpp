@@ -19,6 +19,7 @@
 #include "holotrace/wave/propagate/propagator_cache.h"
 #include "holotrace/wave/propagate/whole_shift.h"
 #include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 
@@ -33,8 +34,13 @@ struct DeviceCaches {
   std::map<const Device*, std::unique_ptr<Kept>> by_device;
 };
 
+Kept& kept_on(const Device& device);
+
 DeviceCaches& caches() {
-  static auto& all = *new DeviceCaches;
+  static auto& all = *[] {
+    when_room_is_short([](const Device& device) { kept_on(device).drop_beyond(0); });
+    return new DeviceCaches;
+  }();
   return all;
 }
 
@@ -159,7 +165,11 @@ auto run_on_chosen(const Task& task, const Observer& observer, const Result& res
 DeviceField propagate(const DeviceField& field, double distance, const PropagateParams& params,
                       const Observer& observer) {
   const Field& head = field.head;
-  if (const auto shift = whole_shift(head.grid, head.wavelength, distance, params)) return on_window(field, *shift);
+  if (const auto shift = whole_shift(head.grid, head.wavelength, distance, params)) {
+    const auto lock = field.device->lock();
+    make_room(*field.device, double(shift->window.pixels()) * sizeof(std::complex<float>));
+    return on_window(field, *shift);
+  }
   return with_propagator(
       *field.device, {head.grid, head.wavelength, distance, params}, double(field.samples.bytes()), observer,
       [&](DevicePropagator& propagator) { return propagator(field, observer); },
@@ -217,10 +227,6 @@ double PropagationForecast::on_device(Device& device) const {
 }
 
 double PropagationForecast::bytes_out() const { return bytes_out_; }
-
-void make_room(Device& device, double bytes) {
-  if (device.memory_left() < bytes) kept_on(device).drop_beyond(0);
-}
 
 void refuse_device_for_double(const PropagateParams& params) {
   require_one_device(params.device, " for a propagation");

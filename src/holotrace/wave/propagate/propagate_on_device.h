@@ -51,9 +51,6 @@ class PropagationForecast {
   double bytes_out_;
 };
 
-/// Makes room on a device: if fewer bytes of its memory are left, all propagators that are kept there are dropped.
-void make_room(Device& device, double bytes);
-
 /// Devices propagate in single precision.
 /// @throws Error  unless params.device is the processor or `auto`, which then is the processor
 void refuse_device_for_double(const PropagateParams& params);

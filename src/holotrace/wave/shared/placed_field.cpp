@@ -1,46 +1,86 @@
 #include "holotrace/wave/shared/placed_field.h"
 
 #include <complex>
+#include <limits>
 #include <mutex>
 #include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 
 namespace holotrace {
 namespace {
 
+double bytes_of(const Field& head) { return double(head.grid.pixels()) * sizeof(std::complex<float>); }
+
+// Rates are measured when they are first needed: a device that fails then is not one to wait for.
 double seconds_to_move(const Field& head, Device& device) {
-  return double(head.grid.pixels()) * sizeof(std::complex<float>) / device_rates(device).bytes;
+  try {
+    return bytes_of(head) / device_rates(device).bytes;
+  } catch (const Error&) {
+    return std::numeric_limits<double>::infinity();
+  }
 }
 
 }  // namespace
 
+// Where the samples are. Nobody computes, transfers or releases memory of a device while it holds the mutex: those wait
+// for other threads, which may ask for the same field.
 struct PlacedField::State {
-  Field head;
-  std::function<Field()> again{};
-  std::mutex mutex{};            // of the pointers below
-  std::shared_ptr<Field> own{};  // here, if it was computed or fetched for this one
-  std::shared_ptr<const Field> here{};
-  std::shared_ptr<const DeviceField> there{};
+  struct Places {
+    std::shared_ptr<Field> own{};  // here, if it was computed or fetched for this one
+    std::shared_ptr<const Field> here{};
+    std::shared_ptr<const DeviceField> there{};
+    std::shared_ptr<const ComputeAgain> again{};
+  };
+  const Field head;
 
-  explicit State(Field head) : head(std::move(head)) {}
-  void keep(Field field) { here = own = std::make_shared<Field>(std::move(field)); }
+  State(Field head, Places places) : head(std::move(head)), places_(std::move(places)) {}
+
+  Places places() {
+    const std::lock_guard lock(mutex_);
+    return places_;
+  }
+  // Puts the first field that comes; then it need not be computed again.
+  std::shared_ptr<const Field> keep(Field field, bool is_lost) {
+    auto kept = std::make_shared<Field>(std::move(field));
+    Places dropped;
+    const std::lock_guard lock(mutex_);
+    if (!places_.here) places_.here = places_.own = std::move(kept);
+    std::swap(dropped.again, places_.again);
+    if (is_lost) std::swap(dropped.there, places_.there);
+    return places_.here;
+  }
+  std::shared_ptr<const DeviceField> keep(std::shared_ptr<const DeviceField> sent) {
+    std::shared_ptr<const DeviceField> dropped = sent;
+    const std::lock_guard lock(mutex_);
+    std::swap(dropped, places_.there);
+    return sent;
+  }
+  // For the only owner of a field that is here.
+  Field take() { return places_.own && places_.own.use_count() == 2 ? std::move(*places_.own) : *places_.here; }
+
+ private:
+  std::mutex mutex_{};
+  Places places_;
 };
 
-PlacedField::PlacedField(Field field) : state_(std::make_shared<State>(head_of(field))) {
-  state_->keep(std::move(field));
+PlacedField::PlacedField(Field field) {
+  Field head = head_of(field);
+  const auto own = std::make_shared<Field>(std::move(field));
+  state_ = std::make_shared<State>(std::move(head), State::Places{own, own});
 }
 
-PlacedField::PlacedField(std::shared_ptr<const Field> field) : state_(std::make_shared<State>(head_of(*field))) {
-  state_->here = std::move(field);
-}
+PlacedField::PlacedField(std::shared_ptr<const Field> field)
+    : state_(std::make_shared<State>(head_of(*field), State::Places{{}, field})) {}
 
-PlacedField::PlacedField(DeviceField field, std::function<Field()> again)
-    : state_(std::make_shared<State>(field.head)) {
-  state_->again = std::move(again);
-  state_->there = std::make_shared<const DeviceField>(std::move(field));
+PlacedField::PlacedField(DeviceField field, ComputeAgain again) {
+  Field head = field.head;
+  State::Places places{{}, {}, std::make_shared<const DeviceField>(std::move(field))};
+  if (again) places.again = std::make_shared<const ComputeAgain>(std::move(again));
+  state_ = std::make_shared<State>(std::move(head), std::move(places));
 }
 
 PlacedField PlacedField::of(const Field& field) {
@@ -50,47 +90,39 @@ PlacedField PlacedField::of(const Field& field) {
 const Field& PlacedField::head() const { return state_->head; }
 
 std::shared_ptr<const Field> PlacedField::on_processor(const Observer& observer) const {
-  const std::lock_guard lock(state_->mutex);
-  if (state_->here) return state_->here;
+  const State::Places places = state_->places();
+  if (places.here) return places.here;
   try {
-    state_->keep(fetch(*state_->there));
+    return state_->keep(fetch(*places.there), false);
   } catch (const Error& error) {
-    if (!state_->again) throw;
+    if (!places.again) throw;
     warn_of_takeover(observer, error.what());
-    state_->keep(state_->again());
   }
-  return state_->here;
+  // The facts of its making were told before.
+  return state_->keep((*places.again)({observer.on_progress, {}, observer.on_warning}), true);
 }
 
 std::shared_ptr<const DeviceField> PlacedField::on(Device& device, const Observer& observer) const {
-  {
-    const std::lock_guard lock(state_->mutex);
-    if (state_->there && state_->there->device == &device) return state_->there;
-  }
-  auto sent = std::make_shared<const DeviceField>(send(device, *on_processor(observer)));
-  const std::lock_guard lock(state_->mutex);
-  return state_->there = std::move(sent);
+  if (auto there = state_->places().there; there && there->device == &device) return there;
+  const auto here = on_processor(observer);
+  const auto lock = device.lock();
+  make_room(device, bytes_of(head()));
+  return state_->keep(std::make_shared<const DeviceField>(send(device, *here)));
 }
 
 double PlacedField::seconds_to_processor() const {
-  const std::lock_guard lock(state_->mutex);
-  return state_->here ? 0 : seconds_to_move(state_->head, *state_->there->device);
+  const State::Places places = state_->places();
+  return places.here ? 0 : seconds_to_move(head(), *places.there->device);
 }
 
 double PlacedField::seconds_to(Device& device) const {
-  {
-    const std::lock_guard lock(state_->mutex);
-    if (state_->there && state_->there->device == &device) return 0;
-  }
-  return seconds_to_processor() + seconds_to_move(state_->head, device);
+  if (const auto there = state_->places().there; there && there->device == &device) return 0;
+  return seconds_to_processor() + seconds_to_move(head(), device);
 }
 
 Field into_field(PlacedField field, const Observer& observer) {
-  field.on_processor(observer);
-  PlacedField::State& state = *field.state_;
-  // `own` and `here` are the two that hold it.
-  if (field.state_.use_count() == 1 && state.own && state.own.use_count() == 2) return std::move(*state.own);
-  return *state.here;
+  const auto here = field.on_processor(observer).get();
+  return field.state_.use_count() == 1 ? field.state_->take() : *here;
 }
 
 }  // namespace holotrace

@@ -177,4 +177,9 @@ double line_transform_bytes(const Device& device, int length, int lines) {
   return factors * (is_held(device, length) ? 1 : 1 + 2.0 * lines_at_once(device, length, lines));
 }
 
+int line_transform_passes(const Device& device, int length, bool has_filter) {
+  const int factors = int(factors_of(length).size());
+  return is_held(device, length) ? 0 : 1 + (has_filter ? 2 * factors + 1 : factors);
+}
+
 }  // namespace holotrace
