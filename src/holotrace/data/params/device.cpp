@@ -31,7 +31,7 @@ std::string device_text(const DeviceChoice& choice) {
 
 void require_one_device(const DeviceChoice& choice, const std::string& about) {
   require(choice.kind != DeviceKind::all,
-          "expected one device{}, got opencl:all; only the sum of waves runs on all devices at once; use opencl or "
+          "expected one device{}, got opencl:all; only the sum of waves and the method sgd run on all devices at once; use opencl or "
           "opencl:N",
           about);
 }

@@ -94,6 +94,7 @@ void check_encode_params(const Slm& slm, const EncodeParams& params) {
   require(params.levels <= slm.levels,
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
+  if (params.method != Encoding::sgd) require_one_device(params.device, " for this method");
   require(
       params.device.kind != DeviceKind::opencl || aims_at_targets(params.method) || is_of_single_pixels(params.method),
       "expected phase, amplitude, complex, gerchberg-saxton, weighted-gerchberg-saxton or sgd on an OpenCL device, "
