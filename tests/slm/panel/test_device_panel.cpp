@@ -221,6 +221,7 @@ TEST_P(DevicePanels, WriteNothingPastTheirBuffers) {
   device_.guard_buffers(true);
   {
     const auto lock = device_.lock();
+    const Array2D<float> drawn_moduli = drawn(cases().front().slm, 100, 2);
     for (const PanelCase& one : cases()) {
       if (one.name != "all") continue;
       const PanelModel host(one.slm, one.params(), one.modulation, 100, 0, one.state());
@@ -232,6 +233,12 @@ TEST_P(DevicePanels, WriteNothingPastTheirBuffers) {
       DevicePanel::Memory memory;
       panel.leave({level, &moduli}, u, memory);
       panel.add_slopes({level, &moduli}, u, {slope, &of_modulus}, memory);
+      device_.limit_memory((double(device_.use().bytes_held) + 60e3) / 0.8);
+      int bands = 0;
+      BandedPanel(device_, host)
+          .leave({drawn(one.slm, 100, 1), &drawn_moduli}, [&](const SampleColumns&, DeviceBuffer&) { ++bands; });
+      EXPECT_GT(bands, 1);
+      device_.limit_memory(0);
     }
   }
   device_.guard_buffers(false);

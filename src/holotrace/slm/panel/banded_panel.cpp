@@ -49,8 +49,8 @@ PanelBands BandedPanel::plan(const PanelModel& model, double memory, double larg
   };
   const double space = usable * memory, of_rows = complex_bytes * nx * std::max(pairs, n);
   const auto columns_beside = [&](int rows) {
-    const double columns = std::min((space - rows_bytes(rows)) / column_bytes(rows),
-                                    largest / (complex_bytes * std::max(height, rows)));
+    const double columns =
+        std::min((space - rows_bytes(rows)) / column_bytes(rows), largest / (complex_bytes * std::max(height, rows)));
     return int(std::clamp(columns, 0.0, double(width)));
   };
   PanelBands bands{ny, columns_beside(ny), 1, 1};
@@ -127,10 +127,11 @@ void BandedPanel::leave(const PanelModel::Pattern& pattern,
   const int width = sizes.n * sizes.nx, height = sizes.n * sizes.ny;
   const double left = device_.memory_left();
   const PanelBands bands = plan(model_, left, device_.info().largest_buffer);
-  require(bands.rows > 0,
-          "expected memory for a row and a column of a panel of {} × {} pixels on the device {}, got {} that are free; close "
-          "other programs that use it, or use the device cpu",
-          sizes.nx, sizes.ny, device_.info().name, format_bytes(std::max(0.0, left)));
+  require(
+      bands.rows > 0,
+      "expected memory for a row and a column of a panel of {} × {} pixels on the device {}, got {} that are free; close "
+      "other programs that use it, or use the device cpu",
+      sizes.nx, sizes.ny, device_.info().name, format_bytes(std::max(0.0, left)));
   const Memory memory = make_memory(bands);
   const Job job{pattern, bands.row_bands > 1 ? sizes.halo : 0};
   for (int first = 0; first < width; first += bands.columns) {
@@ -138,8 +139,8 @@ void BandedPanel::leave(const PanelModel::Pattern& pattern,
     for (int row = 0; row < sizes.ny; row += bands.rows)
       leave_rows(job, {row, std::min(bands.rows, sizes.ny - row), job.halo}, columns, memory);
     const SampleMaps maps = DevicePanel::sample_maps(device_, model_, columns);
-    DeviceBuffer u =
-        device_.make_buffer(size_t(height) * size_t(columns.count) * sizeof(std::complex<float>), "the light of a panel");
+    DeviceBuffer u = device_.make_buffer(size_t(height) * size_t(columns.count) * sizeof(std::complex<float>),
+                                         "the light of a panel");
     panel_.finish(columns, maps, memory.arrays, u);
     take(columns, u);
     device_.finish();  // before the maps are released

@@ -11,8 +11,8 @@ namespace holotrace {
 /// How the light that leaves a panel is cut to fit in some memory of a device: rows of pixels and columns of samples that are
 /// there at once.
 struct PanelBands {
-  int rows = 0, columns = 0;              ///< 0: not a single row and column fit
-  int row_bands = 0, column_bands = 0;    ///< their numbers
+  int rows = 0, columns = 0;            ///< 0: not a single row and column fit
+  int row_bands = 0, column_bands = 0;  ///< their numbers
 
   bool is_whole() const { return row_bands == 1 && column_bands == 1; }
 };

@@ -173,7 +173,8 @@ void DevicePanel::respond(const DevicePattern& pattern, int rows, const PixelMap
 void DevicePanel::illuminate(const DeviceBuffer& u, const SampleColumns& columns, const SampleMaps& maps,
                              bool is_back) {
   if (light_x_.bytes() == 0 && !has_light_) return;
-  const int along = is_back ? sizes_.n * sizes_.ny : columns.count, lines = is_back ? columns.count : sizes_.n * sizes_.ny;
+  const int along = is_back ? sizes_.n * sizes_.ny : columns.count,
+            lines = is_back ? columns.count : sizes_.n * sizes_.ny;
   device_.run(kernel("illuminate"), over(along, lines),
               {int32_t(along), int32_t(lines), int32_t(columns.first), int32_t(has_light_), int32_t(is_back),
                int32_t(is_back), either(light_x_, u), either(light_y_, u), either(maps.light, u), u});
@@ -186,8 +187,8 @@ void DevicePanel::blur_columns(const Pixels& from, const Pixels& to, const Pixel
   for (DeviceBuffer Pixels::*values : {&Pixels::cycles, &Pixels::amplitudes})
     if (values == &Pixels::cycles || sizes_.has_amplitude)
       device_.run(kernel("blur_columns"), over(sizes_.nx, rows.count),
-                  {int32_t(sizes_.nx), int32_t(rows.count + 2 * rows.halo), int32_t(rows.halo), int32_t(reach_y_), first,
-                   sign, int32_t(blur.adds), taps_y_, from.*values, to.*values});
+                  {int32_t(sizes_.nx), int32_t(rows.count + 2 * rows.halo), int32_t(rows.halo), int32_t(reach_y_),
+                   first, sign, int32_t(blur.adds), taps_y_, from.*values, to.*values});
 }
 
 // The spectrum of a line of samples, times the weights of a term, or their conjugates, and back.
@@ -213,8 +214,7 @@ void DevicePanel::make_terms(const DevicePattern& pattern, const PixelRows& rows
                  either(taps_x_, shown.cycles), projections_, either(maps.static_errors, shown.cycles), memory.terms});
   }
   const int width = sizes_.n * sizes_.nx;
-  if (sizes_.n > 1)
-    device_.run(kernel("clear_samples"), over(width, rows.count), {int32_t(width), memory.term});
+  if (sizes_.n > 1) device_.run(kernel("clear_samples"), over(width, rows.count), {int32_t(width), memory.term});
 }
 
 void DevicePanel::spread_rows(int q, const PixelRows& rows, const SampleColumns& columns, const Memory& memory,
@@ -284,9 +284,9 @@ void DevicePanel::add_pattern_slopes(const DevicePattern& pattern, const DeviceS
   const DeviceBuffer& drive = pattern.drive;
   device_.run(
       kernel("pattern_slopes"), over(sizes_.nx, sizes_.ny),
-      {response(pattern), float(to.factor), drive, pattern.modulus ? *pattern.modulus : drive, either(pixels_.stuck, drive),
-       either(knots_, drive), memory.of_pixels.cycles, either(memory.of_pixels.amplitudes, memory.of_pixels.cycles),
-       to.drive, to.modulus ? *to.modulus : to.drive});
+      {response(pattern), float(to.factor), drive, pattern.modulus ? *pattern.modulus : drive,
+       either(pixels_.stuck, drive), either(knots_, drive), memory.of_pixels.cycles,
+       either(memory.of_pixels.amplitudes, memory.of_pixels.cycles), to.drive, to.modulus ? *to.modulus : to.drive});
 }
 
 void DevicePanel::add_slopes(const DevicePattern& pattern, const DeviceBuffer& g, const DeviceSlopes& to,

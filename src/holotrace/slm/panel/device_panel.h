@@ -142,7 +142,7 @@ class DevicePanel {
   bool has_light_, has_gap_field_, has_static_, has_stuck_;
   DeviceBuffer light_x_, light_y_;  // none: even light
   DeviceBuffer knots_, taps_x_, taps_y_, projections_, weights_x_, weights_y_;
-  PixelMaps pixels_;    // of the whole panel, unless they are made in bands
+  PixelMaps pixels_;  // of the whole panel, unless they are made in bands
   SampleMaps samples_;
 };
 

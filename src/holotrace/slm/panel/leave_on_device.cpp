@@ -23,9 +23,7 @@ PanelBands plan_on(const Device& device, const PanelModel& panel) {
   return BandedPanel::plan(panel, device.memory_left(), device.info().largest_buffer);
 }
 
-double field_bytes(const PanelModel& panel) {
-  return double(panel.head().grid.pixels()) * sizeof(std::complex<float>);
-}
+double field_bytes(const PanelModel& panel) { return double(panel.head().grid.pixels()) * sizeof(std::complex<float>); }
 
 // The field, fetched column band by column band.
 Field leave_to_processor(Device& device, const PanelModel& panel, const PanelPattern& pattern) {
@@ -33,14 +31,15 @@ Field leave_to_processor(Device& device, const PanelModel& panel, const PanelPat
   Field field = panel.head();
   field.samples = Array2D<std::complex<float>>(field.grid.ny, field.grid.nx);
   std::vector<std::complex<float>> part;
-  BandedPanel(device, panel).leave({pattern.drive, pattern.modulus}, [&](const SampleColumns& columns, DeviceBuffer& u) {
-    if (columns.count == field.grid.nx) return device.read(u, field.samples.values.data(), u.bytes());
-    part.resize(u.bytes() / sizeof part[0]);
-    device.read(u, part.data(), u.bytes());
-    for (int j = 0; j < field.grid.ny; ++j)
-      std::copy_n(part.data() + size_t(j) * size_t(columns.count), columns.count,
-                  field.samples.row(j) + columns.first);
-  });
+  BandedPanel(device, panel)
+      .leave({pattern.drive, pattern.modulus}, [&](const SampleColumns& columns, DeviceBuffer& u) {
+        if (columns.count == field.grid.nx) return device.read(u, field.samples.values.data(), u.bytes());
+        part.resize(u.bytes() / sizeof part[0]);
+        device.read(u, part.data(), u.bytes());
+        for (int j = 0; j < field.grid.ny; ++j)
+          std::copy_n(part.data() + size_t(j) * size_t(columns.count), columns.count,
+                      field.samples.row(j) + columns.first);
+      });
   return field;
 }
 

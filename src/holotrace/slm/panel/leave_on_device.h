@@ -21,7 +21,7 @@ struct PanelPattern {
 /// The field that leaves a panel (PanelModel::leave), on the device that `choice` names, in single precision (DevicePanel).
 ///
 /// The device `auto` is the one that is expected to be the fastest, by the rates of device_rates.h: the transforms of the
-/// panel count, and the transfers of levels and field. If it fails, a warning says why.
+/// panel count, and the transfers of levels and field, for each band. If it fails, a warning says why.
 ///
 /// A panel that does not fit in the device's memory is done in bands (BandedPanel); the field is the same.
 ///

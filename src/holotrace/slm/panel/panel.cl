@@ -46,9 +46,8 @@ __kernel void respond(Response r, __global const float* drive, __global const fl
   const float4 shown = response_at(r, knots, level_of(r, drive, stuck, i));
   cycles[i] = shown.x;
   if (!r.has_amplitude) return;
-  const float mu = !r.is_complex ? 1
-                                 : r.modulus_per_level *
-                                       (r.has_stuck && stuck_moduli[i] >= 0 ? stuck_moduli[i] : modulus[i]);
+  const float mu =
+      !r.is_complex ? 1 : r.modulus_per_level * (r.has_stuck && stuck_moduli[i] >= 0 ? stuck_moduli[i] : modulus[i]);
   amplitudes[i] = shown.y * mu;
 }
 
@@ -129,8 +128,8 @@ __kernel void put_term(int nx, int ny, int n, int pair, int has_static, __global
 
 // 2π·a·Im(q·u*) and Re(q·u*), u the light of amplitude 1 at point (cx, cy) and q the slope by it (turn_back).
 __kernel void point_slopes(Pixel p, int cx, int cy, __global const float* cycles, __global const float* amplitudes,
-                           __global const float* taps, __global const float* projections,
-                           __global const float2* terms, __global float* of_cycles, __global float* of_amplitudes) {
+                           __global const float* taps, __global const float* projections, __global const float2* terms,
+                           __global float* of_cycles, __global float* of_amplitudes) {
   const int i = get_global_id(0), j = get_global_id(1);
   if (i >= p.nx) return;
   const size_t at = (size_t)j * p.nx + i, pixels = (size_t)p.nx * p.ny;
@@ -157,9 +156,9 @@ __kernel void blur_rows_back(Pixel p, int cx, __global const float* taps, __glob
 }
 
 __kernel void pattern_slopes(Response r, float factor, __global const float* drive, __global const float* modulus,
-                             __global const float* stuck, __global const float4* knots,
-                             __global const float* of_cycles, __global const float* of_amplitudes,
-                             __global float* slope, __global float* slope_of_modulus) {
+                             __global const float* stuck, __global const float4* knots, __global const float* of_cycles,
+                             __global const float* of_amplitudes, __global float* slope,
+                             __global float* slope_of_modulus) {
   if (get_global_id(0) >= r.nx) return;
   const size_t i = get_global_id(1) * r.nx + get_global_id(0);
   if (r.has_stuck && stuck[i] >= 0) return;
@@ -171,8 +170,7 @@ __kernel void pattern_slopes(Response r, float factor, __global const float* dri
 }
 
 // u += the light of the gaps over whole pixels, even or as it is under static errors.
-__kernel void add_gaps(int width, float re, float im, int has_field, __global const float2* field,
-                       __global float2* u) {
+__kernel void add_gaps(int width, float re, float im, int has_field, __global const float2* field, __global float2* u) {
   if (get_global_id(0) >= width) return;
   const size_t k = get_global_id(1) * width + get_global_id(0);
   u[k] += has_field ? field[k] : (float2)(re, im);
@@ -181,8 +179,8 @@ __kernel void add_gaps(int width, float re, float im, int has_field, __global co
 // u *= the light on the panel, or its conjugate: a factor of the column times one of the row, or `samples`. `u` has `height`
 // lines of `width` samples: rows, from column `first` of the panel on; or columns. `samples` are row by row in both cases.
 __kernel void illuminate(int width, int height, int first, int has_samples, int is_by_columns, int is_conjugate,
-                         __global const float2* along_x, __global const float2* along_y,
-                         __global const float2* samples, __global float2* u) {
+                         __global const float2* along_x, __global const float2* along_y, __global const float2* samples,
+                         __global float2* u) {
   if (get_global_id(0) >= width) return;
   const size_t along = get_global_id(0), across = get_global_id(1), k = across * width + along;
   const size_t i = is_by_columns ? across : along, j = is_by_columns ? along : across;

@@ -38,7 +38,8 @@ Device* fastest_device(double on_processor, const std::function<double(Device& d
   for (const int number : opened) consider(number, 0);
   if (least <= seconds_to_open_device) return fastest;  // drivers need not be loaded
   for (const DeviceInfo& info : devices_here())
-    if (std::find(opened.begin(), opened.end(), info.number) == opened.end()) consider(info.number, seconds_to_open_device);
+    if (std::find(opened.begin(), opened.end(), info.number) == opened.end())
+      consider(info.number, seconds_to_open_device);
   return fastest;
 }
 

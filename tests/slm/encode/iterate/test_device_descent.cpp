@@ -9,8 +9,8 @@
 namespace holotrace {
 namespace {
 
-using test::DescentCase;
 using test::descent_cases;
+using test::DescentCase;
 using test::Gradient;
 using test::gradient_of;
 using test::relative;

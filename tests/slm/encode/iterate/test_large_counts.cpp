@@ -71,7 +71,8 @@ TEST_P(LargeCounts, ReachTheKernels) {
   }
   NotingApi api;
   const size_t samples = (size_t(1) << 32) + 3;
-  const DeviceBuffer floats = large.make_buffer(samples * 4, "a test"), phasors = large.make_buffer(samples * 8, "a test");
+  const DeviceBuffer floats = large.make_buffer(samples * 4, "a test"),
+                     phasors = large.make_buffer(samples * 8, "a test");
   const auto expect = [&](size_t count) {
     EXPECT_EQ(api.count, count);
     EXPECT_EQ(api.items, (count + 63) / 64 * 64);

@@ -32,8 +32,7 @@ EncodeParams on(EncodeParams params, const DeviceChoice& device) {
 void expect_equal(const Gradient& found, const Gradient& expected, const std::string& name) {
   EXPECT_EQ(found.numbers, expected.numbers) << name;
   ASSERT_EQ(found.slopes.size(), expected.slopes.size()) << name;
-  for (size_t m = 0; m < found.slopes.size(); ++m)
-    EXPECT_EQ(found.slopes[m].values, expected.slopes[m].values) << name;
+  for (size_t m = 0; m < found.slopes.size(); ++m) EXPECT_EQ(found.slopes[m].values, expected.slopes[m].values) << name;
 }
 
 // Sums of positive terms agree to 2e-6, and slopes, which are differences of light, to 1e-5, as for one device.
@@ -171,6 +170,24 @@ TEST_F(SeveralDescentDevices, StopIfOneOfThemFails) {
   EXPECT_NE(error.find("of memory"), std::string::npos) << error;
 }
 
+// Under `auto` the processor does all of it, with one warning.
+TEST_F(SeveralDescentDevices, GiveWayToTheProcessorIfOneOfThemFails) {
+  DescentCase one{"eight frames", 8};
+  one.params.iterations = 1;
+  SummationRates slow;
+  slow.samples = 1e4;
+  set_summation_rates([slow] { return slow; });
+  set_device_rates([=](Device&) { return DeviceRates{0, 1e12, 1e9}; });
+  const EncodeParams automatic = on(one.params, {DeviceKind::automatic});
+  ASSERT_EQ(devices_for_descent(one.targets().planes, {one.slm, automatic}, 8).size(), 2u);
+  devices_[1]->limit_memory(1e3);
+  const std::string error = error_of([&] { found(one, on(one.params, all)); });
+  Heard heard;
+  EXPECT_TRUE(are_same(found(one, automatic, heard.observer()), found(one, one.params)));
+  ASSERT_EQ(heard.warnings.size(), 1u);
+  EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
+}
+
 // Rates for which one device takes 10 ms for 8 frames. A slow bus makes the exchange cost more than it saves.
 TEST_F(SeveralDescentDevices, AreTakenByAutoIfTheirExchangePays) {
   const DescentCase one{"eight frames", 8};
@@ -272,9 +289,10 @@ TEST(SeveralDevicesForOtherMethods, AreRefused) {
   for (const Encoding method : {Encoding::gerchberg_saxton, Encoding::phase}) {
     EncodeParams params{.method = method};
     params.device = {DeviceKind::all};
-    EXPECT_EQ(error_of([&] { encode(field, one.slm, params); }),
-              "expected one device for this method, got opencl:all; only the sum of waves and the method sgd run on all "
-              "devices at once; use opencl or opencl:N");
+    EXPECT_EQ(
+        error_of([&] { encode(field, one.slm, params); }),
+        "expected one device for this method, got opencl:all; only the sum of waves and the method sgd run on all "
+        "devices at once; use opencl or opencl:N");
   }
 }
 

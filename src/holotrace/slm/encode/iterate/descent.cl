@@ -117,8 +117,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void leave_residual(
   const size_t start = get_group_id(0) * (size_t)nx;
   float sum = 0;
   for (int i = get_local_id(0); i < nx; i += GROUP) {
-    const Residual residual = residual_of_pixel(power[start + i], amplitude[start + i],
-                                                has_weight ? weight[start + i] : 1, scale);
+    const Residual residual =
+        residual_of_pixel(power[start + i], amplitude[start + i], has_weight ? weight[start + i] : 1, scale);
     power[start + i] = residual.factor;
     sum += residual.error;
   }

@@ -23,8 +23,10 @@ DeviceProjection::DeviceProjection(Device& device, const ProjectionSetup& setup,
 DeviceProjection::Plane DeviceProjection::make_plane(const TargetPlane& target, const TargetPropagation& way,
                                                      bool is_weighted) {
   const auto lock = device_.lock();
-  Plane plane{
-      DeviceTarget(device_, target.amplitude, target.weight), {}, DeviceConvolution(device_, way.there(), way.shifts()), {}};
+  Plane plane{DeviceTarget(device_, target.amplitude, target.weight),
+              {},
+              DeviceConvolution(device_, way.there(), way.shifts()),
+              {}};
   if (is_weighted) plane.asked = device_.upload(target.amplitude.values, "a target plane");
   plane.light = device_.make_buffer(target.amplitude.size() * sizeof(float), "the light of a target plane");
   plane.way.grow(work_);

@@ -96,8 +96,9 @@ ProjectedPattern project_in_turn(const std::vector<TargetPlane>& targets, const 
             format_length(wavelength), format_length(target.wavelength));
   const ProjectionSetup setup{targets, slm, params};
   Device* const device = device_for_projections(targets, {slm, params});
-  return on_devices_or_processor(device ? std::vector{device} : std::vector<Device*>(), params.device, observer,
-                                [&](const IterationPlace& place) { return project_on(place, setup, start, observer); });
+  return on_devices_or_processor(
+      device ? std::vector{device} : std::vector<Device*>(), params.device, observer,
+      [&](const IterationPlace& place) { return project_on(place, setup, start, observer); });
 }
 
 }  // namespace holotrace

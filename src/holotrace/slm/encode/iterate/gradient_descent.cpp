@@ -95,8 +95,7 @@ struct Listeners {
 
 std::unique_ptr<FrameArrays> arrays_on(const IterationPlace& place, const DescentSetup& setup,
                                        const std::vector<Hologram>& frames) {
-  if (!place.devices.empty())
-    return std::make_unique<DeviceFrames>(place.devices, setup.slm, setup.params, frames);
+  if (!place.devices.empty()) return std::make_unique<DeviceFrames>(place.devices, setup.slm, setup.params, frames);
   return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames);
 }
 

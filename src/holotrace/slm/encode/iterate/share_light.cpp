@@ -37,16 +37,16 @@ void ShareLight::add(const TargetPlane& target, const TargetPropagation& host) {
 LightBytes ShareLight::bytes_needed() const {
   const EncodeParams& params = lit_.params;
   const double of_samples = double(bytes_of_samples()), of_means = float_bytes * double(pixels().pixels());
-  const double planes = double(params.planes_per_update == 0
-                                   ? ways_.size()
-                                   : std::min(ways_.size(), size_t(params.planes_per_update)));
+  const double planes =
+      double(params.planes_per_update == 0 ? ways_.size() : std::min(ways_.size(), size_t(params.planes_per_update)));
   const SampleGroup group = samples_of_update(frames_, params.subpixels, 0, false);
   const double all = double(ways_.front().shifts.size()),
                kept = double(samples_of(group, ways_.front().shifts.size()).size());
   LightBytes bytes;
   bytes.of_frame = of_samples * (1 + planes * kept);  // the light that leaves, and its samples in the planes
   // One frame's samples, all of them, for a judgement; means, and the power of the samples; what comes back.
-  bytes.beside = of_samples * std::max(0.0, all - kept * double(share_.frames())) + of_means * (planes + 1) + of_samples;
+  bytes.beside =
+      of_samples * std::max(0.0, all - kept * double(share_.frames())) + of_means * (planes + 1) + of_samples;
   if (has_means(SampleGroup::all)) bytes.beside += of_means * double(memory_.power.size());
   if (share_.frames() < frames_) bytes.beside += of_means;
   bytes.beside += panel_.bytes_of_memory();
