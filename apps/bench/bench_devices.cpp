@@ -138,7 +138,8 @@ BenchRow bench_descent_on_device(const BenchOptions& options) {
   const int frames = options.is_quick ? 1 : 8;
   const std::vector<Hologram> start = random_frames(slm, 532_nm, frames);
   const TargetSet targets{targets_of(timed_field(slm.grid), params)};
-  FrameDescent descent(targets, {slm, params}, start, std::make_unique<DeviceFrames>(device, slm, params, start));
+  FrameDescent descent(targets, {slm, params}, start,
+                       std::make_unique<DeviceFrames>(std::vector{&device}, slm, params, start));
   // There and back: a transform that all samples share, and one for each of four samples, or of two for many frames.
   const double bytes = frames * (frames < 4 ? 5.0 : 3.0) * moved_bytes(device, slm.grid);
   return time_on_device(options,

@@ -207,17 +207,17 @@ OpenDevices& all_open() {
 }  // namespace
 
 Device& open_device(int number) {
-  const std::vector<DeviceInfo>& devices = list_devices();
-  equal_devices(devices, number);  // there is a device with that number
+  const DeviceInfo& info = require_device(list_devices(), number);
   const std::lock_guard lock(all_open().mutex);
   std::unique_ptr<Device>& device = all_open().by_number[number];
-  if (!device) device = std::make_unique<Device>(devices[size_t(number)]);
+  if (!device) device = std::make_unique<Device>(info);
   return *device;
 }
 
-std::vector<Device*> open_equal_devices(int number) {
+std::vector<Device*> open_equal_devices(int number, size_t most) {
   std::vector<int> numbers = equal_devices(list_devices(), number);
   std::rotate(numbers.begin(), std::find(numbers.begin(), numbers.end(), number), numbers.end());
+  numbers.resize(std::min(numbers.size(), most));
   std::vector<Device*> devices;
   for (const int equal : numbers) devices.push_back(&open_device(equal));
   return devices;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <memory>
 #include <mutex>
@@ -135,9 +136,10 @@ class Device {
 /// @throws Error  if this build or this machine has no OpenCL, or no such device
 Device& open_device(int number);
 
-/// All devices that are equal to that one (equal_devices), itself first.
+/// The devices that are equal to that one (equal_devices), itself first.
+/// @param most    their largest number
 /// @throws Error  as open_device does
-std::vector<Device*> open_equal_devices(int number);
+std::vector<Device*> open_equal_devices(int number, size_t most = SIZE_MAX);
 
 /// The numbers of the devices that are open.
 std::vector<int> open_devices();

@@ -6,14 +6,18 @@
 
 namespace holotrace {
 
-std::vector<int> equal_devices(const std::vector<DeviceInfo>& devices, int number) {
+const DeviceInfo& require_device(const std::vector<DeviceInfo>& devices, int number) {
   require(!devices.empty(),
           "expected a device for OpenCL, got none: no driver is installed; install that of your card, or PoCL "
           "(pocl-opencl-icd), or use the device cpu");
   require(number >= 0 && size_t(number) < devices.size(),
           "expected the number of a device from 0 to {}, got {}; holotrace info --devices lists them",
           devices.size() - 1, number);
-  const DeviceInfo& model = devices[size_t(number)];
+  return devices[size_t(number)];
+}
+
+std::vector<int> equal_devices(const std::vector<DeviceInfo>& devices, int number) {
+  const DeviceInfo& model = require_device(devices, number);
   std::vector<int> equal;
   for (const DeviceInfo& info : devices)
     if (info.name == model.name && info.platform == model.platform && info.driver == model.driver &&

@@ -28,8 +28,12 @@ struct DeviceInfo {
 /// @throws Error  if this build or this machine has no OpenCL
 const std::vector<DeviceInfo>& list_devices();
 
+/// The device with that number.
+/// @throws Error  unless there is one
+const DeviceInfo& require_device(const std::vector<DeviceInfo>& devices, int number);
+
 /// The numbers of the devices with the name, platform, driver and compute units of device `number`, itself among them.
-/// @throws Error  unless there is a device with that number
+/// @throws Error  as require_device does
 std::vector<int> equal_devices(const std::vector<DeviceInfo>& devices, int number);
 
 /// The number of the device that is `step` places further in the circle of the equal_devices of device `number`:

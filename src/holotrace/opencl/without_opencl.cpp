@@ -35,7 +35,7 @@ void Device::guard_buffers(bool) { fail_without(); }
 size_t Device::broken_guards() const { fail_without(); }
 
 Device& open_device(int) { fail_without(); }
-std::vector<Device*> open_equal_devices(int) { fail_without(); }
+std::vector<Device*> open_equal_devices(int, size_t) { fail_without(); }
 std::vector<int> open_devices() { return {}; }
 const std::vector<DeviceInfo>& list_devices() { fail_without(); }
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
+#include "holotrace/slm/panel/banded_panel.h"
 #include "holotrace/slm/panel/device_panel.h"
 #include "support/devices.h"
 #include "support/fields.h"
@@ -150,6 +153,49 @@ TEST_P(DevicePanels, LeaveTheLightAndPullBackTheSlopesOfTheProcessor) {
   }
 }
 
+// However the panel is cut, the samples are the same. The device makes no buffer beyond its memory, so this also checks that a
+// plan counts all of them.
+TEST_P(DevicePanels, LeaveTheSameLightInBands) {
+  const auto lock = device_.lock();
+  DevicePanel::Memory memory;
+  std::set<std::pair<bool, bool>> cuts;
+  for (const PanelCase& one : cases()) {
+    if (one.subpixels == 2 || one.name == "gaps" || one.name == "calibration" || one.name == "a beam") continue;
+    const PanelModel host(one.slm, one.params(), one.modulation, 100, 633e-9, one.state());
+    const bool is_complex = one.modulation == Modulation::complex;
+    const Array2D<float> drive = drawn(one.slm, 100, 1), modulus = drawn(one.slm, 100, 2);
+    Field expected = host.head(), found = host.head();
+    expected.samples = found.samples = Array2D<std::complex<float>>(expected.grid.ny, expected.grid.nx);
+    {
+      DevicePanel panel(device_, host);
+      const DeviceBuffer level = upload(drive), moduli = upload(modulus);
+      const DeviceBuffer u = device_.make_buffer(expected.samples.size() * sizeof(std::complex<float>), "a test");
+      panel.leave({level, is_complex ? &moduli : nullptr}, u, memory);
+      device_.read(u, expected.samples.values.data(), u.bytes());
+    }
+    BandedPanel panel(device_, host);
+    for (const double bytes : {60e3, 200e3, 1e9}) {
+      device_.limit_memory((double(device_.use().bytes_held) + bytes) / 0.8);
+      const PanelBands bands = BandedPanel::plan(host, bytes, device_.info().largest_buffer);
+      ASSERT_GT(bands.rows, 0) << one.name << bytes;
+      cuts.insert({bands.row_bands > 1, bands.column_bands > 1});
+      std::vector<std::complex<float>> part;
+      int columns_done = 0;
+      panel.leave({drive, is_complex ? &modulus : nullptr}, [&](const SampleColumns& columns, const DeviceBuffer& u) {
+        part.resize(u.bytes() / sizeof part[0]);
+        device_.read(u, part.data(), u.bytes());
+        for (int j = 0; j < found.grid.ny; ++j)
+          std::copy_n(part.data() + j * columns.count, columns.count, found.samples.row(j) + columns.first);
+        columns_done += columns.count;
+      });
+      EXPECT_EQ(columns_done, found.grid.nx);
+      EXPECT_EQ(found.samples.values, expected.samples.values) << one.name << one.subpixels << " " << bytes;
+    }
+    device_.limit_memory(0);
+  }
+  EXPECT_EQ(cuts.size(), 3u) << "whole, in bands of columns, and in bands of both";
+}
+
 // Of two levels, slopes are those halfway between them in all pixels but dead ones.
 TEST_P(DevicePanels, TakeTheSlopesHalfwayBetweenTwoLevels) {
   const auto lock = device_.lock();
@@ -170,22 +216,12 @@ TEST_P(DevicePanels, TakeTheSlopesHalfwayBetweenTwoLevels) {
   EXPECT_LT(relative(fetch(slope, slm.grid), expected), 5e-6);
 }
 
-// The kernels count in integers of 32 bits.
-TEST(CheckCountable, RefusesMoreSamplesThanTheKernelsCount) {
-  check_countable({32767, 65536, test_pitch});  // 2³¹ − 65536
-  EXPECT_EQ(
-      error_of([] {
-        check_countable({32768, 65536, test_pitch});
-      }),
-      "expected fewer than 2³¹ samples of the light of a panel on a device, got 32768 × 65536; use fewer subpixels, "
-      "or the processor");
-}
-
 TEST_P(DevicePanels, WriteNothingPastTheirBuffers) {
   const size_t before = device_.broken_guards();
   device_.guard_buffers(true);
   {
     const auto lock = device_.lock();
+    const Array2D<float> drawn_moduli = drawn(cases().front().slm, 100, 2);
     for (const PanelCase& one : cases()) {
       if (one.name != "all") continue;
       const PanelModel host(one.slm, one.params(), one.modulation, 100, 0, one.state());
@@ -197,6 +233,12 @@ TEST_P(DevicePanels, WriteNothingPastTheirBuffers) {
       DevicePanel::Memory memory;
       panel.leave({level, &moduli}, u, memory);
       panel.add_slopes({level, &moduli}, u, {slope, &of_modulus}, memory);
+      device_.limit_memory((double(device_.use().bytes_held) + 60e3) / 0.8);
+      int bands = 0;
+      BandedPanel(device_, host)
+          .leave({drawn(one.slm, 100, 1), &drawn_moduli}, [&](const SampleColumns&, DeviceBuffer&) { ++bands; });
+      EXPECT_GT(bands, 1);
+      device_.limit_memory(0);
     }
   }
   device_.guard_buffers(false);

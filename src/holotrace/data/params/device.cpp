@@ -31,8 +31,8 @@ std::string device_text(const DeviceChoice& choice) {
 
 void require_one_device(const DeviceChoice& choice, const std::string& about) {
   require(choice.kind != DeviceKind::all,
-          "expected one device{}, got opencl:all; only the sum of waves runs on all devices at once; use opencl or "
-          "opencl:N",
+          "expected one device{}, got opencl:all; only the sum of waves and the method sgd run on all devices at once; "
+          "use opencl or opencl:N",
           about);
 }
 

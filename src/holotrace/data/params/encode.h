@@ -88,8 +88,8 @@ struct EncodeParams {
   int subpixels = 1;                        ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
   StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
   int64_t seed = 1;                         ///< seed for random start phases
-  DeviceChoice device{};                    ///< device that computes levels; not for error-diffusion
-  std::vector<std::string> effects{};       ///< effects of the panel that the levels compensate; or "all"
+  DeviceChoice device{};               ///< device that computes levels, not for error-diffusion; sgd: or all at once
+  std::vector<std::string> effects{};  ///< effects of the panel that the levels compensate; or "all"
 };
 
 template <class Visitor>
@@ -160,12 +160,16 @@ void describe(Visitor& v, EncodeParams& p) {
   v.device(
       "device", p.device,
       "device that computes the hologram, for all methods but error-diffusion, which needs the processor: the processor "
-      "(cpu); the first OpenCL device (opencl) or device N of "
-      "\"holotrace info --devices\" (opencl:N), in single precision; or the one that is expected to be faster (auto)");
+      "(cpu); the first OpenCL device (opencl) or device N of \"holotrace info --devices\" (opencl:N), in single "
+      "precision; for sgd all OpenCL devices of the same model as the first one (opencl:all), which share its frames; or "
+      "the one that is expected to be faster (auto)");
   v.texts(
       "effects", p.effects,
       "panel effects that the encoding compensates: calibration; with sgd also crosstalk, gaps, aberration, phase-map, "
       "light-map, dead-pixels; or all");
 }
+
+template <>
+inline constexpr bool runs_on_all_devices<EncodeParams> = true;  // sgd: check_encode_params
 
 }  // namespace holotrace

@@ -92,6 +92,7 @@ void check_encode_params(const Slm& slm, const EncodeParams& params) {
   require(params.levels <= slm.levels,
           "expected 2 to {} levels, as many as the SLM \"{}\" has, or 0 for all of them, got {}", slm.levels, slm.name,
           params.levels);
+  if (params.method != Encoding::sgd) require_one_device(params.device, " for this method");
   require(params.device.kind != DeviceKind::opencl || params.method != Encoding::error_diffusion,
           "expected an encoding whose pixels can be found at once on an OpenCL device, got \"{}\", which passes errors "
           "from pixel to pixel; use another one, such as \"double-phase\", or the device cpu",

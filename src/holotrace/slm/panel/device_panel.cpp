@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstdint>
 
-#include "holotrace/base/error.h"
 #include "holotrace/slm/panel/panel_parts.h"
 
 namespace holotrace {
@@ -21,7 +19,6 @@ constexpr const char* source =
 
 constexpr size_t group = 64;
 
-WorkSize over(size_t count) { return {(count + group - 1) / group, 1, group, 1}; }
 WorkSize over(int nx, int ny) { return {(size_t(nx) + group - 1) / group, size_t(ny), group, 1}; }
 
 template <class Values>
@@ -37,26 +34,11 @@ const DeviceBuffer& either(const DeviceBuffer& buffer, const DeviceBuffer& other
   return buffer.bytes() > 0 ? buffer : other;
 }
 
-// The levels of the dead pixels, and −1 for all others; nothing if there are none.
-std::vector<float> stuck_levels(const std::vector<StuckPixel>& stuck, size_t pixels, double scale) {
-  std::vector<float> levels(stuck.empty() ? 0 : pixels, -1);
-  for (const StuckPixel& one : stuck) levels[size_t(one.pixel)] = float(one.level * scale);
-  return levels;
-}
-
 }  // namespace
-
-void check_countable(const Grid& samples) {
-  require(
-      samples.pixels() < int64_t(1) << 31,
-      "expected fewer than 2³¹ samples of the light of a panel on a device, got {} × {}; use fewer subpixels, or the "
-      "processor",
-      samples.nx, samples.ny);
-}
 
 // As panel.cl declares them.
 struct DevicePanel::Response {
-  int32_t count, knots;
+  int32_t nx, knots;
   float cycles_per_level, amplitude_per_level, modulus_per_level;
   int32_t has_amplitude, is_complex, has_stuck, is_halfway;
 };
@@ -65,25 +47,23 @@ struct DevicePanel::Pixel {
   float gap_re, gap_im;
 };
 
-DevicePanel::DevicePanel(Device& device, const PanelModel& model) : device_(device), lines_(device) {
+DevicePanel::DevicePanel(Device& device, const PanelModel& model, PanelMaps maps) : device_(device), lines_(device) {
   const PanelModel::Parts& parts = *model.parts_;
-  check_countable(parts.out);
   const auto lock = device_.lock();
-  sizes_ = {parts.nx(), parts.ny(), parts.params.subpixels, parts.expansion};
   is_complex_ = parts.modulation == Modulation::complex;
-  has_amplitude_ = parts.response.has_amplitude() || is_complex_;
+  has_blur_ = parts.has_crosstalk;
+  sizes_ = {.nx = parts.nx(),
+            .ny = parts.ny(),
+            .n = parts.params.subpixels,
+            .expansion = parts.expansion,
+            .halo = has_blur_ ? parts.blur.along_y().reach : 0,
+            .has_amplitude = parts.response.has_amplitude() || is_complex_};
   const PixelResponse::Table& table = parts.response.table();
   cycles_per_level_ = table.cycles_per_level;
   amplitude_per_level_ = table.amplitude_per_level;
   modulus_per_level_ = 1 / float(parts.levels - 1);
   knots_count_ = int(table.knots.size());
   knots_ = upload(device_, table.knots);
-  const double of_phase = double(parts.levels) / parts.slm.levels,
-               of_amplitude = (parts.levels - 1.0) / (parts.slm.levels - 1.0);
-  stuck_ = upload(device_, stuck_levels(parts.stuck, sizes_.pixels(),
-                                        parts.modulation == Modulation::amplitude ? of_amplitude : of_phase));
-  if (is_complex_) stuck_moduli_ = upload(device_, stuck_levels(parts.stuck, sizes_.pixels(), of_amplitude));
-  has_blur_ = parts.has_crosstalk;
   if (has_blur_) {
     reach_x_ = parts.blur.along_x().reach;
     reach_y_ = parts.blur.along_y().reach;
@@ -93,16 +73,20 @@ DevicePanel::DevicePanel(Device& device, const PanelModel& model) : device_(devi
   projections_ = upload(device_, parts.points.projections);
   weights_x_ = upload(device_, parts.row.weights());
   weights_y_ = upload(device_, parts.column.weights());
-  static_errors_ = upload(device_, parts.static_errors.values);
-  gap_field_ = upload(device_, parts.gap_field.values);
   light_x_ = upload(device_, parts.light.along_x);
   light_y_ = upload(device_, parts.light.along_y);
-  light_ = upload(device_, parts.light.samples.values);
   const Complex whole = parts.gap * float(std::sqrt(parts.params.irradiance));
   gap_re_ = parts.gap.real();
   gap_im_ = parts.gap.imag();
   whole_gap_re_ = whole.real();
   whole_gap_im_ = whole.imag();
+  has_light_ = parts.light.samples.size() > 0;
+  has_gap_field_ = parts.gap_field.size() > 0;
+  has_static_ = parts.static_errors.size() > 0;
+  has_stuck_ = !parts.stuck.empty();
+  if (maps == PanelMaps::in_bands) return;
+  pixels_ = pixel_maps(device_, model, {0, sizes_.ny, 0});
+  samples_ = sample_maps(device_, model, {0, sizes_.n * sizes_.nx});
 }
 
 void DevicePanel::make(DeviceBuffer& buffer, size_t floats) {
@@ -111,42 +95,63 @@ void DevicePanel::make(DeviceBuffer& buffer, size_t floats) {
   buffer = device_.make_buffer(floats * sizeof(float), "a panel");
 }
 
-void DevicePanel::make_memory(Memory& memory) {
+// Calls work(buffer, its floats) for all arrays of a call.
+template <class Work>
+void DevicePanel::each_buffer(Memory& memory, bool has_slopes, const Work& work) const {
   const size_t pixels = sizes_.pixels(), n = size_t(sizes_.n);
-  for (Pixels* values : {&memory.pixels, &memory.of_pixels}) {
-    make(values->cycles, pixels);
-    if (has_amplitude_) make(values->amplitudes, pixels);
-  }
-  for (Pixels* values : {&memory.blurred, &memory.of_points, &memory.of_rows}) {
-    if (!has_blur_) break;
-    make(values->cycles, pixels);
-    if (has_amplitude_) make(values->amplitudes, pixels);
-  }
-  make(memory.terms, 2 * size_t(sizes_.expansion.pairs()) * pixels);
-  for (DeviceBuffer* buffer : {&memory.term, &memory.rows, &memory.columns}) make(*buffer, 2 * n * pixels);
-  for (DeviceBuffer* buffer : {&memory.turned, &memory.spread}) make(*buffer, 2 * n * n * pixels);
+  const auto of_pixels = [&](Pixels& values) {
+    work(values.cycles, pixels);
+    if (sizes_.has_amplitude) work(values.amplitudes, pixels);
+  };
+  of_pixels(memory.pixels);
+  if (has_blur_) of_pixels(memory.blurred);
+  if (has_slopes) of_pixels(memory.of_pixels);
+  if (has_slopes && has_blur_)
+    for (Pixels* values : {&memory.of_points, &memory.of_rows}) of_pixels(*values);
+  work(memory.terms, 2 * size_t(sizes_.expansion.pairs()) * pixels);
+  for (DeviceBuffer* buffer : {&memory.term, &memory.rows, &memory.columns}) work(*buffer, 2 * n * pixels);
+  work(memory.turned, 2 * n * n * pixels);
+  if (n > 1 || has_slopes) work(memory.spread, 2 * n * n * pixels);
+}
+
+void DevicePanel::make_memory(Memory& memory, bool has_slopes) {
+  each_buffer(memory, has_slopes, [&](DeviceBuffer& buffer, size_t floats) { make(buffer, floats); });
+}
+
+double DevicePanel::bytes_to_leave() const {
+  Memory none;
+  double floats = 0;
+  each_buffer(none, false, [&](DeviceBuffer&, size_t of_buffer) { floats += double(of_buffer); });
+  return floats * sizeof(float);
+}
+
+double DevicePanel::bytes_of_memory() const {
+  Memory none;
+  double floats = 0;
+  each_buffer(none, true, [&](DeviceBuffer&, size_t of_buffer) { floats += double(of_buffer); });
+  return floats * sizeof(float);
 }
 
 DevicePanel::Response DevicePanel::response(const DevicePattern& pattern) const {
-  return {.count = int32_t(sizes_.pixels()),
+  return {.nx = sizes_.nx,
           .knots = knots_count_,
           .cycles_per_level = cycles_per_level_,
           .amplitude_per_level = amplitude_per_level_,
           .modulus_per_level = modulus_per_level_,
-          .has_amplitude = has_amplitude_,
+          .has_amplitude = sizes_.has_amplitude,
           .is_complex = is_complex_,
-          .has_stuck = stuck_.bytes() > 0,
+          .has_stuck = has_stuck_,
           .is_halfway = pattern.is_halfway};
 }
 
-DevicePanel::Pixel DevicePanel::pixel() const {
+DevicePanel::Pixel DevicePanel::pixel(int rows) const {
   return {.nx = sizes_.nx,
-          .ny = sizes_.ny,
+          .ny = rows,
           .n = sizes_.n,
           .reach = has_blur_ ? reach_x_ : -1,
           .points = sizes_.expansion.points,
-          .has_amplitude = has_amplitude_,
-          .has_static = static_errors_.bytes() > 0,
+          .has_amplitude = sizes_.has_amplitude,
+          .has_static = has_static_,
           .gap_re = gap_re_,
           .gap_im = gap_im_};
 }
@@ -155,33 +160,35 @@ Kernel DevicePanel::kernel(const char* name) const {
   return {name, {source}, fmt::format("-D TERMS={}", sizes_.expansion.terms)};
 }
 
-// Phases and amplitudes of all pixels.
-void DevicePanel::respond(const DevicePattern& pattern, const Memory& memory) {
+// Phases and amplitudes of the pixels of some rows.
+void DevicePanel::respond(const DevicePattern& pattern, int rows, const PixelMaps& maps, const Memory& memory) {
   const DeviceBuffer& drive = pattern.drive;
-  device_.run(kernel("respond"), over(sizes_.pixels()),
-              {response(pattern), drive, pattern.modulus ? *pattern.modulus : drive, either(stuck_, drive),
-               either(stuck_moduli_, drive), either(knots_, drive), memory.pixels.cycles,
+  device_.run(kernel("respond"), over(sizes_.nx, rows),
+              {response(pattern), drive, pattern.modulus ? *pattern.modulus : drive, either(maps.stuck, drive),
+               either(maps.stuck_moduli, drive), either(knots_, drive), memory.pixels.cycles,
                either(memory.pixels.amplitudes, memory.pixels.cycles)});
 }
 
-// The light on the panel times the field, row by row or column by column.
-void DevicePanel::illuminate(const DeviceBuffer& u, bool is_by_columns, bool is_conjugate) {
-  if (light_x_.bytes() == 0 && light_.bytes() == 0) return;
-  const int width = sizes_.n * sizes_.nx, height = sizes_.n * sizes_.ny;
-  device_.run(kernel("illuminate"), over(size_t(width) * size_t(height)),
-              {int32_t(width), int32_t(height), int32_t(light_.bytes() > 0), int32_t(is_by_columns),
-               int32_t(is_conjugate), either(light_x_, u), either(light_y_, u), either(light_, u), u});
+// The light on the panel times the field, row by row; or its conjugate, column by column.
+void DevicePanel::illuminate(const DeviceBuffer& u, const SampleColumns& columns, const SampleMaps& maps,
+                             bool is_back) {
+  if (light_x_.bytes() == 0 && !has_light_) return;
+  const int along = is_back ? sizes_.n * sizes_.ny : columns.count,
+            lines = is_back ? columns.count : sizes_.n * sizes_.ny;
+  device_.run(kernel("illuminate"), over(along, lines),
+              {int32_t(along), int32_t(lines), int32_t(columns.first), int32_t(has_light_), int32_t(is_back),
+               int32_t(is_back), either(light_x_, u), either(light_y_, u), either(maps.light, u), u});
 }
 
-// With crosstalk: the blur along the columns to row cy of the points of all pixels, or its adjoint.
-void DevicePanel::blur_columns(const Pixels& from, const Pixels& to, int cy, bool is_adjoint, bool adds) {
+// With crosstalk: the blur along the columns to a row of the points of all pixels, or its adjoint.
+void DevicePanel::blur_columns(const Pixels& from, const Pixels& to, const PixelRows& rows, const Blur& blur) {
   if (!has_blur_) return;
-  const int32_t first = cy * (2 * reach_y_ + 1), sign = is_adjoint ? -1 : 1;
+  const int32_t first = blur.cy * (2 * reach_y_ + 1), sign = blur.is_adjoint ? -1 : 1;
   for (DeviceBuffer Pixels::*values : {&Pixels::cycles, &Pixels::amplitudes})
-    if (values == &Pixels::cycles || has_amplitude_)
-      device_.run(kernel("blur_columns"), over(sizes_.nx, sizes_.ny),
-                  {int32_t(sizes_.nx), int32_t(sizes_.ny), int32_t(reach_y_), first, sign, int32_t(adds), taps_y_,
-                   from.*values, to.*values});
+    if (values == &Pixels::cycles || sizes_.has_amplitude)
+      device_.run(kernel("blur_columns"), over(sizes_.nx, rows.count),
+                  {int32_t(sizes_.nx), int32_t(rows.count + 2 * rows.halo), int32_t(rows.halo), int32_t(reach_y_),
+                   first, sign, int32_t(blur.adds), taps_y_, from.*values, to.*values});
 }
 
 // The spectrum of a line of samples, times the weights of a term, or their conjugates, and back.
@@ -196,37 +203,66 @@ LineTransform DevicePanel::along(const DeviceBuffer& weights, int samples, int t
   return line;
 }
 
-void DevicePanel::leave(const DevicePattern& pattern, const DeviceBuffer& u, Memory& memory) {
-  const auto lock = device_.lock();
-  make_memory(memory);
-  respond(pattern, memory);
-  const int n = sizes_.n, width = n * sizes_.nx, height = n * sizes_.ny, terms = sizes_.expansion.terms;
-  const size_t samples = size_t(width) * size_t(height), in_rows = size_t(width) * size_t(sizes_.ny);
+void DevicePanel::make_terms(const DevicePattern& pattern, const PixelRows& rows, const PixelMaps& maps,
+                             const Memory& memory) {
+  respond(pattern, rows.count + 2 * rows.halo, maps, memory);
   const Pixels& shown = has_blur_ ? memory.blurred : memory.pixels;
   for (int cy = 0; cy < sizes_.expansion.points; ++cy) {
-    blur_columns(memory.pixels, memory.blurred, cy, false, false);
-    device_.run(kernel("add_terms"), over(sizes_.nx, sizes_.ny),
-                {pixel(), int32_t(cy), shown.cycles, either(shown.amplitudes, shown.cycles),
-                 either(taps_x_, shown.cycles), projections_, either(static_errors_, shown.cycles), memory.terms});
+    blur_columns(memory.pixels, memory.blurred, rows, {cy, false, false});
+    device_.run(kernel("add_terms"), over(sizes_.nx, rows.count),
+                {pixel(rows.count), int32_t(cy), shown.cycles, either(shown.amplitudes, shown.cycles),
+                 either(taps_x_, shown.cycles), projections_, either(maps.static_errors, shown.cycles), memory.terms});
   }
-  if (n > 1) device_.run(kernel("clear_samples"), over(in_rows), {int32_t(in_rows), memory.term});
-  for (int q = 0, pair = 0; q < terms; ++q) {
-    for (int p = 0; p < terms - q; ++p, ++pair) {
-      device_.run(kernel("take_term"), over(sizes_.pixels()),
-                  {int32_t(sizes_.pixels()), int32_t(n), int32_t(pair), memory.terms, memory.term});
-      lines_.run(along(weights_x_, width, p, false, p > 0), sizes_.ny, memory.term, memory.rows);
-    }
-    lines_.transpose(sizes_.ny, width, memory.rows, n > 1 ? memory.columns : memory.spread);
-    if (n > 1)
-      device_.run(kernel("put_apart"), over(samples), {int32_t(samples), int32_t(n), memory.columns, memory.spread});
-    lines_.run(along(weights_y_, height, q, false, q > 0), width, memory.spread, memory.turned);
+  const int width = sizes_.n * sizes_.nx;
+  if (sizes_.n > 1) device_.run(kernel("clear_samples"), over(width, rows.count), {int32_t(width), memory.term});
+}
+
+void DevicePanel::spread_rows(int q, const PixelRows& rows, const SampleColumns& columns, const Memory& memory,
+                              const DeviceBuffer& to) {
+  const int terms = sizes_.expansion.terms;
+  for (int p = 0; p < terms - q; ++p) {
+    const int pair = q * terms - q * (q - 1) / 2 + p;
+    device_.run(kernel("take_term"), over(sizes_.nx, rows.count),
+                {int32_t(sizes_.nx), int32_t(rows.count), int32_t(sizes_.n), int32_t(pair), memory.terms, memory.term});
+    LineTransform line = along(weights_x_, sizes_.n * sizes_.nx, p, false, p > 0);
+    line.out.count = columns.count;
+    line.out.shift = columns.first;
+    lines_.run(line, rows.count, memory.term, memory.rows);
   }
-  lines_.transpose(width, height, memory.turned, u);
+  lines_.transpose(rows.count, columns.count, memory.rows, {}, to, {sizes_.ny, rows.first});
+}
+
+void DevicePanel::spread_columns(int q, const SampleColumns& columns, const DeviceBuffer& from, const Memory& memory) {
+  const int height = sizes_.n * sizes_.ny;
+  LineTransform line = along(weights_y_, height, q, false, q > 0);
+  if (sizes_.n > 1)
+    device_.run(kernel("put_apart"), over(height, columns.count),
+                {int32_t(height), int32_t(sizes_.n), from, memory.spread});
+  lines_.run(line, columns.count, sizes_.n > 1 ? memory.spread : from, memory.turned);
+}
+
+void DevicePanel::finish(const SampleColumns& columns, const SampleMaps& maps, const Memory& memory,
+                         const DeviceBuffer& u) {
+  const int height = sizes_.n * sizes_.ny;
+  lines_.transpose(columns.count, height, memory.turned, u);
   if (gap_re_ != 0 || gap_im_ != 0)
     device_.run(
-        kernel("add_gaps"), over(samples),
-        {int32_t(samples), whole_gap_re_, whole_gap_im_, int32_t(gap_field_.bytes() > 0), either(gap_field_, u), u});
-  illuminate(u, false, false);
+        kernel("add_gaps"), over(columns.count, height),
+        {int32_t(columns.count), whole_gap_re_, whole_gap_im_, int32_t(has_gap_field_), either(maps.gaps, u), u});
+  illuminate(u, columns, maps, false);
+}
+
+void DevicePanel::leave(const DevicePattern& pattern, const DeviceBuffer& u, Memory& memory) {
+  const auto lock = device_.lock();
+  make_memory(memory, false);
+  const PixelRows rows{0, sizes_.ny, 0};
+  const SampleColumns columns{0, sizes_.n * sizes_.nx};
+  make_terms(pattern, rows, pixels_, memory);
+  for (int q = 0; q < sizes_.expansion.terms; ++q) {
+    spread_rows(q, rows, columns, memory, memory.columns);
+    spread_columns(q, columns, memory.columns, memory);
+  }
+  finish(columns, samples_, memory, u);
 }
 
 // The slopes by the phases and amplitudes of a point of all pixels, from the terms'; with crosstalk added up over the
@@ -235,49 +271,50 @@ void DevicePanel::add_point_slopes(int cx, int cy, const Memory& memory) {
   const Pixels& shown = has_blur_ ? memory.blurred : memory.pixels;
   const Pixels& to = has_blur_ ? memory.of_points : memory.of_pixels;
   device_.run(kernel("point_slopes"), over(sizes_.nx, sizes_.ny),
-              {pixel(), int32_t(cx), int32_t(cy), shown.cycles, either(shown.amplitudes, shown.cycles),
+              {pixel(sizes_.ny), int32_t(cx), int32_t(cy), shown.cycles, either(shown.amplitudes, shown.cycles),
                either(taps_x_, shown.cycles), projections_, memory.terms, to.cycles, either(to.amplitudes, to.cycles)});
   if (!has_blur_) return;
   for (DeviceBuffer Pixels::*values : {&Pixels::cycles, &Pixels::amplitudes})
-    if (values == &Pixels::cycles || has_amplitude_)
+    if (values == &Pixels::cycles || sizes_.has_amplitude)
       device_.run(kernel("blur_rows_back"), over(sizes_.nx, sizes_.ny),
-                  {pixel(), int32_t(cx), taps_x_, to.*values, memory.of_rows.*values});
+                  {pixel(sizes_.ny), int32_t(cx), taps_x_, to.*values, memory.of_rows.*values});
 }
 
 void DevicePanel::add_pattern_slopes(const DevicePattern& pattern, const DeviceSlopes& to, const Memory& memory) {
   const DeviceBuffer& drive = pattern.drive;
   device_.run(
-      kernel("pattern_slopes"), over(sizes_.pixels()),
-      {response(pattern), float(to.factor), drive, pattern.modulus ? *pattern.modulus : drive, either(stuck_, drive),
-       either(knots_, drive), memory.of_pixels.cycles, either(memory.of_pixels.amplitudes, memory.of_pixels.cycles),
-       to.drive, to.modulus ? *to.modulus : to.drive});
+      kernel("pattern_slopes"), over(sizes_.nx, sizes_.ny),
+      {response(pattern), float(to.factor), drive, pattern.modulus ? *pattern.modulus : drive,
+       either(pixels_.stuck, drive), either(knots_, drive), memory.of_pixels.cycles,
+       either(memory.of_pixels.amplitudes, memory.of_pixels.cycles), to.drive, to.modulus ? *to.modulus : to.drive});
 }
 
 void DevicePanel::add_slopes(const DevicePattern& pattern, const DeviceBuffer& g, const DeviceSlopes& to,
                              Memory& memory) {
   const auto lock = device_.lock();
-  make_memory(memory);
-  respond(pattern, memory);
+  make_memory(memory, true);
+  respond(pattern, sizes_.ny, pixels_, memory);
   const int n = sizes_.n, width = n * sizes_.nx, height = n * sizes_.ny, terms = sizes_.expansion.terms;
-  const size_t in_rows = size_t(width) * size_t(sizes_.ny);
+  const PixelRows rows{0, sizes_.ny, 0};
   lines_.transpose(height, width, g, memory.turned);
-  illuminate(memory.turned, true, true);
+  illuminate(memory.turned, {0, width}, samples_, true);
   for (int q = 0, pair = 0; q < terms; ++q) {
     lines_.run(along(weights_y_, height, q, true, false), width, memory.turned, memory.spread);
     if (n > 1)
-      device_.run(kernel("put_together"), over(in_rows), {int32_t(in_rows), int32_t(n), memory.spread, memory.columns});
+      device_.run(kernel("put_together"), over(sizes_.ny, width),
+                  {int32_t(sizes_.ny), int32_t(n), memory.spread, memory.columns});
     lines_.transpose(width, sizes_.ny, n > 1 ? memory.columns : memory.spread, memory.rows);
     for (int p = 0; p < terms - q; ++p, ++pair) {
       lines_.run(along(weights_x_, width, p, true, false), sizes_.ny, memory.rows, memory.term);
-      device_.run(kernel("put_term"), over(sizes_.pixels()),
-                  {int32_t(sizes_.pixels()), int32_t(n), int32_t(pair), int32_t(static_errors_.bytes() > 0),
-                   either(static_errors_, memory.term), memory.term, memory.terms});
+      device_.run(kernel("put_term"), over(sizes_.nx, sizes_.ny),
+                  {int32_t(sizes_.nx), int32_t(sizes_.ny), int32_t(n), int32_t(pair), int32_t(has_static_),
+                   either(pixels_.static_errors, memory.term), memory.term, memory.terms});
     }
   }
   for (int cy = 0; cy < sizes_.expansion.points; ++cy) {
-    blur_columns(memory.pixels, memory.blurred, cy, false, false);
+    blur_columns(memory.pixels, memory.blurred, rows, {cy, false, false});
     for (int cx = 0; cx < sizes_.expansion.points; ++cx) add_point_slopes(cx, cy, memory);
-    blur_columns(memory.of_rows, memory.of_pixels, cy, true, cy > 0);
+    blur_columns(memory.of_rows, memory.of_pixels, rows, {cy, true, cy > 0});
   }
   add_pattern_slopes(pattern, to, memory);
 }

@@ -23,8 +23,26 @@ struct DeviceSlopes {
   double factor = 1;
 };
 
-/// @throws Error  for 2³¹ samples and more, which the kernels cannot count
-void check_countable(const Grid& samples);
+/// Rows of pixels on a device: the next `count` ones from `first` on, and as many before and behind as the blur reaches.
+struct PixelRows {
+  int first = 0, count = 0, halo = 0;
+};
+
+/// Columns of samples of the light that leaves a panel.
+struct SampleColumns {
+  int first = 0, count = 0;
+};
+
+/// What a panel has for each of its pixels, and for each sample of its light; empty buffers for what it has not.
+struct PixelMaps {
+  DeviceBuffer stuck, stuck_moduli, static_errors;
+};
+struct SampleMaps {
+  DeviceBuffer gaps, light;
+};
+
+/// Whether these maps are on the device for the whole panel, or made for each band (BandedPanel).
+enum class PanelMaps { whole, in_bands };
 
 /// A PanelModel on an OpenCL device: the light that leaves it, and gradients back, with all effects.
 ///
@@ -46,8 +64,12 @@ class DevicePanel {
     DeviceBuffer turned, spread;  ///< samples of the field column by column; with n − 1 zeros between the rows
   };
 
-  /// @throws Error  as Device and, for the samples of the light, check_countable do
-  DevicePanel(Device& device, const PanelModel& model);
+  /// @throws Error  as Device does
+  DevicePanel(Device& device, const PanelModel& model, PanelMaps maps = PanelMaps::whole);
+
+  /// Memory of `leave`, and of both calls [bytes].
+  double bytes_to_leave() const;
+  double bytes_of_memory() const;
 
   /// Writes the field that leaves the panel to `u`, shape (n·ny, n·nx).
   void leave(const DevicePattern& pattern, const DeviceBuffer& u, Memory& memory);
@@ -55,23 +77,56 @@ class DevicePanel {
   /// Adds factor·∂f/∂drive to the slopes, given g = ∂f/∂Re u + i·∂f/∂Im u (PanelModel::add_slopes).
   void add_slopes(const DevicePattern& pattern, const DeviceBuffer& g, const DeviceSlopes& to, Memory& memory);
 
- private:
+  // What `leave` is made of, for the whole panel or for bands (banded_panel.h).
+
   struct Sizes {
     int nx, ny, n;
     PixelExpansion expansion;
+    int halo;            ///< rows that the blur reaches
+    bool has_amplitude;  ///< whether the amplitude differs from pixel to pixel
     size_t pixels() const { return size_t(nx) * size_t(ny); }
   };
+  const Sizes& sizes() const { return sizes_; }
+
+  /// The maps of some rows of pixels, those of dead pixels with their halo; and of some columns of samples.
+  static PixelMaps pixel_maps(Device& device, const PanelModel& model, const PixelRows& rows);
+  static SampleMaps sample_maps(Device& device, const PanelModel& model, const SampleColumns& columns);
+
+  /// Their memory [bytes], of each pixel and of each sample.
+  static double bytes_of_pixel_maps(const PanelModel& model);
+  static double bytes_of_sample_maps(const PanelModel& model);
+
+  /// Terms of the light of some rows of pixels, given their pattern and that of their halo.
+  void make_terms(const DevicePattern& pattern, const PixelRows& rows, const PixelMaps& maps, const Memory& memory);
+
+  /// Carries the terms of q along these rows to columns of samples: to[column][row], in lines for all rows of the panel.
+  void spread_rows(int q, const PixelRows& rows, const SampleColumns& columns, const Memory& memory,
+                   const DeviceBuffer& to);
+
+  /// Adds what the terms of q give along the columns to memory.turned.
+  void spread_columns(int q, const SampleColumns& columns, const DeviceBuffer& from, const Memory& memory);
+
+  /// Turned, with the gaps and the light on the panel: u[row][column].
+  void finish(const SampleColumns& columns, const SampleMaps& maps, const Memory& memory, const DeviceBuffer& u);
+
+ private:
   using Pixels = Memory::Pixels;
   struct Response;
   struct Pixel;
   void make(DeviceBuffer& buffer, size_t floats);
-  void make_memory(Memory& memory);
+  template <class Work>
+  void each_buffer(Memory& memory, bool has_slopes, const Work& work) const;
+  void make_memory(Memory& memory, bool has_slopes);
   Response response(const DevicePattern& pattern) const;
-  Pixel pixel() const;
+  Pixel pixel(int rows) const;
   Kernel kernel(const char* name) const;
-  void respond(const DevicePattern& pattern, const Memory& memory);
-  void illuminate(const DeviceBuffer& u, bool is_by_columns, bool is_conjugate);
-  void blur_columns(const Pixels& from, const Pixels& to, int cy, bool is_adjoint, bool adds);
+  void respond(const DevicePattern& pattern, int rows, const PixelMaps& maps, const Memory& memory);
+  void illuminate(const DeviceBuffer& u, const SampleColumns& columns, const SampleMaps& maps, bool is_back);
+  struct Blur {
+    int cy;
+    bool is_adjoint, adds;
+  };
+  void blur_columns(const Pixels& from, const Pixels& to, const PixelRows& rows, const Blur& blur);
   void add_point_slopes(int cx, int cy, const Memory& memory);
   void add_pattern_slopes(const DevicePattern& pattern, const DeviceSlopes& to, const Memory& memory);
   LineTransform along(const DeviceBuffer& weights, int samples, int term, bool is_adjoint, bool adds) const;
@@ -79,14 +134,16 @@ class DevicePanel {
   Device& device_;
   LineTransforms lines_;
   Sizes sizes_;
-  bool has_amplitude_, has_blur_, is_complex_;
+  bool has_blur_, is_complex_;
   int reach_x_ = 0, reach_y_ = 0;
   float cycles_per_level_, amplitude_per_level_, modulus_per_level_;
   int knots_count_;
   float gap_re_, gap_im_, whole_gap_re_, whole_gap_im_;
-  DeviceBuffer light_x_, light_y_, light_;  // none: even light
-  DeviceBuffer knots_, stuck_, stuck_moduli_, taps_x_, taps_y_, projections_, weights_x_, weights_y_, static_errors_,
-      gap_field_;
+  bool has_light_, has_gap_field_, has_static_, has_stuck_;
+  DeviceBuffer light_x_, light_y_;  // none: even light
+  DeviceBuffer knots_, taps_x_, taps_y_, projections_, weights_x_, weights_y_;
+  PixelMaps pixels_;  // of the whole panel, unless they are made in bands
+  SampleMaps samples_;
 };
 
 }  // namespace holotrace

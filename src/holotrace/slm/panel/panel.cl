@@ -1,8 +1,8 @@
-// A panel with its effects, pixel by pixel (device_panel.h). The panel is taken as periodic by the blur. Empty buffers
-// are told by numbers: their arguments are then any others.
+// A panel with its effects, pixel by pixel (device_panel.h), or some of its rows. The panel is taken as periodic by the
+// blur. Empty buffers are told by numbers: their arguments are then any others. Work items are those of a column and a row.
 
 typedef struct {
-  int count, knots;  // pixels; knots of the calibration: 0 for none
+  int nx, knots;  // pixels of a row; knots of the calibration: 0 for none
   float cycles_per_level, amplitude_per_level, modulus_per_level;
   int has_amplitude, is_complex, has_stuck, is_halfway;
 } Response;
@@ -22,7 +22,7 @@ int wrapped(int i, int n) {
 }
 
 // The level that a pixel has: its own, or that of a dead pixel, which is 0 or more.
-float level_of(Response r, __global const float* drive, __global const float* stuck, int i) {
+float level_of(Response r, __global const float* drive, __global const float* stuck, size_t i) {
   const float level = r.is_halfway ? 0.5f : drive[i];
   return r.has_stuck && stuck[i] >= 0 ? stuck[i] : level;
 }
@@ -41,25 +41,25 @@ float4 response_at(Response r, __global const float4* knots, float level) {
 __kernel void respond(Response r, __global const float* drive, __global const float* modulus,
                       __global const float* stuck, __global const float* stuck_moduli, __global const float4* knots,
                       __global float* cycles, __global float* amplitudes) {
-  const int i = get_global_id(0);
-  if (i >= r.count) return;
+  if (get_global_id(0) >= r.nx) return;
+  const size_t i = get_global_id(1) * r.nx + get_global_id(0);
   const float4 shown = response_at(r, knots, level_of(r, drive, stuck, i));
   cycles[i] = shown.x;
   if (!r.has_amplitude) return;
-  const float mu = !r.is_complex ? 1
-                                 : r.modulus_per_level *
-                                       (r.has_stuck && stuck_moduli[i] >= 0 ? stuck_moduli[i] : modulus[i]);
+  const float mu =
+      !r.is_complex ? 1 : r.modulus_per_level * (r.has_stuck && stuck_moduli[i] >= 0 ? stuck_moduli[i] : modulus[i]);
   amplitudes[i] = shown.y * mu;
 }
 
-// to[j] = Σ_d taps[first + d + reach]·from[j + d·sign], or += that. sign −1: the adjoint.
-__kernel void blur_columns(int nx, int ny, int reach, int first, int sign, int adds, __global const float* taps,
-                           __global const float* from, __global float* to) {
+// to[j] = Σ_d taps[first + d + reach]·from[j + halo + d·sign], or += that. sign −1: the adjoint. `from` has `rows` rows, the
+// first `halo` of which are before those of `to`.
+__kernel void blur_columns(int nx, int rows, int halo, int reach, int first, int sign, int adds,
+                           __global const float* taps, __global const float* from, __global float* to) {
   const int i = get_global_id(0), j = get_global_id(1);
   if (i >= nx) return;
   float sum = 0;
   for (int d = -reach; d <= reach; ++d)
-    sum += taps[first + d + reach] * from[(size_t)wrapped(j + sign * d, ny) * nx + i];
+    sum += taps[first + d + reach] * from[(size_t)wrapped(j + halo + sign * d, rows) * nx + i];
   const size_t at = (size_t)j * nx + i;
   to[at] = adds ? to[at] + sum : sum;
 }
@@ -111,24 +111,25 @@ __kernel void add_terms(Pixel p, int cy, __global const float* cycles, __global 
 }
 
 // A term of all pixels, to[n·k] = its value of pixel k; and back, with the conjugate static errors, for gradients.
-__kernel void take_term(int count, int n, int pair, __global const float2* terms, __global float2* to) {
-  const int k = get_global_id(0);
-  if (k < count) to[(size_t)k * n] = terms[(size_t)pair * count + k];
+__kernel void take_term(int nx, int ny, int n, int pair, __global const float2* terms, __global float2* to) {
+  if (get_global_id(0) >= nx) return;
+  const size_t k = get_global_id(1) * nx + get_global_id(0);
+  to[k * n] = terms[(size_t)nx * ny * pair + k];
 }
 
-__kernel void put_term(int count, int n, int pair, int has_static, __global const float2* static_errors,
+__kernel void put_term(int nx, int ny, int n, int pair, int has_static, __global const float2* static_errors,
                        __global const float2* from, __global float2* terms) {
-  const int k = get_global_id(0);
-  if (k >= count) return;
-  const float2 value = from[(size_t)k * n];
-  terms[(size_t)pair * count + k] =
+  if (get_global_id(0) >= nx) return;
+  const size_t k = get_global_id(1) * nx + get_global_id(0);
+  const float2 value = from[k * n];
+  terms[(size_t)nx * ny * pair + k] =
       has_static ? product(value, (float2)(static_errors[k].x, -static_errors[k].y)) : value;
 }
 
 // 2π·a·Im(q·u*) and Re(q·u*), u the light of amplitude 1 at point (cx, cy) and q the slope by it (turn_back).
 __kernel void point_slopes(Pixel p, int cx, int cy, __global const float* cycles, __global const float* amplitudes,
-                           __global const float* taps, __global const float* projections,
-                           __global const float2* terms, __global float* of_cycles, __global float* of_amplitudes) {
+                           __global const float* taps, __global const float* projections, __global const float2* terms,
+                           __global float* of_cycles, __global float* of_amplitudes) {
   const int i = get_global_id(0), j = get_global_id(1);
   if (i >= p.nx) return;
   const size_t at = (size_t)j * p.nx + i, pixels = (size_t)p.nx * p.ny;
@@ -155,11 +156,12 @@ __kernel void blur_rows_back(Pixel p, int cx, __global const float* taps, __glob
 }
 
 __kernel void pattern_slopes(Response r, float factor, __global const float* drive, __global const float* modulus,
-                             __global const float* stuck, __global const float4* knots,
-                             __global const float* of_cycles, __global const float* of_amplitudes,
-                             __global float* slope, __global float* slope_of_modulus) {
-  const int i = get_global_id(0);
-  if (i >= r.count || (r.has_stuck && stuck[i] >= 0)) return;
+                             __global const float* stuck, __global const float4* knots, __global const float* of_cycles,
+                             __global const float* of_amplitudes, __global float* slope,
+                             __global float* slope_of_modulus) {
+  if (get_global_id(0) >= r.nx) return;
+  const size_t i = get_global_id(1) * r.nx + get_global_id(0);
+  if (r.has_stuck && stuck[i] >= 0) return;
   const float4 shown = response_at(r, knots, level_of(r, drive, stuck, i));
   float sum = shown.z * of_cycles[i];
   if (r.has_amplitude) sum += (r.is_complex ? r.modulus_per_level * modulus[i] : 1) * shown.w * of_amplitudes[i];
@@ -168,37 +170,38 @@ __kernel void pattern_slopes(Response r, float factor, __global const float* dri
 }
 
 // u += the light of the gaps over whole pixels, even or as it is under static errors.
-__kernel void add_gaps(int count, float re, float im, int has_field, __global const float2* field,
-                       __global float2* u) {
-  const int i = get_global_id(0);
-  if (i < count) u[i] += has_field ? field[i] : (float2)(re, im);
+__kernel void add_gaps(int width, float re, float im, int has_field, __global const float2* field, __global float2* u) {
+  if (get_global_id(0) >= width) return;
+  const size_t k = get_global_id(1) * width + get_global_id(0);
+  u[k] += has_field ? field[k] : (float2)(re, im);
 }
 
-// u *= the light on the panel, or its conjugate: a factor of the column times one of the row, or `samples`. `u` is row by
-// row, or column by column.
-__kernel void illuminate(int width, int height, int has_samples, int is_by_columns, int is_conjugate,
-                         __global const float2* along_x, __global const float2* along_y,
-                         __global const float2* samples, __global float2* u) {
-  const int k = get_global_id(0);
-  if (k >= width * height) return;
-  const int i = is_by_columns ? k / height : k % width, j = is_by_columns ? k % height : k / width;
-  float2 light = has_samples ? samples[(size_t)j * width + i] : product(along_x[i], along_y[j]);
+// u *= the light on the panel, or its conjugate: a factor of the column times one of the row, or `samples`. `u` has `height`
+// lines of `width` samples: rows, from column `first` of the panel on; or columns. `samples` are row by row in both cases.
+__kernel void illuminate(int width, int height, int first, int has_samples, int is_by_columns, int is_conjugate,
+                         __global const float2* along_x, __global const float2* along_y, __global const float2* samples,
+                         __global float2* u) {
+  if (get_global_id(0) >= width) return;
+  const size_t along = get_global_id(0), across = get_global_id(1), k = across * width + along;
+  const size_t i = is_by_columns ? across : along, j = is_by_columns ? along : across;
+  float2 light = has_samples ? samples[is_by_columns ? j * height + i : k] : product(along_x[first + i], along_y[j]);
   if (is_conjugate) light.y = -light.y;
   u[k] = product(u[k], light);
 }
 
-// to[n·k] = from[k], and 0 between them; and back.
+// Of lines that lie one after the other: to[n·k] = from[k], and 0 between them; and back. `count` is the length of the lines
+// of `to`.
 __kernel void put_apart(int count, int n, __global const float2* from, __global float2* to) {
   const int k = get_global_id(0);
-  if (k < count) to[k] = k % n == 0 ? from[k / n] : (float2)(0.0f);
+  if (k >= count) return;
+  to[get_global_id(1) * count + k] = k % n == 0 ? from[get_global_id(1) * (count / n) + k / n] : (float2)(0.0f);
 }
 
 __kernel void put_together(int count, int n, __global const float2* from, __global float2* to) {
   const int k = get_global_id(0);
-  if (k < count) to[k] = from[(size_t)k * n];
+  if (k < count) to[get_global_id(1) * count + k] = from[(get_global_id(1) * count + k) * n];
 }
 
-__kernel void clear_samples(int count, __global float2* to) {
-  const int k = get_global_id(0);
-  if (k < count) to[k] = (float2)(0.0f);
+__kernel void clear_samples(int width, __global float2* to) {
+  if (get_global_id(0) < width) to[get_global_id(1) * width + get_global_id(0)] = (float2)(0.0f);
 }

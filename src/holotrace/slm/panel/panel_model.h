@@ -101,6 +101,7 @@ class PanelModel {
 
  private:
   friend class DevicePanel;
+  friend class BandedPanel;
   struct Parts;
   std::shared_ptr<const Parts> parts_;
 };

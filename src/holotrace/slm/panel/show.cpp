@@ -201,16 +201,18 @@ ShownLight show_light(const Hologram& hologram, const Slm& slm, const ShowParams
   const auto shown = std::make_shared<const Shown>(ready_to_show(hologram, slm, params, state, observer));
   const double power_in = shown->panel.power_in();
   std::optional<LeftField> there = leave_and_stay_on_device(shown->panel, shown->pattern(), params.device, observer);
-  if (!there) {
-    Field field = shown->on_processor();
-    tell(hologram, slm, params, power_in, power_of(field), observer);
+  DeviceField* const on_device = there ? std::get_if<DeviceField>(&there->field) : nullptr;
+  if (!on_device) {
+    Field field = there ? std::get<Field>(std::move(there->field)) : shown->on_processor();
+    shown->complete(field);
+    tell(hologram, slm, params, power_in, there ? there->power : power_of(field), observer);
     return {PlacedField(std::move(field)), power_in};
   }
-  shown->complete(there->field.head);
+  shown->complete(on_device->head);
   tell(hologram, slm, params, power_in, there->power, observer);
   ComputeAgain again;
   if (params.device.kind == DeviceKind::automatic) again = [shown](const Observer&) { return shown->on_processor(); };
-  return {PlacedField(std::move(there->field), std::move(again)), power_in};
+  return {PlacedField(std::move(*on_device), std::move(again)), power_in};
 }
 
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const IlluminationState& state,

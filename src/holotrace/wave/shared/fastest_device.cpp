@@ -9,8 +9,6 @@
 namespace holotrace {
 namespace {
 
-constexpr double seconds_to_open = 0.3;
-
 std::vector<DeviceInfo> devices_here() {
   try {
     return list_devices();
@@ -38,9 +36,10 @@ Device* fastest_device(double on_processor, const std::function<double(Device& d
   };
   const std::vector<int> opened = open_devices();
   for (const int number : opened) consider(number, 0);
-  if (least <= seconds_to_open) return fastest;  // drivers need not be loaded
+  if (least <= seconds_to_open_device) return fastest;  // drivers need not be loaded
   for (const DeviceInfo& info : devices_here())
-    if (std::find(opened.begin(), opened.end(), info.number) == opened.end()) consider(info.number, seconds_to_open);
+    if (std::find(opened.begin(), opened.end(), info.number) == opened.end())
+      consider(info.number, seconds_to_open_device);
   return fastest;
 }
 

@@ -6,6 +6,8 @@ namespace holotrace {
 
 class Device;
 
+inline constexpr double seconds_to_open_device = 0.3;
+
 /// The device that is expected to do some work in the least time; none: the processor does.
 ///
 /// A device that is not open yet counts 0.3 s more, which opening takes. Devices that do not work, or throw an Error, are

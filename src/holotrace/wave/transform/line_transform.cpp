@@ -157,7 +157,7 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
 }
 
 void LineTransforms::transpose(int rows, int columns, const DeviceBuffer& from, const DeviceBuffer& to, int matrices) {
-  const int step = rows * columns;
+  const int step = matrices > 1 ? rows * columns : 0;
   const PlaceOnDevice source{columns, 0, step}, target{rows, 0, step};
   device_.run(kernel_for("transpose_lines", 1024),
               {tiles_of(columns), tiles_of(rows), size_t(tile), size_t(tile), size_t(matrices)},

@@ -118,7 +118,7 @@ TEST_P(DescentDevices, SayWhatTheyAre) {
   EXPECT_EQ(names, std::vector<std::string>{device_.info().name});
 }
 
-// A named device says that memory is short; `auto` warns, and does what the processor does.
+// A named device says that memory is short; `auto` knows it, and takes the processor.
 TEST_P(DescentDevices, SayThatMemoryIsShort) {
   device_.limit_memory((double(device_.use().bytes_held) + 20e3) / 0.8);
   const std::string error = error_of([&] { found(one_, on_device(one_.params)); });
@@ -127,8 +127,7 @@ TEST_P(DescentDevices, SayThatMemoryIsShort) {
   make_device_fast(1e15);
   Heard heard;
   EXPECT_TRUE(are_same(found(one_, automatic(), heard.observer()), found(one_, one_.params)));
-  ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
+  EXPECT_TRUE(heard.warnings.empty());
 }
 
 #if HOLOTRACE_HAS_OPENCL

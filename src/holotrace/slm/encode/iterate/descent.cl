@@ -2,17 +2,17 @@
 // work item for each; sums have one group for each row. Compiled with GROUP, the items of a group, a power of 2.
 
 // u = exp(2πi·c·ℓ), a phase panel without effects.
-__kernel void leave_phases(int count, float cycles_per_level, __global const float* level, __global float2* u) {
-  const int i = get_global_id(0);
+__kernel void leave_phases(ulong count, float cycles_per_level, __global const float* level, __global float2* u) {
+  const size_t i = get_global_id(0);
   if (i >= count) return;
   const float cycles = cycles_per_level * level[i], rest = 2 * (cycles - rint(cycles));
   u[i] = (float2)(cospi(rest), sinpi(rest));
 }
 
 // slope += factor·Im(g·u*). With two levels, u is `halfway` between them.
-__kernel void add_phase_slopes(int count, float factor, int is_halfway, float2 halfway, __global const float2* g,
+__kernel void add_phase_slopes(ulong count, float factor, int is_halfway, float2 halfway, __global const float2* g,
                                __global const float2* u, __global float* slope) {
-  const int i = get_global_id(0);
+  const size_t i = get_global_id(0);
   if (i >= count) return;
   const float2 at = is_halfway ? halfway : u[i];
   slope[i] += factor * phase_slope(g[i].x, g[i].y, at.x, at.y);
@@ -72,8 +72,8 @@ __kernel void multiply_by_spread(int nx, int ny, int across, int down, __global 
 }
 
 // v *= factor
-__kernel void multiply_by_real(int count, __global const float* factor, __global float2* v) {
-  const int i = get_global_id(0);
+__kernel void multiply_by_real(ulong count, __global const float* factor, __global float2* v) {
+  const size_t i = get_global_id(0);
   if (i < count) v[i] *= factor[i];
 }
 
@@ -117,8 +117,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void leave_residual(
   const size_t start = get_group_id(0) * (size_t)nx;
   float sum = 0;
   for (int i = get_local_id(0); i < nx; i += GROUP) {
-    const Residual residual = residual_of_pixel(power[start + i], amplitude[start + i],
-                                                has_weight ? weight[start + i] : 1, scale);
+    const Residual residual =
+        residual_of_pixel(power[start + i], amplitude[start + i], has_weight ? weight[start + i] : 1, scale);
     power[start + i] = residual.factor;
     sum += residual.error;
   }
@@ -144,15 +144,15 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void leave_residual_
   if (get_local_id(0) == 0) sums[get_group_id(0)] = sum;
 }
 
-// to = factor·from, or += that.
-__kernel void add_part(int count, float factor, int adds, __global const float2* from, __global float2* to) {
-  const int i = get_global_id(0);
-  if (i < count) to[i] = (adds ? to[i] : (float2)(0)) + factor * from[i];
+// to = factor·from, or += that; for complex numbers, too.
+__kernel void add_part(ulong count, float factor, int adds, __global const float* from, __global float* to) {
+  const size_t i = get_global_id(0);
+  if (i < count) to[i] = (adds ? to[i] : 0) + factor * from[i];
 }
 
 // u = (u + step)/|u + step|
-__kernel void add_and_make_unit_modulus(int count, __global const float2* step, __global float2* u) {
-  const int i = get_global_id(0);
+__kernel void add_and_make_unit_modulus(ulong count, __global const float2* step, __global float2* u) {
+  const size_t i = get_global_id(0);
   if (i >= count) return;
   Phasor sum;
   sum.re = u[i].x + step[i].x;
@@ -161,15 +161,15 @@ __kernel void add_and_make_unit_modulus(int count, __global const float2* step, 
   u[i] = (float2)(sum.re, sum.im);
 }
 
-__kernel void clear(int count, __global float* values) {
-  const int i = get_global_id(0);
+__kernel void clear(ulong count, __global float* values) {
+  const size_t i = get_global_id(0);
   if (i < count) values[i] = 0;
 }
 
-__kernel void step_drives(int count, AdamStep adam, float turn, float levels, float hardness,
+__kernel void step_drives(ulong count, AdamStep adam, float turn, float levels, float hardness,
                           __global const float* slope, __global float* mean, __global float* square,
                           __global float* drive, __global float* rounded) {
-  const int i = get_global_id(0);
+  const size_t i = get_global_id(0);
   if (i >= count) return;
   AdamPixel pixel;
   pixel.drive = drive[i];

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <complex>
+#include <limits>
 
+#include "holotrace/base/error.h"
+#include "holotrace/slm/encode/iterate/frame_share.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/shared/device_rates.h"
@@ -11,12 +14,26 @@
 namespace holotrace {
 namespace {
 
-// Of all updates.
+// The job, and how many of its frames one device has.
+struct Share {
+  const std::vector<TargetPlane>& targets;
+  const DescentSetup& setup;
+  size_t frames_of_all, frames;
+
+  // Samples of each pixel in a plane. All updates count as the last ones.
+  double samples() const {
+    const SampleGroup group = samples_of_update(frames_of_all, setup.params.subpixels, 0, false);
+    return double(samples_of(group, setup.params.subpixels > 1 ? 1 : 4).size());
+  }
+  double pixels() const { return double(setup.slm.grid.pixels()); }
+};
+
+// What a device does for a share in all updates.
 struct DescentWork {
-  double on_processor = 0;  // [s]
-  double kept = 0;          // factors of propagations and targets, sent to a device [bytes]
-  double moved = 0;         // read and written in its memory [bytes]
-  double updates = 0;
+  double kept = 0;       // factors of propagations and targets, sent to each device [bytes]
+  double moved = 0;      // read and written in its memory [bytes]
+  double carried = 0;    // frames that come and go, because they do not fit in its memory [bytes]
+  double exchanged = 0;  // light in planes, between several devices [bytes]
 };
 
 // The fraction of updates that use a plane: the planes of its wavelength have their turns equally often.
@@ -26,62 +43,126 @@ double turns_of(const TargetPlane& plane, const std::vector<TargetPlane>& target
   return params.planes_per_update == 0 ? 1 : std::min(1.0, double(params.planes_per_update) / double(planes));
 }
 
-// Planes with pupils count as if they had none, and all updates take as many samples as the last ones. The panel's effects
-// and views count neither for the processor nor for the device.
-DescentWork work_of(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames,
-                    const Device* device) {
-  constexpr double sample = sizeof(std::complex<float>);
-  const EncodeParams& params = setup.params;
-  const SampleGroup group = samples_of_update(frames, params.subpixels, 0, false);
-  const double samples = double(samples_of(group, params.subpixels > 1 ? 1 : 4).size());
+constexpr double sample = sizeof(std::complex<float>);
+
+Grid samples_of_panel(const DescentSetup& setup) {
   Grid grid = setup.slm.grid;
-  grid.nx *= params.subpixels;
-  grid.ny *= params.subpixels;
-  grid.pitch /= params.subpixels;
+  grid.nx *= setup.params.subpixels;
+  grid.ny *= setup.params.subpixels;
+  grid.pitch /= setup.params.subpixels;
+  return grid;
+}
+
+// Planes with pupils count as if they had none. The panel's effects and views count neither for the processor nor for the
+// device. There, one transform is shared by all samples and one is for each; and the same back.
+double seconds_on_processor(const Share& share) {
+  const Grid grid = samples_of_panel(share.setup);
+  double seconds = 0;
+  for (const TargetPlane& target : share.targets)
+    seconds += (1 + share.samples()) * turns_of(target, share.targets, share.setup.params) *
+               seconds_to_propagate(plan_propagator<float>(grid, target.wavelength, target.z, {}));
+  return seconds * double(share.frames) * iterations_of(share.setup.params);
+}
+
+DescentWork work_on(const Device& device, const Share& share) {
+  const EncodeParams& params = share.setup.params;
+  const Grid grid = samples_of_panel(share.setup);
+  const double of_light = sample * double(grid.pixels()), samples = share.samples(), updates = iterations_of(params),
+               of_frames = double(share.frames) * updates;
   DescentWork work;
-  work.updates = iterations_of(params);
-  const double pixels = double(grid.pixels()), of_frames = double(frames) * work.updates;
-  for (const TargetPlane& target : targets) {
-    const auto plan = plan_propagator<float>(grid, target.wavelength, target.z, {});
-    // There, one transform shared by all samples and one for each; and the same back.
-    const double turns = turns_of(target, targets, params), propagations = (1 + samples) * turns * of_frames;
-    if (!device) {
-      work.on_processor += propagations * seconds_to_propagate(plan);
-      continue;
-    }
-    const DevicePropagationCost cost = device_propagation_cost(*device, plan);
-    work.moved += propagations * cost.moved + 4 * sample * pixels * samples * turns * of_frames;
-    work.kept += cost.kept + 8 * pixels;
+  double planes = 0, transforms = 0;  // planes of an update; memory of the transforms
+  for (const TargetPlane& target : share.targets) {
+    const double turns = turns_of(target, share.targets, params);
+    const DevicePropagationCost cost =
+        device_propagation_cost(device, plan_propagator<float>(grid, target.wavelength, target.z, {}));
+    work.moved += turns * of_frames * ((1 + samples) * cost.moved + 4 * of_light * samples);
+    work.kept += cost.kept + 8 * double(grid.pixels());
+    planes += turns;
+    transforms = std::max(transforms, cost.work - cost.fields);
   }
-  work.moved += 8 * sample * pixels * of_frames;  // drives, moments and slopes
+  work.moved += 8 * of_light * of_frames;  // drives, moments and slopes
+  // Parts of the mean come from the others to the first device, and the factor goes back (DeviceLight).
+  const double of_values = sizeof(float) * share.pixels();
+  if (share.frames < share.frames_of_all) work.exchanged = 4 * of_values * planes * updates;
+  // As FrameShare decides.
+  const double arrays = share.setup.slm.modulation == Modulation::complex ? 2 : 1;
+  const auto bytes = [&](double frames, double kept_planes) {
+    return work.kept + transforms + of_values * (planes + 5) + of_light +
+           frames * (bytes_of_drives(size_t(arrays)) * share.pixels() + of_light * (1 + kept_planes * samples));
+  };
+  if (bytes(double(share.frames), planes) <= device.memory_left()) return work;
+  if (bytes(1, 1) > device.memory_left()) work.carried = std::numeric_limits<double>::infinity();
+  work.moved *= 1.5;  // light is computed again for the slopes
+  work.carried += of_values * arrays * (4 * planes + 8) * of_frames;
   return work;
 }
 
 // Starts of the kernels of an update, and waiting for its sums, on slow drivers [s].
 constexpr double seconds_to_start = 2e-3;
 
-Device* fastest_for(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames) {
-  return fastest_device(work_of(targets, setup, frames, nullptr).on_processor, [&](Device& device) {
-    const DeviceRates rates = device_rates(device);
-    const DescentWork work = work_of(targets, setup, frames, &device);
-    return work.moved / rates.moved_bytes + work.kept / rates.bytes + work.updates * seconds_to_start;
+double seconds_on(Device& device, const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames,
+                  size_t devices) {
+  const DeviceRates rates = device_rates(device);
+  const DescentWork work = work_on(device, {targets, setup, frames, (frames + devices - 1) / devices});
+  return work.moved / rates.moved_bytes + (work.kept * double(devices) + work.carried + work.exchanged) / rates.bytes +
+         iterations_of(setup.params) * seconds_to_start;
+}
+
+// Devices, the number of the first one's equals that do it in the least time, and that time.
+struct DeviceCount {
+  size_t devices = 1;
+  double seconds = 0;
+};
+
+DeviceCount fastest_count(Device& device, const std::vector<TargetPlane>& targets, const DescentSetup& setup,
+                          size_t frames) {
+  DeviceCount best{1, seconds_on(device, targets, setup, frames, 1)};
+  const std::vector<int> open = open_devices();
+  double opening = 0;
+  size_t count = 1;
+  for (const int number : equal_devices(list_devices(), device.info().number)) {
+    if (number == device.info().number) continue;
+    if (++count > frames) break;
+    if (std::find(open.begin(), open.end(), number) == open.end()) opening += seconds_to_open_device;
+    const double seconds = opening + seconds_on(device, targets, setup, frames, count);
+    if (seconds < best.seconds) best = {count, seconds};
+  }
+  return best;
+}
+
+std::vector<Device*> fastest_for(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames) {
+  Device* const fastest = fastest_device(seconds_on_processor({targets, setup, frames, frames}), [&](Device& device) {
+    return fastest_count(device, targets, setup, frames).seconds;
   });
+  if (!fastest) return {};
+  std::vector<Device*> devices{fastest};
+  const size_t count = fastest_count(*fastest, targets, setup, frames).devices;
+  try {
+    if (count > 1) devices = open_equal_devices(fastest->info().number, count);
+  } catch (const Error&) {
+    // One of its equals does not work: it does it alone.
+  }
+  return devices;
 }
 
 }  // namespace
 
-Device* device_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames) {
+std::vector<Device*> devices_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup,
+                                         size_t frames) {
   const DeviceChoice& choice = setup.params.device;
-  if (choice.kind == DeviceKind::cpu) return nullptr;
-  if (choice.kind == DeviceKind::opencl) return &open_device(choice.number);
+  if (choice.kind == DeviceKind::cpu) return {};
+  if (choice.kind == DeviceKind::all) return open_equal_devices(0, frames);
+  if (choice.kind == DeviceKind::opencl) return {&open_device(choice.number)};
   return fastest_for(targets, setup, frames);
 }
 
 Device* device_for_projections(const std::vector<TargetPlane>& targets, const DescentSetup& setup) {
+  require_one_device(setup.params.device, " for Gerchberg–Saxton");
   EncodeParams params = setup.params;
   params.planes_per_update = 0;
   params.subpixels = 1;
-  return device_for_descent(targets, {setup.slm, params}, 1);
+  const std::vector<Device*> devices = devices_for_descent(targets, {setup.slm, params}, 1);
+  return devices.empty() ? nullptr : devices.front();
 }
 
 }  // namespace holotrace

@@ -9,14 +9,17 @@
 
 namespace holotrace {
 
-/// The device that params.device names for a gradient descent; none: the processor does it.
+/// The devices that params.device names for a gradient descent, which share its frames; none: the processor does it.
 ///
-/// The device `auto` is the one that is expected to be the fastest, by the rates of device_rates.h.
+/// Under `auto` it is the device that is expected to be the fastest, by the rates of device_rates.h, with as many of its equals
+/// as make it faster.
 /// @param frames  their number
 /// @throws Error  for a device that is not there
-Device* device_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames);
+std::vector<Device*> devices_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup,
+                                         size_t frames);
 
-/// The same for Gerchberg–Saxton, whose iterations use all planes.
+/// The one for Gerchberg–Saxton, whose iterations use all planes and move one pattern.
+/// @throws Error  for all devices at once, and as above
 Device* device_for_projections(const std::vector<TargetPlane>& targets, const DescentSetup& setup);
 
 }  // namespace holotrace

@@ -24,7 +24,7 @@ WorkSize over(size_t count) { return {(count + group - 1) / group, 1, group, 1};
 WorkSize over(const Grid& pixels) { return {size_t(pixels.nx + group - 1) / group, size_t(pixels.ny), group, 1}; }
 WorkSize rows_of(const DeviceTarget& target) { return {size_t(target.ny), 1, group, 1}; }
 
-int32_t floats_in(const DeviceBuffer& buffer) { return int32_t(buffer.bytes() / sizeof(float)); }
+uint64_t floats_in(const DeviceBuffer& buffer) { return buffer.bytes() / sizeof(float); }
 
 }  // namespace
 
@@ -51,8 +51,8 @@ void multiply_pixels(Device& device, const Grid& pixels, int n, const DeviceBuff
 }
 
 void multiply_by_real(Device& device, const DeviceBuffer& factor, const DeviceBuffer& v) {
-  const int32_t count = floats_in(factor);
-  device.run(kernel("multiply_by_real"), over(size_t(count)), {count, factor, v});
+  const uint64_t count = floats_in(factor);
+  device.run(kernel("multiply_by_real"), over(count), {count, factor, v});
 }
 
 void multiply_by_spread(Device& device, const Grid& pixels, size_t sample, const DeviceBuffer& factor,
@@ -111,35 +111,35 @@ double leave_residual_of_asked(Device& device, const DeviceTarget& target, doubl
 }
 
 void add_part(Device& device, const DeviceBuffer& from, float factor, bool adds, const DeviceBuffer& to) {
-  const int32_t count = floats_in(to) / 2;
-  device.run(kernel("add_part"), over(size_t(count)), {count, factor, int32_t(adds), from, to});
+  const uint64_t count = floats_in(to);
+  device.run(kernel("add_part"), over(count), {count, factor, int32_t(adds), from, to});
 }
 
 void add_and_make_unit_modulus(Device& device, const DeviceBuffer& step, const DeviceBuffer& u) {
-  const int32_t count = floats_in(u) / 2;
-  device.run(kernel("add_and_make_unit_modulus"), over(size_t(count)), {count, step, u});
+  const uint64_t count = floats_in(u) / 2;
+  device.run(kernel("add_and_make_unit_modulus"), over(count), {count, step, u});
 }
 
 void leave_phases(Device& device, float cycles_per_level, const DeviceBuffer& level, const DeviceBuffer& u) {
-  const int32_t count = floats_in(level);
-  device.run(kernel("leave_phases"), over(size_t(count)), {count, cycles_per_level, level, u});
+  const uint64_t count = floats_in(level);
+  device.run(kernel("leave_phases"), over(count), {count, cycles_per_level, level, u});
 }
 
 void add_phase_slopes(Device& device, const PhaseSlopes& slopes, const DeviceBuffer& g, const DeviceBuffer& u,
                       const DeviceBuffer& slope) {
-  const int32_t count = floats_in(slope);
-  device.run(kernel("add_phase_slopes"), over(size_t(count)),
+  const uint64_t count = floats_in(slope);
+  device.run(kernel("add_phase_slopes"), over(count),
              {count, slopes.factor, int32_t(slopes.is_halfway), slopes.halfway, g, u, slope});
 }
 
 void clear(Device& device, const DeviceBuffer& values) {
-  const int32_t count = floats_in(values);
-  device.run(kernel("clear"), over(size_t(count)), {count, values});
+  const uint64_t count = floats_in(values);
+  device.run(kernel("clear"), over(count), {count, values});
 }
 
 void step_drives(Device& device, const AdamStep& adam, float turn, const DriveStep& step, const DeviceDrive& values) {
-  const int32_t count = floats_in(values.drive);
-  device.run(kernel("step_drives"), over(size_t(count)),
+  const uint64_t count = floats_in(values.drive);
+  device.run(kernel("step_drives"), over(count),
              {count, adam, turn, step.levels, step.hardness, values.slope, values.mean, values.square, values.drive,
               values.rounded});
 }

@@ -57,7 +57,7 @@ double leave_residual(Device& device, const DeviceTarget& target, double scale, 
 double leave_residual_of_asked(Device& device, const DeviceTarget& target, double scale, const DeviceBuffer& asked,
                                const DeviceBuffer& power);
 
-/// to ← factor·from, or to + factor·from.
+/// to ← factor·from, or to + factor·from; floats or complex floats.
 void add_part(Device& device, const DeviceBuffer& from, float factor, bool adds, const DeviceBuffer& to);
 
 /// u ← (u + step)/|u + step|, and 1 where the sum is 0.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -7,17 +8,20 @@
 #include "holotrace/data/slm.h"
 #include "holotrace/opencl/device.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
-#include "holotrace/slm/encode/iterate/device_light.h"
+#include "holotrace/slm/encode/iterate/frame_share.h"
 
 namespace holotrace {
 
-/// The frames of a gradient descent in the memory of an OpenCL device: levels go there once, and come back at the end.
+/// The frames of a gradient descent on one or several OpenCL devices, each of which has a share of them: levels go there
+/// once, and come back at the end.
 class DeviceFrames : public FrameArrays {
  public:
+  /// @param devices      those after as many as there are frames have nothing to do
   /// @param slm, params  must outlive this object
   /// @param frames       their levels are the start
   /// @throws Error       as Device does, here and in all functions
-  DeviceFrames(Device& device, const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames);
+  DeviceFrames(const std::vector<Device*>& devices, const Slm& slm, const EncodeParams& params,
+               const std::vector<Hologram>& frames);
 
   std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
@@ -26,16 +30,16 @@ class DeviceFrames : public FrameArrays {
   std::vector<Array2D<float>> state() override;
   void restore(const std::vector<Array2D<float>>& state) override;
 
- private:
-  DeviceDrive make_drive(const Array2D<float>& start) const;
-  template <class Work>
-  void each_array_of_state(const Work& work);
+  /// The devices' shares, in the order of the frames.
+  const std::vector<std::unique_ptr<FrameShare>>& shares() const { return shares_; }
 
-  Device& device_;
+ private:
   const Slm& slm_;
   const EncodeParams& params_;
-  std::vector<DeviceFrame> frames_;
-  DeviceLightMemory memory_;
+  std::vector<std::unique_ptr<FrameShare>> shares_;
 };
+
+/// Calls work(i, device of share i) for all shares at once, with the device locked.
+void on_all_shares(const std::vector<std::unique_ptr<FrameShare>>& shares, const std::function<void(size_t i)>& work);
 
 }  // namespace holotrace

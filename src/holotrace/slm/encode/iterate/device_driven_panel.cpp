@@ -1,5 +1,7 @@
 #include "holotrace/slm/encode/iterate/device_driven_panel.h"
 
+#include <algorithm>
+
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/units.h"
 
@@ -21,6 +23,13 @@ DeviceDrivenPanel::DeviceDrivenPanel(Device& device, const DrivenPanel& panel) :
   if (!panel.has_crosstalk()) return;
   coarse_.emplace(device, *panel.model(PixelDetail::coarse));
   mean_.emplace(device, *panel.model(PixelDetail::mean));
+}
+
+double DeviceDrivenPanel::bytes_of_memory() const {
+  double bytes = 0;
+  for (const std::optional<DevicePanel>* panel : {&model_, &coarse_, &mean_})
+    if (*panel) bytes = std::max(bytes, (*panel)->bytes_of_memory());
+  return bytes;
 }
 
 DevicePanel* DeviceDrivenPanel::model(PixelDetail detail) {

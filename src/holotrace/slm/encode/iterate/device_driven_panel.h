@@ -26,6 +26,9 @@ class DeviceDrivenPanel {
   /// @param panel  must outlive this object
   DeviceDrivenPanel(Device& device, const DrivenPanel& panel);
 
+  /// Memory of a call, for the most detailed light [bytes].
+  double bytes_of_memory() const;
+
   /// Writes the light that leaves the panel, for the frame's rounded levels.
   void leave(const DeviceFrame& frame, const PanelDetail& detail, const DevicePanelLight& u);
 

@@ -17,6 +17,7 @@ DeviceProjection::DeviceProjection(Device& device, const ProjectionSetup& setup,
     const TargetPropagation way(setup.slm, target.wavelength, target.z, setup.optics());
     planes_.push_back(make_plane(target, way, setup.is_weighted()));
   }
+  make_samples();
 }
 
 DeviceProjection::Plane DeviceProjection::make_plane(const TargetPlane& target, const TargetPropagation& way,
@@ -25,27 +26,39 @@ DeviceProjection::Plane DeviceProjection::make_plane(const TargetPlane& target, 
   Plane plane{DeviceTarget(device_, target.amplitude, target.weight),
               {},
               DeviceConvolution(device_, way.there(), way.shifts()),
-              {},
               {}};
   if (is_weighted) plane.asked = device_.upload(target.amplitude.values, "a target plane");
-  for (DeviceBuffer& samples : plane.samples) samples = device_.make_buffer(u_.bytes(), "the light of a target plane");
   plane.light = device_.make_buffer(target.amplitude.size() * sizeof(float), "the light of a target plane");
   plane.way.grow(work_);
   return plane;
 }
 
-std::vector<DisplacedSamples> DeviceProjection::samples_of(const Plane& plane) {
-  std::vector<DisplacedSamples> samples;
-  for (size_t i = 0; i < plane.samples.size(); ++i) samples.push_back({i, &plane.samples[i]});
-  return samples;
+// Beside them there is what comes back, and the factors of the transforms.
+void DeviceProjection::make_samples() {
+  const auto lock = device_.lock();
+  const double of_plane = 4 * double(u_.bytes());
+  const bool has_all = double(planes_.size()) * of_plane + 2 * double(u_.bytes()) <= device_.memory_left();
+  for (size_t k = 0; k < (has_all ? planes_.size() : 1); ++k)
+    for (DeviceBuffer& samples : samples_.emplace_back().values)
+      samples = device_.make_buffer(u_.bytes(), "the light of a target plane");
+}
+
+// The samples of a plane, which are computed unless they are there.
+std::vector<DisplacedSamples> DeviceProjection::bring(size_t plane) {
+  Samples& samples = samples_of(plane);
+  std::vector<DisplacedSamples> displaced;
+  for (size_t i = 0; i < samples.values.size(); ++i) displaced.push_back({i, &samples.values[i]});
+  if (samples.plane != plane) planes_[plane].way.to_many(u_, displaced, work_);
+  samples.plane = plane;
+  return displaced;
 }
 
 void DeviceProjection::show(size_t plane) {
   const auto lock = device_.lock();
-  Plane& there = planes_[plane];
-  there.way.to_many(u_, samples_of(there), work_);
-  for (size_t i = 0; i < there.samples.size(); ++i)
-    add_power(device_, {there.samples[i], 1, i > 0, 1}, pixels_, there.light);
+  samples_of(plane).plane.reset();
+  const std::vector<DisplacedSamples> samples = bring(plane);
+  for (size_t i = 0; i < samples.size(); ++i)
+    add_power(device_, {*samples[i].samples, 1, i > 0, 1}, pixels_, planes_[plane].light);
 }
 
 double DeviceProjection::cross_sum(size_t plane) {
@@ -56,21 +69,21 @@ double DeviceProjection::cross_sum(size_t plane) {
 double DeviceProjection::leave_residual(size_t plane, double scale) {
   const auto lock = device_.lock();
   const Plane& there = planes_[plane];
-  const double error = there.asked.bytes() > 0
-                           ? leave_residual_of_asked(device_, there.target, scale, there.asked, there.light)
-                           : holotrace::leave_residual(device_, there.target, scale, there.light);
-  for (const DeviceBuffer& samples : there.samples) multiply_by_real(device_, there.light, samples);
-  return error;
+  return there.asked.bytes() > 0 ? leave_residual_of_asked(device_, there.target, scale, there.asked, there.light)
+                                 : holotrace::leave_residual(device_, there.target, scale, there.light);
 }
 
 void DeviceProjection::add_step(size_t plane, double factor) {
   const auto lock = device_.lock();
   Plane& there = planes_[plane];
+  const std::vector<DisplacedSamples> samples = bring(plane);
+  for (const DisplacedSamples& one : samples) multiply_by_real(device_, there.light, *one.samples);
+  samples_of(plane).plane.reset();
   if (factor == 1 && !has_step_) {
-    there.way.to_sum(samples_of(there), step_, work_);
+    there.way.to_sum(samples, step_, work_);
   } else {
     if (back_.bytes() == 0) back_ = device_.make_buffer(u_.bytes(), "the light of a panel");
-    there.way.to_sum(samples_of(there), back_, work_);
+    there.way.to_sum(samples, back_, work_);
     add_part(device_, back_, float(factor), has_step_, step_);
   }
   has_step_ = true;

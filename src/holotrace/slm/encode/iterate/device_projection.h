@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include "holotrace/slm/encode/iterate/descent_loops.h"
@@ -11,7 +13,8 @@
 namespace holotrace {
 
 /// Gerchberg–Saxton in the memory of an OpenCL device: the pattern goes there once, and comes back at the end. Of an
-/// iteration, only sums of the planes' rows leave it.
+/// iteration, only sums of the planes' rows leave it. If the samples of all planes do not fit there, those of one plane do, and
+/// are computed again for its step.
 class DeviceProjection : public ProjectionArrays {
  public:
   /// @param start   pattern of modulus 1, shape (ny, nx)
@@ -30,11 +33,17 @@ class DeviceProjection : public ProjectionArrays {
     DeviceTarget target;
     DeviceBuffer asked;  // weighted: amplitudes that take the target's place
     DeviceConvolution way;
-    std::array<DeviceBuffer, 4> samples;
-    DeviceBuffer light;
+    DeviceBuffer light;  // its mean over each pixel, and then the factor of its residual
+  };
+  // The samples of a plane's light, which is no more once they have become its residual.
+  struct Samples {
+    std::array<DeviceBuffer, 4> values;
+    std::optional<size_t> plane;
   };
   Plane make_plane(const TargetPlane& target, const TargetPropagation& way, bool is_weighted);
-  static std::vector<DisplacedSamples> samples_of(const Plane& plane);
+  void make_samples();
+  Samples& samples_of(size_t plane) { return samples_[std::min(plane, samples_.size() - 1)]; }
+  std::vector<DisplacedSamples> bring(size_t plane);
 
   Device& device_;
   const Grid& pixels_;
@@ -42,6 +51,7 @@ class DeviceProjection : public ProjectionArrays {
   bool has_step_ = false;
   DeviceConvolution::Work work_;
   std::vector<Plane> planes_;
+  std::vector<Samples> samples_;  // of each plane, or of one after the other
 };
 
 }  // namespace holotrace

@@ -66,7 +66,7 @@ ProjectedPattern project_on(const IterationPlace& place, const ProjectionSetup& 
                             const Observer& observer) {
   const int iterations = iterations_of(setup.params);
   const auto projections =
-      place.compute([&] { return std::make_unique<Projections>(setup, arrays_on(place.device, setup, start)); });
+      place.compute([&] { return std::make_unique<Projections>(setup, arrays_on(place.device(), setup, start)); });
   std::vector<double> convergence;
   for (int iteration = 0; iteration <= iterations; ++iteration) {
     convergence.push_back(place.compute([&] {
@@ -76,9 +76,9 @@ ProjectedPattern project_on(const IterationPlace& place, const ProjectionSetup& 
     observer.status(fmt::format("error {:.1f} dB", 10 * std::log10(std::max(convergence.back(), 1e-30))));
     if (iteration > 0) observer.progress(double(iteration) / iterations);
   }
-  ProjectedPattern found{place.compute([&] { return projections->pattern(); }), place.device};
+  ProjectedPattern found{place.compute([&] { return projections->pattern(); }), place.device()};
   observer.fact("iterations", iterations);
-  if (place.device) observer.fact("device", place.device->info().name);
+  tell_devices(place.devices, observer);
   observer.fact("error_first", Fact(convergence.front()));
   observer.fact("error_last", Fact(convergence.back()));
   observer.curve("convergence", convergence);
@@ -95,8 +95,10 @@ ProjectedPattern project_in_turn(const std::vector<TargetPlane>& targets, const 
             "expected targets of one wavelength for Gerchberg–Saxton, got {} and {}; use sgd, or a hologram for each",
             format_length(wavelength), format_length(target.wavelength));
   const ProjectionSetup setup{targets, slm, params};
-  return on_device_or_processor(device_for_projections(targets, {slm, params}), params.device, observer,
-                                [&](const IterationPlace& place) { return project_on(place, setup, start, observer); });
+  Device* const device = device_for_projections(targets, {slm, params});
+  return on_devices_or_processor(
+      device ? std::vector{device} : std::vector<Device*>(), params.device, observer,
+      [&](const IterationPlace& place) { return project_on(place, setup, start, observer); });
 }
 
 }  // namespace holotrace

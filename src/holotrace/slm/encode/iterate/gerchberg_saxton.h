@@ -42,7 +42,7 @@ struct ProjectedPattern {
 ///
 /// **On a device** (params.device), the pattern, its light in all planes and the propagations are in its memory, in single
 /// precision. The sums of the rows of each plane come back, one float per row (weighted: three), and the pattern at the
-/// end. If the device `auto` fails, the processor starts again, with a warning.
+/// end. If the light of all planes does not fit there, that of one plane after the other does (DeviceProjection), with the same result. If the device `auto` fails, the processor starts again, with a warning.
 ///
 /// @param targets  target planes of one wavelength
 /// @param start    pattern of modulus 1, shape (ny, nx)

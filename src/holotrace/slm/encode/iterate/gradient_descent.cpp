@@ -93,10 +93,9 @@ struct Listeners {
   const Checkpoint& checkpoint;
 };
 
-std::unique_ptr<FrameArrays> arrays_on(Device* device, size_t planes, const DescentSetup& setup,
+std::unique_ptr<FrameArrays> arrays_on(const IterationPlace& place, const DescentSetup& setup,
                                        const std::vector<Hologram>& frames) {
-  if (device) return std::make_unique<DeviceFrames>(*device, setup.slm, setup.params, frames);
-  require_memory_for_descent(planes, setup.slm, setup.params, frames);
+  if (!place.devices.empty()) return std::make_unique<DeviceFrames>(place.devices, setup.slm, setup.params, frames);
   return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames);
 }
 
@@ -104,10 +103,7 @@ void judge_on(const IterationPlace& place, const std::vector<TargetPlane>& targe
               const Observer& observer, std::vector<Hologram>& frames) {
   std::unique_ptr<FrameArrays> arrays;
   const Colours colours = place.compute([&] {
-    if (place.device)
-      arrays = std::make_unique<DeviceFrames>(*place.device, setup.slm, setup.params, frames);
-    else
-      arrays = std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames);
+    arrays = arrays_on(place, setup, frames);
     Colours judged = colours_of(targets, setup, frames.front(), *arrays);
     for (const auto& colour : judged) colour->judge();
     return judged;
@@ -119,10 +115,9 @@ void descend_on(const IterationPlace& place, const TargetSet& targets, const Des
                 std::vector<Hologram>& frames, const Listeners& listeners) {
   const auto& [observer, checkpoint] = listeners;
   const int iterations = iterations_of(setup.params);
-  const auto made = place.compute([&] {
-    return std::make_unique<FrameDescent>(targets, setup, frames,
-                                          arrays_on(place.device, targets.planes.size(), setup, frames));
-  });
+  if (place.devices.empty()) require_memory_for_descent(targets.planes.size(), setup.slm, setup.params, frames);
+  const auto made = place.compute(
+      [&] { return std::make_unique<FrameDescent>(targets, setup, frames, arrays_on(place, setup, frames)); });
   FrameDescent& descent = *made;
   std::optional<KeptDescent> kept;
   if (checkpoint) kept.emplace(descent, place, checkpoint, descent_job(targets, setup.slm, setup.params, frames));
@@ -143,7 +138,7 @@ void descend_on(const IterationPlace& place, const TargetSet& targets, const Des
   std::vector<double> convergence = descent.losses();
   convergence.push_back(descent.loss());
   observer.fact("iterations", descent.updates());
-  if (place.device) observer.fact("device", place.device->info().name);
+  tell_devices(place.devices, observer);
   observer.fact("loss_first", Fact(convergence.front()));
   observer.fact("loss_last", Fact(convergence.back()));
   observer.curve("convergence", convergence);
@@ -155,15 +150,16 @@ void descend_on(const IterationPlace& place, const TargetSet& targets, const Des
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
              std::vector<Hologram>& frames, const Checkpoint& checkpoint) {
   const DescentSetup setup{slm, params};
-  Device* const device = device_for_descent(targets.planes, setup, frames.size());
-  on_device_or_processor(device, params.device, observer, [&](const IterationPlace& place) {
+  const std::vector<Device*> devices = devices_for_descent(targets.planes, setup, frames.size());
+  on_devices_or_processor(devices, params.device, observer, [&](const IterationPlace& place) {
     descend_on(place, targets, setup, frames, {observer, checkpoint});
   });
 }
 
 void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
            const Observer& observer, std::vector<Hologram>& frames, Device* device) {
-  on_device_or_processor(device, params.device, observer, [&](const IterationPlace& place) {
+  const std::vector<Device*> devices = device ? std::vector{device} : std::vector<Device*>();
+  on_devices_or_processor(devices, params.device, observer, [&](const IterationPlace& place) {
     judge_on(place, targets, {slm, params}, observer, frames);
   });
 }

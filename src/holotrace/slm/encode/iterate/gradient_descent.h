@@ -46,8 +46,10 @@ class Device;
 /// lower by that many decibels, the step falls from its size of now to 0 within one more window.
 ///
 /// **On a device** (params.device), drives, moments, light and propagations are in its memory, in single precision; the
-/// sums of the rows of each plane come back, two floats per row, and the levels at the end. If the device `auto` fails, the
-/// processor goes on from the checkpoint, or starts again, with a warning.
+/// sums of the rows of each plane come back, two floats per row, and the levels at the end. Frames that do not all fit there come
+/// and go one after the other (FrameShare), with the same result. Several devices share the frames (DeviceLight): the mean is added
+/// up in another order than on one device, so levels differ by rounding. If a device of `auto` fails, the processor goes on from
+/// the checkpoint, or starts again, with a warning.
 ///
 /// @param targets  target planes of one wavelength or, for one hologram in several colours, of several
 /// @param slm      panel with the effects that are on
@@ -55,8 +57,8 @@ class Device;
 ///                 levels and facts; on another device, to those of rounding
 /// @param frames   their levels M, modulation and wavelength are used; their `level` is the start, and then the result
 /// @throws Error   for a number of iterations or a step size below 0, if the memory does not suffice, for a checkpoint of
-///                 another job, and if it says stop; as device_for_descent and Device do
-/// Facts: `iterations`, `device` (its name, on a device), `loss_first`, `loss_last` (f), and those of judge. Curve:
+///                 another job, and if it says stop; as devices_for_descent and Device do
+/// Facts: `iterations`, `device` (its name, on a device), `devices` (their number, on several), `loss_first`, `loss_last` (f), and those of judge. Curve:
 /// `convergence`, the loss of each iteration before its step, where planes that had no turn yet count as the others, and that of
 /// the final levels. Cost for each frame and plane of an iteration: one transform there and one back, and as many more as
 /// samples in a pixel (four; two of four or more frames; one of smooth targets); as much again for
