@@ -18,7 +18,7 @@
 #include "holotrace/slm/encode/phase_levels.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/slm/panel/checks.h"
-#include "holotrace/wave/propagate/propagate_on_device.h"
+#include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 
 namespace holotrace {
