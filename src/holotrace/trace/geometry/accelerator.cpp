@@ -324,15 +324,15 @@ bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
   return query.tfar < 0;
 }
 
-uint32_t Accelerator::occluded(std::span<const ShadowRay> rays, Aim aim) const {
+uint32_t Accelerator::occluded(std::span<const ShadowRay> rays, Aim aim, bool are_near) const {
   const Implementation& self = *implementation_;
   uint32_t bits = 0;
-  if (!self.watertight) {
+  if (!self.watertight || !are_near) {
     for (size_t i = 0; i < rays.size(); ++i) bits |= uint32_t(is_occluded(rays[i].ray, rays[i].distance, aim)) << i;
     return bits;
   }
-  require(rays.size() <= size_t(most_shadow_rays), "expected up to {} rays, got {}", most_shadow_rays, rays.size());
-  alignas(64) std::array<int, most_shadow_rays> valid{};
+  require(rays.size() <= size_t(most_together), "expected up to {} rays, got {}", most_together, rays.size());
+  alignas(64) std::array<int, most_together> valid{};
   RTCRay16 packet{};
   for (size_t i = 0; i < rays.size(); ++i) {
     const double end = rays[i].distance - rounding_at_end(rays[i].ray, rays[i].distance);

@@ -11,6 +11,7 @@
 #include "holotrace/data/params/acceleration.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
+#include "holotrace/trace/shared/lanes.h"
 #include "holotrace/trace/shared/ray.h"
 #include "holotrace/trace/shared/surface_point.h"
 
@@ -33,8 +34,6 @@ struct ShadowRay {
   Ray ray;
   double distance = 0;  ///< [m], may be infinite
 };
-
-inline constexpr int most_shadow_rays = 16;  ///< that are traced together
 
 /// A ray as passed to Embree: single precision, in units of ScenePrecision from its centre.
 struct LoggedRay {
@@ -76,9 +75,9 @@ class Accelerator {
   /// end does not count.
   bool is_occluded(const Ray& ray, double distance, Aim aim = Aim::exact) const;
 
-  /// Bit i of the result is 1 if a surface lies on ray i, for up to most_shadow_rays rays. It is faster than one by one if
-  /// the rays are near to each other.
-  uint32_t occluded(std::span<const ShadowRay> rays, Aim aim) const;
+  /// Bit i of the result is 1 if a surface lies on ray i, for up to most_together rays.
+  /// @param are_near  whether they start near to each other: they are then traced together, which is faster only for such rays
+  uint32_t occluded(std::span<const ShadowRay> rays, Aim aim, bool are_near = true) const;
 
   /// The rounding of places in the scene; SurfacePoint::clearance follows from it.
   const ScenePrecision& precision() const { return precision_; }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "holotrace/trace/paths/group_walk.h"
 #include "holotrace/trace/paths/path_walk.h"
 
 namespace holotrace {
@@ -32,6 +33,9 @@ struct RadianceSink {
 RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums) {
   return {sums, scene.automaton.path_groups(), scene.params.separate_lights};
 }
+
+/// Whether a path may be one of a group: each path need not know its own light, and samples lights at each surface.
+bool fits_groups(const PathParams& params) { return params.clamp <= 0 && !params.asks_at_end; }
 
 /// The fraction of light of this strength that a clamp keeps.
 double let_through(double light, double clamp) { return light > clamp ? clamp / light : 1; }
@@ -87,6 +91,21 @@ void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy
   for (size_t i = 0; i < sums.size(); ++i) sums[i] += path[i] * scale;
 }
 
+void add_radiance(const PathScene& scene, std::span<const NumberedStart> starts, int dimension, LowDiscrepancy& numbers,
+                  std::span<Vec3> sums, PathCounts& counts) {
+  if (!fits_groups(scene.params)) {
+    for (const NumberedStart& numbered : starts) {
+      numbers.go_to(numbered.path, dimension);
+      add_radiance(scene, numbered.start, numbers, sums, counts);
+    }
+    return;
+  }
+  RadianceSink sink = make_sink(scene, sums);
+  GroupWalk group(scene, sink, counts, numbers, dimension);
+  for (const NumberedStart& numbered : starts) group.begin(numbered.path, numbered.start);
+  group.follow();
+}
+
 void add_light_on_way(const PathScene& scene, const Ray& ray, double distance, PathAutomaton::State state,
                       std::span<Vec3> sums) {
   RadianceSink sink = make_sink(scene, sums);
@@ -98,16 +117,16 @@ void mean_radiance(const PathScene& scene, const PathStart& start, int paths, ui
                    PathCounts& counts) {
   std::fill(sums.begin(), sums.end(), Vec3{});
   LowDiscrepancy numbers(scene.params.seed, 0, sample);
-  // Lights are sampled at the start for all paths together, unless each path must know its own light.
-  const bool is_together = start.point.light < 0 && scene.params.clamp <= 0 && !scene.params.asks_at_end;
-  if (is_together) {
+  if (start.point.light < 0 && fits_groups(scene.params)) {
+    // Lights are sampled at the start for all paths together.
     RadianceSink sink = make_sink(scene, sums);
     const auto common = PathWalk(scene, sink, counts).add_direct_light_at_start(start, paths, numbers);
-    for (int path = 0; path < paths; ++path) {
-      numbers.start(uint32_t(path));
-      PathWalk walk(scene, sink, counts);
-      walk.set_common(&common);
-      walk.follow(start, numbers);
+    for (int first = 0; first < paths; first += most_together) {
+      numbers.start(uint32_t(first));
+      GroupWalk group(scene, sink, counts, numbers, 0);
+      for (int path = 0; path < std::min(most_together, paths - first); ++path)
+        group.begin(uint32_t(path), start, &common);
+      group.follow();
     }
   } else {
     for (int path = 0; path < paths; ++path) {

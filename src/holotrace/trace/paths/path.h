@@ -80,6 +80,19 @@ struct PathStart {
 void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
                   PathCounts& counts);
 
+/// The start of one of several paths, and its number among those of a block of numbers.
+struct NumberedStart {
+  PathStart start;
+  uint32_t path = 0;  ///< 0 … 15
+};
+
+/// The sum of add_radiance over several paths, of different `path`; much faster than one by one where surfaces are diffuse. All
+/// starts have the same depth, state and aim.
+///
+/// @param dimension  of the numbers, the first that has not been taken; the numbers are at any path of the block
+void add_radiance(const PathScene& scene, std::span<const NumberedStart> starts, int dimension, LowDiscrepancy& numbers,
+                  std::span<Vec3> sums, PathCounts& counts);
+
 /// Adds the light that a ray of weight 1 from a mirror or a glass surface meets before `distance` [m] other than
 /// on a surface: rectangles on the way and, for an infinite distance, background and environment. For callers
 /// that follow specular branches from the panel themselves; `state` is that of the ray.

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "holotrace/trace/paths/diffuse_lanes.h"
+#include "holotrace/trace/paths/path_walk.h"
+
+namespace holotrace {
+
+/// Paths of one block of random numbers that are followed together. While they are on diffuse surfaces that only reflect, what
+/// happens there is computed in vector lanes (diffuse_lanes.h). A path that reaches another surface is followed by itself from
+/// there to its end (path_walk.h). The mean of the light is that of PathWalk.
+///
+/// Lights are sampled at every surface (PathParams::asks_at_end is not known here), and phases are not followed.
+template <class Sink>
+class GroupWalk {
+ public:
+  using Common = typename PathWalk<Sink>::CommonStart;
+
+  /// @param numbers    at any path of the block
+  /// @param dimension  of the numbers, the first that has not been taken
+  GroupWalk(const PathScene& scene, Sink& sink, PathCounts& counts, LowDiscrepancy& numbers, int dimension)
+      : scene_(scene),
+        counts_(counts),
+        numbers_(numbers),
+        dimension_(dimension),
+        walk_(scene, sink, counts),
+        direct_light_(scene, sink, counts) {
+    static_assert(!Sink::follows_phase, "paths of a group have no phase");
+  }
+
+  /// Begins a path of the block, 0 … 15. All paths have the same depth and state.
+  /// @param common  if lights have been sampled at the start, which is the same for all paths
+  void begin(uint32_t path, const PathStart& start, const Common* common = nullptr) {
+    common_ = common;
+    state_ = start.state;
+    depth_ = start.depth;
+    aim_ = start.aim;
+    if (walk_.begin(start)) place(path);
+  }
+
+  /// Follows all paths that have begun to their ends.
+  void follow() {
+    for (; paths_.surfaces.count > 0; ++depth_) {
+      if (common_)
+        dimension_ += common_->dimensions;
+      else
+        dimension_ += direct_light_.add_for_group(paths_, state_, depth_, aim_, dimension_, numbers_);
+      scatter();
+    }
+  }
+
+ private:
+  /// Puts a path that has reached a surface where it belongs.
+  void place(uint32_t path) {
+    if (const auto reflectance = diffuse_reflectance(walk_.material(), walk_.point(), scene_.lines))
+      return paths_.add(path, walk_.point(), scene_.accelerator.leave(walk_.point(), walk_.point().geometric_normal),
+                        walk_.throughput() * *reflectance);
+    numbers_.go_to(path, dimension_);
+    walk_.set_common(common_);
+    walk_.go_on(numbers_);
+  }
+
+  /// Draws how the paths go on, and lets them.
+  void scatter() {
+    const LowDiscrepancy::Block choices = numbers_.of_block(dimension_), places = numbers_.of_block(dimension_ + 1);
+    dimension_ += 2;
+    common_ = nullptr;
+    const int count = paths_.surfaces.count;
+    std::array<uint32_t, most_together> u, v;
+    for (size_t i = 0; i < size_t(count); ++i) u[i] = places.x[paths_.number[i]], v[i] = places.y[paths_.number[i]];
+    DiffuseSamples next;
+    sample_directions(paths_.surfaces, u.data(), v.data(), next);
+    paths_.surfaces.count = 0;
+    for (size_t i = 0; i < size_t(count); ++i) {
+      const uint32_t path = paths_.number[i];
+      const Vec3 throughput = paths_.throughput[i];
+      const double choice = choices.y[path] * 0x1p-32;
+      const double share = next.pdf[i] > 0 ? std::min(1.0, max_component(throughput)) : 0;
+      const double goes_on = depth_ >= scene_.params.roulette_depth || share == 0 ? share : 1;
+      if (!(choice < goes_on)) {
+        ++counts_.absorbed;
+        continue;
+      }
+      const Ray ray{paths_.surfaces.start[i], next.direction[i]};
+      // Paths that stay take the places of paths that have left.
+      if (walk_.leave_diffuse({state_, depth_, throughput * (1 / goes_on), choice < share}, ray, next.pdf[i]))
+        place(path);
+    }
+    state_ = scene_.automaton.step(state_, PathEvent::diffuse);
+    aim_ = Aim::random;
+  }
+
+  const PathScene& scene_;
+  PathCounts& counts_;
+  LowDiscrepancy& numbers_;
+  int dimension_;
+  PathWalk<Sink> walk_;
+  DirectLight<Sink> direct_light_;
+  const Common* common_ = nullptr;
+
+  DiffusePaths paths_;
+  PathAutomaton::State state_ = 0;
+  int depth_ = 1;
+  Aim aim_ = Aim::exact;
+};
+
+}  // namespace holotrace
