@@ -69,7 +69,7 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, co
   const auto [row, column] = pixel;
   LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(eye.columns) + uint64_t(column));
   Vec3 sum;
-  std::array<CameraRay, most_together> rays;
+  std::array<NumberedRay, most_together> rays;
   for (int first = 0; first < params.paths; first += most_together) {
     size_t count = 0;
     for (int path = 0; path < std::min(most_together, params.paths - first); ++path) {

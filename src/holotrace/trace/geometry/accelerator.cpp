@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -324,21 +325,25 @@ bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
   return query.tfar < 0;
 }
 
-uint32_t Accelerator::occluded(std::span<const ShadowRay> rays, Aim aim, bool are_near) const {
+uint32_t Accelerator::occluded(const RayLanes& rays, uint32_t asked, Aim aim, bool are_near) const {
   const Implementation& self = *implementation_;
   uint32_t bits = 0;
   if (!self.watertight || !are_near) {
-    for (size_t i = 0; i < rays.size(); ++i) bits |= uint32_t(is_occluded(rays[i].ray, rays[i].distance, aim)) << i;
+    for (uint32_t left = asked; left; left &= left - 1) {
+      const auto i = size_t(std::countr_zero(left));
+      bits |= uint32_t(is_occluded({rays.origin[i], rays.direction[i]}, rays.distance[i], aim)) << i;
+    }
     return bits;
   }
-  require(rays.size() <= size_t(most_together), "expected up to {} rays, got {}", most_together, rays.size());
   alignas(64) std::array<int, most_together> valid{};
   RTCRay16 packet{};
-  for (size_t i = 0; i < rays.size(); ++i) {
-    const double end = rays[i].distance - rounding_at_end(rays[i].ray, rays[i].distance);
+  for (uint32_t left = asked; left; left &= left - 1) {
+    const auto i = size_t(std::countr_zero(left));
+    const Ray ray{rays.origin[i], rays.direction[i]};
+    const double end = rays.distance[i] - rounding_at_end(ray, rays.distance[i]);
     RTCRay query;
     double skipped;
-    if (!(end > 0) || !self.enter(rays[i].ray, end, query, skipped)) continue;
+    if (!(end > 0) || !self.enter(ray, end, query, skipped)) continue;
     if (log_) write_down(query, true, aim, *log_);
     valid[i] = -1;
     packet.org_x[i] = query.org_x, packet.org_y[i] = query.org_y, packet.org_z[i] = query.org_z;
@@ -349,7 +354,7 @@ uint32_t Accelerator::occluded(std::span<const ShadowRay> rays, Aim aim, bool ar
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded16(valid.data(), self.tree_for(aim), &context, &packet);
-  for (size_t i = 0; i < rays.size(); ++i)
+  for (size_t i = 0; i < valid.size(); ++i)
     if (valid[i] && packet.tfar[i] < 0) bits |= 1U << i;
   return bits;
 }

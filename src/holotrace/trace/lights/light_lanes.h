@@ -9,12 +9,12 @@ namespace holotrace {
 /// them. `sample_lights` (trace/paths/diffuse_lanes.h) makes the rest.
 struct LightLanes {
   LaneVectors corner, edge_u, edge_v;  ///< [m]; edge_u × edge_v points to where it shines
-  Lane per_size{};                     ///< 1/|edge_u × edge_v| [1/m²]
-  Lane density{};                      ///< of places on the emitter [1/m²]
-  Lane size{};                         ///< no corner is farther from a place on the emitter [m]
-  Lane two_sided{};                    ///< 1: it shines to both sides; 0: to one
+  Lane per_size;                       ///< 1/|edge_u × edge_v| [1/m²]
+  Lane density;                        ///< of places on the emitter [1/m²]
+  Lane size;                           ///< no corner is farther from a place on the emitter [m]
+  Lane two_sided;                      ///< 1: it shines to both sides; 0: to one
   LaneVectors radiance;                ///< at the lines [W/m²/sr]
-  Lane u{}, v{};                       ///< numbers in [0, 1) that select the place
+  Lane u, v;                           ///< numbers in [0, 1) that select the place
   bool are_triangles = false;          ///< u selects the row, parallel to edge_v − edge_u, of places on a triangle
   bool are_surfaces = true;            ///< rays meet the emitter
   double lift = 0;                     ///< Accelerator::lift_of [m]

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <optional>
 
 #include "holotrace/trace/lights/light.h"
@@ -26,7 +27,7 @@ struct PathVertex {
 
 /// Paths of a block of random numbers (LowDiscrepancy) that have reached diffuse surfaces that only reflect.
 struct DiffusePaths {
-  std::array<uint32_t, most_together> number{};  ///< in the block
+  std::array<uint32_t, most_together> number;  ///< in the block
   DiffuseSurfaces surfaces;
   LaneVectors throughput;  ///< with the reflectance of these surfaces
 
@@ -84,14 +85,10 @@ class DirectLight {
         const LightSample way = sample(at.point.position, numbers.two());
         const auto reflected = reflect(bsdf, at, way, true, 1);
         if (!reflected) continue;
-        waiting.rays[waiting.count] = shadow_ray(at, way, light);
-        waiting.reflected[waiting.count] = *reflected;
-        if (++waiting.count < waiting.rays.size()) continue;
-        add_visible(waiting, light.group);
-        waiting.count = 0;
+        waiting.add(shadow_ray(at, way, light), *reflected);
+        if (waiting.count == most_together) add_visible(waiting, light.group);
       }
       add_visible(waiting, light.group);
-      waiting.count = 0;
     });
     return taken;
   }
@@ -236,6 +233,7 @@ class DirectLight {
     lanes.edge_v.fill(rectangle.edge_v);
     lanes.per_size.fill(1 / length(cross(rectangle.edge_u, rectangle.edge_v)));
     lanes.density = lanes.per_size;
+    lanes.two_sided.fill(0);
     lanes.size.fill(length(rectangle.edge_u) + length(rectangle.edge_v));
     lanes.radiance.fill(rectangle.radiance);
     return lanes;
@@ -272,43 +270,57 @@ class DirectLight {
     if (!diffuse_path_groups_) return;
     LightSamples samples;
     sample_lights(at, lanes, scene_.accelerator.precision().centre, samples);
-    std::array<ShadowRay, most_together> rays;
-    std::array<Vec3, most_together> reflected;
-    size_t count = 0;
+    LaneVectors reflected;
+    uint32_t lit = 0;
     for (size_t i = 0; i < size_t(at.count); ++i) {
-      const Vec3 share = throughput[i] * lanes.radiance[i] * samples.share[i];
-      if (is_black(share)) continue;
-      rays[count] = {{at.start[i], samples.direction[i]}, samples.distance[i]};
-      reflected[count++] = share;
+      const Vec3 light_of_path = throughput[i] * lanes.radiance[i] * samples.share[i];
+      reflected.set(i, light_of_path);
+      lit |= uint32_t(!is_black(light_of_path)) << i;
     }
-    if (count == 0) return;
-    counts_.shadow_rays += int64_t(count);
-    const uint32_t occluded = scene_.accelerator.occluded({rays.data(), count}, Aim::random, are_near);
+    if (!lit) return;
+    counts_.shadow_rays += std::popcount(lit);
+    const RayLanes rays{at.start, samples.direction, samples.distance};
     Vec3 sum;
-    for (size_t i = 0; i < count; ++i)
-      if (!(occluded >> i & 1)) sum += reflected[i];
+    for (uint32_t seen = lit & ~scene_.accelerator.occluded(rays, lit, Aim::random, are_near); seen; seen &= seen - 1)
+      sum += reflected[size_t(std::countr_zero(seen))];
     sink_.add(diffuse_path_groups_, light.group, sum);
   }
 
-  /// Light that can be met, until its shadow rays are traced together.
-  struct Waiting {
-    std::array<ShadowRay, most_together> rays;
-    std::array<Reflected, most_together> reflected;
-    size_t count = 0;
+  struct ShadowRay {
+    Ray ray;
+    double distance = 0;  // [m], may be infinite
   };
 
-  void add_visible(const Waiting& waiting, int group) {
+  /// Light that can be met, until its shadow rays are traced together.
+  struct Waiting {
+    LaneVectors origin, direction, diffuse, glossy;
+    Lane distance;
+    size_t count = 0;
+
+    void add(const ShadowRay& shadow, const Reflected& reflected) {
+      origin.set(count, shadow.ray.origin);
+      direction.set(count, shadow.ray.direction);
+      distance[count] = shadow.distance;
+      diffuse.set(count, reflected.diffuse);
+      glossy.set(count++, reflected.glossy);
+    }
+  };
+
+  /// Adds the light that nothing hides; then none waits.
+  void add_visible(Waiting& waiting, int group) {
     if (waiting.count == 0) return;
     counts_.shadow_rays += int64_t(waiting.count);
-    const uint32_t occluded = scene_.accelerator.occluded({waiting.rays.data(), waiting.count}, Aim::random);
+    const uint32_t asked = (1U << waiting.count) - 1;
+    const RayLanes rays{waiting.origin, waiting.direction, waiting.distance};
     Reflected sum;
-    for (size_t i = 0; i < waiting.count; ++i)
-      if (!(occluded >> i & 1)) {
-        sum.diffuse += waiting.reflected[i].diffuse;
-        sum.glossy += waiting.reflected[i].glossy;
-      }
+    for (uint32_t seen = asked & ~scene_.accelerator.occluded(rays, asked, Aim::random, true); seen; seen &= seen - 1) {
+      const auto i = size_t(std::countr_zero(seen));
+      sum.diffuse += waiting.diffuse[i];
+      sum.glossy += waiting.glossy[i];
+    }
     if (diffuse_path_groups_) sink_.add(diffuse_path_groups_, group, sum.diffuse);
     if (glossy_path_groups_) sink_.add(glossy_path_groups_, group, sum.glossy);
+    waiting.count = 0;
   }
 
   /// From the surface to the light. The surface of a light is moved toward rays (Accelerator::lift_of).

@@ -31,14 +31,18 @@ class GroupWalk {
     static_assert(!Sink::follows_phase, "paths of a group have no phase");
   }
 
-  /// Begins a path of the block, 0 … 15. All paths have the same depth and state.
+  /// Begins a path of the block, 0 … 15. All paths of a group have the same depth, state and aim.
   /// @param common  if lights have been sampled at the start, which is the same for all paths
   void begin(uint32_t path, const PathStart& start, const Common* common = nullptr) {
     common_ = common;
-    state_ = start.state;
-    depth_ = start.depth;
-    aim_ = start.aim;
-    if (walk_.begin(start)) place(path);
+    if (walk_.begin(start)) put_first(path);
+  }
+
+  /// The same at the first surface on a ray of a camera; false if there is none.
+  bool begin(uint32_t path, const Ray& ray) {
+    if (!walk_.find(ray)) return false;
+    if (walk_.begin_here()) put_first(path);
+    return true;
   }
 
   /// Follows all paths that have begun to their ends.
@@ -53,8 +57,15 @@ class GroupWalk {
   }
 
  private:
+  void put_first(uint32_t path) {
+    state_ = walk_.state();
+    depth_ = walk_.depth();
+    aim_ = walk_.aim();
+    put(path);
+  }
+
   /// Puts a path that has reached a surface where it belongs.
-  void place(uint32_t path) {
+  void put(uint32_t path) {
     if (const auto reflectance = diffuse_reflectance(walk_.material(), walk_.point(), scene_.lines))
       return paths_.add(path, walk_.point(), scene_.accelerator.leave(walk_.point(), walk_.point().geometric_normal),
                         walk_.throughput() * *reflectance);
@@ -87,7 +98,7 @@ class GroupWalk {
       const Ray ray{paths_.surfaces.start[i], next.direction[i]};
       // Paths that stay take the places of paths that have left.
       if (walk_.leave_diffuse({state_, depth_, throughput * (1 / goes_on), choice < share}, ray, next.pdf[i]))
-        place(path);
+        put(path);
     }
     state_ = scene_.automaton.step(state_, PathEvent::diffuse);
     aim_ = Aim::random;

@@ -40,6 +40,27 @@ bool fits_groups(const PathParams& params) { return params.clamp <= 0 && !params
 /// The fraction of light of this strength that a clamp keeps.
 double let_through(double light, double clamp) { return light > clamp ? clamp / light : 1; }
 
+/// Follows a path by itself. `begin` begins it, and returns false if it has ended at once.
+template <class Begin>
+void follow_one(const PathScene& scene, LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts,
+                const Begin& begin) {
+  const double clamp = scene.params.clamp;
+  if (clamp <= 0) {
+    RadianceSink sink = make_sink(scene, sums);
+    PathWalk walk(scene, sink, counts);
+    if (begin(walk)) walk.go_on(numbers);
+    return;
+  }
+  std::vector<Vec3> path(sums.size());
+  RadianceSink sink = make_sink(scene, path);
+  PathWalk walk(scene, sink, counts);
+  if (begin(walk)) walk.go_on(numbers);
+  const Vec3 scale{let_through(sink.whole.x, clamp), let_through(sink.whole.y, clamp),
+                   let_through(sink.whole.z, clamp)};
+  counts.clamped += scale != Vec3{1, 1, 1};
+  for (size_t i = 0; i < sums.size(); ++i) sums[i] += path[i] * scale;
+}
+
 }  // namespace
 
 PathCounts& PathCounts::operator+=(const PathCounts& other) {
@@ -76,34 +97,34 @@ void report(const PathCounts& counts, int max_depth, const Observer& observer) {
 
 void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
                   PathCounts& counts) {
-  const double clamp = scene.params.clamp;
-  if (clamp <= 0) {
-    RadianceSink sink = make_sink(scene, sums);
-    PathWalk(scene, sink, counts).follow(start, numbers);
-    return;
-  }
-  std::vector<Vec3> path(sums.size());
-  RadianceSink sink = make_sink(scene, path);
-  PathWalk(scene, sink, counts).follow(start, numbers);
-  const Vec3 scale{let_through(sink.whole.x, clamp), let_through(sink.whole.y, clamp),
-                   let_through(sink.whole.z, clamp)};
-  counts.clamped += scale != Vec3{1, 1, 1};
-  for (size_t i = 0; i < sums.size(); ++i) sums[i] += path[i] * scale;
+  follow_one(scene, numbers, sums, counts, [&](auto& walk) { return walk.begin(start); });
 }
 
-void add_radiance(const PathScene& scene, std::span<const NumberedStart> starts, int dimension, LowDiscrepancy& numbers,
-                  std::span<Vec3> sums, PathCounts& counts) {
+bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& numbers, std::span<Vec3> sums,
+                  PathCounts& counts) {
+  bool has_met = false;
+  follow_one(scene, numbers, sums, counts, [&](auto& walk) {
+    has_met = walk.find(ray);
+    return has_met && walk.begin_here();
+  });
+  return has_met;
+}
+
+uint32_t add_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension, LowDiscrepancy& numbers,
+                      std::span<Vec3> sums, PathCounts& counts) {
+  uint32_t misses = 0;
   if (!fits_groups(scene.params)) {
-    for (const NumberedStart& numbered : starts) {
-      numbers.go_to(numbered.path, dimension);
-      add_radiance(scene, numbered.start, numbers, sums, counts);
+    for (size_t i = 0; i < rays.size(); ++i) {
+      numbers.go_to(rays[i].path, dimension);
+      misses |= uint32_t(!add_radiance(scene, rays[i].ray, numbers, sums, counts)) << i;
     }
-    return;
+    return misses;
   }
   RadianceSink sink = make_sink(scene, sums);
   GroupWalk group(scene, sink, counts, numbers, dimension);
-  for (const NumberedStart& numbered : starts) group.begin(numbered.path, numbered.start);
+  for (size_t i = 0; i < rays.size(); ++i) misses |= uint32_t(!group.begin(rays[i].path, rays[i].ray)) << i;
   group.follow();
+  return misses;
 }
 
 void add_light_on_way(const PathScene& scene, const Ray& ray, double distance, PathAutomaton::State state,

@@ -41,13 +41,28 @@ class PathWalk {
 
   /// Begins a path at its first surface; false if it ends there, at a lamp.
   bool begin(const PathStart& start) {
-    ++counts_.paths;
     set_start(start);
+    if (point_.light < 0)
+      if constexpr (Sink::follows_phase) sink_.start(start);
+    return begin_here();
+  }
+
+  /// Goes to the first surface on a ray of a camera, to begin there; false if there is none.
+  bool find(const Ray& ray) {
+    ++counts_.rays;
+    if (!scene_.accelerator.closest_hit(ray, hit_, Aim::random)) return false;
+    if (point_.light < 0 && material().normal_map) point_ = shading_point(material(), point_);
+    set_first(automaton_.start(), -ray.direction, 1, Aim::random);
+    return true;
+  }
+
+  /// Begins a path at the surface that was found; false if it ends there, at a lamp.
+  bool begin_here() {
+    ++counts_.paths;
     if (point_.light >= 0) {
       add_lamp();
       return false;
     }
-    if constexpr (Sink::follows_phase) sink_.start(start);
     arrive();
     return true;
   }
@@ -68,6 +83,9 @@ class PathWalk {
   const SurfacePoint& point() const { return point_; }
   const Material& material() const { return scene_.scene.materials[size_t(point_.material)]; }
   const Vec3& throughput() const { return throughput_; }
+  PathAutomaton::State state() const { return state_; }
+  int depth() const { return depth_; }
+  Aim aim() const { return aim_; }
 
   /// A path at a diffuse surface from which it goes on.
   struct Leaving {
@@ -128,11 +146,15 @@ class PathWalk {
 
  private:
   void set_start(const PathStart& start) {
-    state_ = start.state;
     point_ = start.point;
-    outgoing_ = start.outgoing;
-    depth_ = start.depth;
-    aim_ = start.aim;
+    set_first(start.state, start.outgoing, start.depth, start.aim);
+  }
+
+  void set_first(PathAutomaton::State state, Vec3 outgoing, int depth, Aim aim) {
+    state_ = state;
+    outgoing_ = outgoing;
+    depth_ = depth;
+    aim_ = aim;
     throughput_ = {1, 1, 1};
     scale_ = 1;
     pdf_ = distance_ = 0;
