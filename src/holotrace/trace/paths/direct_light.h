@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <numeric>
 #include <optional>
 
 #include "holotrace/trace/lights/light.h"
@@ -40,6 +41,18 @@ struct DiffusePaths {
     surfaces.geometric_normal.set(i, point.geometric_normal);
     surfaces.clearance[i] = point.clearance;
     throughput.set(i, reflected);
+  }
+
+  /// Paths 0 … paths − 1, all of them at one place.
+  void fill(int paths, const SurfacePoint& point, Vec3 start, Vec3 reflected) {
+    surfaces.count = paths;
+    std::iota(number.begin(), number.end(), 0U);
+    surfaces.position.fill(point.position);
+    surfaces.start.fill(start);
+    surfaces.normal.fill(point.normal);
+    surfaces.geometric_normal.fill(point.geometric_normal);
+    surfaces.clearance.fill(point.clearance);
+    throughput.fill(reflected);
   }
 };
 
@@ -253,7 +266,7 @@ class DirectLight {
                     const PathsAtDimension& numbered, const LowDiscrepancy& numbers) {
     DiffusePaths together;
     const Vec3 start = scene_.accelerator.leave(at.point, at.point.geometric_normal);
-    for (uint32_t i = 0; i < most_together; ++i) together.add(i, at.point, start, at.throughput * bsdf.reflectance);
+    together.fill(most_together, at.point, start, at.throughput * bsdf.reflectance);
     LightLanes lanes = lanes_of(light);
     for (int first = 0; first < numbered.paths; first += most_together) {
       const LowDiscrepancy::Block places = numbers.two_of_block(uint32_t(first / most_together), numbered.dimension);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -31,18 +32,27 @@ class GroupWalk {
     static_assert(!Sink::follows_phase, "paths of a group have no phase");
   }
 
-  /// Begins a path of the block, 0 … 15. All paths of a group have the same depth, state and aim.
-  /// @param common  if lights have been sampled at the start, which is the same for all paths
-  void begin(uint32_t path, const PathStart& start, const Common* common = nullptr) {
-    common_ = common;
-    if (walk_.begin(start)) put_first(path);
-  }
-
-  /// The same at the first surface on a ray of a camera; false if there is none.
+  /// Begins a path of the block, 0 … 15, at the first surface on a ray of a camera; false if there is none.
   bool begin(uint32_t path, const Ray& ray) {
     if (!walk_.find(ray)) return false;
-    if (walk_.begin_here()) put_first(path);
+    if (!walk_.begin_here()) return true;
+    set_first();
+    put(path);
     return true;
+  }
+
+  /// Begins paths 0 … count − 1 of the block at a surface without a lamp. Lights have been sampled there.
+  void begin(const PathStart& start, const Common& common, int count) {
+    walk_.begin(start, count);
+    set_first();
+    common_ = &common;
+    if (const auto reflectance = reflectance_here())
+      paths_.fill(count, start.point, start_here(), *reflectance);
+    else
+      for (int path = 0; path < count; ++path) {
+        walk_.set_start(start);
+        follow_alone(uint32_t(path));
+      }
   }
 
   /// Follows all paths that have begun to their ends.
@@ -57,18 +67,26 @@ class GroupWalk {
   }
 
  private:
-  void put_first(uint32_t path) {
+  void set_first() {
     state_ = walk_.state();
     depth_ = walk_.depth();
     aim_ = walk_.aim();
-    put(path);
   }
+
+  std::optional<Vec3> reflectance_here() const {
+    return diffuse_reflectance(walk_.material(), walk_.point(), scene_.lines);
+  }
+  Vec3 start_here() const { return scene_.accelerator.leave(walk_.point(), walk_.point().geometric_normal); }
 
   /// Puts a path that has reached a surface where it belongs.
   void put(uint32_t path) {
-    if (const auto reflectance = diffuse_reflectance(walk_.material(), walk_.point(), scene_.lines))
-      return paths_.add(path, walk_.point(), scene_.accelerator.leave(walk_.point(), walk_.point().geometric_normal),
-                        walk_.throughput() * *reflectance);
+    if (const auto reflectance = reflectance_here())
+      paths_.add(path, walk_.point(), start_here(), walk_.throughput() * *reflectance);
+    else
+      follow_alone(path);
+  }
+
+  void follow_alone(uint32_t path) {
     numbers_.go_to(path, dimension_);
     walk_.set_common(common_);
     walk_.go_on(numbers_);
@@ -76,7 +94,11 @@ class GroupWalk {
 
   /// Draws how the paths go on, and lets them.
   void scatter() {
-    const LowDiscrepancy::Block choices = numbers_.of_block(dimension_), places = numbers_.of_block(dimension_ + 1);
+    // For roulette, and for paths that count as cut after the last surface.
+    const bool needs_choices = depth_ >= std::min(scene_.params.roulette_depth, scene_.params.max_depth);
+    LowDiscrepancy::Block choices;
+    if (needs_choices) choices = numbers_.of_block(dimension_);
+    const LowDiscrepancy::Block& places = numbers_.of_block(dimension_ + 1);
     dimension_ += 2;
     common_ = nullptr;
     const int count = paths_.surfaces.count;
@@ -88,7 +110,7 @@ class GroupWalk {
     for (size_t i = 0; i < size_t(count); ++i) {
       const uint32_t path = paths_.number[i];
       const Vec3 throughput = paths_.throughput[i];
-      const double choice = choices.y[path] * 0x1p-32;
+      const double choice = needs_choices ? choices.y[path] * 0x1p-32 : 0;
       const double share = next.pdf[i] > 0 ? std::min(1.0, max_component(throughput)) : 0;
       const double goes_on = depth_ >= scene_.params.roulette_depth || share == 0 ? share : 1;
       if (!(choice < goes_on)) {

@@ -145,8 +145,7 @@ void mean_radiance(const PathScene& scene, const PathStart& start, int paths, ui
     for (int first = 0; first < paths; first += most_together) {
       numbers.start(uint32_t(first));
       GroupWalk group(scene, sink, counts, numbers, 0);
-      for (int path = 0; path < std::min(most_together, paths - first); ++path)
-        group.begin(uint32_t(path), start, &common);
+      group.begin(start, common, std::min(most_together, paths - first));
       group.follow();
     }
   } else {

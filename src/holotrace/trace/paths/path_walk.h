@@ -40,11 +40,18 @@ class PathWalk {
   }
 
   /// Begins a path at its first surface; false if it ends there, at a lamp.
-  bool begin(const PathStart& start) {
+  /// @param count  of paths that begin there: counts and light of the start are those of all
+  bool begin(const PathStart& start, int count = 1) {
     set_start(start);
     if (point_.light < 0)
       if constexpr (Sink::follows_phase) sink_.start(start);
-    return begin_here();
+    return begin_here(count);
+  }
+
+  /// Goes back to the start: the next path begins there, which `begin` has counted.
+  void set_start(const PathStart& start) {
+    point_ = start.point;
+    set_first(start.state, start.outgoing, start.depth, start.aim);
   }
 
   /// Goes to the first surface on a ray of a camera, to begin there; false if there is none.
@@ -57,14 +64,15 @@ class PathWalk {
   }
 
   /// Begins a path at the surface that was found; false if it ends there, at a lamp.
-  bool begin_here() {
-    ++counts_.paths;
-    if (point_.light >= 0) {
-      add_lamp();
-      return false;
-    }
-    arrive();
-    return true;
+  bool begin_here(int count = 1) {
+    counts_.paths += count;
+    throughput_ *= count;
+    if (point_.light >= 0)
+      add_lamp(count);
+    else
+      arrive(count);
+    throughput_ = {1, 1, 1};
+    return point_.light < 0;
   }
 
   /// Follows the path from the surface that it has reached to its end.
@@ -145,11 +153,6 @@ class PathWalk {
   }
 
  private:
-  void set_start(const PathStart& start) {
-    point_ = start.point;
-    set_first(start.state, start.outgoing, start.depth, start.aim);
-  }
-
   void set_first(PathAutomaton::State state, Vec3 outgoing, int depth, Aim aim) {
     state_ = state;
     outgoing_ = outgoing;
@@ -162,8 +165,8 @@ class PathWalk {
   }
 
   /// Counts the surface that the path has reached, and adds what it emits.
-  void arrive() {
-    ++counts_.vertices;
+  void arrive(int count = 1) {
+    counts_.vertices += count;
     if (emitters_.is_emissive(point_.material)) add_emission(material());
   }
 
@@ -189,8 +192,8 @@ class PathWalk {
 
   /// Adds the light of a visible rectangle at whose surface the path ends. As for other lights, its surface does not
   /// count for max_depth.
-  void add_lamp() {
-    ++counts_.absorbed;
+  void add_lamp(int count = 1) {
+    counts_.absorbed += count;
     const uint32_t path_groups = automaton_.accepted(state_);
     if (!path_groups || !point_.is_front) return;
     const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(point_.light)]);
