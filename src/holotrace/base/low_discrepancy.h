@@ -163,8 +163,8 @@ class LowDiscrepancy {
   int dimension_ = 0;
   bool has_started_ = false, has_block_ = false;  // a path; an earlier path of this block
 
-  static constexpr int most_kept = 32;  // dimensions: those of a path of ten surfaces
-  uint32_t kept_ = 0;                   // bits: dimensions whose numbers are in blocks_
+  static constexpr int most_kept = 32;       // dimensions: those of a path of ten surfaces
+  uint32_t kept_ = 0;                        // bits: dimensions whose numbers are in blocks_
   std::array<Block, most_kept + 1> blocks_;  // the last: of a dimension that is not kept
 };
 

@@ -78,7 +78,8 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, co
       const auto ray = eye.ray(column + place.x, row + place.y, eye.needs_lens_place() ? numbers.two() : Vec2{});
       if (ray) rays[count++] = {*ray, uint32_t(path)};
     }
-    sum += radiance_along(scene, {rays.data(), count}, params.has_background, numbers.dimension(), numbers, sums, counts);
+    sum +=
+        radiance_along(scene, {rays.data(), count}, params.has_background, numbers.dimension(), numbers, sums, counts);
   }
   return sum / params.paths;
 }

@@ -110,7 +110,7 @@ const EmissiveTriangles::Triangle& EmissiveTriangles::selected_by(double u) cons
   return triangles_[selected];
 }
 
-void EmissiveTriangles::put(Vec2 u, size_t i, LightLanes& lanes) const {
+void EmissiveTriangles::select(Vec2 u, size_t i, LightLanes& lanes, PlaceLanes& places) const {
   const Triangle& triangle = selected_by(u.x);
   const int material = scene_.meshes[triangle.mesh].material;
   lanes.corner.set(i, triangle.corner);
@@ -121,13 +121,13 @@ void EmissiveTriangles::put(Vec2 u, size_t i, LightLanes& lanes) const {
   lanes.size[i] = triangle.longest;
   lanes.two_sided[i] = scene_.materials[size_t(material)].two_sided;
   lanes.radiance.set(i, radiances_[size_t(material)]);
-  lanes.u[i] = place_in(triangle, u.x);
-  lanes.v[i] = u.y;
+  places.set(i, {place_in(triangle, u.x), u.y});
 }
 
 LightSample EmissiveTriangles::sample(Vec3 from, Vec2 u) const {
   const Triangle& triangle = selected_by(u.x);
-  const double root = std::sqrt(place_in(triangle, u.x)), b1 = root * (1 - u.y), b2 = root * u.y;  // uniform over the triangle
+  const double root = std::sqrt(place_in(triangle, u.x)), b1 = root * (1 - u.y),
+               b2 = root * u.y;  // uniform over the triangle
   const Vec3 way = triangle.corner + triangle.edge_u * b1 + triangle.edge_v * b2 - from;
   const double projected = dot(cross(triangle.edge_u, triangle.edge_v), way);  // 2A·cosθ'·d, below 0 in front
   if (projected == 0) return {};  // the point is on the surface or in its plane

@@ -34,8 +34,8 @@ class EmissiveTriangles {
   /// Whether the radiance of each triangle is even: no emission has a texture.
   bool are_even() const { return !has_texture_; }
 
-  /// Sets lane i of samples as `sample` makes them, if the triangles are even.
-  void put(Vec2 u, size_t i, LightLanes& lanes) const;
+  /// Selects a triangle for path i, and a place on it, as `sample` does, if the triangles are even.
+  void select(Vec2 u, size_t i, LightLanes& lanes, PlaceLanes& places) const;
 
   /// Density over solid angle [1/sr] with which `sample` draws a place that a ray has met, for its distance [m] and
   /// |cosθ'| to the surface normal.

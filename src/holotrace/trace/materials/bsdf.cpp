@@ -83,8 +83,7 @@ std::optional<Vec3> diffuse_reflectance(const Material& material, const SurfaceP
 }
 
 Bsdf make_bsdf(const Material& material, const SurfacePoint& point, const Lines& lines) {
-  if (is_black_back(material, point))
-    return DiffuseBsdf{point.normal, point.geometric_normal, {}, {}};
+  if (is_black_back(material, point)) return DiffuseBsdf{point.normal, point.geometric_normal, {}, {}};
   return std::visit([&](const auto& surface) { return make(surface, point, lines); }, material.surface);
 }
 

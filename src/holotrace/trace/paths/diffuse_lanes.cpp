@@ -66,13 +66,14 @@ HWY_INLINE V fractions(const uint32_t* bits) {
   return hn::MulAdd(hn::PromoteTo(d, shifted), hn::Set(d, 0x1p-32), hn::Set(d, 0.5));
 }
 
-void sample_lights(const DiffuseSurfaces& at, const LightLanes& light, Vec3 middle, LightSamples* samples) {
+void sample_lights(const DiffuseSurfaces& at, const LightLanes& light, const PlaceLanes& places, Vec3 middle,
+                   LightSamples* samples) {
   const Doubles d;
   const V zero = hn::Zero(d), one = set(1);
   const Vectors centre = set(middle);
   for (size_t i = 0; i < size_t(at.count); i += hn::Lanes(d)) {
     const Vectors edge_u = load(light.edge_u, i), edge_v = load(light.edge_v, i);
-    V s = load(light.u, i), t = load(light.v, i);
+    V s = load(places.u, i), t = load(places.v, i);
     if (light.are_triangles) {  // uniform over the triangle
       const V root = hn::Sqrt(s);
       s = hn::NegMulAdd(root, t, root);
@@ -161,8 +162,9 @@ namespace holotrace {
 HWY_EXPORT(sample_lights);
 HWY_EXPORT(sample_directions);
 
-void sample_lights(const DiffuseSurfaces& at, const LightLanes& light, Vec3 centre, LightSamples& samples) {
-  HWY_DYNAMIC_DISPATCH(sample_lights)(at, light, centre, &samples);
+void sample_lights(const DiffuseSurfaces& at, const LightLanes& light, const PlaceLanes& places, Vec3 centre,
+                   LightSamples& samples) {
+  HWY_DYNAMIC_DISPATCH(sample_lights)(at, light, places, centre, &samples);
 }
 
 void sample_directions(const DiffuseSurfaces& at, const uint32_t* u, const uint32_t* v, DiffuseSamples& samples) {

@@ -122,11 +122,7 @@ class DirectLight {
         const uint32_t path = paths.number[i];
         return light.is_shared ? Vec2{places.x[path] * 0x1p-32, places.y[path] * 0x1p-32} : Vec2{};
       };
-      if (fits_lanes(light)) {
-        LightLanes lanes = lanes_of(light);
-        for (size_t i = 0; i < size_t(surfaces.count); ++i) put(light, place_of(i), i, lanes);
-        return add_lanes(surfaces, paths.throughput, light, lanes, depth == 1);
-      }
+      if (fits_lanes(light)) return add_lanes(paths, light, place_of, depth == 1);
       for (size_t i = 0; i < size_t(surfaces.count); ++i) {
         SurfacePoint point;
         point.position = surfaces.position[i];
@@ -233,30 +229,6 @@ class DirectLight {
     return light.light ? light.is_shared : light.group == emitters.mesh_group() && emitters.triangles().are_even();
   }
 
-  /// What all samples of such a light have in common.
-  LightLanes lanes_of(const SampledLight& light) const {
-    LightLanes lanes;
-    lanes.are_triangles = !light.light;
-    if (!light.light) return lanes;
-    const auto& rectangle = std::get<RectangleLight>(*light.light);
-    lanes.are_surfaces = rectangle.is_visible;
-    lanes.lift = scene_.accelerator.lift_of(light.group);
-    lanes.corner.fill(rectangle.corner);
-    lanes.edge_u.fill(rectangle.edge_u);
-    lanes.edge_v.fill(rectangle.edge_v);
-    lanes.per_size.fill(1 / length(cross(rectangle.edge_u, rectangle.edge_v)));
-    lanes.density = lanes.per_size;
-    lanes.two_sided.fill(0);
-    lanes.size.fill(length(rectangle.edge_u) + length(rectangle.edge_v));
-    lanes.radiance.fill(rectangle.radiance);
-    return lanes;
-  }
-
-  void put(const SampledLight& light, Vec2 u, size_t i, LightLanes& lanes) const {
-    if (!light.light) return scene_.emitters.triangles().put(u, i, lanes);
-    lanes.u[i] = u.x, lanes.v[i] = u.y;
-  }
-
   struct PathsAtDimension {
     int paths, dimension;
   };
@@ -267,26 +239,39 @@ class DirectLight {
     DiffusePaths together;
     const Vec3 start = scene_.accelerator.leave(at.point, at.point.geometric_normal);
     together.fill(most_together, at.point, start, at.throughput * bsdf.reflectance);
-    LightLanes lanes = lanes_of(light);
     for (int first = 0; first < numbered.paths; first += most_together) {
       const LowDiscrepancy::Block places = numbers.two_of_block(uint32_t(first / most_together), numbered.dimension);
       together.surfaces.count = std::min(most_together, numbered.paths - first);
-      for (size_t i = 0; i < size_t(together.surfaces.count); ++i)
-        put(light, {places.x[i] * 0x1p-32, places.y[i] * 0x1p-32}, i, lanes);
-      add_lanes(together.surfaces, together.throughput, light, lanes, true);
+      const auto place_of = [&](size_t i) { return Vec2{places.x[i] * 0x1p-32, places.y[i] * 0x1p-32}; };
+      add_lanes(together, light, place_of, true);
     }
   }
 
-  /// Adds the light of samples in lanes to what the surfaces reflect of it, if nothing hides it.
-  void add_lanes(const DiffuseSurfaces& at, const LaneVectors& throughput, const SampledLight& light,
-                 const LightLanes& lanes, bool are_near) {
+  /// Adds what the surfaces reflect of such a light. Path i samples it by the numbers place_of(i).
+  template <class PlaceOf>
+  void add_lanes(const DiffusePaths& paths, const SampledLight& light, const PlaceOf& place_of, bool are_near) {
     if (!diffuse_path_groups_) return;
+    const auto count = size_t(paths.surfaces.count);
+    PlaceLanes places;
+    if (light.light) {
+      for (size_t i = 0; i < count; ++i) places.set(i, place_of(i));
+      return add_lanes(paths, light, scene_.rectangles[size_t(light.group)], places, are_near);
+    }
+    LightLanes triangles;
+    triangles.are_triangles = true;
+    for (size_t i = 0; i < count; ++i) scene_.emitters.triangles().select(place_of(i), i, triangles, places);
+    add_lanes(paths, light, triangles, places, are_near);
+  }
+
+  void add_lanes(const DiffusePaths& paths, const SampledLight& light, const LightLanes& lanes,
+                 const PlaceLanes& places, bool are_near) {
+    const DiffuseSurfaces& at = paths.surfaces;
     LightSamples samples;
-    sample_lights(at, lanes, scene_.accelerator.precision().centre, samples);
+    sample_lights(at, lanes, places, scene_.accelerator.precision().centre, samples);
     LaneVectors reflected;
     uint32_t lit = 0;
     for (size_t i = 0; i < size_t(at.count); ++i) {
-      const Vec3 light_of_path = throughput[i] * lanes.radiance[i] * samples.share[i];
+      const Vec3 light_of_path = paths.throughput[i] * lanes.radiance[i] * samples.share[i];
       reflected.set(i, light_of_path);
       lit |= uint32_t(!is_black(light_of_path)) << i;
     }

@@ -65,10 +65,10 @@ class Permutation {
 };
 
 /// Taylor series of cos x and sin(x)/x in −x², up to 2e-15 at an eighth of a turn.
-inline constexpr std::array<double, 8> cosine_terms{
-    1, 1 / 2., 1 / 24., 1 / 720., 1 / 40320., 1 / 3628800., 1 / 479001600., 1 / 87178291200.};
-inline constexpr std::array<double, 8> sine_terms{
-    1, 1 / 6., 1 / 120., 1 / 5040., 1 / 362880., 1 / 39916800., 1 / 6227020800., 1 / 1307674368000.};
+inline constexpr std::array<double, 8> cosine_terms{1,          1 / 2.,       1 / 24.,        1 / 720.,
+                                                    1 / 40320., 1 / 3628800., 1 / 479001600., 1 / 87178291200.};
+inline constexpr std::array<double, 8> sine_terms{1,           1 / 6.,        1 / 120.,        1 / 5040.,
+                                                  1 / 362880., 1 / 39916800., 1 / 6227020800., 1 / 1307674368000.};
 
 inline double series(const std::array<double, 8>& terms, double y) {
   double sum = terms.back();
