@@ -172,7 +172,7 @@ TEST(Accelerator, RaysAskedTogetherAreOccludedAsSingleOnes) {
     const Accelerator accelerator(scene, kind);
     CounterRandom random(2, 0, 0);
     int hidden = 0, seen = 0;
-    for (int trial = 0; trial < 300; ++trial) {
+    for (int trial = 0; trial < 600; ++trial) {
       // Some start in front of everything, outside the sphere around the scene; some inside the round mesh.
       LaneVectors origin, direction;
       Lane distance;

@@ -132,7 +132,9 @@ TEST(DiffuseLanes, OfEmissiveTrianglesAreThoseOfSinglePathsOnEveryInstructionSet
         SCOPED_TRACE(name + ", trial " + std::to_string(trial));
         const LightSample way = lamps.sample(at.position[i], u[i]);
         expect_same(samples, i, finish_one(at, i, way, 0, centre), found);
-        if (way.radiance.x > 0) EXPECT_EQ(lanes.radiance[i], way.radiance);
+        if (way.radiance.x > 0) {
+          EXPECT_EQ(lanes.radiance[i], way.radiance);
+        }
       }
     }
     EXPECT_GT(found.lit, 300);
@@ -161,7 +163,9 @@ TEST(DiffuseLanes, DirectionsAreThoseOfSinglePathsOnEveryInstructionSet) {
         ++(one ? outside : inside);
         // Rounding of a few products of numbers up to 1.
         ASSERT_NEAR(samples.pdf[i], one ? one->pdf : 0, 2e-15) << name << ", trial " << trial;
-        if (one) ASSERT_LT(length(samples.direction[i] - one->direction), 4e-15);
+        if (one) {
+          ASSERT_LT(length(samples.direction[i] - one->direction), 4e-15);
+        }
       }
     }
     EXPECT_GT(outside, 300);
