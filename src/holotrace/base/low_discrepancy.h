@@ -55,6 +55,12 @@ class LowDiscrepancy {
     kept_ = 0;
   }
 
+  /// Goes to a path of the current path's block, 0 … 15, and to a dimension of it.
+  void go_to(uint32_t path_of_block, int dimension) {
+    start(block_ << 4 | path_of_block);
+    dimension_ = dimension;
+  }
+
   /// Leaves out the next dimensions; each one() and each two() is one.
   void skip(int dimensions) { dimension_ += dimensions; }
 
@@ -84,6 +90,19 @@ class LowDiscrepancy {
     std::array<uint32_t, 16> x, y;
   };
 
+  /// Number of dimensions that the current path has taken.
+  int dimension() const { return dimension_; }
+
+  /// The numbers of a dimension for all paths of the current path's block, until the next call.
+  const Block& of_block(int dimension) {
+    const bool is_kept = dimension < most_kept;
+    Block& numbers = blocks_[size_t(is_kept ? dimension : most_kept)];
+    if (is_kept && (kept_ >> dimension & 1)) return numbers;
+    fill(seeds_of(block_, dimension), numbers);
+    if (is_kept) kept_ |= 1U << dimension;
+    return numbers;
+  }
+
   /// What start(16·block + i), skip(dimension) and two() give for i = 0 … 15.
   Block two_of_block(uint32_t block, int dimension) const {
     Block numbers;
@@ -111,11 +130,7 @@ class LowDiscrepancy {
 
   /// The numbers of this dimension for all paths of the block; none at the block's first path.
   const Block* kept_block(int dimension) {
-    if (!has_block_ || dimension >= most_kept) return nullptr;
-    Block& numbers = blocks_[size_t(dimension)];
-    if (!(kept_ >> dimension & 1)) fill(seeds_of(block_, dimension), numbers);
-    kept_ |= 1U << dimension;
-    return &numbers;
+    return has_block_ && dimension < most_kept ? &of_block(dimension) : nullptr;
   }
 
   Seeds seeds_of(uint32_t block, int dimension) const {
@@ -148,9 +163,9 @@ class LowDiscrepancy {
   int dimension_ = 0;
   bool has_started_ = false, has_block_ = false;  // a path; an earlier path of this block
 
-  static constexpr int most_kept = 32;  // dimensions: those of a path of ten surfaces
-  uint32_t kept_ = 0;                   // bits: dimensions whose numbers are in blocks_
-  std::array<Block, most_kept> blocks_;
+  static constexpr int most_kept = 32;       // dimensions: those of a path of ten surfaces
+  uint32_t kept_ = 0;                        // bits: dimensions whose numbers are in blocks_
+  std::array<Block, most_kept + 1> blocks_;  // the last: of a dimension that is not kept
 };
 
 inline constexpr std::array<uint64_t, 128> LowDiscrepancy::orders = make_orders();

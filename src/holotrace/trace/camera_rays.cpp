@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "holotrace/data/point_strength.h"
-#include "holotrace/trace/materials/bsdf.h"
 
 namespace holotrace {
 
@@ -18,23 +17,35 @@ PathScene make_path_scene(const Scene& scene, const RenderParams& params) {
   return PathScene(scene, Lines{}, params.path_expressions, path_params);
 }
 
+namespace {
+
+Vec3 background_along(const PathScene& scene, const Ray& ray) {
+  const int seen_path_groups = std::popcount(scene.automaton.accepted(scene.automaton.start()));
+  return scene.emitters.background(ray.direction) * seen_path_groups;
+}
+
+Vec3 sum_of(std::span<const Vec3> sums) {
+  Vec3 sum;
+  for (const Vec3& of_group : sums) sum += of_group;
+  return sum;
+}
+
+}  // namespace
+
 Vec3 radiance_along(const PathScene& scene, const Ray& ray, bool has_background, LowDiscrepancy& numbers,
                     std::span<Vec3> sums, PathCounts& counts) {
-  ++counts.rays;
-  Hit hit;
-  if (!scene.accelerator.closest_hit(ray, hit, Aim::random)) {
-    if (!has_background) return {};
-    const int seen_path_groups = std::popcount(scene.automaton.accepted(scene.automaton.start()));
-    return scene.emitters.background(ray.direction) * seen_path_groups;
-  }
-  const Material& material = material_at(scene.scene, hit.point);
-  PathStart start{material.normal_map ? shading_point(material, hit.point) : hit.point, -ray.direction,
-                  scene.automaton.start()};
-  start.aim = Aim::random;
   std::fill(sums.begin(), sums.end(), Vec3{});
-  add_radiance(scene, start, numbers, sums, counts);
-  Vec3 sum;
-  for (const Vec3 of_group : sums) sum += of_group;
+  if (add_radiance(scene, ray, numbers, sums, counts)) return sum_of(sums);
+  return has_background ? background_along(scene, ray) : Vec3{};
+}
+
+Vec3 radiance_along(const PathScene& scene, std::span<const NumberedRay> rays, bool has_background, int dimension,
+                    LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts) {
+  std::fill(sums.begin(), sums.end(), Vec3{});
+  uint32_t misses = add_radiance(scene, rays, dimension, numbers, sums, counts);
+  Vec3 sum = sum_of(sums);
+  for (; has_background && misses; misses &= misses - 1)
+    sum += background_along(scene, rays[size_t(std::countr_zero(misses))].ray);
   return sum;
 }
 

@@ -1,6 +1,7 @@
 #include "holotrace/trace/render.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <optional>
@@ -68,11 +69,17 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, co
   const auto [row, column] = pixel;
   LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(eye.columns) + uint64_t(column));
   Vec3 sum;
-  for (int path = 0; path < params.paths; ++path) {
-    numbers.start(uint32_t(path));
-    const Vec2 place = numbers.two();
-    const auto ray = eye.ray(column + place.x, row + place.y, eye.needs_lens_place() ? numbers.two() : Vec2{});
-    if (ray) sum += radiance_along(scene, *ray, params.has_background, numbers, sums, counts);
+  std::array<NumberedRay, most_together> rays;
+  for (int first = 0; first < params.paths; first += most_together) {
+    size_t count = 0;
+    for (int path = 0; path < std::min(most_together, params.paths - first); ++path) {
+      numbers.start(uint32_t(first + path));
+      const Vec2 place = numbers.two();
+      const auto ray = eye.ray(column + place.x, row + place.y, eye.needs_lens_place() ? numbers.two() : Vec2{});
+      if (ray) rays[count++] = {*ray, uint32_t(path)};
+    }
+    sum +=
+        radiance_along(scene, {rays.data(), count}, params.has_background, numbers.dimension(), numbers, sums, counts);
   }
   return sum / params.paths;
 }

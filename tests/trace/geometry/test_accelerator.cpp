@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <memory>
 
 #include "holotrace/base/random.h"
 #include "holotrace/trace/geometry/accelerator.h"
@@ -53,7 +56,9 @@ TEST(Accelerator, TrianglesWithoutAreaAreNotMet) {
 
 TEST(Accelerator, InterpolatesNormalsAndTextureCoordinatesAndTurnsNormalsToTheViewer) {
   Scene scene;
-  scene.materials = {grey(0.5)};
+  auto texture = std::make_shared<Image>(1, 1, 3);
+  texture->values = {1, 1, 1};
+  scene.materials = {DiffuseMaterial{.reflectance = {0.5, 0.5, 0.5}, .texture = texture}};
   Mesh quad = make_wall(-0.3, 10_mm, 10_mm);
   const Vec3 left = normalize({-1, 0, 1}), right = normalize({1, 0, 1});
   quad.normals = {left, right, right, left};
@@ -156,6 +161,40 @@ TEST(Accelerator, NoRayAimedAtAnEdgeAndFewRandomRaysPassBetweenTriangles) {
     passed += !accelerator.closest_hit(ray, Aim::random) || !accelerator.is_occluded(ray, 1, Aim::random);
   }
   EXPECT_LE(passed, 10);
+}
+
+TEST(Accelerator, RaysAskedTogetherAreOccludedAsSingleOnes) {
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.meshes = {make_round_mesh({0, 0, -0.3}, 20_mm, 12), make_wall(-0.35, 10_mm, 10_mm)};
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const Acceleration kind : {Acceleration::embree, Acceleration::grid}) {
+    const Accelerator accelerator(scene, kind);
+    CounterRandom random(2, 0, 0);
+    int hidden = 0, seen = 0;
+    for (int trial = 0; trial < 600; ++trial) {
+      // Some start in front of everything, outside the sphere around the scene; some inside the round mesh.
+      LaneVectors origin, direction;
+      Lane distance;
+      const auto number = [&] { return 2 * random.uniform() - 1; };
+      for (size_t i = 0; i < most_together; ++i) {
+        const double x = number(), y = number(), z = number();
+        origin.set(i, Vec3{x, y, i % 2 ? z : 0} * 30_mm - Vec3{0, 0, i % 2 ? 0.32 : 0});
+        direction.set(i, normalize(Vec3{number() * 0.2, number() * 0.2, i % 2 ? number() : -1}));
+        distance[i] = i % 3 == 0 ? infinity : i % 3 == 1 ? random.uniform() * 0.4 : 1e-9;
+      }
+      const auto asked = uint32_t(random.uniform() * 0x1p16);
+      uint32_t expected = 0;
+      for (size_t i = 0; i < most_together; ++i)
+        if (asked >> i & 1)
+          expected |= uint32_t(accelerator.is_occluded({origin[i], direction[i]}, distance[i], Aim::random)) << i;
+      for (const bool are_near : {true, false})
+        EXPECT_EQ(accelerator.occluded({origin, direction, distance}, asked, Aim::random, are_near), expected);
+      hidden += std::popcount(expected), seen += std::popcount(asked & ~expected);
+    }
+    EXPECT_GT(hidden, 300);
+    EXPECT_GT(seen, 300);
+  }
 }
 
 TEST(Accelerator, RandomRaysMeetTheSameSurfacesAsAimedOnes) {

@@ -88,6 +88,59 @@ TEST(DirectLight, OfManyPathsIsTheirSumBehindAPane) {
   expect_sum_of_paths(scene, {.max_depth = 5});
 }
 
+// Paths of a camera, which are followed together, against the same paths one by one. The room has a mirror, and a lamp in the
+// picture; some rays pass it. Thirteen paths, so that lanes are empty.
+TEST(DirectLight, OfACamerasPathsIsThatOfThePathsOneByOne) {
+  for (const int roulette_depth : {1, 4})
+    for (const bool is_lit_beyond : {false, true}) {
+      Scene scene = make_room(grey(0.6), true);
+      scene.materials[0].two_sided = false;
+      scene.materials.push_back({ConductorMaterial{}});
+      std::get<ConductorMaterial>(scene.materials[3].surface).roughness = 0;
+      scene.meshes.push_back(make_test_quad({-5_mm, -5_mm, -0.295}, {3_mm, 0, 1_mm}, {0, 3_mm, 0}, 3));
+      if (is_lit_beyond) scene.background = {0.1, 0.2, 0.3};
+      const PathScene path_scene(scene, Lines{}, {"E.*L", "EDDL"},
+                                 {.max_depth = 5, .roulette_depth = roulette_depth, .separate_lights = true});
+      CounterRandom random(9, 0, 0);
+      PathCounts counts, single;
+      uint32_t missed = 0;
+      double brightest = 0;
+      for (uint64_t pixel = 0; pixel < 200; ++pixel) {
+        std::vector<NumberedRay> rays;
+        for (uint32_t path = 2; path < 15; ++path) {
+          const double x = 24_mm * (random.uniform() - 0.5), y = 24_mm * (random.uniform() - 0.5);
+          rays.push_back({{{0, 0, -0.1}, normalize({x, y, -0.2})}, path});
+        }
+        std::vector<Vec3> together(size_t(path_scene.sums())), sums(together.size());
+        LowDiscrepancy numbers(1, 0, pixel), same(1, 0, pixel);
+        numbers.start(16);
+        same.start(16);
+        const uint32_t misses = add_radiance(path_scene, rays, 1, numbers, together, counts);
+        for (size_t i = 0; i < rays.size(); ++i) {
+          same.start(16 + rays[i].path);
+          same.skip(1);
+          EXPECT_EQ(!add_radiance(path_scene, rays[i].ray, same, sums, single), bool(misses >> i & 1));
+        }
+        missed += misses != 0;
+        for (size_t i = 0; i < sums.size(); ++i) {
+          const double tolerance = 1e-11 * (sums[i].x + sums[i].y + sums[i].z);  // as above
+          EXPECT_LE(length(together[i] - sums[i]), tolerance) << "sum " << i << ", pixel " << pixel;
+          brightest = std::max(brightest, sums[i].x);
+        }
+      }
+      EXPECT_GT(brightest, 0);
+      EXPECT_GT(missed, 0U);
+      EXPECT_EQ(counts.paths, single.paths);
+      EXPECT_EQ(counts.rays, single.rays);
+      EXPECT_EQ(counts.vertices, single.vertices);
+      EXPECT_EQ(counts.shadow_rays, single.shadow_rays);
+      EXPECT_EQ(counts.absorbed, single.absorbed);
+      EXPECT_EQ(counts.escaped, single.escaped);
+      EXPECT_EQ(counts.cut, single.cut);
+      EXPECT_EQ(counts.left_out, single.left_out);
+    }
+}
+
 // A point light lies in one direction: one shadow ray tells for all paths.
 TEST(DirectLight, OfAPointLightTakesOneShadowRay) {
   Scene scene;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -46,6 +48,8 @@ struct TrianglePlane {
   float clearance = 0;  // SurfacePoint::clearance [m]
 };
 
+constexpr int64_t block_of_triangles = 4096;  // of a thread
+
 std::vector<TrianglePlane> planes_of(const Mesh& mesh, const ScenePrecision& precision) {
   std::vector<TrianglePlane> planes(mesh.triangles.size());
   const auto make = [&](int64_t t) {
@@ -54,17 +58,21 @@ std::vector<TrianglePlane> planes_of(const Mesh& mesh, const ScenePrecision& pre
     const Vec3 normal = normalize(cross(corners[1] - corners[0], corners[2] - corners[0]));
     planes[size_t(t)] = {normal, dot(normal, corners[0] - precision.centre), float(precision.clearance_of(corners))};
   };
-  parallel_for(0, int64_t(planes.size()), make, {}, 4096);
+  parallel_for(0, int64_t(planes.size()), make, {}, block_of_triangles);
   return planes;
 }
 
 /// Whether any normal of a vertex differs from the plane of its triangle. Many files have normals for flat meshes, too.
 bool has_own_normals(const Mesh& mesh, const std::vector<TrianglePlane>& planes) {
   if (mesh.normals.empty()) return false;
-  for (size_t t = 0; t < planes.size(); ++t)
-    for (const uint32_t vertex : mesh.triangles[t])
-      if (!(length(mesh.normals[vertex] - planes[t].normal) < 1e-9)) return true;
-  return false;
+  std::atomic<bool> differs{false};
+  const auto compare = [&](int64_t t) {
+    if (differs.load(std::memory_order_relaxed)) return;
+    for (const uint32_t vertex : mesh.triangles[size_t(t)])
+      if (!(length(mesh.normals[vertex] - planes[size_t(t)].normal) < 1e-9)) differs = true;
+  };
+  parallel_for(0, int64_t(planes.size()), compare, {}, block_of_triangles);
+  return differs;
 }
 
 }  // namespace
@@ -73,9 +81,11 @@ struct Accelerator::Implementation {
   /// What rays meet: a mesh of the scene, or the surface of a light.
   struct Surface {
     const Mesh* mesh;
-    int light;            // index into Scene::lights, or -1
+    int material, light;  // indices into Scene::materials and Scene::lights, or -1
     bool is_smooth;       // vertices have normals of their own
+    bool is_textured;     // the material has a texture
     bool needs_tangents;  // the material has a normal map
+    bool is_even;         // nothing differs from place to place on a triangle
     std::vector<TrianglePlane> planes;
   };
 
@@ -91,19 +101,22 @@ struct Accelerator::Implementation {
 
   void list_surfaces() {
     for (const Mesh& mesh : scene.meshes) {
-      const bool has_normal_map = scene.materials[size_t(mesh.material)].normal_map != nullptr;
+      const Material& material = scene.materials[size_t(mesh.material)];
       std::vector<TrianglePlane> planes = planes_of(mesh, precision);
-      const bool is_smooth = has_own_normals(mesh, planes);
-      surfaces.push_back({&mesh, -1, is_smooth, has_normal_map, std::move(planes)});
+      const bool is_smooth = has_own_normals(mesh, planes), is_textured = has_texture(material);
+      const bool is_even = !is_smooth && !is_textured && mesh.colours.empty();
+      surfaces.push_back({&mesh, mesh.material, -1, is_smooth, is_textured, material.normal_map != nullptr, is_even,
+                          std::move(planes)});
     }
     for (const LightSurface& lamp : lamps)
-      surfaces.push_back({&lamp.mesh, lamp.light, false, false, planes_of(lamp.mesh, precision)});
+      surfaces.push_back({&lamp.mesh, -1, lamp.light, false, false, false, true, planes_of(lamp.mesh, precision)});
   }
 
   RTCScene tree_for(Aim aim) const { return aim == Aim::random && split ? split.get() : watertight.get(); }
 
   /// Builds Embree's trees over all surfaces.
-  void build() {
+  /// @param lifts  of the lamps
+  void build(const std::vector<double>& lifts) {
     device.reset(rtcNewDevice(nullptr));
     if (!device) require_no_error(nullptr, "start");
     watertight.reset(rtcNewScene(device.get()));
@@ -116,7 +129,7 @@ struct Accelerator::Implementation {
     }
     unsigned id = 0;
     for (const Mesh& mesh : scene.meshes) add(mesh, id++);
-    for (const Mesh& lamp : lifted_light_surfaces(scene)) add(lamp, id++);
+    for (size_t i = 0; i < lamps.size(); ++i) add(lifted(lamps[i], lifts[i]), id++);
     for (const RTCScene tree : {watertight.get(), split.get()})
       if (tree) rtcCommitScene(tree);
     require_no_error(device.get(), "build its tree over the triangles");
@@ -172,7 +185,6 @@ struct Accelerator::Implementation {
   void describe(const Ray& ray, const GridHit& found, Hit& hit) const {
     const Surface& surface = surfaces[found.mesh];
     const TrianglePlane& plane = surface.planes[found.triangle];
-    const Mesh& mesh = *surface.mesh;
     SurfacePoint& point = hit.point;
     point.clearance = double(plane.clearance);
     // Intersection with the plane of the triangle, in double. The plane of a sliver is not well defined: it is used
@@ -183,7 +195,7 @@ struct Accelerator::Implementation {
       hit.distance = precise;
       point.position = ray.origin + ray.direction * precise;
     } else {
-      point.position = place_in(mesh, found);
+      point.position = place_in(*surface.mesh, found);
       hit.distance = dot(point.position - ray.origin, ray.direction);
     }
     point.is_front = along <= 0;
@@ -192,9 +204,8 @@ struct Accelerator::Implementation {
     point.uv = {};
     point.tangent_u = point.tangent_v = {};
     point.colour = {1, 1, 1};
-    if (surface.is_smooth || !mesh.texture_coordinates.empty() || !mesh.colours.empty())
-      interpolate(surface, found, point);
-    point.material = mesh.material;
+    if (!surface.is_even) interpolate(surface, found, point);
+    point.material = surface.material;
     point.light = surface.light;
     point.mesh = found.mesh;
     point.triangle = found.triangle;
@@ -227,7 +238,7 @@ struct Accelerator::Implementation {
       if (const double squared = dot(smooth, smooth); squared > 0)
         point.normal = smooth * (std::copysign(1.0, dot(smooth, point.geometric_normal)) / std::sqrt(squared));
     }
-    if (!mesh.texture_coordinates.empty()) {
+    if (surface.is_textured) {
       const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
       point.uv = {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
       if (surface.needs_tangents) add_tangents(mesh, found.triangle, point);
@@ -260,7 +271,7 @@ Accelerator::Accelerator(const Scene& scene, Acceleration kind)
     self.grid.emplace(scene);
     return;
   }
-  self.build();
+  self.build(lifts);
 }
 
 Accelerator::~Accelerator() = default;
@@ -324,21 +335,25 @@ bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
   return query.tfar < 0;
 }
 
-uint32_t Accelerator::occluded(std::span<const ShadowRay> rays, Aim aim) const {
+uint32_t Accelerator::occluded(const RayLanes& rays, uint32_t asked, Aim aim, bool are_near) const {
   const Implementation& self = *implementation_;
   uint32_t bits = 0;
-  if (!self.watertight) {
-    for (size_t i = 0; i < rays.size(); ++i) bits |= uint32_t(is_occluded(rays[i].ray, rays[i].distance, aim)) << i;
+  if (!self.watertight || !are_near) {
+    for (uint32_t left = asked; left; left &= left - 1) {
+      const auto i = size_t(std::countr_zero(left));
+      bits |= uint32_t(is_occluded({rays.origin[i], rays.direction[i]}, rays.distance[i], aim)) << i;
+    }
     return bits;
   }
-  require(rays.size() <= size_t(most_shadow_rays), "expected up to {} rays, got {}", most_shadow_rays, rays.size());
-  alignas(64) std::array<int, most_shadow_rays> valid{};
+  alignas(64) std::array<int, most_together> valid{};
   RTCRay16 packet{};
-  for (size_t i = 0; i < rays.size(); ++i) {
-    const double end = rays[i].distance - rounding_at_end(rays[i].ray, rays[i].distance);
+  for (uint32_t left = asked; left; left &= left - 1) {
+    const auto i = size_t(std::countr_zero(left));
+    const Ray ray{rays.origin[i], rays.direction[i]};
+    const double end = rays.distance[i] - rounding_at_end(ray, rays.distance[i]);
     RTCRay query;
     double skipped;
-    if (!(end > 0) || !self.enter(rays[i].ray, end, query, skipped)) continue;
+    if (!(end > 0) || !self.enter(ray, end, query, skipped)) continue;
     if (log_) write_down(query, true, aim, *log_);
     valid[i] = -1;
     packet.org_x[i] = query.org_x, packet.org_y[i] = query.org_y, packet.org_z[i] = query.org_z;
@@ -349,7 +364,7 @@ uint32_t Accelerator::occluded(std::span<const ShadowRay> rays, Aim aim) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded16(valid.data(), self.tree_for(aim), &context, &packet);
-  for (size_t i = 0; i < rays.size(); ++i)
+  for (size_t i = 0; i < valid.size(); ++i)
     if (valid[i] && packet.tfar[i] < 0) bits |= 1U << i;
   return bits;
 }

@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/acceleration.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
+#include "holotrace/trace/shared/lanes.h"
 #include "holotrace/trace/shared/ray.h"
 #include "holotrace/trace/shared/surface_point.h"
 
@@ -27,14 +27,6 @@ enum class Aim {
   exact,   ///< at a given place, which may be on an edge: no ray passes between two triangles that share it
   random,  ///< drawn from a continuous density: one in a million may pass between two triangles; faster
 };
-
-/// A ray that asks whether a surface lies before a distance.
-struct ShadowRay {
-  Ray ray;
-  double distance = 0;  ///< [m], may be infinite
-};
-
-inline constexpr int most_shadow_rays = 16;  ///< that are traced together
 
 /// A ray as passed to Embree: single precision, in units of ScenePrecision from its centre.
 struct LoggedRay {
@@ -76,9 +68,9 @@ class Accelerator {
   /// end does not count.
   bool is_occluded(const Ray& ray, double distance, Aim aim = Aim::exact) const;
 
-  /// Bit i of the result is 1 if a surface lies on ray i, for up to most_shadow_rays rays. It is faster than one by one if
-  /// the rays are near to each other.
-  uint32_t occluded(std::span<const ShadowRay> rays, Aim aim) const;
+  /// The same for several rays: bit i of the result is 1 if bit i of `asked` is and a surface lies on ray i.
+  /// @param are_near  whether they start near to each other: they are then traced together, which is faster only for such rays
+  uint32_t occluded(const RayLanes& rays, uint32_t asked, Aim aim, bool are_near) const;
 
   /// The rounding of places in the scene; SurfacePoint::clearance follows from it.
   const ScenePrecision& precision() const { return precision_; }

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
 
 namespace holotrace {
 
@@ -38,32 +39,78 @@ bool has_surfaces(const Scene& scene) {
          std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return visible_rectangle(l); });
 }
 
+namespace {
+
+/// Triangles of a mesh that one thread visits.
+struct Triangles {
+  const Mesh* mesh;
+  size_t first, last;
+};
+
+std::vector<Triangles> blocks_of(const Scene& scene, const std::vector<LightSurface>& lamps) {
+  constexpr size_t size = 4096;
+  std::vector<Triangles> blocks;
+  const auto add = [&](const Mesh& mesh) {
+    for (size_t first = 0; first < mesh.triangles.size(); first += size)
+      blocks.push_back({&mesh, first, std::min(first + size, mesh.triangles.size())});
+  };
+  for (const Mesh& mesh : scene.meshes) add(mesh);
+  for (const LightSurface& lamp : lamps) add(lamp.mesh);
+  return blocks;
+}
+
+/// Sums over vertices p of the weight w: Σ w·p, Σ w and, d being the distance from a centre, Σ w·d and the largest d.
+struct Moments {
+  Vec3 first;
+  double weight = 0, spread = 0, radius = 0;
+
+  Moments& operator+=(const Moments& other) {
+    first += other.first;
+    weight += other.weight;
+    spread += other.spread;
+    radius = std::max(radius, other.radius);
+    return *this;
+  }
+};
+
+/// The sum of add(place, weight, moments) over the corners of all triangles. The blocks are added in their order, so the sum
+/// does not depend on the number of threads.
+template <class Add>
+Moments sum_over(const std::vector<Triangles>& blocks, const Add& add) {
+  constexpr double nearest = 1e-6;  // [m]; keeps the weight of a vertex on the panel finite
+  std::vector<Moments> sums(blocks.size());
+  parallel_for(0, int64_t(blocks.size()), [&](int64_t b) {
+    const auto& [mesh, first, last] = blocks[size_t(b)];
+    for (size_t t = first; t < last; ++t)
+      for (const uint32_t index : mesh->triangles[t]) {
+        const Vec3 p = mesh->positions[index];
+        const double squared = dot(p, p) + nearest * nearest;
+        add(p, 1 / (squared * std::sqrt(squared)), sums[size_t(b)]);
+      }
+  });
+  Moments total;
+  for (const Moments& sum : sums) total += sum;
+  return total;
+}
+
+}  // namespace
+
 ScenePrecision precision_of(const Scene& scene) {
   const std::vector<LightSurface> lamps = light_surfaces(scene);
-  const auto for_each_vertex = [&](const auto& visit) {
-    const auto of_mesh = [&](const Mesh& mesh) {
-      for (const auto& triangle : mesh.triangles)
-        for (const uint32_t index : triangle) visit(mesh.positions[index]);
-    };
-    for (const Mesh& mesh : scene.meshes) of_mesh(mesh);
-    for (const LightSurface& lamp : lamps) of_mesh(lamp.mesh);
-  };
+  const std::vector<Triangles> blocks = blocks_of(scene, lamps);
   ScenePrecision precision;
-  Vec3 sum;
-  double weights = 0, spread = 0;
-  constexpr double nearest = 1e-6;  // [m]; keeps the weight of a vertex on the panel finite
-  const auto weight_of = [](Vec3 p) { return std::pow(dot(p, p) + nearest * nearest, -1.5); };
-  for_each_vertex([&](Vec3 p) {
-    sum += p * weight_of(p);
-    weights += weight_of(p);
+  const Moments mean = sum_over(blocks, [](Vec3 p, double weight, Moments& sum) {
+    sum.first += p * weight;
+    sum.weight += weight;
   });
-  precision.centre = sum / weights;
-  for_each_vertex([&](Vec3 p) {
+  precision.centre = mean.first / mean.weight;
+  const Moments around = sum_over(blocks, [&](Vec3 p, double weight, Moments& sum) {
     const double distance = length(p - precision.centre);
-    spread += weight_of(p) * distance;
-    precision.radius = std::max(precision.radius, distance);
+    sum.spread += weight * distance;
+    sum.radius = std::max(sum.radius, distance);
   });
-  precision.unit = spread / weights;
+  precision.radius = around.radius;
+  precision.unit = around.spread / mean.weight;
   // If all vertices are in one place, their distances from the mean are rounding errors.
   require(std::isfinite(precision.radius) && precision.unit > 1e-14 * length(precision.centre),
           "expected meshes that fill some space, got all vertices in one place");
@@ -112,18 +159,21 @@ std::vector<double> light_lifts(const Scene& scene, const ScenePrecision& precis
   return lifts;
 }
 
+Mesh lifted(const LightSurface& surface, double lift) {
+  Mesh mesh = surface.mesh;
+  auto& p = mesh.positions;
+  const Vec3 front = normalize(cross(p[1] - p[0], p[3] - p[0]));
+  for (Vec3& position : p) position += front * lift;
+  return mesh;
+}
+
 std::vector<Mesh> lifted_light_surfaces(const Scene& scene) {
-  std::vector<Mesh> lifted;
-  std::vector<LightSurface> surfaces = light_surfaces(scene);
-  if (surfaces.empty()) return lifted;
+  std::vector<Mesh> meshes;
+  const std::vector<LightSurface> surfaces = light_surfaces(scene);
+  if (surfaces.empty()) return meshes;
   const std::vector<double> lifts = light_lifts(scene, precision_of(scene));
-  for (size_t n = 0; n < surfaces.size(); ++n) {
-    auto& p = surfaces[n].mesh.positions;
-    const Vec3 front = normalize(cross(p[1] - p[0], p[3] - p[0]));
-    for (Vec3& position : p) position += front * lifts[n];
-    lifted.push_back(std::move(surfaces[n].mesh));
-  }
-  return lifted;
+  for (size_t n = 0; n < surfaces.size(); ++n) meshes.push_back(lifted(surfaces[n], lifts[n]));
+  return meshes;
 }
 
 }  // namespace holotrace

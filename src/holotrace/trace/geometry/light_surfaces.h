@@ -60,7 +60,10 @@ ScenePrecision precision_of(const Scene& scene);
 /// before the ceiling. The hit itself is computed at the true place.
 std::vector<double> light_lifts(const Scene& scene, const ScenePrecision& precision);
 
-/// The light surfaces moved by their lifts, as rays look for them.
+/// The surface of a light moved by its lift, as rays look for it.
+Mesh lifted(const LightSurface& surface, double lift);
+
+/// All light surfaces of a scene, moved by their lifts.
 std::vector<Mesh> lifted_light_surfaces(const Scene& scene);
 
 }  // namespace holotrace

@@ -135,11 +135,6 @@ bool has_texture(const MetallicRoughnessMaterial& material) {
 bool has_texture(const ConductorMaterial&) { return false; }
 bool has_texture(const DielectricMaterial&) { return false; }
 
-bool has_texture(const Material& material) {
-  return material.emission_texture || material.normal_map ||
-         std::visit([](const auto& surface) { return has_texture(surface); }, material.surface);
-}
-
 void check_environment(const Environment& environment) {
   require(environment.map != nullptr, "expected a map in the environment, got none");
   const Image& map = *environment.map;
@@ -160,6 +155,11 @@ void check_environment(const Environment& environment) {
 }
 
 }  // namespace
+
+bool has_texture(const Material& material) {
+  return material.emission_texture || material.normal_map ||
+         std::visit([](const auto& surface) { return has_texture(surface); }, material.surface);
+}
 
 void check_light_and_materials(const Scene& scene) {
   for (size_t i = 0; i < scene.lights.size(); ++i)

@@ -14,4 +14,7 @@ namespace holotrace {
 ///         without texture coordinates; and an environment that is not a 2:1 map.
 void check_light_and_materials(const Scene& scene);
 
+/// Whether a material has a texture of any kind, for which meshes need texture coordinates.
+bool has_texture(const Material& material);
+
 }  // namespace holotrace

@@ -45,6 +45,7 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
     const Vec3 texture = material.emission_texture ? mean_of(*material.emission_texture) : Vec3{1, 1, 1};
     means.push_back(sum(lines.from_rgb(material.emission * texture)));
     radiances_.push_back(lines.from_rgb(material.emission));
+    has_texture_ |= material.emission_texture != nullptr;
   }
   double total = 0;
   for (size_t m = 0; m < scene.meshes.size(); ++m) {
@@ -103,12 +104,30 @@ Vec3 EmissiveTriangles::radiance_of(const Triangle& triangle, bool is_front, dou
   return emitted_radiance(material, point, lines_);
 }
 
+const EmissiveTriangles::Triangle& EmissiveTriangles::selected_by(double u) const {
+  size_t selected = cutpoints_[std::min(size_t(u * double(triangles_.size())), triangles_.size() - 1)];
+  while (triangles_[selected].end <= u) ++selected;
+  return triangles_[selected];
+}
+
+void EmissiveTriangles::select(Vec2 u, size_t i, LightLanes& lanes, PlaceLanes& places) const {
+  const Triangle& triangle = selected_by(u.x);
+  const int material = scene_.meshes[triangle.mesh].material;
+  lanes.corner.set(i, triangle.corner);
+  lanes.edge_u.set(i, triangle.edge_u);
+  lanes.edge_v.set(i, triangle.edge_v);
+  lanes.per_size[i] = triangle.per_twice_area;
+  lanes.density[i] = triangle.density;
+  lanes.size[i] = triangle.longest;
+  lanes.two_sided[i] = scene_.materials[size_t(material)].two_sided;
+  lanes.radiance.set(i, radiances_[size_t(material)]);
+  places.set(i, {place_in(triangle, u.x), u.y});
+}
+
 LightSample EmissiveTriangles::sample(Vec3 from, Vec2 u) const {
-  size_t selected = cutpoints_[std::min(size_t(u.x * double(triangles_.size())), triangles_.size() - 1)];
-  while (triangles_[selected].end <= u.x) ++selected;
-  const Triangle& triangle = triangles_[selected];
-  const double in_triangle = std::clamp((u.x - triangle.first) * triangle.per_probability, 0.0, 1.0);
-  const double root = std::sqrt(in_triangle), b1 = root * (1 - u.y), b2 = root * u.y;  // uniform over the triangle
+  const Triangle& triangle = selected_by(u.x);
+  const double root = std::sqrt(place_in(triangle, u.x)), b1 = root * (1 - u.y),
+               b2 = root * u.y;  // uniform over the triangle
   const Vec3 way = triangle.corner + triangle.edge_u * b1 + triangle.edge_v * b2 - from;
   const double projected = dot(cross(triangle.edge_u, triangle.edge_v), way);  // 2A·cosθ'·d, below 0 in front
   if (projected == 0) return {};  // the point is on the surface or in its plane

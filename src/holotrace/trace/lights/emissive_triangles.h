@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/lights/light.h"
+#include "holotrace/trace/lights/light_lanes.h"
 #include "holotrace/trace/shared/lines.h"
 
 namespace holotrace {
@@ -29,6 +31,12 @@ class EmissiveTriangles {
   /// constant time on average (H.-C. Chen and Y. Asau, AIIE Transactions 6, 163, 1974).
   LightSample sample(Vec3 from, Vec2 u) const;
 
+  /// Whether the radiance of each triangle is even: no emission has a texture.
+  bool are_even() const { return !has_texture_; }
+
+  /// Selects a triangle for path i, and a place on it, as `sample` does, if the triangles are even.
+  void select(Vec2 u, size_t i, LightLanes& lanes, PlaceLanes& places) const;
+
   /// Density over solid angle [1/sr] with which `sample` draws a place that a ray has met, for its distance [m] and
   /// |cosθ'| to the surface normal.
   double pdf(uint32_t mesh, uint32_t triangle, double distance, double cosine) const {
@@ -47,6 +55,10 @@ class EmissiveTriangles {
     double per_probability;       // 1/(end − first)
   };
   Vec3 radiance_of(const Triangle& triangle, bool is_front, double b1, double b2) const;
+  const Triangle& selected_by(double u) const;
+  static double place_in(const Triangle& triangle, double u) {
+    return std::clamp((u - triangle.first) * triangle.per_probability, 0.0, 1.0);
+  }
 
   const Scene& scene_;
   Lines lines_;
@@ -54,6 +66,7 @@ class EmissiveTriangles {
   std::vector<uint32_t> cutpoints_;            // the triangle that the number i/n selects, for n triangles
   std::vector<std::vector<float>> densities_;  // P(t)/A [1/m²] by mesh and triangle; empty for a dark mesh
   std::vector<Vec3> radiances_;                // index: material; without the texture
+  bool has_texture_ = false;
 };
 
 }  // namespace holotrace

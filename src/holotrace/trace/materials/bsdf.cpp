@@ -18,10 +18,12 @@ Vec3 textured(const std::shared_ptr<const Image>& texture, const SurfacePoint& p
   return texture ? eval_texture(*texture, point.uv) * point.colour : point.colour;
 }
 
+bool transmits(const DiffuseMaterial& material) { return max_component(material.transmittance) > 0; }
+
 Bsdf make(const DiffuseMaterial& material, const SurfacePoint& point, const Lines& lines) {
   const Vec3 colour = textured(material.texture, point);
   DiffuseBsdf b{point.normal, point.geometric_normal, lines.from_rgb(clip(material.reflectance * colour)), {}};
-  if (max_component(material.transmittance) <= 0) return b;
+  if (!transmits(material)) return b;
   b.transmittance = lines.from_rgb(clip(material.transmittance * colour));
   b.transmittance = {std::min(b.transmittance.x, 1 - b.reflectance.x),  // at most what is not reflected
                      std::min(b.transmittance.y, 1 - b.reflectance.y),
@@ -66,11 +68,22 @@ const DielectricMaterial* solid_dielectric(const Material& material) {
   return dielectric && !dielectric->is_thin ? dielectric : nullptr;
 }
 
+/// Whether a one-sided surface is seen from behind.
+bool is_black_back(const Material& material, const SurfacePoint& point) {
+  return !material.two_sided && !point.is_front && !solid_dielectric(material);
+}
+
 }  // namespace
 
+std::optional<Vec3> diffuse_reflectance(const Material& material, const SurfacePoint& point, const Lines& lines) {
+  if (is_black_back(material, point)) return Vec3{};
+  const auto* diffuse = std::get_if<DiffuseMaterial>(&material.surface);
+  if (!diffuse || transmits(*diffuse)) return std::nullopt;
+  return lines.from_rgb(clip(diffuse->reflectance * textured(diffuse->texture, point)));
+}
+
 Bsdf make_bsdf(const Material& material, const SurfacePoint& point, const Lines& lines) {
-  if (!material.two_sided && !point.is_front && !solid_dielectric(material))
-    return DiffuseBsdf{point.normal, point.geometric_normal, {}, {}};
+  if (is_black_back(material, point)) return DiffuseBsdf{point.normal, point.geometric_normal, {}, {}};
   return std::visit([&](const auto& surface) { return make(surface, point, lines); }, material.surface);
 }
 

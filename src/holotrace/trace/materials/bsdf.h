@@ -71,6 +71,10 @@ inline SpecularBranches specular_branches(const Bsdf& bsdf, Vec3 outgoing) {
 /// turned normal is that of the front, negated (glTF 2.0, 3.7.2.1).
 SurfacePoint shading_point(const Material& material, const SurfacePoint& point);
 
+/// The reflectance at the lines of a surface that is diffuse and only reflects; none for any other. make_bsdf makes a
+/// DiffuseBsdf of it.
+std::optional<Vec3> diffuse_reflectance(const Material& material, const SurfacePoint& point, const Lines& lines);
+
 /// Whether a surface is thin glass, which only transmits light straight on and reflects it.
 bool is_pane(const Material& material);
 

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <numeric>
 #include <optional>
 
 #include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/materials/bsdf.h"
+#include "holotrace/trace/paths/diffuse_lanes.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/paths/path_weights.h"
-#include "holotrace/trace/paths/rectangle_samples.h"
 
 // Sampling of the lights from a surface (formulas: path.h, add_radiance).
 
@@ -24,6 +26,36 @@ struct PathVertex {
   Vec3 throughput{1, 1, 1};
 };
 
+/// Paths of a block of random numbers (LowDiscrepancy) that have reached diffuse surfaces that only reflect.
+struct DiffusePaths {
+  std::array<uint32_t, most_together> number;  ///< in the block
+  DiffuseSurfaces surfaces;
+  LaneVectors throughput;  ///< with the reflectance of these surfaces
+
+  void add(uint32_t path, const SurfacePoint& point, Vec3 start, Vec3 reflected) {
+    const size_t i = size_t(surfaces.count++);
+    number[i] = path;
+    surfaces.position.set(i, point.position);
+    surfaces.start.set(i, start);
+    surfaces.normal.set(i, point.normal);
+    surfaces.geometric_normal.set(i, point.geometric_normal);
+    surfaces.clearance[i] = point.clearance;
+    throughput.set(i, reflected);
+  }
+
+  /// Paths 0 … paths − 1, all of them at one place.
+  void fill(int paths, const SurfacePoint& point, Vec3 start, Vec3 reflected) {
+    surfaces.count = paths;
+    std::iota(number.begin(), number.end(), 0U);
+    surfaces.position.fill(point.position);
+    surfaces.start.fill(start);
+    surfaces.normal.fill(point.normal);
+    surfaces.geometric_normal.fill(point.geometric_normal);
+    surfaces.clearance.fill(point.clearance);
+    throughput.fill(reflected);
+  }
+};
+
 /// Adds the light that arrives at a surface straight from the lights, and what it reflects of that light, to a sink
 /// (path_walk.h).
 template <class Sink>
@@ -34,9 +66,9 @@ class DirectLight {
   /// Each light is sampled once. The light is multiplied by `weight`.
   template <class B>
   void add(const B& bsdf, const PathVertex& at, double weight, LowDiscrepancy& numbers) {
-    if (!begin(lobes(bsdf), at)) return;
-    for_each_light(at, [&](const SampledLight& light, int, const auto& sample) {
-      const LightSample way = sample(numbers);
+    if (!begin(lobes(bsdf), at.state)) return;
+    for_each_light(at.depth, [&](const SampledLight& light, const auto& sample) {
+      const LightSample way = sample(at.point.position, light.is_shared ? numbers.two() : Vec2{});
       if (const auto reflected = reflect(bsdf, at, way, light.is_shared, weight))
         add_if_visible(at, way, light, *reflected);
     });
@@ -48,33 +80,61 @@ class DirectLight {
   template <class B>
   int add_for_paths(const B& bsdf, const PathVertex& at, int paths, LowDiscrepancy& numbers) {
     static_assert(!Sink::follows_phase, "a phase needs the light of each path by itself");
-    if (!begin(lobes(bsdf), at)) return 0;
+    if (!begin(lobes(bsdf), at.state)) return 0;
     Waiting waiting;
     int taken = 0;
-    for_each_light(at, [&](const SampledLight& light, int dimensions, const auto& sample) {
-      if (dimensions == 0) {
-        const LightSample way = sample(numbers);
-        if (const auto reflected = reflect(bsdf, at, way, light.is_shared, paths))
-          add_if_visible(at, way, light, *reflected);
+    for_each_light(at.depth, [&](const SampledLight& light, const auto& sample) {
+      if (!light.is_shared) {
+        const LightSample way = sample(at.point.position, {});
+        if (const auto reflected = reflect(bsdf, at, way, false, paths)) add_if_visible(at, way, light, *reflected);
         return;
       }
-      if (const auto* surface = reflector(bsdf); surface && light.light && light.is_shared)
-        return add_rectangle(*surface, at, light, {paths, taken++}, numbers);
+      const int dimension = taken++;
+      if (const auto* surface = reflector(bsdf); surface && fits_lanes(light))
+        return add_lanes_at(*surface, at, light, {paths, dimension}, numbers);
       for (int path = 0; path < paths; ++path) {
         numbers.start(uint32_t(path));
-        numbers.skip(taken);
-        const LightSample way = sample(numbers);
-        const auto reflected = reflect(bsdf, at, way, light.is_shared, 1);
+        numbers.skip(dimension);
+        const LightSample way = sample(at.point.position, numbers.two());
+        const auto reflected = reflect(bsdf, at, way, true, 1);
         if (!reflected) continue;
-        waiting.rays[waiting.count] = shadow_ray(at, way, light);
-        waiting.reflected[waiting.count] = *reflected;
-        if (++waiting.count < waiting.rays.size()) continue;
-        add_visible(waiting, light.group);
-        waiting.count = 0;
+        waiting.add(shadow_ray(at, way, light), *reflected);
+        if (waiting.count == most_together) add_visible(waiting, light.group);
       }
       add_visible(waiting, light.group);
-      waiting.count = 0;
-      taken += dimensions;
+    });
+    return taken;
+  }
+
+  /// The sum of `add` with weight 1 over paths on surfaces of their own.
+  /// @param state, depth, aim  of all of them, as of PathVertex
+  /// @param dimension          of the numbers, the first that the lights take; the numbers are at a path of the block
+  /// @return                   number of dimensions that `add` takes of each path
+  int add_for_group(const DiffusePaths& paths, PathAutomaton::State state, int depth, Aim aim, int dimension,
+                    LowDiscrepancy& numbers) {
+    if (!begin({.has_diffuse = true}, state)) return 0;
+    const DiffuseSurfaces& surfaces = paths.surfaces;
+    int taken = 0;
+    for_each_light(depth, [&](const SampledLight& light, const auto& sample) {
+      LowDiscrepancy::Block places;
+      if (light.is_shared) places = numbers.of_block(dimension + taken++);
+      const auto place_of = [&](size_t i) {
+        const uint32_t path = paths.number[i];
+        return light.is_shared ? Vec2{places.x[path] * 0x1p-32, places.y[path] * 0x1p-32} : Vec2{};
+      };
+      if (fits_lanes(light)) return add_lanes(paths, light, place_of, depth == 1);
+      for (size_t i = 0; i < size_t(surfaces.count); ++i) {
+        SurfacePoint point;
+        point.position = surfaces.position[i];
+        point.normal = surfaces.normal[i];
+        point.geometric_normal = surfaces.geometric_normal[i];
+        point.clearance = surfaces.clearance[i];
+        const DiffuseBsdf bsdf{point.normal, point.geometric_normal, paths.throughput[i], {}};
+        const PathVertex at{point, {}, state, depth, aim};
+        const LightSample way = sample(point.position, place_of(i));
+        if (const auto reflected = reflect(bsdf, at, way, light.is_shared, 1))
+          add_if_visible(at, way, light, *reflected);
+      }
     });
     return taken;
   }
@@ -90,34 +150,29 @@ class DirectLight {
   };
 
   /// False if no path group accepts light of this surface.
-  bool begin(LobeSet has, const PathVertex& at) {
+  bool begin(LobeSet has, PathAutomaton::State state) {
     const PathAutomaton& automaton = scene_.automaton;
-    diffuse_state_ = has.has_diffuse ? automaton.step(at.state, PathEvent::diffuse) : PathAutomaton::State{};
-    glossy_state_ = has.has_glossy ? automaton.step(at.state, PathEvent::glossy) : PathAutomaton::State{};
+    diffuse_state_ = has.has_diffuse ? automaton.step(state, PathEvent::diffuse) : PathAutomaton::State{};
+    glossy_state_ = has.has_glossy ? automaton.step(state, PathEvent::glossy) : PathAutomaton::State{};
     diffuse_path_groups_ = automaton.accepted(diffuse_state_);
     glossy_path_groups_ = automaton.accepted(glossy_state_);
     // Path groups that accept no light here may accept it behind a pane.
     return (diffuse_path_groups_ | glossy_path_groups_) || (scene_.has_panes && (diffuse_state_ | glossy_state_));
   }
 
-  /// Calls visit(light, number of dimensions, sample), sample(numbers) being a LightSample.
+  /// Calls visit(light, sample), sample(from, u) being a LightSample; u is used only for a light that is shared.
   template <class Visit>
-  void for_each_light(const PathVertex& at, const Visit& visit) const {
+  void for_each_light(int depth, const Visit& visit) const {
     const Emitters& emitters = scene_.emitters;
-    const Vec3 from = at.point.position;
     const auto& lights = emitters.lights();
-    for (size_t i = 0; i < lights.size(); ++i) {
-      const bool is_shared = has_area(lights[i]);
-      visit({int(i), is_shared, &lights[i]}, is_shared ? 1 : 0,
-            [&](LowDiscrepancy& numbers) { return sample_light(lights[i], from, is_shared ? numbers.two() : Vec2{}); });
-    }
+    for (size_t i = 0; i < lights.size(); ++i)
+      visit({int(i), has_area(lights[i]), &lights[i]},
+            [&](Vec3 from, Vec2 u) { return sample_light(lights[i], from, u); });
     // Light of a mesh comes from a surface, which counts for max_depth.
-    if (at.depth < scene_.params.max_depth && !emitters.triangles().is_empty())
-      visit({emitters.mesh_group(), true}, 1,
-            [&](LowDiscrepancy& numbers) { return emitters.triangles().sample(from, numbers.two()); });
+    if (depth < scene_.params.max_depth && !emitters.triangles().is_empty())
+      visit({emitters.mesh_group(), true}, [&](Vec3 from, Vec2 u) { return emitters.triangles().sample(from, u); });
     if (const EnvironmentLight* environment = emitters.environment())
-      visit({emitters.background_group(), true}, 1,
-            [&](LowDiscrepancy& numbers) { return environment->sample(numbers.two()); });
+      visit({emitters.background_group(), true}, [&](Vec3, Vec2 u) { return environment->sample(u); });
   }
 
   /// Paths pass through panes and meet all lights that can be met; only the other lights are sampled through panes.
@@ -168,67 +223,102 @@ class DirectLight {
     return nullptr;
   }
 
+  /// Whether samples of the light on diffuse surfaces are made in vector lanes.
+  bool fits_lanes(const SampledLight& light) const {
+    const Emitters& emitters = scene_.emitters;
+    return light.light ? light.is_shared : light.group == emitters.mesh_group() && emitters.triangles().are_even();
+  }
+
   struct PathsAtDimension {
     int paths, dimension;
   };
 
-  /// The light of a rectangle on such a surface, for all paths: 16 of them together.
-  void add_rectangle(const DiffuseBsdf& bsdf, const PathVertex& at, const SampledLight& light,
-                     const PathsAtDimension& numbered, const LowDiscrepancy& numbers) {
-    const auto& rectangle = std::get<RectangleLight>(*light.light);
-    const Vec3 from = at.point.position, brightness = at.throughput * bsdf.reflectance * rectangle.radiance;
-    if (!diffuse_path_groups_ || is_black(brightness)) return;
-    const RectangleAndSurface pair{.corner = rectangle.corner - from,
-                                   .edge_u = rectangle.edge_u,
-                                   .edge_v = rectangle.edge_v,
-                                   .is_visible = rectangle.is_visible,
-                                   .lift = scene_.accelerator.lift_of(light.group),
-                                   .normal = bsdf.normal,
-                                   .geometric_normal = at.point.geometric_normal,
-                                   .clearance = at.point.clearance,
-                                   .centre = scene_.accelerator.precision().centre - from};
+  /// The light of such a light on such a surface, for all paths: 16 of them together.
+  void add_lanes_at(const DiffuseBsdf& bsdf, const PathVertex& at, const SampledLight& light,
+                    const PathsAtDimension& numbered, const LowDiscrepancy& numbers) {
+    DiffusePaths together;
     const Vec3 start = scene_.accelerator.leave(at.point, at.point.geometric_normal);
-    double sum = 0;
-    for (int first = 0; first < numbered.paths; first += most_shadow_rays) {
-      const LowDiscrepancy::Block places = numbers.two_of_block(uint32_t(first / most_shadow_rays), numbered.dimension);
-      RectangleSamples samples;
-      sample_rectangle(pair, places.x.data(), places.y.data(), samples);
-      std::array<ShadowRay, most_shadow_rays> rays;
-      std::array<double, most_shadow_rays> shares;
-      size_t count = 0;
-      for (size_t i = 0; i < size_t(std::min(most_shadow_rays, numbered.paths - first)); ++i) {
-        if (!(samples.share[i] > 0)) continue;
-        rays[count] = {{start, {samples.x[i], samples.y[i], samples.z[i]}}, samples.distance[i]};
-        shares[count++] = samples.share[i];
-      }
-      if (count == 0) continue;
-      counts_.shadow_rays += int64_t(count);
-      const uint32_t occluded = scene_.accelerator.occluded({rays.data(), count}, Aim::random);
-      for (size_t i = 0; i < count; ++i)
-        if (!(occluded >> i & 1)) sum += shares[i];
+    together.fill(most_together, at.point, start, at.throughput * bsdf.reflectance);
+    for (int first = 0; first < numbered.paths; first += most_together) {
+      const LowDiscrepancy::Block places = numbers.two_of_block(uint32_t(first / most_together), numbered.dimension);
+      together.surfaces.count = std::min(most_together, numbered.paths - first);
+      const auto place_of = [&](size_t i) { return Vec2{places.x[i] * 0x1p-32, places.y[i] * 0x1p-32}; };
+      add_lanes(together, light, place_of, true);
     }
-    sink_.add(diffuse_path_groups_, light.group, brightness * sum);
   }
+
+  /// Adds what the surfaces reflect of such a light. Path i samples it by the numbers place_of(i).
+  template <class PlaceOf>
+  void add_lanes(const DiffusePaths& paths, const SampledLight& light, const PlaceOf& place_of, bool are_near) {
+    if (!diffuse_path_groups_) return;
+    const auto count = size_t(paths.surfaces.count);
+    PlaceLanes places;
+    if (light.light) {
+      for (size_t i = 0; i < count; ++i) places.set(i, place_of(i));
+      return add_lanes(paths, light, scene_.rectangles[size_t(light.group)], places, are_near);
+    }
+    LightLanes triangles;
+    triangles.are_triangles = true;
+    for (size_t i = 0; i < count; ++i) scene_.emitters.triangles().select(place_of(i), i, triangles, places);
+    add_lanes(paths, light, triangles, places, are_near);
+  }
+
+  void add_lanes(const DiffusePaths& paths, const SampledLight& light, const LightLanes& lanes,
+                 const PlaceLanes& places, bool are_near) {
+    const DiffuseSurfaces& at = paths.surfaces;
+    LightSamples samples;
+    sample_lights(at, lanes, places, scene_.accelerator.precision().centre, samples);
+    LaneVectors reflected;
+    uint32_t lit = 0;
+    for (size_t i = 0; i < size_t(at.count); ++i) {
+      const Vec3 light_of_path = paths.throughput[i] * lanes.radiance[i] * samples.share[i];
+      reflected.set(i, light_of_path);
+      lit |= uint32_t(!is_black(light_of_path)) << i;
+    }
+    if (!lit) return;
+    counts_.shadow_rays += std::popcount(lit);
+    const RayLanes rays{at.start, samples.direction, samples.distance};
+    Vec3 sum;
+    for (uint32_t seen = lit & ~scene_.accelerator.occluded(rays, lit, Aim::random, are_near); seen; seen &= seen - 1)
+      sum += reflected[size_t(std::countr_zero(seen))];
+    sink_.add(diffuse_path_groups_, light.group, sum);
+  }
+
+  struct ShadowRay {
+    Ray ray;
+    double distance = 0;  // [m], may be infinite
+  };
 
   /// Light that can be met, until its shadow rays are traced together.
   struct Waiting {
-    std::array<ShadowRay, most_shadow_rays> rays;
-    std::array<Reflected, most_shadow_rays> reflected;
+    LaneVectors origin, direction, diffuse, glossy;
+    Lane distance;
     size_t count = 0;
+
+    void add(const ShadowRay& shadow, const Reflected& reflected) {
+      origin.set(count, shadow.ray.origin);
+      direction.set(count, shadow.ray.direction);
+      distance[count] = shadow.distance;
+      diffuse.set(count, reflected.diffuse);
+      glossy.set(count++, reflected.glossy);
+    }
   };
 
-  void add_visible(const Waiting& waiting, int group) {
+  /// Adds the light that nothing hides; then none waits.
+  void add_visible(Waiting& waiting, int group) {
     if (waiting.count == 0) return;
     counts_.shadow_rays += int64_t(waiting.count);
-    const uint32_t occluded = scene_.accelerator.occluded({waiting.rays.data(), waiting.count}, Aim::random);
+    const uint32_t asked = (1U << waiting.count) - 1;
+    const RayLanes rays{waiting.origin, waiting.direction, waiting.distance};
     Reflected sum;
-    for (size_t i = 0; i < waiting.count; ++i)
-      if (!(occluded >> i & 1)) {
-        sum.diffuse += waiting.reflected[i].diffuse;
-        sum.glossy += waiting.reflected[i].glossy;
-      }
+    for (uint32_t seen = asked & ~scene_.accelerator.occluded(rays, asked, Aim::random, true); seen; seen &= seen - 1) {
+      const auto i = size_t(std::countr_zero(seen));
+      sum.diffuse += waiting.diffuse[i];
+      sum.glossy += waiting.glossy[i];
+    }
     if (diffuse_path_groups_) sink_.add(diffuse_path_groups_, group, sum.diffuse);
     if (glossy_path_groups_) sink_.add(glossy_path_groups_, group, sum.glossy);
+    waiting.count = 0;
   }
 
   /// From the surface to the light. The surface of a light is moved toward rays (Accelerator::lift_of).

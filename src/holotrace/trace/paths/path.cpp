@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "holotrace/trace/paths/group_walk.h"
 #include "holotrace/trace/paths/path_walk.h"
 
 namespace holotrace {
@@ -33,8 +34,32 @@ RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums) {
   return {sums, scene.automaton.path_groups(), scene.params.separate_lights};
 }
 
+/// Whether a path may be one of a group: each path need not know its own light, and samples lights at each surface.
+bool fits_groups(const PathParams& params) { return params.clamp <= 0 && !params.asks_at_end; }
+
 /// The fraction of light of this strength that a clamp keeps.
 double let_through(double light, double clamp) { return light > clamp ? clamp / light : 1; }
+
+/// Follows a path by itself. `begin` begins it, and returns false if it has ended at once.
+template <class Begin>
+void follow_one(const PathScene& scene, LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts,
+                const Begin& begin) {
+  const double clamp = scene.params.clamp;
+  if (clamp <= 0) {
+    RadianceSink sink = make_sink(scene, sums);
+    PathWalk walk(scene, sink, counts);
+    if (begin(walk)) walk.go_on(numbers);
+    return;
+  }
+  std::vector<Vec3> path(sums.size());
+  RadianceSink sink = make_sink(scene, path);
+  PathWalk walk(scene, sink, counts);
+  if (begin(walk)) walk.go_on(numbers);
+  const Vec3 scale{let_through(sink.whole.x, clamp), let_through(sink.whole.y, clamp),
+                   let_through(sink.whole.z, clamp)};
+  counts.clamped += scale != Vec3{1, 1, 1};
+  for (size_t i = 0; i < sums.size(); ++i) sums[i] += path[i] * scale;
+}
 
 }  // namespace
 
@@ -72,19 +97,34 @@ void report(const PathCounts& counts, int max_depth, const Observer& observer) {
 
 void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
                   PathCounts& counts) {
-  const double clamp = scene.params.clamp;
-  if (clamp <= 0) {
-    RadianceSink sink = make_sink(scene, sums);
-    PathWalk(scene, sink, counts).follow(start, numbers);
-    return;
+  follow_one(scene, numbers, sums, counts, [&](auto& walk) { return walk.begin(start); });
+}
+
+bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& numbers, std::span<Vec3> sums,
+                  PathCounts& counts) {
+  bool has_met = false;
+  follow_one(scene, numbers, sums, counts, [&](auto& walk) {
+    has_met = walk.find(ray);
+    return has_met && walk.begin_here();
+  });
+  return has_met;
+}
+
+uint32_t add_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension, LowDiscrepancy& numbers,
+                      std::span<Vec3> sums, PathCounts& counts) {
+  uint32_t misses = 0;
+  if (!fits_groups(scene.params)) {
+    for (size_t i = 0; i < rays.size(); ++i) {
+      numbers.go_to(rays[i].path, dimension);
+      misses |= uint32_t(!add_radiance(scene, rays[i].ray, numbers, sums, counts)) << i;
+    }
+    return misses;
   }
-  std::vector<Vec3> path(sums.size());
-  RadianceSink sink = make_sink(scene, path);
-  PathWalk(scene, sink, counts).follow(start, numbers);
-  const Vec3 scale{let_through(sink.whole.x, clamp), let_through(sink.whole.y, clamp),
-                   let_through(sink.whole.z, clamp)};
-  counts.clamped += scale != Vec3{1, 1, 1};
-  for (size_t i = 0; i < sums.size(); ++i) sums[i] += path[i] * scale;
+  RadianceSink sink = make_sink(scene, sums);
+  GroupWalk group(scene, sink, counts, numbers, dimension);
+  for (size_t i = 0; i < rays.size(); ++i) misses |= uint32_t(!group.begin(rays[i].path, rays[i].ray)) << i;
+  group.follow();
+  return misses;
 }
 
 void add_light_on_way(const PathScene& scene, const Ray& ray, double distance, PathAutomaton::State state,
@@ -98,16 +138,15 @@ void mean_radiance(const PathScene& scene, const PathStart& start, int paths, ui
                    PathCounts& counts) {
   std::fill(sums.begin(), sums.end(), Vec3{});
   LowDiscrepancy numbers(scene.params.seed, 0, sample);
-  // Lights are sampled at the start for all paths together, unless each path must know its own light.
-  const bool is_together = start.point.light < 0 && scene.params.clamp <= 0 && !scene.params.asks_at_end;
-  if (is_together) {
+  if (start.point.light < 0 && fits_groups(scene.params)) {
+    // Lights are sampled at the start for all paths together.
     RadianceSink sink = make_sink(scene, sums);
     const auto common = PathWalk(scene, sink, counts).add_direct_light_at_start(start, paths, numbers);
-    for (int path = 0; path < paths; ++path) {
-      numbers.start(uint32_t(path));
-      PathWalk walk(scene, sink, counts);
-      walk.set_common(&common);
-      walk.follow(start, numbers);
+    for (int first = 0; first < paths; first += most_together) {
+      numbers.start(uint32_t(first));
+      GroupWalk group(scene, sink, counts, numbers, 0);
+      group.begin(start, common, std::min(most_together, paths - first));
+      group.follow();
     }
   } else {
     for (int path = 0; path < paths; ++path) {

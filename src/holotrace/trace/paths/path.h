@@ -80,6 +80,23 @@ struct PathStart {
 void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
                   PathCounts& counts);
 
+/// The same for the path that begins at the first surface on a ray of a camera; false, and no light, if there is none.
+bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& numbers, std::span<Vec3> sums,
+                  PathCounts& counts);
+
+/// A ray of a camera, and the number of its path among those of a block of random numbers.
+struct NumberedRay {
+  Ray ray;
+  uint32_t path = 0;  ///< 0 … 15
+};
+
+/// The sum of add_radiance over several rays, of different `path`; much faster than one by one where surfaces are diffuse.
+///
+/// @param dimension  of the numbers, the first that has not been taken; the numbers are at any path of the block
+/// @return           bit i is 1 if there is no surface on ray i
+uint32_t add_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension, LowDiscrepancy& numbers,
+                      std::span<Vec3> sums, PathCounts& counts);
+
 /// Adds the light that a ray of weight 1 from a mirror or a glass surface meets before `distance` [m] other than
 /// on a surface: rectangles on the way and, for an infinite distance, background and environment. For callers
 /// that follow specular branches from the panel themselves; `state` is that of the ray.

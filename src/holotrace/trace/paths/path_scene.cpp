@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "holotrace/base/error.h"
 #include "holotrace/trace/materials/bsdf.h"
@@ -16,12 +17,16 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
       automaton(path_expressions),
       lines(lines),
       params(params),
+      rectangles(scene.lights.size()),
       has_panes(std::any_of(scene.meshes.begin(), scene.meshes.end(),
                             [&](const Mesh& mesh) { return is_pane(scene.materials[size_t(mesh.material)]); })) {
   require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
   require(params.roulette_depth >= 1, "expected a roulette_depth of 1 surface or more, got {}", params.roulette_depth);
   require(std::isfinite(params.clamp) && params.clamp >= 0, "expected a clamp of 0 W/m²/sr or more, got {}",
           params.clamp);
+  for (size_t i = 0; i < rectangles.size(); ++i)
+    if (const auto* rectangle = std::get_if<RectangleLight>(&emitters.lights()[i]))
+      rectangles[i] = lanes_of(*rectangle, accelerator.lift_of(int(i)));
 }
 
 }  // namespace holotrace

@@ -7,6 +7,7 @@
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/lights/emitters.h"
+#include "holotrace/trace/lights/light_lanes.h"
 #include "holotrace/trace/shared/lines.h"
 
 namespace holotrace {
@@ -31,7 +32,8 @@ struct PathScene {
   PathAutomaton automaton;  ///< automaton of the path groups
   Lines lines;
   PathParams params;
-  bool has_panes;  ///< whether a mesh is of thin glass, which transmits light straight on
+  std::vector<LightLanes> rectangles;  ///< of each light in Emitters::lights; not set for those that are no rectangles
+  bool has_panes;                      ///< whether a mesh is of thin glass, which transmits light straight on
 
   /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth or roulette_depth below 1 or a clamp
   /// below 0

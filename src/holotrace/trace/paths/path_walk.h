@@ -36,22 +36,82 @@ class PathWalk {
         direct_light_(scene, sink, counts) {}
 
   void follow(const PathStart& start, LowDiscrepancy& numbers) {
-    ++counts_.paths;
-    begin(start);
-    if (point_.light >= 0) {
-      add_lamp();
-      return;
-    }
-    if constexpr (Sink::follows_phase) sink_.start(start);
-    for (;; ++depth_) {
-      ++counts_.vertices;
-      const Material& material = scene_.scene.materials[size_t(point_.material)];
-      if (emitters_.is_emissive(point_.material)) add_emission(material);
-      const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material, point_, scene_.lines);
+    if (begin(start)) go_on(numbers);
+  }
+
+  /// Begins a path at its first surface; false if it ends there, at a lamp.
+  /// @param count  of paths that begin there: counts and light of the start are those of all
+  bool begin(const PathStart& start, int count = 1) {
+    set_start(start);
+    if (point_.light < 0)
+      if constexpr (Sink::follows_phase) sink_.start(start);
+    return begin_here(count);
+  }
+
+  /// Goes back to the start: the next path begins there, which `begin` has counted.
+  void set_start(const PathStart& start) {
+    point_ = start.point;
+    set_first(start.state, start.outgoing, start.depth, start.aim);
+  }
+
+  /// Goes to the first surface on a ray of a camera, to begin there; false if there is none.
+  bool find(const Ray& ray) {
+    ++counts_.rays;
+    if (!scene_.accelerator.closest_hit(ray, hit_, Aim::random)) return false;
+    if (point_.light < 0 && material().normal_map) point_ = shading_point(material(), point_);
+    set_first(automaton_.start(), -ray.direction, 1, Aim::random);
+    return true;
+  }
+
+  /// Begins a path at the surface that was found; false if it ends there, at a lamp.
+  bool begin_here(int count = 1) {
+    counts_.paths += count;
+    throughput_ *= count;
+    if (point_.light >= 0)
+      add_lamp(count);
+    else
+      arrive(count);
+    throughput_ = {1, 1, 1};
+    return point_.light < 0;
+  }
+
+  /// Follows the path from the surface that it has reached to its end.
+  void go_on(LowDiscrepancy& numbers) {
+    for (;;) {
+      const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material(), point_, scene_.lines);
       // One visit per surface: inside it the functions of this kind of surface are called directly.
       const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
-      if (!next || !leave(*next)) return;
+      if (!next) return;
+      if constexpr (Sink::follows_phase) sink_.scatter(point_, *next);
+      if (!leave({scene_.accelerator.leave(point_, next->direction), next->direction}, next->lobe, next->pdf)) return;
     }
+  }
+
+  /// The surface that the path has reached, and the throughput on the way to it.
+  const SurfacePoint& point() const { return point_; }
+  const Material& material() const { return scene_.scene.materials[size_t(point_.material)]; }
+  const Vec3& throughput() const { return throughput_; }
+  PathAutomaton::State state() const { return state_; }
+  int depth() const { return depth_; }
+  Aim aim() const { return aim_; }
+
+  /// A path at a diffuse surface from which it goes on.
+  struct Leaving {
+    PathAutomaton::State state;
+    int depth;
+    Vec3 throughput;
+    bool is_counted;  ///< see is_counted_
+  };
+
+  /// Continues a path: it leaves a surface along a ray drawn with density `pdf` [1/sr]. False if the path ends before another
+  /// surface.
+  bool leave_diffuse(const Leaving& path, const Ray& ray, double pdf) {
+    state_ = path.state;
+    depth_ = path.depth;
+    throughput_ = path.throughput;
+    is_counted_ = path.is_counted;
+    scale_ = 1;
+    return leave(ray, Lobe::diffuse, pdf);
   }
 
   /// What paths from one start share.
@@ -63,8 +123,8 @@ class PathWalk {
   /// Adds what paths 0 … paths − 1 of the numbers find by sampling the lights at their common start. Walks that follow
   /// these paths leave that out (set_common).
   CommonStart add_direct_light_at_start(const PathStart& start, int paths, LowDiscrepancy& numbers) {
-    begin(start);
-    CommonStart common{make_bsdf(scene_.scene.materials[size_t(point_.material)], point_, scene_.lines)};
+    set_start(start);
+    CommonStart common{make_bsdf(material(), point_, scene_.lines)};
     common.dimensions = std::visit(
         [&](const auto& b) { return direct_light_.add_for_paths(b, vertex(), paths, numbers); }, common.bsdf);
     return common;
@@ -93,12 +153,21 @@ class PathWalk {
   }
 
  private:
-  void begin(const PathStart& start) {
-    state_ = start.state;
-    point_ = start.point;
-    outgoing_ = start.outgoing;
-    depth_ = start.depth;
-    aim_ = start.aim;
+  void set_first(PathAutomaton::State state, Vec3 outgoing, int depth, Aim aim) {
+    state_ = state;
+    outgoing_ = outgoing;
+    depth_ = depth;
+    aim_ = aim;
+    throughput_ = {1, 1, 1};
+    scale_ = 1;
+    pdf_ = distance_ = 0;
+    is_counted_ = true;
+  }
+
+  /// Counts the surface that the path has reached, and adds what it emits.
+  void arrive(int count = 1) {
+    counts_.vertices += count;
+    if (emitters_.is_emissive(point_.material)) add_emission(material());
   }
 
   PathVertex vertex() const { return {point_, outgoing_, state_, depth_, aim_, throughput_}; }
@@ -123,8 +192,8 @@ class PathWalk {
 
   /// Adds the light of a visible rectangle at whose surface the path ends. As for other lights, its surface does not
   /// count for max_depth.
-  void add_lamp() {
-    ++counts_.absorbed;
+  void add_lamp(int count = 1) {
+    counts_.absorbed += count;
     const uint32_t path_groups = automaton_.accepted(state_);
     if (!path_groups || !point_.is_front) return;
     const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(point_.light)]);
@@ -166,15 +235,14 @@ class PathWalk {
     return next;
   }
 
-  /// Goes to the next surface; false if the path ends.
-  bool leave(const BsdfSample& next) {
-    state_ = automaton_.step(state_, event_of(next.lobe));
+  /// Goes along a ray, drawn with density `pdf`, to the next surface; false if the path ends.
+  bool leave(const Ray& ray, Lobe lobe, double pdf) {
+    state_ = automaton_.step(state_, event_of(lobe));
     if (automaton_.is_dead(state_)) {
       ++counts_.left_out;
       return false;
     }
     const bool is_last = depth_ >= scene_.params.max_depth;
-    const Ray ray{scene_.accelerator.leave(point_, next.direction), next.direction};
     if (is_last && !emitters_.shine_beyond_surfaces()) {
       if (!is_counted_) {
         ++counts_.absorbed;
@@ -185,10 +253,9 @@ class PathWalk {
       ++(has_met ? counts_.cut : counts_.escaped);
       return false;
     }
-    if constexpr (Sink::follows_phase) sink_.scatter(point_, next);
 
     ++counts_.rays;
-    pdf_ = next.lobe == Lobe::specular ? 0 : next.pdf;
+    pdf_ = lobe == Lobe::specular ? 0 : pdf;
     if (pdf_ > 0) aim_ = Aim::random;
     const Vec3 here = point_.position;
     const bool has_hit = scene_.accelerator.closest_hit(ray, hit_, aim_);
@@ -196,7 +263,7 @@ class PathWalk {
     // A lamp in the plane of a wall counts as in front of it, as in the sampling of lights.
     if (emitters_.shine_beyond_surfaces())
       add_light_on_way(ray, distance_ + (has_hit ? point_.clearance : 0), state_, pdf_, throughput_);
-    outgoing_ = -next.direction;
+    outgoing_ = -ray.direction;
     if (has_hit && point_.light >= 0) {
       add_lamp();
       return false;
@@ -205,9 +272,10 @@ class PathWalk {
       ++(!has_hit ? counts_.escaped : is_counted_ ? counts_.cut : counts_.absorbed);
       return false;
     }
-    const Material& material = scene_.scene.materials[size_t(point_.material)];
     if constexpr (Sink::follows_phase) sink_.travel(length(point_.position - here));
-    if (material.normal_map) point_ = shading_point(material, point_);
+    if (material().normal_map) point_ = shading_point(material(), point_);
+    ++depth_;
+    arrive();
     return true;
   }
 

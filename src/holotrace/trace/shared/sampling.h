@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "holotrace/base/random.h"
@@ -62,20 +64,24 @@ class Permutation {
   int half_bits_;
 };
 
+/// Taylor series of cos x and sin(x)/x in −x², up to 2e-15 at an eighth of a turn.
+inline constexpr std::array<double, 8> cosine_terms{1,          1 / 2.,       1 / 24.,        1 / 720.,
+                                                    1 / 40320., 1 / 3628800., 1 / 479001600., 1 / 87178291200.};
+inline constexpr std::array<double, 8> sine_terms{1,           1 / 6.,        1 / 120.,        1 / 5040.,
+                                                  1 / 362880., 1 / 39916800., 1 / 6227020800., 1 / 1307674368000.};
+
+inline double series(const std::array<double, 8>& terms, double y) {
+  double sum = terms.back();
+  for (size_t n = terms.size() - 1; n-- > 0;) sum = terms[n] + y * sum;
+  return sum;
+}
+
 /// (cos 2πt, sin 2πt) for t in [0, 1), to 2e-15: by their Taylor series within an eighth of a turn of the nearest quarter.
 /// It takes a third of the time of std::cos and std::sin.
 inline Vec2 point_on_circle(double t) {
   const int quarter = int(4 * t + 0.5);
   const double x = (4 * t - quarter) * (pi / 2), y = -x * x;
-  const double cosine =
-      1 + y * (1 / 2. +
-               y * (1 / 24. + y * (1 / 720. + y * (1 / 40320. + y * (1 / 3628800. +
-                                                                     y * (1 / 479001600. + y * (1 / 87178291200.)))))));
-  const double sine =
-      x * (1 + y * (1 / 6. +
-                    y * (1 / 120. +
-                         y * (1 / 5040. + y * (1 / 362880. + y * (1 / 39916800. + y * (1 / 6227020800. +
-                                                                                       y * (1 / 1307674368000.))))))));
+  const double cosine = series(cosine_terms, y), sine = x * series(sine_terms, y);
   const double first = quarter & 1 ? sine : cosine, second = quarter & 1 ? cosine : sine;
   return {(quarter + 1) & 2 ? -first : first, quarter & 2 ? -second : second};
 }

@@ -9,10 +9,10 @@ namespace holotrace {
 /// A point of a surface, as materials and lights need it. Normals are unit vectors on the side that the path
 /// came from.
 struct SurfacePoint {
-  Vec3 position;          ///< [m]
-  Vec3 geometric_normal;  ///< normal of the triangle
-  Vec3 normal;            ///< interpolated, for shading
-  Vec2 uv;
+  Vec3 position;                    ///< [m]
+  Vec3 geometric_normal;            ///< normal of the triangle
+  Vec3 normal;                      ///< interpolated, for shading
+  Vec2 uv;                          ///< 0 without a texture
   Vec3 tangent_u, tangent_v;        ///< ∂position/∂u and ∂position/∂v [m]; 0 without a normal map
   Vec3 colour{1, 1, 1};             ///< colour of the vertices, interpolated
   int material = 0;                 ///< index into Scene::materials (material_at); −1: the surface of a light
