@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/descent_device.h"
 #include "slm/encode/iterate/descent_gradients.h"
@@ -66,7 +68,10 @@ class SeveralDescentDevices : public ::testing::Test {
 };
 
 TEST_F(SeveralDescentDevices, HaveTheSumsAndSlopesOfTheProcessor) {
+  const std::set<std::string> names{"three frames",          "a pupil", "two colours", "crosstalk",
+                                    "phases and amplitudes", "views",   "an odd size"};
   for (DescentCase one : descent_cases()) {
+    if (names.count(one.name) == 0) continue;
     one.frames = std::max(one.frames, 3);  // one for the first device, two for the second
     const std::vector<Hologram> start = one.start();
     ProcessorFrames on_processor(one.slm, one.params, start);
