@@ -92,6 +92,14 @@ TEST(LowDiscrepancy, ABlockHasTheNumbersOfItsPaths) {
         alone.skip(dimension);
         EXPECT_EQ(alone.two(), (Vec2{numbers.x[i] * 0x1p-32, numbers.y[i] * 0x1p-32})) << block << ", path " << i;
       }
+      sequence.start(16 * block + 9);
+      for (int times = 0; times < 2; ++times) {  // computed, then kept
+        EXPECT_EQ(sequence.of_block(dimension).x, numbers.x);
+        EXPECT_EQ(sequence.of_block(dimension).y, numbers.y);
+      }
+      sequence.go_to(5, dimension);
+      EXPECT_EQ(sequence.dimension(), dimension);
+      EXPECT_EQ(sequence.two(), (Vec2{numbers.x[5] * 0x1p-32, numbers.y[5] * 0x1p-32}));
       sequence.start(16 * block);
       for (int left = 0; left < dimension; ++left) left % 2 ? sequence.one() : sequence.two().x;
       EXPECT_EQ(sequence.two().x, numbers.x[0] * 0x1p-32) << "a dimension is one() or two()";

@@ -346,7 +346,7 @@ uint32_t Accelerator::occluded(const RayLanes& rays, uint32_t asked, Aim aim, bo
     return bits;
   }
   alignas(64) std::array<int, most_together> valid{};
-  RTCRay16 packet{};
+  RTCRay16 packet{};  // Embree with assertions looks at all rays, not only at valid ones
   for (uint32_t left = asked; left; left &= left - 1) {
     const auto i = size_t(std::countr_zero(left));
     const Ray ray{rays.origin[i], rays.direction[i]};

@@ -114,6 +114,7 @@ class DirectLight {
                     LowDiscrepancy& numbers) {
     if (!begin({.has_diffuse = true}, state)) return 0;
     const DiffuseSurfaces& surfaces = paths.surfaces;
+    const bool are_near = depth == 1;  // first hits of a pixel
     int taken = 0;
     for_each_light(depth, [&](const SampledLight& light, const auto& sample) {
       LowDiscrepancy::Block places;
@@ -122,7 +123,7 @@ class DirectLight {
         const uint32_t path = paths.number[i];
         return light.is_shared ? Vec2{places.x[path] * 0x1p-32, places.y[path] * 0x1p-32} : Vec2{};
       };
-      if (fits_lanes(light)) return add_lanes(paths, light, place_of, depth == 1);
+      if (fits_lanes(light)) return add_lanes(paths, light, place_of, are_near);
       for (size_t i = 0; i < size_t(surfaces.count); ++i) {
         SurfacePoint point;
         point.position = surfaces.position[i];
