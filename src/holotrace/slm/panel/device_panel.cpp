@@ -118,13 +118,6 @@ void DevicePanel::make_memory(Memory& memory, bool has_slopes) {
   each_buffer(memory, has_slopes, [&](DeviceBuffer& buffer, size_t floats) { make(buffer, floats); });
 }
 
-double DevicePanel::bytes_to_leave() const {
-  Memory none;
-  double floats = 0;
-  each_buffer(none, false, [&](DeviceBuffer&, size_t of_buffer) { floats += double(of_buffer); });
-  return floats * sizeof(float);
-}
-
 double DevicePanel::bytes_of_memory() const {
   Memory none;
   double floats = 0;

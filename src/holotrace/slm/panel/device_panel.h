@@ -67,8 +67,7 @@ class DevicePanel {
   /// @throws Error  as Device does
   DevicePanel(Device& device, const PanelModel& model, PanelMaps maps = PanelMaps::whole);
 
-  /// Memory of `leave`, and of both calls [bytes].
-  double bytes_to_leave() const;
+  /// Memory of both calls [bytes].
   double bytes_of_memory() const;
 
   /// Writes the field that leaves the panel to `u`, shape (n·ny, n·nx).
