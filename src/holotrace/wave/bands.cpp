@@ -14,7 +14,7 @@ namespace {
 constexpr int unit_rows = 128, least_bands = 64, exact_rows = 32;
 
 // The constants of band_memory. Program and libraries: 20 MB measured, 32 MB with MPI.
-constexpr double program_bytes = 50e6, wave_bytes = 340, wave_tile_bytes = 16, plane_bytes = 16 * 15e6;
+constexpr double program_bytes = 50e6, wave_bytes = 340, wave_tile_bytes = 16, plane_bytes = 11 * 21e6;
 
 // The row of panel tiles that a row of pixels lies in.
 int tile_row_of(const TileAmplitudes& tiles, const Grid& panel, int row) {

@@ -18,8 +18,11 @@
 namespace holotrace {
 namespace {
 
-constexpr double bytes_per_wave = 340;     // prepared, split into far and near, sorted
-constexpr double bytes_per_thread = 15e6;  // grids of a tile of 240 pixels at 4 nodes, and its transforms
+constexpr double bytes_per_wave = 340;  // prepared, split into far and near, sorted
+// Besides, on devices: up to four boxes that append_rest leaves; these, and the waves, as all devices get them; packets.
+constexpr double bytes_per_wave_on_devices =
+    4 * (sizeof(PreparedWave) + sizeof(DeviceWave)) + sizeof(DeviceWave) + double(sizeof(PlanePacket)) / packet_waves;
+constexpr double bytes_per_thread = 21e6;  // grids of a tile of 240 pixels at 4 nodes, and its transforms
 
 // Calls work(box, buffers) for the tiles that cover `bounds`, from its top left corner on.
 template <class Buffers, class Work>
@@ -42,19 +45,21 @@ void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vec
   const Grid& grid = sum.field.grid;
   const double wavelength = sum.field.wavelength;
   const TileShape shape = plan.tiles.plan.shape;
-  const auto by_tiles = [&](const std::vector<PreparedWave>& waves, const MakeLight& make_more) {
-    if (sum.there) return sum_tiles_on_device(waves, shape, bounds, *sum.there, observer, make_more);
-    sum_tiles_on_devices(devices, waves, {grid, wavelength}, shape, bounds, sum.field.samples, observer, make_more);
+  const auto by_tiles = [&](const std::vector<PreparedWave>& waves, const MoreLight& more) {
+    if (sum.there) return sum_tiles_on_device(waves, shape, bounds, *sum.there, observer, more);
+    sum_tiles_on_devices(devices, waves, {grid, wavelength}, shape, bounds, sum.field.samples, observer, more);
   };
   if (plan.far.empty()) return by_tiles(plan.near, {});
   const PlanesTables tables(plan.planes.plan, wavelength, grid.pitch);
   const SortedWaves far = sort_waves(plan.far, tables.plan, wavelength, grid.pitch);
   std::vector<PreparedWave> in_tiles = plan.near;
   append_rest(far.waves, {grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
-  by_tiles(in_tiles, [&](Device& device) {
-    const auto planes = std::make_shared<DevicePlanes>(device, far, tables, grid, bounds);
+  const PacketedWaves packeted(far, tables, grid, bounds);
+  const auto make = [&](Device& device) {
+    const auto planes = std::make_shared<DevicePlanes>(device, packeted, tables);
     return LightOnDevice{[=](const auto&... band) { planes->add(band...); }, planes->least_memory()};
-  });
+  };
+  by_tiles(in_tiles, {make, tables.plan.tile});
 }
 
 // Computes the pixels of `bounds`; their old values are overwritten.
@@ -141,11 +146,16 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const Sum
 
 }  // namespace
 
+double host_bytes_per_wave(bool is_on_devices) {
+  return bytes_per_wave + (is_on_devices ? bytes_per_wave_on_devices : 0);
+}
+
 std::optional<SummedField> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
                                    double& reachable, const Observer& observer) {
   check_grid(grid);
   check_sources(sources);
-  require_memory(sizeof(std::complex<float>) * double(grid.pixels()) + bytes_per_wave * double(sources.waves.size()) +
+  require_memory(sizeof(std::complex<float>) * double(grid.pixels()) +
+                     host_bytes_per_wave(way.device() != nullptr) * double(sources.waves.size()) +
                      bytes_per_thread * thread_count(),
                  fmt::format("a field of {} × {} samples", grid.nx, grid.ny));
   SummedField field = dark_field(grid, sources.wavelength, way);

@@ -59,10 +59,12 @@ struct PlanesJob {
 Field sum_on(Device& device, const Sources& sources, const PlanesPlan& plan) {
   const PlanesJob job(sources, plan);
   Field field(panel, green);
-  DevicePlanes planes(device, job.waves, job.tables, panel, whole_panel);
-  sum_tiles_on_device(device, {}, {panel, green}, {32, 32}, whole_panel, field.samples, {}, [&](Device&) {
+  const PacketedWaves packeted(job.waves, job.tables, panel, whole_panel);
+  DevicePlanes planes(device, packeted, job.tables);
+  const auto make = [&](Device&) {
     return LightOnDevice{[&](const auto&... band) { planes.add(band...); }, planes.least_memory()};
-  });
+  };
+  sum_tiles_on_device(device, {}, {panel, green}, {32, 32}, whole_panel, field.samples, {}, {make, plan.tile});
   return field;
 }
 
@@ -289,6 +291,66 @@ TEST_P(DevicePlanesTest, ReleaseTheirMemoryWhereverTheyFail) {
 }
 
 #endif
+
+// Rows of blocks that all devices compute, counted row by row: a block that two shares light counts for both.
+int counted_rows(int rows, int share, int block) {
+  int most = 0;
+  for (int first = 0; first < rows; first += share) {
+    int computed = 0;
+    for (int row = 0; row < rows; ++row)
+      computed += row / block * block < std::min(first + share, rows) && row / block * block + block > first;
+    most = std::max(most, computed);
+  }
+  return most;
+}
+
+// 1,080 rows in blocks of 120. Halves by tiles of 4 rows would meet at 540, inside a block; 600 is no more work for one device
+// and less for the other. By tiles of 32 rows the least common multiple is 480, and 960 rows would be more work than 600.
+TEST(RowsOfDevices, AreWholeBlocksWhereThatIsNoMoreWork) {
+  EXPECT_EQ(rows_of_share(1080, 2, {16, 4}, 120), 600);
+  EXPECT_EQ(rows_of_share(1080, 2, {32, 32}, 120), 544);
+  EXPECT_EQ(rows_of_share(1080, 1, {32, 32}, 1), 1088);
+  for (const int rows : {130, 1080, 2160, 2161})
+    for (const size_t devices : {1, 2, 3, 8})
+      for (const TileShape shape : {TileShape{128, 64}, TileShape{32, 16}, TileShape{16, 4}})
+        for (const int block : {1, 60, 120, 240}) {
+          const int share = rows_of_share(rows, devices, shape, block);
+          EXPECT_EQ(share % shape.rows, 0);
+          EXPECT_GE(size_t(share) * devices, size_t(rows));
+          const int computed = rows_computed_by_one(rows, devices, shape, block);
+          EXPECT_EQ(computed, counted_rows(rows, share, block)) << rows << " " << devices << " " << block;
+          // The even shares of whole tiles, which do not know of blocks.
+          const int tiles = (rows + shape.rows - 1) / shape.rows, even = (tiles + int(devices) - 1) / int(devices);
+          EXPECT_LE(computed, counted_rows(rows, even * shape.rows, block)) << rows << " " << devices << " " << block;
+        }
+}
+
+// Bands of one device: with room for it they end where blocks do, so that each row is computed once.
+TEST(RowsOfDevices, OfBandsAreWholeBlocksIfTheyFit) {
+  EXPECT_EQ(rows_of_band(700, {32, 32}, 120), 480);
+  EXPECT_EQ(rows_of_band(500, {64, 16}, 240), 480);
+  EXPECT_EQ(rows_of_band(300, {32, 32}, 120), 288);  // no 480: whole tiles
+  EXPECT_EQ(rows_of_band(3, {32, 32}, 120), 32);
+  EXPECT_EQ(rows_of_band(-1e9, {32, 32}, 1), 32);
+}
+
+// Lists of a sum on devices, by their sizes: the boxes that are left, as they are and as devices get them, and the waves of
+// planes. Waves in the middle of a panel leave four boxes each, the most.
+TEST(HostMemory, OfASumOnDevicesHoldsItsLists) {
+  const Grid wide{600, 500, 8e-6};
+  const Sources sources = make_random_sources(1000, {60, 60, 8e-6}, green, 55_mm, 56_mm);
+  const PlanesTables tables({60, 5, 3, 1, true, false}, green, wide.pitch);
+  const SortedWaves sorted = sort_waves(prepare_waves(sources, wide), tables.plan, green, wide.pitch);
+  const PixelBox all{0, wide.nx, 0, wide.ny};
+  std::vector<PreparedWave> rest;
+  append_rest(sorted.waves, {wide, all, tables.plan.tile, tables.tangent}, rest);
+  EXPECT_EQ(rest.capacity(), rest.size());
+  EXPECT_GT(rest.size(), 3 * sorted.waves.size());
+  const PacketedWaves packeted(sorted, tables, wide, all);
+  const double bytes = double(rest.capacity() * (sizeof(PreparedWave) + sizeof(DeviceWave)) +
+                              packeted.waves.capacity() * sizeof(DeviceWave));
+  EXPECT_LE(bytes, (host_bytes_per_wave(true) - host_bytes_per_wave(false)) * double(sorted.waves.size()));
+}
 
 }  // namespace
 }  // namespace holotrace

@@ -8,8 +8,8 @@
 #include <functional>
 #include <limits>
 
+#include "holotrace/base/column_fft.h"
 #include "holotrace/base/cpu.h"
-#include "holotrace/base/fft.h"
 #include "holotrace/estimate/machine/peak_rate.h"
 #include "holotrace/estimate/machine/timed_jobs.h"
 #include "holotrace/wave/planes/plane_plan.h"
@@ -48,32 +48,33 @@ TimedWork time_tile(const TilePlan& plan, int count) {
   });
 }
 
-// Times spreading of waves to the grids of a tile; every wave lights the whole tile.
+// Times spreading of waves to the grids of a tile; every wave lights the whole tile. The waves fill more than the caches of
+// a core, as those of a panel do.
 TimedWork time_spreading(int nodes, int width) {
   const PlanesPlan plan{.tile = 120, .width = width, .nodes = nodes};
   const Grid panel{plan.tile, plan.tile, pitch};
-  constexpr int count = 2048;
+  constexpr int count = 1 << 16;
   const SortedWaves waves =
       sort_waves(prepare_waves(timed_waves(panel, count, 0.19, 0.21), panel), plan, wavelength, pitch);
   const PlanesTables tables(plan, wavelength, pitch);
   PlanesWorkspace workspace;
-  workspace.grids.assign(size_t(nodes) * size_t(tables.cells) * 2 * size_t(tables.stride()), 0.0F);
-  const SummationWork work{
-      .plane_waves = double(count),
-      .spreads = double(count) * nodes * width * (width <= 4 ? 4 : GriddingKernel::greatest_width)};
+  workspace.grids.assign(tables.grid_size(), 0.0F);
+  const SummationWork work{.plane_waves = double(count), .spreads = count * spreads_per_wave(plan)};
   return fastest(work, [&] {
     spread_waves(waves.waves, waves.slabs.front(), tables,
                  {{0, panel.nx, 0, panel.ny}, panel.x(plan.tile / 2), panel.y(plan.tile / 2)}, workspace);
   });
 }
 
-// Times transforms of the lines of a tile, in cache.
+// Times the transform that grids of tiles of 120 pixels get (plane_transform.h), in cache.
 TimedWork time_fft() {
-  constexpr int length = 256, lines = 256;
-  const Fft<float> transform(length, FftDirection::forward);
-  AlignedVector<std::complex<float>> data(length * lines, 0.0F);
-  return fastest({.fft_operations = lines * fft_operations(length)}, [&] {
-    for (int line = 0; line < lines; ++line) transform(data.data() + line * length);
+  constexpr int length = 240, blocks = 16;
+  const ColumnFft<float> transform(length);
+  const AlignedVector<std::complex<float>> lines(transform.work_size(), {1.0F, 0.0F});
+  AlignedVector<std::complex<float>> transformed(lines.size()), spare(lines.size());
+  return fastest({.fft_operations = blocks * column_block * fft_operations(length)}, [&] {
+    for (int block = 0; block < blocks; ++block)
+      transform(FftDirection::backward, lines.data(), transformed.data(), spare.data());
   });
 }
 
@@ -103,7 +104,7 @@ std::vector<TimedWork> time_summation() {
         for (const TileProducts products : {TileProducts::bf16, TileProducts::split_bf16})
           timed.push_back(time_tile({tile, products}, 512));
     for (const int width : {4, 5, 8})
-      for (const int nodes : {1, 3, 5}) timed.push_back(time_spreading(nodes, width));
+      for (const int nodes : {1, 2, 4, 8}) timed.push_back(time_spreading(nodes, width));
     timed.push_back(time_fft());
     timed.push_back(time_samples());
   });
@@ -117,8 +118,10 @@ SummationRates calibrate_summation() {
 }
 
 std::string calibration_key() {
-  return fmt::format("holotrace {}; {}; {}; {}{}", HOLOTRACE_VERSION, cpu_name(), tile_sum_instruction_set(),
-                     has_avx512_bf16() ? "AVX512_BF16 " : "", enable_amx_bf16() ? "AMX_BF16" : "");
+  constexpr int kernels = 2;  // raised when what the rates count changes
+  return fmt::format("holotrace {}, kernels {}; {}; {}; {}{}", HOLOTRACE_VERSION, kernels, cpu_name(),
+                     tile_sum_instruction_set(), has_avx512_bf16() ? "AVX512_BF16 " : "",
+                     enable_amx_bf16() ? "AMX_BF16" : "");
 }
 
 }  // namespace holotrace

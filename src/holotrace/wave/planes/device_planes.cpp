@@ -53,46 +53,46 @@ struct DevicePlanes::Chunk {
   std::array<DeviceBuffer, 5> terms;
 };
 
-DevicePlanes::DevicePlanes(Device& device, const SortedWaves& waves, const PlanesTables& tables, const Grid& grid,
-                           const PixelBox& bounds)
-    : device_(device),
-      lines_(device),
-      waves_(waves),
-      tables_(tables),
-      tiles_{grid, bounds, tables.plan.tile, tables.tangent},
-      device_waves_(waves.waves.size()) {
+PacketedWaves::PacketedWaves(const SortedWaves& sorted, const PlanesTables& tables, const Grid& grid,
+                             const PixelBox& bounds)
+    : sorted(sorted), tiles{grid, bounds, tables.plan.tile, tables.tangent}, waves(sorted.waves.size()) {
+  parallel_for(
+      0, int64_t(waves.size()),
+      [&](int64_t i) { waves[size_t(i)] = device_plane_wave(sorted.waves[size_t(i)], tables.wavelength, tiles); }, {},
+      4096);
+  for (const Slab& slab : sorted.slabs) {
+    slabs.push_back({int(packets.size()), 0});
+    for (size_t first = slab.first; first < slab.last; first += packet_waves)
+      packets.push_back(packet_of(waves, first, std::min(first + packet_waves, slab.last)));
+    slabs.back().end = int(packets.size());
+  }
+}
+
+DevicePlanes::DevicePlanes(Device& device, const PacketedWaves& waves, const PlanesTables& tables)
+    : device_(device), lines_(device), waves_(waves), tables_(tables) {
   const auto lock = device.lock();
   const double wavelength = tables.wavelength;
-  parallel_for(
-      0, int64_t(device_waves_.size()),
-      [&](int64_t i) { device_waves_[size_t(i)] = device_plane_wave(waves.waves[size_t(i)], wavelength, tiles_); }, {},
-      4096);
   const double room = std::max(0.0, std::min(device.memory_left() / 3, device.free_memory()));
   const size_t most = std::max(size_t(room / sizeof(DeviceWave)), packet_waves);
   parts_.push_back({0, 0});
   size_t of_part = 0;
-  for (const Slab& slab : waves.slabs) {
-    slabs_.push_back({int(packets_.size()), 0});
-    for (size_t first = slab.first; first < slab.last; first += packet_waves) {
-      const size_t end = std::min(first + packet_waves, slab.last);
-      if (of_part + end - first > most) {
-        parts_.push_back({int(packets_.size()), 0});
-        of_part = 0;
-      }
-      of_part += end - first;
-      packets_.push_back(packet_of(device_waves_, first, end));
-      parts_.back().end = int(packets_.size());
+  for (const PlanePacket& packet : waves.packets) {
+    const auto count = size_t(packet.end - packet.first);
+    if (of_part + count > most) {
+      parts_.push_back({parts_.back().end, parts_.back().end});
+      of_part = 0;
     }
-    slabs_.back().end = int(packets_.size());
+    of_part += count;
+    ++parts_.back().end;
   }
-  sent_packets_ = device.upload(packets_, "the waves");
-  columns_ = device.upload(column_references(tiles_, wavelength), "places of tiles");
-  rows_ = device.upload(row_references(tiles_, wavelength), "places of tiles");
+  sent_packets_ = device.upload(waves.packets, "the waves");
+  columns_ = device.upload(column_references(waves.tiles, wavelength), "places of tiles");
+  rows_ = device.upload(row_references(waves.tiles, wavelength), "places of tiles");
   coefficients_ = device.upload(all_coefficients(tables), "the kernel of a transform");
   moments_ = device.upload(all_moments(tables), "the kernel of a transform");
   frequencies_ = device.upload(frequency_factors(tables), "frequencies");
-  chirps_ = device.upload(all_chirps(waves.slabs, tables), "curvatures");
-  corrections_ = device.upload(all_corrections(waves.slabs, tables), "corrections");
+  chirps_ = device.upload(all_chirps(waves.sorted.slabs, tables), "curvatures");
+  corrections_ = device.upload(all_corrections(waves.sorted.slabs, tables), "corrections");
   sent_ = parts_.size();
   if (parts_.size() == 1) send_part(0);
 }
@@ -107,7 +107,7 @@ double DevicePlanes::part_bytes() const {
   if (parts_.size() == 1) return 0;
   size_t most = 0;
   for (const Packets& part : parts_)
-    most = std::max(most, size_t(packets_[size_t(part.end - 1)].end - packets_[size_t(part.first)].first));
+    most = std::max(most, size_t(waves_.packets[size_t(part.end - 1)].end - waves_.packets[size_t(part.first)].first));
   return double(most * sizeof(DeviceWave));
 }
 
@@ -115,34 +115,34 @@ int DevicePlanes::tiles_at_once() const {
   const double cells = tables_.cells, one = double(sizeof(std::complex<float>)) * tables_.plan.nodes * cells * cells;
   const double room = std::min(most_bytes, device_.memory_left() - (sent_ < parts_.size() ? 0 : part_bytes()));
   const double tiles = std::min({room / tile_bytes(), device_.info().largest_buffer / one,
-                                 most_wave_tiles / double(std::max<size_t>(device_waves_.size(), 1))});
-  return std::clamp(int(std::min(tiles, 1e6)), 1, tiles_.across() * tiles_.down());
+                                 most_wave_tiles / double(std::max<size_t>(waves_.waves.size(), 1))});
+  return std::clamp(int(std::min(tiles, 1e6)), 1, waves_.tiles.across() * waves_.tiles.down());
 }
 
 void DevicePlanes::send_part(size_t part) {
   if (sent_ == part) return;
   sent_waves_ = DeviceBuffer();  // released before the next is made
-  const auto first = size_t(packets_[size_t(parts_[part].first)].first);
-  const size_t bytes = (size_t(packets_[size_t(parts_[part].end - 1)].end) - first) * sizeof(DeviceWave);
+  const auto first = size_t(waves_.packets[size_t(parts_[part].first)].first);
+  const size_t bytes = (size_t(waves_.packets[size_t(parts_[part].end - 1)].end) - first) * sizeof(DeviceWave);
   sent_waves_ = device_.make_buffer(bytes, "the waves");
-  device_.write(sent_waves_, device_waves_.data() + first, bytes);
+  device_.write(sent_waves_, waves_.waves.data() + first, bytes);
   sent_ = part;
 }
 
 void DevicePlanes::spread(int slab, int first_tile, const Chunk& chunk) {
   const PlanesTables& t = tables_;
-  const Packets& all = slabs_[size_t(slab)];
+  const Packets& all = waves_.slabs[size_t(slab)];
   const size_t blocks = groups_for(t.cells, block);
-  const PlaneSlab on_device = slab_on_device(waves_.slabs[size_t(slab)], t);
+  const PlaneSlab on_device = slab_on_device(waves_.sorted.slabs[size_t(slab)], t);
   for (size_t part = 0; part < parts_.size(); ++part) {
     const int first = std::max(parts_[part].first, all.first), end = std::min(parts_[part].end, all.end);
     if (first >= end) continue;
     send_part(part);
     const SpreadJob job{first,
                         end,
-                        packets_[size_t(parts_[part].first)].first,
+                        waves_.packets[size_t(parts_[part].first)].first,
                         first_tile,
-                        tiles_.across(),
+                        waves_.tiles.across(),
                         t.cells,
                         t.transform / 2 + PlanesTables::margin,
                         t.plan.width,
@@ -195,8 +195,8 @@ void DevicePlanes::add(const PixelBox& band, const DeviceBuffer& samples, const 
                        const std::atomic<bool>& is_stopped) {
   const auto lock = device_.lock();
   const PlanesTables& t = tables_;
-  const int side = t.plan.tile, across = tiles_.across(), top = band.y0 - tiles_.bounds.y0;
-  const int first = top / side * across, end = (band.y1 - tiles_.bounds.y0 + side - 1) / side * across;
+  const int side = t.plan.tile, across = waves_.tiles.across(), top = band.y0 - waves_.tiles.bounds.y0;
+  const int first = top / side * across, end = (band.y1 - waves_.tiles.bounds.y0 + side - 1) / side * across;
   const int at_once = std::min(tiles_at_once(), end - first);
   const auto buffer = [&](double rows, double columns) {
     const double samples_of_grids = double(at_once) * t.plan.nodes * rows * columns;
@@ -207,7 +207,7 @@ void DevicePlanes::add(const PixelBox& band, const DeviceBuffer& samples, const 
   const auto term = [&](size_t i) -> const DeviceBuffer& { return chunk.terms[t.plan.is_corrected ? i : 0]; };
   for (int tile = first; tile < end && !is_stopped; tile += at_once) {
     chunk.tiles = std::min(at_once, end - tile);
-    for (int slab = 0; slab < int(slabs_.size()); ++slab) {
+    for (int slab = 0; slab < int(waves_.slabs.size()); ++slab) {
       spread(slab, tile, chunk);
       transform(chunk);
       const AddJob job{

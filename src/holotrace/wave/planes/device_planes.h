@@ -10,6 +10,23 @@
 
 namespace holotrace {
 
+/// Waves and their packets as devices get them, made once for all devices of a sum.
+struct PacketedWaves {
+  struct Range {
+    int first, end;
+  };
+
+  const SortedWaves& sorted;
+  PlaneTiles tiles;
+  std::vector<DeviceWave> waves{};
+  std::vector<PlanePacket> packets{};
+  std::vector<Range> slabs{};  ///< packets of each slab
+
+  /// @param waves   sorted for the plan (sort_waves); they must outlive this object
+  /// @param bounds  pixels to sum; tiles cover them from the top left corner on
+  PacketedWaves(const SortedWaves& waves, const PlanesTables& tables, const Grid& grid, const PixelBox& bounds);
+};
+
 /// Waves by planes of fixed curvature on a device (plane_sum.cl), in the tiles that they light wholly. Their light in other
 /// tiles is left to the sum in tiles (append_rest, device_tiles.h), so plans for a device have no strips.
 ///
@@ -19,11 +36,8 @@ class DevicePlanes {
  public:
   /// Sends the tables of the plan, and the waves if a third of the device's free memory holds them. Otherwise `add` sends
   /// them in parts. The arguments must outlive this object.
-  /// @param waves   sorted for this plan (sort_waves)
-  /// @param bounds  pixels to sum; tiles cover them from the top left corner on
   /// @throws Error  as Device does
-  DevicePlanes(Device& device, const SortedWaves& waves, const PlanesTables& tables, const Grid& grid,
-               const PixelBox& bounds);
+  DevicePlanes(Device& device, const PacketedWaves& waves, const PlanesTables& tables);
 
   /// Adds the light to the samples of a band of rows of the bounds, with all of their columns. Tiles are computed some at a
   /// time, as memory allows; the samples do not depend on that.
@@ -35,9 +49,7 @@ class DevicePlanes {
   double least_memory() const { return tile_bytes() + part_bytes(); }
 
  private:
-  struct Packets {
-    int first, end;
-  };
+  using Packets = PacketedWaves::Range;
   struct Chunk;
 
   double tile_bytes() const;
@@ -49,13 +61,10 @@ class DevicePlanes {
 
   Device& device_;
   LineTransforms lines_;
-  const SortedWaves& waves_;
+  const PacketedWaves& waves_;
   const PlanesTables& tables_;
-  PlaneTiles tiles_;
-  std::vector<DeviceWave> device_waves_;
-  std::vector<PlanePacket> packets_;
-  std::vector<Packets> slabs_, parts_;  // packets of a slab, and of waves that are sent at once
-  size_t sent_ = 0;                     // part that is on the device
+  std::vector<Packets> parts_;  // packets of waves that are sent at once
+  size_t sent_ = 0;             // part that is on the device
   DeviceBuffer sent_waves_, sent_packets_, coefficients_, columns_, rows_, frequencies_, chirps_, moments_,
       corrections_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "holotrace/data/acceptance.h"
@@ -28,26 +29,31 @@ PlanesCounts count_tiles(const std::vector<PreparedWave>& waves, const PixelBox&
   return counts;
 }
 
+// In units of the waves of whole tiles: the work of an entry of a strip besides its products, and that of its products for
+// each of its nodes and cells, which stay in registers. Measured.
+constexpr double entry_waves = 2.5, entry_spreads = 8;
+
+double spreads_per_entry(const PlanesPlan& plan) { return entry_spreads * plan.nodes * std::max(plan.width, 4); }
+
 SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const TilePlan& direct) {
-  const double nodes = plan.nodes, m = 2 * plan.tile, cells = m + 2 * PlanesTables::margin;
-  // Grids too large for the second-level cache take three times as long to add to.
-  const double cache = nodes * cells * cells * 8 < 2e6 ? 1 : 3;
-  const double per_wave = cache * nodes * plan.width * (plan.width <= 4 ? 4 : GriddingKernel::greatest_width);
+  const double nodes = plan.nodes, slots = std::bit_ceil(unsigned(plan.nodes));
+  const double m = 2 * plan.tile, cells = m + 2 * PlanesTables::margin;
   // At most half of a tile's strips need an entry, a quarter on average, and one more partly lit strip.
   const double entries = !plan.has_strips ? 0 : counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
-  const double grids = counts.tiles * plan.slabs * nodes;
-  const double lines_of_grid = (plan.is_corrected ? 3 + 0.5 * corrected_terms : 1 + 0.5) * m;  // transform_grid
+  const double grids = counts.tiles * plan.slabs;
+  const double lines_of_grids = cells * slots * (plan.is_corrected ? 3 : 1) +
+                                m / 2 * nodes * (plan.is_corrected ? corrected_terms : 1);  // plane_transform.h
   const double strips = std::min(entries, counts.tiles * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
-  const double lines = grids * lines_of_grid + strips * nodes * strip_width;  // lines to transform
-  SummationWork work{.plane_waves = counts.whole + entries,
-                     .spreads = counts.whole * per_wave + entries * nodes * plan.width * strip_width,
+  const double lines = grids * lines_of_grids + strips * nodes * strip_width;  // lines to transform
+  SummationWork work{.plane_waves = counts.whole + entry_waves * entries,
+                     .spreads = counts.whole * spreads_per_wave(plan) + entries * spreads_per_entry(plan),
                      .fft_operations = lines * fft_operations(m),
                      .samples = lines * 2 * m};
   const double in_tiles = counts.corners + (plan.has_strips ? 0 : counts.partial);
   return work + in_tiles * plan.tile * plan.tile / 2 * tile_work(direct);
 }
 
-constexpr int most_slabs = 64, most_nodes = 8, most_nodes_of_large_tiles = 4;  // grids of large tiles fill the caches
+constexpr int most_slabs = 64, most_nodes = 8, most_nodes_of_large_tiles = 4;  // whose grids take 20 MB then
 
 // Error of the gridding of a plane wave, over both axes.
 double both_axes(int width) {
@@ -145,6 +151,11 @@ class PlanSearch {
 bool suits_planes(const PreparedWave& wave, double wavelength, double pitch) {
   const double tangent = acceptance_tangent(wavelength, pitch);
   return tangent < 0.25 && 2 * wave.depth * tangent >= 4 * tiles.back() * pitch;
+}
+
+double spreads_per_wave(const PlanesPlan& plan) {
+  const double width = std::max(plan.width, 4), cells_of_vector = 4;  // complex numbers of 8 floats
+  return width * cells_of_vector * std::ceil(width * std::bit_ceil(unsigned(plan.nodes)) / cells_of_vector);
 }
 
 PlanesCost planes_cost_on_processor(const TilePlan& direct) {

@@ -43,6 +43,9 @@ bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const PlanesCost& cost, const SumGoal& goal,
                            double most_seconds = 1e300);
 
+/// Numbers of the grids to which plane_spread.h adds one wave (SummationWork::spreads).
+double spreads_per_wave(const PlanesPlan& plan);
+
 /// One thread of the processor (cost_model.h).
 /// @param direct  plan for the direct sum in tiles that contain a corner of a wave's box
 PlanesCost planes_cost_on_processor(const TilePlan& direct);

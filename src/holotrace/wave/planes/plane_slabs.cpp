@@ -42,6 +42,21 @@ Slab Slabs::slab(int index, double wavelength, double pitch) const {
   return {0, 0, (greatest + least) / 2, (greatest - least) / 2};
 }
 
+WavePacket packet_of_waves(const std::vector<PreparedWave>& waves, size_t first, size_t last) {
+  const PreparedWave& w = waves[first];
+  WavePacket p{first, last, w.box, w.box, w.x, w.x, w.y, w.y, w.depth};
+  for (size_t i = first + 1; i < last; ++i) {
+    const PreparedWave& wave = waves[i];
+    p.lit_by_all = intersect(p.lit_by_all, wave.box);
+    p.lit_by_any = {std::min(p.lit_by_any.x0, wave.box.x0), std::max(p.lit_by_any.x1, wave.box.x1),
+                    std::min(p.lit_by_any.y0, wave.box.y0), std::max(p.lit_by_any.y1, wave.box.y1)};
+    p.x0 = std::min(p.x0, wave.x), p.x1 = std::max(p.x1, wave.x);
+    p.y0 = std::min(p.y0, wave.y), p.y1 = std::max(p.y1, wave.y);
+    p.nearest = std::min(p.nearest, wave.depth);
+  }
+  return p;
+}
+
 SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch) {
   const DepthRange depths = depths_of(waves);
   const Slabs slabs{depths, plan.slabs};
@@ -67,6 +82,10 @@ SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, 
     sorted.slabs.back().last = i + 1;
     sorted.waves.push_back(waves[keys[i].index]);
   }
+  constexpr size_t of_packet = 64;
+  for (Slab& slab : sorted.slabs)
+    for (size_t first = slab.first; first < slab.last; first += of_packet)
+      slab.packets.push_back(packet_of_waves(sorted.waves, first, std::min(first + of_packet, slab.last)));
   return sorted;
 }
 

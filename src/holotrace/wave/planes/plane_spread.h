@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -49,13 +50,29 @@ struct PlanesTables : PlanesModel {
   PlanesTables(const PlanesPlan& plan, double wavelength, double pitch);
   static constexpr int margin = 8;          ///< cells on either side
   int stride() const { return cells + 8; }  ///< cells per line, not a power of two, to avoid cache conflicts
+  /// Nodes for which a cell has room: the next power of two, so that the nodes of a cell fill vectors.
+  int slots() const { return int(std::bit_ceil(unsigned(plan.nodes))); }
+  /// Floats of the grids of all nodes.
+  size_t grid_size() const { return 2 * size_t(slots()) * size_t(cells) * size_t(stride()); }
 };
+
+/// Waves [first, last) that are neighbours: what they light together, and where they are [m]. A tile takes or leaves
+/// them as a whole if it can.
+struct WavePacket {
+  size_t first, last;
+  PixelBox lit_by_any, lit_by_all;
+  double x0, x1, y0, y1, nearest;  ///< nearest: the least depth
+};
+
+/// @param waves  [first, last) of them, at least one
+WavePacket packet_of_waves(const std::vector<PreparedWave>& waves, size_t first, size_t last);
 
 /// Waves of similar depth. Their curvatures κ = (1 − ρ²/2r₀²)/λr₀ in any tile lie within `half` of `centre`
 /// [cycles/m²].
 struct Slab {
   size_t first, last;  ///< range in the list of waves
   double centre, half;
+  std::vector<WavePacket> packets{};  ///< of that range
 };
 
 /// Part of a wave in a tile: the lines [first, last) of one strip, to be added or subtracted.
@@ -64,11 +81,23 @@ struct StripEntry {
   int8_t first, last, sign;
 };
 
+/// An entry as its strip uses it: the first of the cells that it is spread over and the fraction of a cell (gridding_kernel.h),
+/// its phase [cycles] and modulus on the strip's middle line, what gives them on others (wave_lanes-inl.h), its lines, and the
+/// weights of the nodes.
+struct StripWave {
+  int32_t cell;
+  float fraction, phase, scale, twice_x, inverse_r0_squared, r0_over_wavelength;
+  int8_t first, last;
+  float weights[8];
+};
+
 /// Buffers of one thread, reused from tile to tile.
 struct PlanesWorkspace {
-  AlignedVector<float> grids;              ///< [node][line][cell], complex
-  AlignedVector<float> strip;              ///< [node][cell][16 real, 16 imaginary]
+  AlignedVector<float> grids;              ///< [line][cell][slot of a node], complex
+  AlignedVector<float> strip;              ///< [cell][node][16 real, 16 imaginary]
   std::vector<StripEntry> entries[2][16];  ///< [across columns, across rows][strip]
+  std::vector<StripWave> of_strip;         ///< one for each entry of a strip
+  std::vector<uint32_t> order, ends;       ///< their order by cells, and its end for each cell
   std::vector<PreparedWave> direct;        ///< waves left for sum_tile, cut to the tile
   TileWorkspace of_direct;                 ///< buffers for sum_tile
   AlignedVector<std::complex<float>> folded, unfolded, spare, columns, turned, terms, tile;  ///< for the transforms

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "holotrace/base/column_blocks.h"
 #include "holotrace/base/complex_product.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
@@ -14,30 +15,46 @@ namespace {
 
 using Complex = std::complex<float>;
 
-// Transforms one node's grid to the tile's pixels and adds it to workspace.tile, [column][row].
-void add_node(const float* grid, double kappa, const PlanesTables& t, PlanesWorkspace& w) {
-  const int tile = t.plan.tile;
-  const size_t pixels = size_t(tile) * size_t(tile);
-  const std::vector<Complex> bend = plane_chirp(t, kappa);
-  transform_grid(grid, t, w);
-  const auto of = [&](Term term, size_t at) { return w.terms[size_t(term) * pixels + at]; };
+// Adds one node's terms in rows [first, first + 16) of the tile to workspace.tile, [column][row].
+void add_node(int first, double kappa, const std::vector<Complex>& chirp, const PlanesTables& t, PlanesWorkspace& w) {
+  const int tile = t.plan.tile, rows = std::min(column_block, tile - first);
+  const size_t of_term = size_t(tile) * column_block;
   const double half = tile * t.pitch / 2;
   const auto correction =
       correction_for<float>(t.wavelength, t.wavelength * kappa, linear_of_cubic * half * half);  // 1/r₀ ≈ λκ
   for (int i = 0; i < tile; ++i) {
     const float u = float((i - tile / 2) * t.pitch), s_u = t.first[size_t(i)], q_u = t.second[size_t(i)];
-    Complex* const to = w.tile.data() + size_t(i) * size_t(tile);
-    const Complex bend_u = bend[size_t(i)];
-    for (int j = 0; j < tile; ++j) {
-      const size_t at = size_t(i) * size_t(tile) + size_t(j);
-      Complex sum = of(Term::wave, at);
+    Complex* const to = w.tile.data() + size_t(i) * size_t(tile) + size_t(first);
+    const Complex* const from = w.terms.data() + size_t(i) * column_block;
+    const Complex bend_u = chirp[size_t(i)];
+    for (int r = 0; r < rows; ++r) {
+      const auto of = [&](Term term) { return from[size_t(term) * of_term + size_t(r)]; };
+      const size_t j = size_t(first + r);
+      Complex sum = of(Term::wave);
       if (t.plan.is_corrected) {
-        const CorrectionTerms<float> cells{of(Term::along_x, at), of(Term::along_y, at), of(Term::cross, at),
-                                           of(Term::difference, at)};
-        const auto terms = terms_of_waves(cells, sum, s_u, t.first[size_t(j)], q_u, t.second[size_t(j)]);
-        sum += correction_at(correction, terms, u, float((j - tile / 2) * t.pitch));
+        const CorrectionTerms<float> cells{of(Term::along_x), of(Term::along_y), of(Term::cross), of(Term::difference)};
+        const auto terms = terms_of_waves(cells, sum, s_u, t.first[j], q_u, t.second[j]);
+        sum += correction_at(correction, terms, u, float((int(j) - tile / 2) * t.pitch));
       }
-      to[j] += product(product(bend_u, bend[size_t(j)]), sum);
+      to[r] += product(product(bend_u, chirp[j]), sum);
+    }
+  }
+}
+
+// Transforms the grids of a slab's nodes to the tile's pixels.
+void add_nodes(const Slab& slab, const PlanesTables& t, PlanesWorkspace& w) {
+  std::vector<double> curvatures;
+  std::vector<std::vector<Complex>> chirps;
+  for (const double node : t.nodes) {
+    curvatures.push_back(slab.centre + slab.half * node);
+    chirps.push_back(plane_chirp(t, curvatures.back()));
+  }
+  transform_columns(t, w);
+  for (int first = 0; first < t.plan.tile; first += column_block) {
+    turn_rows(first, t, w);
+    for (size_t q = 0; q < chirps.size(); ++q) {
+      transform_rows(int(q), t, w);
+      add_node(first, curvatures[q], chirps[q], t, w);
     }
   }
 }
@@ -47,7 +64,7 @@ void add_strip(const Slab& slab, const PlanesTables& t, bool is_across_rows, int
   const int tile = t.plan.tile, first = strip * strip_width, lines = std::min(strip_width, tile - first);
   for (int q = 0; q < t.plan.nodes; ++q) {
     const std::vector<Complex> bend = plane_chirp(t, slab.centre + slab.half * t.nodes[size_t(q)]);
-    const Complex* const pixels = transform_strip(w.strip.data() + size_t(q) * size_t(t.cells) * 2 * strip_width, t, w);
+    const Complex* const pixels = transform_strip(q, t, w);
     for (int j = 0; j < tile; ++j)
       for (int l = 0; l < lines; ++l) {
         const int column = is_across_rows ? j : first + l, row = is_across_rows ? first + l : j;
@@ -122,14 +139,11 @@ void sum_planes_tile(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace&
   const SortedWaves& waves = sum.waves;
   const int tile = t.plan.tile;
   const TilePlace place{box, sum.grid.x(box.x0 + tile / 2), sum.grid.y(box.y0 + tile / 2)};
-  const size_t node = size_t(t.cells) * 2 * size_t(t.stride());
   w.tile.assign(size_t(tile) * size_t(tile), Complex());
   w.direct.clear();
   for (const Slab& slab : waves.slabs) {
-    w.grids.assign(size_t(t.plan.nodes) * node, 0.0f);
-    const bool any = spread_waves(waves.waves, slab, t, place, w);
-    for (int q = 0; any && q < t.plan.nodes; ++q)
-      add_node(w.grids.data() + size_t(q) * node, slab.centre + slab.half * t.nodes[size_t(q)], t, w);
+    w.grids.assign(t.grid_size(), 0.0f);
+    if (spread_waves(waves.waves, slab, t, place, w)) add_nodes(slab, t, w);
     add_strips(waves, slab, t, place, w);
   }
   sum_direct(sum, box, w, samples);

@@ -23,20 +23,20 @@ TileRange within(int from, int to, int size, int side, double reach, const Dista
   return tiles;
 }
 
-void append_rest_of(const PreparedWave& wave, const PlaneTiles& t, std::vector<PreparedWave>& waves) {
-  const PixelBox tiles = whole_tiles(wave, t), &all = wave.box;
-  const auto append = [&](const PixelBox& box) {
-    if (box.is_empty()) return;
-    waves.push_back(wave);
-    waves.back().box = box;
+// Calls take(box) for the boxes that are left around whole_tiles: four at most.
+template <class Take>
+void for_each_rest(const PreparedWave& wave, const PlaneTiles& t, const Take& take_any) {
+  const auto take = [&](const PixelBox& box) {
+    if (!box.is_empty()) take_any(box);
   };
-  if (tiles.is_empty()) return append(all);
+  const PixelBox tiles = whole_tiles(wave, t), &all = wave.box;
+  if (tiles.is_empty()) return take(all);
   const int x0 = t.bounds.x0 + tiles.x0 * t.side, x1 = std::min(t.bounds.x0 + tiles.x1 * t.side, t.bounds.x1);
   const int y0 = t.bounds.y0 + tiles.y0 * t.side, y1 = std::min(t.bounds.y0 + tiles.y1 * t.side, t.bounds.y1);
-  append({all.x0, all.x1, all.y0, y0});
-  append({all.x0, all.x1, y1, all.y1});
-  append({all.x0, x0, y0, y1});
-  append({x1, all.x1, y0, y1});
+  take({all.x0, all.x1, all.y0, y0});
+  take({all.x0, all.x1, y1, all.y1});
+  take({all.x0, x0, y0, y1});
+  take({x1, all.x1, y0, y1});
 }
 
 }  // namespace
@@ -53,15 +53,29 @@ PixelBox whole_tiles(const PreparedWave& wave, const PlaneTiles& t) {
 
 void append_rest(const std::vector<PreparedWave>& some, const PlaneTiles& tiles, std::vector<PreparedWave>& waves) {
   constexpr size_t at_once = 4096;
-  std::vector<std::vector<PreparedWave>> parts((some.size() + at_once - 1) / at_once);
-  parallel_for(0, int64_t(parts.size()), [&](int64_t part) {
-    const size_t first = size_t(part) * at_once, end = std::min(first + at_once, some.size());
-    for (size_t i = first; i < end; ++i) append_rest_of(some[i], tiles, parts[size_t(part)]);
+  const size_t parts = (some.size() + at_once - 1) / at_once;
+  // Boxes are counted first, so that the list is made once, in its place.
+  std::vector<size_t> ends(parts + 1, 0);
+  const auto for_each_wave = [&](const auto& work) {
+    parallel_for(0, int64_t(parts), [&](int64_t part) {
+      const size_t first = size_t(part) * at_once, end = std::min(first + at_once, some.size());
+      for (size_t i = first; i < end; ++i) work(size_t(part), some[i]);
+    });
+  };
+  for_each_wave([&](size_t part, const PreparedWave& wave) {
+    for_each_rest(wave, tiles, [&](const PixelBox&) { ++ends[part + 1]; });
   });
-  size_t count = waves.size();
-  for (const auto& part : parts) count += part.size();
-  waves.reserve(count);
-  for (const auto& part : parts) waves.insert(waves.end(), part.begin(), part.end());
+  ends[0] = waves.size();
+  for (size_t part = 0; part < parts; ++part) ends[part + 1] += ends[part];
+  waves.reserve(ends[parts]);  // exactly: resize alone may take twice as much
+  waves.resize(ends[parts]);
+  for_each_wave([&](size_t part, const PreparedWave& wave) {
+    for_each_rest(wave, tiles, [&](const PixelBox& box) {
+      PreparedWave& rest = waves[ends[part]++];
+      rest = wave;
+      rest.box = box;
+    });
+  });
 }
 
 }  // namespace holotrace

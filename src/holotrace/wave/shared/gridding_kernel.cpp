@@ -1,5 +1,6 @@
 #include "holotrace/wave/shared/gridding_kernel.h"
 
+#include <array>
 #include <cmath>
 #include <complex>
 
@@ -29,14 +30,19 @@ std::vector<double> interpolate(const Function& f, int degree) {
   return powers;
 }
 
+// β/w of the least gridding_error, for widths from 2 on.
+constexpr std::array<double, GriddingKernel::greatest_width - 1> beta_per_width{2.00, 2.12, 2.22, 2.27,
+                                                                                2.30, 2.32, 2.33};
+
 }  // namespace
 
-GriddingKernel::GriddingKernel(int width)
-    : kernel_{width, 2.30 * width}, coefficients_((degree + 1) * greatest_width, 0.0f) {
+GriddingKernel::GriddingKernel(int width) : kernel_{width, 0}, coefficients_((degree + 1) * greatest_width, 0.0f) {
   require(width >= 2 && width <= greatest_width, "expected a kernel 2 to {} cells wide, got {}", greatest_width, width);
+  kernel_.beta = beta_per_width[size_t(width - 2)] * width;
   for (int l = 0; l < width; ++l) {
-    const auto powers = interpolate([&](double s) { return value(s + 0.5 - width / 2.0 + l); }, degree);
-    for (int k = 0; k <= degree; ++k) coefficients_[size_t(k * greatest_width + l)] = float(powers[size_t(k)]);
+    const auto powers = interpolate([&](double s) { return value(s + 0.5 - width / 2.0 + l); }, degree_of(width));
+    for (int k = 0; k <= degree_of(width); ++k)
+      coefficients_[size_t(k * greatest_width + l)] = float(powers[size_t(k)]);
   }
 }
 
@@ -60,6 +66,12 @@ double SemicircleKernel::moment(int n, double xi) const {
   return sum * pi / points * width / 2;
 }
 
+double GriddingKernel::weight(int l, double t) const {
+  double sum = 0;
+  for (int k = degree; k >= 0; --k) sum = sum * (t - 0.5) + double(coefficients(k)[l]);
+  return sum;
+}
+
 double gridding_error(int width) {
   const GriddingKernel kernel(width);
   constexpr int outputs = 32, fractions = 16;
@@ -71,7 +83,7 @@ double gridding_error(int width) {
       std::complex<double> sum = 0;
       for (int l = 0; l < width; ++l) {
         const double x = t - width / 2.0 + l;
-        sum += kernel.value(x) * std::polar(1.0, 2 * pi * xi * x);
+        sum += kernel.weight(l, t) * std::polar(1.0, 2 * pi * xi * x);
       }
       error += std::norm(sum * scale - 1.0);
     }

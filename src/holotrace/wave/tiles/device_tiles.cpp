@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "holotrace/base/run_together.h"
 #include "holotrace/base/threads.h"
@@ -59,13 +60,13 @@ std::vector<FloatPair> tile_centres(int pixels, int step, double wavelength, con
 
 size_t tiles_along(int pixels, int step) { return size_t((pixels + step - 1) / step); }
 
-std::vector<DeviceWave> device_waves(const std::vector<PreparedWave>& waves, size_t first, size_t end,
-                                     double wavelength, const PixelBox& bounds) {
-  std::vector<DeviceWave> some(std::min(end, waves.size()) - first);
+std::vector<DeviceWave> device_waves(const std::vector<PreparedWave>& waves, double wavelength,
+                                     const PixelBox& bounds) {
+  std::vector<DeviceWave> converted(waves.size());
   parallel_for(
-      0, int64_t(some.size()),
-      [&](int64_t i) { some[size_t(i)] = device_wave(waves[first + size_t(i)], wavelength, bounds); }, {}, 4096);
-  return some;
+      0, int64_t(waves.size()),
+      [&](int64_t i) { converted[size_t(i)] = device_wave(waves[size_t(i)], wavelength, bounds); }, {}, 4096);
+  return converted;
 }
 
 // Fetches a band of samples to the rows of the field.
@@ -89,9 +90,9 @@ struct DevicePlan {
   size_t launch() const { return slices * share; }
 };
 
-// `rows_to_do` rows of the bounds are computed, beside something that needs `reserved` bytes of the device's memory.
+// `rows_to_do` rows of the bounds are computed, `beside` other light, which needs memory of the device, too.
 DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds, TileShape shape, int rows_to_do,
-                     double reserved) {
+                     const LightOnDevice& beside, int block) {
   DevicePlan plan;
   const size_t tiles =
       tiles_along(bounds.x1 - bounds.x0, shape.columns) * tiles_along(bounds.y1 - bounds.y0, shape.rows);
@@ -105,13 +106,13 @@ DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds,
   plan.slices = std::min(plan.slices, parts_of(waves, plan.share));
 
   constexpr double spare = 1e5;  // for the places of tiles
-  const double free = std::min(device.memory_left() - reserved, device.info().largest_buffer) - spare;
+  const double free = std::min(device.memory_left() - beside.bytes, device.info().largest_buffer) - spare;
   const double columns = bounds.x1 - bounds.x0, rows = rows_to_do;
   const double row_bytes = double(sizeof(std::complex<float>) * plan.slices) * columns;
   const double all_waves = double(sizeof(DeviceWave) * waves);
   const double for_waves = std::max(0.0, std::min(all_waves, std::max(free / 2, free - row_bytes * rows)));
   const double band = std::min((free - for_waves) / row_bytes, most_samples / columns);
-  plan.rows = band >= rows ? rows_to_do : std::max(int(band) / shape.rows, 1) * shape.rows;
+  plan.rows = band >= rows ? rows_to_do : rows_of_band(band, shape, block);
   const size_t launch = std::max(plan.launch(), size_t(1));
   plan.waves = std::max(size_t(for_waves) / sizeof(DeviceWave) / launch, size_t(1)) * launch;
   if (all_waves <= for_waves) plan.waves = waves;
@@ -119,16 +120,17 @@ DevicePlan make_plan(const Device& device, size_t waves, const PixelBox& bounds,
 }
 
 // Adds up the slices of a band.
-void add_slices(Device& device, TileShape shape, const DeviceBuffer& sums, int64_t samples, size_t slices) {
+void add_slices(Device& device, TileShape shape, const DeviceBuffer& sums, const PixelBox& band, size_t slices) {
   if (slices == 1) return;
   constexpr size_t group = 64;
-  device.run(tile_kernel(shape, "add_slices"), {(size_t(samples) + group - 1) / group, 1, group, 1},
-             {sums, int32_t(samples), int32_t(slices)});
+  const int columns = band.x1 - band.x0, rows = band.y1 - band.y0;
+  device.run(tile_kernel(shape, "add_slices"), {tiles_along(columns, int(group)), size_t(rows), group, 1},
+             {sums, int32_t(columns), int32_t(slices)});
 }
 
 // What all devices of a sum share. `take` gets each band of rows, whose sums are on its device.
 struct TileSum {
-  const std::vector<PreparedWave>& waves;
+  std::vector<DeviceWave> waves;  // converted once for all devices
   const LitGrid& panel;
   TileShape shape;
   PixelBox bounds;
@@ -136,9 +138,9 @@ struct TileSum {
 };
 
 // Computes the rows [first_row, end_row) of the bounds, band by band.
-void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, const LightOnDevice& more,
+void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, const LightOnDevice& more, int block,
               const Observer& observer, const std::atomic<bool>& is_stopped) {
-  const std::vector<PreparedWave>& waves = sum.waves;
+  const std::vector<DeviceWave>& waves = sum.waves;
   const Grid& grid = sum.panel.grid;
   const double wavelength = sum.panel.wavelength;
   const TileShape shape = sum.shape;
@@ -146,7 +148,7 @@ void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, co
   const auto lock = device.lock();
   const int columns = bounds.x1 - bounds.x0;
   const size_t count = std::max<size_t>(waves.size(), 1);  // without waves, a launch sets the samples to 0
-  const DevicePlan plan = make_plan(device, count, bounds, shape, end_row - first_row, more.bytes);
+  const DevicePlan plan = make_plan(device, count, bounds, shape, end_row - first_row, more, block);
   const DeviceBuffer column_centres =
       device.upload(tile_centres(columns, shape.columns, wavelength, [&](double i) { return grid.x(bounds.x0 + i); }),
                     "places of tiles");
@@ -165,7 +167,9 @@ void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, co
       const size_t end = std::min(part + plan.waves, count);
       if (b == 0 || plan.waves < count) {
         on_device = DeviceBuffer();  // released before the next is made
-        on_device = device.upload(device_waves(waves, part, end, wavelength, bounds), "the waves");
+        const size_t bytes = sizeof(DeviceWave) * (std::min(end, waves.size()) - part);
+        on_device = device.make_buffer(std::max(bytes, sizeof(DeviceWave)), "the waves");
+        if (bytes > 0) device.write(on_device, waves.data() + part, bytes);
       }
       for (size_t first = part; first < end; first += plan.launch()) {
         const size_t last = std::min({first + plan.launch(), end, waves.size()});
@@ -180,7 +184,7 @@ void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, co
         of_waves.progress(double(std::min(first + plan.launch(), end)) / double(count));
       }
     }
-    add_slices(device, shape, sums, band.pixels(), plan.slices);
+    add_slices(device, shape, sums, band, plan.slices);
     if (more.add) more.add(band, sums, part_of(of_band, 1, 2), is_stopped);
     if (is_stopped) return;
     sum.take(device, band, sums);
@@ -188,21 +192,54 @@ void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, co
 }
 
 void sum_on_devices(const std::vector<Device*>& devices, const TileSum& sum, const Observer& observer,
-                    const MakeLight& make_more) {
+                    const MoreLight& more) {
   const PixelBox& bounds = sum.bounds;
-  const size_t tiles = tiles_along(bounds.y1 - bounds.y0, sum.shape.rows);
-  const int share = int((tiles + devices.size() - 1) / devices.size()) * sum.shape.rows;  // rows of a device
+  const int share = rows_of_share(bounds.y1 - bounds.y0, devices.size(), sum.shape, more.rows);
   run_together(int(devices.size()), [&](int i, const std::atomic<bool>& is_stopped) {
     const int first = bounds.y0 + i * share, end = std::min(first + share, bounds.y1);
     if (first >= end) return;
     Device& device = *devices[size_t(i)];
-    const LightOnDevice more = make_more ? make_more(device) : LightOnDevice();
+    const LightOnDevice light = more.make ? more.make(device) : LightOnDevice();
     // All devices have about the same number of rows, so the progress of one is that of all.
-    sum_rows(device, sum, first, end, more, i == 0 ? observer : Observer(), is_stopped);
+    sum_rows(device, sum, first, end, light, more.rows, i == 0 ? observer : Observer(), is_stopped);
   });
 }
 
 }  // namespace
+
+int rows_of_band(double most, TileShape shape, int block) {
+  const int both = std::lcm(shape.rows, block), step = most >= both ? both : shape.rows;
+  return std::max(int(std::min(most, 1e9)) / step, 1) * step;
+}
+
+namespace {
+
+int share_of(int rows, size_t devices, int step) {
+  const size_t steps = tiles_along(rows, step);
+  return int((steps + devices - 1) / devices) * step;
+}
+
+// A share that starts or ends inside a block computes the whole of it.
+int rows_computed(int rows, int share, int block) {
+  int most = 0;
+  for (int first = 0; first < rows; first += share) {
+    const int end = std::min(int(tiles_along(std::min(first + share, rows), block)) * block, rows);
+    most = std::max(most, end - first / block * block);
+  }
+  return most;
+}
+
+}  // namespace
+
+int rows_of_share(int rows, size_t devices, TileShape shape, int block) {
+  const int by_tiles = share_of(rows, devices, shape.rows);
+  const int by_both = share_of(rows, devices, std::lcm(shape.rows, block));
+  return rows_computed(rows, by_both, block) <= rows_computed(rows, by_tiles, block) ? by_both : by_tiles;
+}
+
+int rows_computed_by_one(int rows, size_t devices, TileShape shape, int block) {
+  return rows_computed(rows, rows_of_share(rows, devices, shape, block), block);
+}
 
 const char* tile_factor_source() { return factor_source; }
 
@@ -248,18 +285,19 @@ TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel
 
 void sum_tiles_on_devices(const std::vector<Device*>& devices, const std::vector<PreparedWave>& waves,
                           const LitGrid& panel, TileShape shape, const PixelBox& bounds,
-                          Array2D<std::complex<float>>& samples, const Observer& observer, const MakeLight& make_more) {
+                          Array2D<std::complex<float>>& samples, const Observer& observer, const MoreLight& more) {
   const auto take = [&](Device& device, const PixelBox& band, const DeviceBuffer& sums) {
     fetch(device, sums, band, samples);
   };
-  sum_on_devices(devices, {waves, panel, shape, bounds, take}, observer, make_more);
+  sum_on_devices(devices, {device_waves(waves, panel.wavelength, bounds), panel, shape, bounds, take}, observer, more);
 }
 
 void sum_tiles_on_device(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds,
-                         DeviceField& field, const Observer& observer, const MakeLight& make_more) {
+                         DeviceField& field, const Observer& observer, const MoreLight& more) {
   const LitGrid panel{field.head.grid, field.head.wavelength};
   const auto take = [&](Device&, const PixelBox& band, const DeviceBuffer& sums) { put(sums, band, field); };
-  sum_on_devices({field.device}, {waves, panel, shape, bounds, take}, observer, make_more);
+  sum_on_devices({field.device}, {device_waves(waves, panel.wavelength, bounds), panel, shape, bounds, take}, observer,
+                 more);
 }
 
 }  // namespace holotrace

@@ -29,8 +29,28 @@ struct LightOnDevice {
       add;
   double bytes = 0;  ///< memory that it needs at least
 };
-/// Makes that light for a device. It is called on a thread of that device.
-using MakeLight = std::function<LightOnDevice(Device& device)>;
+
+/// Rows that each device sums if they share `rows` rows: a multiple of a tile's, and also of the blocks of rows of other light,
+/// unless more rows would then be computed by one device than if the block where two shares meet is computed twice.
+int rows_of_share(int rows, size_t devices, TileShape shape, int block);
+
+/// Rows of a band: `most`, rounded down to whole tiles; and to whole blocks, if it has any that end where a tile does.
+int rows_of_band(double most, TileShape shape, int block);
+/// Such light for all devices of a sum. It is computed in whole blocks of rows, from the top of the bounds on.
+struct MoreLight {
+  std::function<LightOnDevice(Device& device)> make{};  ///< if any; called on a thread of that device
+  int rows = 1;                                         ///< of a block
+};
+
+/// Rows that each device sums if they share `rows` rows: a multiple of a tile's. They are whole blocks of other light, too, unless
+/// a device then has more to do than if both devices compute the block in which their shares meet.
+int rows_of_share(int rows, size_t devices, TileShape shape, int block);
+
+/// Most rows of other light that one device then computes.
+int rows_computed_by_one(int rows, size_t devices, TileShape shape, int block);
+
+/// Rows of a band that has `most` rows at most: whole tiles, and whole blocks, too, if there is room.
+int rows_of_band(double most, TileShape shape, int block);
 
 /// Computes the pixels of `bounds`; their old values are overwritten.
 ///
@@ -46,19 +66,18 @@ using MakeLight = std::function<LightOnDevice(Device& device)>;
 /// Transfers: 48 bytes per wave to each device, 8 bytes per sample back. Cost: see multiply_adds_per_wave_pixel.
 void sum_tiles_on_devices(const std::vector<Device*>& devices, const std::vector<PreparedWave>& waves,
                           const LitGrid& panel, TileShape shape, const PixelBox& bounds,
-                          Array2D<std::complex<float>>& samples, const Observer& observer,
-                          const MakeLight& make_more = {});
+                          Array2D<std::complex<float>>& samples, const Observer& observer, const MoreLight& more = {});
 
 /// The same on one device.
 inline void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel,
                                 TileShape shape, const PixelBox& bounds, Array2D<std::complex<float>>& samples,
-                                const Observer& observer, const MakeLight& make_more = {}) {
-  sum_tiles_on_devices({&device}, waves, panel, shape, bounds, samples, observer, make_more);
+                                const Observer& observer, const MoreLight& more = {}) {
+  sum_tiles_on_devices({&device}, waves, panel, shape, bounds, samples, observer, more);
 }
 
 /// The same into a field on its device, where the samples stay.
 void sum_tiles_on_device(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds,
-                         DeviceField& field, const Observer& observer, const MakeLight& make_more = {});
+                         DeviceField& field, const Observer& observer, const MoreLight& more = {});
 
 /// Pixels of all tiles that waves light, added up over the waves: a tile that a wave lights partly counts as a whole.
 double pixels_of_tiles(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds);

@@ -115,12 +115,13 @@ __kernel __attribute__((reqd_work_group_size(GROUP_COLUMNS, GROUP_ROWS, 1))) voi
   }
 }
 
-// Adds the samples of all slices to those of the first.
-__kernel void add_slices(__global float2* samples, int count, int slices) {
-  const int i = get_global_id(0);
-  if (i >= count) return;
+// Adds the samples of all slices to those of the first. Items of the second axis are rows.
+__kernel void add_slices(__global float2* samples, int columns, int slices) {
+  const int column = get_global_id(0);
+  if (column >= columns) return;
+  const size_t count = (size_t)columns * get_global_size(1), i = get_global_id(1) * (size_t)columns + column;
   float2 sum = samples[i];
-  for (int s = 1; s < slices; ++s) sum += samples[(size_t)s * count + i];
+  for (int s = 1; s < slices; ++s) sum += samples[s * count + i];
   samples[i] = sum;
 }
 
