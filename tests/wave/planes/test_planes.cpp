@@ -161,6 +161,13 @@ TEST_P(SumPlanesBox, EndsWhereTheBoxOfExactEnds) {
   EXPECT_LT(relative_error(planes, exact), 1e-3);
 }
 
+// The right and the lower edge of this box leave more than half of their tiles lit, of any size of tiles.
+TEST_P(SumPlanesBox, EndsWhereMostOfATileIsLit) {
+  const Grid grid{640, 600, 8_um};
+  const Sources sources{green, {{{0.124_mm, 0.192_mm, -60_mm}, 1, 0.7F}}};
+  EXPECT_LT(relative_error(sum_planes(sources, grid, 1e-3), sum_exact(sources, grid)), 1e-3);
+}
+
 // Every tile of a narrow panel is cut by boxes' edges: strips make them up, or take away what a wave lights too much,
 // which leaves errors where it is dark. The plan has to count them, and the coarse one shows it (1.5 of what it was
 // said to be, and 1.28e-3 at 1e-3, where only lit pixels were counted).
