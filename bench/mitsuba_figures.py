@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""The Cornell box of Mitsuba 3 by Mitsuba and by `holotrace render`: processor time, squared error, and their product.
+"""Two scenes by Mitsuba 3 and by `holotrace render`: processor time, squared error, and their product.
 
 Usage: mitsuba_figures.py [ROUNDS]     in a Python with Mitsuba (pip install mitsuba; its variant llvm_ad_rgb needs LLVM, such as
                                        libllvm15 of Debian: DRJIT_LIBLLVM_PATH names its libLLVM*.so)
+
+The scenes are the Cornell box of Mitsuba, and a textured mesh of 32,768 triangles on a floor under an even sky and a rectangle.
 
 Both take 64 paths for each of 256 x 256 pixels, box-filtered, of at most 8 surfaces, on one thread, in alternating runs with
 other seeds. Mitsuba's sampler is multijitter. Its time is that of mi.render, after its code was compiled by a first run; that of
@@ -29,9 +31,8 @@ DISTANCE = 3.9  # of Mitsuba's camera from the origin; ours is at the origin [m]
 COLOURS = ("white", "green", "red")
 
 
-def reference_scene():
-    """mi.cornell_box() with a box filter, as the pixels of holotrace are, and Mitsuba's best sampler."""
-    scene = mi.cornell_box()
+def as_ours(scene):
+    """The scene with a box filter, as the pixels of holotrace are, and Mitsuba's best sampler."""
     scene["sensor"]["film"]["rfilter"] = {"type": "box"}
     scene["sensor"]["sampler"] = {"type": "multijitter", "sample_count": PATHS}
     return scene
@@ -60,11 +61,17 @@ def write_obj(shape, file):
     file.write_text("\n".join(lines) + "\n")
 
 
-def write_scene(scene, folder):
-    """The scene file of holotrace, with one OBJ file for each shape; returns it."""
+def head_of(scene):
+    """The first lines of the scene file of holotrace."""
     half_angle = scene["sensor"]["fov"] / 2
-    text = [f'wavelength = "532 nm"\n[slm]\npreset = "pluto"\n[render]\nrows = {SIDE}\nfield_of_view = "{half_angle} deg"',
+    return [f'wavelength = "532 nm"\n[slm]\npreset = "pluto"\n[render]\nrows = {SIDE}\nfield_of_view = "{half_angle} deg"',
             f"paths = {PATHS}\nmax_depth = {SURFACES}"]
+
+
+def cornell_box(folder):
+    """Mitsuba's scene, and the scene file of holotrace with one OBJ file for each shape."""
+    scene = as_ours(mi.cornell_box())
+    text = head_of(scene)
     for name in COLOURS:
         text.append(f"[materials.{name}]\nreflectance = {scene[name]['reflectance']['value']}\ntwo_sided = false")
     for name, shape in scene.items():
@@ -80,7 +87,62 @@ def write_scene(scene, folder):
         text.append(f'[[object]]\ntype = "mesh"\nfile = "{name}.obj"\nscale = 1\nmaterial = "{material}"')
     file = folder / "box.toml"
     file.write_text("\n".join(text) + "\n")
-    return file
+    return scene, file
+
+
+def bumpy_ball(rows=128):
+    """Places, normals, texture coordinates and triangles of a ball with bumps, whose radius is about 1."""
+    v, u = np.meshgrid(np.linspace(0.001, 0.999, rows + 1), np.linspace(0, 1, rows + 1), indexing="ij")
+
+    def place(u, v):
+        polar, turn = np.pi * v, 2 * np.pi * u
+        radius = 1 + 0.08 * np.sin(5 * turn) * np.sin(polar) ** 2 * np.sin(6 * polar)
+        return radius[..., None] * np.stack([np.sin(polar) * np.cos(turn), np.cos(polar), -np.sin(polar) * np.sin(turn)], -1)
+
+    step = 1e-5
+    normals = np.cross(place(u, v + step) - place(u, v - step), place(u + step, v) - place(u - step, v))
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    corner = (np.arange(rows)[:, None] * (rows + 1) + np.arange(rows)).ravel()
+    faces = np.concatenate([np.stack([corner, corner + rows + 1, corner + 1], -1),
+                            np.stack([corner + 1, corner + rows + 1, corner + rows + 2], -1)])
+    return place(u, v).reshape(-1, 3), normals.reshape(-1, 3), np.stack([u, v], -1).reshape(-1, 2), faces + 1
+
+
+def textured_mesh(folder):
+    """The same for a textured mesh on a floor. The texture is even about its middle, so that the direction of v does not matter."""
+    places, normals, coordinates, faces = bumpy_ball()
+    places = places + [0, 0, -5]
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in places] + [f"vt {u:.9g} {v:.9g}" for u, v in coordinates]
+    lines += [f"vn {x:.9g} {y:.9g} {z:.9g}" for x, y, z in normals]
+    lines += ["f " + " ".join(f"{i}/{i}/{i}" for i in face) for face in faces]
+    (folder / "ball.obj").write_text("\n".join(lines) + "\n")
+    floor, texture = np.array([[-4, -1.1, -1], [4, -1.1, -1], [4, -1.1, -9], [-4, -1.1, -9]]), folder / "texture.exr"
+    (folder / "floor.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in floor) + "f 1 2 3 4\n")
+    y, x = np.meshgrid(np.cos(np.linspace(-12, 12, 256)), np.linspace(0, 16 * np.pi, 256, endpoint=False), indexing="ij")
+    colours = np.stack([0.5 + 0.3 * np.sin(x) * y, 0.5 + 0.3 * np.sin(x / 2) * y, 0.5 + 0.3 * y], -1)
+    mi.Bitmap(colours.astype(np.float32)).write(str(texture))
+    at = mi.ScalarTransform4f
+    scene = as_ours({
+        "type": "scene", "integrator": {"type": "path", "max_depth": SURFACES},
+        "sensor": {"type": "perspective", "fov": 40, "to_world": at().look_at([0, 0, 0], [0, 0, -1], [0, 1, 0]),
+                   "film": {"type": "hdrfilm", "width": SIDE, "height": SIDE, "component_format": "float32"}},
+        "sky": {"type": "constant", "radiance": {"type": "rgb", "value": 0.5}},
+        "lamp": {"type": "rectangle", "to_world": at().translate([-1.5, 2.5, -4]).rotate([1, 0, 0], 90).scale(0.5),
+                 "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
+                 "emitter": {"type": "area", "radiance": {"type": "rgb", "value": 8.0}}},
+        "ball": {"type": "obj", "filename": str(folder / "ball.obj"),
+                 "bsdf": {"type": "diffuse", "reflectance": {"type": "bitmap", "filename": str(texture), "raw": True}}},
+        "floor": {"type": "obj", "filename": str(folder / "floor.obj"), "face_normals": True,
+                  "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.6}}},
+    })
+    text = head_of(scene) + [
+        '[materials.ball]\ntexture = "texture.exr"', "[materials.floor]\nreflectance = 0.6",
+        '[[object]]\ntype = "mesh"\nfile = "ball.obj"\nscale = 1\nmaterial = "ball"',
+        '[[object]]\ntype = "mesh"\nfile = "floor.obj"\nscale = 1\nmaterial = "floor"',
+        '[[light]]\ntype = "rectangle"\ncorner = "-2 2.5 -4.5 m"\nedge_u = "1 0 0 m"\nedge_v = "0 0 1 m"\nradiance = 8.0']
+    file = folder / "mesh.toml"
+    file.write_text("\n".join(["background = 0.5", *text]) + "\n")
+    return scene, file
 
 
 def render_theirs(scene, seed):
@@ -101,30 +163,35 @@ def squared_error(pictures):
     return statistics.mean(np.mean((a - b) ** 2) / 2 for a, b in zip(pictures, pictures[1:]))
 
 
-def main():
-    rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
-    mi.set_variant("llvm_ad_rgb")
-    dr.set_thread_count(1)
-    description = reference_scene()
+def compare(name, description, scene_file, rounds):
+    """Alternating runs of both programs, and a table of what they took and gave."""
     scene = mi.load_dict(description)
-    with tempfile.TemporaryDirectory() as folder:
-        scene_file = write_scene(description, Path(folder))
-        render_theirs(scene, 1000)  # compiles
-        theirs, ours = [], []
-        for seed in range(1, rounds + 1):
-            theirs.append(render_theirs(scene, seed))
-            ours.append(render_ours(scene_file, seed))
+    render_theirs(scene, 1000)  # compiles
+    theirs, ours = [], []
+    for seed in range(1, rounds + 1):
+        theirs.append(render_theirs(scene, seed))
+        ours.append(render_ours(scene_file, seed))
     found = {}
-    for name, runs in (("Mitsuba " + mi.__version__, theirs), ("holotrace", ours)):
+    print(name)
+    for program, runs in (("Mitsuba " + mi.__version__, theirs), ("holotrace", ours)):
         seconds, error = statistics.median(run[0] for run in runs), squared_error([run[1] for run in runs])
         mean = np.mean([run[1] for run in runs])
-        found[name] = (seconds, error, mean)
-        print(f"  {name:<16} {seconds:6.2f} s of processor time   squared error {error:.3e}   mean {mean:.6f}")
+        found[program] = (seconds, error, mean)
+        print(f"  {program:<16} {seconds:6.2f} s of processor time   squared error {error:.3e}   mean {mean:.6f}")
     (time_theirs, error_theirs, mean_theirs), (time_ours, error_ours, mean_ours) = found.values()
     noise = np.sqrt((error_theirs + error_ours) / (rounds * SIDE * SIDE * 3))  # were channels independent
     print(f"  holotrace/Mitsuba: time {time_ours / time_theirs:.2f}, squared error {error_ours / error_theirs:.2f}, "
           f"product {time_ours * error_ours / time_theirs / error_theirs:.2f}")
     print(f"  means differ by {(mean_ours - mean_theirs) / noise:+.1f} standard errors ({mean_ours / mean_theirs - 1:+.2%})")
+
+
+def main():
+    rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+    mi.set_variant("llvm_ad_rgb")
+    dr.set_thread_count(1)
+    for make in (cornell_box, textured_mesh):
+        with tempfile.TemporaryDirectory() as folder:
+            compare(make.__name__.replace("_", " "), *make(Path(folder)), rounds)
 
 
 if __name__ == "__main__":
