@@ -101,8 +101,8 @@ class RunsOnDevices : public StagesOnDevices {
 
 HOLOTRACE_FOR_ALL_DEVICES(RunsOnDevices);
 
-// After the last field has returned, six fields are encoded. The panel of a hologram needs 68 bytes per pixel, more than six
-// fields and the levels of one.
+// After the last field has returned, six fields are encoded. What shows a hologram holds more than six fields and
+// the levels of one: 56 bytes per pixel for the panel, and tables of rows and columns; the propagation more.
 TEST_P(RunsOnDevices, HoldNoFieldWhileHologramsAreShown) {
   const auto most_held = [&](const std::vector<double>& wavelengths) {
     const Watch watch(device_);

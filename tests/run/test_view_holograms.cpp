@@ -191,7 +191,7 @@ TEST_P(ViewHologramsOnDevices, LeaveFieldsThereFromTheWavesOn) {
   const Image image = run();
   const DeviceUse after = device_.use();
   constexpr size_t pixels = 24 * 16;
-  EXPECT_EQ(after.bytes_out - before.bytes_out, 2 * pixels + 4 * pixels + (4 + 12 + 4) * 16);
+  EXPECT_EQ(after.bytes_out - before.bytes_out, 2 * pixels + 4 * pixels + (4 + 16 + 4) * 16);
   EXPECT_LE(after.bytes_in - before.bytes_in, 4 * pixels + 2 * 48 + 24 * (24 + 16) + 8 * (24 + 16) + 100)
       << "levels, two waves, and tables of rows and columns";
   const Field field = fields_of_frame(light, 0, slm.grid, {.method = SynthesisMethod::tiled}).front();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <map>
 #include <utility>
@@ -35,8 +36,9 @@ struct Device::State {
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
   std::unique_ptr<Programs> programs;
-  DeviceUse use;
-  double memory = 0;  // that the device is said to have
+  DeviceUse use;                       // but for bytes_held
+  std::atomic<size_t> bytes_held = 0;  // forecasts read it while others use the device
+  double memory = 0;                   // that the device is said to have
   bool has_guards = false;
   size_t broken_guards = 0;
 
@@ -97,7 +99,7 @@ DeviceBuffer Device::make_buffer(size_t bytes, const std::string& what) {
   buffer.memory_ = buffer.whole_;
   buffer.device_ = this;  // from here on it is released on every way out
   buffer.bytes_ = bytes;
-  s.use.bytes_held += bytes;
+  s.bytes_held += bytes;
   ++s.use.buffers;
   if (edge == 0) return buffer;
   const cl_buffer_region region{edge, size};
@@ -131,7 +133,7 @@ void Device::release(DeviceBuffer& buffer) noexcept {
     api.clReleaseMemObject(memory_of(buffer.memory_));
   }
   api.clReleaseMemObject(memory_of(buffer.whole_));
-  s.use.bytes_held -= buffer.bytes_;
+  s.bytes_held -= buffer.bytes_;
   --s.use.buffers;
   buffer.device_ = nullptr;
 }
@@ -179,9 +181,15 @@ void Device::finish() {
   if (status != CL_SUCCESS) fail_as_lost(info_, "its kernels", status);
 }
 
-DeviceUse Device::use() const { return state_->use; }
+DeviceUse Device::use() const {
+  DeviceUse use = state_->use;
+  use.bytes_held = state_->bytes_held;
+  return use;
+}
 
-double Device::memory_left() const { return usable * state_->memory - double(state_->use.bytes_held); }
+double Device::memory() const { return usable * state_->memory; }
+
+double Device::memory_left() const { return memory() - double(state_->bytes_held); }
 
 double Device::free_memory() const { return std::min(memory_left(), info_.largest_buffer); }
 

@@ -110,7 +110,9 @@ class Device {
   void finish();
 
   DeviceUse use() const;
-  /// Memory that is still free [bytes]: 80 % of the device's less the buffers.
+  /// Memory that buffers may have in all [bytes]: 80 % of the device's.
+  double memory() const;
+  /// Memory of it that is still free [bytes].
   double memory_left() const;
   /// What one buffer can have of it [bytes].
   double free_memory() const;

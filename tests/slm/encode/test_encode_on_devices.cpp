@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <thread>
 
 #include "holotrace/slm/encode/encode.h"
@@ -216,9 +217,7 @@ TEST_P(EncodeOnDevices, NeedTheMemoryThatIsStated) {
     EXPECT_EQ(error_of([&] { encode(light, one.slm, on_device(one.params)); }), "no error");
     limit_to(0.9 * needed);
     const std::string error = error_of([&] { encode(light, one.slm, on_device(one.params)); });
-    if (one.params.method != Encoding::off_axis && one.params.method != Encoding::complex) {
-      EXPECT_NE(error.find("of memory"), std::string::npos) << error;
-    }
+    EXPECT_NE(error.find("of memory"), std::string::npos) << error;
     device_.limit_memory(0);
   }
 }
@@ -243,6 +242,9 @@ TEST_P(EncodeOnDevices, AreChosenByWhereTheFieldIs) {
   EXPECT_TRUE(uses_device(light, automatic(one.params)));
   EXPECT_FALSE(uses_device(PlacedField::of(field), automatic(one.params)));
   EXPECT_FALSE(uses_device(light, one.params)) << "the processor is the default";
+  device_.limit_memory((double(device_.use().bytes_held) + 1850) / 0.8);  // of 2 bytes per level
+  EXPECT_FALSE(uses_device(light, automatic(one.params))) << "levels do not fit";
+  device_.limit_memory(0);
   set_device_rates({});
   EXPECT_FALSE(uses_device(there(field), automatic(one.params))) << "not measured";
 }
@@ -337,7 +339,11 @@ TEST_P(EncodeOnDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
       ++faults;
       api.calls = 0;
       Heard heard;
-      const Hologram hologram = encode(field, one.slm, automatic(one.params), heard.observer());
+      std::map<std::string, int> told;
+      Observer observer = heard.observer();
+      observer.on_fact = [&](const std::string& name, const Fact&) { ++told[name]; };
+      const Hologram hologram = encode(field, one.slm, automatic(one.params), observer);
+      for (const auto& [name, times] : told) EXPECT_EQ(times, 1) << failed << " " << name;
       EXPECT_EQ(hologram.level.values, expected.level.values) << failed;
       EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values) << failed;
       ASSERT_EQ(heard.warnings.size(), here.warnings.size() + 1) << failed;

@@ -193,7 +193,7 @@ TEST_P(DevicePanels, LeaveTheSameLightInBands) {
     }
     device_.limit_memory(0);
   }
-  EXPECT_EQ(cuts.size(), 3u) << "whole, in bands of columns, and in bands of both";
+  EXPECT_EQ(cuts.size(), 3u) << "whole, in bands of rows, and in bands of both";
 }
 
 // Of two levels, slopes are those halfway between them in all pixels but dead ones.

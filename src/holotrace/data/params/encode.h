@@ -88,8 +88,8 @@ struct EncodeParams {
   int subpixels = 1;                        ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
   StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
   int64_t seed = 1;                         ///< seed for random start phases
-  DeviceChoice device{};               ///< device that computes levels, not for error-diffusion; sgd: or all at once
-  std::vector<std::string> effects{};  ///< effects of the panel that the levels compensate; or "all"
+  DeviceChoice device{};                    ///< device that computes the hologram; sgd: or all at once
+  std::vector<std::string> effects{};       ///< effects of the panel that the levels compensate; or "all"
 };
 
 template <class Visitor>

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -74,8 +76,13 @@ std::optional<Hologram> encode_there(const DeviceField& field, const Begun& begu
   const ModulusMoments moments = modulus_moments(field);
   if (!std::isfinite(moments.largest)) return std::nullopt;
   Hologram hologram = begun.hologram;
+  std::vector<std::pair<std::string, Fact>> facts;  // told when no device can fail any more
+  Observer listener = observer;
+  listener.on_fact = [&](const std::string& name, const Fact& value) { facts.emplace_back(name, value); };
   encode_anywhere(ShownPixels<DeviceField>{field, moments, params.image == ImageSide::real_image}, params, begun.levels,
-                  observer, hologram);
+                  listener, hologram);
+  if (observer.on_fact)
+    for (const auto& [name, value] : facts) observer.on_fact(name, value);
   if (moments.largest == 0) warn_of_dark_field(observer);
   observer.fact("device", device.info().name);
   return hologram;

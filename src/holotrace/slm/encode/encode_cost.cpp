@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <complex>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <thread>
 
@@ -10,6 +11,7 @@
 #include "holotrace/slm/encode/stop.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/fastest_device.h"
 
 namespace holotrace {
@@ -49,6 +51,10 @@ Device* fastest_to_encode(const PlacedField& field, const EncodeParams& params) 
   const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
   const double on_processor = predict_seconds(cost.on_processor, summation_rates(), threads);
   return fastest_device(field.seconds_to_processor() + on_processor, [&](Device& device) {
+    const bool is_there = field.seconds_to(device) == 0;
+    const double of_field = bytes_of_sample * double(head.grid.pixels());
+    if (cost.memory + (is_there ? 0 : of_field) > possible_room(device) || of_field > device.info().largest_buffer)
+      return std::numeric_limits<double>::infinity();
     const DeviceRates rates = device_rates(device);
     return field.seconds_to(device) + cost.moved / rates.moved_bytes + cost.returned / rates.bytes +
            seconds_to_start_kernels;

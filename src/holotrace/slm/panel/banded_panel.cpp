@@ -56,7 +56,7 @@ PanelBands BandedPanel::plan(const PanelModel& model, double memory, double larg
   PanelBands bands{ny, columns_beside(ny), 1, 1};
   if (bands.columns == width && of_rows * ny <= largest) return bands;
   // A quarter of the memory for the rows: their transforms are done again for each band of columns.
-  double rows = std::min(largest / of_rows, double(ny - 1));
+  double rows = std::min(largest / of_rows, double(ny));
   const double of_row = rows_bytes(2) - rows_bytes(1), beside = rows_bytes(1) - of_row;
   rows = std::min(rows, (space / 4 - beside) / of_row);
   bands.rows = int(std::max(1.0, rows));

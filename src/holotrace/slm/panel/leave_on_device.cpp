@@ -1,7 +1,6 @@
 #include "holotrace/slm/panel/leave_on_device.h"
 
 #include <algorithm>
-#include <cmath>
 #include <complex>
 #include <limits>
 #include <thread>
@@ -21,14 +20,9 @@ namespace {
 // Starts of the kernels and waiting for them, on slow drivers [s].
 constexpr double seconds_to_start = 1e-3;
 
-// Bytes that a panel needs on a device at most, with all effects: for pixels of n × n samples 24·n(n + 1) + 72 each.
-double bytes_on_device(const PanelModel& panel, const PanelPattern& pattern) {
-  const double samples = double(panel.head().grid.pixels()), pixels = double(pattern.drive.size());
-  return 24 * (samples + std::sqrt(samples * pixels)) + 72 * pixels;
-}
-
+// For the memory that there is once all that is kept there for later is dropped.
 PanelBands plan_on(const Device& device, const PanelModel& panel) {
-  return BandedPanel::plan(panel, device.memory_left(), device.info().largest_buffer);
+  return BandedPanel::plan(panel, possible_room(device), device.info().largest_buffer);
 }
 
 double field_bytes(const PanelModel& panel) { return double(panel.head().grid.pixels()) * sizeof(std::complex<float>); }
@@ -68,7 +62,7 @@ DeviceField leave_there(Device& device, const PanelModel& panel, const PanelPatt
 // Whether the field can stay: all of it is computed at once, or it takes half of the free memory at most, and bands of it are
 // computed in the rest.
 bool can_stay(const Device& device, const PanelModel& panel) {
-  return plan_on(device, panel).is_whole() || 2 * field_bytes(panel) <= device.memory_left();
+  return plan_on(device, panel).is_whole() || 2 * field_bytes(panel) <= possible_room(device);
 }
 
 // What leave(device) returns on the device of a choice, under its lock. @param returns  whether it fetches the field
@@ -91,7 +85,8 @@ auto leave_where_chosen(const PanelModel& panel, const PanelPattern& pattern, co
   };
   return on_chosen_device(choice, observer, fastest, [&](Device& device) {
     const auto lock = device.lock();
-    make_room(device, bytes_on_device(panel, pattern));
+    const PanelBands bands = BandedPanel::plan(panel, device.memory_left(), device.info().largest_buffer);
+    if (!bands.is_whole()) make_room(device, std::numeric_limits<double>::infinity());
     return leave(device);
   });
 }

@@ -76,6 +76,14 @@ class KeptPropagators {
     drop_beyond(limit);
   }
 
+  /// Memory of all of them [bytes].
+  double bytes() {
+    const std::lock_guard lock(mutex_);
+    double all = 0;
+    for (const Entry& entry : entries_) all += entry.bytes;
+    return all;
+  }
+
   /// Drops the least recently used ones until the others take at most `limit` [bytes].
   void drop_beyond(double limit) {
     std::list<Entry> dropped;

@@ -38,7 +38,8 @@ Kept& kept_on(const Device& device);
 
 DeviceCaches& caches() {
   static auto& all = *[] {
-    when_room_is_short([](const Device& device) { kept_on(device).drop_beyond(0); });
+    keep_until_room_is_short({.bytes = [](const Device& device) { return kept_on(device).bytes(); },
+                              .drop = [](const Device& device) { kept_on(device).drop_beyond(0); }});
     return new DeviceCaches;
   }();
   return all;
@@ -215,8 +216,8 @@ double PropagationForecast::on_device(Device& device) const {
   if (!plan_) return 0;
   const DeviceRates rates = device_rates(device);
   DevicePropagationCost cost = device_propagation_cost(device, *plan_);
-  double sent = kept_on(device).find(question_) ? 0 : cost.kept;                 // beside the fields, once
-  const double memory = device.memory_left() + double(device.use().bytes_held);  // once all others are dropped
+  double sent = kept_on(device).find(question_) ? 0 : cost.kept;  // beside the fields, once
+  const double memory = device.memory();                          // once all others are dropped
   if (cost.kept + cost.work > memory || cost.largest > device.info().largest_buffer) {
     const DevicePropagationCost banded = banded_propagation_cost(device, *plan_, memory);
     sent = banded.kept + banded.fields - cost.fields;

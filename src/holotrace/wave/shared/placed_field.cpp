@@ -105,9 +105,13 @@ std::shared_ptr<const Field> PlacedField::on_processor(const Observer& observer)
 std::shared_ptr<const DeviceField> PlacedField::on(Device& device, const Observer& observer) const {
   if (auto there = state_->places().there; there && there->device == &device) return there;
   const auto here = on_processor(observer);
-  const auto lock = device.lock();
-  make_room(device, bytes_of(head()));
-  return state_->keep(std::make_shared<const DeviceField>(send(device, *here)));
+  std::shared_ptr<const DeviceField> sent;
+  {
+    const auto lock = device.lock();
+    make_room(device, bytes_of(head()));
+    sent = std::make_shared<const DeviceField>(send(device, *here));
+  }
+  return state_->keep(std::move(sent));  // that may release memory of another device
 }
 
 double PlacedField::seconds_to_processor() const {

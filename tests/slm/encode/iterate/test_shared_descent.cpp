@@ -8,6 +8,7 @@
 
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/descent_device.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "slm/encode/iterate/descent_gradients.h"
 
 namespace holotrace {
@@ -267,6 +268,16 @@ TEST_P(StreamedDescents, AreMadeByTheLimitOfMemory) {
   leave_memory(100e3);
   const std::string error = error_of([&] { found(one, on_device(one.params)); });
   EXPECT_NE(error.find("of memory for "), std::string::npos) << error;
+}
+
+TEST_P(StreamedDescents, TakeTheMemoryOfKeptTransferFunctions) {
+  DescentCase one{"eight frames", 8};
+  Field field(one.slm.grid, 532e-9, 0);
+  field.samples.values.assign(field.samples.size(), 1);
+  propagate(field, 0.01, on_device(PropagateParams{}));
+  ASSERT_GT(device_.use().bytes_held, 0u);
+  devices_for_descent(one.targets().planes, {one.slm, on_device(one.params)}, 8);
+  EXPECT_EQ(device_.use().bytes_held, 0u);
 }
 
 TEST_P(StreamedDescents, CountForAuto) {

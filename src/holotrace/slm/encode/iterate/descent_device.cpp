@@ -9,6 +9,7 @@
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/fastest_device.h"
 
 namespace holotrace {
@@ -90,8 +91,8 @@ DescentWork work_on(const Device& device, const Share& share) {
     return work.kept + transforms + of_values * (planes + 5) + of_light +
            frames * (bytes_of_drives(size_t(arrays)) * share.pixels() + of_light * (1 + kept_planes * samples));
   };
-  if (bytes(double(share.frames), planes) <= device.memory_left()) return work;
-  if (bytes(1, 1) > device.memory_left()) work.carried = std::numeric_limits<double>::infinity();
+  if (bytes(double(share.frames), planes) <= possible_room(device)) return work;
+  if (bytes(1, 1) > possible_room(device)) work.carried = std::numeric_limits<double>::infinity();
   work.moved *= 1.5;  // light is computed again for the slopes
   work.carried += of_values * arrays * (4 * planes + 8) * of_frames;
   return work;
@@ -145,15 +146,22 @@ std::vector<Device*> fastest_for(const std::vector<TargetPlane>& targets, const 
   return devices;
 }
 
-}  // namespace
-
-std::vector<Device*> devices_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup,
-                                         size_t frames) {
+std::vector<Device*> chosen_for(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames) {
   const DeviceChoice& choice = setup.params.device;
   if (choice.kind == DeviceKind::cpu) return {};
   if (choice.kind == DeviceKind::all) return open_equal_devices(0, frames);
   if (choice.kind == DeviceKind::opencl) return {&open_device(choice.number)};
   return fastest_for(targets, setup, frames);
+}
+
+}  // namespace
+
+std::vector<Device*> devices_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup,
+                                         size_t frames) {
+  const std::vector<Device*> devices = chosen_for(targets, setup, frames);
+  // Iterations use all memory that there is: what is kept there for later is soon made again.
+  for (Device* device : devices) make_room(*device, std::numeric_limits<double>::infinity());
+  return devices;
 }
 
 Device* device_for_projections(const std::vector<TargetPlane>& targets, const DescentSetup& setup) {

@@ -39,7 +39,7 @@ class DeviceFrames : public FrameArrays {
   std::vector<std::unique_ptr<FrameShare>> shares_;
 };
 
-/// Calls work(i, device of share i) for all shares at once, with the device locked.
+/// Calls work(i) for all shares i at once, each with its device locked.
 void on_all_shares(const std::vector<std::unique_ptr<FrameShare>>& shares, const std::function<void(size_t i)>& work);
 
 }  // namespace holotrace

@@ -31,17 +31,19 @@ void DeviceLight::leave(const PanelDetail& detail) {
 void DeviceLight::add_parts(const Part& part) {
   if (shares_.size() == 1) return;
   const DeviceBuffer& sum = part(*lights_.front());
-  std::vector<std::vector<float>> parts(shares_.size(), std::vector<float>(sum.bytes() / sizeof(float)));
+  parts_.resize(shares_.size());
   on_all_shares(shares_, [&](size_t i) {
-    if (i > 0) shares_[i]->device().read(part(*lights_[i]), parts[i].data(), sum.bytes());
+    if (i == 0) return;
+    parts_[i].resize(sum.bytes() / sizeof(float));
+    shares_[i]->device().read(part(*lights_[i]), parts_[i].data(), sum.bytes());
   });
-  for (size_t i = 2; i < parts.size(); ++i)
-    for (size_t k = 0; k < parts[i].size(); ++k) parts[1][k] += parts[i][k];
+  for (size_t i = 2; i < parts_.size(); ++i)
+    for (size_t k = 0; k < parts_[i].size(); ++k) parts_[1][k] += parts_[i][k];
   Device& first = shares_.front()->device();
   const auto lock = first.lock();
   DeviceBuffer& received = shares_.front()->memory().received;
   if (received.bytes() < sum.bytes()) received = first.make_buffer(sum.bytes(), "the light of a target plane");
-  first.write(received, parts[1].data(), sum.bytes());
+  first.write(received, parts_[1].data(), sum.bytes());
   add_part(first, received, 1, true, sum);
 }
 

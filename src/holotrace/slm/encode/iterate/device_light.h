@@ -38,6 +38,7 @@ class DeviceLight : public ColourLight {
   PanelInLight lit_;
   size_t frames_ = 0;
   std::vector<std::unique_ptr<ShareLight>> lights_;  // of each share
+  std::vector<std::vector<float>> parts_{};          // of all but the first, on the processor
 };
 
 }  // namespace holotrace
