@@ -89,8 +89,9 @@ void prepare(Batch& b, const PlanesTables& t, const Slab& slab) {
   const auto per_wavelength = hn::Set(d, 1 / t.wavelength);
   for (int k = 0; k < count; k += int(hn::Lanes(d))) {
     const auto x = hn::Load(d, b.x + k), y = hn::Load(d, b.y + k), depth = hn::Load(d, b.depth + k);
-    const auto r0 = hn::Sqrt(hn::MulAdd(depth, depth, hn::MulAdd(y, y, hn::Mul(x, x))));
-    const auto cycles = hn::MulAdd(hn::Sub(r0, depth), per_wavelength, hn::Load(d, b.start + k));  // within 1e-10
+    const auto rho2 = hn::MulAdd(y, y, hn::Mul(x, x)), r0 = hn::Sqrt(hn::MulAdd(depth, depth, rho2));
+    const auto beyond = hn::Div(rho2, hn::Add(r0, depth));  // r₀ − depth, also where these are nearly equal
+    const auto cycles = hn::MulAdd(beyond, per_wavelength, hn::Load(d, b.start + k));
     const auto store = [&](auto v, float* to) { hn::Store(hn::DemoteTo(df, v), df, to + k); };
     store(x, x_of);
     store(y, y_of);
@@ -286,7 +287,7 @@ bool lights_whole_tile(const WavePacket& p, const TilePlace& tile, const PlanesT
 }
 
 bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile,
-                 PlanesWorkspace& w) {
+                 size_t& next, PlanesWorkspace& w) {
   const KernelTable table(t.kernel);
   Batch b;
   bool any = false;
@@ -295,7 +296,8 @@ bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const
     spread_batch(b, t, table, w.grids.data());
     b.count = 0;
   };
-  for (const WavePacket& packet : slab.packets) {
+  while (next < slab.packets.size()) {
+    const WavePacket& packet = slab.packets[next++];
     if (intersect(packet.lit_by_any, tile.box).is_empty()) continue;
     const bool all = lights_whole_tile(packet, tile, t);
     for (size_t i = packet.first; i < packet.last; ++i) {
@@ -312,6 +314,7 @@ bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const
       any = true;
       flush();
     }
+    if (!all && w.is_full()) break;
   }
   any = any || b.count > 0;
   flush();
@@ -324,6 +327,7 @@ void prepare_strip(const std::vector<PreparedWave>& waves, const Slab& slab, con
   const std::vector<StripEntry>& entries = w.entries[strip.is_across_rows ? 1 : 0][strip.index];
   const double to_strip = (strip.index * strip_width + strip_width / 2 - t.plan.tile / 2) * t.pitch;
   Batch b;
+  w.of_strip.reserve(most_entries);  // at once: growth alone may take twice as much
   w.of_strip.resize(entries.size());
   w.ends.assign(size_t(t.cells) + 1, 0);
   for (size_t at = 0; at < entries.size(); at += batch) {
@@ -350,6 +354,7 @@ void prepare_strip(const std::vector<PreparedWave>& waves, const Slab& slab, con
     }
   }
   for (size_t cell = 0; cell < size_t(t.cells); ++cell) w.ends[cell + 1] += w.ends[cell];
+  w.order.reserve(most_entries);
   w.order.resize(entries.size());
   for (size_t i = 0; i < entries.size(); ++i) w.order[w.ends[size_t(w.of_strip[i].cell)]++] = uint32_t(i);
 }
@@ -389,8 +394,8 @@ void spread_over_cell(const uint32_t* order, int count, const PlanesTables& t, c
     const StripWave& wave = w.of_strip[order[k]];
     hwy::Prefetch(&w.of_strip[order[std::min(k + ahead / 2, count - 1)]]);
     kernel_weights<width>(table, wave.fraction, of_cells);
-    for (int r = 0; r < width;
-         ++r)  // each writes most_nodes numbers, of which the next overwrites those beyond its nodes
+    // Each line writes most_nodes numbers, of which the next overwrites those beyond its nodes.
+    for (int r = 0; r < width; ++r)
       for (size_t q = 0; q < most_nodes; q += hn::Lanes(d8))
         hn::StoreU(hn::Mul(hn::Set(d8, of_cells[r]), hn::LoadU(d8, wave.weights + q)), d8,
                    weights + k * rows + r * nodes + int(q));
@@ -452,8 +457,8 @@ HWY_EXPORT(SpreadWaves);
 HWY_EXPORT(SpreadStrip);
 
 bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
-                  const TilePlace& tile, PlanesWorkspace& workspace) {
-  return HWY_DYNAMIC_DISPATCH(SpreadWaves)(waves, slab, tables, tile, workspace);
+                  const TilePlace& tile, size_t& packet, PlanesWorkspace& workspace) {
+  return HWY_DYNAMIC_DISPATCH(SpreadWaves)(waves, slab, tables, tile, packet, workspace);
 }
 
 void spread_strip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
