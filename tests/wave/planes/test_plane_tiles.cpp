@@ -61,7 +61,7 @@ double expected_error(const std::vector<PreparedWave>& waves, const PlanesPlan& 
                     std::hypot(std::sqrt(2.0) * gridding_error(plan.width), rounding_error_of_planes(plan)));
 }
 
-// The frequencies of waves all over the acceptance are up to half a tile's cells, in floats: 1.2e-5 in tiles of 240 pixels.
+// The frequencies of waves all over the acceptance are up to 240 cells, in floats: 1.2e-5 in tiles of 240 pixels.
 TEST(PlaneTiles, RoundAsTheirPlanExpects) {
   const Grid grid{480, 480, 8_um};
   // All of them light the whole panel.

@@ -53,8 +53,8 @@ SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const 
   return work + in_tiles * plan.tile * plan.tile / 2 * tile_work(direct);
 }
 
-constexpr int most_slabs = 64, most_nodes = 8,
-              most_nodes_of_large_tiles = 4;  // whose grids take 8 MB then, with their transforms 21 MB
+constexpr int most_slabs = 64, most_nodes = 8;
+constexpr int most_nodes_of_large_tiles = 4;  // whose grids take 8 MB then, with their transforms 21 MB
 
 // Error of the gridding of a plane wave, over both axes.
 double both_axes(int width) {
