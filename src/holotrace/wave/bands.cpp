@@ -6,6 +6,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
+#include "holotrace/wave/summation.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -14,7 +15,7 @@ namespace {
 constexpr int unit_rows = 128, least_bands = 64, exact_rows = 32;
 
 // The constants of band_memory. Program and libraries: 20 MB measured, 32 MB with MPI.
-constexpr double program_bytes = 50e6, wave_bytes = 340, wave_tile_bytes = 16, plane_bytes = 11 * 21e6;
+constexpr double program_bytes = 50e6, wave_bytes = 340, wave_tile_bytes = 16, counted_threads = 16;
 
 // The row of panel tiles that a row of pixels lies in.
 int tile_row_of(const TileAmplitudes& tiles, const Grid& panel, int row) {
@@ -81,13 +82,17 @@ void check_band_method(const SynthesizeParams& params) {
 
 double band_memory(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params, int rows) {
   using enum SynthesisMethod;
+  const bool is_on_devices = params.device.kind != DeviceKind::cpu && params.method != exact;
+  const Approach approach = params.method == tiled ? Approach::tiled : Approach::cheapest;
+  const double each = wave_bytes + host_bytes_per_wave(is_on_devices, approach) - host_bytes_per_wave(false, approach);
   double waves = 0;
   for (const Sources& set : sets)
-    waves += double(set.waves.size()) * (wave_bytes + wave_tile_bytes * set.tiles.columns * set.tiles.rows);
+    waves += double(set.waves.size()) * (each + wave_tile_bytes * set.tiles.columns * set.tiles.rows);
   const double samples = double(panel.nx) * rows * (params.method == automatic ? 24 : 8);
   const double strip = params.method == exact ? double(panel.nx) * exact_rows * sizeof(std::complex<double>) : 0;
-  const double planes_too = params.method == automatic || params.method == planes ? plane_bytes : 0;
-  return program_bytes + waves + samples + strip + planes_too;
+  const bool may_use_planes = params.method == automatic || params.method == planes;
+  const double threads = may_use_planes ? counted_threads * host_bytes_per_thread() : 0;
+  return program_bytes + waves + samples + strip + threads;
 }
 
 std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params,

@@ -30,9 +30,9 @@ std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel
                              double memory);
 
 /// Most memory that a process needs for one band of `rows` rows [bytes]: 50 MB for the program with its libraries;
-/// 340 bytes per wave (stored, read from a file, selected for a band, prepared for the sum) and 16 bytes per wave and
-/// panel tile; 8 bytes per sample of the band, 24 for `auto`, which may fall back to `exact`; for `exact` 512 bytes per
-/// column; for `auto` and `planes` 21 MB for each of 11 threads. With more than 11 threads, add 21 MB for each.
+/// 340 bytes per wave (stored, read from a file, selected for a band, prepared for the sum), on devices more
+/// (host_bytes_per_wave), and 16 per panel tile; 8 bytes per sample of the band, 24 for `auto`, which may fall back to `exact`; for `exact` 512 bytes per
+/// column; for `auto` and `planes` 27 MB for each of 16 threads. With more threads, add as much for each.
 double band_memory(const std::vector<Sources>& sets, const Grid& panel, const SynthesizeParams& params, int rows);
 
 /// @throws Error  unless the method can sum waves band by band: auto, tiled, planes or exact

@@ -46,20 +46,19 @@ double seconds_on_devices(const PartPlan& plan, const PixelBox& bounds, const Su
   const DeviceRates rates = device_rates(*way.device());
   if (!is_measured(rates)) return unmeasured;
   const TileShape shape = plan.tiles.plan.shape;
-  // The device with most rows computes them; blocks of planes in which two shares meet are computed twice.
-  const int rows = bounds.y1 - bounds.y0;
-  const double most =
-      rows_computed_by_one(rows, way.devices.size(), shape, plan.far.empty() ? 1 : plan.planes.plan.tile);
-  const double more = most * double(way.devices.size()) / std::max(rows, 1);
-  const double work = (plan.far.empty() ? 0 : more * plan.planes.seconds) + pixels_of_tiles(plan.near, shape, bounds) *
-                                                                                multiply_adds_per_wave_pixel(shape) /
-                                                                                rates.multiply_adds;
+  // The device with most rows decides; blocks of planes in which two shares meet are computed twice.
+  const int rows = std::max(bounds.y1 - bounds.y0, 1), block = plan.far.empty() ? 1 : plan.planes.plan.tile;
+  const double share = std::min(rows, rows_of_share(rows, way.devices.size(), shape, block));
+  const double by_tiles = pixels_of_tiles(plan.near, shape, bounds) * multiply_adds_per_wave_pixel(shape) /
+                          rates.multiply_adds * share / rows;
+  const double by_planes =
+      plan.far.empty() ? 0 : plan.planes.seconds * rows_computed_by_one(rows, way.devices.size(), shape, block) / rows;
   // Far waves are sent twice: for their whole tiles, and for what they light of others. Each device gets all waves.
   const size_t sent = way.devices.size() * (plan.near.size() + 2 * plan.far.size());
   // On all cores, whatever --threads says: the choice must not depend on it.
   const double sorting = seconds_to_sort * double(plan.far.size()) / std::max(1U, std::thread::hardware_concurrency());
-  return work / double(way.devices.size()) + transferred_bytes(sent, way.stays ? PixelBox{} : bounds) / rates.bytes +
-         sorting + seconds_of_start;
+  return by_tiles + by_planes + transferred_bytes(sent, way.stays ? PixelBox{} : bounds) / rates.bytes + sorting +
+         seconds_of_start;
 }
 
 // Cost of plans for `planes` on a device. An edge of a box leaves about half of a tile of the plan to the sum in tiles, whose own

@@ -19,10 +19,11 @@ namespace holotrace {
 namespace {
 
 constexpr double bytes_per_wave = 340;  // prepared, split into far and near, sorted
-// Besides, on devices: up to four boxes that append_rest leaves; these, and the waves, as all devices get them; packets.
-constexpr double bytes_per_wave_on_devices =
-    4 * (sizeof(PreparedWave) + sizeof(DeviceWave)) + sizeof(DeviceWave) + double(sizeof(PlanePacket)) / packet_waves;
-constexpr double bytes_per_thread = 21e6;  // grids of a tile of 240 pixels at 4 nodes, and its transforms
+// Besides, on devices: the waves as all devices get them; for `planes` up to four boxes that append_rest leaves, as they are and
+// as devices get them, and packets.
+constexpr double bytes_per_wave_on_devices = sizeof(DeviceWave);
+constexpr double bytes_of_rest =
+    4 * (sizeof(PreparedWave) + sizeof(DeviceWave)) + double(sizeof(PlanePacket)) / packet_waves;
 
 // Calls work(box, buffers) for the tiles that cover `bounds`, from its top left corner on.
 template <class Buffers, class Work>
@@ -146,17 +147,20 @@ PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const Sum
 
 }  // namespace
 
-double host_bytes_per_wave(bool is_on_devices) {
-  return bytes_per_wave + (is_on_devices ? bytes_per_wave_on_devices : 0);
+double host_bytes_per_wave(bool is_on_devices, Approach approach) {
+  if (!is_on_devices) return bytes_per_wave;
+  return bytes_per_wave + bytes_per_wave_on_devices + (approach == Approach::tiled ? 0 : bytes_of_rest);
 }
+
+double host_bytes_per_thread() { return workspace_bytes; }
 
 std::optional<SummedField> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
                                    double& reachable, const Observer& observer) {
   check_grid(grid);
   check_sources(sources);
   require_memory(sizeof(std::complex<float>) * double(grid.pixels()) +
-                     host_bytes_per_wave(way.device() != nullptr) * double(sources.waves.size()) +
-                     bytes_per_thread * thread_count(),
+                     host_bytes_per_wave(way.device() != nullptr, way.approach) * double(sources.waves.size()) +
+                     host_bytes_per_thread() * thread_count(),
                  fmt::format("a field of {} × {} samples", grid.nx, grid.ny));
   SummedField field = dark_field(grid, sources.wavelength, way);
   // If every part has an error of at most the tolerance times its own energy, so has the whole.

@@ -39,7 +39,10 @@ struct SummedField {
 };
 
 /// Memory of this machine that a sum takes for each wave, at most [bytes]. On devices it is the same for any number of them.
-double host_bytes_per_wave(bool is_on_devices);
+double host_bytes_per_wave(bool is_on_devices, Approach approach);
+
+/// Memory of this machine that a sum takes for each thread, at most [bytes].
+double host_bytes_per_thread();
 
 /// Common core of sum_tiled.h and sum_planes.h. For the panel (or for each of its tiles, if waves have tile amplitudes)
 /// it chooses a plan whose measured error meets the tolerance, and sums. It then compares the energies: if the waves

@@ -304,10 +304,14 @@ int counted_rows(int rows, int share, int block) {
   return most;
 }
 
-// 1,080 rows in blocks of 120. Halves by tiles of 4 rows would meet at 540, inside a block; 600 is no more work for one device
-// and less for the other. By tiles of 32 rows the least common multiple is 480, and 960 rows would be more work than 600.
-TEST(RowsOfDevices, AreWholeBlocksWhereThatIsNoMoreWork) {
-  EXPECT_EQ(rows_of_share(1080, 2, {16, 4}, 120), 600);
+// 1,080 rows in blocks of 120. Halves by tiles of 4 rows meet at 540, inside a block: 600 rows of blocks each, as many as one
+// device would have of shares of 600. Of fifths, 216 rows, some reach into three blocks, 360 rows: two whole blocks are less.
+// By tiles of 32 rows the least common multiple is 480, and 960 rows would be more work than 600. No device is left idle.
+TEST(RowsOfDevices, AreWholeBlocksWhereThatIsLessWork) {
+  EXPECT_EQ(rows_of_share(1080, 2, {16, 4}, 120), 540);
+  EXPECT_EQ(rows_of_share(1080, 5, {16, 4}, 120), 240);
+  EXPECT_EQ(rows_of_share(240, 2, {16, 16}, 240), 128);
+  EXPECT_EQ(rows_of_share(1080, 8, {16, 16}, 120), 144);
   EXPECT_EQ(rows_of_share(1080, 2, {32, 32}, 120), 544);
   EXPECT_EQ(rows_of_share(1080, 1, {32, 32}, 1), 1088);
   for (const int rows : {130, 1080, 2160, 2161})
@@ -349,7 +353,8 @@ TEST(HostMemory, OfASumOnDevicesHoldsItsLists) {
   const PacketedWaves packeted(sorted, tables, wide, all);
   const double bytes = double(rest.capacity() * (sizeof(PreparedWave) + sizeof(DeviceWave)) +
                               packeted.waves.capacity() * sizeof(DeviceWave));
-  EXPECT_LE(bytes, (host_bytes_per_wave(true) - host_bytes_per_wave(false)) * double(sorted.waves.size()));
+  EXPECT_LE(bytes, (host_bytes_per_wave(true, Approach::planes) - host_bytes_per_wave(false, Approach::planes)) *
+                       double(sorted.waves.size()));
 }
 
 }  // namespace

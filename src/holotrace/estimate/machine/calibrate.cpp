@@ -61,8 +61,9 @@ TimedWork time_spreading(int nodes, int width) {
   workspace.grids.assign(tables.grid_size(), 0.0F);
   const SummationWork work{.plane_waves = double(count), .spreads = count * spreads_per_wave(plan)};
   return fastest(work, [&] {
+    size_t packet = 0;
     spread_waves(waves.waves, waves.slabs.front(), tables,
-                 {{0, panel.nx, 0, panel.ny}, panel.x(plan.tile / 2), panel.y(plan.tile / 2)}, workspace);
+                 {{0, panel.nx, 0, panel.ny}, panel.x(plan.tile / 2), panel.y(plan.tile / 2)}, packet, workspace);
   });
 }
 

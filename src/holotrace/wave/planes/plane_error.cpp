@@ -107,4 +107,8 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthR
   return energies;
 }
 
+double rounding_error_of_planes(const PlanesPlan& plan) {
+  return std::hypot(rounding_error(TileProducts::single), 5e-8 * plan.tile);
+}
+
 }  // namespace holotrace

@@ -12,4 +12,8 @@ namespace holotrace {
 SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthRange& depths, const Grid& grid,
                              const PixelBox& bounds, double wavelength, const PlanesPlan& plan);
 
+/// Relative L2 error of rounding, over all of the panel's acceptance: products in single precision, and frequencies of up to
+/// `tile` cells that are floats, too. Measured.
+double rounding_error_of_planes(const PlanesPlan& plan);
+
 }  // namespace holotrace

@@ -53,7 +53,8 @@ SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const 
   return work + in_tiles * plan.tile * plan.tile / 2 * tile_work(direct);
 }
 
-constexpr int most_slabs = 64, most_nodes = 8, most_nodes_of_large_tiles = 4;  // whose grids take 20 MB then
+constexpr int most_slabs = 64, most_nodes = 8;
+constexpr int most_nodes_of_large_tiles = 4;  // whose grids take 8 MB then, with their transforms 21 MB
 
 // Error of the gridding of a plane wave, over both axes.
 double both_axes(int width) {
@@ -123,7 +124,7 @@ class PlanSearch {
     const SplitEnergies energies = measure_planes(pixels_, depths_, grid_, bounds_, wavelength_, plan);
     const double without_gridding = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
     const auto error = [&] {
-      return std::hypot(without_gridding, both_axes(plan.width), rounding_error(TileProducts::single));
+      return std::hypot(without_gridding, both_axes(plan.width), rounding_error_of_planes(plan));
     };
     while (plan.width < GriddingKernel::greatest_width && error() > goal_) ++plan.width;
     const PlanesChoice choice{plan, error(), seconds(plan), energies, error() <= goal_};

@@ -43,7 +43,8 @@ bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const PlanesCost& cost, const SumGoal& goal,
                            double most_seconds = 1e300);
 
-/// Numbers of the grids to which plane_spread.h adds one wave (SummationWork::spreads).
+/// Complex numbers of the grids to which plane_spread.h adds one wave (SummationWork::spreads): those of all nodes' slots in
+/// the kernel's cells, each line rounded up to vectors of 8 floats, whatever the instruction set.
 double spreads_per_wave(const PlanesPlan& plan);
 
 /// One thread of the processor (cost_model.h).

@@ -82,10 +82,9 @@ SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, 
     sorted.slabs.back().last = i + 1;
     sorted.waves.push_back(waves[keys[i].index]);
   }
-  constexpr size_t of_packet = 64;
   for (Slab& slab : sorted.slabs)
-    for (size_t first = slab.first; first < slab.last; first += of_packet)
-      slab.packets.push_back(packet_of_waves(sorted.waves, first, std::min(first + of_packet, slab.last)));
+    for (size_t first = slab.first; first < slab.last; first += waves_of_packet)
+      slab.packets.push_back(packet_of_waves(sorted.waves, first, std::min(first + waves_of_packet, slab.last)));
   return sorted;
 }
 

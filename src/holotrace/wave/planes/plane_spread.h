@@ -14,7 +14,7 @@ namespace holotrace {
 
 /// How sum_planes computes waves in a tile of the panel.
 struct PlanesPlan {
-  int tile = 120;             ///< side of a tile [pixels]
+  int tile = 120;             ///< side of a tile, a multiple of 4 [pixels]
   int width = 5;              ///< width of the gridding kernel [cells]
   int nodes = 3;              ///< curvatures per slab of depth
   int slabs = 1;              ///< number of slabs into which the waves are sorted by 1/depth
@@ -75,6 +75,13 @@ struct Slab {
   std::vector<WavePacket> packets{};  ///< of that range
 };
 
+/// Waves of a packet at most.
+inline constexpr size_t waves_of_packet = 64;
+
+/// Most entries of a strip's list, and most waves left for direct sums: their lists take little memory however many waves
+/// an edge cuts, and a strip's are in the cache.
+inline constexpr size_t most_entries = size_t(1) << 14;
+
 /// Part of a wave in a tile: the lines [first, last) of one strip, to be added or subtracted.
 struct StripEntry {
   uint32_t wave;
@@ -95,13 +102,21 @@ struct StripWave {
 struct PlanesWorkspace {
   AlignedVector<float> grids;              ///< [line][cell][slot of a node], complex
   AlignedVector<float> strip;              ///< [cell][node][16 real, 16 imaginary]
-  std::vector<StripEntry> entries[2][16];  ///< [across columns, across rows][strip]
+  std::vector<StripEntry> entries[2][16];  ///< [across columns, across rows][strip], most_entries or fewer in each
   std::vector<StripWave> of_strip;         ///< one for each entry of a strip
   std::vector<uint32_t> order, ends;       ///< their order by cells, and its end for each cell
-  std::vector<PreparedWave> direct;        ///< waves left for sum_tile, cut to the tile
+  std::vector<PreparedWave> direct;        ///< waves left for sum_tile, cut to the tile; most_entries or fewer
   TileWorkspace of_direct;                 ///< buffers for sum_tile
   AlignedVector<std::complex<float>> folded, unfolded, spare, columns, turned, terms, tile;  ///< for the transforms
+
+  /// Whether another packet may have more entries than a list has room for.
+  bool is_full() const;
 };
+
+/// Memory of a workspace at most: the grids of a tile of 240 pixels at 4 nodes and their transforms (21 MB, measured), and
+/// the lists of its 30 strips [bytes].
+inline constexpr double workspace_bytes = 21e6 + double(most_entries) * (30 * sizeof(StripEntry) + sizeof(StripWave) +
+                                                                         sizeof(uint32_t) + sizeof(PreparedWave));
 
 /// A tile of the panel, and the position of its reference pixel (tile/2, tile/2) [m].
 struct TilePlace {
@@ -110,10 +125,11 @@ struct TilePlace {
 };
 
 /// Spreads the slab's waves that light the whole tile over the grids of the workspace. Waves that light a part of it go
-/// to its strips or to `direct`.
-/// @return  whether any wave was spread over the grids
+/// to its strips or to `direct`. It ends early if the workspace is full.
+/// @param packet  of the slab, the first that is spread; then the first that is left, slab.packets.size() if none is
+/// @return        whether any wave was spread over the grids
 bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
-                  const TilePlace& tile, PlanesWorkspace& workspace);
+                  const TilePlace& tile, size_t& packet, PlanesWorkspace& workspace);
 
 /// A strip of a tile, of rows (is_across_rows) or of columns, counted from the tile's first strip.
 struct Strip {

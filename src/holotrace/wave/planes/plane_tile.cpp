@@ -5,6 +5,7 @@
 
 #include "holotrace/base/column_blocks.h"
 #include "holotrace/base/complex_product.h"
+#include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/wave/planes/plane_correction_kernel.h"
@@ -73,12 +74,13 @@ void add_strip(const Slab& slab, const PlanesTables& t, bool is_across_rows, int
   }
 }
 
-void add_strips(const SortedWaves& waves, const Slab& slab, const PlanesTables& t, const TilePlace& place,
+// Spreads and empties the lists of strips that have `least` entries or more.
+void add_strips(size_t least, const SortedWaves& waves, const Slab& slab, const PlanesTables& t, const TilePlace& place,
                 PlanesWorkspace& w) {
   for (int axis = 0; axis < 2; ++axis)
     for (int s = 0; s < 16; ++s) {
       std::vector<StripEntry>& entries = w.entries[axis][s];
-      if (entries.empty()) continue;
+      if (entries.size() < least) continue;
       w.strip.assign(size_t(t.plan.nodes) * size_t(t.cells) * 2 * strip_width, 0.0f);
       spread_strip(waves.waves, slab, t, place, {axis == 1, s}, w);
       add_strip(slab, t, axis == 1, s, w);
@@ -94,9 +96,21 @@ void sum_direct(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& w, A
     for (int x = box.x0; x < box.x1; x += shape.columns)
       sum_tile(w.direct, {sum.grid, sum.tables.wavelength}, sum.direct,
                {x, std::min(x + shape.columns, box.x1), y, std::min(y + shape.rows, box.y1)}, w.of_direct, samples);
+  w.direct.clear();
 }
 
+// No room for one more packet. In a tile cut by the panel's edge, a wave may have two entries in one strip.
+constexpr size_t full_list = most_entries - 2 * waves_of_packet + 1;
+
 }  // namespace
+
+bool PlanesWorkspace::is_full() const {
+  if (direct.size() >= full_list) return true;
+  for (const auto& of_axis : entries)
+    for (const std::vector<StripEntry>& of_strip : of_axis)
+      if (of_strip.size() >= full_list) return true;
+  return false;
+}
 
 std::vector<std::complex<float>> plane_chirp(const PlanesTables& t, double kappa) {
   std::vector<std::complex<float>> values;
@@ -124,6 +138,9 @@ PlanesTables::PlanesTables(const PlanesPlan& plan, double wavelength, double pit
       transform(2 * plan.tile),
       cells(transform + 2 * margin),
       along_columns(transform) {
+  // Columns of a tile and of all its nodes' grids come in vectors of 4.
+  require(plan.tile > 0 && plan.tile % 4 == 0, "expected a tile of a multiple of 4 pixels for planes, got {}",
+          plan.tile);
   const double cell = 1 / (transform * pitch);
   for (int i = 0; i < plan.tile; ++i) {
     const double xi = double(i - plan.tile / 2) / transform, phi = kernel.transform(xi);
@@ -143,8 +160,14 @@ void sum_planes_tile(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace&
   w.direct.clear();
   for (const Slab& slab : waves.slabs) {
     w.grids.assign(t.grid_size(), 0.0f);
-    if (spread_waves(waves.waves, slab, t, place, w)) add_nodes(slab, t, w);
-    add_strips(waves, slab, t, place, w);
+    bool any = false;
+    for (size_t packet = 0; packet < slab.packets.size();) {
+      any = spread_waves(waves.waves, slab, t, place, packet, w) || any;
+      // Strips are linear in the waves: one with a full list is transformed for the waves up to here.
+      add_strips(packet < slab.packets.size() ? full_list : 1, waves, slab, t, place, w);
+      if (w.direct.size() >= full_list) sum_direct(sum, box, w, samples);
+    }
+    if (any) add_nodes(slab, t, w);
   }
   sum_direct(sum, box, w, samples);
   for (int j = box.y0; j < box.y1; ++j)

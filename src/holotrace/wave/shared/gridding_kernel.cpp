@@ -31,7 +31,7 @@ std::vector<double> interpolate(const Function& f, int degree) {
 }
 
 // β/w of the least gridding_error, for widths from 2 on.
-constexpr std::array<double, GriddingKernel::greatest_width - 1> beta_per_width{2.00, 2.12, 2.22, 2.27,
+constexpr std::array<double, GriddingKernel::greatest_width - 1> beta_per_width{1.80, 2.12, 2.22, 2.27,
                                                                                 2.30, 2.32, 2.33};
 
 }  // namespace

@@ -23,7 +23,7 @@ struct SemicircleKernel {
 
 /// Spreads a plane wave of any frequency over the `width` nearest frequencies of a grid, so that an FFT of the grid
 /// evaluates it. It is SemicircleKernel for a grid twice as fine as the FFT's outputs need, with the β of least error for each
-/// width, 2.00·w to 2.33·w. Its error falls about tenfold for each added cell of width.
+/// width, 1.80·w to 2.33·w. Its error falls about tenfold for each added cell of width.
 class GriddingKernel {
  public:
   static constexpr int greatest_width = 8;

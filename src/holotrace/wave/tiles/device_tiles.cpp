@@ -148,7 +148,9 @@ void sum_rows(Device& device, const TileSum& sum, int first_row, int end_row, co
   const auto lock = device.lock();
   const int columns = bounds.x1 - bounds.x0;
   const size_t count = std::max<size_t>(waves.size(), 1);  // without waves, a launch sets the samples to 0
-  const DevicePlan plan = make_plan(device, count, bounds, shape, end_row - first_row, more, block);
+  // Bands of whole blocks end with blocks only if the first starts with one.
+  const int step = (first_row - bounds.y0) % block == 0 ? block : 1;
+  const DevicePlan plan = make_plan(device, count, bounds, shape, end_row - first_row, more, step);
   const DeviceBuffer column_centres =
       device.upload(tile_centres(columns, shape.columns, wavelength, [&](double i) { return grid.x(bounds.x0 + i); }),
                     "places of tiles");
@@ -234,7 +236,7 @@ int rows_computed(int rows, int share, int block) {
 int rows_of_share(int rows, size_t devices, TileShape shape, int block) {
   const int by_tiles = share_of(rows, devices, shape.rows);
   const int by_both = share_of(rows, devices, std::lcm(shape.rows, block));
-  return rows_computed(rows, by_both, block) <= rows_computed(rows, by_tiles, block) ? by_both : by_tiles;
+  return rows_computed(rows, by_both, block) < rows_computed(rows, by_tiles, block) ? by_both : by_tiles;
 }
 
 int rows_computed_by_one(int rows, size_t devices, TileShape shape, int block) {

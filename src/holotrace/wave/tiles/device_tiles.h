@@ -30,20 +30,14 @@ struct LightOnDevice {
   double bytes = 0;  ///< memory that it needs at least
 };
 
-/// Rows that each device sums if they share `rows` rows: a multiple of a tile's, and also of the blocks of rows of other light,
-/// unless more rows would then be computed by one device than if the block where two shares meet is computed twice.
-int rows_of_share(int rows, size_t devices, TileShape shape, int block);
-
-/// Rows of a band: `most`, rounded down to whole tiles; and to whole blocks, if it has any that end where a tile does.
-int rows_of_band(double most, TileShape shape, int block);
 /// Such light for all devices of a sum. It is computed in whole blocks of rows, from the top of the bounds on.
 struct MoreLight {
   std::function<LightOnDevice(Device& device)> make{};  ///< if any; called on a thread of that device
   int rows = 1;                                         ///< of a block
 };
 
-/// Rows that each device sums if they share `rows` rows: a multiple of a tile's. They are whole blocks of other light, too, unless
-/// a device then has more to do than if both devices compute the block in which their shares meet.
+/// Rows that each device sums if they share `rows` rows: a multiple of a tile's. They are whole blocks of other light, too, if a
+/// device then has less to do than if both devices compute the block in which their shares meet.
 int rows_of_share(int rows, size_t devices, TileShape shape, int block);
 
 /// Most rows of other light that one device then computes.
