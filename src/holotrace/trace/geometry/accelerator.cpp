@@ -18,6 +18,14 @@
 
 namespace holotrace {
 
+/// The plane normal·(p − centre) = offset of a triangle, about the centre of the scene. It is stored, because most hits need
+/// nothing else of the triangle.
+struct TrianglePlane {
+  Vec3 normal;          // unit, on the side that sees the triangle counter-clockwise
+  double offset = 0;    // [m]
+  float clearance = 0;  // SurfacePoint::clearance [m]
+};
+
 namespace {
 
 using Device = std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)>;
@@ -39,14 +47,6 @@ void require_no_error(RTCDevice device, const char* what) {
   require(error == RTC_ERROR_NONE, "Embree could not {}: error {}{}", what, int(error),
           error == RTC_ERROR_OUT_OF_MEMORY ? " (out of memory); use fewer triangles" : "");
 }
-
-/// The plane normal·(p − centre) = offset of a triangle, about the centre of the scene. It is stored, because most hits need
-/// nothing else of the triangle.
-struct TrianglePlane {
-  Vec3 normal;          // unit, on the side that sees the triangle counter-clockwise
-  double offset = 0;    // [m]
-  float clearance = 0;  // SurfacePoint::clearance [m]
-};
 
 constexpr int64_t block_of_triangles = 4096;  // of a thread
 
