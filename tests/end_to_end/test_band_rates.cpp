@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 std::vector<std::string> automatic_field(const std::string& device, const std::string& output) {
   std::vector<std::string> arguments = field_in_bands(output);
   std::replace(arguments.begin(), arguments.end(), std::string("exact"), std::string("auto"));
-  std::replace(arguments.begin(), arguments.end(), std::string("400 MB"), std::string("430 MB"));  // memory for plans
+  std::replace(arguments.begin(), arguments.end(), std::string("400 MB"), std::string("500 MB"));  // memory for plans
   arguments.insert(arguments.end() - 2, {"--device", device});
   return arguments;
 }
