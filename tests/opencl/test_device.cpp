@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 
@@ -44,6 +45,25 @@ TEST_P(Devices, RunKernelsOnTheirMemory) {
   EXPECT_EQ(device_.use().bytes_in - before.bytes_in, 256u);
   EXPECT_EQ(device_.use().bytes_out - before.bytes_out, 256u);
   EXPECT_EQ(device_.use().kernels - before.kernels, 2u);
+}
+
+// More groups along y and z than some makers' devices take at once are started in two parts: each place gets its work once.
+TEST_P(Devices, StartManyGroupsInParts) {
+  const Kernel count{"count",
+                     {"__kernel void count(int ny, __global int* times) {\n"
+                      "  if (get_local_id(0) == 0) ++times[get_global_id(2) * ny + get_global_id(1)];\n}\n"}};
+  constexpr size_t many = most_groups_across + 3;
+  for (const auto& [size, parts] : {std::pair{WorkSize{1, many, 2, 1, 2}, 2}, std::pair{WorkSize{1, 2, 1, 3, many}, 2},
+                                    std::pair{WorkSize{1, most_groups_across, 1, 1, 1}, 1}}) {
+    const int rows = int(size.groups_y * size.group_y);
+    std::vector<int> times(size_t(rows) * size.groups_z);
+    const DeviceBuffer there = device_.upload(times, "counts");
+    FaultyApi api;
+    device_.run(count, size, {rows, there});
+    EXPECT_EQ(api.calls, parts);
+    device_.read(there, times.data(), there.bytes());
+    EXPECT_EQ(std::count(times.begin(), times.end(), 1), std::ptrdiff_t(times.size()));
+  }
 }
 
 TEST_P(Devices, FindWritesPastTheEndsOfBuffers) {

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <set>
+#include <string>
 
 #include "holotrace/opencl/api.h"
+#include "support/error_of.h"
 
 namespace holotrace::test {
 
@@ -67,5 +71,42 @@ class FaultyApi {
   OpenClApi true_api_;
   inline static FaultyApi* self = nullptr;
 };
+
+/// Runs `job` again and again, so that in turn every `step`th call of OpenCL fails, until a run has fewer calls. A failure must be
+/// one sentence, and what was made must have been released, once. `after(error)` runs after each failure, with the same call
+/// failing again. Returns how many runs failed.
+template <class Job, class After>
+int fail_each_call(int step, const Job& job, const After& after) {
+  int faults = 0;
+  for (int failing = 0;; failing += step) {
+    SCOPED_TRACE("call " + std::to_string(failing) + " fails");
+    FaultyApi api;
+    api.failing = failing;
+    const std::string error = error_of(job);
+    EXPECT_TRUE(api.held.empty());
+    EXPECT_FALSE(api.was_released_twice);
+    if (api.calls <= failing) {
+      EXPECT_EQ(error, "no error");
+      return faults;
+    }
+    EXPECT_NE(error, "no error");
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+    ++faults;
+    api.calls = 0;
+    after(error);
+    EXPECT_TRUE(api.held.empty());
+    if (::testing::Test::HasFatalFailure()) return faults;
+  }
+}
+
+template <class Job>
+int fail_each_call(int step, const Job& job) {
+  return fail_each_call(step, job, [](const std::string&) {});
+}
+
+/// The warning of `auto` after a failure.
+inline std::string warning_after(const std::string& error) {
+  return "the device auto: the processor took over, because " + error;
+}
 
 }  // namespace holotrace::test

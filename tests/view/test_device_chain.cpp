@@ -429,30 +429,20 @@ TEST_P(DeviceChains, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
   make_device_fast(1e15);
   picture(there(chain));  // compiles the kernels
   const Image expected = picture(chain);
-  int faults = 0;
-  for (int failed = 0;; failed += 5) {
-    drop_device_propagators();
-    test::FaultyApi api;
-    api.failing = failed;
-    const std::string error = error_of([&] { picture(there(chain)); });
-    drop_device_propagators();
-    EXPECT_TRUE(api.held.empty()) << "after the failure of call " << failed;
-    EXPECT_FALSE(api.was_released_twice);
-    if (api.calls <= failed) {
-      EXPECT_EQ(error, "no error");
-      break;
-    }
-    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
-    EXPECT_NE(error, "no error");
-    ++faults;
-    api.calls = 0;
+  struct DropAtEnd {
+    ~DropAtEnd() { drop_device_propagators(); }
+  };
+  drop_device_propagators();
+  const auto on_named = [&] {
+    const DropAtEnd drop;
+    picture(there(chain));
+  };
+  const int faults = test::fail_each_call(5, on_named, [&](const std::string& error) {
+    const DropAtEnd drop;
     Heard heard;
-    EXPECT_LT(difference(picture(automatic_everywhere(chain), heard.observer()), expected), rounding) << failed;
-    ASSERT_EQ(heard.warnings.size(), 1u) << failed;
-    EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
-    drop_device_propagators();
-    EXPECT_TRUE(api.held.empty()) << "after the failure of call " << failed;
-  }
+    EXPECT_LT(difference(picture(automatic_everywhere(chain), heard.observer()), expected), rounding);
+    EXPECT_EQ(heard.warnings, std::vector{test::warning_after(error)});
+  });
   EXPECT_GT(faults, 20);
 }
 

@@ -170,9 +170,15 @@ void Device::run(const Kernel& kernel, const WorkSize& size, std::initializer_li
     ++index;
   }
   const size_t group[3] = {size.group_x, size.group_y, 1};
-  const size_t all[3] = {size.groups_x * size.group_x, size.groups_y * size.group_y, size.groups_z};
-  const cl_int status = api.clEnqueueNDRangeKernel(s.queue, compiled, 3, nullptr, all, group, 0, nullptr, nullptr);
-  if (status != CL_SUCCESS) fail_as_lost(info_, kernel.name, status);
+  for (size_t z = 0; z < size.groups_z; z += most_groups_across)
+    for (size_t y = 0; y < size.groups_y; y += most_groups_across) {
+      const size_t start[3] = {0, y * size.group_y, z};
+      const size_t all[3] = {size.groups_x * size.group_x,
+                             std::min(size.groups_y - y, most_groups_across) * size.group_y,
+                             std::min(size.groups_z - z, most_groups_across)};
+      const cl_int status = api.clEnqueueNDRangeKernel(s.queue, compiled, 3, start, all, group, 0, nullptr, nullptr);
+      if (status != CL_SUCCESS) fail_as_lost(info_, kernel.name, status);
+    }
   ++s.use.kernels;
 }
 

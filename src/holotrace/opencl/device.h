@@ -42,7 +42,12 @@ struct Kernel {
   std::string options{};  ///< such as "-D BATCH=16"
 };
 
-/// Groups of work items: how many of them, and the size of each.
+/// The most groups along y or z that every maker's devices take at once (CUDA C++ Programming Guide, technical
+/// specifications: 65,535 blocks of a grid along y and z).
+inline constexpr size_t most_groups_across = 65535;
+
+/// Groups of work items: how many of them, and the size of each. More than `most_groups_across` along y or z are started in
+/// parts, so a kernel finds its place there by get_global_id, which counts on, and not by get_group_id, which begins again.
 struct WorkSize {
   size_t groups_x = 1, groups_y = 1;
   size_t group_x = 1, group_y = 1;

@@ -50,6 +50,18 @@ TEST_P(DeviceMoments, AreThoseOfTheSamples) {
   }
 }
 
+// More rows than a launch of some makers' devices takes (most_groups_across); the largest modulus is in the second part.
+TEST_P(DeviceMoments, CountAllRowsOfATallField) {
+  Field field({2, int(most_groups_across) + 90, test_pitch}, test_wavelength);
+  for (auto& u : field.samples.values) u = 0.5F;
+  field.samples.values.back() = 3;
+  const ModulusMoments moments = modulus_moments(send(device_, field));
+  const double others = 2.0 * field.grid.ny - 1;
+  EXPECT_EQ(moments.largest, 3);
+  EXPECT_EQ(moments.sum, 0.5 * others + 3);  // sums of these numbers are exact in float
+  EXPECT_EQ(moments.square, 0.25 * others + 9);
+}
+
 TEST_P(DeviceMoments, TellOfASampleThatIsNotFinite) {
   const Grid grid{70, 3, test_pitch};
   for (const std::complex<float> bad : {std::complex<float>(not_a_number, 0), {0, not_a_number}, {0, -infinite}}) {

@@ -325,32 +325,19 @@ TEST_P(EncodeOnDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
     const Hologram expected = encode(field, one.slm, one.params, here.observer());
     encode(field, one.slm, on_device(one.params));  // compiles the kernels
     make_device_fast(1e15);
-    int faults = 0;
-    for (int failed = 0;; ++failed) {
-      test::FaultyApi api;
-      api.failing = failed;
-      const std::string error = error_of([&] { encode(field, one.slm, on_device(one.params)); });
-      EXPECT_TRUE(api.held.empty()) << failed;
-      if (api.calls <= failed) {
-        EXPECT_EQ(error, "no error");
-        break;
-      }
-      EXPECT_NE(error, "no error");
-      ++faults;
-      api.calls = 0;
+    const auto on_named = [&] { encode(field, one.slm, on_device(one.params)); };
+    const int faults = test::fail_each_call(1, on_named, [&](const std::string& error) {
       Heard heard;
       std::map<std::string, int> told;
       Observer observer = heard.observer();
       observer.on_fact = [&](const std::string& name, const Fact&) { ++told[name]; };
       const Hologram hologram = encode(field, one.slm, automatic(one.params), observer);
-      for (const auto& [name, times] : told) EXPECT_EQ(times, 1) << failed << " " << name;
-      EXPECT_EQ(hologram.level.values, expected.level.values) << failed;
-      EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values) << failed;
-      ASSERT_EQ(heard.warnings.size(), here.warnings.size() + 1) << failed;
-      EXPECT_EQ(std::count(heard.warnings.begin(), heard.warnings.end(),
-                           "the device auto: the processor took over, because " + error),
-                1);
-    }
+      for (const auto& [name, times] : told) EXPECT_EQ(times, 1) << name;
+      EXPECT_EQ(hologram.level.values, expected.level.values);
+      EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values);
+      ASSERT_EQ(heard.warnings.size(), here.warnings.size() + 1);
+      EXPECT_EQ(std::count(heard.warnings.begin(), heard.warnings.end(), test::warning_after(error)), 1);
+    });
     EXPECT_GT(faults, 8);
   }
 }

@@ -221,25 +221,12 @@ TEST_P(ShowDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
   make_device_fast(1e15);
   shown(one, on_device(one.params));  // compiles the kernels
   const Field expected = shown(one, one.params);
-  int faults = 0;
-  for (int failed = 0;; failed += 7) {
-    test::FaultyApi api;
-    api.failing = failed;
-    const std::string error = error_of([&] { shown(one, on_device(one.params)); });
-    EXPECT_TRUE(api.held.empty()) << "after the failure of call " << failed;
-    EXPECT_FALSE(api.was_released_twice);
-    if (api.calls <= failed) {
-      EXPECT_EQ(error, "no error");
-      break;
-    }
-    EXPECT_NE(error, "no error");
-    ++faults;
-    api.calls = 0;
+  const auto on_named = [&] { shown(one, on_device(one.params)); };
+  const int faults = test::fail_each_call(7, on_named, [&](const std::string& error) {
     Heard heard;
     EXPECT_EQ(shown(one, automatic(one.params), heard.observer()).samples.values, expected.samples.values);
-    ASSERT_EQ(heard.warnings.size(), 1u) << failed;
-    EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
-  }
+    EXPECT_EQ(heard.warnings, std::vector{test::warning_after(error)});
+  });
   EXPECT_GT(faults, 5);
 }
 #endif

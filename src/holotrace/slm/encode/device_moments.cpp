@@ -82,8 +82,10 @@ std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int 
   for (int first = 0; first < grid.ny; first += rows) {
     rows = int(std::min(most_rows, int64_t(grid.ny - first)));
     device.write(there, none.data(), there.bytes());
-    device.run(kernel_of_moduli("count_moduli", steps), groups_of_rows(std::min(rows, most_groups)),
-               {field.samples, int32_t(grid.nx), int32_t(first), int32_t(rows), float(steps / largest), there});
+    const int groups = std::min(rows, most_groups);
+    device.run(kernel_of_moduli("count_moduli", steps), groups_of_rows(groups),
+               {field.samples, int32_t(grid.nx), int32_t(first), int32_t(rows), int32_t(groups), float(steps / largest),
+                there});
     device.read(there, some.data(), there.bytes());
     for (size_t step = 0; step < some.size(); ++step) counts[step] += some[step];
   }

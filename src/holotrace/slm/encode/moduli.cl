@@ -5,7 +5,7 @@
 // or of what is not a number are the largest.
 __kernel void row_peaks(__global const float2* u, int nx, __global uint* peaks) {
   __local uint parts[GROUP];
-  const int item = get_local_id(0), row = get_group_id(1);
+  const int item = get_local_id(0), row = get_global_id(1);
   uint most = 0;
   for (int i = item; i < nx; i += GROUP) {
     const float2 sample = u[sample_place(i, row, nx)];
@@ -22,7 +22,7 @@ __kernel void row_peaks(__global const float2* u, int nx, __global uint* peaks) 
 // Of each row, times `unit`: the largest modulus, the sum of the moduli and that of their squares.
 __kernel void row_moments(__global const float2* u, int nx, float unit, __global float* moments) {
   __local float largest[GROUP], sums[GROUP], squares[GROUP];
-  const int item = get_local_id(0), row = get_group_id(1);
+  const int item = get_local_id(0), row = get_global_id(1);
   float most = 0;
   CompensatedSum sum = {0, 0}, square = {0, 0};
   for (int i = item; i < nx; i += GROUP) {
@@ -48,15 +48,15 @@ __kernel void row_moments(__global const float2* u, int nx, float unit, __global
   moments[3 * row + 2] = squares[0];
 }
 
-// Adds to the count of step |u|·per_modulus, at most STEPS, for `rows` rows from `first` on. Counts of a group are summed in
-// local memory.
-__kernel void count_moduli(__global const float2* u, int nx, int first, int rows, float per_modulus,
-                           __global uint* counts) {
+// Adds to the count of step |u|·per_modulus, at most STEPS, for `rows` rows from `first` on, in so many groups. Counts of a
+// group are summed in local memory.
+__kernel void count_moduli(__global const float2* u, int nx, int first, int rows, int groups,
+                           float per_modulus, __global uint* counts) {
   __local uint here[STEPS + 1];
   const int item = get_local_id(0);
   for (int step = item; step <= STEPS; step += GROUP) here[step] = 0;
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (int row = get_group_id(1); row < rows; row += get_num_groups(1))
+  for (int row = get_global_id(1); row < rows; row += groups)
     for (int i = item; i < nx; i += GROUP)
       atomic_inc(&here[min((int)(per_modulus * length(u[sample_place(i, first + row, nx)])), STEPS)]);
   barrier(CLK_LOCAL_MEM_FENCE);
@@ -67,7 +67,7 @@ __kernel void count_moduli(__global const float2* u, int nx, int first, int rows
 // Scales the samples to moduli of at most 1, u/max(top, |u|). Of each row the sum of |u|² − top² above `top`.
 __kernel void clip_moduli(__global float2* u, int nx, float top, __global float* clipped) {
   __local float parts[GROUP];
-  const int item = get_local_id(0), row = get_group_id(1);
+  const int item = get_local_id(0), row = get_global_id(1);
   CompensatedSum sum = {0, 0};
   for (int i = item; i < nx; i += GROUP) {
     const size_t place = sample_place(i, row, nx);

@@ -65,7 +65,7 @@ __kernel void irradiance_ranges(__global const float2* u, int nx, float unit, __
                                 __global const float2* along_y, float reference, int with_bias,
                                 __global float2* ranges) {
   __local float least[GROUP], largest[GROUP];
-  const int item = get_local_id(0), row = get_group_id(1);
+  const int item = get_local_id(0), row = get_global_id(1);
   float low = INFINITY, high = -INFINITY;
   for (int i = item; i < nx; i += GROUP) {
     const float at = irradiance_at(u, sample_place(i, row, nx), unit, along_x[i], along_y[row], reference, with_bias);

@@ -180,10 +180,6 @@ void tell(const Hologram& hologram, const Slm& slm, const ShowParams& params, do
   warn_other_effects(hologram, with, observer);
 }
 
-double power_of(const Field& field) {
-  return energy(field.samples.values.data(), field.samples.size()) * field.grid.pitch * field.grid.pitch;
-}
-
 }  // namespace
 
 ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams& params,
@@ -192,7 +188,7 @@ ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams
   std::optional<Field> there = leave_on_device(shown.panel, shown.pattern(), params.device, observer);
   if (there) shown.complete(*there);
   ShownField result{there ? std::move(*there) : shown.on_processor(), shown.panel.power_in()};
-  tell(hologram, slm, params, result.power_in, power_of(result.field), observer);
+  tell(hologram, slm, params, result.power_in, power(result.field), observer);
   return result;
 }
 
@@ -205,7 +201,7 @@ ShownLight show_light(const Hologram& hologram, const Slm& slm, const ShowParams
   if (!on_device) {
     Field field = there ? std::get<Field>(std::move(there->field)) : shown->on_processor();
     shown->complete(field);
-    tell(hologram, slm, params, power_in, there ? there->power : power_of(field), observer);
+    tell(hologram, slm, params, power_in, there ? there->power : power(field), observer);
     return {PlacedField(std::move(field)), power_in};
   }
   shown->complete(on_device->head);

@@ -89,13 +89,13 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void spread_waves(
   __local float x_weights[GROUP * PADDED], y_weights[GROUP * MOST_WIDTH];
 
   const int item = get_local_id(0), blocks = (job.cells + BLOCK - 1) / BLOCK;
-  const int tile_index = job.first_tile + get_group_id(1);
+  const int tile_index = job.first_tile + get_global_id(1);
   const int2 tile = (int2)(tile_index % job.tiles_across, tile_index / job.tiles_across);
   const int2 block = (int2)(get_group_id(0) % blocks, get_group_id(0) / blocks) * BLOCK;
   const FloatPair x = column_references[tile.x], y = row_references[tile.y];
   const int column = block.x + item % (BLOCK / ROW) * ROW, row = block.y + item / (BLOCK / ROW);
   const size_t node = (size_t)job.cells * job.cells;
-  __global float2* const cells = grids + get_group_id(1) * NODES * node + (size_t)row * job.cells + column;
+  __global float2* const cells = grids + get_global_id(1) * NODES * node + (size_t)row * job.cells + column;
 
   float4 re[NODES], im[NODES];
 #pragma unroll
@@ -186,13 +186,13 @@ __kernel __attribute__((reqd_work_group_size(TRANSPOSED, TRANSPOSED, 1))) void a
     __global const float2* cross, __global const float2* difference, __global float2* samples) {
   __local float2 turned[TRANSPOSED][TRANSPOSED + 1];
   const int x = get_local_id(0), y = get_local_id(1), side = job.tile, left = get_group_id(0) * TRANSPOSED,
-            top = get_group_id(1) * TRANSPOSED;
+            top = get_global_id(1) - y;
   const int i = left + y, j = top + x;  // column and row: along the rows, neighbours are in memory
   float2 light = (float2)(0.0f);
   if (i < side && j < side) {
     const float u = (i - side / 2) * job.pitch, v = (j - side / 2) * job.pitch;
     for (int q = 0; q < NODES; ++q) {
-      const size_t at = (((size_t)get_group_id(2) * NODES + q) * side + i) * side + j;
+      const size_t at = (((size_t)get_global_id(2) * NODES + q) * side + i) * side + j;
       const int node = job.slab * NODES + q;
       float2 sum = wave[at];
       if (job.is_corrected) {
@@ -206,7 +206,7 @@ __kernel __attribute__((reqd_work_group_size(TRANSPOSED, TRANSPOSED, 1))) void a
   }
   turned[y][x] = light;
   barrier(CLK_LOCAL_MEM_FENCE);
-  const int tile_index = job.first_tile + get_group_id(2);
+  const int tile_index = job.first_tile + get_global_id(2);
   const int in_x = left + x, in_y = top + y;
   const int column = tile_index % job.tiles_across * side + in_x;
   const int row = tile_index / job.tiles_across * side + in_y - job.top;

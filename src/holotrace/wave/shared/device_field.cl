@@ -15,7 +15,7 @@ __kernel void put_box(__global const float2* from, int columns, int nx, int x0, 
 // depend on the device.
 __kernel void row_energies(__global const float2* u, int nx, int x0, int x1, int y0, __global float* sums) {
   __local float parts[GROUP];
-  const int item = get_local_id(0), row = get_group_id(1);
+  const int item = get_local_id(0), row = get_global_id(1);
   CompensatedSum sum = {0, 0};
   for (int i = x0 + item; i < x1; i += GROUP) {
     const float2 sample = u[sample_place(i, y0 + row, nx)];

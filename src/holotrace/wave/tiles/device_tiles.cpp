@@ -125,7 +125,7 @@ void add_slices(Device& device, TileShape shape, const DeviceBuffer& sums, const
   constexpr size_t group = 64;
   const int columns = band.x1 - band.x0, rows = band.y1 - band.y0;
   device.run(tile_kernel(shape, "add_slices"), {tiles_along(columns, int(group)), size_t(rows), group, 1},
-             {sums, int32_t(columns), int32_t(slices)});
+             {sums, int32_t(columns), int32_t(rows), int32_t(slices)});
 }
 
 // What all devices of a sum share. `take` gets each band of rows, whose sums are on its device.

@@ -11,8 +11,8 @@
 #define GROUP_ROWS (TILE_ROWS / BLOCK_ROWS)
 #define GROUP (GROUP_COLUMNS * GROUP_ROWS)
 
-// The waves [first, end) and the tiles of a band: its size [samples], and the first of its rows on the panel. Each of
-// get_num_groups(2) slices sums `share` of the waves, to samples of its own: a panel of few tiles keeps a large device busy.
+// The waves [first, end) and the tiles of a band: its size [samples], and the first of its rows on the panel. Each slice
+// sums `share` of the waves, to samples of its own: a panel of few tiles keeps a large device busy.
 typedef struct {
   int first, end, share;
   int columns, rows, top;
@@ -41,14 +41,15 @@ __kernel __attribute__((reqd_work_group_size(GROUP_COLUMNS, GROUP_ROWS, 1))) voi
 
   const int item_column = get_local_id(0), item_row = get_local_id(1);
   const int item = item_row * GROUP_COLUMNS + item_column;
-  const int tile_x = get_group_id(0) * TILE_COLUMNS, tile_y = get_group_id(1) * TILE_ROWS;  // in the band
-  const FloatPair centre_x = column_centres[get_group_id(0)], centre_y = row_centres[get_group_id(1)];
+  const int row_of_tiles = get_global_id(1) / GROUP_ROWS;
+  const int tile_x = get_group_id(0) * TILE_COLUMNS, tile_y = row_of_tiles * TILE_ROWS;  // in the band
+  const FloatPair centre_x = column_centres[get_group_id(0)], centre_y = row_centres[row_of_tiles];
 
   float4 ac[BLOCK_ROWS], bd[BLOCK_ROWS], all[BLOCK_ROWS];
 #pragma unroll
   for (int r = 0; r < BLOCK_ROWS; ++r) ac[r] = bd[r] = all[r] = (float4)(0.0f);
 
-  const int slice = get_group_id(2), slice_first = job.first + slice * job.share;
+  const int slice = get_global_id(2), slice_first = job.first + slice * job.share;
   const int slice_end = min(slice_first + job.share, job.end);
   for (int start = slice_first; start < slice_end; start += GROUP) {
     // The waves that light the tile, in their order.
@@ -116,10 +117,10 @@ __kernel __attribute__((reqd_work_group_size(GROUP_COLUMNS, GROUP_ROWS, 1))) voi
 }
 
 // Adds the samples of all slices to those of the first. Items of the second axis are rows.
-__kernel void add_slices(__global float2* samples, int columns, int slices) {
+__kernel void add_slices(__global float2* samples, int columns, int rows, int slices) {
   const int column = get_global_id(0);
   if (column >= columns) return;
-  const size_t count = (size_t)columns * get_global_size(1), i = get_global_id(1) * (size_t)columns + column;
+  const size_t count = (size_t)columns * rows, i = get_global_id(1) * (size_t)columns + column;
   float2 sum = samples[i];
   for (int s = 1; s < slices; ++s) sum += samples[s * count + i];
   samples[i] = sum;

@@ -182,13 +182,13 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void transform_lines
 
 __kernel void enter_lines(LineJob job, __global const float2* from, __global const float2* enter,
                           __global float2* work) {
-  const int i = get_global_id(0), n = get_group_id(1);
+  const int i = get_global_id(0), n = get_global_id(1);
   if (i < job.length) work[(size_t)n * job.length + i] = entering(from, enter, &job, job.first + n, i);
 }
 
 __kernel void filter_lines(LineJob job, __global const float2* filter, __global const float2* ramp,
                            __global float2* work) {
-  const int i = get_global_id(0), n = get_group_id(1);
+  const int i = get_global_id(0), n = get_global_id(1);
   if (i >= job.length) return;
   __global float2* const at = work + (size_t)n * job.length + i;
   *at = filtered(*at, filter, ramp, &job, job.first + n, i);
@@ -196,7 +196,7 @@ __kernel void filter_lines(LineJob job, __global const float2* filter, __global 
 
 __kernel void leave_lines(LineJob job, __global const float2* work, __global const float2* leave,
                           __global float2* to) {
-  const int o = get_global_id(0), n = get_group_id(1);
+  const int o = get_global_id(0), n = get_global_id(1);
   if (o < job.out.count)
     leave_line(to, leave, &job, job.first + n, o, work[(size_t)n * job.length + wrapped(o + job.out.shift, job.length)]);
 }
@@ -207,7 +207,7 @@ __kernel void pass_lines(int length, int radix, int done, float sign, __global c
   const int i = get_global_id(0), butterflies = length / radix;
   if (i >= length) return;
   const int j = i % butterflies, q = i / butterflies, step = j % done * (length / (done * radix));
-  __global const float2* const line = from + (size_t)get_group_id(1) * length;
+  __global const float2* const line = from + (size_t)get_global_id(1) * length;
   float2 sum = (float2)(0.0f);
   for (int r = 0, at = 0, root = 0; r < radix; ++r) {
     // exp(2πi·(r·step + q·r·length/radix)/length), where root = q·r modulo radix
@@ -218,12 +218,12 @@ __kernel void pass_lines(int length, int radix, int done, float sign, __global c
     root += q;
     if (root >= radix) root -= radix;
   }
-  to[(size_t)get_group_id(1) * length + j / done * done * radix + j % done + q * done] = sum;
+  to[(size_t)get_global_id(1) * length + j / done * done * radix + j % done + q * done] = sum;
 }
 
 #define TILE 16
 
-// to[column][row] = from[row][column], for get_num_groups(2) matrices that are `step` samples apart
+// to[column][row] = from[row][column], for matrices that are `step` samples apart
 typedef struct {
   int stride, offset, step;
 } Place;
@@ -234,9 +234,9 @@ __kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void transpose_lin
                                                                                    __global float2* to) {
   __local float2 tile[TILE][TILE + 1];
   const int x = get_local_id(0), y = get_local_id(1);
-  const int left = get_group_id(0) * TILE, top = get_group_id(1) * TILE;
-  from += get_group_id(2) * (size_t)source.step + source.offset;
-  to += get_group_id(2) * (size_t)target.step + target.offset;
+  const int left = get_group_id(0) * TILE, top = get_global_id(1) - y;
+  from += get_global_id(2) * (size_t)source.step + source.offset;
+  to += get_global_id(2) * (size_t)target.step + target.offset;
   if (top + y < rows && left + x < columns) tile[y][x] = from[(size_t)(top + y) * source.stride + left + x];
   barrier(CLK_LOCAL_MEM_FENCE);
   if (left + y < columns && top + x < rows) to[(size_t)(left + y) * target.stride + top + x] = tile[x][y];

@@ -136,18 +136,7 @@ TEST_P(DescentDevices, ReleaseTheirMemoryAfterAnyFault) {
   one_.params.iterations = 1;
   one_.has_views = true;
   found(one_, on_device(one_.params));  // compiles the kernels
-  int failed = 0, faults = 0;
-  for (bool is_done = false; !is_done; failed += 50) {
-    test::FaultyApi api;
-    api.failing = failed;
-    const std::string error = error_of([&] { found(one_, on_device(one_.params)); });
-    is_done = api.calls <= failed;
-    faults += !is_done;
-    EXPECT_EQ(error == "no error", is_done) << error;
-    EXPECT_TRUE(api.held.empty()) << "after the failure of call " << failed;
-    EXPECT_FALSE(api.was_released_twice);
-  }
-  EXPECT_GT(faults, 5);
+  EXPECT_GT(test::fail_each_call(50, [&] { found(one_, on_device(one_.params)); }), 5);
 }
 
 // Under `auto` the processor takes over whichever call fails, those that keep the state between updates included. It goes

@@ -278,31 +278,19 @@ TEST_P(ProjectionDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
   make_device_fast(1e15);
   encoded(one_, on_device(one_.params));  // compiles the kernels
   const Hologram expected = encoded(one_, one_.params);
-  int failed = 0, faults = 0;
-  for (bool is_done = false; !is_done; failed += 23) {
-    test::FaultyApi api;
-    api.failing = failed;
-    const std::string error = error_of([&] { encoded(one_, on_device(one_.params)); });
-    is_done = api.calls <= failed;
-    EXPECT_EQ(error == "no error", is_done) << error;
-    EXPECT_TRUE(api.held.empty()) << "after the failure of call " << failed;
-    EXPECT_FALSE(api.was_released_twice);
-    if (is_done) break;
-    ++faults;
-    api.calls = 0;
+  const auto on_named = [&] { encoded(one_, on_device(one_.params)); };
+  const int faults = test::fail_each_call(23, on_named, [&](const std::string& error) {
     Heard heard;
     Hologram hologram;
     EXPECT_EQ(error_of([&] { hologram = encoded(one_, automatic(one_.params), heard.observer()); }), "no error");
-    ASSERT_EQ(heard.warnings.size(), 1u) << failed;
-    EXPECT_EQ(heard.warnings[0], "the device auto: the processor took over, because " + error);
-    EXPECT_TRUE(api.held.empty());
+    EXPECT_EQ(heard.warnings, std::vector{test::warning_after(error)});
     // The levels of a device stay if only their judgement fails; single ones differ by its rounding.
     size_t differing = 0;
     for (size_t i = 0; i < expected.level.size(); ++i)
       differing += hologram.level.values[i] != expected.level.values[i];
     EXPECT_LE(differing, 3u);
     EXPECT_NEAR(hologram.illumination, expected.illumination, 1e-4 * expected.illumination);
-  }
+  });
   EXPECT_GT(faults, 5);
 }
 #endif
